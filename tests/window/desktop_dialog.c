@@ -299,6 +299,12 @@ static bool was_closed_twice(scene *of, void *data)
     return atomic_load(&double_of.closed) == 2;
 }
 
+static bool shows_no_word(scene *of, void *text)
+{
+    return !shows_word(of, text);
+}
+
+static char asks_at_all[] = "The desktop";
 static char waits[] = "The desktop is asked", asks[] = "The desktop's own dialog asks",
             of_list[] = "Shows";
 
@@ -455,6 +461,36 @@ static void the_list_is_a_click_away_and_remembered(void **state)
     scene_close(&s);
 }
 
+static bool is_show_open(scene *of, void *path)
+{
+    return strcmp(show_path(app_show(of->app)), path) == 0;
+}
+
+static void save_as_asks_there_too(void **state)
+{
+    char path[512], uri[600];
+    (void)state;
+    begin_portal(CANCELS, "");
+    open_scene(300.0);
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT);
+    assert_true(scene_until(&s, has_no_dialog, NULL));
+    assert_string_equal(double_of.member, "SaveFile");
+    assert_string_equal(double_of.name, "night 2.marotte");
+    assert_string_equal(double_of.folder, s.folder);
+    end_portal();
+    (void)snprintf(path, sizeof path, "%s/the other.marotte", s.folder);
+    (void)snprintf(uri, sizeof uri, "file://%s/the%%20other", s.folder);
+    begin_portal(CHOOSES, uri);
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT);
+    assert_true(scene_until(&s, is_show_open, path));
+    assert_true(scene_until(&s, has_no_dialog, NULL));
+    end_portal();
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT); /* none is there: the field asks alone */
+    assert_true(scene_until(&s, shows_no_word, asks_at_all));
+    assert_true(ui_has_dialog(s.ui));
+    scene_close(&s);
+}
+
 static void a_portal_that_ends_leaves_the_list(void **state)
 {
     (void)state;
@@ -479,6 +515,7 @@ int main(void)
         cmocka_unit_test(a_portal_that_never_answers_holds_nothing_up),
         cmocka_unit_test(the_list_is_a_click_away_and_remembered),
         cmocka_unit_test(a_portal_that_ends_leaves_the_list),
+        cmocka_unit_test(save_as_asks_there_too),
     };
     if (!begin_bus()) {
         end_bus();

@@ -281,6 +281,113 @@ static void what_a_file_is_is_decided_by_its_end_then_by_its_beginning(void **st
         assert_int_equal(open_kind_of(all[i].name), all[i].kind);
 }
 
+/* ---- save as ---- */
+
+static const char *const demo_hand[] = {"log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1"};
+
+static bool has_recorded(scene *of, void *data)
+{
+    (void)data;
+    return app_status(of->app)->recorded_ns > NS_PER_S / 3;
+}
+
+static bool has_takes(scene *of, void *data)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(of->app, &line);
+    return count == *(const uint32_t *)data && !app_status(of->app)->is_recording &&
+           !line[count - 1].is_recording && app_take_id(of->app) == line[count - 1].id;
+}
+
+static void record_take(uint32_t then)
+{
+    scene_key(&s, 'R', 0);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    scene_key(&s, 'R', 0);
+    assert_true(scene_until(&s, has_takes, &then));
+}
+
+static bool is_show_open(scene *of, void *path)
+{
+    return strcmp(show_path(app_show(of->app)), path) == 0;
+}
+
+static size_t count_takes_of(const char *path)
+{
+    show *read = NULL;
+    show_take *row = NULL;
+    size_t count = 0;
+    error err = {0};
+    if (show_open(&read, path, SHOW_READ, &err) < 0 || show_takes(read, &row, &count, &err) < 0)
+        fail_msg("%s", err.text);
+    free(row);
+    show_close(read);
+    return count;
+}
+
+static bool says_nowhere(scene *of, void *data)
+{
+    (void)of;
+    (void)data;
+    return strstr(newest(), "/nowhere/at/all") != NULL;
+}
+
+static void type_path(const char *path)
+{
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT);
+    assert_true(ui_has_dialog(s.ui));
+    scene_key(&s, 'A', UI_CONTROL);
+    scene_type(&s, path);
+    scene_key(&s, UI_KEY_ENTER, 0);
+}
+
+static void a_show_goes_on_under_another_name(void **state)
+{
+    char before[128], path[128];
+    uint32_t one = 1;
+    (void)state;
+    const scene_options with = {
+        .width_px = 1280, .height_px = 720, .scale = 1.0f, .inputs = demo_hand, .input_count = 1};
+    scene_open_with(&s, &with);
+    assert_true(scene_until(&s, has_hand, NULL));
+    record_take(1);
+    const int64_t id = app_take_id(s.app);
+    assert_true(id != 0);
+    (void)snprintf(before, sizeof before, "%s", show_path(app_show(s.app)));
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT);
+    (void)snprintf(path, sizeof path, "%s/night 2.marotte", s.folder);
+    assert_non_null(scene_word(&s, path));
+    scene_look(&s, "opens_save_as");
+    scene_let_cut(&s, "demo_hand");
+    scene_check_words(&s);
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    assert_int_not_equal(access(path, F_OK), 0);
+    type_path("evening"); /* beside the old one, with its ending */
+    assert_false(ui_has_dialog(s.ui));
+    (void)snprintf(path, sizeof path, "%s/evening.marotte", s.folder);
+    assert_true(scene_until(&s, is_show_open, path));
+    assert_true(scene_until(&s, has_takes, &one));
+    assert_int_equal(app_take_id(s.app), id);
+    scene_key(&s, 'L', 0);
+    record_take(2);
+    assert_int_equal(count_takes_of(path), 2);
+    assert_int_equal(count_takes_of(before), 1);
+
+    type_path(before); /* a show is never written over */
+    assert_true(ui_has_dialog(s.ui));
+    assert_non_null(scene_word_with(&s, "is there already"));
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    type_path("/nowhere/at/all.marotte"); /* what fails is said, and the old one goes on */
+    assert_true(scene_until(&s, says_nowhere, NULL));
+    assert_string_equal(show_path(app_show(s.app)), path);
+    scene_key(&s, 'L', 0);
+    scene_key(&s, 'R', 0);
+    assert_true(scene_until(&s, has_recorded, NULL));
+    type_path("late"); /* not in the middle of a take */
+    assert_non_null(scene_word_with(&s, "end it first"));
+    scene_close(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -294,6 +401,7 @@ int main(void)
         cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),
         cmocka_unit_test(a_head_on_a_body_is_looked_at),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
+        cmocka_unit_test(a_show_goes_on_under_another_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

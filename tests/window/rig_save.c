@@ -128,6 +128,62 @@ static void what_is_painted_is_performed_undone_and_saved(void **state)
     scene_close(&s);
 }
 
+static bool has_face_at(scene *s, void *path)
+{
+    return strcmp(app_face_path(s->app), path) == 0;
+}
+
+static void under_another_name_it_goes_on_there_and_undo_too(void **state)
+{
+    scene s;
+    char path[128];
+    error err = {""};
+    rig r;
+    (void)state;
+    open_puppet(&s, false);
+    rig before = read_saved();
+    paint(&s);
+    assert_true(scene_until(&s, stage_has_paint, NULL));
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT);
+    assert_true(ui_has_dialog(s.ui));
+    scene_look(&s, "rig_save_as");
+    scene_check_words(&s);
+    (void)snprintf(path, sizeof path, "%s/puppet 2.rig.json", folder);
+    assert_non_null(scene_word(&s, path)); /* the first name that is free */
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_false(ui_has_dialog(s.ui));
+    assert_true(scene_until(&s, has_face_at, path));
+    assert_true(scene_until(&s, is_saved, NULL));
+    assert_true(rig_read(&r, path, &err) >= 0);
+    assert_string_equal(r.region[r.region_count - 1].name, "painted skull");
+    rig_destroy(&r);
+    r = read_saved();
+    assert_int_equal(r.region_count, before.region_count); /* the old one is as it was */
+    rig_destroy(&r);
+    scene_frames(&s, 30);
+    scene_key(&s, 'Z', UI_CONTROL);
+    assert_true(scene_until(&s, stage_has_none, NULL));
+    assert_true(scene_until(&s, is_unsaved, NULL));
+
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT); /* one that is there: asked for twice */
+    scene_key(&s, 'A', UI_CONTROL);
+    scene_type(&s, "puppet");
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_non_null(scene_word_with(&s, "is there already"));
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    assert_true(is_unsaved(&s, NULL));
+
+    scene_key(&s, 'S', UI_CONTROL | UI_SHIFT); /* away from its mesh: refused */
+    scene_key(&s, 'A', UI_CONTROL);
+    scene_type(&s, "/tmp/marotte_elsewhere/x");
+    scene_key(&s, UI_KEY_ENTER, 0);
+    assert_non_null(scene_word_with(&s, "in the folder of its mesh, or above it"));
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    assert_string_equal(app_face_path(s.app), path);
+    rig_destroy(&before);
+    scene_close(&s);
+}
+
 static bool has_recorded(scene *s, void *data)
 {
     (void)data;
@@ -210,6 +266,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(what_is_painted_is_performed_undone_and_saved, make_folder,
                                         remove_folder),
+        cmocka_unit_test_setup_teardown(under_another_name_it_goes_on_there_and_undo_too,
+                                        make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(undo_in_the_rig_stops_before_what_was_done_to_takes,
                                         make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(what_is_not_saved_is_asked_about_and_offered_again,

@@ -70,6 +70,12 @@ void app_note_drafting(app *self, bool is_drafting)
     (void)is_drafting;
 }
 
+void app_set_rig_saver(app *self, const app_rig_saver *saver)
+{
+    (void)self;
+    (void)saver;
+}
+
 void app_set_unsaved(app *self, const app_unsaved *unsaved)
 {
     (void)self;

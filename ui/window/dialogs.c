@@ -31,6 +31,13 @@ static void forget_desktop(portal **asked)
     *asked = NULL;
 }
 
+static void say_desktop(ui *on, bool asks)
+{
+    ui_text(on, UI_STYLE_DIM,
+            asks ? "The desktop's own dialog asks for the file."
+                 : "The desktop is asked for its dialog.");
+}
+
 /* ---- export ---- */
 
 static const char export_dialog[] = "export";
@@ -854,9 +861,7 @@ static void draw_open(dialogs *self)
     if (opening->desktop)
         look_at_desktop(self);
     if (opening->desktop)
-        ui_text(on, UI_STYLE_DIM,
-                opening->desktop_asks ? "The desktop's own dialog asks for the file."
-                                      : "The desktop is asked for its dialog.");
+        say_desktop(on, opening->desktop_asks);
     else
         draw_tabs(self);
     ui_space(on, 4.0f);
@@ -878,6 +883,181 @@ static void draw_open(dialogs *self)
     ui_dialog_end(on);
 }
 
+/* Under another name: what is saved goes on there. */
+
+/* ---- save as ---- */
+
+static const char save_dialog[] = "save as";
+static const char *const saved_names[] = {"The show", "The rig"};
+static const char *const show_endings[] = {".marotte", NULL}, *const rig_endings[] = {".rig.json",
+                                                                                      NULL};
+
+static const char *const *endings_of(const dialogs_saving *saving)
+{
+    return saving->is_rig ? rig_endings : show_endings;
+}
+
+static const char *path_of_old(const dialogs *self)
+{
+    const show *s = app_show(self->app);
+    return self->saving.is_rig ? app_rig_path(self->app) : s ? show_path(s) : "";
+}
+
+/* A name alone is one in the folder of the old file. */
+static void put_saved_folder(dialogs *self)
+{
+    dialogs_saving *saving = &self->saving;
+    const char *of = path_of_old(self), *slash = strrchr(of, '/');
+    char whole[FOLDER_PATH];
+    if (!slash || strchr(saving->file, '/') ||
+        snprintf(whole, sizeof whole, "%.*s%s", (int)(slash + 1 - of), of, saving->file) >=
+            (int)sizeof whole)
+        return;
+    memcpy(saving->file, whole, strlen(whole) + 1);
+}
+
+static void put_saved_ending(dialogs_saving *saving)
+{
+    const char *ending = endings_of(saving)[0];
+    const size_t length = strlen(saving->file);
+    if (length > 0 && saving->file[length - 1] != '/' &&
+        !folder_name_ends(saving->file, endings_of(saving)) &&
+        length + strlen(ending) < sizeof saving->file)
+        memcpy(saving->file + length, ending, strlen(ending) + 1);
+}
+
+/* "night.marotte" gives "night 2.marotte", or the next that is free. */
+static void put_free_name(dialogs *self)
+{
+    dialogs_saving *saving = &self->saving;
+    const char *of = path_of_old(self);
+    size_t stem = strlen(of);
+    if (folder_name_ends(of, endings_of(saving)))
+        stem -= strlen(endings_of(saving)[0]);
+    for (uint32_t number = 2; number < 1000; ++number) {
+        (void)snprintf(saving->file, sizeof saving->file, "%.*s %u%s", (int)stem, of, number,
+                       endings_of(saving)[0]);
+        if (access(saving->file, F_OK) != 0)
+            return;
+    }
+}
+
+static void choose_saved(dialogs *self, bool is_rig)
+{
+    dialogs_saving *saving = &self->saving;
+    const portal_filter filter = {is_rig ? "Rigs" : "Shows", is_rig ? rig_endings : show_endings};
+    char at[FOLDER_PATH];
+    saving->is_rig = is_rig;
+    saving->trouble[0] = saving->replaced[0] = '\0';
+    saving->is_asked_first = true;
+    put_free_name(self);
+    (void)snprintf(at, sizeof at, "%s", saving->file);
+    char *slash = strrchr(at, '/');
+    if (slash)
+        *slash = '\0';
+    forget_desktop(&saving->desktop);
+    saving->desktop = ask_desktop(
+        self, (portal_question){.is_saving = true,
+                                .title = is_rig ? "Save the rig as" : "Save the show as",
+                                .folder = slash ? at : "",
+                                .name = slash ? slash + 1 : at,
+                                .filter = &filter,
+                                .filter_count = 1});
+}
+
+void dialogs_ask_save_as(dialogs *self)
+{
+    if (!app_show(self->app) && !app_rig_path(self->app)) {
+        news_list_add(app_news(self->app), MRT_LOG_INFO, "stage", "there is nothing to save");
+        return;
+    }
+    self->saving.is_shown = false;
+    choose_saved(self, app_rig_path(self->app) &&
+                           (app_looks_of(self->app)->panel == APP_RIG || !app_show(self->app)));
+    ui_dialog_open(self->ui, save_dialog);
+}
+
+/* A rig that is there is replaced when it is asked for a second time; a show never. */
+static void save_as(dialogs *self)
+{
+    dialogs_saving *saving = &self->saving;
+    error err = {0};
+    put_saved_folder(self);
+    put_saved_ending(saving);
+    if (saving->is_rig && access(saving->file, F_OK) == 0 &&
+        strcmp(saving->replaced, saving->file) != 0) {
+        (void)snprintf(saving->replaced, sizeof saving->replaced, "%s", saving->file);
+        (void)snprintf(saving->trouble, sizeof saving->trouble,
+                       "%.900s is there already. Save again replaces it.", saving->file);
+        return;
+    }
+    const mrt_result result = saving->is_rig ? app_save_rig_as(self->app, saving->file, &err)
+                                             : app_save_show_as(self->app, saving->file, &err);
+    (void)snprintf(saving->trouble, sizeof saving->trouble, "%s", result < 0 ? err.text : "");
+    if (result >= 0)
+        ui_dialog_close(self->ui);
+}
+
+static void look_where_to_save(dialogs *self)
+{
+    dialogs_saving *saving = &self->saving;
+    char path[PORTAL_PATH];
+    const portal_answer answer = portal_look(saving->desktop, path);
+    saving->desktop_asks = answer == PORTAL_ASKS;
+    if (answer <= PORTAL_ASKS)
+        return;
+    forget_desktop(&saving->desktop);
+    if (answer == PORTAL_CANCELLED)
+        ui_dialog_close(self->ui);
+    if (answer != PORTAL_CHOSEN)
+        return;
+    (void)snprintf(saving->file, sizeof saving->file, "%s", path);
+    (void)snprintf(saving->replaced, sizeof saving->replaced, "%s", path); /* it has asked */
+    save_as(self);
+}
+
+static void draw_saving(dialogs *self)
+{
+    ui *on = self->ui;
+    dialogs_saving *saving = &self->saving;
+    uint32_t which = saving->is_rig;
+    if (!ui_dialog_begin(on, save_dialog, "Save as", 520.0f)) {
+        if (saving->is_shown)
+            forget_desktop(&saving->desktop);
+        saving->is_shown = false;
+        return;
+    }
+    saving->is_shown = true;
+    if (saving->desktop)
+        look_where_to_save(self);
+    if (app_rig_path(self->app) && app_show(self->app) &&
+        ui_tabs(on, "saved", saved_names, 2, &which))
+        choose_saved(self, which == 1);
+    if (saving->desktop)
+        say_desktop(on, saving->desktop_asks);
+    ui_space(on, 4.0f);
+    ui_width(on, -1.0f);
+    if (saving->is_asked_first)
+        ui_input_take_keys(on);
+    saving->is_asked_first = false;
+    (void)ui_input(on, "##saved", "Path of the file", saving->file, sizeof saving->file);
+    ui_text_wrapped(on, UI_STYLE_DIM,
+                    saving->is_rig
+                        ? "In the folder of its mesh, or above it. You go on with the new one."
+                        : "A copy of all that is recorded. You go on with the new one.");
+    if (saving->trouble[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, saving->trouble);
+    ui_space(on, 8.0f);
+    ui_disabled_begin(on, !saving->file[0]);
+    if (ui_button(on, "Save##as", UI_ACCENT))
+        save_as(self);
+    ui_disabled_end(on);
+    ui_same_line(on);
+    if (ui_button(on, "Cancel", UI_PLAIN))
+        ui_dialog_close(on);
+    ui_dialog_end(on);
+}
+
 /* ---- all of them ---- */
 
 void dialogs_init(dialogs *out, app *of, ui *on)
@@ -888,6 +1068,7 @@ void dialogs_init(dialogs *out, app *of, ui *on)
 void dialogs_finish(dialogs *self)
 {
     forget_desktop(&self->opening.desktop);
+    forget_desktop(&self->saving.desktop);
     for (uint32_t i = 0; i < OPEN_KINDS; ++i)
         folder_finish(&self->opening.at[i]);
 }
@@ -895,6 +1076,7 @@ void dialogs_finish(dialogs *self)
 void dialogs_draw(dialogs *self)
 {
     draw_open(self);
+    draw_saving(self);
     draw_export(self);
     draw_unsaved(self);
     draw_exporting(self);

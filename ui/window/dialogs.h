@@ -1,4 +1,5 @@
-/* window/dialogs.h - the questions over everything else: what is opened (by the desktop's own file
+/* window/dialogs.h - the questions over everything else: what is opened, and under which name
+ * a show or a rig is saved (by the desktop's own file
  * dialog, or the list of this window where it has none or is not wanted), how a take is exported,
  * how far exports are, and what becomes of work that is not saved before the program ends or
  * another face comes. [main] */
@@ -21,6 +22,15 @@ typedef struct dialogs_opening { /* the dialog that opens whatever there is */
     bool desktop_asks, is_shown;
 } dialogs_opening;
 
+typedef struct dialogs_saving { /* the show or the rig under another name */
+    bool is_rig;
+    char file[FOLDER_PATH];
+    char replaced[FOLDER_PATH]; /* the file that the person was told is there already */
+    char trouble[1024];
+    portal *desktop; /* the desktop's own dialog asks too; NULL: it does not */
+    bool desktop_asks, is_shown, is_asked_first;
+} dialogs_saving;
+
 typedef struct dialogs_exporting {
     export_request request;
     uint32_t format, rate, size, view, background; /* of the lists in dialogs.c */
@@ -39,6 +49,7 @@ typedef struct dialogs {
     app *app;
     ui *ui;
     dialogs_opening opening;
+    dialogs_saving saving;
     dialogs_exporting exporting;
     dialogs_leaving leaving;
     char next_face[FOLDER_PATH]; /* DIALOGS_CHANGES_FACE */
@@ -57,6 +68,7 @@ void dialogs_ask_open(dialogs *self, open_kind kind);
 /* A file that was dropped: opened, after the question about what is not saved; a folder is shown.
  */
 void dialogs_drop(dialogs *self, const char *path);
+void dialogs_ask_save_as(dialogs *self);
 void dialogs_ask_export(dialogs *self);
 void dialogs_ask_exports(dialogs *self); /* those that go on */
 /* At once, or after the questions about what is not saved and what goes on: is_over then. */

@@ -910,6 +910,8 @@ static void take_requests(workspace *self)
         dialogs_ask_open(&self->dialogs, OPEN_PICTURE);
     for (const char *path; (path = window_take_drop(self->window)) != NULL;)
         dialogs_drop(&self->dialogs, path);
+    if (app_take_request(self->app, ACTION_SAVE_AS))
+        dialogs_ask_save_as(&self->dialogs);
     if (app_take_request(self->app, ACTION_EXPORT))
         dialogs_ask_export(&self->dialogs);
     if (app_wants_to_quit(self->app))

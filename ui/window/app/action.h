@@ -79,6 +79,7 @@ typedef enum action {
     ACTION_TIMELINE_FIT,  /* Shift+Z */
     ACTION_OPEN,          /* Ctrl+O: a show or a face */
     ACTION_SAVE,          /* Ctrl+S: the rig */
+    ACTION_SAVE_AS,       /* Ctrl+Shift+S: the show or the rig, under another name */
     ACTION_HELP,          /* ? */
     ACTION_QUIT,          /* Ctrl+Q */
     ACTION_COUNT

@@ -64,6 +64,9 @@ news_list *app_news(app *self); /* what was said, for the log panel and the last
 /* ---- what is done: errors are said in the news and come back ---- */
 
 CHECKED mrt_result app_open_show(app *self, const char *path);
+/* A copy under a new name, which is the open show as soon as it is whole: the news say so. The one
+ * before stays as it is now. */
+CHECKED mrt_result app_save_show_as(app *self, const char *path, error *err);
 CHECKED mrt_result app_open_face(app *self, const char *path);
 /* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
  * on with it. Takes what is in `face` over, also when it fails: `face` is zeroed. */
@@ -223,6 +226,16 @@ typedef struct app_unsaved {
 } app_unsaved;
 void app_set_unsaved(app *self, const app_unsaved *unsaved); /* copied; NULL: none */
 const app_unsaved *app_unsaved_now(const app *self);         /* NULL: none */
+
+/* Whoever edits the rig of the face says how it is saved under another name. */
+typedef struct app_rig_saver {
+    void *owner;
+    const char *(*path)(void *owner); /* where it would be saved; NULL: the face has no rig */
+    mrt_result (*save_as)(void *owner, const char *path, error *err);
+} app_rig_saver;
+void app_set_rig_saver(app *self, const app_rig_saver *saver); /* copied; NULL: none */
+const char *app_rig_path(const app *self);                     /* NULL: there is no rig to save */
+CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
 
 /* What is chosen on the timeline: for split, remove, mute. */
 typedef struct app_choice {

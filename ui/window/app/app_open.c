@@ -327,6 +327,57 @@ mrt_result app_open_show(app *self, const char *path)
     return MRT_OK;
 }
 
+/* ---- under another name ---- */
+
+mrt_result app_save_show_as(app *self, const char *path, error *err)
+{
+    if (!self->show)
+        return error_set(err, MRT_ERR_ARGUMENT, "no show is open");
+    if (self->status.is_recording || self->awaited)
+        return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: end it first");
+    if (self->copier)
+        return error_set(err, MRT_ERR_ARGUMENT, "the show is being saved already");
+    return show_copier_begin(&self->copier, show_path(self->show), path, err);
+}
+
+/* The take that is chosen is the same one in the copy. One that has begun meanwhile is recorded to
+ * its end first. */
+static void follow_copy(app *self)
+{
+    error err = {0};
+    char path[APP_PATH];
+    if (!self->copier || self->status.is_recording || self->awaited)
+        return;
+    mrt_result result = show_copier_look(self->copier, &err);
+    if (result == MRT_END)
+        return;
+    (void)snprintf(path, sizeof path, "%s", show_copier_path(self->copier));
+    show_copier_destroy(self->copier);
+    self->copier = NULL;
+    const int64_t chosen = self->chosen;
+    if (app_report(self, result, &err) >= 0)
+        result = app_open_show(self, path);
+    if (result >= 0 && chosen)
+        app_reported(app_select_take(self, chosen));
+}
+
+void app_set_rig_saver(app *self, const app_rig_saver *saver)
+{
+    self->rig_saver = saver ? *saver : (app_rig_saver){.owner = NULL};
+}
+
+const char *app_rig_path(const app *self)
+{
+    return self->rig_saver.path ? self->rig_saver.path(self->rig_saver.owner) : NULL;
+}
+
+mrt_result app_save_rig_as(app *self, const char *path, error *err)
+{
+    if (!app_rig_path(self))
+        return error_set(err, MRT_ERR_ARGUMENT, "the face has no rig to save");
+    return self->rig_saver.save_as(self->rig_saver.owner, path, err);
+}
+
 /* ---- faces ---- */
 
 static void free_face(face_file *made)
@@ -1012,6 +1063,7 @@ void app_destroy(app *self)
         app_keep_settings_now(self);
     remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
+    show_copier_destroy(self->copier);
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
@@ -1091,6 +1143,7 @@ void app_update(app *self, double dt_s)
     app_undo_update(self);
     kept_scenery_update(self->scenery);
     app_takes_update(self, dt_s);
+    follow_copy(self);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
         app_keep_settings(self, dt_s);

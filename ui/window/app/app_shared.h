@@ -10,6 +10,7 @@
 #include "window/app/presets.h"
 #include "window/app/pulls.h"
 #include "window/app/remote.h"
+#include "window/app/show_copier.h"
 
 #include "take/edit_store.h"
 
@@ -102,6 +103,8 @@ struct app {
     app_figures figures;
     app_unsaved unsaved;
     bool has_unsaved;
+    app_rig_saver rig_saver;
+    show_copier *copier; /* of the show, which is being saved under another name; NULL: none */
     double settings_wait_s;
     bool settings_failed; /* it was said */
 

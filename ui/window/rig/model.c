@@ -451,6 +451,8 @@ struct rig_model {
     bool is_saved_known; /* some state is what the file has */
     bool is_left;        /* what is not saved is not wanted */
     rig_keep keep;
+    char *keep_folder;
+    bool is_moved; /* it is saved elsewhere now: what is kept is to be kept for that one */
 };
 
 static mrt_result no_memory(error *err)
@@ -505,6 +507,8 @@ mrt_result rig_model_create(rig_model **out, const face_file *of, const char *pa
     self->waits_s = of->rig ? 0.0 : -1.0;
     if (result >= 0)
         result = rig_keep_open(&self->keep, keep_folder, self->path, err);
+    if (result >= 0 && !(self->keep_folder = strdup(keep_folder)))
+        result = no_memory(err);
     if (result >= 0)
         result = brush_create(&self->brush, &self->mesh, &self->topology, err);
     if (result >= 0)
@@ -562,6 +566,7 @@ void rig_model_destroy(rig_model *self)
     mesh_destroy(&self->mesh);
     topology_destroy(&self->topology);
     free(self->mesh_path);
+    free(self->keep_folder);
     free(self->path);
     free(self->beside_path);
     free(self);
@@ -673,8 +678,13 @@ static bool take_work(rig_model *self)
 static void end_keeping(rig_model *self)
 {
     bool is_wanted = !rig_model_is_saved(self) && !self->is_left;
-    if (!is_wanted && self->waits_s < 0.0 && !rig_worker_is_busy(self->worker))
-        rig_keep_end(&self->keep);
+    if (is_wanted || self->waits_s >= 0.0 || rig_worker_is_busy(self->worker))
+        return;
+    rig_keep_end(&self->keep);
+    if (!self->is_moved)
+        return;
+    rig_keep_close(&self->keep);
+    self->is_moved = rig_keep_open(&self->keep, self->keep_folder, self->path, NULL) < 0;
 }
 
 bool rig_model_update(rig_model *self, double dt_s)
@@ -829,6 +839,26 @@ mrt_result rig_model_save(rig_model *self, error *err)
         return result;
     self->saved_number = rig_model_number(self);
     self->is_saved_known = true;
+    return result;
+}
+
+mrt_result rig_model_save_as(rig_model *self, const char *path, error *err)
+{
+    char *folder = file_directory(path), *copy = strdup(path);
+    mrt_result result = folder && copy ? MRT_OK : no_memory(err);
+    if (result >= 0 && file_check_below(folder, self->mesh_path, NULL) < 0)
+        result =
+            error_set(err, MRT_ERR_ARGUMENT,
+                      "a rig lies in the folder of its mesh, or above it: %s", self->mesh_path);
+    char *before = self->path;
+    if (result >= 0) {
+        self->path = copy;
+        result = rig_model_save(self, err);
+        self->path = result >= 0 ? copy : before;
+        self->is_moved |= result >= 0;
+    }
+    free(result >= 0 ? before : copy);
+    free(folder);
     return result;
 }
 

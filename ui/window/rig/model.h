@@ -74,6 +74,9 @@ const char *rig_model_path(const rig_model *self); /* where it is saved: NAME.ri
 const char *rig_model_beside(const rig_model *self);
 bool rig_model_is_saved(const rig_model *self);
 CHECKED mrt_result rig_model_save(rig_model *self, error *err);
+/* Under another name: in the folder of its mesh, or one above it (a rig names nothing that did not
+ * come with it). Where it is saved from now on is the caller's to open. */
+CHECKED mrt_result rig_model_save_as(rig_model *self, const char *path, error *err);
 /* Unsaved work of another time is there. */
 bool rig_model_has_kept(const rig_model *self);
 /* It becomes the rig: a change. */

@@ -932,6 +932,31 @@ static void tell_unsaved(rig_panel *self)
     self->was_unsaved = is_unsaved;
 }
 
+static const char *path_to_save(void *owner)
+{
+    const rig_panel *self = owner;
+    return self->model && rig_model_rig(self->model) ? rig_model_path(self->model) : NULL;
+}
+
+/* What is not saved is in the new file, and the stage goes on with that one. */
+static mrt_result save_elsewhere(void *owner, const char *path, error *err)
+{
+    rig_panel *self = owner;
+    char text[RIG_PANEL_TROUBLE];
+    rig_panel_end_stroke(self);
+    if (app_status(self->of)->is_recording)
+        return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: end it first");
+    mrt_result result = rig_model_save_as(self->model, path, err);
+    if (result < 0)
+        return result;
+    (void)snprintf(text, sizeof text, "Saved %.400s", path);
+    tell(self, text);
+    self->trouble[0] = '\0';
+    tell_unsaved(self);
+    open_saved(self, path);
+    return result;
+}
+
 /* ---- each frame ---- */
 
 static void keep_choices(rig_panel *self)
@@ -1137,6 +1162,7 @@ static panel *create(app *of)
     self->painting.shape = (brush_shape){.radius_mm = 12.0, .sides = BRUSH_BOTH_SIDES};
     self->painting.ink = (rig_stroke_ink){.ink = RIG_INK_RIDES, .strength = 1.0};
     self->shown.is_released = true;
+    app_set_rig_saver(of, &(app_rig_saver){self, path_to_save, save_elsewhere});
     return out;
 }
 
@@ -1145,6 +1171,7 @@ static void destroy(panel *self_)
     if (!self_)
         return;
     forget_face(&self_->of);
+    app_set_rig_saver(self_->of.of, NULL);
     free(self_->of.stage_path);
     free(self_);
 }
