@@ -118,6 +118,37 @@ static void a_mapping_that_does_not_fit_leaves_the_face_at_rest(void **state)
     close_room(&r);
 }
 
+static void what_rests_performs_again_on_a_face_that_it_fits_after_a_restart_too(void **state)
+{
+    room r;
+    error err = {0};
+    (void)state;
+    make_room(&r);
+    app_options with = {.show_path = r.show,
+                        .settings_path = r.settings,
+                        .face_path = SOURCE_DIR "/rigs/moai/moai.glb",
+                        .mapping = "one_hand,smile=8"};
+    for (int run = 0; run < 2; ++run) {
+        if (open_with(&r, &with, &err) < 0)
+            fail_msg("%s", err.text);
+        assert_null(live_mapping(app_live(r.app)));
+        assert_true(was_said(r.app, "This face has no rig yet"));
+        assert_false(was_said(r.app, "cannot be used"));
+        if (run == 0)
+            app_destroy(r.app);
+        with.mapping = NULL; /* as it was kept */
+    }
+    assert_int_equal(app_open_face(r.app, puppet), MRT_OK);
+    const instance *mapping = live_mapping(app_live(r.app));
+    assert_non_null(mapping);
+    double smile = 0.0;
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i)
+        if (strcmp(mapping->type->params[i].name, "Smile") == 0)
+            smile = instance_value(mapping, i);
+    assert_true(smile == 8.0);
+    close_room(&r);
+}
+
 /* As at the start; what it did before is there for a face that it fits. */
 static void a_face_that_the_mapping_does_not_fit_is_opened_at_rest(void **state)
 {
@@ -315,6 +346,7 @@ int main(void)
         cmocka_unit_test(a_last_show_that_is_no_show_stops_nothing),
         cmocka_unit_test(what_was_asked_for_and_cannot_be_opened_is_an_error),
         cmocka_unit_test(a_mapping_that_does_not_fit_leaves_the_face_at_rest),
+        cmocka_unit_test(what_rests_performs_again_on_a_face_that_it_fits_after_a_restart_too),
         cmocka_unit_test(a_face_that_the_mapping_does_not_fit_is_opened_at_rest),
         cmocka_unit_test(another_face_and_another_show_are_opened_on_a_running_stage),
         cmocka_unit_test(looks_and_inputs_are_kept_between_runs),

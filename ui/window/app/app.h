@@ -54,9 +54,6 @@ const live_view *app_view(const app *self);     /* never NULL; of this frame */
 const live_status *app_status(const app *self); /* of this frame */
 const face_file *app_face(const app *self);
 const char *app_face_path(const app *self);
-/* The mapping that does not fit the face, "one_hand,gain=0.8": it performs as soon as one is there
- * that it fits. "": none rests. */
-const char *app_resting_mapping(const app *self);
 show *app_show(app *self); /* NULL: none could be opened */
 settings *app_settings(app *self);
 news_list *app_news(app *self); /* what was said, for the log panel and the last line */
@@ -151,7 +148,8 @@ bool app_take_preset(app *self, char *out, size_t capacity);
 /* The camera and its page, for the devices panel, which takes it: true once. */
 void app_ask_camera(app *self);
 bool app_take_camera(app *self);
-/* A first rig for the face, which has none, for the rig panel, which takes it: true once. */
+/* A first rig for the face, which has none, for the rig panel, which takes it: true once. A mapping
+ * that rests, or else the one of a new stage, performs on it. */
 void app_ask_draft(app *self);
 bool app_take_draft(app *self);
 void app_note_drafting(app *self, bool is_drafting); /* [rig panel] */

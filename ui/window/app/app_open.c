@@ -431,11 +431,6 @@ static void perform_again(app *self)
         self->resting[0] = '\0';
 }
 
-const char *app_resting_mapping(const app *self)
-{
-    return self->resting;
-}
-
 /* A face that the mapping does not fit is opened at rest, as at the start. */
 static mrt_result set_face_or_rest(app *self, const face_file *made, const char *path, error *err)
 {
@@ -610,9 +605,10 @@ static mrt_result start_live(app *self, const char *mapping, error *err)
     mrt_result result = live_start(&self->live, &with, err);
     if (result >= 0)
         return result;
-    if (mapping && live_check_mapping(&with, mapping, &ignored) < 0)
+    const bool is_known = live_check_mapping(&with, with.mapping, &ignored) >= 0;
+    if (mapping && !is_known)
         return result;
-    if (!mapping && strcmp(last, DEFAULT_MAPPING) != 0) {
+    if (!is_known) {
         /* What was kept may name a plugin that is gone: the stage opens all the same. */
         (void)app_report(self, result, err);
         with.mapping = DEFAULT_MAPPING;
@@ -872,6 +868,8 @@ bool app_take_camera(app *self)
 void app_ask_draft(app *self)
 {
     self->draft_asked = true;
+    if (!self->resting[0]) /* none has performed: what a new stage performs with */
+        (void)snprintf(self->resting, sizeof self->resting, "%s", DEFAULT_MAPPING);
 }
 
 bool app_take_draft(app *self)
