@@ -632,7 +632,7 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
     result = recorder_start(&out->recorder, &settings, err);
     if (result < 0)
         return result;
-    const writer_slate slate = {options->scene, options->shot, 0};
+    const writer_slate slate = {.scene = options->scene, .shot = options->shot};
     recorder_take_next(out->recorder, &slate);
     if (!options->has_sound)
         return MRT_OK;

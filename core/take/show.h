@@ -72,6 +72,10 @@ typedef struct show_span { /* what a take holds on to: the journal never lets go
     bool is_shown; /* the take as it was made shows it; false: an edit refers to it */
 } show_span;
 
+/* What the origin of a take says that was performed over another one: its id, ms of its timeline.
+ */
+#define SHOW_ORIGIN_OVER "performed over take %lld at %lld ms"
+
 typedef struct show_take { /* how a take was made; what its edits make of it: edit.h */
     int64_t id;
     int64_t created_ns; /* UTC */
@@ -81,7 +85,8 @@ typedef struct show_take { /* how a take was made; what its edits make of it: ed
     char scene[TAKE_NAME], shot[TAKE_NAME];
     uint32_t number;
     char origin[96];
-    int32_t edit_head; /* so many of the edits 1..edit_count are in force */
+    int64_t over, over_at_ns; /* performed over that take, from there on; 0: over none */
+    int32_t edit_head;        /* so many of the edits 1..edit_count are in force */
     int32_t edit_count;
     int32_t base_edit_count; /* edits with n <= 0: part of how it was made, not to be undone */
 } show_take;

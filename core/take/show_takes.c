@@ -1,4 +1,5 @@
 /* What was made of the recorded: takes, their spans and edits; notes. */
+#include "base/clock.h"
 #include "take/hash.h"
 #include "take/chunk.h"
 #include "take/show_file.h"
@@ -135,6 +136,17 @@ mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_
 
 #define TAKE_KINDS "iiiiiittitiii"
 
+/* Whoever wrote it: no take comes before the one that it is performed over. */
+static void read_over(show_take *out)
+{
+    long long over, at_ms;
+    if (sscanf(out->origin, SHOW_ORIGIN_OVER, &over, &at_ms) != 2 || over <= 0 || over >= out->id ||
+        at_ms < 0 || at_ms > INT64_MAX / NS_PER_MS)
+        return;
+    out->over = over;
+    out->over_at_ns = at_ms * NS_PER_MS;
+}
+
 static void read_take(void *item, sqlite_statement *row)
 {
     show_take *out = item;
@@ -151,6 +163,7 @@ static void read_take(void *item, sqlite_statement *row)
     sqlite_text(row, 6, out->scene, sizeof out->scene);
     sqlite_text(row, 7, out->shot, sizeof out->shot);
     sqlite_text(row, 9, out->origin, sizeof out->origin);
+    read_over(out);
 }
 
 mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err)

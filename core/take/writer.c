@@ -818,6 +818,8 @@ static writer_job *slated_job(writer *self, writer_job_kind kind, const writer_s
     job->from_ns = writer_show_ns(self, from_ns);
     job->to_ns = writer_show_ns(self, to_ns);
     job->of.slate.number = slate->number;
+    job->of.slate.over = slate->over;
+    job->of.slate.over_at_ns = slate->over_at_ns;
     snprintf(job->of.slate.scene, sizeof job->of.slate.scene, "%s",
              slate->scene ? slate->scene : "");
     snprintf(job->of.slate.shot, sizeof job->of.slate.shot, "%s", slate->shot ? slate->shot : "");

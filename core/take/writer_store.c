@@ -186,7 +186,11 @@ static mrt_result insert_take(const writer_job *job, int64_t start_ns, const int
 
 static mrt_result run_take(const writer_job *job, writer_store *store, error *err)
 {
-    mrt_result result = insert_take(job, job->from_ns, NULL, "recorded", store->db, err);
+    char origin[96] = "recorded";
+    if (job->of.slate.over)
+        (void)snprintf(origin, sizeof origin, SHOW_ORIGIN_OVER, (long long)job->of.slate.over,
+                       (long long)(job->of.slate.over_at_ns / NS_PER_MS));
+    mrt_result result = insert_take(job, job->from_ns, NULL, origin, store->db, err);
     if (result < 0)
         return result;
     int64_t performance;

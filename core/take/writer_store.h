@@ -60,6 +60,7 @@ typedef struct writer_job {
         struct {
             char scene[TAKE_NAME], shot[TAKE_NAME];
             uint32_t number;
+            int64_t over, over_at_ns;
         } slate;
         struct {
             int64_t track;

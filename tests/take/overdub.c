@@ -180,7 +180,7 @@ static show *record_base(const char *name, int64_t *out_take)
                                 .face_path = puppet,
                                 .face = &the.face};
     must(recorder_start(&r.recorder, &record, &err), &err);
-    const writer_slate slate = {"1", "a", 0};
+    const writer_slate slate = {.scene = "1", .shot = "a"};
     recorder_take_next(r.recorder, &slate);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = no_frame, .data = &r};
@@ -352,8 +352,11 @@ static void a_loop_stacks_layers_of_which_the_last_is_heard(void **state)
     take_finish(&t);
     must(show_takes(s, &takes, &count, &err), &err);
     assert_int_equal(count, 4); /* each pass is a take by itself too */
-    for (size_t i = 0; i < count; ++i)
+    for (size_t i = 0; i < count; ++i) {
         assert_false(takes[i].is_recording);
+        assert_int_equal(takes[i].over, takes[i].id == id ? 0 : id);
+        assert_int_equal(takes[i].over_at_ns, takes[i].id == id ? 0 : S);
+    }
     free(takes);
     show_close(s);
 }

@@ -175,7 +175,8 @@ static void slates_count_up_by_scene_and_shot(void **state)
     int64_t id;
     scene_record(&r, s, &options);
     for (size_t i = 0; i < sizeof slatings / sizeof slatings[0]; ++i) {
-        writer_slate slate = {slatings[i].scene, slatings[i].shot, slatings[i].number};
+        writer_slate slate = {
+            .scene = slatings[i].scene, .shot = slatings[i].shot, .number = slatings[i].number};
         scene_must(writer_take_begin(r.writer, 0, &slate, &id, &err), &err);
         scene_must(writer_take_end(r.writer, id, 10, &err), &err);
     }

@@ -139,7 +139,7 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
         snprintf(face_path, sizeof face_path, "%s/rigs/%s/%s.rig.json", SOURCE_DIR, f->play->face,
                  f->play->face);
     scene_must(recorder_start(&f->recorder, &recording, &err), &err);
-    const writer_slate slate = {"1", "a", 0};
+    const writer_slate slate = {.scene = "1", .shot = "a"};
     recorder_take_next(f->recorder, &slate);
     player_settings playing = {.fps = 1.0, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = film_no_frame, .data = f};

@@ -4,7 +4,7 @@
 #include "stage/take/activity.h"
 #include "stage/take/sequencer.h"
 
-static const writer_slate slate = {"1", "a", 0};
+static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 typedef struct lanes {
     show *show;

@@ -2,7 +2,7 @@
  * performed again, and whatever it does then, the stage goes on. */
 #include "window/live_desk.h"
 
-static const writer_slate slate = {"1", "a", 0};
+static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 static void set_trouble(live_desk *d, const char *kind)
 {

@@ -5,7 +5,7 @@
 #include "stage/mapping/taught.h"
 #include "stage/take/sequencer.h"
 
-static const writer_slate slate = {"1", "a", 0};
+static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 /* A take of two seconds in which the mouse drags the left corner of the mouth. */
 static int64_t record_a_drag(live_desk *d, const char *name, vec3 way)

@@ -1,7 +1,7 @@
 /* The microphone beside a live stage: what was said while a take was recorded becomes its sound. */
 #include "window/live_desk.h"
 
-static const writer_slate slate = {"1", "a", 0};
+static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 /* ---- a microphone that hums, by a thread of its own ---- */
 

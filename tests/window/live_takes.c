@@ -12,7 +12,7 @@ typedef struct seen { /* the faces that were looked at while a take was recorded
     uint64_t hash[SEEN_MAX];
 } seen;
 
-static const writer_slate slate = {"1", "a", 0};
+static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 static void remember(live_desk *d, seen *s)
 {

@@ -3,7 +3,7 @@
 
 #include "take/show_disk.h"
 
-static const writer_slate slate = {"1", "a", 0};
+static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 /* ---- a device that goes away when a test says so ---- */
 

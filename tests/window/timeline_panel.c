@@ -470,12 +470,12 @@ static void takes_are_found_by_words_stars_and_fate(void **state)
     assert_int_equal(s->panel->takes.count, 454);
     stand_click_word(s, "3 stars +");
     for (uint32_t i = 0; i < s->panel->takes.count; ++i)
-        assert_true(s->line[s->panel->takes.index[i]].rating >= 3);
+        assert_true(s->line[s->panel->takes.row[i].line].rating >= 3);
     stand_click_word(s, "All");
     stand_click_word(s, "Search");
     stand_type(s, "QUIET letter");
     for (uint32_t i = 0; i < s->panel->takes.count; ++i)
-        assert_non_null(strstr(s->line[s->panel->takes.index[i]].title, "quiet"));
+        assert_non_null(strstr(s->line[s->panel->takes.row[i].line].title, "quiet"));
     assert_in_range(s->panel->takes.count, 1000, 1250);
     stand_close(s);
 }

@@ -303,6 +303,69 @@ static void an_r_just_after_recording_ended_by_itself_begins_no_take(void **stat
     scene_close(&s);
 }
 
+static bool has_raw(scene *s, void *data)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(s->app, &line);
+    (void)data;
+    return count == 2 && !line[1].is_recording && line[1].over == line[0].id;
+}
+
+static void click_fold(scene *s, const char *title)
+{
+    const ui_word *word = scene_word(s, title);
+    if (!word)
+        fail_msg("\"%s\" is not in the list", title);
+    else
+        scene_click(s, word->where.x - 10.0f, word->where.y + 0.5f * word->where.height);
+}
+
+/* Each says where it was performed, not that it begins at 0 s. */
+static void what_was_performed_over_a_take_is_folded_under_it(void **state)
+{
+    (void)state;
+    scene s;
+    char title[200];
+    const app_take_line *line;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    assert_true(scene_until(&s, is_on_stage, NULL));
+    app_chosen(s.app)->armed = app_take(s.app)->layer[0].id;
+    app_set_range(s.app, NS_PER_S / 2, 3 * NS_PER_S / 2);
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, records, NULL));
+    assert_true(scene_until(&s, has_ended, NULL));
+    assert_true(scene_until(&s, has_raw, NULL));
+    assert_true(scene_until(&s, is_on_stage, NULL));
+    (void)app_takes(s.app, &line);
+    assert_int_equal(line[1].over_at_ns, NS_PER_S / 2);
+    (void)snprintf(title, sizeof title, "%s", line[0].title);
+    const int64_t raw = line[1].id;
+    assert_int_equal(app_take_id(s.app), line[0].id);
+    scene_frames(&s, 3);
+    assert_null(scene_word_with(&s, "at 0.5 s"));
+    click_fold(&s, title);
+    assert_non_null(scene_word_with(&s, "at 0.5 s"));
+    scene_look(&s, "timeline_scene_unfolded");
+    scene_check_words(&s);
+    assert_int_equal(app_take_id(s.app), line[0].id); /* the fold chooses nothing */
+    click_fold(&s, title);
+    assert_null(scene_word_with(&s, "at 0.5 s"));
+    assert_int_equal(app_select_take(s.app, raw), MRT_OK); /* what is chosen is seen */
+    scene_frames(&s, 3);
+    assert_non_null(scene_word_with(&s, "at 0.5 s"));
+    edit e; /* without its take it is one like all */
+    edit_init(&e, EDIT_TAKE_DELETE);
+    assert_int_equal(app_edit_take(s.app, line[0].id, &e), MRT_OK);
+    edit_finish(&e);
+    scene_frames(&s, 5);
+    assert_null(scene_word_with(&s, "at 0.5 s"));
+    (void)app_takes(s.app, &line);
+    assert_non_null(scene_word(&s, line[1].title));
+    scene_close(&s);
+}
+
 /* However little time is between them: the newest face is still that of the live hands. */
 static void an_r_just_after_a_take_is_shown_performs_over_it(void **state)
 {
@@ -391,6 +454,7 @@ int main(void)
         cmocka_unit_test(the_ruler_brings_the_chosen_take_to_the_stage),
         cmocka_unit_test(a_take_is_named_and_deleted_in_the_list),
         cmocka_unit_test(a_swipe_over_what_was_always_recorded_is_a_take_of_that_length),
+        cmocka_unit_test(what_was_performed_over_a_take_is_folded_under_it),
         cmocka_unit_test(an_r_just_after_a_take_is_shown_performs_over_it),
         cmocka_unit_test(an_r_just_after_recording_ended_by_itself_begins_no_take),
         cmocka_unit_test(the_clock_is_that_of_what_is_recorded_and_then_of_the_take),

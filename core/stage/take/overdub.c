@@ -68,6 +68,7 @@ void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
     out->plan = *plan;
     snprintf(out->scene, sizeof out->scene, "%s", t->scene);
     snprintf(out->shot, sizeof out->shot, "%s", t->shot);
+    out->take = t->id;
     out->duration_ns = t->duration_ns;
     out->start_ns = plan->in_ns > plan->preroll_ns ? plan->in_ns - plan->preroll_ns : 0;
     out->at_ns = out->start_ns;
@@ -94,7 +95,7 @@ static void begin(overdub_run *self, int64_t clock_ns)
 
 void overdub_run_slate(const overdub_run *self, recorder *into)
 {
-    const writer_slate slate = {self->scene, self->shot, 0};
+    const writer_slate slate = {self->scene, self->shot, 0, self->take, self->plan.in_ns};
     recorder_take_next(into, &slate);
 }
 

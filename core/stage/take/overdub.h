@@ -40,6 +40,7 @@ typedef struct overdub_pass { /* what was performed in one */
 typedef struct overdub_run {
     overdub_plan plan; /* its patterns are the caller's */
     char scene[TAKE_NAME], shot[TAKE_NAME];
+    int64_t take; /* that is performed over */
     transport transport;
     bool has_begun, is_over;
     int64_t rolling_ns; /* clock: when the count-in ends */

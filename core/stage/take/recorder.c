@@ -336,7 +336,8 @@ void recorder_take_next(recorder *self, const writer_slate *slate)
 {
     snprintf(self->scene, sizeof self->scene, "%s", slate->scene ? slate->scene : "");
     snprintf(self->shot, sizeof self->shot, "%s", slate->shot ? slate->shot : "");
-    self->slate = (writer_slate){self->scene, self->shot, slate->number};
+    self->slate =
+        (writer_slate){self->scene, self->shot, slate->number, slate->over, slate->over_at_ns};
     self->is_take_wanted = true;
 }
 

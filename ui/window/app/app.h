@@ -167,6 +167,7 @@ typedef struct app_take_line { /* of the list; what was deleted can be restored 
     uint32_t rating;
     int64_t duration_ns, created_ns;
     bool is_recording, is_deleted;
+    int64_t over, over_at_ns; /* performed over that take, from there on; 0: over none */
 } app_take_line;
 uint32_t app_takes(const app *self, const app_take_line **out); /* newest last; until the
                                                                             next update */

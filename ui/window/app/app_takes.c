@@ -300,6 +300,8 @@ static bool fold_line(app *self, app_take_line *out, const show_take *row, bool 
         fill_line(out, &t);
     else
         *out = (app_take_line){.id = row->id, .title = "damaged"};
+    out->over = row->over;
+    out->over_at_ns = row->over_at_ns;
     take_finish(&t);
     return is_read;
 }

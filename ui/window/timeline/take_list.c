@@ -58,28 +58,107 @@ static bool reserve(timeline_takes *self, uint32_t count)
     if (count <= self->capacity)
         return true;
     uint32_t capacity = count + count / 2 + 64;
-    uint32_t *index = realloc(self->index, capacity * sizeof *index);
-    if (!index)
+    takes_row *row = realloc(self->row, capacity * sizeof *row);
+    if (row)
+        self->row = row;
+    uint32_t *root = realloc(self->root, capacity * sizeof *root);
+    if (root)
+        self->root = root;
+    if (!row || !root)
         return false;
-    self->index = index;
     self->capacity = capacity;
     return true;
 }
 
-/* Each frame; false: no memory, and fewer are shown. */
-static bool timeline_takes_look(timeline_takes *self, const app_take_line *line, uint32_t count)
+/* Lines are by id. `count`: there is none. */
+static uint32_t find_index(const app_take_line *line, uint32_t count, int64_t id)
 {
-    bool has_room = reserve(self, count);
+    uint32_t low = 0, high = count;
+    while (low < high) {
+        const uint32_t middle = low + (high - low) / 2;
+        if (line[middle].id < id)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < count && line[low].id == id ? low : count;
+}
+
+static int64_t *find_unfolded(timeline_takes *self, int64_t id)
+{
+    for (uint32_t i = 0; i < TAKES_UNFOLDED; ++i)
+        if (self->unfolded[i] == id)
+            return &self->unfolded[i];
+    return NULL;
+}
+
+static void toggle_fold(timeline_takes *self, int64_t id)
+{
+    int64_t *at = find_unfolded(self, id);
+    if (at)
+        *at = 0;
+    else
+        self->unfolded[self->unfolded_next++ % TAKES_UNFOLDED] = id;
+}
+
+/* What was performed over what was performed over a take lies under that, too. */
+static void find_roots(timeline_takes *self, const app_take_line *line, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t over = line[i].over ? find_index(line, i, line[i].over) : i;
+        self->root[i] = !is_shown(self, &line[i])                   ? UINT32_MAX
+                        : over < i && self->root[over] < UINT32_MAX ? self->root[over]
+                                                                    : i;
+    }
+}
+
+/* What was performed over one, in the order of its timeline. Returns how many; they are seen if it
+ * is not folded. */
+static uint32_t put_over(timeline_takes *self, const app_take_line *line, uint32_t count,
+                         uint32_t of, bool is_folded)
+{
+    const uint32_t first = self->count;
+    uint32_t found = 0;
+    for (uint32_t i = of + 1; i < count; ++i) {
+        if (self->root[i] != of)
+            continue;
+        found += 1;
+        if (is_folded || self->count == self->capacity)
+            continue;
+        uint32_t at = self->count++;
+        for (; at > first && line[self->row[at - 1].line].over_at_ns > line[i].over_at_ns; --at)
+            self->row[at] = self->row[at - 1];
+        self->row[at] = (takes_row){.line = i, .is_over = true};
+    }
+    return found;
+}
+
+/* Each frame; nothing while there is no memory. What is searched for, chosen or being recorded is
+ * not folded away. */
+static void timeline_takes_look(timeline_takes *self, const app_take_line *line, uint32_t count,
+                                int64_t chosen)
+{
     self->count = 0;
-    for (uint32_t i = count; i-- > 0 && self->count < self->capacity;)
-        if (is_shown(self, &line[i]))
-            self->index[self->count++] = i;
-    return has_room;
+    if (!reserve(self, count))
+        return;
+    find_roots(self, line, count);
+    const uint32_t at = find_index(line, count, chosen);
+    for (uint32_t i = count; i-- > 0 && self->count < self->capacity;) {
+        if (self->root[i] != i)
+            continue;
+        const bool is_seen = self->words[0] || find_unfolded(self, line[i].id) ||
+                             (at < count && at != i && self->root[at] == i) ||
+                             (self->root[count - 1] == i && line[count - 1].is_recording);
+        takes_row *row = &self->row[self->count++];
+        *row = (takes_row){.line = i};
+        row->over_count = put_over(self, line, count, i, !is_seen);
+    }
 }
 
 void timeline_takes_finish(timeline_takes *self)
 {
-    free(self->index);
+    free(self->row);
+    free(self->root);
     *self = (timeline_takes){0};
 }
 
@@ -134,9 +213,35 @@ static float paint_rating(ui *on, float right, float y, uint32_t rating, bool is
     return right - width;
 }
 
-static void paint_line(panel *self, ui *on, const app_take_line *line, ui_rectangle where,
-                       bool is_hovered)
+#define FOLD_WIDTH 14.0f
+
+static bool is_folded(const panel *self, const takes_row *row)
 {
+    const takes_row *next = row + 1;
+    return next >= self->takes.row + self->takes.count || !next->is_over;
+}
+
+/* Points down while what was performed over it is seen. */
+static void paint_fold(ui *on, float x, float y, bool is_folded)
+{
+    const float right[6] = {x, y - 4.0f, x, y + 4.0f, x + 5.0f, y};
+    const float down[6] = {x - 1.5f, y - 2.5f, x + 6.5f, y - 2.5f, x + 2.5f, y + 2.5f};
+    ui_draw_triangle(on, is_folded ? right : down, THEME_DIM);
+}
+
+/* "at 12.3 s  1/a/4 Poses" of what was performed over a take. */
+static void put_title(char out[256], const app_take_line *line, bool is_over)
+{
+    char at[24];
+    timeline_takes_duration(at, sizeof at, line->over_at_ns);
+    (void)snprintf(out, 256, "%s%s%s%s", is_over ? "at " : "", is_over ? at : "",
+                   is_over ? "  " : "", line->title);
+}
+
+static void paint_line(panel *self, ui *on, const app_take_line *line, const takes_row *row,
+                       ui_rectangle where, bool is_hovered)
+{
+    char title[256];
     bool is_chosen = app_take_id(self->app) == line->id;
     float x = where.x + 10.0f, y = where.y + 0.5f * (where.height - 17.0f);
     float right = where.x + where.width - 8.0f;
@@ -152,6 +257,11 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, ui_rectan
         ui_draw_disc(on, x + 4.0f, y + 9.0f, 4.5f, THEME_RECORD);
         x += 16.0f;
     }
+    put_title(title, line, row->is_over);
+    if (row->over_count > 0)
+        paint_fold(on, x, y + 9.0f, is_folded(self, row));
+    if (row->over_count > 0 || row->is_over)
+        x += FOLD_WIDTH;
     float width = ui_text_width(on, UI_STYLE_NUMBER, time);
     ui_draw_text(on, right - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, time);
     const uint32_t rating =
@@ -161,7 +271,7 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, ui_rectan
                  is_chosen          ? THEME_ACCENT
                  : line->is_deleted ? THEME_DIM
                                     : THEME_TEXT,
-                 stars - 8.0f - x, line->title);
+                 stars - 8.0f - x, title);
 }
 
 /* ---- what is done to it ---- */
@@ -219,6 +329,11 @@ static uint32_t star_at(ui_rectangle where, float x)
     return 1 + (uint32_t)((x - from) / STAR_WIDTH);
 }
 
+static bool is_on_fold(const takes_row *row, const ui_canvas *canvas)
+{
+    return row->over_count > 0 && canvas->x < 10.0f + FOLD_WIDTH;
+}
+
 static void click_line(panel *self, const app_take_line *line, const ui_canvas *canvas,
                        ui_rectangle where)
 {
@@ -246,7 +361,7 @@ static void keep_in_sight(panel *self, const app_take_line *line, float height)
     self->takes_shown = chosen;
     for (uint32_t i = 0; i < self->takes.count; ++i) {
         float y = (float)i * ROW_HEIGHT;
-        if (line[self->takes.index[i]].id != chosen)
+        if (line[self->takes.row[i].line].id != chosen)
             continue;
         if (y < self->takes_scroll)
             self->takes_scroll = y;
@@ -312,14 +427,19 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
                               canvas->where.width, ROW_HEIGHT};
         if (where.y >= canvas->where.y + canvas->where.height)
             break;
-        const app_take_line *of = &line[self->takes.index[i]];
-        paint_line(self, on, of, where, hovered == (int64_t)i);
+        const app_take_line *of = &line[self->takes.row[i].line];
+        paint_line(self, on, of, &self->takes.row[i], where, hovered == (int64_t)i);
         if (hovered != (int64_t)i)
             continue;
         self->hint = of->note[0] ? of->note
                                  : "A click chooses it: Space plays it, Del deletes it. A double "
                                    "click shows it, a right click does more.";
-        if (canvas->is_pressed || canvas->is_double_clicked)
+        if (is_on_fold(&self->takes.row[i], canvas)) {
+            self->hint = "What was performed over this take, each with where: a click shows it, "
+                         "or puts it away.";
+            if (canvas->is_pressed && canvas->button == 0)
+                toggle_fold(&self->takes, of->id);
+        } else if (canvas->is_pressed || canvas->is_double_clicked)
             click_line(self, of, canvas, where);
     }
     paint_scrollbar(self, on, canvas);
@@ -516,7 +636,7 @@ void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)
     ui_canvas canvas;
     ui_panel_begin(on, "timeline_takes", where, UI_GROUND_PANEL);
     put_filter(self, on, count);
-    (void)timeline_takes_look(&self->takes, line, count);
+    timeline_takes_look(&self->takes, line, count, app_take_id(self->app));
     ui_canvas_begin(on, "takes", 0.0f, has_back ? -BACK_HEIGHT : 0.0f, &canvas);
     ui_draw_box(on, canvas.where, THEME_WELL, 4.0f);
     if (canvas.is_hovered)

@@ -38,11 +38,20 @@ typedef enum takes_filter {
 } takes_filter;
 
 enum { TAKES_WORDS = 64, TAKES_SEARCH_FROM = 9 }; /* so many takes are worth a search field */
+typedef struct takes_row {                        /* of the list, as it is shown */
+    uint32_t line, over_count; /* so many were performed over it: folded under it */
+    bool is_over;              /* it is one of those, under its take */
+} takes_row;
+
+enum { TAKES_UNFOLDED = 32 };
 typedef struct timeline_takes {
     takes_filter filter;
     char words[TAKES_WORDS]; /* all of them must be there, in any case */
-    uint32_t *index;         /* of the lines, in the order in which they are shown */
+    takes_row *row;
+    uint32_t *root; /* for each line: the one that it lies under, or itself; none: UINT32_MAX */
     uint32_t count, capacity;
+    int64_t unfolded[TAKES_UNFOLDED]; /* takes; what was performed over them is seen */
+    uint32_t unfolded_next;
 } timeline_takes;
 
 void timeline_takes_finish(timeline_takes *self); /* accepts zeroed */
