@@ -138,6 +138,75 @@ static void steps_of_panels_lie_between_edits_of_takes(void **state)
     close_room(&r);
 }
 
+static const app_take_line *line_of(app *of, int64_t id)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(of, &line);
+    for (uint32_t i = 0; i < count; ++i)
+        if (line[i].id == id)
+            return &line[i];
+    fail_msg("take %lld is not in the list", (long long)id);
+    return NULL;
+}
+
+static const char *newest(room *r)
+{
+    const news_list *news = app_news(r->app);
+    return news_list_at(news, news_list_count(news) - 1)->text;
+}
+
+static int64_t before_it;
+
+static bool has_another(app *of)
+{
+    return has_ended(of) && app_take_id(of) != before_it;
+}
+
+/* Of a take that is not seen nothing is changed: it comes in front first. */
+static void undo_stops_where_another_take_begins(void **state)
+{
+    room r;
+    (void)state;
+    open_room(&r, true);
+    record_a_take(&r);
+    const int64_t first = app_take_id(r.app);
+    app_do(r.app, ACTION_RATE_1);
+    before_it = first;
+    record_a_take(&r);
+    assert_true(until(&r, has_another));
+    const int64_t second = app_take_id(r.app);
+    assert_int_not_equal(second, first);
+    app_do(r.app, ACTION_RATE_2);
+    app_do(r.app, ACTION_UNDO);
+    assert_int_equal(app_take_id(r.app), second);
+    assert_int_equal(rating(&r), 0);
+    assert_non_null(strstr(newest(&r), "undone: "));
+    app_do(r.app, ACTION_UNDO);
+    assert_int_equal(app_take_id(r.app), first);
+    assert_int_equal(rating(&r), 1);
+    assert_non_null(strstr(newest(&r), "in front again"));
+    app_do(r.app, ACTION_UNDO);
+    assert_int_equal(rating(&r), 0);
+    assert_non_null(strstr(newest(&r), "undone: "));
+    app_do(r.app, ACTION_REDO);
+    assert_int_equal(rating(&r), 1);
+    assert_non_null(strstr(newest(&r), "done again: "));
+    app_do(r.app, ACTION_REDO); /* the border again */
+    assert_int_equal(app_take_id(r.app), second);
+    assert_int_equal(rating(&r), 0);
+    app_do(r.app, ACTION_REDO);
+    assert_int_equal(rating(&r), 2);
+    edit e; /* in the list, of another take than the chosen one: that is seen */
+    edit_init(&e, EDIT_TAKE_RATE);
+    e.rating = 5;
+    assert_int_equal(app_edit_take(r.app, first, &e), MRT_OK);
+    edit_finish(&e);
+    app_do(r.app, ACTION_UNDO);
+    app_update(r.app, 0.01);
+    assert_int_equal(line_of(r.app, first)->rating, 1);
+    close_room(&r);
+}
+
 static uint32_t forgotten;
 
 static void count_forgotten(void *data)
@@ -194,17 +263,6 @@ static void steps_that_are_large_make_room_for_each_other(void **state)
 }
 
 /* ---- copies ---- */
-
-static const app_take_line *line_of(app *of, int64_t id)
-{
-    const app_take_line *line;
-    const uint32_t count = app_takes(of, &line);
-    for (uint32_t i = 0; i < count; ++i)
-        if (line[i].id == id)
-            return &line[i];
-    fail_msg("take %lld is not in the list", (long long)id);
-    return NULL;
-}
 
 static void a_take_is_duplicated_and_the_copy_is_taken_back(void **state)
 {
@@ -275,6 +333,7 @@ int main(void)
         cmocka_unit_test(undo_goes_on_with_what_an_earlier_run_did),
         cmocka_unit_test(several_edits_are_one_step_and_all_or_none),
         cmocka_unit_test(steps_of_panels_lie_between_edits_of_takes),
+        cmocka_unit_test(undo_stops_where_another_take_begins),
         cmocka_unit_test(a_thousand_steps_are_undone_and_what_is_older_is_forgotten_once),
         cmocka_unit_test(steps_that_are_large_make_room_for_each_other),
         cmocka_unit_test(a_take_is_duplicated_and_the_copy_is_taken_back),

@@ -346,7 +346,8 @@ static uint32_t go_all(action way)
         if (app_can(s.app, way, &why)) {
             app_do(s.app, way);
             scene_frame(&s);
-            count += 1;
+            /* Where the step's take came in front only, what is next is still the same. */
+            count += next != (way == ACTION_UNDO ? app_undo_words(s.app) : app_redo_words(s.app));
             waits = 0;
         } else {
             if (strstr(why, "L goes back") || way == ACTION_REDO)

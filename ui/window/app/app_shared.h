@@ -21,6 +21,7 @@ typedef struct app_done {
     app_step step; /* of a take: its words alone */
     int64_t take;  /* 0: somebody else's */
     int64_t head_before, head_after;
+    int64_t in_front;    /* the take that was chosen as it was done */
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
 } app_done;
 

@@ -54,7 +54,8 @@ static void forget_abandoned(app *self, int64_t id, int64_t head)
 
 static app_done step_of(const app *self, int64_t before, int64_t after)
 {
-    app_done out = {.take = self->chosen, .head_before = before, .head_after = after};
+    app_done out = {
+        .take = self->chosen, .head_before = before, .head_after = after, .in_front = self->chosen};
     const int64_t told = after > before ? after : before;
     (void)snprintf(out.step.words, sizeof out.step.words, "%s", history_words(self->history, told));
     return out;
@@ -72,13 +73,33 @@ static void app_undo_note_take(app *self, int64_t head_before)
 /* The chosen take is a copy of that one, and was made just now. */
 static void app_undo_note_copy(app *self, int64_t of, const char *words)
 {
-    app_done step = {.take = self->chosen, .head_after = 1, .copied_from = of};
+    app_done step = {
+        .take = self->chosen, .head_after = 1, .in_front = self->chosen, .copied_from = of};
     (void)snprintf(step.step.words, sizeof step.step.words, "%s", words);
     put(self, &step);
 }
 
 /* After each change of the chosen take: the list and the stage follow. */
 static void app_take_changed(app *self);
+static const app_take_line *app_line_of(const app *self, int64_t id);
+
+/* Another take was chosen since it was done: what it changes is not seen. */
+static bool is_elsewhere(const app *self, const app_done *step)
+{
+    return step->take && self->chosen && step->take != self->chosen &&
+           step->in_front != self->chosen && step->copied_from != self->chosen;
+}
+
+/* The border of what is in front: its take comes there, and nothing is changed yet. */
+static mrt_result bring_to_front(app *self, const app_done *step, const char *what)
+{
+    mrt_result result = app_choose_take(self, step->take);
+    const app_take_line *line = app_line_of(self, step->take);
+    if (result >= 0)
+        app_say(self, MRT_LOG_INFO, "take %s is in front again: once more %s %s",
+                line ? line->title : "", what, step->step.words);
+    return result;
+}
 
 /* Brings the step's take to an edit; it is chosen then. */
 static mrt_result go(app *self, const app_done *step, int64_t head)
@@ -208,6 +229,8 @@ mrt_result app_undo(app *self)
     char words[EDIT_TEXT];
     if (app_undo_why_not(self))
         return MRT_END;
+    if (self->done_count > 0 && is_elsewhere(self, &self->done[self->done_count - 1]))
+        return bring_to_front(self, &self->done[self->done_count - 1], "undoes");
     (void)snprintf(words, sizeof words, "%s", app_undo_words(self));
     const mrt_result result = has_older(self) ? undo_older(self) : undo_newest(self);
     if (result >= 0)
@@ -215,7 +238,7 @@ mrt_result app_undo(app *self)
     return result;
 }
 
-mrt_result app_redo(app *self)
+static mrt_result redo(app *self)
 {
     if (has_newer(self)) {
         const int64_t head = history_head(self->history);
@@ -233,6 +256,18 @@ mrt_result app_redo(app *self)
         return go(self, &step, step.head_after);
     step.step.redo(step.step.owner, step.step.data);
     return MRT_OK;
+}
+
+mrt_result app_redo(app *self)
+{
+    char words[EDIT_TEXT];
+    if (self->done_count < self->all_count && is_elsewhere(self, &self->done[self->done_count]))
+        return bring_to_front(self, &self->done[self->done_count], "does again");
+    (void)snprintf(words, sizeof words, "%s", app_redo_words(self));
+    const mrt_result result = redo(self);
+    if (result == MRT_OK)
+        app_say(self, MRT_LOG_INFO, "done again: %s", words);
+    return result;
 }
 
 const char *app_undo_words(const app *self)
@@ -712,6 +747,8 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
     mrt_result result = app_pick_take(self, id);
     if (result >= 0)
         result = app_edit(self, e);
+    if (result >= 0 && self->done_count > 0)
+        self->done[self->done_count - 1].in_front = before;
     if (app_pick_take(self, before) >= 0)
         self->choice = choice;
     return result;
