@@ -291,6 +291,7 @@ void kept_scenery_destroy(kept_scenery *self)
 {
     if (!self)
         return;
+    app_forget_steps(self->of, self);
     end_thread(self);
     scenery_picture_finish(&self->picture);
     free(self);
