@@ -383,6 +383,76 @@ static void an_r_just_after_a_take_is_shown_performs_over_it(void **state)
     scene_close(&s);
 }
 
+/* ---- what comes before a recording ---- */
+
+static void a_count_in_is_seen_given_up_and_then_records(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    const ui_word *keep = scene_word(&s, "Keep 30 s");
+    assert_non_null(keep);
+    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    scene_look(&s, "timeline_scene_lead_in_menu");
+    scene_click_word(&s, "Count-in 3 s");
+    assert_true(app_lead_in_of(s.app).count_in_s == 3.0);
+    assert_true(app_lead_in_of(s.app).preroll_s == 0.0);
+    scene_do(&s, ACTION_RECORD);
+    assert_false(app_status(s.app)->is_recording);
+    assert_true(app_leads_in_s(s.app) > 0.0);
+    assert_non_null(scene_word_with(&s, "gives the count-in up"));
+    scene_look(&s, "timeline_scene_count_in");
+    scene_check_words(&s);
+    assert_false(app_press(s.app, PATCH_RECORD)); /* a pedal that says record: it is begun */
+    scene_do(&s, ACTION_RECORD);
+    assert_true(app_leads_in_s(s.app) == 0.0);
+    assert_false(app_status(s.app)->is_recording);
+    app_set_lead_in(s.app, (app_lead_in){.count_in_s = 0.2});
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, records, NULL));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, is_chosen, NULL));
+    scene_close(&s);
+}
+
+static bool plays_before(scene *s, void *data)
+{
+    (void)data;
+    return app_view(s->app)->mode == LIVE_OVERDUBS && !app_view(s->app)->is_recording_over;
+}
+
+static bool is_over(scene *s, void *data)
+{
+    (void)data;
+    return app_view(s->app)->is_recording_over;
+}
+
+/* The take plays, then the hands take over where the play head stood. */
+static void a_preroll_plays_before_what_is_performed_over_a_take(void **state)
+{
+    (void)state;
+    scene s;
+    open_hand(&s, 1.0f);
+    record_one(&s);
+    choose_newest(&s);
+    assert_true(scene_until(&s, is_on_stage, NULL));
+    const int64_t in_ns = app_take(s.app)->duration_ns / 2;
+    app_seek(s.app, in_ns);
+    scene_settle(&s);
+    app_set_lead_in(s.app, (app_lead_in){.preroll_s = 0.4});
+    scene_do(&s, ACTION_RECORD);
+    assert_true(app_leads_in_s(s.app) > 0.0);
+    assert_true(scene_until(&s, plays_before, NULL));
+    assert_true(scene_until(&s, is_over, NULL));
+    scene_do(&s, ACTION_RECORD);
+    assert_true(scene_until(&s, has_ended, NULL));
+    const take *t = app_take(s.app);
+    assert_int_equal(t->layer_count, 2);
+    assert_int_equal(t->layer[1].clip_count, 1);
+    assert_true(t->layer[1].clip[0].start_ns >= in_ns - NS_PER_S / 1000);
+    scene_close(&s);
+}
+
 /* The large one of the strip; the ruler says instants too. */
 static bool is_clock_at_start(scene *s)
 {
@@ -457,6 +527,8 @@ int main(void)
         cmocka_unit_test(what_was_performed_over_a_take_is_folded_under_it),
         cmocka_unit_test(an_r_just_after_a_take_is_shown_performs_over_it),
         cmocka_unit_test(an_r_just_after_recording_ended_by_itself_begins_no_take),
+        cmocka_unit_test(a_count_in_is_seen_given_up_and_then_records),
+        cmocka_unit_test(a_preroll_plays_before_what_is_performed_over_a_take),
         cmocka_unit_test(the_clock_is_that_of_what_is_recorded_and_then_of_the_take),
         cmocka_unit_test(a_click_in_the_list_chooses_what_space_plays_and_del_deletes),
         cmocka_unit_test(the_show_that_is_open_is_opened_again_and_records_on),

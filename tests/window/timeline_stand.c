@@ -97,6 +97,18 @@ void app_did(app *self, const app_step *step)
     here->step[here->did_count++] = here->did = *step;
 }
 
+app_lead_in app_lead_in_of(const app *self)
+{
+    (void)self;
+    return (app_lead_in){0};
+}
+
+void app_set_lead_in(app *self, app_lead_in to)
+{
+    (void)self;
+    (void)to;
+}
+
 void app_forget_steps(app *self, const void *owner)
 {
     (void)self;

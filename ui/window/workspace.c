@@ -496,7 +496,17 @@ static state_words state_of(app *of)
     const char *shown = title_of(of, live_shown_take(app_live(of)));
     char keys[KEY_WORDS];
     state_words out = {.large = "Live", .ink = THEME_TEXT};
-    if (view->mode == LIVE_OVERDUBS) {
+    const double leads_in_s = app_leads_in_s(of);
+    if (leads_in_s > 0.0) {
+        (void)snprintf(out.large, sizeof out.large, "%.0f", ceil(leads_in_s));
+        key_map_words(&app_looks_of(of)->keys, ACTION_RECORD, keys);
+        if (view->mode == LIVE_OVERDUBS)
+            (void)snprintf(out.small, sizeof out.small, "Going to record over take %.150s", shown);
+        else
+            (void)snprintf(out.small, sizeof out.small, "%s gives the count-in up",
+                           keys[0] ? keys : action_of(ACTION_RECORD)->title);
+        out.ink = THEME_RECORD;
+    } else if (view->mode == LIVE_OVERDUBS) {
         write_time(out.large, sizeof out.large, view->at_ns);
         (void)snprintf(out.small, sizeof out.small, "%s take %.150s",
                        view->is_recording_over ? "Recording over" : "Going to record over", shown);
@@ -863,6 +873,23 @@ static void draw_box(workspace *self, const char *id, ui_rectangle where, uint32
     ui_panel_end(self->ui);
 }
 
+/* Before a recording the performer looks at the face. */
+static void draw_lead_in(workspace *self, ui_rectangle over)
+{
+    const double left_s = app_leads_in_s(self->app);
+    char words[16];
+    if (left_s <= 0.0)
+        return;
+    (void)snprintf(words, sizeof words, "%.0f", ceil(left_s));
+    const float width = ui_text_width(self->ui, UI_STYLE_LARGE, words) + 40.0f,
+                height = ui_text_height(self->ui, UI_STYLE_LARGE) + 16.0f;
+    const ui_rectangle box = {over.x + 0.5f * (over.width - width), over.y + 14.0f, width, height};
+    ui_panel_begin(self->ui, "lead_in", box, UI_GROUND_NONE);
+    ui_draw_box(self->ui, box, THEME_RECORD, 8.0f);
+    ui_draw_text(self->ui, box.x + 20.0f, box.y + 8.0f, UI_STYLE_LARGE, THEME_STAGE, 0.0f, words);
+    ui_panel_end(self->ui);
+}
+
 static void draw_panels(workspace *self, const workspace_places *at)
 {
     if (at->has_timeline) {
@@ -883,6 +910,7 @@ static void draw_panels(workspace *self, const workspace_places *at)
     draw_edges(self, at);
     ui_rectangle above_news = at->face;
     above_news.height -= self->news[0] ? 68.0f : 0.0f;
+    draw_lead_in(self, at->face);
     if (at->has_bar)
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
     workspace_draw_news(self, at->face);

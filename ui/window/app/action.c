@@ -11,8 +11,9 @@ const char *const action_group_name[ACTION_GROUPS] = {"Performance", "Transport"
 static const action_entry entries[ACTION_COUNT] = {
     [ACTION_RECORD] =
         {ACTION_RECORD, ACTION_PERFORMANCE, "record", "Record",
-         "Begins a take, ends it. Over a take that is shown: performs over it as a new layer.", 'R',
-         0},
+         "Begins a take, ends it. Over a take that is shown: performs over it as a new layer. "
+         "A right click on the timeline's strip: a count-in, a pre-roll.",
+         'R', 0},
     [ACTION_KEEP] =
         {ACTION_KEEP, ACTION_PERFORMANCE, "keep", "Keep the last 30 s",
          "What was performed in the last 30 seconds becomes a take, though nobody recorded it.",

@@ -140,6 +140,15 @@ typedef struct app_remote_status {
 app_remote_status app_remote_now(const app *self); /* texts until the next frame */
 void app_set_remote(app *self, const char *place); /* "[HOST:]PORT", "": off; kept */
 struct expressions *app_expressions(app *self);    /* expressions.h */
+/* What comes before a recording that R, a pedal or a remote control begins, s, 0 to 60; kept. While
+ * it counts in nothing moves by itself, and R gives it up; then a take that is performed over plays
+ * for the pre-roll before the hands take over. */
+typedef struct app_lead_in {
+    double count_in_s, preroll_s;
+} app_lead_in;
+app_lead_in app_lead_in_of(const app *self);
+void app_set_lead_in(app *self, app_lead_in to);
+double app_leads_in_s(const app *self); /* until what is performed counts; 0: nothing is awaited */
 /* As a pedal says it: record only begins, stop only ends. False: it is so already. */
 bool app_press(app *self, patch_action of);
 /* A preset of the mapping that performs, for the mapping panel, which takes it: true once. */

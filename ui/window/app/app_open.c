@@ -801,7 +801,8 @@ bool app_press(app *self, patch_action of)
     static const action does[PATCH_ACTIONS] = {
         [PATCH_RECORD] = ACTION_RECORD, [PATCH_STOP] = ACTION_RECORD, [PATCH_MARK] = ACTION_MARK};
     live_status_of(self->live, &self->status); /* another press may have been in this frame */
-    const bool is_wanted = of == PATCH_MARK || (of == PATCH_STOP) == self->status.is_recording;
+    const bool is_going = self->status.is_recording || self->counts_in;
+    const bool is_wanted = of == PATCH_MARK || (of == PATCH_STOP) == is_going;
     if (is_wanted)
         app_do(self, does[of]);
     return is_wanted;

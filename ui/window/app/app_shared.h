@@ -88,6 +88,8 @@ struct app {
     uint32_t rig_floor;  /* done_count as it came there */
 
     /* ---- recording and playing ---- */
+    int64_t leads_in_until_ns; /* clock; 0: nothing is awaited */
+    bool counts_in;            /* a take of the live hands begins then; else it has begun */
     bool was_recording, had_problem;
     int64_t over_take;   /* that is performed over; 0: none */
     bool over_is_ended;  /* by a person */

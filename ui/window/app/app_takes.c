@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -758,6 +759,39 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
 
 #define OVER_FADE_NS 100000000LL
 
+/* ---- what comes before ---- */
+
+static const double lead_in_most_s = 60.0;
+static const char count_in_key[] = "record.count_in_s", preroll_key[] = "record.preroll_s";
+
+static double lead_of(const app *self, const char *key)
+{
+    return fmin(fmax(settings_number(self->settings, key, 0.0), 0.0), lead_in_most_s);
+}
+
+app_lead_in app_lead_in_of(const app *self)
+{
+    return (app_lead_in){lead_of(self, count_in_key), lead_of(self, preroll_key)};
+}
+
+void app_set_lead_in(app *self, app_lead_in to)
+{
+    settings_set_number(self->settings, count_in_key, to.count_in_s);
+    settings_set_number(self->settings, preroll_key, to.preroll_s);
+}
+
+double app_leads_in_s(const app *self)
+{
+    const int64_t left_ns = self->leads_in_until_ns ? self->leads_in_until_ns - clock_now_ns() : 0;
+    return left_ns > 0 ? 1e-9 * (double)left_ns : 0.0;
+}
+
+static void lead_in(app *self, double s, bool counts_in)
+{
+    self->leads_in_until_ns = s > 0.0 ? clock_now_ns() + (int64_t)(s * 1e9) : 0;
+    self->counts_in = counts_in && self->leads_in_until_ns;
+}
+
 /* ---- begin and end ---- */
 
 static void begin_live(app *self)
@@ -788,10 +822,15 @@ static void begin_over(app *self)
         over.out_ns = chosen->duration_ns;
     if (over.out_ns > 0 && 2 * over.fade_ns > over.out_ns - over.in_ns)
         over.fade_ns = (over.out_ns - over.in_ns) / 2;
+    const app_lead_in lead = app_lead_in_of(self);
+    over.count_in_ns = (int64_t)(lead.count_in_s * 1e9);
+    over.preroll_ns = (int64_t)(lead.preroll_s * 1e9);
     self->over_take = live_shown_take(self->live);
     self->over_is_ended = false;
     if (app_report(self, live_record_over(self->live, &over, &err), &err) < 0)
         self->over_take = 0;
+    else
+        lead_in(self, lead.count_in_s + fmin(lead.preroll_s, 1e-9 * (double)over.in_ns), false);
 }
 
 #define OVER_ENDED_S 1.5
@@ -800,17 +839,23 @@ void app_record_toggle(app *self)
 {
     error err = {0};
     live_status_of(self->live, &self->status);
-    if (self->status.is_recording) {
+    if (self->counts_in) {
+        lead_in(self, 0.0, false);
+    } else if (self->status.is_recording) {
+        lead_in(self, 0.0, false);
         self->over_is_ended = true;
         (void)app_report(self, live_record_end(self->live, &err), &err);
     } else if (self->over_take || self->over_ended_s > 0.0) {
         /* Whoever wanted to end it came a moment late: another recording is not meant. */
         self->over_ended_s = 0.0;
         app_say(self, MRT_LOG_INFO, "recording over the take ended by itself: R begins another");
-    } else if (!live_shown_take(self->live)) /* the view may be of a frame before */
-        begin_live(self);
-    else
+    } else if (live_shown_take(self->live)) { /* the view may be of a frame before */
         begin_over(self);
+    } else {
+        lead_in(self, app_lead_in_of(self).count_in_s, true);
+        if (!self->counts_in)
+            begin_live(self);
+    }
     self->takes_are_stale = true;
 }
 
@@ -920,9 +965,23 @@ void app_close_show(app *self, show *of)
     show_close(of);
 }
 
+/* Who shows a take meanwhile wants something else. */
+static void count_in(app *self)
+{
+    if (live_shown_take(self->live)) {
+        lead_in(self, 0.0, false);
+    } else if (app_leads_in_s(self) <= 0.0) {
+        lead_in(self, 0.0, false);
+        begin_live(self);
+        self->takes_are_stale = true;
+    }
+}
+
 void app_record_update(app *self)
 {
     say_problem(self);
+    if (self->counts_in)
+        count_in(self);
     const bool has_ended = self->was_recording && !self->status.is_recording;
     if (self->was_recording != self->status.is_recording)
         self->takes_are_stale = true;

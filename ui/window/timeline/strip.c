@@ -227,6 +227,24 @@ static void put_speed(pen *p, double speed)
     p->x += GAP - 4.0f;
 }
 
+/* What is set is seen where there is room. */
+static void put_lead_in(pen *p)
+{
+    const app_lead_in lead = app_lead_in_of(p->self->app);
+    char words[48];
+    if (lead.count_in_s > 0.0 && lead.preroll_s > 0.0)
+        (void)snprintf(words, sizeof words, "%g s + %g s before", lead.count_in_s, lead.preroll_s);
+    else if (lead.count_in_s > 0.0)
+        (void)snprintf(words, sizeof words, "Count-in %g s", lead.count_in_s);
+    else
+        (void)snprintf(words, sizeof words, "Pre-roll %g s", lead.preroll_s);
+    const float width = ui_text_width(p->on, UI_STYLE_BODY, words);
+    if ((lead.count_in_s <= 0.0 && lead.preroll_s <= 0.0) || p->x + width + 16.0f >= p->undo)
+        return;
+    ui_draw_text(p->on, p->x + 7.0f, p->y + 6.0f, UI_STYLE_BODY, THEME_DIM, 0.0f, words);
+    p->x += width + 14.0f;
+}
+
 static void put_transport(pen *p)
 {
     const live *stage = app_live(p->self->app);
@@ -243,6 +261,7 @@ static void put_transport(pen *p)
     put_speed(p, move ? move->speed : 1.0);
     put_word_with_room(p, ACTION_KEEP, "Keep 30 s");
     put_word_with_room(p, ACTION_MARK, "Mark");
+    put_lead_in(p);
 }
 
 static void ask_history(pen *p)
@@ -279,6 +298,40 @@ static void put_undo_words(pen *p, float end)
                  words);
 }
 
+/* ---- what comes before a recording ---- */
+
+static const double leads_s[] = {0.0, 1.0, 2.0, 3.0, 5.0, 10.0};
+enum { LEADS = sizeof leads_s / sizeof leads_s[0] };
+
+/* True: another is chosen. */
+static bool lead_items(ui *on, const char *what, double *s)
+{
+    const double before_s = *s;
+    for (int i = 0; i < LEADS; ++i) {
+        char label[64];
+        if (leads_s[i] > 0.0)
+            (void)snprintf(label, sizeof label, "%c%s %g s", what[0] & ~0x20, what + 1, leads_s[i]);
+        else
+            (void)snprintf(label, sizeof label, "No %s", what);
+        if (ui_menu_item(on, label, before_s == leads_s[i] ? "\u2713" : "", true))
+            *s = leads_s[i];
+    }
+    return *s != before_s;
+}
+
+static void record_menu(app *of, ui *on)
+{
+    app_lead_in lead = app_lead_in_of(of);
+    if (!ui_menu_begin(on, "record_menu"))
+        return;
+    bool is_other = lead_items(on, "count-in", &lead.count_in_s);
+    ui_rule(on);
+    is_other |= lead_items(on, "pre-roll", &lead.preroll_s);
+    if (is_other)
+        app_set_lead_in(of, lead);
+    ui_menu_end(on);
+}
+
 void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
 {
     ui_canvas canvas;
@@ -302,6 +355,7 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
     put_undo(&p);
     ui_canvas_end(on);
     ui_hint(on, p.hint);
+    record_menu(self->app, on);
     ui_panel_end(on);
 }
 
