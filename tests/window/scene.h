@@ -52,7 +52,7 @@ typedef struct scene_options {
     uint32_t width_px, height_px;
     float scale;
     const char *face;    /* NULL: the puppet; "moai", or a path */
-    const char *mapping; /* NULL: one_hand */
+    const char *mapping; /* NULL: one_hand; "": as last time */
     const char *const *inputs;
     uint32_t input_count;
     const char *settings_path; /* NULL: none */
@@ -134,7 +134,9 @@ static inline void scene_open_again(scene *s, const scene_options *options)
     const app_options with = {
         .show_path = options->show_path ? options->show_path : s->show,
         .face_path = path,
-        .mapping = options->mapping ? options->mapping : "one_hand",
+        .mapping = !options->mapping     ? "one_hand"
+                   : options->mapping[0] ? options->mapping
+                                         : NULL,
         .inputs = options->inputs ? options->inputs : none,
         .input_count = options->input_count,
         .settings_path = options->settings_path ? options->settings_path : "",
