@@ -105,6 +105,9 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
     offer list[OFFERS];
     uint32_t count = 0, per_line;
     float width = 0.0f;
+    if (app_looks_of(of)->panel ==
+        APP_RIG) /* the face is worked on, and Rig offers a draft itself */
+        return;
     if (is_without_rig(of)) {
         draw_rig_offer(of, on, over);
         return;
