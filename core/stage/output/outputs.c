@@ -98,7 +98,8 @@ static bool copy_face(latest *out, const mrt_face_names *names, const latest *fr
     size_t floats = isolate_sample_floats(names, from->has_vertices);
     if (!make_room(out, floats))
         return false;
-    memcpy(out->value, from->value, floats * sizeof *out->value);
+    if (floats > 0)
+        memcpy(out->value, from->value, floats * sizeof *out->value);
     out->time_ns = from->time_ns;
     out->take_ns = from->take_ns;
     out->number = from->number;
