@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "window/open_any.h"
 #include "scene.h"
@@ -195,6 +196,44 @@ static void a_mesh_without_a_rig_performs_after_one_click(void **state)
     assert_null(app_face(s.app)->rig);
     scene_do(&s, ACTION_REDO);
     assert_true(scene_until(&s, performs, NULL));
+    scene_close(&s);
+}
+
+static bool has_drafted(scene *of, void *data)
+{
+    (void)data;
+    return !app_is_drafting(of->app) && app_face(of->app)->rig;
+}
+
+static double frame_s(void)
+{
+    const int64_t before_ns = clock_now_ns();
+    scene_frames(&s, 1);
+    return 1e-9 * (double)(clock_now_ns() - before_ns);
+}
+
+/* A draft takes seconds: whoever opens another face meanwhile does not wait for it. */
+static void a_draft_that_is_left_holds_nothing_up(void **state)
+{
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    assert_true(app_open_face(s.app, SOURCE_DIR "/rigs/puppet/puppet.glb") >= 0);
+    scene_frames(&s, 5);
+    const int64_t before_ns = clock_now_ns();
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, has_drafted, NULL));
+    const double draft_s = 1e-9 * (double)(clock_now_ns() - before_ns);
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, rests, NULL));
+    scene_frames(&s, 30);
+    scene_click_word(&s, "Draft a rig");
+    while (!app_is_drafting(s.app))
+        scene_frames(&s, 1);
+    assert_true(app_open_face(s.app, SOURCE_DIR "/rigs/moai/moai.rig.json") >= 0);
+    const double left_s = frame_s(); /* the rig panel's, which lets the draft go */
+    print_message("a draft takes %.2f s, leaving it %.2f s\n", draft_s, left_s);
+    assert_false(app_is_drafting(s.app));
+    assert_true(left_s < 0.5 * draft_s);
     scene_close(&s);
 }
 
@@ -399,6 +438,7 @@ int main(void)
         cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
         cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
         cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),
+        cmocka_unit_test(a_draft_that_is_left_holds_nothing_up),
         cmocka_unit_test(a_head_on_a_body_is_looked_at),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
         cmocka_unit_test(a_show_goes_on_under_another_name),

@@ -423,12 +423,15 @@ static bool rig_worker_is_busy(rig_worker *self)
 
 /* ---- the model ---- */
 
+typedef enum draft_state { DRAFT_GOES = 0, DRAFT_DONE, DRAFT_LEFT /* by the model */ } draft_state;
+
+/* It takes seconds, and a face that goes does not wait for it: its thread has all that it needs,
+ * and the last one that is done with it, model or thread, frees it. */
 typedef struct drafting {
-    const mesh *mesh; /* and the rest: the model's, which does not change them */
-    const topology *topology;
-    const char *mesh_path;
-    pthread_t thread;
-    _Atomic bool is_done; /* what follows is [main]'s from then on */
+    mesh mesh;
+    topology topology;
+    char *mesh_path;
+    _Atomic draft_state state; /* what follows is [main]'s once it is done */
     rig rig;
     rig_model_drafted made;
 } drafting;
@@ -534,16 +537,20 @@ static void keep_last_changes(rig_model *self)
         return; /* what was kept before is still there */
 }
 
-/* Waits for it. */
-static void drop_draft(rig_model *self)
+static void free_draft(drafting *self)
 {
-    if (!self->draft)
-        return;
-    (void)pthread_join(self->draft->thread, NULL);
-    if (self->draft->made.result >= 0)
-        rig_destroy(&self->draft->rig);
-    free(self->draft->made.confirm);
-    free(self->draft);
+    mesh_destroy(&self->mesh);
+    topology_destroy(&self->topology);
+    free(self->mesh_path);
+    rig_destroy(&self->rig);
+    free(self->made.confirm);
+    free(self);
+}
+
+static void leave_draft(rig_model *self)
+{
+    if (self->draft && atomic_exchange(&self->draft->state, DRAFT_LEFT) == DRAFT_DONE)
+        free_draft(self->draft);
     self->draft = NULL;
 }
 
@@ -552,7 +559,7 @@ void rig_model_destroy(rig_model *self)
     if (!self)
         return;
     rig_model_abandon(self);
-    drop_draft(self);
+    leave_draft(self);
     rig_worker_destroy(self->worker);
     if (self->history && (rig_model_is_saved(self) || self->is_left))
         rig_keep_end(&self->keep);
@@ -779,28 +786,43 @@ static void *make_draft(void *given)
 {
     drafting *self = given;
     rig_model_drafted *made = &self->made;
-    made->result = rig_draft_make(&self->rig, &made->confirm, self->mesh, self->topology,
+    made->result = rig_draft_make(&self->rig, &made->confirm, &self->mesh, &self->topology,
                                   self->mesh_path, NULL, 0, &made->err);
-    atomic_store(&self->is_done, true);
+    if (made->result < 0)
+        self->rig = (rig){0};
+    if (atomic_exchange(&self->state, DRAFT_DONE) == DRAFT_LEFT)
+        free_draft(self);
     return NULL;
+}
+
+static mrt_result begin_draft(drafting *made, error *err)
+{
+    pthread_t thread;
+    if (pthread_create(&thread, NULL, make_draft, made) != 0)
+        return error_set(err, MRT_ERR_MEMORY, "no thread to draft the rig");
+    (void)pthread_detach(thread);
+    return MRT_OK;
 }
 
 mrt_result rig_model_draft(rig_model *self, error *err)
 {
-    drafting *made = self->draft ? NULL : calloc(1, sizeof *made);
     if (self->draft)
         return MRT_OK;
+    drafting *made = calloc(1, sizeof *made);
     if (!made)
         return no_memory(err);
-    made->mesh = &self->mesh;
-    made->topology = &self->topology;
-    made->mesh_path = self->mesh_path;
-    if (pthread_create(&made->thread, NULL, make_draft, made) != 0) {
-        free(made);
-        return error_set(err, MRT_ERR_MEMORY, "no thread to draft the rig");
-    }
-    self->draft = made;
-    return MRT_OK;
+    mrt_result result = mesh_copy(&made->mesh, &self->mesh, err);
+    if (result >= 0)
+        result = topology_copy(&made->topology, &self->topology, err);
+    if (result >= 0 && !(made->mesh_path = strdup(self->mesh_path)))
+        result = no_memory(err);
+    if (result >= 0)
+        result = begin_draft(made, err);
+    if (result < 0)
+        free_draft(made);
+    else
+        self->draft = made;
+    return result;
 }
 
 bool rig_model_is_drafting(const rig_model *self)
@@ -811,13 +833,14 @@ bool rig_model_is_drafting(const rig_model *self)
 bool rig_model_take_draft(rig_model *self, rig_model_drafted *out)
 {
     drafting *made = self->draft;
-    if (!made || !atomic_load(&made->is_done))
+    if (!made || atomic_load(&made->state) != DRAFT_DONE)
         return false;
     *out = made->made;
+    made->made.confirm = NULL;
     if (out->result >= 0)
         out->result = commit_rig(self, &made->rig, &out->number, &out->err);
-    made->made = (rig_model_drafted){.result = MRT_ERR_ARGUMENT}; /* it was given away */
-    drop_draft(self);
+    made->rig = (rig){0}; /* it was taken over */
+    leave_draft(self);
     return true;
 }
 
