@@ -105,8 +105,6 @@ static void a_parameter_is_what_it_was_at_the_next_start(void **state)
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
     (void)snprintf(kept, sizeof kept, "%s/window.json", s.folder);
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
     const scene_options with = {.settings_path = kept, .mapping = ""};
     scene_open_again(&s, &with);
     scene_do(&s, ACTION_PANEL_MAPPING);
@@ -120,8 +118,6 @@ static void a_parameter_is_what_it_was_at_the_next_start(void **state)
     scene_drag(&s, x, y, x + 50.0f, y, 4);
     const double after = value_of("Gain");
     assert_true(after != before);
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
     scene_open_again(&s, &with);
     assert_float_equal(value_of("Gain"), after, 1e-9);
     scene_close(&s);

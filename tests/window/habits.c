@@ -49,8 +49,6 @@ static void text_is_as_large_as_one_wants_it_and_stays_so(void **state)
     (void)state;
     open_scene(&s, 1600, 1000, 1.0f);
     (void)snprintf(path, sizeof path, "%s/settings.json", s.folder);
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
     const scene_options kept = {.settings_path = path};
     scene_open_again(&s, &kept);
     const float before_px = height_of(&s, "Devices") * workspace_scale(s.workspace);
@@ -67,8 +65,6 @@ static void text_is_as_large_as_one_wants_it_and_stays_so(void **state)
     assert_int_equal(app_looks_of(s.app)->panel, APP_ENGINE);
     scene_frames(&s, 60);
     assert_float_equal(settings_number(app_settings(s.app), "window.width", 0.0), 1600.0, 0.0);
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
     scene_open_again(&s, &kept);
     assert_float_equal(app_looks_of(s.app)->text_size, 1.5f, 0.0f);
     assert_float_equal(height_of(&s, "Devices") * workspace_scale(s.workspace), after_px, 1.2f);
@@ -189,8 +185,6 @@ static void a_key_is_changed_by_a_click_and_a_key(void **state)
     (void)state;
     open_scene(&s, 1280, 720, 1.0f);
     (void)snprintf(path, sizeof path, "%s/settings.json", s.folder);
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
     const scene_options kept = {.settings_path = path, .inputs = demo_inputs, .input_count = 1};
     scene_open_again(&s, &kept);
     scene_do(&s, ACTION_HELP);
@@ -218,8 +212,6 @@ static void a_key_is_changed_by_a_click_and_a_key(void **state)
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_false(app_looks_of(s.app)->is_helping);
 
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
     scene_open_again(&s, &kept); /* it was kept */
     assert_true(scene_until(&s, has_samples, NULL));
     scene_key(&s, 'R', 0);

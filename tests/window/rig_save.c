@@ -247,9 +247,7 @@ static void what_is_not_saved_is_asked_about_and_offered_again(void **state)
     assert_false(s.is_over);
     scene_look(&s, "rig_quit");
     scene_check_words(&s);
-    workspace_destroy(s.workspace); /* as when it is killed: nothing was answered */
-    app_destroy(s.app);
-    open_puppet(&s, true);
+    open_puppet(&s, true); /* as when it is killed: nothing was answered */
     scene_key(&s, UI_KEY_F1 + 3, 0);
     assert_true(scene_until(&s, has_rig_panel, NULL));
     scene_look(&s, "rig_offer");

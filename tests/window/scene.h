@@ -112,24 +112,32 @@ static inline bool scene_has_face(scene *s, void *data)
     return app_view(s->app)->number > 0;
 }
 
+/* The program ends; the window and what is in the folder stay. */
+static inline void scene_end(scene *s)
+{
+    workspace_destroy(s->workspace);
+    app_destroy(s->app);
+    s->workspace = NULL;
+    s->app = NULL;
+}
+
 static inline void scene_close(scene *s)
 {
     char command[96];
-    workspace_destroy(s->workspace);
-    app_destroy(s->app);
+    scene_end(s);
     window_close(s->window);
     (void)snprintf(command, sizeof command, "rm -rf %s", s->folder);
     if (system(command) != 0)
         print_message("%s stays\n", s->folder);
 }
 
-/* Only the application and its workspace: what is in the folder stays, for a test that opens it
- * again. */
+/* The program begins, after it has ended if it runs: what is in the folder is what it finds. */
 static inline void scene_open_again(scene *s, const scene_options *options)
 {
     static const char *const none[] = {NULL};
     char path[512];
     error err = {0};
+    scene_end(s);
     scene_face_path(path, options->face ? options->face : "puppet");
     const app_options with = {
         .show_path = options->show_path ? options->show_path : s->show,

@@ -108,23 +108,11 @@ static bool has_take(scene *s, void *data)
     return !app_status(s->app)->is_recording && app_take_id(s->app) != 0;
 }
 
-static void close_stage(scene *s)
-{
-    workspace_destroy(s->workspace);
-    app_destroy(s->app);
-}
-
 static void open_stage(scene *s)
 {
     const scene_options same = {.show_path = s->show, .inputs = demo_inputs, .input_count = 1};
     scene_open_again(s, &same);
     scene_click_word(s, "Scene");
-}
-
-static void open_again(scene *s)
-{
-    close_stage(s);
-    open_stage(s);
 }
 
 static bool has_backdrop(scene *s, void *data)
@@ -164,7 +152,7 @@ static void a_look_is_a_click_and_is_the_shows(void **state)
     scene_click_word(&s, "Daylight");
     const double daylight = wall_brightness(&s, "scene_daylight");
     assert_true(theatre < studio && daylight > studio + 80.0);
-    open_again(&s);
+    open_stage(&s);
     assert_float_equal(kept_scenery_now(app_scenery(s.app))->light.room,
                        lighting_looks[2].light.room, 1e-4f);
     assert_true(wall_brightness(&s, "scene_again") > studio + 80.0);
@@ -195,7 +183,7 @@ static void a_light_is_dragged_and_turned_behind(void **state)
     assert_true(kept_scenery_now(app_scenery(s.app))->light.lamp[LIGHTING_KEY].direction[2] < 0.0f);
     scene_look(&s, "scene_behind");
     const float kept = kept_scenery_now(app_scenery(s.app))->light.lamp[LIGHTING_KEY].direction[0];
-    open_again(&s);
+    open_stage(&s);
     assert_float_equal(kept_scenery_now(app_scenery(s.app))->light.lamp[LIGHTING_KEY].direction[0],
                        kept, 1e-3f);
     scene_close(&s);
@@ -216,7 +204,7 @@ static void a_view_of_the_camera_is_kept_and_come_back_to(void **state)
     scene_frames(&s, 60);
     here = viewport_view(app_viewport(s.app));
     assert_true(fabs(here.number[0] - there.number[0]) > 0.5);
-    open_again(&s);
+    open_stage(&s);
     scene_click_word(&s, "View 1");
     scene_frames(&s, 60);
     here = viewport_view(app_viewport(s.app));
@@ -240,7 +228,7 @@ static void what_is_exported_is_lit_as_the_stage_is(void **state)
     assert_true(scene_until(&s, is_recorded, NULL));
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, has_take, NULL));
-    close_stage(&s); /* its show is free for the program */
+    scene_end(&s); /* its show is free for the program */
     (void)snprintf(command, sizeof command,
                    BUILD_DIR
                    "/marotte take export '%s' last --export '%s/pictures/' --size 320x180 "
@@ -310,14 +298,14 @@ static void a_picture_behind_is_the_shows_in_the_window_and_in_exports(void **st
     assert_tinted(BUILD_DIR "/out/scene_backdrop.png", 0.03, 0.60, 2);
     record_a_take(&s);
     assert_int_equal(unlink(path), 0); /* it is in the show */
-    open_again(&s);
+    open_stage(&s);
     assert_true(scene_until(&s, has_backdrop, NULL));
     scene_picture(&s, "scene_backdrop_again");
     assert_tinted(BUILD_DIR "/out/scene_backdrop_again.png", 0.03, 0.12, 0);
     scene_do(&s, ACTION_VIEW_SIDE);
     scene_frames(&s, 60);
     scene_click_word(&s, "Keep this view");
-    close_stage(&s);
+    scene_end(&s);
 
     (void)snprintf(arguments, sizeof arguments,
                    "take export '%s' last --export tall/ --export sheet.png --size 180x320 --fps 5",
@@ -427,7 +415,7 @@ static void a_picture_that_the_show_has_lost_is_said(void **state)
     drop(&s, path);
     assert_true(scene_until(&s, has_backdrop, NULL));
     assert_int_equal(show_pictures_forget(app_show(s.app), "", &err), MRT_OK);
-    open_again(&s);
+    open_stage(&s);
     assert_true(scene_until(&s, has_news, "lost.png, is not in the show any more"));
     assert_false(has_backdrop(&s, NULL));
     scene_close(&s);
@@ -480,7 +468,7 @@ static void all_of_the_scene_is_undone_and_done_again_bit_for_bit(void **state)
     }
     read_notes(&s, now);
     assert_memory_equal(now, last, sizeof now);
-    open_again(&s); /* what was kept comes back as it was written */
+    open_stage(&s); /* what was kept comes back as it was written */
     kept_scenery_keep(app_scenery(s.app));
     assert_string_equal(app_undo_words(s.app), "");
     scene_close(&s);

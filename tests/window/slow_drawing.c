@@ -109,10 +109,7 @@ static void at_five_pictures_a_second_every_sample_is_performed(void **state)
     assert_true(status.sample_count >= SAMPLES); /* and a few of the mouse */
     /* They were performed while the window drew, not between its frames. */
     assert_true(faces >= FACES_A_PICTURE * pictures);
-    workspace_destroy(s.workspace);
-    app_destroy(s.app);
-    s.workspace = NULL;
-    s.app = NULL;
+    scene_end(&s);
     check_recorded(s.show);
     scene_close(&s);
     (void)unlink(path);
