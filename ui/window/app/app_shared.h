@@ -1,6 +1,6 @@
-/* window/app/app_shared.h - what an application is made of, for its two files: app_open.c is what
- * there is and what is opened, app_takes.c what is done to takes. Nobody else includes it. [main]
- */
+/* window/app/app_shared.h - what an application is made of, for its three files: app_main.c is its
+ * life and what it is asked, app_open.c what is opened and kept, app_takes.c what is done to takes.
+ * Nobody else includes it. [main] */
 #ifndef MAROTTE_UI_WINDOW_APP_APP_SHARED_H
 #define MAROTTE_UI_WINDOW_APP_APP_SHARED_H
 #include "window/app/app.h"
@@ -117,7 +117,7 @@ struct app {
     uint32_t exports_failed;
 };
 
-/* ---- app_open.c ---- */
+/* ---- app_main.c ---- */
 
 /* An error is said in the news, once; the result comes back. */
 mrt_result app_report(app *self, mrt_result result, const error *err);
@@ -129,6 +129,17 @@ static inline void app_reported(mrt_result result)
 {
     (void)result;
 }
+
+/* ---- app_open.c ---- */
+
+void app_looks_read(app *self); /* from the settings */
+/* What is kept between runs: every few seconds, and at the end. */
+void app_keep_settings(app *self, double dt_s);
+void app_keep_settings_now(app *self);
+/* Show, face, plugins and stage, as the options or the last run say. */
+CHECKED mrt_result app_open_first(app *self, const app_options *options, error *err);
+/* A copy of the show that is whole is the open show: once a frame. */
+void app_follow_copy(app *self);
 
 /* ---- app_takes.c ---- */
 

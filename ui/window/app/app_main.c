@@ -1,0 +1,889 @@
+#include "window/app/app_shared.h"
+
+#include "base/clock.h"
+#include "base/file.h"
+#include "stage/perform/patch_file.h"
+
+#include <limits.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Before the frame thread has published anything. */
+static const live_view nothing_yet;
+
+/* ---- saying things ---- */
+
+mrt_result app_report(app *self, mrt_result result, const error *err)
+{
+    if (result < 0)
+        news_list_add(self->news, MRT_LOG_ERROR, "stage", err->text);
+    return result;
+}
+
+void app_say(app *self, int32_t level, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    news_list_add(self->news, level, "stage", text);
+}
+
+/* ---- the patch ---- */
+
+static bool patch_path(const app *self, char *out, size_t capacity)
+{
+    const char *folder = settings_folder(self->settings);
+    int length = snprintf(out, capacity, "%spatch.json", folder);
+    return folder[0] && length > 0 && (size_t)length < capacity;
+}
+
+/* As it was when the program ended. */
+static void app_patch_read(app *self)
+{
+    char path[PATH_MAX];
+    error err = {""};
+    if (!self->keeps_settings || !patch_path(self, path, sizeof path) || access(path, R_OK) != 0)
+        return;
+    (void)app_report(self, patch_file_read(&self->patch, path, &err), &err);
+    self->patch_waits = self->patch.count > 0;
+}
+
+static void app_patch_keep(app *self)
+{
+    char path[PATH_MAX], *text = NULL;
+    error err = {""};
+    if (!self->keeps_settings || !patch_path(self, path, sizeof path))
+        return;
+    mrt_result result = patch_file_write(&text, &self->patch, &err);
+    if (result >= 0)
+        result = file_write(path, text, strlen(text), &err);
+    free(text);
+    (void)app_report(self, result, &err);
+}
+
+const patch *app_patch(const app *self)
+{
+    return &self->patch;
+}
+
+void app_set_patch(app *self, const patch *p)
+{
+    self->patch = *p;
+    self->patch_waits = true;
+    app_patch_keep(self);
+}
+
+app_patch_aim *app_patch_aimed(app *self)
+{
+    return &self->patch_aim;
+}
+
+bool app_press(app *self, patch_action of)
+{
+    static const action does[PATCH_ACTIONS] = {
+        [PATCH_RECORD] = ACTION_RECORD, [PATCH_STOP] = ACTION_RECORD, [PATCH_MARK] = ACTION_MARK};
+    live_status_of(self->live, &self->status); /* another press may have been in this frame */
+    const bool is_going = self->status.is_recording || self->counts_in;
+    const bool is_wanted = of == PATCH_MARK || (of == PATCH_STOP) == is_going;
+    if (is_wanted)
+        app_do(self, does[of]);
+    return is_wanted;
+}
+
+static void obey_presses(app *self)
+{
+    for (int i = 0; i < PATCH_ACTIONS; ++i) {
+        const bool is_new = self->status.patch_pressed[i] > self->patch_pressed[i];
+        self->patch_pressed[i] = self->status.patch_pressed[i];
+        if (is_new)
+            (void)app_press(self, (patch_action)i);
+    }
+}
+
+static void app_patch_update(app *self)
+{
+    error err = {""};
+    obey_presses(self);
+    if (!self->patch_waits || self->status.is_recording)
+        return;
+    patch whole = self->patch;
+    expressions_connect(self->expressions, &whole);
+    mrt_result result = live_set_patch(self->live, &whole, &err);
+    if (result == MRT_HOLD)
+        return;
+    self->patch_waits = false;
+    (void)app_report(self, result, &err);
+}
+
+/* ---- from afar ---- */
+
+static const char remote_key[] = "remote.place";
+
+struct expressions *app_expressions(app *self)
+{
+    return self->expressions;
+}
+
+void app_ask_preset(app *self, const char *name)
+{
+    (void)snprintf(self->preset_asked, sizeof self->preset_asked, "%s", name);
+}
+
+bool app_take_preset(app *self, char *out, size_t capacity)
+{
+    (void)snprintf(out, capacity, "%s", self->preset_asked);
+    self->preset_asked[0] = '\0';
+    return out[0] != '\0';
+}
+
+void app_ask_camera(app *self)
+{
+    self->camera_asked = true;
+}
+
+bool app_take_camera(app *self)
+{
+    const bool was_asked = self->camera_asked;
+    self->camera_asked = false;
+    return was_asked;
+}
+
+bool app_take_draft(app *self)
+{
+    const bool was_asked = self->draft_asked;
+    self->draft_asked = false;
+    return was_asked;
+}
+
+void app_note_drafting(app *self, bool is_drafting)
+{
+    self->is_drafting = is_drafting;
+}
+
+bool app_is_drafting(const app *self)
+{
+    return self->is_drafting;
+}
+
+void app_ask_picture(app *self)
+{
+    self->picture_asked = true;
+}
+
+bool app_take_picture(app *self)
+{
+    const bool was_asked = self->picture_asked;
+    self->picture_asked = false;
+    return was_asked;
+}
+
+app_remote_status app_remote_now(const app *self)
+{
+    return remote_status_of(self->remote);
+}
+
+void app_set_remote(app *self, const char *place)
+{
+    error err = {""};
+    if (app_report(self, remote_listen(self->remote, place, &err), &err) >= 0)
+        settings_set_text(self->settings, remote_key, place[0] ? place : NULL);
+}
+
+static mrt_result start_remote(app *self, const char *wanted, error *err)
+{
+    const char *place = wanted ? wanted : settings_text(self->settings, remote_key, "");
+    error ignored;
+    const mrt_result result = remote_listen(self->remote, place, wanted ? err : &ignored);
+    return wanted ? result : MRT_OK;
+}
+
+/* ---- the picture for other programs ---- */
+
+enum { PICTURE_LEAST = 64, PICTURE_MOST = 4096, FPS_MOST = 120 };
+
+static uint32_t number_within(double value, uint32_t least, uint32_t most, uint32_t otherwise)
+{
+    return value >= least && value <= most ? (uint32_t)value : otherwise;
+}
+
+static void take_picture(app *self, const app_picture *wanted)
+{
+    const uint64_t edition = self->picture.edition + 1;
+    self->picture = *wanted;
+    self->picture.edition = edition;
+    self->picture.width = number_within(wanted->width, PICTURE_LEAST, PICTURE_MOST, 1280) & ~1u;
+    self->picture.height = number_within(wanted->height, PICTURE_LEAST, PICTURE_MOST, 720) & ~1u;
+    self->picture.fps = number_within(wanted->fps, 1, FPS_MOST, 30);
+}
+
+void app_set_picture(app *self, const app_picture *wanted)
+{
+    take_picture(self, wanted);
+    settings_set_text(self->settings, "picture.background", self->picture.background);
+    settings_set_text(self->settings, "picture.targets", self->picture.targets);
+    settings_set_number(self->settings, "picture.on_top", self->picture.is_on_top);
+    settings_set_number(self->settings, "picture.window", self->picture.is_window);
+    settings_set_number(self->settings, "picture.width", self->picture.width);
+    settings_set_number(self->settings, "picture.height", self->picture.height);
+    settings_set_number(self->settings, "picture.fps", self->picture.fps);
+}
+
+static void read_picture(app *self, const app_picture *given)
+{
+    const settings *from = self->settings;
+    app_picture kept = {
+        .is_on_top = settings_number(from, "picture.on_top", 0.0) > 0.5,
+        .is_window = settings_number(from, "picture.window", 0.0) > 0.5,
+        .width = number_within(settings_number(from, "picture.width", 0.0), 0, PICTURE_MOST, 0),
+        .height = number_within(settings_number(from, "picture.height", 0.0), 0, PICTURE_MOST, 0),
+        .fps = number_within(settings_number(from, "picture.fps", 0.0), 0, FPS_MOST, 0)};
+    (void)snprintf(kept.background, sizeof kept.background, "%s",
+                   settings_text(from, "picture.background", ""));
+    (void)snprintf(kept.targets, sizeof kept.targets, "%s",
+                   settings_text(from, "picture.targets", ""));
+    take_picture(self, given ? given : &kept); /* what a command line says is not kept */
+}
+
+const app_picture *app_picture_now(const app *self)
+{
+    return &self->picture;
+}
+
+void app_note_picture(app *self, const char *says, uint32_t streams)
+{
+    self->stream_count = streams;
+    if (says[0] && strcmp(says, self->picture_says) != 0)
+        news_list_add(self->news, MRT_LOG_WARNING, "stream", says);
+    (void)snprintf(self->picture_says, sizeof self->picture_says, "%s", says);
+}
+
+const char *app_picture_says(const app *self, uint32_t *out_streams)
+{
+    *out_streams = self->stream_count;
+    return self->picture_says;
+}
+
+/* ---- outputs ---- */
+
+static void keep_outputs(app *self)
+{
+    outputs *of = live_outputs(self->live);
+    char key[24];
+    for (uint32_t i = 0; i < OUTPUTS_MAX; ++i) {
+        output_status now = {.text = NULL};
+        if (i < outputs_count(of))
+            outputs_status(of, i, &now);
+        (void)snprintf(key, sizeof key, "outputs.%u", i);
+        settings_set_text(self->settings, key, now.text);
+    }
+}
+
+/* As they were when the program ended: what they name is looked up among what is loaded. */
+static void open_outputs(app *self)
+{
+    char key[24];
+    for (uint32_t i = 0; i < OUTPUTS_MAX; ++i) {
+        error err = {""};
+        (void)snprintf(key, sizeof key, "outputs.%u", i);
+        const char *text = settings_text(self->settings, key, NULL);
+        if (text)
+            (void)app_report(self, outputs_add(live_outputs(self->live), text, &err), &err);
+    }
+}
+
+mrt_result app_add_output(app *self, const char *text)
+{
+    char *spec;
+    self->output_trouble = (error){""};
+    mrt_result result = plugin_list_choose_spec(&self->plugins, text, MRT_FACE_OUTPUT, &spec,
+                                                &self->output_trouble);
+    if (result >= 0)
+        result = outputs_add(live_outputs(self->live), spec, &self->output_trouble);
+    free(spec);
+    if (result >= 0)
+        keep_outputs(self);
+    return app_report(self, result, &self->output_trouble);
+}
+
+void app_remove_output(app *self, uint32_t index)
+{
+    outputs_remove(live_outputs(self->live), index);
+    keep_outputs(self);
+}
+
+const char *app_output_trouble(const app *self)
+{
+    return self->output_trouble.text;
+}
+
+/* ---- life ---- */
+
+static mrt_result make_parts(app *self, const app_options *options, error *err)
+{
+    char note[1024];
+    mrt_result result =
+        settings_open(&self->settings, options->settings_path, note, sizeof note, err);
+    if (result < 0)
+        return result;
+    self->log = log_queue_create();
+    self->news = news_list_create();
+    self->exports = exporter_create();
+    self->expressions = expressions_create(self);
+    self->remote = remote_create(self);
+    self->pulls = pulls_create(self);
+    self->scenery = kept_scenery_create(self);
+    self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
+    if (!self->log || !self->news || !self->exports || !self->inputs || !self->expressions ||
+        !self->remote || !self->pulls || !self->scenery)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    if (note[0])
+        app_say(self, MRT_LOG_WARNING, "%s", note);
+    if (options->note && options->note[0])
+        app_say(self, MRT_LOG_WARNING, "%s", options->note);
+    app_looks_read(self);
+    read_picture(self, options->picture);
+    return MRT_OK;
+}
+
+mrt_result app_create(app **out, const app_options *options, error *err)
+{
+    *out = NULL;
+    app *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
+    self->view = &nothing_yet;
+    self->choice.marker = -1;
+    self->sound = options->sound;
+    mrt_result result = make_parts(self, options, err);
+    if (result >= 0)
+        result = app_open_first(self, options, err);
+    if (result >= 0)
+        result = start_remote(self, options->remote, err);
+    if (result < 0) {
+        app_destroy(self);
+        return result;
+    }
+    self->keeps_settings = true;
+    self->takes_are_stale = true;
+    app_patch_read(self);
+    open_outputs(self);
+    app_update(self, 0.0);
+    *out = self;
+    return MRT_OK;
+}
+
+/* Whoever is left to hear it sees it in a terminal: the window is gone. */
+static void end_live(app *self)
+{
+    error err = {0};
+    if (self->live && live_stop(self->live, &err) < 0)
+        fprintf(stderr, "marotte: %s\n", err.text);
+    self->live = NULL;
+    self->view = &nothing_yet;
+}
+
+void app_destroy(app *self)
+{
+    if (!self)
+        return;
+    if (self->keeps_settings)
+        app_keep_settings_now(self);
+    remote_destroy(self->remote);
+    input_opener_destroy(self->inputs);
+    show_copier_destroy(self->copier);
+    exporter_destroy(self->exports);
+    app_record_finish_over(self);
+    app_drop_take(self);
+    pulls_destroy(self->pulls);
+    kept_scenery_destroy(self->scenery);
+    end_live(self);
+    expressions_destroy(self->expressions);
+    app_close_show(self, self->show);
+    face_file_destroy(self->face);
+    free(self->face);
+    free(self->face_path);
+    free(self->line);
+    free(self->key);
+    settings_close(self->settings);
+    news_list_destroy(self->news);
+    log_queue_destroy(self->log);
+    plugin_list_destroy(&self->plugins);
+    free(self);
+}
+
+/* ---- each frame ---- */
+
+/* There is no microphone, which the log has said: it is not armed. One that was there and went is
+ * waited for. */
+static void follow_sound(app *self)
+{
+    const sound_device_status *device = &self->status.listening.device;
+    if (self->status.is_sound_armed && device->state == SOUND_DEVICE_AWAY &&
+        device->lost_count == 0)
+        live_disarm_sound(self->live);
+}
+
+/* None joins a take that is being recorded: it comes when that has ended. */
+static void take_inputs(app *self)
+{
+    input_opened one;
+    live_status_of(self->live, &self->status);
+    while (!self->status.is_recording && input_opener_take(self->inputs, &one)) {
+        mrt_result result = MRT_ERR_IO;
+        if (one.input)
+            result = live_add_input(self->live, one.input, one.text, &one.err);
+        self->input_trouble = result < 0 ? one.err : (error){""};
+        (void)app_report(self, result, &one.err);
+    }
+}
+
+static void report_exports(app *self)
+{
+    mrt_result result;
+    char text[2048];
+    while (exporter_ended(self->exports, &result, text, sizeof text)) {
+        self->exports_failed += result < 0;
+        app_say(self, result < 0 ? MRT_LOG_ERROR : MRT_LOG_INFO, "%s", text);
+    }
+}
+
+uint32_t app_exports_failed(const app *self)
+{
+    return self->exports_failed;
+}
+
+void app_update(app *self, double dt_s)
+{
+    const live_view *newest = NULL;
+    take_inputs(self);
+    live_update(self->live);
+    (void)live_look(self->live, &newest);
+    if (newest)
+        self->view = newest;
+    live_status_of(self->live, &self->status);
+    follow_sound(self);
+    app_record_update(self);
+    self->patch_waits |= expressions_update(self->expressions, dt_s);
+    app_patch_update(self);
+    remote_update(self->remote, dt_s);
+    report_exports(self);
+    app_undo_update(self);
+    kept_scenery_update(self->scenery);
+    app_takes_update(self, dt_s);
+    app_follow_copy(self);
+    news_list_update(self->news, self->log, dt_s);
+    if (self->keeps_settings)
+        app_keep_settings(self, dt_s);
+}
+
+/* ---- inputs ---- */
+
+mrt_result app_open_input(app *self, const char *text)
+{
+    char *spec;
+    self->input_trouble = (error){""};
+    mrt_result result =
+        plugin_list_choose_spec(&self->plugins, text, MRT_INPUT, &spec, &self->input_trouble);
+    const char *const one = spec;
+    if (result >= 0)
+        result = input_opener_open(self->inputs, &one, 1, false, &self->input_trouble);
+    free(spec);
+    return app_report(self, result, &self->input_trouble);
+}
+
+uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX])
+{
+    return input_opener_going(self->inputs, out);
+}
+
+void app_give_up_opening(app *self, uint64_t id)
+{
+    input_opener_give_up(self->inputs, id);
+}
+
+const char *app_opening_trouble(const app *self)
+{
+    return self->input_trouble.text;
+}
+
+/* ---- what there is ---- */
+
+const plugin_list *app_plugins(app *self)
+{
+    return &self->plugins;
+}
+
+log_queue *app_log(app *self)
+{
+    return self->log;
+}
+
+live *app_live(app *self)
+{
+    return self->live;
+}
+
+const live_view *app_view(const app *self)
+{
+    return self->view;
+}
+
+const live_status *app_status(const app *self)
+{
+    return &self->status;
+}
+
+const face_file *app_face(const app *self)
+{
+    return self->face;
+}
+
+const char *app_face_path(const app *self)
+{
+    return self->face_path;
+}
+
+show *app_show(app *self)
+{
+    return self->show;
+}
+
+settings *app_settings(app *self)
+{
+    return self->settings;
+}
+
+news_list *app_news(app *self)
+{
+    return self->news;
+}
+
+app_choice *app_chosen(app *self)
+{
+    return &self->choice;
+}
+
+struct viewport *app_viewport(app *self)
+{
+    return self->viewport;
+}
+
+void app_set_viewport(app *self, struct viewport *v)
+{
+    self->viewport = v;
+}
+
+void app_note_figures(app *self, const app_figures *figures)
+{
+    self->figures = *figures;
+}
+
+const app_figures *app_figures_of(const app *self)
+{
+    return &self->figures;
+}
+
+void app_set_unsaved(app *self, const app_unsaved *unsaved)
+{
+    self->has_unsaved = unsaved != NULL;
+    if (unsaved)
+        self->unsaved = *unsaved;
+}
+
+const app_unsaved *app_unsaved_now(const app *self)
+{
+    return self->has_unsaved ? &self->unsaved : NULL;
+}
+
+mrt_result app_export_take(app *self, const export_request *request)
+{
+    error err = {0};
+    if (!self->chosen || !self->show)
+        return app_report(
+            self, error_set(&err, MRT_ERR_ARGUMENT, "choose the take that is to be exported"),
+            &err);
+    const mrt_result result = exporter_begin(self->exports, show_path(self->show), self->chosen,
+                                             self->face_path, request, &err);
+    if (result >= 0)
+        app_say(self, MRT_LOG_INFO, "exporting %s", request->file);
+    return app_report(self, result, &err);
+}
+
+uint32_t app_exports_going(const app *self)
+{
+    return exporter_count(self->exports);
+}
+
+export_progress app_export_now(const app *self, uint32_t index)
+{
+    return exporter_at(self->exports, index);
+}
+
+void app_cancel_export(app *self, uint32_t index)
+{
+    exporter_cancel(self->exports, index);
+}
+
+/* ---- actions: whether each can be done now, and who does it ---- */
+
+static const char *why_no_record(const app *self)
+{
+    if (self->status.is_recording || self->status.can_record)
+        return NULL;
+    return self->status.why_not[0] ? self->status.why_not : "nothing can be recorded now";
+}
+
+static const char *why_no_keep(const app *self)
+{
+    const char *why = why_no_record(self);
+    if (why)
+        return why;
+    return self->status.journal_ns > 0 ? NULL : "nothing was performed yet";
+}
+
+static const char *why_no_transport(const app *self, action of)
+{
+    if (self->status.is_recording)
+        return "a take is being recorded: end it first";
+    if (of == ACTION_TAKE_BEFORE || of == ACTION_TAKE_NEXT)
+        return self->line_count ? NULL : "there is no take yet";
+    if (!self->history)
+        return "no take is chosen";
+    if (of == ACTION_STOP && self->view->mode == LIVE_PERFORMS)
+        return "no take is on the stage";
+    return NULL;
+}
+
+/* NULL: it can be done. */
+static const char *why_not(app *self, action of)
+{
+    switch (of) {
+    case ACTION_RECORD:
+        return why_no_record(self);
+    case ACTION_KEEP:
+        return why_no_keep(self);
+    case ACTION_MARK:
+        return live_shown_take(self->live) ? app_edit_why_not(self, of) : why_no_record(self);
+    case ACTION_LIVE:
+        return self->view->mode == LIVE_PERFORMS && !self->chosen
+                   ? "the live hands are on the stage"
+                   : NULL;
+    case ACTION_SOUND_ARM:
+        return self->status.is_recording ? "a take is being recorded: end it first" : NULL;
+    case ACTION_UNDO:
+        return app_undo_why_not(self);
+    case ACTION_REDO:
+        return app_can_redo(self) ? NULL : "there is nothing to do again";
+    case ACTION_EXPORT:
+        return self->chosen ? NULL : "no take is chosen";
+    case ACTION_NONE:
+    case ACTION_COUNT:
+        return "";
+    default:
+        break;
+    }
+    const action_group group = action_of(of)->group;
+    if (group == ACTION_TRANSPORT)
+        return why_no_transport(self, of);
+    return group == ACTION_EDIT ? app_edit_why_not(self, of) : NULL;
+}
+
+bool app_can(app *self, action of, const char **out_why_not)
+{
+    const char *why = why_not(self, of);
+    if (out_why_not)
+        *out_why_not = why ? why : "";
+    return why == NULL;
+}
+
+/* ---- doing ---- */
+
+static void arm_sound(app *self)
+{
+    error err = {0};
+    if (self->status.is_sound_armed)
+        live_disarm_sound(self->live);
+    else
+        (void)app_report(self, live_arm_sound(self->live, 1, &err), &err);
+}
+
+#define KEEP_NS        (30 * NS_PER_S)
+#define NEUTRAL_FADE_S 0.25 /* as the stage's own */
+
+static void do_performance(app *self, action of)
+{
+    switch (of) {
+    case ACTION_RECORD:
+        app_record_toggle(self);
+        break;
+    case ACTION_KEEP:
+        app_keep(self, clock_now_ns() - KEEP_NS, clock_now_ns());
+        break;
+    case ACTION_MARK:
+        app_mark(self);
+        break;
+    case ACTION_NEUTRAL:
+        expressions_release(self->expressions, NEUTRAL_FADE_S);
+        pulls_clear(self->pulls);
+        break;
+    case ACTION_REZERO:
+        live_rezero(self->live);
+        break;
+    case ACTION_LIVE:
+        if (!live_shown_take(self->live))
+            app_reported(app_choose_take(self, 0));
+        else
+            live_show_hands(self->live);
+        break;
+    case ACTION_HAND_KEYS:
+        self->has_hand_keys = !self->has_hand_keys;
+        break;
+    default:
+        break;
+    }
+}
+
+/* The switch of the looks that an action is; NULL: it is none. */
+static bool *switch_of(app_looks *looks, action of)
+{
+    switch (of) {
+    case ACTION_VIEW_MIRROR:
+        return &looks->is_mirrored;
+    case ACTION_VIEW_TURNTABLE:
+        return &looks->is_turning;
+    case ACTION_SHOW_HANDS:
+        return &looks->shows_hands;
+    case ACTION_SHOW_VECTORS:
+        return &looks->shows_vectors;
+    case ACTION_SHOW_SUPPORTS:
+        return &looks->shows_supports;
+    case ACTION_SHOW_CONTACTS:
+        return &looks->shows_contacts;
+    case ACTION_SHOW_JAW:
+        return &looks->shows_jaw;
+    case ACTION_OUTPUT:
+        return &looks->has_output;
+    case ACTION_OUTPUT_MIRROR:
+        return &looks->is_output_mirrored;
+    case ACTION_FACE_ONLY:
+        return &looks->is_face_only;
+    case ACTION_TIMELINE:
+        return &looks->has_timeline;
+    case ACTION_HELP:
+        return &looks->is_helping;
+    default:
+        return NULL;
+    }
+}
+
+static void do_look(app *self, action of)
+{
+    app_looks *looks = &self->looks;
+    bool *value = switch_of(looks, of);
+    if (value) {
+        *value = !*value;
+        if (of == ACTION_TIMELINE && *value)
+            looks->is_face_only = false;
+    } else if (of == ACTION_HEAT_NEXT) {
+        looks->heat = (app_heat)((looks->heat + 1) % APP_HEATS);
+    } else if (of >= ACTION_PANEL_DEVICES && of < ACTION_PANEL_DEVICES + (int)APP_PANELS) {
+        looks->panel = (app_panel)(of - ACTION_PANEL_DEVICES);
+        looks->is_face_only = false;
+    } else if (of == ACTION_QUIT) {
+        self->wants_to_quit = true;
+    } else {
+        self->asked[of] = true;
+    }
+}
+
+void app_do(app *self, action of)
+{
+    const char *why = "";
+    if (!app_can(self, of, &why)) {
+        if (why[0])
+            app_say(self, MRT_LOG_INFO, "%s: %s", action_of(of)->title, why);
+        return;
+    }
+    if (of == ACTION_UNDO)
+        app_reported(app_undo(self));
+    else if (of == ACTION_REDO)
+        app_reported(app_redo(self));
+    else if (of == ACTION_SOUND_ARM)
+        arm_sound(self);
+    else if (of == ACTION_EXPORT)
+        self->asked[of] = true;
+    else if (of == ACTION_DUPLICATE)
+        app_reported(app_duplicate_take(self, self->chosen));
+    else if (action_of(of)->group == ACTION_PERFORMANCE)
+        do_performance(self, of);
+    else if (action_of(of)->group == ACTION_TRANSPORT)
+        app_play_do(self, of);
+    else if (action_of(of)->group == ACTION_EDIT)
+        app_edit_do(self, of);
+    else
+        do_look(self, of);
+}
+
+bool app_take_request(app *self, action of)
+{
+    const bool was_asked = self->asked[of];
+    self->asked[of] = false;
+    return was_asked;
+}
+
+bool app_wants_to_quit(const app *self)
+{
+    return self->wants_to_quit;
+}
+
+void app_stay(app *self)
+{
+    self->wants_to_quit = false;
+}
+
+bool app_is_held(const app *self)
+{
+    return pulls_is_held(self->pulls);
+}
+
+void app_begin_pull(app *self)
+{
+    self->has_pulled = true;
+    pulls_begin(self->pulls);
+}
+
+bool app_has_pulled(const app *self)
+{
+    return self->has_pulled;
+}
+
+void app_hold(app *self, const char *words)
+{
+    pulls_did(self->pulls, words);
+}
+
+void app_clear_pulls(app *self)
+{
+    if (pulls_is_held(self->pulls))
+        pulls_clear(self->pulls);
+}
+
+void app_note_rig_pending(app *self, bool is_pending)
+{
+    self->is_rig_pending = is_pending;
+}
+
+bool app_is_rig_pending(const app *self)
+{
+    return self->is_rig_pending;
+}
+
+bool app_has_hand_keys(const app *self)
+{
+    return self->has_hand_keys;
+}
