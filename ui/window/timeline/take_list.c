@@ -61,7 +61,7 @@ static bool reserve(timeline_takes *self, uint32_t count)
     takes_row *row = realloc(self->row, capacity * sizeof *row);
     if (row)
         self->row = row;
-    uint32_t *root = realloc(self->root, capacity * sizeof *root);
+    takes_root *root = realloc(self->root, capacity * sizeof *root);
     if (root)
         self->root = root;
     if (!row || !root)
@@ -106,31 +106,24 @@ static void find_roots(timeline_takes *self, const app_take_line *line, uint32_t
 {
     for (uint32_t i = 0; i < count; ++i) {
         const uint32_t over = line[i].over ? find_index(line, i, line[i].over) : i;
-        self->root[i] = !is_shown(self, &line[i])                   ? UINT32_MAX
-                        : over < i && self->root[over] < UINT32_MAX ? self->root[over]
-                                                                    : i;
+        const uint32_t root = !is_shown(self, &line[i])                      ? UINT32_MAX
+                              : over < i && self->root[over].at < UINT32_MAX ? self->root[over].at
+                                                                             : i;
+        self->root[i] = (takes_root){.at = root};
+        if (root < i)
+            self->root[root].over_count += 1;
     }
 }
 
-/* What was performed over one, in the order of its timeline. Returns how many; they are seen if it
- * is not folded. */
-static uint32_t put_over(timeline_takes *self, const app_take_line *line, uint32_t count,
-                         uint32_t of, bool is_folded)
+/* Below its root, in the order of the timeline. */
+static void put_over(timeline_takes *self, const app_take_line *line, uint32_t i)
 {
-    const uint32_t first = self->count;
-    uint32_t found = 0;
-    for (uint32_t i = of + 1; i < count; ++i) {
-        if (self->root[i] != of)
-            continue;
-        found += 1;
-        if (is_folded || self->count == self->capacity)
-            continue;
-        uint32_t at = self->count++;
-        for (; at > first && line[self->row[at - 1].line].over_at_ns > line[i].over_at_ns; --at)
-            self->row[at] = self->row[at - 1];
-        self->row[at] = (takes_row){.line = i, .is_over = true};
-    }
-    return found;
+    takes_root *root = &self->root[self->root[i].at];
+    const uint32_t first = root->row + 1;
+    uint32_t at = first + root->put_count++;
+    for (; at > first && line[self->row[at - 1].line].over_at_ns > line[i].over_at_ns; --at)
+        self->row[at] = self->row[at - 1];
+    self->row[at] = (takes_row){.line = i, .is_over = true};
 }
 
 /* Each frame; nothing while there is no memory. What is searched for, chosen or being recorded is
@@ -143,15 +136,21 @@ static void timeline_takes_look(timeline_takes *self, const app_take_line *line,
         return;
     find_roots(self, line, count);
     const uint32_t at = find_index(line, count, chosen);
-    for (uint32_t i = count; i-- > 0 && self->count < self->capacity;) {
-        if (self->root[i] != i)
+    for (uint32_t i = count; i-- > 0;) {
+        takes_root *root = &self->root[i];
+        if (root->at != i)
             continue;
-        const bool is_seen = self->words[0] || find_unfolded(self, line[i].id) ||
-                             (at < count && at != i && self->root[at] == i) ||
-                             (self->root[count - 1] == i && line[count - 1].is_recording);
-        takes_row *row = &self->row[self->count++];
-        *row = (takes_row){.line = i};
-        row->over_count = put_over(self, line, count, i, !is_seen);
+        root->is_unfolded = self->words[0] || find_unfolded(self, line[i].id) ||
+                            (at < count && at != i && self->root[at].at == i) ||
+                            (self->root[count - 1].at == i && line[count - 1].is_recording);
+        root->row = self->count++;
+        self->row[root->row] = (takes_row){.line = i, .over_count = root->over_count};
+        self->count += root->is_unfolded ? root->over_count : 0;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t root = self->root[i].at;
+        if (root < i && self->root[root].is_unfolded)
+            put_over(self, line, i);
     }
 }
 

@@ -43,12 +43,18 @@ typedef struct takes_row {                        /* of the list, as it is shown
     bool is_over;              /* it is one of those, under its take */
 } takes_row;
 
+typedef struct takes_root { /* of a line */
+    uint32_t at;            /* the line that it lies under, or itself; not shown: UINT32_MAX */
+    uint32_t over_count, put_count, row; /* so many lie under it; they follow its row */
+    bool is_unfolded;
+} takes_root;
+
 enum { TAKES_UNFOLDED = 32 };
 typedef struct timeline_takes {
     takes_filter filter;
     char words[TAKES_WORDS]; /* all of them must be there, in any case */
     takes_row *row;
-    uint32_t *root; /* for each line: the one that it lies under, or itself; none: UINT32_MAX */
+    takes_root *root; /* of each line */
     uint32_t count, capacity;
     int64_t unfolded[TAKES_UNFOLDED]; /* takes; what was performed over them is seen */
     uint32_t unfolded_next;
