@@ -19,23 +19,44 @@
 static const char wait_key[] = "open.desktop_wait_s";
 static const double wait_s = 4.0;
 
-static portal *ask_desktop(const dialogs *self, portal_question question)
+static void forget_desktop(dialogs_desktop *self)
 {
+    portal_close(self->asked);
+    self->asked = NULL;
+}
+
+static void ask_desktop(dialogs *self, dialogs_desktop *with, portal_question question)
+{
+    forget_desktop(with);
     question.patience_s = settings_number(app_settings(self->app), wait_key, wait_s);
-    return question.patience_s > 0.0 ? portal_ask(&question) : NULL;
+    with->asked = question.patience_s > 0.0 ? portal_ask(&question) : NULL;
 }
 
-static void forget_desktop(portal **asked)
+/* Each frame. Our dialog may have been closed, by whatever: the desktop's goes with it. */
+static bool goes_with(dialogs_desktop *self, bool is_shown)
 {
-    portal_close(*asked);
-    *asked = NULL;
+    if (self->is_shown && !is_shown)
+        forget_desktop(self);
+    self->is_shown = is_shown;
+    return is_shown;
 }
 
-static void say_desktop(ui *on, bool asks)
+/* PORTAL_WAITS too where nobody is asked. What is answered ends it. */
+static portal_answer look_at_desktop(dialogs_desktop *self, char out_path[PORTAL_PATH])
 {
-    ui_text(on, UI_STYLE_DIM,
-            asks ? "The desktop's own dialog asks for the file."
-                 : "The desktop is asked for its dialog.");
+    const portal_answer answer = self->asked ? portal_look(self->asked, out_path) : PORTAL_WAITS;
+    self->asks = answer == PORTAL_ASKS;
+    if (answer > PORTAL_ASKS)
+        forget_desktop(self);
+    return answer;
+}
+
+static void say_desktop(ui *on, const dialogs_desktop *self)
+{
+    if (self->asked)
+        ui_text(on, UI_STYLE_DIM,
+                self->asks ? "The desktop's own dialog asks for the file."
+                           : "The desktop is asked for its dialog.");
 }
 
 /* ---- export ---- */
@@ -575,22 +596,21 @@ static void open_by_desktop(dialogs *self)
     for (open_kind i = OPEN_ANY; i < OPEN_KINDS; ++i)
         if (i != kind)
             filter[count++] = (portal_filter){kind_names[i], open_endings(i)};
-    self->opening.desktop =
-        ask_desktop(self, (portal_question){.title = "Open",
-                                            .folder = self->opening.at[kind].path,
-                                            .name = "",
-                                            .filter = filter,
-                                            .filter_count = count});
+    ask_desktop(self, &self->opening.desktop,
+                (portal_question){.title = "Open",
+                                  .folder = self->opening.at[kind].path,
+                                  .name = "",
+                                  .filter = filter,
+                                  .filter_count = count});
 }
 
 void dialogs_ask_open(dialogs *self, open_kind kind)
 {
     self->opening.kind = kind;
     self->opening.is_asked_first = true;
-    self->opening.is_shown = false;
+    self->opening.desktop.is_shown = false;
     self->opening.name[0] = self->opening.trouble[0] = '\0';
     go_somewhere(self);
-    forget_desktop(&self->opening.desktop);
     open_by_desktop(self);
     ui_dialog_open(self->ui, open_dialog);
 }
@@ -690,16 +710,13 @@ static void open_chosen(dialogs *self, const char *path)
         (void)snprintf(opening->trouble, sizeof opening->trouble, "%.900s is not there", path);
 }
 
-static void look_at_desktop(dialogs *self)
+static void look_what_to_open(dialogs *self)
 {
     dialogs_opening *opening = &self->opening;
     char path[PORTAL_PATH];
-    const portal_answer answer = portal_look(opening->desktop, path);
-    opening->desktop_asks = answer == PORTAL_ASKS;
-    if (answer <= PORTAL_ASKS)
-        return;
-    forget_desktop(&opening->desktop);
-    opening->is_asked_first = true; /* the list, if it stays */
+    const portal_answer answer = look_at_desktop(&opening->desktop, path);
+    if (answer > PORTAL_ASKS)
+        opening->is_asked_first = true; /* the list, if it stays */
     if (answer == PORTAL_CHOSEN)
         open_chosen(self, path);
     else if (answer == PORTAL_CANCELLED)
@@ -733,7 +750,7 @@ static bool draw_recent(dialogs *self, char chosen[FOLDER_PATH])
         (void)snprintf(chosen, FOLDER_PATH, "%s", recent[i]);
         is_double = click == UI_ROW_DOUBLE_CLICKED;
     }
-    if (any != (self->opening.desktop != NULL))
+    if (any != (self->opening.desktop.asked != NULL))
         ui_text(on, UI_STYLE_DIM, any ? "Here" : "Nothing was opened lately.");
     return is_double;
 }
@@ -768,9 +785,9 @@ static void draw_list(dialogs *self)
     ui *on = self->ui;
     char chosen[FOLDER_PATH];
     chosen[0] = '\0';
-    ui_scroll_begin(on, "files", 0.0f, self->opening.desktop ? 150.0f : 264.0f);
+    ui_scroll_begin(on, "files", 0.0f, self->opening.desktop.asked ? 150.0f : 264.0f);
     bool is_double = draw_recent(self, chosen);
-    if (!self->opening.desktop)
+    if (!self->opening.desktop.asked)
         is_double = draw_files(self, chosen) || is_double;
     ui_scroll_end(on);
     if (!chosen[0])
@@ -800,7 +817,7 @@ static void draw_whose_list(dialogs *self)
 {
     ui *on = self->ui;
     settings *kept = app_settings(self->app);
-    const bool is_desktops = self->opening.desktop != NULL;
+    const bool is_desktops = self->opening.desktop.asked != NULL;
     if (!is_desktops && settings_number(kept, wait_key, wait_s) > 0.0)
         return; /* there is none */
     ui_same_line(on);
@@ -851,23 +868,16 @@ static void draw_open(dialogs *self)
 {
     ui *on = self->ui;
     dialogs_opening *opening = &self->opening;
-    if (!ui_dialog_begin(on, open_dialog, "Open", 560.0f)) {
-        if (opening->is_shown) /* it was closed, by whatever */
-            forget_desktop(&opening->desktop);
-        opening->is_shown = false;
+    if (!goes_with(&opening->desktop, ui_dialog_begin(on, open_dialog, "Open", 560.0f)))
         return;
-    }
-    opening->is_shown = true;
-    if (opening->desktop)
-        look_at_desktop(self);
-    if (opening->desktop)
-        say_desktop(on, opening->desktop_asks);
-    else
+    look_what_to_open(self);
+    say_desktop(on, &opening->desktop);
+    if (!opening->desktop.asked)
         draw_tabs(self);
     ui_space(on, 4.0f);
-    if (opening->kind == OPEN_FACE || opening->desktop)
+    if (opening->kind == OPEN_FACE || opening->desktop.asked)
         draw_shipped(self);
-    if (!opening->desktop)
+    if (!opening->desktop.asked)
         ui_text(on, UI_STYLE_DIM, opening->at[opening->kind].path);
     draw_list(self);
     ui_space(on, 4.0f);
@@ -883,9 +893,7 @@ static void draw_open(dialogs *self)
     ui_dialog_end(on);
 }
 
-/* Under another name: what is saved goes on there. */
-
-/* ---- save as ---- */
+/* ---- save as: what is saved goes on there ---- */
 
 static const char save_dialog[] = "save as";
 static const char *const saved_names[] = {"The show", "The rig"};
@@ -955,14 +963,13 @@ static void choose_saved(dialogs *self, bool is_rig)
     char *slash = strrchr(at, '/');
     if (slash)
         *slash = '\0';
-    forget_desktop(&saving->desktop);
-    saving->desktop = ask_desktop(
-        self, (portal_question){.is_saving = true,
-                                .title = is_rig ? "Save the rig as" : "Save the show as",
-                                .folder = slash ? at : "",
-                                .name = slash ? slash + 1 : at,
-                                .filter = &filter,
-                                .filter_count = 1});
+    ask_desktop(self, &saving->desktop,
+                (portal_question){.is_saving = true,
+                                  .title = is_rig ? "Save the rig as" : "Save the show as",
+                                  .folder = slash ? at : "",
+                                  .name = slash ? slash + 1 : at,
+                                  .filter = &filter,
+                                  .filter_count = 1});
 }
 
 void dialogs_ask_save_as(dialogs *self)
@@ -971,7 +978,7 @@ void dialogs_ask_save_as(dialogs *self)
         news_list_add(app_news(self->app), MRT_LOG_INFO, "stage", "there is nothing to save");
         return;
     }
-    self->saving.is_shown = false;
+    self->saving.desktop.is_shown = false;
     choose_saved(self, app_rig_path(self->app) &&
                            (app_looks_of(self->app)->panel == APP_RIG || !app_show(self->app)));
     ui_dialog_open(self->ui, save_dialog);
@@ -1002,11 +1009,7 @@ static void look_where_to_save(dialogs *self)
 {
     dialogs_saving *saving = &self->saving;
     char path[PORTAL_PATH];
-    const portal_answer answer = portal_look(saving->desktop, path);
-    saving->desktop_asks = answer == PORTAL_ASKS;
-    if (answer <= PORTAL_ASKS)
-        return;
-    forget_desktop(&saving->desktop);
+    const portal_answer answer = look_at_desktop(&saving->desktop, path);
     if (answer == PORTAL_CANCELLED)
         ui_dialog_close(self->ui);
     if (answer != PORTAL_CHOSEN)
@@ -1021,20 +1024,13 @@ static void draw_saving(dialogs *self)
     ui *on = self->ui;
     dialogs_saving *saving = &self->saving;
     uint32_t which = saving->is_rig;
-    if (!ui_dialog_begin(on, save_dialog, "Save as", 520.0f)) {
-        if (saving->is_shown)
-            forget_desktop(&saving->desktop);
-        saving->is_shown = false;
+    if (!goes_with(&saving->desktop, ui_dialog_begin(on, save_dialog, "Save as", 520.0f)))
         return;
-    }
-    saving->is_shown = true;
-    if (saving->desktop)
-        look_where_to_save(self);
+    look_where_to_save(self);
     if (app_rig_path(self->app) && app_show(self->app) &&
         ui_tabs(on, "saved", saved_names, 2, &which))
         choose_saved(self, which == 1);
-    if (saving->desktop)
-        say_desktop(on, saving->desktop_asks);
+    say_desktop(on, &saving->desktop);
     ui_space(on, 4.0f);
     ui_width(on, -1.0f);
     if (saving->is_asked_first)

@@ -12,14 +12,18 @@
 #include "window/app/app.h"
 #include "window/app/exporter.h"
 
+typedef struct dialogs_desktop { /* the desktop's own dialog, beside one of ours */
+    portal *asked;               /* NULL: it is not asked */
+    bool asks, is_shown;         /* it is there to be answered; ours is */
+} dialogs_desktop;
+
 typedef struct dialogs_opening { /* the dialog that opens whatever there is */
     open_kind kind;              /* of which it lists files; OPEN_ANY: all */
     folder at[OPEN_KINDS];
     char name[FOLDER_PATH];
     char trouble[1024];
     bool is_asked_first;
-    portal *desktop; /* the desktop's own dialog asks instead; NULL: the list */
-    bool desktop_asks, is_shown;
+    dialogs_desktop desktop; /* asks instead of the list */
 } dialogs_opening;
 
 typedef struct dialogs_saving { /* the show or the rig under another name */
@@ -27,8 +31,8 @@ typedef struct dialogs_saving { /* the show or the rig under another name */
     char file[FOLDER_PATH];
     char replaced[FOLDER_PATH]; /* the file that the person was told is there already */
     char trouble[1024];
-    portal *desktop; /* the desktop's own dialog asks too; NULL: it does not */
-    bool desktop_asks, is_shown, is_asked_first;
+    bool is_asked_first;
+    dialogs_desktop desktop; /* asks too */
 } dialogs_saving;
 
 typedef struct dialogs_exporting {
