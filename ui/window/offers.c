@@ -94,9 +94,15 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
     ui_text(on, UI_STYLE_DIM, text);
     if (!is_drafting && ui_button(on, "Draft a rig", UI_ACCENT))
         app_ask_draft(of);
-    if (!is_drafting)
-        ui_hint(on, "The head is found by its skeleton, its parts and its shape, and performs. "
-                    "Rig (F4) shows what was guessed.");
+    if (!is_drafting) {
+        char hint[192], keys[KEY_WORDS + 4];
+        key_map_after(&app_looks_of(of)->keys, ACTION_PANEL_RIG, keys);
+        (void)snprintf(hint, sizeof hint,
+                       "The head is found by its skeleton, its parts and its shape, and performs. "
+                       "Rig%s shows what was guessed.",
+                       keys);
+        ui_hint(on, hint);
+    }
     ui_panel_end(on);
 }
 

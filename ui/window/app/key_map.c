@@ -134,6 +134,13 @@ void key_map_words(const key_map *self, action of, char out[KEY_WORDS])
     key_chord_words(key_map_of(self, of), out);
 }
 
+void key_map_after(const key_map *self, action of, char out[KEY_WORDS + 4])
+{
+    char words[KEY_WORDS];
+    key_map_words(self, of, words);
+    (void)snprintf(out, KEY_WORDS + 4, words[0] ? " (%s)" : "", words);
+}
+
 action key_map_action(const key_map *self, key_chord chord)
 {
     for (uint32_t i = 1; i < ACTION_COUNT && chord.key != UI_KEY_NONE; ++i)

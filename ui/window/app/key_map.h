@@ -19,6 +19,8 @@ typedef struct key_map { /* zeroed: as the program brings them */
 key_chord key_map_of(const key_map *self, action of);
 enum { KEY_WORDS = 40 };
 void key_map_words(const key_map *self, action of, char out[KEY_WORDS]); /* "Ctrl+Z", "?"; "" */
+/* After what a sentence names: " (F4)"; "" */
+void key_map_after(const key_map *self, action of, char out[KEY_WORDS + 4]);
 /* What the chord does; ACTION_NONE: nothing. */
 action key_map_action(const key_map *self, key_chord chord);
 /* Why nothing can be done by that chord; NULL: it can. */

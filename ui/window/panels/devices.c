@@ -993,12 +993,12 @@ static void draw_picture(devices_panel *self, ui *on)
         (void)snprintf(wanted.background, sizeof wanted.background, "%s", colours[ground]);
         is_new = true;
     }
-    char hint[256], keys[KEY_WORDS];
-    key_map_words(&app_looks_of(self->app)->keys, ACTION_OUTPUT, keys);
+    char hint[256], keys[KEY_WORDS + 4];
+    key_map_after(&app_looks_of(self->app)->keys, ACTION_OUTPUT, keys);
     (void)snprintf(hint, sizeof hint,
-                   "In the output window%s%s%s and in streams. Transparent: the desktop, or what "
-                   "OBS has below, is seen behind the face.",
-                   keys[0] ? " (" : "", keys, keys[0] ? ")" : "");
+                   "In the output window%s and in streams. Transparent: the desktop, or what OBS "
+                   "has below, is seen behind the face.",
+                   keys);
     ui_hint(on, hint);
     is_new |=
         ui_check(on, "Output in a window, though there is a second screen", &wanted.is_window);

@@ -936,11 +936,10 @@ static void mapping_pedals_draw(mapping_panel *self, ui *on, instance *mapping)
     if (count == 0)
         ui_text_wrapped(on, UI_STYLE_DIM, "This mapping uses no pedals.");
     ui_space(on, 4.0f);
-    char words[128], keys[KEY_WORDS];
-    key_map_words(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, keys);
+    char words[128], keys[KEY_WORDS + 4];
+    key_map_after(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, keys);
     (void)snprintf(words, sizeof words,
-                   "The pedal that re-zeroes the hands is chosen at Devices%s%s%s.",
-                   keys[0] ? " (" : "", keys, keys[0] ? ")" : "");
+                   "The pedal that re-zeroes the hands is chosen at Devices%s.", keys);
     ui_text_wrapped(on, UI_STYLE_DIM, words);
 }
 

@@ -992,8 +992,13 @@ static void take_draft(rig_panel *self)
     self->confirm = made.confirm;
     rig_panel_note_step(self, made.number, "draft");
     rig_panel_choose(self, RIG_TAB_CHECK, 0);
-    if (!self->is_seen)
-        tell(self, "A rig is drafted: what to look at, and Save, are in Rig (F4).");
+    if (!self->is_seen) {
+        char text[128], keys[KEY_WORDS + 4];
+        key_map_after(&app_looks_of(self->of)->keys, ACTION_PANEL_RIG, keys);
+        (void)snprintf(text, sizeof text,
+                       "A rig is drafted: what to look at, and Save, are in Rig%s.", keys);
+        tell(self, text);
+    }
 }
 
 static void update(panel *self_, double dt_s)

@@ -304,16 +304,15 @@ static const double leads_s[] = {0.0, 1.0, 2.0, 3.0, 5.0, 10.0};
 enum { LEADS = sizeof leads_s / sizeof leads_s[0] };
 
 /* True: another is chosen. */
-static bool lead_items(ui *on, const char *what, double *s)
+static bool lead_items(ui *on, const char *what, const char *none, double *s)
 {
     const double before_s = *s;
     for (int i = 0; i < LEADS; ++i) {
         char label[64];
         if (leads_s[i] > 0.0)
-            (void)snprintf(label, sizeof label, "%c%s %g s", what[0] & ~0x20, what + 1, leads_s[i]);
-        else
-            (void)snprintf(label, sizeof label, "No %s", what);
-        if (ui_menu_item(on, label, before_s == leads_s[i] ? "\u2713" : "", true))
+            (void)snprintf(label, sizeof label, "%s %g s", what, leads_s[i]);
+        if (ui_menu_item(on, leads_s[i] > 0.0 ? label : none,
+                         before_s == leads_s[i] ? "\u2713" : "", true))
             *s = leads_s[i];
     }
     return *s != before_s;
@@ -324,9 +323,9 @@ static void record_menu(app *of, ui *on)
     app_lead_in lead = app_lead_in_of(of);
     if (!ui_menu_begin(on, "record_menu"))
         return;
-    bool is_other = lead_items(on, "count-in", &lead.count_in_s);
+    bool is_other = lead_items(on, "Count-in", "No count-in", &lead.count_in_s);
     ui_rule(on);
-    is_other |= lead_items(on, "pre-roll", &lead.preroll_s);
+    is_other |= lead_items(on, "Pre-roll", "No pre-roll", &lead.preroll_s);
     if (is_other)
         app_set_lead_in(of, lead);
     ui_menu_end(on);
