@@ -353,14 +353,6 @@ mrt_result take_time(take_call *call, take_option option, const take *t, int64_t
 
 /* ---- the show, and what in it is meant ---- */
 
-take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
-{
-    take_name out;
-    (void)snprintf(out.text, sizeof out.text, "%s%s%s%s%u", scene, scene[0] ? "/" : "", shot,
-                   shot[0] ? "/" : "", number);
-    return out;
-}
-
 static mrt_result take_open_show(take_call *call, error *err)
 {
     static const show_mode modes[] = {
@@ -561,9 +553,10 @@ static const take_verb play_verbs[] = {
      "  --in T, --out T   a range of it\n"
      "  --frames A-B   of those frames only the A-th to the B-th, from 1: a share of a video, "
      "silent\n"
-     "  --all          every take: {take}, {slate}, {scene}, {shot}, {number}, {name} in the names "
-     "of\n"
-     "                 the files; what is complete and still true is not done again\n"
+     "  --all          every take: {show}, {take}, {slate}, {scene}, {shot}, {number}, {name} in "
+     "the "
+     "names\n"
+     "                 of the files; what is complete and still true is not done again\n"
      "  --jobs N       so many takes at a time (1)\n"
      "  --face FILE    on this face (that which it was performed on)\n"
      "  --tolerance MM, --max-targets N, --bare   of glTF, as in marotte perform\n"

@@ -5,6 +5,7 @@
 #define MAROTTE_UI_TAKE_H
 #include "command.h"
 #include "exports.h"
+#include "take/export_name.h"
 #include "take/history.h"
 #include "take/show.h"
 #include "base/timecode.h"
@@ -159,12 +160,6 @@ CHECKED mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns,
                                   error *err);
 /* By --layer, an id or a name; else the only one. */
 CHECKED mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error *err);
-
-typedef struct take_name {
-    char text[2 * TAKE_NAME + 32];
-} take_name;
-take_name take_slate_text(const char *scene, const char *shot,
-                          uint32_t number); /* "1/a/2"; without what is "" */
 
 /* ---- subcommands of take.c's own table ---- */
 

@@ -10,6 +10,7 @@
 #include "base/text.h"
 #include "take.h"
 #include "take/edit_store.h"
+#include "take/export_name.h"
 #include "take/hash.h"
 #include "take/pack.h"
 #include "take_stage.h"
@@ -52,50 +53,15 @@ typedef struct all {
 
 /* ---- names ---- */
 
-/* A word of a take as part of a file's name: one component, never hidden. */
-static void add_word(char *out, size_t capacity, const char *word)
-{
-    size_t used = strlen(out);
-    for (const char *at = word; *at && used + 1 < capacity; ++at) {
-        bool is_bad = *at == '/' || *at == '\\' || (unsigned char)*at < ' ' || *at == 127;
-        bool starts = used == 0 || out[used - 1] == '/';
-        out[used++] = is_bad ? '-' : *at == '.' && starts ? '_' : *at;
-    }
-    out[used] = '\0';
-}
-
 /* "out/{slate}.glb" */
 static mrt_result name_file(char **out, const char *pattern, const take *t, take_call *call,
                             error *err)
 {
-    char text[PATH_MAX] = "", number[24], id[24];
-    (void)snprintf(number, sizeof number, "%u", t->number);
-    (void)snprintf(id, sizeof id, "%lld", (long long)t->id);
-    const take_name slate = take_slate_text(t->scene, t->shot, t->number);
-    const struct {
-        const char *key, *word;
-    } words[] = {{"{take}", id},      {"{slate}", slate.text}, {"{scene}", t->scene},
-                 {"{shot}", t->shot}, {"{number}", number},    {"{name}", t->name}};
-    for (const char *at = pattern; *at;) {
-        size_t i = 0, used = strlen(text);
-        while (i < sizeof words / sizeof *words &&
-               strncmp(at, words[i].key, strlen(words[i].key)) != 0)
-            ++i;
-        if (i < sizeof words / sizeof *words) {
-            add_word(text, sizeof text, words[i].word);
-            at += strlen(words[i].key);
-            continue;
-        }
-        if (*at == '{')
-            return take_misused(call, err,
-                                "\"%s\": {take}, {slate}, {scene}, {shot}, {number} and {name} are "
-                                "what a name may have",
-                                pattern);
-        if (used + 2 > sizeof text)
-            return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", pattern);
-        text[used] = *at++;
-        text[used + 1] = '\0';
-    }
+    char text[PATH_MAX];
+    error why;
+    const export_name_of of = {call->word[0], t->id, t->scene, t->shot, t->name, t->number};
+    if (export_name(text, sizeof text, pattern, &of, &why) < 0)
+        return take_misused(call, err, "%s", why.text);
     *out = strdup(text);
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
 }

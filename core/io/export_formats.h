@@ -13,7 +13,7 @@
     X(VRMA, ".vrma", "VRM animation (.vrma)", "head, jaw, gaze and expressions, for any VRM",      \
       "the mesh, pulls")                                                                           \
     X(MP4, ".mp4", "Video (.mp4)", "H.264, by the program ffmpeg; sound and time code",            \
-      "the mesh")                                                                                  \
+      "the mesh, transparency")                                                                    \
     X(FOLDER, "/", "Pictures, a folder of PNG", "a folder: pictures 00001.png and on", "sound")    \
     X(USD_POINTS, ".points.usda", "USD, points (.points.usda)",                                    \
       "the mesh, and every vertex at every frame", "shapes to edit; it is large")                  \
@@ -24,7 +24,7 @@
       "the mesh, frames a second")                                                                 \
     X(MDD, ".mdd", "Motion Designer (.mdd)", "every vertex at every frame, and its time",          \
       "the mesh")                                                                                  \
-    X(CSV, ".csv", "Table (.csv)", "degrees of freedom, contacts; for --curves", "the mesh")       \
+    X(CSV, ".csv", "Table (.csv)", "degrees of freedom and contacts, a row a frame", "the mesh")   \
     X(LIVELINK, ".livelink.csv", "Live Link Face table (.livelink.csv)",                           \
       "ARKit's shapes, as the app records them", "the mesh")                                       \
     X(PNG, ".png", "Contact sheet (.png)", "eight moments in one picture", "motion")

@@ -285,7 +285,7 @@ static void a_take_is_exported_beside_the_stage(void **state)
     open_room(&r, true);
     record_a_take(&r);
     (void)snprintf(request.file, sizeof request.file, "%s/take.pc2", r.folder);
-    assert_int_equal(app_export_take(r.app, &request), MRT_OK);
+    assert_int_equal(app_export_take(r.app, app_take_id(r.app), &request), MRT_OK);
     assert_true(until(&r, exports_are_over));
     if (stat(request.file, &info) != 0) {
         const news_list *news = app_news(r.app);
@@ -293,7 +293,7 @@ static void a_take_is_exported_beside_the_stage(void **state)
     }
     assert_true(was_said(r.app, "exported"));
     (void)snprintf(request.file, sizeof request.file, "%s/take.nonsense", r.folder);
-    assert_int_equal(app_export_take(r.app, &request), MRT_OK);
+    assert_int_equal(app_export_take(r.app, app_take_id(r.app), &request), MRT_OK);
     assert_true(until(&r, exports_are_over));
     assert_true(was_said(r.app, "was not exported"));
     close_room(&r);
@@ -313,7 +313,7 @@ static void an_export_says_how_far_it_is_and_is_cancelled(void **state)
     open_room(&r, true);
     record_a_take(&r);
     (void)snprintf(request.file, sizeof request.file, "%s/pictures/", r.folder);
-    assert_int_equal(app_export_take(r.app, &request), MRT_OK);
+    assert_int_equal(app_export_take(r.app, app_take_id(r.app), &request), MRT_OK);
     assert_int_equal(app_exports_going(r.app), 1);
     assert_string_equal(app_export_now(r.app, 0).file, request.file);
     assert_true(until(&r, export_is_told));

@@ -10,6 +10,7 @@
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/file.h"
 #include "scene.h"
@@ -32,16 +33,24 @@ static bool are_exports(scene *s, void *data)
     return app_exports_going(s->app) == *(uint32_t *)data;
 }
 
-static void open_with_a_hand(scene *s)
+static void open_sized(scene *s, uint32_t width_px, uint32_t height_px, float scale)
 {
     static char hand[512];
     static const char *const inputs[] = {hand};
     (void)snprintf(hand, sizeof hand, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
-    const scene_options options = {
-        .width_px = 1280, .height_px = 720, .scale = 1.0f, .inputs = inputs, .input_count = 1};
+    const scene_options options = {.width_px = width_px,
+                                   .height_px = height_px,
+                                   .scale = scale,
+                                   .inputs = inputs,
+                                   .input_count = 1};
     scene_open_with(s, &options);
     scene_let_cut(s, "/tmp/");
     scene_let_cut(s, "demo_hand");
+}
+
+static void open_with_a_hand(scene *s)
+{
+    open_sized(s, 1280, 720, 1.0f);
 }
 
 static void record_a_take(scene *s)
@@ -277,6 +286,90 @@ static void clay_leaves_the_curves_their_names(void **state)
     scene_close(&s);
 }
 
+static bool has_two_takes(scene *s, void *data)
+{
+    const app_take_line *line;
+    (void)data;
+    return app_takes(s->app, &line) == 2 && line[0].duration_ns > 0 && line[1].duration_ns > 0 &&
+           !line[1].is_recording;
+}
+
+/* What cannot be written is said, and the others are written. */
+static void several_takes_are_exported_and_one_that_fails_stops_no_other(void **state)
+{
+    (void)state;
+    scene s;
+    uint32_t none = 0;
+    struct stat status;
+    char path[2][160];
+    open_with_a_take(&s);
+    assert_int_equal(app_duplicate_take(s.app, app_take_id(s.app)), MRT_OK);
+    assert_true(scene_until(&s, has_two_takes, NULL));
+    assert_true(scene_until(&s, has_take, NULL));
+    for (int i = 0; i < 2; ++i)
+        (void)snprintf(path[i], sizeof path[i], "%s/night_%d.csv", s.folder, i + 1);
+    assert_int_equal(mkdir(path[0], 0700), 0);
+    scene_do(&s, ACTION_EXPORT);
+    scene_click_word(&s, "glTF, for Blender, Unity, Unreal (.glb)");
+    scene_click_word(&s, "Table (.csv)");
+    scene_click_word(&s, "All takes");
+    scene_look(&s, "export_several");
+    assert_non_null(scene_word(&s, "Writes night_1.csv and 1 more"));
+    scene_check_words(&s);
+    scene_click_word(&s, "Export");
+    assert_int_equal(app_exports_going(s.app), 0);
+    assert_non_null(scene_word_with(&s, "is there already"));
+    scene_click_word(&s, "Export");
+    assert_int_equal(app_exports_going(s.app), 2);
+    assert_true(scene_until(&s, are_exports, &none));
+    assert_int_equal(app_exports_failed(s.app), 1);
+    assert_int_equal(stat(path[1], &status), 0);
+    assert_true(S_ISREG(status.st_mode) && status.st_size > 0);
+    scene_close(&s);
+}
+
+static void a_preset_chooses_and_what_is_typed_is_checked(void **state)
+{
+    (void)state;
+    scene s;
+    open_with_a_take(&s);
+    scene_do(&s, ACTION_EXPORT);
+    scene_click_word(&s, "No preset");
+    scene_click_word(&s, "Pictures to lay over a film");
+    assert_non_null(scene_word(&s, "Pictures, a folder of PNG"));
+    assert_non_null(scene_word(&s, "1920 x 1080"));
+    assert_non_null(scene_word(&s, "Transparent"));
+    assert_non_null(scene_word(&s, "Writes night_1/"));
+    scene_click_word(&s, "1920 x 1080");
+    scene_click_word(&s, "Another size");
+    scene_click_word(&s, "Export");
+    assert_int_equal(app_exports_going(s.app), 0);
+    assert_non_null(scene_word_with(&s, "The size"));
+    scene_look(&s, "export_own");
+    scene_check_words(&s);
+    scene_close(&s);
+}
+
+static void the_page_is_whole(uint32_t width_px, uint32_t height_px, float scale, const char *name)
+{
+    scene s;
+    open_sized(&s, width_px, height_px, scale);
+    record_a_take(&s);
+    scene_do(&s, ACTION_EXPORT);
+    scene_click_word(&s, "No preset");
+    scene_click_word(&s, "Video, square");
+    scene_look(&s, name);
+    assert_int_equal(scene_word_faults(&s), 0);
+    scene_close(&s);
+}
+
+static void nothing_of_the_page_is_cut_in_any_size(void **state)
+{
+    (void)state;
+    the_page_is_whole(800, 500, 1.0f, "export_small");
+    the_page_is_whole(3840, 2160, 2.0f, "export_large");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -284,6 +377,9 @@ int main(void)
         cmocka_unit_test(what_is_there_is_replaced_when_asked_twice),
         cmocka_unit_test(what_goes_on_is_seen_and_cancelled),
         cmocka_unit_test(pictures_are_as_the_dialog_says),
+        cmocka_unit_test(several_takes_are_exported_and_one_that_fails_stops_no_other),
+        cmocka_unit_test(a_preset_chooses_and_what_is_typed_is_checked),
+        cmocka_unit_test(nothing_of_the_page_is_cut_in_any_size),
         cmocka_unit_test(quitting_asks_about_an_export_that_goes_on),
         cmocka_unit_test(an_export_is_given_up_with_the_program),
     };

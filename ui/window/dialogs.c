@@ -1,6 +1,5 @@
 #include "window/dialogs.h"
 #include "base/installed.h"
-#include "io/export_formats.h"
 #include "window/app/settings.h"
 
 #include "base/timecode.h"
@@ -10,8 +9,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* What is asked: how a take is to be exported, and how far those are that go on. */
 
 /* ---- the desktop's own file dialog ---- */
 
@@ -57,313 +54,6 @@ static void say_desktop(ui *on, const dialogs_desktop *self)
         ui_text(on, UI_STYLE_DIM,
                 self->asks ? "The desktop's own dialog asks for the file."
                            : "The desktop is asked for its dialog.");
-}
-
-/* ---- export ---- */
-
-static const char export_dialog[] = "export";
-
-typedef struct format {
-    const char *name, *ending, *holds;
-} format;
-static const format formats[] = {
-#define X(format, ending, name, holds, lacks) {name, ending, "Holds: " holds ". Not: " lacks "."},
-    EXPORTS_FORMATS(X)
-#undef X
-};
-enum {
-#define X(format, ending, name, holds, lacks) FORMAT_##format,
-    EXPORTS_FORMATS(X)
-#undef X
-        FORMATS
-};
-
-static const double rates[] = {0.0, 24.0, 25.0, 30.0, 50.0, 60.0};
-static const char *const rate_names[] = {"As the take says", "24", "25", "30", "50", "60"};
-enum { RATES = sizeof rates / sizeof rates[0] };
-
-/* How videos and pictures look: what is read, and what take export is told; NULL: nothing. */
-typedef struct look {
-    const char *name, *option;
-} look;
-static const look sizes[] = {{"1280 x 720", NULL},
-                             {"1920 x 1080", "1920x1080"},
-                             {"2560 x 1440", "2560x1440"},
-                             {"3840 x 2160", "3840x2160"},
-                             {"1080 x 1920, upright", "1080x1920"},
-                             {"1080 x 1080, square", "1080x1080"},
-                             {"640 x 360", "640x360"}};
-static const look views[] = {
-    {"From the front", NULL}, {"From the side", "side"}, {"Three-quarter view", "three-quarter"}};
-static const look backgrounds[] = {{"The wall of the stage", NULL},
-                                   {"Green, to key", "#00b140"},
-                                   {"Blue, to key", "#0047bb"},
-                                   {"Black", "#000000"},
-                                   {"White", "#ffffff"},
-                                   {"Transparent", "transparent"}}; /* last: not of an .mp4 */
-enum {
-    SIZES = sizeof sizes / sizeof sizes[0],
-    VIEWS = sizeof views / sizeof views[0],
-    BACKGROUNDS = sizeof backgrounds / sizeof backgrounds[0]
-};
-
-/* The file's name gets the ending of the format, in place of another one's. */
-static void put_ending(dialogs_exporting *self)
-{
-    char *file = self->request.file;
-    size_t length = strlen(file);
-    for (uint32_t i = 0; i < FORMATS; ++i) {
-        const size_t ending = strlen(formats[i].ending);
-        if (length > ending && strcmp(file + length - ending, formats[i].ending) == 0) {
-            file[length -= ending] = '\0';
-            break;
-        }
-    }
-    const char *wanted = formats[self->format].ending;
-    if (length > 0 && length + strlen(wanted) < sizeof self->request.file)
-        (void)snprintf(file + length, sizeof self->request.file - length, "%s", wanted);
-}
-
-/* Beside the show, called as the take: "night_1_a_3_ride". */
-static void put_name(dialogs *self)
-{
-    const app_take_line *line;
-    const uint32_t count = app_takes(self->app, &line);
-    const char *of = app_show(self->app) ? show_path(app_show(self->app)) : "";
-    char *file = self->exporting.request.file;
-    const char *dot = strrchr(of, '.');
-    size_t length = (size_t)snprintf(file, EXPORT_FILE / 2, "%.*s_",
-                                     dot ? (int)(dot - of) : (int)strlen(of), of);
-    if (length >= EXPORT_FILE / 2)
-        length = EXPORT_FILE / 2 - 1;
-    const size_t from = length;
-    for (uint32_t i = 0; i < count; ++i)
-        if (line[i].id == app_take_id(self->app))
-            length += (size_t)snprintf(file + length, EXPORT_FILE / 4, "%s", line[i].title);
-    for (char *c = file + from; *c; ++c)
-        if (*c == '/' || *c == ' ')
-            *c = '_';
-}
-
-/* What was chosen last, in this run or another: out of range, in a file that was edited, is the
- * first. */
-static void recall_choices(dialogs *self, settings *kept)
-{
-    dialogs_exporting *exporting = &self->exporting;
-    const struct {
-        const char *key;
-        uint32_t *chosen, count;
-    } each[] = {{"export.format", &exporting->format, FORMATS},
-                {"export.rate", &exporting->rate, RATES},
-                {"export.size", &exporting->size, SIZES},
-                {"export.view", &exporting->view, VIEWS},
-                {"export.background", &exporting->background, BACKGROUNDS}};
-    for (size_t i = 0; i < sizeof each / sizeof each[0]; ++i) {
-        const double value = settings_number(kept, each[i].key, 0.0);
-        *each[i].chosen = value >= 0.0 && value < each[i].count ? (uint32_t)value : 0;
-    }
-}
-
-static void keep_choices(const dialogs *self, settings *kept)
-{
-    const dialogs_exporting *exporting = &self->exporting;
-    settings_set_number(kept, "export.format", exporting->format);
-    settings_set_number(kept, "export.rate", exporting->rate);
-    settings_set_number(kept, "export.size", exporting->size);
-    settings_set_number(kept, "export.view", exporting->view);
-    settings_set_number(kept, "export.background", exporting->background);
-}
-
-/* Those that the format can have: H.264 has no alpha. */
-static uint32_t backgrounds_of(const dialogs_exporting *exporting)
-{
-    return exporting->format == FORMAT_MP4 ? BACKGROUNDS - 1 : BACKGROUNDS;
-}
-
-static bool is_drawn(const dialogs_exporting *exporting)
-{
-    return exporting->format == FORMAT_MP4 || exporting->format == FORMAT_FOLDER;
-}
-
-void dialogs_ask_export(dialogs *self)
-{
-    recall_choices(self, app_settings(self->app));
-    self->exporting.trouble[0] = self->exporting.replaced[0] = '\0';
-    put_name(self);
-    put_ending(&self->exporting);
-    self->exporting.is_asked_first = true;
-    ui_dialog_open(self->ui, export_dialog);
-}
-
-static bool range_of(const dialogs *self, int64_t *out_in, int64_t *out_out)
-{
-    const transport *move = live_transport(app_live(self->app));
-    *out_in = move->loop_in_ns;
-    *out_out = move->loop_out_ns;
-    return live_shown_take(app_live(self->app)) == app_take_id(self->app) && *out_in < *out_out;
-}
-
-/* What is there already is replaced when it is asked for a second time. */
-static bool needs_a_word(dialogs_exporting *exporting)
-{
-    const char *file = exporting->request.file;
-    if (strcmp(exporting->replaced, file) == 0 || access(file, F_OK) != 0)
-        return false;
-    (void)snprintf(exporting->replaced, sizeof exporting->replaced, "%s", file);
-    (void)snprintf(exporting->trouble, sizeof exporting->trouble,
-                   "%s is there already. Export again replaces it.", file);
-    return true;
-}
-
-static void begin_export(dialogs *self)
-{
-    dialogs_exporting *exporting = &self->exporting;
-    export_request *request = &exporting->request;
-    request->fps = rates[exporting->rate];
-    request->in_ns = request->out_ns = 0;
-    const bool drawn = is_drawn(exporting);
-    request->size = drawn ? sizes[exporting->size].option : NULL;
-    request->view = drawn ? views[exporting->view].option : NULL;
-    request->background = drawn ? backgrounds[exporting->background].option : NULL;
-    if (exporting->only_range)
-        (void)range_of(self, &request->in_ns, &request->out_ns);
-    if (needs_a_word(exporting))
-        return;
-    if (app_export_take(self->app, request) >= 0) {
-        keep_choices(self, app_settings(self->app));
-        ui_dialog_close(self->ui);
-        return;
-    }
-    const news_list *news = app_news(self->app);
-    const uint32_t count = news_list_count(news);
-    (void)snprintf(exporting->trouble, sizeof exporting->trouble, "%s",
-                   count ? news_list_at(news, count - 1)->text : "");
-}
-
-static void draw_range(dialogs *self)
-{
-    int64_t in_ns, out_ns;
-    char words[96];
-    const bool has_range = range_of(self, &in_ns, &out_ns);
-    if (!has_range) {
-        self->exporting.only_range = false;
-        return;
-    }
-    (void)snprintf(words, sizeof words, "Only the range, %.1f to %.1f s", 1e-9 * (double)in_ns,
-                   1e-9 * (double)out_ns);
-    ui_space(self->ui, 2.0f);
-    (void)ui_check(self->ui, words, &self->exporting.only_range);
-}
-
-static void choose_look(ui *on, const char *words, float label, const look *from, uint32_t count,
-                        uint32_t *chosen)
-{
-    const char *names[8];
-    for (uint32_t i = 0; i < count; ++i)
-        names[i] = from[i].name;
-    if (*chosen >= count)
-        *chosen = 0;
-    (void)ui_choice(on, words, label, names, count, chosen);
-}
-
-static void draw_looks(ui *on, dialogs_exporting *exporting, float label)
-{
-    choose_look(on, "Size", label, sizes, SIZES, &exporting->size);
-    choose_look(on, "View", label, views, VIEWS, &exporting->view);
-    choose_look(on, "Background", label, backgrounds, backgrounds_of(exporting),
-                &exporting->background);
-}
-
-static void draw_request(dialogs *self)
-{
-    ui *on = self->ui;
-    dialogs_exporting *exporting = &self->exporting;
-    const char *names[FORMATS];
-    const float label = 124.0f;
-    if (!ui_dialog_begin(on, export_dialog, "Export the chosen take", 520.0f))
-        return;
-    for (uint32_t i = 0; i < FORMATS; ++i)
-        names[i] = formats[i].name;
-    if (ui_choice(on, "Format", label, names, FORMATS, &exporting->format))
-        put_ending(exporting);
-    ui_text_wrapped(on, UI_STYLE_DIM, formats[exporting->format].holds);
-    (void)ui_choice(on, "Frames a second", label, rate_names, RATES, &exporting->rate);
-    if (is_drawn(exporting))
-        draw_looks(on, exporting, label);
-    ui_space(on, 2.0f);
-    ui_width(on, -1.0f);
-    if (exporting->is_asked_first)
-        ui_input_take_keys(on);
-    exporting->is_asked_first = false;
-    (void)ui_input(on, "##file", "Path of the file", exporting->request.file,
-                   sizeof exporting->request.file);
-    draw_range(self);
-    if (exporting->trouble[0])
-        ui_text_wrapped(on, UI_STYLE_BAD, exporting->trouble);
-    ui_space(on, 8.0f);
-    if (ui_button(on, "Export", UI_ACCENT))
-        begin_export(self);
-    ui_same_line(on);
-    if (ui_button(on, "Cancel", UI_PLAIN))
-        ui_dialog_close(on);
-    ui_dialog_end(on);
-}
-
-/* ---- the exports that go on ---- */
-
-static const char exports_dialog[] = "exports";
-
-void dialogs_ask_exports(dialogs *self)
-{
-    ui_dialog_open(self->ui, exports_dialog);
-}
-
-static void draw_going(dialogs *self, uint32_t index)
-{
-    ui *on = self->ui;
-    const export_progress going = app_export_now(self->app, index);
-    char words[64], id[24];
-    (void)snprintf(id, sizeof id, "export%u", index);
-    ui_id_begin(on, id);
-    if (going.is_cancelled || going.done < 0.0)
-        (void)snprintf(words, sizeof words, "%s", going.is_cancelled ? "ends" : "begins");
-    else
-        (void)snprintf(words, sizeof words, "%s, %.0f %%", going.doing, 100.0 * going.done);
-    ui_text(on, UI_STYLE_BODY, going.file);
-    ui_text(on, UI_STYLE_DIM, words);
-    ui_bar(on, going.done < 0.0 ? 0.0f : (float)going.done, 484.0f, 8.0f, UI_STYLE_GOOD);
-    ui_disabled_begin(on, going.is_cancelled);
-    if (ui_button(on, "Cancel", UI_PLAIN))
-        app_cancel_export(self->app, index);
-    ui_disabled_end(on);
-    ui_id_end(on);
-    ui_space(on, 6.0f);
-}
-
-static void list_exports(dialogs *self)
-{
-    const uint32_t count = app_exports_going(self->app);
-    for (uint32_t i = 0; i < count; ++i)
-        draw_going(self, i);
-}
-
-/* It closes with the last of them. */
-static void draw_exports(dialogs *self)
-{
-    ui *on = self->ui;
-    const uint32_t count = app_exports_going(self->app);
-    if (!ui_dialog_begin(on, exports_dialog, "Exports", 520.0f))
-        return;
-    list_exports(self);
-    if (ui_button(on, "Close", UI_QUIET) || count == 0)
-        ui_dialog_close(on);
-    ui_dialog_end(on);
-}
-
-static void draw_export(dialogs *self)
-{
-    draw_request(self);
-    draw_exports(self);
 }
 
 /* Before the program ends or another face comes: what becomes of work that is not saved, and of
@@ -520,7 +210,7 @@ static void draw_exporting(dialogs *self)
         ui_dialog_end(on);
         return;
     }
-    list_exports(self);
+    export_page_list_going(on, self->app);
     if (self->waits_for_exports)
         ui_text(on, UI_STYLE_DIM, "The program ends with the last of them.");
     else
@@ -1059,6 +749,7 @@ static void draw_saving(dialogs *self)
 void dialogs_init(dialogs *out, app *of, ui *on)
 {
     *out = (dialogs){.app = of, .ui = on};
+    export_page_init(&out->exports, of, on);
 }
 
 void dialogs_finish(dialogs *self)
@@ -1073,7 +764,7 @@ void dialogs_draw(dialogs *self)
 {
     draw_open(self);
     draw_saving(self);
-    draw_export(self);
+    export_page_draw(&self->exports);
     draw_unsaved(self);
     draw_exporting(self);
 }

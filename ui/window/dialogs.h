@@ -1,16 +1,15 @@
 /* window/dialogs.h - the questions over everything else: what is opened, and under which name
- * a show or a rig is saved (by the desktop's own file
- * dialog, or the list of this window where it has none or is not wanted), how a take is exported,
- * how far exports are, and what becomes of work that is not saved before the program ends or
- * another face comes. [main] */
+ * a show or a rig is saved (by the desktop's own file dialog, or the list of this window where it
+ * has none or is not wanted), how takes are exported (export_page.h), and what becomes of work that
+ * is not saved, and of exports that go on, before the program ends or another face comes. [main] */
 #ifndef MAROTTE_UI_WINDOW_DIALOGS_H
 #define MAROTTE_UI_WINDOW_DIALOGS_H
+#include "window/export_page.h"
 #include "window/folder.h"
 #include "window/open_any.h"
 #include "window/portal.h"
 #include "window/gui/ui.h"
 #include "window/app/app.h"
-#include "window/app/exporter.h"
 
 typedef struct dialogs_desktop { /* the desktop's own dialog, beside one of ours */
     portal *asked;               /* NULL: it is not asked */
@@ -35,14 +34,6 @@ typedef struct dialogs_saving { /* the show or the rig under another name */
     dialogs_desktop desktop; /* asks too */
 } dialogs_saving;
 
-typedef struct dialogs_exporting {
-    export_request request;
-    uint32_t format, rate, size, view, background; /* of the lists in dialogs.c */
-    bool only_range, is_asked_first;
-    char replaced[EXPORT_FILE]; /* the file that the person was told is there already */
-    char trouble[EXPORT_FILE + 64];
-} dialogs_exporting;
-
 typedef enum dialogs_leaving { /* what waits for the answer about unsaved work, and exports */
                                DIALOGS_STAYS = 0,
                                DIALOGS_QUITS,
@@ -54,7 +45,7 @@ typedef struct dialogs {
     ui *ui;
     dialogs_opening opening;
     dialogs_saving saving;
-    dialogs_exporting exporting;
+    export_page exports;
     dialogs_leaving leaving;
     char next_face[FOLDER_PATH]; /* DIALOGS_CHANGES_FACE */
     bool asks, asks_exports;     /* the question is on the screen */
@@ -73,8 +64,6 @@ void dialogs_ask_open(dialogs *self, open_kind kind);
  */
 void dialogs_drop(dialogs *self, const char *path);
 void dialogs_ask_save_as(dialogs *self);
-void dialogs_ask_export(dialogs *self);
-void dialogs_ask_exports(dialogs *self); /* those that go on */
 /* At once, or after the questions about what is not saved and what goes on: is_over then. */
 void dialogs_quit(dialogs *self);
 

@@ -606,7 +606,7 @@ static float put_exports(pen *p, float right)
         (void)snprintf(words, sizeof words, "Exporting %u%s", count, part);
     else
         (void)snprintf(words, sizeof words, "Exporting%s", part);
-    const float widest = ui_text_width(p->on, UI_STYLE_NUMBER, "Exporting 4 100 %") + 20.0f;
+    const float widest = ui_text_width(p->on, UI_STYLE_NUMBER, "Exporting 99 100 %") + 20.0f;
     const ui_rectangle box = {right - widest, p->where.y + 0.5f * (p->where.height - 30.0f), widest,
                               30.0f};
     const float y = box.y + 0.5f * (box.height - ui_text_height(p->on, UI_STYLE_NUMBER));
@@ -616,7 +616,7 @@ static float put_exports(pen *p, float right)
         (void)snprintf(p->hint, sizeof p->hint, "%.440s\nHow far it is, and to cancel it",
                        first.file);
     if (is_pressed(p, box))
-        dialogs_ask_exports(&p->workspace->dialogs);
+        export_page_ask_going(&p->workspace->dialogs.exports);
     return box.x;
 }
 
@@ -941,7 +941,7 @@ static void take_requests(workspace *self)
     if (app_take_request(self->app, ACTION_SAVE_AS))
         dialogs_ask_save_as(&self->dialogs);
     if (app_take_request(self->app, ACTION_EXPORT))
-        dialogs_ask_export(&self->dialogs);
+        export_page_ask(&self->dialogs.exports);
     if (app_wants_to_quit(self->app))
         dialogs_quit(&self->dialogs);
 }

@@ -78,10 +78,11 @@ void app_give_up_opening(app *self, uint64_t id);
 /* Why the last one that came did not join; "" it did. */
 const char *app_opening_trouble(const app *self);
 
-/* As a file for other programs, in a process beside the window; the news say how it ended. */
+/* As a file for other programs, in a process beside the window, after those that were asked for
+ * before; the news say how it ended. */
 struct export_request;
-CHECKED mrt_result app_export_take(app *self, const struct export_request *request);
-uint32_t app_exports_going(const app *self);
+CHECKED mrt_result app_export_take(app *self, int64_t id, const struct export_request *request);
+uint32_t app_exports_going(const app *self);  /* those that wait as well */
 uint32_t app_exports_failed(const app *self); /* of this run; not those that were cancelled */
 /* app_export.h: index 0..app_exports_going - 1. */
 struct export_progress app_export_now(const app *self, uint32_t index);
@@ -172,6 +173,8 @@ bool app_take_picture(app *self);
 typedef struct app_take_line { /* of the list; what was deleted can be restored */
     int64_t id;
     char title[200]; /* "1/a 3 night ride" */
+    char scene[TAKE_NAME], shot[TAKE_NAME], name[TAKE_NAME];
+    uint32_t number;
     char note[512];
     uint32_t rating;
     int64_t duration_ns, created_ns;

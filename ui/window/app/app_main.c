@@ -600,15 +600,15 @@ const app_unsaved *app_unsaved_now(const app *self)
     return self->has_unsaved ? &self->unsaved : NULL;
 }
 
-mrt_result app_export_take(app *self, const export_request *request)
+mrt_result app_export_take(app *self, int64_t id, const export_request *request)
 {
     error err = {0};
-    if (!self->chosen || !self->show)
+    if (!id || !self->show)
         return app_report(
             self, error_set(&err, MRT_ERR_ARGUMENT, "choose the take that is to be exported"),
             &err);
-    const mrt_result result = exporter_begin(self->exports, show_path(self->show), self->chosen,
-                                             self->face_path, request, &err);
+    const mrt_result result =
+        exporter_begin(self->exports, show_path(self->show), id, self->face_path, request, &err);
     if (result >= 0)
         app_say(self, MRT_LOG_INFO, "exporting %s", request->file);
     return app_report(self, result, &err);

@@ -320,6 +320,10 @@ static void fill_line(app_take_line *out, const take *t)
                    t->scene[0] ? "/" : "", t->shot, t->shot[0] ? "/" : "", t->number,
                    t->name[0] ? " " : "", t->name);
     (void)snprintf(out->note, sizeof out->note, "%s", t->note);
+    (void)snprintf(out->scene, sizeof out->scene, "%s", t->scene);
+    (void)snprintf(out->shot, sizeof out->shot, "%s", t->shot);
+    (void)snprintf(out->name, sizeof out->name, "%s", t->name);
+    out->number = t->number;
 }
 
 /* A take with edits that this version does not know is shown as far as it goes. Returns whether it

@@ -15,16 +15,30 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { JOBS_MAX = 4, LINE = 1024, NICENESS = 10 /* whoever performs goes first */ };
+enum {
+    JOBS_MAX = 99,
+    RUNNING_MAX = 2,
+    LINE = 1024,
+    NICENESS = 10 /* whoever performs goes first */
+};
 
 extern char **environ;
 
 /* For an export to clear up after itself. */
 static const int64_t goodbye_patience_ns = 5 * NS_PER_S;
 
+enum { ARGUMENTS = 24 };
+typedef struct call {
+    char program[PATH_MAX], show[PATH_MAX], face[PATH_MAX];
+    char take[24], fps[32], in[40], out[40];
+    export_request request;
+    const char *argument[ARGUMENTS]; /* in the call itself, which stays where it is */
+} call;
+
 typedef struct job {
-    pid_t pid; /* 0: free */
-    int said;  /* what it says on stderr */
+    call *call; /* NULL: free */
+    pid_t pid;  /* 0: it waits */
+    int said;   /* what it says on stderr */
     export_progress going;
     char line[LINE], last[LINE]; /* being read; the last that was no progress */
     size_t length;
@@ -46,6 +60,7 @@ void exporter_destroy(exporter *self)
         return;
     for (uint32_t i = 0; i < JOBS_MAX; ++i) {
         int status;
+        free(self->job[i].call);
         if (self->job[i].pid == 0)
             continue;
         (void)kill(self->job[i].pid, SIGTERM);
@@ -70,22 +85,18 @@ void exporter_cancel(exporter *self, uint32_t index)
 {
     assert(index < self->count);
     job *one = &self->job[self->order[index]];
-    one->going.is_cancelled = kill(one->pid, SIGTERM) == 0;
+    one->going.is_cancelled = one->pid == 0 || kill(one->pid, SIGTERM) == 0;
 }
 
 /* ---- the child ---- */
-
-enum { ARGUMENTS = 24 };
-typedef struct call {
-    char program[PATH_MAX];
-    char take[24], fps[32], in[40], out[40];
-    const char *argument[ARGUMENTS];
-} call;
 
 static void make_call(call *out, const char *show_path, int64_t take, const char *face_path,
                       const export_request *request)
 {
     const char **at = out->argument;
+    out->request = *request;
+    (void)snprintf(out->show, sizeof out->show, "%s", show_path);
+    (void)snprintf(out->face, sizeof out->face, "%s", face_path ? face_path : "");
     (void)snprintf(out->take, sizeof out->take, "%lld", (long long)take);
     (void)snprintf(out->fps, sizeof out->fps, "%.6g", request->fps);
     (void)snprintf(out->in, sizeof out->in, "%.9f", 1e-9 * (double)request->in_ns);
@@ -93,13 +104,13 @@ static void make_call(call *out, const char *show_path, int64_t take, const char
     *at++ = out->program;
     *at++ = "take";
     *at++ = "export";
-    *at++ = show_path;
+    *at++ = out->show;
     *at++ = out->take;
     *at++ = "--export";
-    *at++ = request->file;
+    *at++ = out->request.file;
     if (face_path) {
         *at++ = "--face";
-        *at++ = face_path;
+        *at++ = out->face;
     }
     if (request->fps > 0.0) {
         *at++ = "--fps";
@@ -111,11 +122,11 @@ static void make_call(call *out, const char *show_path, int64_t take, const char
         *at++ = "--out";
         *at++ = out->out;
     }
-    const char *const look[][2] = {{"--size", request->size},
-                                   {"--view", request->view},
-                                   {"--background", request->background}};
+    const char *const look[][2] = {{"--size", out->request.size},
+                                   {"--view", out->request.view},
+                                   {"--background", out->request.background}};
     for (size_t i = 0; i < sizeof look / sizeof look[0]; ++i)
-        if (look[i][1]) {
+        if (look[i][1][0]) {
             *at++ = look[i][0];
             *at++ = look[i][1];
         }
@@ -168,46 +179,62 @@ static int spawn(pid_t *out_pid, const call *what, int said)
     return failed;
 }
 
-static mrt_result begin_job(job *self, const call *what, error *err)
+static mrt_result begin_job(job *self, error *err)
 {
     int end[2];
     mrt_result result = program_pipe(end, err);
     if (result < 0)
         return result;
     (void)fcntl(end[0], F_SETFL, O_NONBLOCK);
-    const int failed = spawn(&self->pid, what, end[1]);
+    const int failed = spawn(&self->pid, self->call, end[1]);
     close(end[1]);
     self->said = end[0];
-    if (!failed)
+    if (!failed) {
+        self->going.is_waiting = false;
         return MRT_OK;
+    }
     close(end[0]);
     self->pid = 0;
-    return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", what->program, strerror(failed));
+    return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", self->call->program,
+                     strerror(failed));
+}
+
+static uint32_t running(const exporter *self)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < self->count; ++i)
+        count += self->job[self->order[i]].pid != 0;
+    return count;
 }
 
 mrt_result exporter_begin(exporter *self, const char *show_path, int64_t take,
                           const char *face_path, const export_request *request, error *err)
 {
     uint32_t at = 0;
-    call what;
-    while (at < JOBS_MAX && self->job[at].pid != 0)
+    while (at < JOBS_MAX && self->job[at].call)
         at += 1;
     if (at == JOBS_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%d exports are going on: wait until one has ended", JOBS_MAX);
     if (!request->file[0] || request->file[0] == '-')
         return error_set(err, MRT_ERR_ARGUMENT, "name the file that is to be written: NAME.glb");
-    mrt_result result = program_find(what.program, "marotte", "MAROTTE", MAROTTE_BUILD_DIR,
-                                     "it writes takes to files", err);
-    if (result < 0)
-        return result;
-    make_call(&what, show_path, take, face_path, request);
     job *one = &self->job[at];
-    *one = (job){.going.done = -1.0};
+    call *what = calloc(1, sizeof *what);
+    if (!what)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for an export");
+    *one = (job){.call = what, .going = {.done = -1.0, .is_waiting = true}};
     (void)snprintf(one->going.file, sizeof one->going.file, "%s", request->file);
-    result = begin_job(one, &what, err);
-    if (result >= 0)
+    make_call(what, show_path, take, face_path, request);
+    mrt_result result = program_find(what->program, "marotte", "MAROTTE", MAROTTE_BUILD_DIR,
+                                     "it writes takes to files", err);
+    if (result >= 0 && running(self) < RUNNING_MAX)
+        result = begin_job(one, err);
+    if (result >= 0) {
         self->order[self->count++] = at;
+        return result;
+    }
+    free(what);
+    one->call = NULL;
     return result;
 }
 
@@ -270,21 +297,41 @@ static mrt_result tell_end(const job *self, int status, char *out_text, size_t c
     return MRT_ERR_IO;
 }
 
+/* One that waits begins as soon as there is room; the line that says why it cannot is its last. */
+static bool has_ended(job *self, bool has_room, int *out_status)
+{
+    error err = {0};
+    *out_status = 1 << 8; /* as if it had ended so */
+    if (self->pid != 0) {
+        listen(self);
+        if (waitpid(self->pid, out_status, WNOHANG) != self->pid)
+            return false;
+        listen(self);
+        parse_line(self);
+        close(self->said);
+        return true;
+    }
+    if (self->going.is_cancelled)
+        return true;
+    if (!has_room || begin_job(self, &err) >= 0)
+        return false;
+    (void)snprintf(self->last, sizeof self->last, "%s", err.text);
+    return true;
+}
+
 bool exporter_ended(exporter *self, mrt_result *out_result, char *out_text, size_t capacity)
 {
     for (uint32_t i = 0; i < self->count; ++i) {
         job *one = &self->job[self->order[i]];
-        int status = 0;
-        listen(one);
-        if (waitpid(one->pid, &status, WNOHANG) != one->pid)
+        int status;
+        if (!has_ended(one, running(self) < RUNNING_MAX, &status))
             continue;
-        listen(one);
-        parse_line(one);
-        close(one->said);
+        *out_result = tell_end(one, status, out_text, capacity);
+        free(one->call);
+        one->call = NULL;
         one->pid = 0;
         self->count -= 1;
         memmove(&self->order[i], &self->order[i + 1], (self->count - i) * sizeof *self->order);
-        *out_result = tell_end(one, status, out_text, capacity);
         return true;
     }
     return false;

@@ -12,24 +12,25 @@ typedef struct export_request {
     char file[EXPORT_FILE]; /* its end says the format: exports.h */
     double fps;             /* 0: the take's own */
     int64_t in_ns, out_ns;  /* in >= out: all of it */
-    /* Of videos and pictures, as --size, --view and --background of take export say it; NULL: as
-     * usual. Static. */
-    const char *size, *view, *background;
+    /* Of videos and pictures, as --size, --view and --background of take export say it; "": as
+     * usual. */
+    char size[24], view[24], background[EXPORT_FILE];
 } export_request;
 
 exporter *exporter_create(void); /* NULL: no memory */
-/* Those that go on are ended: what they were writing is not there. NULL is fine. */
+/* Those that go on are ended: what they were writing is not there; those that wait are not begun.
+ * NULL is fine. */
 void exporter_destroy(exporter *self);
-/* < 0: at once why not. */
+/* Two go on at a time, the others wait. < 0: at once why not. */
 CHECKED mrt_result exporter_begin(exporter *self, const char *show_path, int64_t take,
                                   const char *face_path, const export_request *request, error *err);
 typedef struct export_progress {
     char file[EXPORT_FILE];
     char doing[32]; /* "performing", "writing"; "" at first */
     double done;    /* of that, 0..1; < 0: not known */
-    bool is_cancelled;
+    bool is_cancelled, is_waiting;
 } export_progress;
-uint32_t exporter_count(const exporter *self); /* that go on */
+uint32_t exporter_count(const exporter *self); /* that go on or wait */
 /* index: 0..count - 1, the oldest first. */
 export_progress exporter_at(const exporter *self, uint32_t index);
 /* It ends soon, with nothing of it left; the news say so. */
