@@ -633,7 +633,7 @@ mrt_result perform_record_start(perform_record *out, const perform_options *opti
     if (result < 0)
         return result;
     const writer_slate slate = {.scene = options->scene, .shot = options->shot};
-    recorder_take_next(out->recorder, &slate);
+    recorder_take_next(out->recorder, &slate, 0);
     if (!options->has_sound)
         return MRT_OK;
     if (of->clock == CLOCK_VIRTUAL)

@@ -181,7 +181,7 @@ static show *record_base(const char *name, int64_t *out_take)
                                 .face = &the.face};
     must(recorder_start(&r.recorder, &record, &err), &err);
     const writer_slate slate = {.scene = "1", .shot = "a"};
-    recorder_take_next(r.recorder, &slate);
+    recorder_take_next(r.recorder, &slate, 0);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = no_frame, .data = &r};
     const player_stage stage = {&r, on_step, on_draw};

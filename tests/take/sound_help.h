@@ -38,7 +38,7 @@ static inline int64_t fake_told_ns(const fake_clock *clock, int64_t frame)
     return clock->start_ns + (int64_t)llround(fake_time_ns(clock, frame)) + wrong;
 }
 
-enum { FAKE_BLOCK = 512, FAKE_CHANNELS = 8 };
+enum { FAKE_BLOCK = 512, FAKE_CHANNELS = 8, FAKE_RATE = 48000 /* its own */ };
 
 /* A backend with at most one device in each direction. */
 typedef struct fake_device {
@@ -71,7 +71,9 @@ static inline mrt_result fake_open(void *self, sound_direction direction,
     device->callback = callback;
     device->data = data;
     *out = (sound_stream){.handle = device,
-                          .rate_hz = device->rate_hz ? device->rate_hz : request->rate_hz,
+                          .rate_hz = device->rate_hz    ? device->rate_hz
+                                     : request->rate_hz ? request->rate_hz
+                                                        : FAKE_RATE,
                           .channel_count = request->channel_count < device->channel_count
                                                ? request->channel_count
                                                : device->channel_count,

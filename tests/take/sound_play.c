@@ -147,6 +147,121 @@ static void run(stage *s, double seconds, double offset_s, double gain, double s
     }
 }
 
+/* ---- the click ---- */
+
+static void beat(stage *s, double speed, int64_t at_ns, uint32_t beats)
+{
+    s->motion.beat_ns = 0.5e9;
+    s->motion.bar = 4;
+    s->motion.beats = beats;
+    move(s, speed, at_ns);
+}
+
+typedef struct clicks {
+    double at_ns[64];              /* where the timeline is as each begins */
+    uint32_t count, crossings[64]; /* of zero: the higher, the more */
+    int quiet, since;
+    float last;
+} clicks;
+
+/* Of silence and clicks: each begins behind a hundredth of a second of silence. */
+static void listen(stage *s, double seconds, clicks *to)
+{
+    for (int64_t n = (int64_t)(seconds * RATE / FAKE_BLOCK); n > 0; --n) {
+        run_blind(s, (FAKE_BLOCK + 1.0) / RATE);
+        const float *out = s->host.device[SOUND_OUT].block;
+        for (int i = 0; i < FAKE_BLOCK; ++i) {
+            const float sample = out[2 * i];
+            assert_true(sample == out[2 * i + 1]);
+            if (sample != 0.0f && to->quiet > RATE / 100) {
+                assert_true(to->count < 64);
+                to->crossings[to->count] = 0;
+                to->at_ns[to->count++] = timeline_ns(s, i);
+            } else if (to->count && to->last * sample < 0.0f) {
+                to->crossings[to->count - 1] += 1;
+            }
+            to->quiet = sample == 0.0f ? to->quiet + 1 : 0;
+            to->last = sample;
+        }
+    }
+}
+
+/* The first frame of a click is 0: it is heard with the next. */
+static void must_be_beats(const clicks *heard, uint32_t count, int64_t first)
+{
+    assert_int_equal(heard->count, count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const int64_t beat_now = first + i;
+        assert_true(fabs(heard->at_ns[i] - (double)beat_now * 0.5e9) < 0.5e6);
+        assert_int_equal(heard->crossings[i] > 70, beat_now % 4 == 0);
+    }
+}
+
+static void beats_are_heard_in_time_without_a_sound(void **state)
+{
+    stage *s = *state;
+    clicks heard = {.quiet = RATE};
+    sound_play_status status;
+    sound_want_beats(s->sound);
+    run_blind(s, 1.0);
+    beat(s, 1.0, 100000000, SOUND_BEATS_AFTER);
+    listen(s, 10.0, &heard);
+    must_be_beats(&heard, 20, 1);
+    sound_play_look(s->sound, &status);
+    assert_int_equal(status.click_count, 20);
+    beat(s, 0.0, 0, SOUND_BEATS_AFTER); /* what stands still has none */
+    listen(s, 2.0, &heard);
+    assert_int_equal(heard.count, 20);
+}
+
+static void a_count_in_falls_on_the_beats_before_the_start(void **state)
+{
+    stage *s = *state;
+    clicks heard = {.quiet = RATE};
+    sound_want_beats(s->sound);
+    run_blind(s, 1.0);
+    s->motion = (sound_motion){.host_ns = now_ns(s) + 2 * NS_PER_S + 100000000,
+                               .speed = 1.0,
+                               .is_mute = true,
+                               .beat_ns = 0.5e9,
+                               .bar = 4,
+                               .beats = SOUND_BEATS_BEFORE};
+    sound_move(s->sound, &s->motion);
+    listen(s, 6.0, &heard);
+    must_be_beats(&heard, 4, -4);
+}
+
+static void beats_go_on_around_a_loop(void **state)
+{
+    stage *s = *state;
+    clicks heard = {.quiet = RATE};
+    sound_want_beats(s->sound);
+    run_blind(s, 1.0);
+    s->motion.loop_from_ns = 250000000; /* between two beats */
+    s->motion.loop_to_ns = 750000000;
+    beat(s, 1.0, 250000000, SOUND_BEATS_AFTER);
+    listen(s, 5.0, &heard);
+    assert_int_equal(heard.count, 10);
+    for (uint32_t i = 0; i < heard.count; ++i)
+        assert_true(fabs(heard.at_ns[i] - 0.5e9) < 0.5e6);
+}
+
+static void the_sound_is_not_heard_while_only_beats_are(void **state)
+{
+    stage *s = *state;
+    clicks heard = {.quiet = RATE};
+    load(s, s->audio, 0, 1.0);
+    run_blind(s, 1.0);
+    s->motion.is_mute = true;
+    beat(s, 1.0, 100000000, SOUND_BEATS_AFTER);
+    listen(s, 3.0, &heard);
+    must_be_beats(&heard, 6, 1);
+    s->motion.is_mute = false;
+    beat(s, 1.0, 0, 0);
+    run(s, 3.0, 0.0, 1.0, 0);
+    assert_true(s->heard > 2 * RATE);
+}
+
 static void a_take_is_heard_in_time(void **state)
 {
     stage *s = *state;
@@ -424,6 +539,10 @@ int main(void)
         STAGE(pause_seek_and_play_again),
         STAGE(saying_the_same_again_changes_nothing),
         STAGE(a_loop_is_played_around_without_being_told),
+        STAGE(beats_are_heard_in_time_without_a_sound),
+        STAGE(a_count_in_falls_on_the_beats_before_the_start),
+        STAGE(beats_go_on_around_a_loop),
+        STAGE(the_sound_is_not_heard_while_only_beats_are),
         cmocka_unit_test(a_transport_says_where_it_is),
         STAGE(an_edit_of_the_offset_is_heard_at_once),
         STAGE(a_sound_of_another_rate_opens_the_device_anew),

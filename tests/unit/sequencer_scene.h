@@ -140,7 +140,7 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
                  f->play->face);
     scene_must(recorder_start(&f->recorder, &recording, &err), &err);
     const writer_slate slate = {.scene = "1", .shot = "a"};
-    recorder_take_next(f->recorder, &slate);
+    recorder_take_next(f->recorder, &slate, 0);
     player_settings playing = {.fps = 1.0, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = film_no_frame, .data = f};
     const player_stage stage = {f, film_on_step, film_on_draw};

@@ -407,6 +407,18 @@ static void a_count_in_is_seen_given_up_and_then_records(void **state)
     scene_do(&s, ACTION_RECORD);
     assert_true(app_leads_in_s(s.app) == 0.0);
     assert_false(app_status(s.app)->is_recording);
+    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    scene_click_word(&s, "Click in the count-in");
+    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    scene_look(&s, "timeline_scene_click_menu");
+    scene_click_word(&s, "Count-in 2 bars");
+    assert_true(app_lead_in_of(s.app).count_in_s == 4.0);
+    assert_true(app_click(s.app).when == LIVE_CLICK_COUNT_IN && app_click(s.app).bpm == 120.0);
+    scene_click_with(&s, keep->where.x, keep->where.y + 4.0f, 1);
+    scene_click_word(&s, "Tempo \u2026");
+    scene_look(&s, "timeline_scene_tempo");
+    scene_check_words(&s);
+    scene_click_word(&s, "Close");
     app_set_lead_in(s.app, (app_lead_in){.count_in_s = 0.2});
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, records, NULL));

@@ -103,6 +103,18 @@ app_lead_in app_lead_in_of(const app *self)
     return (app_lead_in){0};
 }
 
+live_click app_click(const app *self)
+{
+    (void)self;
+    return (live_click){.bpm = 120.0, .bar = 4};
+}
+
+void app_set_click(app *self, const live_click *to)
+{
+    (void)self;
+    (void)to;
+}
+
 void app_set_lead_in(app *self, app_lead_in to)
 {
     (void)self;

@@ -165,6 +165,9 @@ CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, err
 
 /* ---- recording ---- */
 
+/* A take is going to begin at that instant of the host's clock, and the beats count towards it; a
+ * live_record() after it begins the take right there. 0: it is given up. */
+void live_count_in(live *self, int64_t begin_ns);
 /* slate NULL: none is said. */
 CHECKED mrt_result live_record(live *self, const writer_slate *slate, error *err);
 CHECKED mrt_result live_record_end(live *self, error *err); /* of either kind */
@@ -173,6 +176,21 @@ CHECKED mrt_result live_record_end(live *self, error *err); /* of either kind */
 CHECKED mrt_result live_keep(live *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
                              int64_t *out_take, error *err);
 CHECKED mrt_result live_mark(live *self, const char *text, error *err);
+/* A click on the beats of a take's timeline, from its start on, heard by whoever performs: it is in
+ * no take and no export. */
+typedef enum live_click_when {
+    LIVE_CLICK_OFF = 0,
+    LIVE_CLICK_COUNT_IN,  /* before a recording */
+    LIVE_CLICK_RECORDING, /* and while it goes on */
+    LIVE_CLICK_ALWAYS     /* and when a take is played */
+} live_click_when;
+enum { LIVE_CLICK_BPM_MIN = 20, LIVE_CLICK_BPM_MAX = 400, LIVE_CLICK_BAR_MAX = 16 };
+typedef struct live_click {
+    live_click_when when;
+    double bpm;   /* LIVE_CLICK_BPM_MIN..LIVE_CLICK_BPM_MAX */
+    uint32_t bar; /* beats, 1..LIVE_CLICK_BAR_MAX: the first is higher */
+} live_click;
+CHECKED mrt_result live_set_click(live *self, const live_click *click, error *err);
 CHECKED mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err);
 void live_disarm_sound(live *self);
 /* A take that live itself has edited since the last call (its sound was attached): whoever shows it

@@ -20,11 +20,29 @@ static const transport *live_time_motion(const live_stage *stage)
     return stage->timeline ? &stage->motion[slot_front(&stage->motion_slot)] : &still;
 }
 
-static void tell_sound(live_stage *stage, int64_t now_ns)
+static void put_beats(const live_stage *stage, bool is_recorded, sound_motion *out)
+{
+    const live_click *click = &stage->click;
+    uint32_t heard = click->when == LIVE_CLICK_ALWAYS ? SOUND_BEATS_AFTER : 0;
+    if (is_recorded && click->when >= LIVE_CLICK_COUNT_IN)
+        heard = SOUND_BEATS_BEFORE;
+    if (is_recorded && click->when >= LIVE_CLICK_RECORDING)
+        heard |= SOUND_BEATS_AFTER;
+    out->beats = heard;
+    out->beat_ns = heard ? 60e9 / click->bpm : 0.0;
+    out->bar = click->bar;
+}
+
+void live_time_tell_sound(live_stage *stage, int64_t now_ns)
 {
     if (!stage->sound)
         return;
-    sound_motion motion = sound_motion_of(live_time_motion(stage), now_ns);
+    sound_motion motion = {.host_ns = now_ns};
+    if (stage->mode != LIVE_PERFORMS)
+        motion = sound_motion_of(live_time_motion(stage), now_ns);
+    else if (stage->count_ns)
+        motion = (sound_motion){.host_ns = stage->count_ns, .speed = 1.0, .is_mute = true};
+    put_beats(stage, stage->mode == LIVE_OVERDUBS || stage->count_ns, &motion);
     sound_move(stage->sound, &motion);
 }
 
@@ -180,7 +198,7 @@ static performer *live_time_shown(live_stage *stage, int64_t now_ns)
 {
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
         return stage->scene->performer;
-    tell_sound(stage, now_ns);
+    live_time_tell_sound(stage, now_ns);
     if (stage->mode == LIVE_OVERDUBS)
         return shown_over(stage, now_ns);
     if (!live_time_may_show(stage, now_ns))

@@ -82,7 +82,8 @@ mrt_result live_set_show(live *self, show *s, error *err)
     self->show = s;
     self->status.take = 0;
     self->take_begun_ns = self->take_ended_ns = 0;
-    return live_record_start(self, err);
+    result = live_record_start(self, err);
+    return result < 0 ? result : live_set_click(self, &self->click, err);
 }
 
 /* ---- takes ---- */
@@ -106,12 +107,30 @@ typedef struct taking {
 static mrt_result begin_take(live_stage *stage, void *data, error *err)
 {
     taking *t = data;
-    recorder_take_next(stage->recorder, t->slate);
+    recorder_take_next(stage->recorder, t->slate, stage->count_ns);
     mrt_result result = live_frame_tick(stage, err);
     t->take = recorder_take(stage->recorder);
     t->time_ns = stage->now.last_ns;
+    if (!stage->count_ns || stage->count_ns > t->time_ns || result < 0)
+        stage->count_ns = result < 0 ? 0 : t->time_ns;
+    t->time_ns = stage->count_ns;
+    live_time_tell_sound(stage, clock_now_ns());
     live_frame_pulse(stage);
     return result;
+}
+
+static mrt_result count_in(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    stage->count_ns = *(const int64_t *)data;
+    live_time_tell_sound(stage, clock_now_ns());
+    return MRT_OK;
+}
+
+void live_count_in(live *self, int64_t begin_ns)
+{
+    error ignored = {""};
+    (void)!live_ask(self, count_in, &begin_ns, &ignored);
 }
 
 mrt_result live_record(live *self, const writer_slate *slate, error *err)
@@ -143,6 +162,8 @@ static mrt_result end_take(live_stage *stage, void *data, error *err)
     if (result >= 0)
         result = recorder_take_end(stage->recorder, err);
     t->take = recorder_take(stage->recorder);
+    stage->count_ns = 0;
+    live_time_tell_sound(stage, clock_now_ns());
     live_frame_pulse(stage);
     return result;
 }
@@ -259,6 +280,34 @@ void live_sound_drop(live *self)
     self->sound = NULL;
     self->wants_sound = false;
     self->attach_take = self->edited_take = 0;
+}
+
+/* ---- the click ---- */
+
+static mrt_result take_click(live_stage *stage, void *data, error *err)
+{
+    (void)err;
+    stage->click = *(const live_click *)data;
+    live_time_tell_sound(stage, clock_now_ns());
+    return MRT_OK;
+}
+
+mrt_result live_set_click(live *self, const live_click *click, error *err)
+{
+    mrt_result result = MRT_OK;
+    const bool is_right = click->bpm >= LIVE_CLICK_BPM_MIN && click->bpm <= LIVE_CLICK_BPM_MAX &&
+                          click->bar >= 1 && click->bar <= LIVE_CLICK_BAR_MAX;
+    if (click->when != LIVE_CLICK_OFF && !is_right)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "click: %g beats a minute, %u in a bar; %d to %d and 1 to %d can be",
+                         click->bpm, click->bar, LIVE_CLICK_BPM_MIN, LIVE_CLICK_BPM_MAX,
+                         LIVE_CLICK_BAR_MAX);
+    self->click = *click;
+    if (click->when != LIVE_CLICK_OFF && self->show)
+        result = live_sound_need(self, err);
+    if (result >= 0 && click->when != LIVE_CLICK_OFF && self->sound)
+        sound_want_beats(self->sound);
+    return result < 0 ? result : live_ask(self, take_click, &self->click, err);
 }
 
 mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err)

@@ -102,8 +102,10 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     bool has_come;         /* to an instant that was not published yet */
     int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
     sound *sound;          /* NULL: none */
-    overdub_run *over;     /* performed now, or not yet fetched */
-    uint8_t *owned;        /* of it */
+    live_click click;
+    int64_t count_ns;  /* LIVE_PERFORMS, host clock: 0 of a take that is or will be recorded */
+    overdub_run *over; /* performed now, or not yet fetched */
+    uint8_t *owned;    /* of it */
 
     bool is_dirty; /* the face is newer than what is shown */
     int64_t published_ns;
@@ -190,6 +192,7 @@ struct live {
     uint32_t position_count;
 
     sound *sound;
+    live_click click;
     bool wants_sound; /* armed as long as it is wanted */
     uint32_t sound_channels;
     int64_t attach_take; /* its sound is on the way; 0: none */
@@ -224,6 +227,8 @@ CHECKED mrt_result live_timeline_start(live_timeline *self, wake *done, error *e
 void live_timeline_stop(live_timeline *self);
 /* What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
+/* What the sound does from now on: it is told of each change. */
+void live_time_tell_sound(live_stage *stage, int64_t now_ns);
 /* What is shown when it stands there: at its end a take shows its last instant, not the rest behind
  * it. */
 int64_t live_time_shown_at(const transport *motion, int64_t at_ns);

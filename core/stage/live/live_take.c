@@ -222,10 +222,7 @@ static mrt_result show_hands(live_stage *stage, void *data, error *err)
         fade_over(stage);
     stage->mode = LIVE_PERFORMS;
     stage->hold_until_ns = 0;
-    if (stage->sound) {
-        const sound_motion silent = {.host_ns = clock_now_ns()};
-        sound_move(stage->sound, &silent);
-    }
+    live_time_tell_sound(stage, clock_now_ns());
     return MRT_OK;
 }
 

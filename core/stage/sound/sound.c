@@ -1,5 +1,6 @@
 #include "stage/sound/sound.h"
 #include "base/clock.h"
+#include "stage/sound/sound_click.h"
 #include "stage/sound/sound_feed.h"
 #include "stage/sound/sound_portaudio.h"
 
@@ -14,7 +15,6 @@ static const double motion_ns = 0.5e6;
 
 typedef struct voice { /* how sounds of one rate and channel count are played */
     uint32_t rate_hz, channel_count;
-    uint32_t out_channels; /* of the device, as it was opened; its rate: follow.rate_hz */
     ring *packets;
     sound_follow follow;
     sound_feed *feed;
@@ -31,7 +31,10 @@ struct sound {
     voice *voice;         /* that is to be played; [main] */
     pthread_mutex_t lock; /* of these two: between [main] and [opener] */
     voice *coming, *retired;
-    voice *playing; /* [opener], and [device] while it is open */
+    voice *playing;        /* [opener], and [device] while it is open; NULL: only beats */
+    uint32_t out_channels; /* likewise: of the device, as it was opened */
+    sound_click click;     /* likewise */
+    bool wants_beats;
     take_audio audio;
     uint32_t edition, request_number;
     /* recording */
@@ -56,22 +59,28 @@ static mrt_result out_opened(void *data, const sound_stream *stream, error *err)
         self->coming = NULL;
     }
     pthread_mutex_unlock(&self->lock);
-    voice *now = self->playing;
-    if (!now || stream->rate_hz == 0 || stream->channel_count == 0)
+    if (stream->rate_hz == 0 || stream->channel_count == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "sound: '%.80s' says that it has no channels: choose another loudspeaker",
                          stream->name);
-    now->out_channels = stream->channel_count;
-    sound_follow_reset(&now->follow, stream->rate_hz);
+    self->out_channels = stream->channel_count;
+    sound_click_reset(&self->click, stream->rate_hz);
+    if (self->playing)
+        sound_follow_reset(&self->playing->follow, stream->rate_hz);
     return MRT_OK;
 }
 
 static void out_block(void *data, const sound_block *block)
 {
     sound *self = data;
-    voice *now = self->playing;
-    sound_follow_fill(&now->follow, block->out, block->frame_count, now->out_channels,
-                      block->time_ns, block->is_broken ? SOUND_BROKEN : SOUND_GOES_ON);
+    const sound_break is_broken = block->is_broken ? SOUND_BROKEN : SOUND_GOES_ON;
+    if (self->playing)
+        sound_follow_fill(&self->playing->follow, block->out, block->frame_count,
+                          self->out_channels, block->time_ns, is_broken);
+    else
+        memset(block->out, 0, (size_t)block->frame_count * self->out_channels * sizeof *block->out);
+    sound_click_add(&self->click, block->out, block->frame_count, self->out_channels,
+                    block->time_ns, is_broken);
 }
 
 static mrt_result in_opened(void *data, const sound_stream *stream, error *err)
@@ -131,6 +140,24 @@ static void free_retired(sound *self)
     }
 }
 
+/* Two channels at least: many loudspeakers have no single one. */
+static void want_out(sound *self, uint32_t rate_hz, uint32_t channel_count)
+{
+    sound_request request = {.rate_hz = rate_hz,
+                             .channel_count = channel_count > 2 ? channel_count : 2,
+                             .number = ++self->request_number};
+    if (self->settings.out_name)
+        snprintf(request.name, sizeof request.name, "%s", self->settings.out_name);
+    sound_device_want(self->out, &request);
+}
+
+void sound_want_beats(sound *self)
+{
+    if (!self->voice && !self->wants_beats)
+        want_out(self, 0, 2);
+    self->wants_beats = true;
+}
+
 /* It is played once the device has been opened for it. */
 static void bring_voice(sound *self, voice *of)
 {
@@ -140,13 +167,7 @@ static void bring_voice(sound *self, voice *of)
     pthread_mutex_unlock(&self->lock);
     destroy_voice(never_played);
     self->voice = of;
-    /* Two at least: many loudspeakers have no single one. */
-    sound_request request = {.rate_hz = of->rate_hz,
-                             .channel_count = of->channel_count > 2 ? of->channel_count : 2,
-                             .number = ++self->request_number};
-    if (self->settings.out_name)
-        snprintf(request.name, sizeof request.name, "%s", self->settings.out_name);
-    sound_device_want(self->out, &request);
+    want_out(self, of->rate_hz, of->channel_count);
 }
 
 mrt_result sound_load(sound *self, const take_audio *audio, error *err)
@@ -182,7 +203,8 @@ mrt_result sound_load(sound *self, const take_audio *audio, error *err)
 static bool is_change(const sound_motion *a, const sound_motion *b)
 {
     if (a->revision == 0 || a->speed != b->speed || a->loop_from_ns != b->loop_from_ns ||
-        a->loop_to_ns != b->loop_to_ns)
+        a->loop_to_ns != b->loop_to_ns || a->is_mute != b->is_mute || a->beat_ns != b->beat_ns ||
+        a->bar != b->bar || a->beats != b->beats)
         return true;
     double passed_ns = (double)(b->host_ns - a->host_ns) * a->speed;
     double at_ns = (double)a->at_ns + passed_ns;
@@ -231,7 +253,7 @@ static void explain_silence(sound *self, sound_play_status *out)
 {
     sound_motion motion = {0};
     error trouble = {""};
-    if (!out->is_loaded)
+    if (!out->is_loaded && !self->wants_beats)
         return;
     (void)sound_board_read(&self->board, &motion);
     if (self->voice)
@@ -240,7 +262,7 @@ static void explain_silence(sound *self, sound_play_status *out)
         snprintf(out->text, sizeof out->text, "%.255s", trouble.text);
     else if (out->device.state == SOUND_DEVICE_AWAY)
         snprintf(out->text, sizeof out->text, "%.255s", out->device.text);
-    else if (motion.speed != 0.0 && motion.speed != 1.0)
+    else if (out->is_loaded && motion.speed != 0.0 && motion.speed != 1.0)
         snprintf(out->text, sizeof out->text, "sound is muted at %gx: it plays at 1x only",
                  motion.speed);
     else if (self->voice && self->voice->channel_count > 2 &&
@@ -254,7 +276,8 @@ static void explain_silence(sound *self, sound_play_status *out)
 void sound_play_look(sound *self, sound_play_status *out)
 {
     *out = (sound_play_status){.device = *sound_device_look(self->out),
-                               .is_loaded = self->audio.audio != 0};
+                               .is_loaded = self->audio.audio != 0,
+                               .click_count = atomic_load(&self->click.count)};
     if (self->voice) {
         sound_count *count = &self->voice->follow.count;
         out->is_heard = out->device.state == SOUND_DEVICE_RUNNING && atomic_load(&count->is_heard);
@@ -364,6 +387,7 @@ mrt_result sound_create(sound **out, const sound_settings *settings, error *err)
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for sound");
     pthread_mutex_init(&self->lock, NULL);
+    self->click.board = &self->board;
     self->settings = *settings;
     mrt_result result = MRT_OK;
     if (!settings->backend)

@@ -33,6 +33,9 @@ void sound_work(sound *self, int64_t now_ns);
 /* What is to be heard from now on, also after an edit of it; audio 0, or NULL: nothing. */
 CHECKED mrt_result sound_load(sound *self, const take_audio *audio, error *err);
 
+/* From now on a loudspeaker is there for the beats of what moves, also where no sound is loaded. */
+void sound_want_beats(sound *self);
+
 /* [frame] Call it with every frame, or with every change: only changes of more than half a
  * millisecond are changes. The motion's revision and edition do not matter.
  * Never waits. */
@@ -48,6 +51,7 @@ typedef struct sound_play_status {
     bool is_loaded, is_heard;
     double off_ms;          /* what is heard is so far behind (+) the timeline, as far as known */
     double drift_ppm;       /* of the device: + it runs fast */
+    uint64_t click_count;   /* beats that were heard */
     uint64_t spliced_count; /* single frames left out or repeated */
     uint32_t jumped_count;  /* corrections of more than 5 ms at once */
     uint32_t starved_count, broken_count; /* gaps: the disk was late; the device ran dry */

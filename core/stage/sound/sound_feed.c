@@ -197,7 +197,7 @@ static bool is_to_play(const sound_feed *self)
 {
     const sound_motion *motion = &self->motion;
     bool is_short = is_loop(motion) && motion->loop_to_ns - motion->loop_from_ns < loop_least_ns;
-    return self->render && motion->revision != 0 && motion->speed == 1.0 && !is_short &&
+    return self->render && sound_motion_is_heard(motion) && !is_short &&
            motion->edition == self->edition;
 }
 

@@ -18,23 +18,25 @@ uint64_t sound_follow_key(const sound_motion *motion)
 void sound_board_post(sound_board *self, const sound_motion *motion)
 {
     uint32_t sequence = atomic_load_explicit(&self->sequence, memory_order_relaxed);
-    uint64_t word[6] = {motion->revision};
+    uint64_t word[SOUND_BOARD_WORDS] = {motion->revision};
     memcpy(&word[1], &motion->host_ns, sizeof word[1]);
     memcpy(&word[2], &motion->at_ns, sizeof word[2]);
     memcpy(&word[3], &motion->speed, sizeof word[3]);
     memcpy(&word[4], &motion->loop_from_ns, sizeof word[4]);
     memcpy(&word[5], &motion->loop_to_ns, sizeof word[5]);
+    memcpy(&word[6], &motion->beat_ns, sizeof word[6]);
+    word[7] = (uint64_t)motion->bar << 32 | motion->beats << 1 | motion->is_mute;
     atomic_store(&self->sequence, sequence + 1);
-    for (int i = 0; i < 6; ++i)
+    for (int i = 0; i < SOUND_BOARD_WORDS; ++i)
         atomic_store(&self->word[i], word[i]);
     atomic_store(&self->sequence, sequence + 2);
 }
 
 bool sound_board_read(const sound_board *self, sound_motion *out)
 {
-    uint64_t word[6];
+    uint64_t word[SOUND_BOARD_WORDS];
     uint32_t sequence = atomic_load(&self->sequence);
-    for (int i = 0; i < 6; ++i)
+    for (int i = 0; i < SOUND_BOARD_WORDS; ++i)
         word[i] = atomic_load(&self->word[i]);
     if ((sequence & 1) != 0 || atomic_load(&self->sequence) != sequence)
         return false;
@@ -45,6 +47,10 @@ bool sound_board_read(const sound_board *self, sound_motion *out)
     memcpy(&out->speed, &word[3], sizeof word[3]);
     memcpy(&out->loop_from_ns, &word[4], sizeof word[4]);
     memcpy(&out->loop_to_ns, &word[5], sizeof word[5]);
+    memcpy(&out->beat_ns, &word[6], sizeof word[6]);
+    out->bar = (uint32_t)(word[7] >> 32);
+    out->beats = (uint32_t)word[7] >> 1;
+    out->is_mute = (word[7] & 1) != 0;
     return true;
 }
 
@@ -55,9 +61,9 @@ static void add_one(_Atomic uint32_t *count)
     atomic_fetch_add_explicit(count, 1, memory_order_relaxed);
 }
 
-static bool is_audible(const sound_follow *self)
+bool sound_motion_is_heard(const sound_motion *self)
 {
-    return self->motion.revision != 0 && self->motion.speed == 1.0;
+    return self->revision != 0 && self->speed == 1.0 && !self->is_mute;
 }
 
 static void adopt_motion(sound_follow *self)
@@ -154,8 +160,8 @@ static void collect(sound_follow *self, double target)
 static void start(sound_follow *self, double target)
 {
     int64_t frame = (int64_t)floor(target + 0.5);
-    if (self->is_ending || !is_audible(self) || !sound_clock_is_settled(&self->clock) ||
-        !is_held(self, frame, self->fade_frames + 1))
+    if (self->is_ending || !sound_motion_is_heard(&self->motion) ||
+        !sound_clock_is_settled(&self->clock) || !is_held(self, frame, self->fade_frames + 1))
         return;
     self->cursor = frame;
     self->gain = 0.0f;

@@ -14,7 +14,13 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-enum { SOUND_PACKET_FRAMES = 256, SOUND_PACKETS = 64, SOUND_WINDOW = 16384, SOUND_CHANNELS = 64 };
+enum {
+    SOUND_PACKET_FRAMES = 256,
+    SOUND_PACKETS = 64,
+    SOUND_WINDOW = 16384,
+    SOUND_CHANNELS = 64,
+    SOUND_BOARD_WORDS = 8
+};
 
 /* Where the transport is: the host's clock shows host_ns when the timeline shows at_ns. Speed 1 is
  * heard; 0 is a pause; at any other it is silent. Revisions are counted up with each change. */
@@ -24,13 +30,19 @@ typedef struct sound_motion {
     int64_t host_ns, at_ns;
     double speed;
     int64_t loop_from_ns, loop_to_ns; /* equal: no loop; else it goes from loop_to to loop_from */
+    bool is_mute;                     /* only its beats are heard */
+    double beat_ns;                   /* beats of the timeline are so far apart; 0: none */
+    uint32_t bar, beats;              /* beats of a bar; which are heard: SOUND_BEATS_* */
 } sound_motion;
+/* Before host_ns, which is a count-in; from host_ns on. */
+enum { SOUND_BEATS_BEFORE = 1, SOUND_BEATS_AFTER = 2 };
+bool sound_motion_is_heard(const sound_motion *self); /* the sound, not its beats */
 
 /* The newest motion, for any number of readers; nobody waits. */
 typedef struct sound_board {
     _Atomic uint32_t sequence; /* odd: being written */
     _Atomic uint32_t edition;  /* [main] */
-    _Atomic uint64_t word[6];
+    _Atomic uint64_t word[SOUND_BOARD_WORDS];
 } sound_board;
 void sound_board_post(sound_board *self, const sound_motion *motion); /* [one thread] */
 /* False: it is being written just now. */

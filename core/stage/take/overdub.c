@@ -96,7 +96,7 @@ static void begin(overdub_run *self, int64_t clock_ns)
 void overdub_run_slate(const overdub_run *self, recorder *into)
 {
     const writer_slate slate = {self->scene, self->shot, 0, self->take, self->plan.in_ns};
-    recorder_take_next(into, &slate);
+    recorder_take_next(into, &slate, 0);
 }
 
 static mrt_result end_take(overdub_run *self, recorder *into, error *err)

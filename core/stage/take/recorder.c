@@ -34,7 +34,8 @@ struct recorder {
     bool is_to_begin; /* another one, with the next sample */
     layer *watched;
     int64_t last_ns, checkpoint_ns;
-    uint32_t current; /* input of the step that is performed: its first */
+    int64_t begun_ns, take_from_ns; /* the performance; the take that is wanted, 0: now */
+    uint32_t current;               /* input of the step that is performed: its first */
     uint32_t ahead;
     bool is_take_wanted, is_take_open;
     writer_slate slate;
@@ -332,8 +333,9 @@ mrt_result recorder_stop(recorder *self, error *err)
 
 /* ---- takes ---- */
 
-void recorder_take_next(recorder *self, const writer_slate *slate)
+void recorder_take_next(recorder *self, const writer_slate *slate, int64_t from_ns)
 {
+    self->take_from_ns = from_ns;
     snprintf(self->scene, sizeof self->scene, "%s", slate->scene ? slate->scene : "");
     snprintf(self->shot, sizeof self->shot, "%s", slate->shot ? slate->shot : "");
     self->slate =
@@ -422,7 +424,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
     if (result < 0)
         return result;
     self->has_begun = true;
-    self->checkpoint_ns = time_ns;
+    self->begun_ns = self->checkpoint_ns = time_ns;
     bool is_taught = taught_save(layer_mapping(self->cast->layer), NULL, 0) > 0;
     if (is_taught || (goes_on && self->cast->performer)) /* it does not start at rest */
         keep_state(self, time_ns - 1);
@@ -451,6 +453,8 @@ static mrt_result begin_take(recorder *self, int64_t time_ns, error *err)
     if (!self->is_take_wanted)
         return MRT_OK;
     self->is_take_wanted = false;
+    if (self->take_from_ns && self->take_from_ns < time_ns)
+        time_ns = self->take_from_ns > self->begun_ns ? self->take_from_ns : self->begun_ns;
     mrt_result result = writer_take_begin(self->writer, time_ns, &self->slate, &self->take, err);
     self->is_take_open = result >= 0;
     return result;

@@ -59,8 +59,9 @@ void recorder_dismiss(recorder *self, recorder_cast *cast);
 
 /* ---- takes ---- */
 
-/* A take from the next sample on. */
-void recorder_take_next(recorder *self, const writer_slate *slate);
+/* A take from the next sample on, or from from_ns of the samples' clock, which is past by then: all
+ * that is performed is recorded. 0: no such instant. */
+void recorder_take_next(recorder *self, const writer_slate *slate, int64_t from_ns);
 /* Ends the take behind the last sample. */
 CHECKED mrt_result recorder_take_end(recorder *self, error *err);
 /* Of what was performed between two instants of the samples' clock, up to the last sample. */

@@ -149,6 +149,9 @@ typedef struct app_lead_in {
 } app_lead_in;
 app_lead_in app_lead_in_of(const app *self);
 void app_set_lead_in(app *self, app_lead_in to);
+/* The click of whoever performs; kept. Why there is none, where that is so, the news say. */
+live_click app_click(const app *self);
+void app_set_click(app *self, const live_click *to);
 double app_leads_in_s(const app *self); /* until what is performed counts; 0: nothing is awaited */
 /* As a pedal says it: record only begins, stop only ends. False: it is so already. */
 bool app_press(app *self, patch_action of);

@@ -372,6 +372,8 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     self->takes_are_stale = true;
     app_patch_read(self);
     open_outputs(self);
+    const live_click click = app_click(self);
+    app_set_click(self, &click);
     app_update(self, 0.0);
     *out = self;
     return MRT_OK;

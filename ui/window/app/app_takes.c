@@ -784,16 +784,42 @@ void app_set_lead_in(app *self, app_lead_in to)
     settings_set_number(self->settings, preroll_key, to.preroll_s);
 }
 
+live_click app_click(const app *self)
+{
+    const settings *from = self->settings;
+    const double when = settings_number(from, "click.when", 0.0),
+                 bar = settings_number(from, "click.bar", 0.0),
+                 bpm = settings_number(from, "click.bpm", 0.0);
+    return (live_click){.when = when >= 0.0 && when <= LIVE_CLICK_ALWAYS ? (live_click_when)when
+                                                                         : LIVE_CLICK_OFF,
+                        .bpm = bpm >= LIVE_CLICK_BPM_MIN && bpm <= LIVE_CLICK_BPM_MAX ? bpm : 120.0,
+                        .bar = bar >= 1.0 && bar <= LIVE_CLICK_BAR_MAX ? (uint32_t)bar : 4};
+}
+
+void app_set_click(app *self, const live_click *to)
+{
+    error err = {0};
+    settings_set_number(self->settings, "click.when", (double)to->when);
+    settings_set_number(self->settings, "click.bpm", to->bpm);
+    settings_set_number(self->settings, "click.bar", (double)to->bar);
+    (void)app_report(self, live_set_click(self->live, to, &err), &err);
+}
+
 double app_leads_in_s(const app *self)
 {
     const int64_t left_ns = self->leads_in_until_ns ? self->leads_in_until_ns - clock_now_ns() : 0;
     return left_ns > 0 ? 1e-9 * (double)left_ns : 0.0;
 }
 
+/* A take of the live hands, if it counts in; another one has begun. 0 s: what was awaited is not
+ * any longer. */
 static void lead_in(app *self, double s, bool counts_in)
 {
+    const bool counted_in = self->counts_in;
     self->leads_in_until_ns = s > 0.0 ? clock_now_ns() + (int64_t)(s * 1e9) : 0;
     self->counts_in = counts_in && self->leads_in_until_ns;
+    if (counted_in || self->counts_in)
+        live_count_in(self->live, self->counts_in ? self->leads_in_until_ns : 0);
 }
 
 /* ---- begin and end ---- */
@@ -975,7 +1001,8 @@ static void count_in(app *self)
     if (live_shown_take(self->live)) {
         lead_in(self, 0.0, false);
     } else if (app_leads_in_s(self) <= 0.0) {
-        lead_in(self, 0.0, false);
+        self->counts_in = false;
+        self->leads_in_until_ns = 0;
         begin_live(self);
         self->takes_are_stale = true;
     }

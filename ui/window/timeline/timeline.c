@@ -467,6 +467,7 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
     timeline_dialogs(self, on);
     timeline_takes_dialog(self, on);
     timeline_history_dialog(self, on);
+    timeline_tempo_dialog(self, on);
 }
 
 /* ---- the panel ---- */

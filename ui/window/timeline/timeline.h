@@ -171,6 +171,7 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns); /* it 
 /* strip.c */
 void timeline_strip_draw(panel *self, ui *on, ui_rectangle where);
 void timeline_history_dialog(panel *self, ui *on);
+void timeline_tempo_dialog(panel *self, ui *on);
 
 /* paint.c */
 void timeline_paint_ruler(panel *self, ui *on);
