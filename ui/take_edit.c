@@ -888,6 +888,15 @@ static mrt_result ask_sound_offset(take_call *call, const take *t, take_change *
     return result;
 }
 
+static mrt_result ask_sound_trim(take_call *call, const take *t, take_change *out, error *err)
+{
+    if (!call->text[TAKE_IN] && !call->text[TAKE_OUT])
+        return take_misused(call, err, "--in or --out is missing");
+    edit *e = take_change_add(out, EDIT_AUDIO_TRIM);
+    mrt_result result = take_time(call, TAKE_IN, t, &e->start_ns, err);
+    return result < 0 ? result : take_time(call, TAKE_OUT, t, &e->end_ns, err);
+}
+
 static mrt_result ask_sound_gain(take_call *call, const take *t, take_change *out, error *err)
 {
     (void)t;
@@ -904,6 +913,7 @@ static mrt_result ask_sound_detach(take_call *call, const take *t, take_change *
 
 RUN(sound_attach)
 RUN(sound_offset)
+RUN(sound_trim)
 RUN(sound_gain)
 RUN(sound_detach)
 
@@ -915,6 +925,10 @@ static const take_verb audio_verbs[] = {
      "gives a take a sound", TAKE_BIT(TAKE_OFFSET) | TAKE_BIT(TAKE_GAIN), TAKE_WRITES,
      run_sound_attach},
     {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", 0, TAKE_WRITES, run_sound_offset},
+    {"audio trim", "SHOW TAKE",
+     "  --in T, --out T   of the take's timeline: what of it is heard\n" FPS_HELP,
+     "shortens its sound", TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FPS), TAKE_WRITES,
+     run_sound_trim},
     {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", 0, TAKE_WRITES, run_sound_gain},
     {"audio detach", "SHOW TAKE", "", "takes its sound away", 0, TAKE_WRITES, run_sound_detach},
 };

@@ -224,6 +224,10 @@ static void tell_take(take_call *call, const take *t)
     if (t->audio.audio) {
         facts_number(told, "audio", "sound", (double)t->audio.audio, 0, "");
         facts_number(told, "audio_offset_s", "  starts at", seconds(t->audio.offset_ns), 3, "s");
+        if (t->audio.in_ns)
+            facts_number(told, "audio_in_s", "  heard from", seconds(t->audio.in_ns), 3, "s of it");
+        if (t->audio.out_ns)
+            facts_number(told, "audio_out_s", "  heard to", seconds(t->audio.out_ns), 3, "s of it");
     }
     for (uint32_t i = 0; i < t->layer_count; ++i)
         tell_layer(call, &t->layer[i]);

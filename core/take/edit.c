@@ -195,6 +195,7 @@ static const operation operations[EDIT_KIND_COUNT] = {
                    {A_REGIONS, A_OWN, A_NAME, A_SOURCE, A_WARP}},
     [EDIT_AUDIO_ATTACH] = {"audio.attach", {A_AUDIO}, {A_OFFSET, A_GAIN}},
     [EDIT_AUDIO_OFFSET] = {"audio.offset", {A_OFFSET}, {0}},
+    [EDIT_AUDIO_TRIM] = {"audio.trim", {0}, {A_START, A_STOP}},
     [EDIT_AUDIO_GAIN] = {"audio.gain", {A_GAIN}, {0}},
     [EDIT_AUDIO_DETACH] = {"audio.detach", {0}, {0}},
 };

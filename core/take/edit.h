@@ -70,6 +70,7 @@ typedef enum edit_kind {
     EDIT_COMP,  /* regions or own and name, material, in_ns, out_ns, fade_ns: a layer each */
     EDIT_AUDIO_ATTACH, /* audio, offset_ns, gain */
     EDIT_AUDIO_OFFSET, /* offset_ns */
+    EDIT_AUDIO_TRIM,   /* start_ns, end_ns on the timeline: one or both */
     EDIT_AUDIO_GAIN,   /* gain */
     EDIT_AUDIO_DETACH,
     EDIT_KIND_COUNT

@@ -168,7 +168,7 @@ static mrt_result check_numbers(const take *t, error *err)
                          (long long)t->id, TIMECODE_FPS_MIN, TIMECODE_FPS_MAX);
     if (t->audio.audio &&
         (!is_within(t->audio.gain, 0.0, 10.0) || t->audio.offset_ns < -EDIT_CLIP_MAX_NS ||
-         t->audio.offset_ns > EDIT_CLIP_MAX_NS))
+         t->audio.offset_ns > EDIT_CLIP_MAX_NS || t->audio.in_ns < 0 || t->audio.out_ns < 0))
         return error_set(err, MRT_ERR_ARGUMENT,
                          "audio %lld: expected a gain of 0 to 10 and an offset of days at most",
                          (long long)t->audio.audio);
@@ -304,6 +304,21 @@ static mrt_result apply_marker(take *t, const edit *e, error *err)
 
 /* ---- audio ---- */
 
+/* The rest of it stays where it is. */
+static mrt_result trim_audio(take_audio *audio, const edit *e, error *err)
+{
+    int64_t in_ns = audio->in_ns, out_ns = audio->out_ns;
+    if (e->start_ns != EDIT_UNSAID)
+        in_ns = e->start_ns > audio->offset_ns ? e->start_ns - audio->offset_ns : 0;
+    if (e->end_ns != EDIT_UNSAID)
+        out_ns = e->end_ns - audio->offset_ns;
+    if (in_ns >= out_ns && (out_ns != 0 || e->end_ns != EDIT_UNSAID))
+        return error_set(err, MRT_ERR_ARGUMENT, "audio: nothing of it would be left");
+    audio->in_ns = in_ns;
+    audio->out_ns = out_ns;
+    return MRT_OK;
+}
+
 static mrt_result apply_audio(take *t, const edit *e, error *err)
 {
     if (e->kind == EDIT_AUDIO_ATTACH) {
@@ -316,6 +331,8 @@ static mrt_result apply_audio(take *t, const edit *e, error *err)
         return error_set(err, MRT_ERR_ARGUMENT, "audio: the take has none; attach one first");
     if (e->kind == EDIT_AUDIO_OFFSET)
         t->audio.offset_ns = e->offset_ns;
+    else if (e->kind == EDIT_AUDIO_TRIM)
+        return trim_audio(&t->audio, e, err);
     else if (e->kind == EDIT_AUDIO_GAIN)
         t->audio.gain = e->gain;
     else

@@ -306,6 +306,14 @@ static void describe_audio(char out[EDIT_TEXT], const edit *e)
         (void)snprintf(out, EDIT_TEXT, "attach audio %lld", (long long)e->audio);
     else if (e->kind == EDIT_AUDIO_OFFSET)
         (void)snprintf(out, EDIT_TEXT, "audio from %s s", seconds(e->offset_ns).text);
+    else if (e->kind == EDIT_AUDIO_TRIM && e->start_ns == EDIT_UNSAID)
+        (void)snprintf(out, EDIT_TEXT, "trim the audio to end at %s s", seconds(e->end_ns).text);
+    else if (e->kind == EDIT_AUDIO_TRIM && e->end_ns == EDIT_UNSAID)
+        (void)snprintf(out, EDIT_TEXT, "trim the audio to begin at %s s",
+                       seconds(e->start_ns).text);
+    else if (e->kind == EDIT_AUDIO_TRIM)
+        (void)snprintf(out, EDIT_TEXT, "trim the audio to %.60s to %.60s s",
+                       seconds(e->start_ns).text, seconds(e->end_ns).text);
     else if (e->kind == EDIT_AUDIO_GAIN)
         (void)snprintf(out, EDIT_TEXT, "gain of the audio %g", e->gain);
     else

@@ -33,6 +33,9 @@ CHECKED mrt_result show_open(show **out, const char *path, show_mode mode, error
 void show_limit_work(show *self);
 /* Pays for work that is done with what was read of it; steps as in base/budget.h. */
 CHECKED mrt_result show_spend(show *self, uint64_t steps, error *err);
+/* Another object of a show that is open and writable here, for a thread that writes beside its
+ * owner: closed before the owner's. */
+CHECKED mrt_result show_join(show **out, show *owner, error *err);
 void show_close(show *self); /* its readers and its writer first; NULL is fine */
 
 const char *show_path(const show *self);

@@ -39,6 +39,7 @@ struct show {
     show_lock lock;
     dev_t device; /* and inode: of the file that is open */
     ino_t inode;
+    struct show *owner;                     /* whose ids it gives out; NULL: its own */
     _Atomic int64_t last_id[SHOW_ID_COUNT]; /* given out, so that a row can be named before it is
                                                written; by the writer's callers too */
 };

@@ -221,7 +221,7 @@ mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out
 
 int64_t show_next_id(show *self, show_id of)
 {
-    return ++self->last_id[of];
+    return ++(self->owner ? self->owner : self)->last_id[of];
 }
 
 static mrt_result read_last_ids(show *self, error *err)
@@ -429,6 +429,29 @@ mrt_result show_create(show **out, const char *path, error *err)
     self->version = SHOW_VERSION;
     self->is_writable = true;
     remember_file(self);
+    *out = self;
+    return MRT_OK;
+}
+
+mrt_result show_join(show **out, show *owner, error *err)
+{
+    *out = NULL;
+    show *self;
+    mrt_result result = show_check_writable(owner, err);
+    if (result >= 0)
+        result = show_alloc(&self, owner->path, err);
+    if (result < 0)
+        return result;
+    self->owner = owner;
+    self->version = owner->version;
+    self->is_writable = true;
+    self->device = owner->device;
+    self->inode = owner->inode;
+    result = show_connect(owner, &self->db, err);
+    if (result < 0) {
+        show_close(self);
+        return result;
+    }
     *out = self;
     return MRT_OK;
 }

@@ -309,7 +309,7 @@ struct sound_render {
     show_audio audio;
     sound_map map;
     sound_pcm format;
-    double offset_ns;
+    double offset_ns, in_ns, out_ns; /* out: beyond its end where it is not trimmed */
     float gain;
     int64_t fade_frames;
     /* frames of the sound in memory */
@@ -411,20 +411,30 @@ static void follow(sound_render *self, const sound_knot *knot, int64_t shift)
     self->is_sounding = true;
 }
 
-static void mix(sound_render *self, const sound_knot *knot, int64_t n, float *out)
+/* Where it was trimmed it fades in and out; 0: it is not heard. */
+static float trim_at(const sound_render *self, double time_ns)
+{
+    const double fade_ns = fade_s * 1e9;
+    double gain = (self->out_ns - time_ns) / fade_ns;
+    if (self->in_ns > 0.0)
+        gain = fmin(gain, (time_ns - self->in_ns) / fade_ns);
+    return (float)fmax(0.0, fmin(gain, 1.0));
+}
+
+static void mix(sound_render *self, const sound_knot *knot, int64_t n, float loud, float *out)
 {
     uint32_t channels = self->audio.channel_count;
     float before = 0.0f;
     if (self->fade_left > 0) {
         before = (float)self->fade_left / (float)(self->fade_frames + 1);
         const float *old = frame_at(self, n + self->shift_before);
-        float old_gain = self->gain * before * edge(self, knot, n + self->shift_before);
+        float old_gain = loud * before * edge(self, knot, n + self->shift_before);
         for (uint32_t c = 0; c < channels; ++c)
             out[c] = old_gain * old[c];
         self->fade_left -= 1;
     }
     const float *now = frame_at(self, n + self->shift);
-    float gain = self->gain * (1.0f - before) * edge(self, knot, n + self->shift);
+    float gain = loud * (1.0f - before) * edge(self, knot, n + self->shift);
     for (uint32_t c = 0; c < channels; ++c)
         out[c] += gain * now[c];
 }
@@ -435,13 +445,14 @@ static void render_frame(sound_render *self, int64_t n, float *out)
     double time_ns = (double)n * (1e9 / (double)self->audio.rate_hz) - self->offset_ns;
     const sound_knot *knot = sound_map_knot_at(&self->map, time_ns);
     int64_t shift = shift_at(self, knot, n);
-    if (n + shift < knot->piece_first || n + shift >= knot->piece_end) {
+    const float trim = trim_at(self, time_ns);
+    if (n + shift < knot->piece_first || n + shift >= knot->piece_end || trim == 0.0f) {
         self->is_sounding = false;
         return;
     }
     follow(self, knot, shift);
     if (out)
-        mix(self, knot, n, out);
+        mix(self, knot, n, self->gain * trim, out);
     else if (self->fade_left > 0)
         self->fade_left -= 1;
 }
@@ -508,6 +519,8 @@ mrt_result sound_render_create(sound_render **out, show *s, const take_audio *au
     self->show = s;
     self->offset_ns = (double)audio->offset_ns;
     self->gain = (float)audio->gain;
+    self->in_ns = (double)audio->in_ns;
+    self->out_ns = audio->out_ns ? (double)audio->out_ns : (double)INFINITY;
     mrt_result result = check(self, audio, err);
     if (result >= 0)
         result = show_audio_info(s, audio->audio, &self->audio, err);

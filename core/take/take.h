@@ -128,6 +128,8 @@ typedef struct take_marker {
 typedef struct take_audio {
     int64_t audio;     /* id in the show; 0: none */
     int64_t offset_ns; /* where it starts on the timeline */
+    /* Of its own time, what of it is heard; out_ns 0: to its end, which may come before out_ns. */
+    int64_t in_ns, out_ns;
     double gain;
 } take_audio;
 

@@ -82,6 +82,7 @@ static inline bool help_same(const take *a, const take *b)
                 a->timecode_frame == b->timecode_frame && a->is_drop_frame == b->is_drop_frame &&
                 a->layer_count == b->layer_count && a->marker_count == b->marker_count &&
                 a->audio.audio == b->audio.audio && a->audio.offset_ns == b->audio.offset_ns &&
+                a->audio.in_ns == b->audio.in_ns && a->audio.out_ns == b->audio.out_ns &&
                 a->audio.gain == b->audio.gain && a->id_count == b->id_count;
     for (uint32_t i = 0; same && i < a->marker_count; ++i)
         same = a->marker[i].at_ns == b->marker[i].at_ns &&

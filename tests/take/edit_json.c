@@ -68,6 +68,8 @@ static const char *const every[] = {
     "{'op':'audio.attach','audio':1}",
     "{'op':'audio.attach','audio':1,'offset_ns':-3,'gain':0.25}",
     "{'op':'audio.offset','offset_ns':0}",
+    "{'op':'audio.trim','start_ns':5,'end_ns':9}",
+    "{'op':'audio.trim','end_ns':9}",
     "{'op':'audio.gain','gain':2.0}",
     "{'op':'audio.detach'}",
 };

@@ -95,6 +95,29 @@ static void gain_is_applied_and_what_is_too_loud_is_counted(void **state)
         assert_true(fabs(got[i]) <= 1.0 && got[i] * sample(i, 0, 16) >= 0.0);
 }
 
+static void what_is_trimmed_is_not_heard_and_fades(void **state)
+{
+    static double got[48000];
+    desk *d = *state;
+    SF_INFO info;
+    write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, 40000, 16);
+    take t = take_of(import(d), NS_PER_S / 4, 1.0);
+    t.audio.in_ns = NS_PER_S / 4;  /* frame 24000 of the timeline */
+    t.audio.out_ns = NS_PER_S / 2; /* 36000 */
+    (void)export(d, &t, 0, NS_PER_S, 0);
+    assert_int_equal(read_out(d, got, 48000, &info), 48000);
+    for (int64_t i = 0; i < 48000; ++i) {
+        const double whole = sample(i - 12000, 0, 16);
+        if (i < 24000 || i >= 36000)
+            assert_true(got[i] == 0.0);
+        else if (i >= 24000 + 250 && i < 36000 - 250)
+            assert_true(got[i] == whole);
+        else
+            assert_true(fabs(got[i]) <= fabs(whole) + 1e-4 && got[i] * whole >= 0.0);
+    }
+    assert_true(fabs(got[24001]) < 0.01 && fabs(got[35999]) < 0.01);
+}
+
 static void the_file_says_when_it_was(void **state)
 {
     desk *d = *state;
@@ -214,6 +237,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         DESK(a_range_goes_out_as_it_came_in_with_silence_around),
         DESK(gain_is_applied_and_what_is_too_loud_is_counted),
+        DESK(what_is_trimmed_is_not_heard_and_fades),
         DESK(the_file_says_when_it_was),
         DESK(another_rate_is_made_only_when_asked_for),
         DESK(what_cannot_be_written_leaves_what_was_there),

@@ -37,7 +37,7 @@ static stand stand_of(take t)
 
 static timeline_hit hit(const stand *s, double time_s, float y)
 {
-    timeline_under under = {&s->rows, &s->axis, &s->take, 0, 0, 60.0f};
+    timeline_under under = {&s->rows, &s->axis, &s->take, 0, 0, 60.0f, 0};
     return timeline_hit_at(&under, 186.0f + (float)time_s * 100.0f, y);
 }
 
@@ -95,7 +95,7 @@ static void the_ruler_has_markers_range_and_time(void **state)
     take t = two_layers();
     help_do(&t, "{'op':'marker.add','at_ns':6000m,'text':'here'}");
     stand s = stand_of(t);
-    timeline_under under = {&s.rows, &s.axis, &s.take, 2 * help_s, 3 * help_s, 60.0f};
+    timeline_under under = {&s.rows, &s.axis, &s.take, 2 * help_s, 3 * help_s, 60.0f, 0};
     assert_int_equal(timeline_hit_at(&under, 186.0f + 201.0f, 8.0f).part, TIMELINE_RANGE_IN);
     assert_int_equal(timeline_hit_at(&under, 186.0f + 301.0f, 8.0f).part, TIMELINE_RANGE_OUT);
     assert_int_equal(timeline_hit_at(&under, 186.0f + 250.0f, 8.0f).part, TIMELINE_RANGE);
@@ -110,7 +110,7 @@ static void the_head_has_switches_and_a_gain(void **state)
 {
     (void)state;
     stand s = stand_of(two_layers());
-    timeline_under under = {&s.rows, &s.axis, &s.take, 0, 0, 60.0f};
+    timeline_under under = {&s.rows, &s.axis, &s.take, 0, 0, 60.0f, 0};
     static const timeline_part part[] = {TIMELINE_MUTE, TIMELINE_SOLO, TIMELINE_ADDITIVE,
                                          TIMELINE_ARM};
     for (uint32_t i = 0; i < TIMELINE_SWITCHES; ++i) {
@@ -146,7 +146,7 @@ static edit drag(const take *t, timeline_drag_kind kind, uint32_t clip, int64_t 
     timeline_drag d;
     timeline_snap snap = frames_of(t);
     timeline_hit at = {.clip = clip, .marker = 0, .layer = onto};
-    timeline_drag_begin(&d, kind, t, at, from_ms * help_ms);
+    timeline_drag_begin(&d, kind, t, at, from_ms * help_ms, 4 * help_s);
     timeline_drag_to(&d, t, &snap, (from_ms + to_ms) / 2 * help_ms, onto, 0.0f);
     timeline_drag_to(&d, t, &snap, to_ms * help_ms, onto, 0.0f);
     edit made = d.made;
@@ -186,7 +186,7 @@ static void where_a_clip_cannot_be_the_last_place_stays_and_why_is_said(void **s
     take t = two_layers();
     timeline_drag d;
     timeline_snap snap = frames_of(&t);
-    timeline_drag_begin(&d, TIMELINE_DRAG_MOVE, &t, (timeline_hit){.clip = 5}, 5000 * help_ms);
+    timeline_drag_begin(&d, TIMELINE_DRAG_MOVE, &t, (timeline_hit){.clip = 5}, 5000 * help_ms, 0);
     timeline_drag_to(&d, &t, &snap, 4000 * help_ms, 3, 0.0f); /* overlaps: cross-fades */
     assert_string_equal(d.why.text, "");
     assert_int_equal(d.made.start_ns, 3000 * help_ms);
@@ -281,17 +281,26 @@ static void markers_sound_gains_and_layers_are_dragged(void **state)
     assert_int_equal(e.offset_ns, -23 * help_ms);
     e = drag(&t, TIMELINE_DRAG_ORDER, 0, 0, 0, 3);
     assert_int_equal(e.kind, EDIT_NONE);
+    e = drag(&t, TIMELINE_DRAG_SOUND_START, 0, 200, 900, 0);
+    assert_int_equal(e.kind, EDIT_AUDIO_TRIM);
+    assert_true(e.start_ns == 900 * help_ms && e.end_ns == EDIT_UNSAID);
+    e = drag(&t, TIMELINE_DRAG_SOUND_START, 0, 200, -900, 0); /* there is no more */
+    assert_int_equal(e.kind, EDIT_NONE);
+    e = drag(&t, TIMELINE_DRAG_SOUND_END, 0, 4200, 3000, 0);
+    assert_true(e.kind == EDIT_AUDIO_TRIM && e.end_ns == 3 * help_s);
+    e = drag(&t, TIMELINE_DRAG_SOUND_END, 0, 4200, 99000, 0);
+    assert_int_equal(e.kind, EDIT_NONE);
 
     timeline_drag d;
     timeline_snap snap = frames_of(&t);
-    timeline_drag_begin(&d, TIMELINE_DRAG_GAIN, &t, (timeline_hit){.layer = 3}, 0);
+    timeline_drag_begin(&d, TIMELINE_DRAG_GAIN, &t, (timeline_hit){.layer = 3}, 0, 0);
     timeline_drag_to(&d, &t, &snap, 0, 0, -60.0f);
     assert_int_equal(d.made.kind, EDIT_LAYER_GAIN);
     assert_float_equal(d.made.gain, 0.5, 1e-12);
     timeline_drag_to(&d, &t, &snap, 0, 0, -1000.0f);
     assert_float_equal(d.made.gain, 0.0, 1e-12);
     timeline_drag_finish(&d);
-    timeline_drag_begin(&d, TIMELINE_DRAG_ORDER, &t, (timeline_hit){.layer = 3}, 0);
+    timeline_drag_begin(&d, TIMELINE_DRAG_ORDER, &t, (timeline_hit){.layer = 3}, 0, 0);
     timeline_drag_to(&d, &t, &snap, 0, 1, 0.0f);
     assert_int_equal(d.made.kind, EDIT_LAYER_ORDER);
     assert_int_equal(d.made.place, 0);

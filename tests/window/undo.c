@@ -295,6 +295,12 @@ static void edit_a_take(void)
     edit_finish(&e);
 }
 
+static bool has_read(scene *of, void *data)
+{
+    (void)data;
+    return app_voice_part(of->app) < 0.0;
+}
+
 static void attach_voice(void)
 {
     char path[128];
@@ -303,6 +309,7 @@ static void attach_voice(void)
         if (open_any(s.app, path) < 0)
             fail_msg("%s",
                      news_list_at(app_news(s.app), news_list_count(app_news(s.app)) - 1)->text);
+    assert_true(scene_until(&s, has_read, NULL));
 }
 
 static void do_something(void)

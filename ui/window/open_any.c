@@ -3,7 +3,6 @@
 #include "window/folder.h"
 
 #include "base/budget.h"
-#include "take/sound_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -120,26 +119,6 @@ static mrt_result say(app *of, mrt_result result, const error *err)
     return result;
 }
 
-static mrt_result attach_voice(app *of, const char *path)
-{
-    error err = {0};
-    edit e;
-    if (!app_take(of) || !show_is_writable(app_show(of)))
-        return say(of,
-                   error_set(&err, MRT_ERR_ARGUMENT,
-                             "choose the take that the voice belongs to, then open it again"),
-                   &err);
-    edit_init(&e, EDIT_AUDIO_ATTACH);
-    e.gain = 1.0;
-    mrt_result result =
-        sound_file_import(&e.audio, app_show(of), path, SOUND_FILE_CUT_REFUSE, NULL, &err);
-    result = say(of, result, &err);
-    if (result >= 0)
-        result = app_edit(of, &e);
-    edit_finish(&e);
-    return result;
-}
-
 mrt_result open_any(app *of, const char *path)
 {
     error err = {0};
@@ -155,7 +134,7 @@ mrt_result open_any(app *of, const char *path)
         result = open_hands(of, path);
         break;
     case OPEN_VOICE:
-        result = attach_voice(of, path);
+        result = app_attach_voice(of, path);
         break;
     case OPEN_PICTURE:
         result = say(of, kept_scenery_choose(app_scenery(of), path, &err), &err);

@@ -620,6 +620,21 @@ static float put_exports(pen *p, float right)
     return box.x;
 }
 
+/* How much of a voice is read. Returns its left end. */
+static float put_voice(pen *p, float right)
+{
+    const double part = app_voice_part(p->workspace->app);
+    char words[40];
+    if (part < 0.0)
+        return right;
+    (void)snprintf(words, sizeof words, "Reading the voice %.0f %%", 100.0 * part);
+    const float width = ui_text_width(p->on, UI_STYLE_NUMBER, "Reading the voice 100 %") + 12.0f;
+    const float height = ui_text_height(p->on, UI_STYLE_NUMBER);
+    ui_draw_text(p->on, right - width, p->where.y + 0.5f * (p->where.height - height),
+                 UI_STYLE_NUMBER, THEME_ACCENT, 0.0f, words);
+    return right - width;
+}
+
 static void put_right(pen *p)
 {
     app *of = p->workspace->app;
@@ -630,6 +645,7 @@ static void put_right(pen *p)
     x = put_word(p, x, ACTION_OUTPUT, "Output", app_looks_of(of)->has_output) - 4.0f;
     x = put_word(p, x, ACTION_SOUND_ARM, "Mic", app_status(of)->is_sound_armed) - 4.0f;
     x = put_exports(p, x) - 8.0f;
+    x = put_voice(p, x);
     if (p->where.width < 1000.0f)
         return;
     if (fast->latency_p50_ms > 0.0)

@@ -176,6 +176,7 @@ mrt_result sound_load(sound *self, const take_audio *audio, error *err)
     const take_audio *wanted = audio && audio->audio != 0 ? audio : &none;
     show_audio info;
     if (wanted->audio == self->audio.audio && wanted->offset_ns == self->audio.offset_ns &&
+        wanted->in_ns == self->audio.in_ns && wanted->out_ns == self->audio.out_ns &&
         wanted->gain == self->audio.gain)
         return MRT_OK;
     if (wanted->audio != 0) {

@@ -141,6 +141,10 @@ typedef struct app_remote_status {
 app_remote_status app_remote_now(const app *self); /* texts until the next frame */
 void app_set_remote(app *self, const char *place); /* "[HOST:]PORT", "": off; kept */
 struct expressions *app_expressions(app *self);    /* expressions.h */
+/* The sound of a file becomes that of the chosen take once it is read, which goes on beside all
+ * else: one at a time. */
+CHECKED mrt_result app_attach_voice(app *self, const char *path);
+double app_voice_part(const app *self); /* 0..1 of it is read; < 0: none is being read */
 /* What comes before a recording that R, a pedal or a remote control begins, s, 0 to 60; kept. While
  * it counts in nothing moves by itself, and R gives it up; then a take that is performed over plays
  * for the pre-roll before the hands take over. */

@@ -398,6 +398,7 @@ void app_destroy(app *self)
     remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
     show_copier_destroy(self->copier);
+    app_drop_voice(self);
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
@@ -478,6 +479,7 @@ void app_update(app *self, double dt_s)
     kept_scenery_update(self->scenery);
     app_takes_update(self, dt_s);
     app_follow_copy(self);
+    app_follow_voice(self);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
         app_keep_settings(self, dt_s);

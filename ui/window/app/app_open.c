@@ -302,6 +302,7 @@ mrt_result app_open_show(app *self, const char *path)
     mrt_result result = open_or_make(&opened, path, &err);
     if (result < 0)
         return app_report(self, result, &err);
+    app_drop_voice(self);
     app_record_finish_over(self);
     app_drop_take(self);
     app_forget_steps(self, NULL);

@@ -11,6 +11,7 @@
 #include "window/app/pulls.h"
 #include "window/app/remote.h"
 #include "window/app/show_copier.h"
+#include "window/app/voice_import.h"
 
 #include "take/edit_store.h"
 
@@ -108,6 +109,8 @@ struct app {
     bool has_unsaved;
     app_rig_saver rig_saver;
     show_copier *copier; /* of the show, which is being saved under another name; NULL: none */
+    voice_import *voice; /* that is being read into the show; NULL: none */
+    int64_t voice_take;  /* whose it becomes */
     double settings_wait_s;
     bool settings_failed; /* it was said */
 
@@ -140,6 +143,8 @@ void app_keep_settings_now(app *self);
 CHECKED mrt_result app_open_first(app *self, const app_options *options, error *err);
 /* A copy of the show that is whole is the open show: once a frame. */
 void app_follow_copy(app *self);
+void app_follow_voice(app *self); /* a voice that has been read becomes its take's */
+void app_drop_voice(app *self);   /* that is being read */
 
 /* ---- app_takes.c ---- */
 

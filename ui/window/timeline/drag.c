@@ -55,6 +55,10 @@ timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming)
         return TIMELINE_DRAG_MARKER;
     case TIMELINE_SOUND_BODY:
         return TIMELINE_DRAG_SOUND;
+    case TIMELINE_SOUND_START:
+        return TIMELINE_DRAG_SOUND_START;
+    case TIMELINE_SOUND_END:
+        return TIMELINE_DRAG_SOUND_END;
     case TIMELINE_GAIN:
         return TIMELINE_DRAG_GAIN;
     case TIMELINE_NAME:
@@ -65,13 +69,14 @@ timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming)
 }
 
 void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take *t,
-                         timeline_hit hit, int64_t at_ns)
+                         timeline_hit hit, int64_t at_ns, int64_t sound_ns)
 {
     *out = (timeline_drag){.kind = kind,
                            .layer = hit.layer,
                            .clip = hit.clip,
                            .marker = hit.marker < 0 ? 0 : (uint32_t)hit.marker,
                            .grabbed_ns = at_ns,
+                           .sound_ns = sound_ns,
                            .snapped_ns = INT64_MIN};
     const take_layer *layer = timeline_layer(t, hit.layer);
     out->initial = layer ? layer->gain : t->audio.gain;
@@ -209,6 +214,27 @@ static void move_sound(edit *out, const timeline_drag *self, const take *t, int6
         within(t->audio.offset_ns + at_ns - self->grabbed_ns, -EDIT_TIME_MAX_NS, EDIT_TIME_MAX_NS);
 }
 
+static void trim_sound(edit *out, const timeline_drag *self, const take *t, int64_t at_ns)
+{
+    const take_audio *audio = &t->audio;
+    const bool is_start = self->kind == TIMELINE_DRAG_SOUND_START;
+    const int64_t start_ns = timeline_sound_start_ns(audio);
+    const int64_t end_ns = timeline_sound_end_ns(audio, self->sound_ns);
+    const int64_t edge_ns = is_start ? start_ns : end_ns;
+    const int64_t low_ns = is_start ? audio->offset_ns : start_ns + SHORTEST_NS;
+    const int64_t high_ns = is_start ? end_ns - SHORTEST_NS : audio->offset_ns + self->sound_ns;
+    if (!audio->audio || self->sound_ns == 0 || low_ns > high_ns)
+        return;
+    const int64_t wanted_ns = within(edge_ns + at_ns - self->grabbed_ns, low_ns, high_ns);
+    if (wanted_ns == edge_ns)
+        return;
+    edit_init(out, EDIT_AUDIO_TRIM);
+    if (is_start)
+        out->start_ns = wanted_ns;
+    else
+        out->end_ns = wanted_ns;
+}
+
 static void set_gain(edit *out, const timeline_drag *self, float points)
 {
     double gain = self->initial + (double)points / GAIN_POINTS;
@@ -259,6 +285,10 @@ static void make(edit *out, timeline_drag *self, const take *t, const timeline_s
         break;
     case TIMELINE_DRAG_SOUND:
         move_sound(out, self, t, at_ns);
+        break;
+    case TIMELINE_DRAG_SOUND_START:
+    case TIMELINE_DRAG_SOUND_END:
+        trim_sound(out, self, t, at_ns);
         break;
     case TIMELINE_DRAG_GAIN:
         set_gain(out, self, points);

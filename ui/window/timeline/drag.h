@@ -18,9 +18,11 @@ typedef enum timeline_drag_kind {
     TIMELINE_DRAG_FADE_IN,
     TIMELINE_DRAG_FADE_OUT,
     TIMELINE_DRAG_MARKER,
-    TIMELINE_DRAG_SOUND, /* its offset */
-    TIMELINE_DRAG_GAIN,  /* of a layer, or of the sound where layer is 0; in points */
-    TIMELINE_DRAG_ORDER  /* of a layer */
+    TIMELINE_DRAG_SOUND,       /* its offset */
+    TIMELINE_DRAG_SOUND_START, /* trims it */
+    TIMELINE_DRAG_SOUND_END,
+    TIMELINE_DRAG_GAIN, /* of a layer, or of the sound where layer is 0; in points */
+    TIMELINE_DRAG_ORDER /* of a layer */
 } timeline_drag_kind;
 
 enum { TIMELINE_DRAG_EDITS = OWN_REGION_COUNT };
@@ -30,6 +32,7 @@ typedef struct timeline_drag {
     uint32_t marker;
     int64_t grabbed_ns; /* where it was taken hold of */
     double initial;     /* of a gain */
+    int64_t sound_ns;   /* how long the take's sound is; 0: not known */
     take preview;       /* the take as the edit makes it; id 0: nothing has changed */
     edit made;          /* EDIT_NONE: nothing would change */
     int64_t snapped_ns; /* to be shown; INT64_MIN */
@@ -41,7 +44,7 @@ const take_layer *timeline_layer(const take *t, uint32_t id); /* NULL: none */
 /* What a press on a part begins; is_retiming: with Alt on an edge. */
 timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming);
 void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take *t,
-                         timeline_hit hit, int64_t at_ns);
+                         timeline_hit hit, int64_t at_ns, int64_t sound_ns);
 /* at_ns: the pointer's instant; onto_layer: id of the layer under it, 0 none; points: moved across
  * since it began (gains). */
 void timeline_drag_to(timeline_drag *self, const take *t, const timeline_snap *snap, int64_t at_ns,

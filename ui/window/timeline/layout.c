@@ -192,6 +192,30 @@ static timeline_hit hit_head(const timeline_under *under, timeline_hit hit, floa
     return hit;
 }
 
+int64_t timeline_sound_start_ns(const take_audio *audio)
+{
+    return audio->offset_ns + audio->in_ns;
+}
+
+int64_t timeline_sound_end_ns(const take_audio *audio, int64_t sound_ns)
+{
+    const bool is_trimmed = audio->out_ns > 0 && audio->out_ns < sound_ns;
+    return audio->offset_ns + (is_trimmed ? audio->out_ns : sound_ns);
+}
+
+static timeline_part part_of_sound(const timeline_under *under, float x)
+{
+    const take_audio *audio = &under->take->audio;
+    const float in = timeline_axis_x(under->axis, timeline_sound_start_ns(audio));
+    const float out = timeline_axis_x(under->axis, timeline_sound_end_ns(audio, under->sound_ns));
+    const float edge = out - in < 4.0f * EDGE ? 0.25f * (out - in) : EDGE;
+    if (under->sound_ns > 0 && is_near(x, in, edge))
+        return TIMELINE_SOUND_START;
+    if (under->sound_ns > 0 && is_near(x, out, edge))
+        return TIMELINE_SOUND_END;
+    return TIMELINE_SOUND_BODY;
+}
+
 timeline_hit timeline_hit_at(const timeline_under *under, float x, float y)
 {
     const timeline_rows *rows = under->rows;
@@ -209,7 +233,7 @@ timeline_hit timeline_hit_at(const timeline_under *under, float x, float y)
             return hit_head(under, hit, x, y);
         if (row->kind == TIMELINE_LAYER)
             return hit_clips(under, hit, x, y);
-        hit.part = row->kind == TIMELINE_SOUND ? TIMELINE_SOUND_BODY : TIMELINE_COMP_BODY;
+        hit.part = row->kind == TIMELINE_SOUND ? part_of_sound(under, x) : TIMELINE_COMP_BODY;
         return hit;
     }
     hit.part = x >= under->axis->x ? TIMELINE_LANE : TIMELINE_NOWHERE;

@@ -56,6 +56,8 @@ typedef enum timeline_part {
     TIMELINE_FADE_IN,
     TIMELINE_FADE_OUT,
     TIMELINE_SOUND_BODY,
+    TIMELINE_SOUND_START,
+    TIMELINE_SOUND_END,
     TIMELINE_COMP_BODY,
     /* in the heads */
     TIMELINE_NAME,
@@ -78,7 +80,11 @@ typedef struct timeline_under {
     const take *take;
     int64_t in_ns, out_ns; /* the range; in >= out: none */
     float flag_width;      /* of a marker's flag */
+    int64_t sound_ns;      /* how long the take's sound is; 0: not known */
 } timeline_under;
+/* What of a sound is heard, on the timeline. */
+int64_t timeline_sound_start_ns(const take_audio *audio);
+int64_t timeline_sound_end_ns(const take_audio *audio, int64_t sound_ns);
 timeline_hit timeline_hit_at(const timeline_under *under, float x, float y);
 
 /* The switches of a row's head: mute, solo, additive, arm, from the left. */

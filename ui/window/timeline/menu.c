@@ -115,12 +115,33 @@ static void lane_menu(panel *self, ui *on, const take *t)
         timeline_fit(self);
 }
 
-static void sound_menu(panel *self, ui *on)
+static void sound_menu(panel *self, ui *on, const take_audio *audio)
 {
     edit e;
     if (ui_menu_item(on, "Begin with the take", "", true)) {
         edit_init(&e, EDIT_AUDIO_OFFSET);
         e.offset_ns = 0;
+        timeline_edit(self, &e);
+    }
+    const int64_t sound_ns = timeline_sound_ns(self);
+    const int64_t head_ns = live_position(app_live(self->app)).at_ns;
+    edit_init(&e, EDIT_AUDIO_TRIM);
+    if (ui_menu_item(on, "Trim its start to the play head", "", true)) {
+        e.start_ns = head_ns;
+        timeline_edit(self, &e);
+    }
+    if (ui_menu_item(on, "Trim its end to the play head", "", true)) {
+        e.end_ns = head_ns;
+        timeline_edit(self, &e);
+    }
+    if (ui_menu_item(on, "All of it is heard", "",
+                     (audio->in_ns > 0 || audio->out_ns > 0) && sound_ns > 0)) {
+        e.start_ns = audio->offset_ns;
+        e.end_ns = audio->offset_ns + sound_ns;
+        timeline_edit(self, &e);
+    }
+    if (ui_menu_item(on, "Gain 100 %", "", audio->gain != 1.0)) {
+        edit_init(&e, EDIT_AUDIO_GAIN);
         timeline_edit(self, &e);
     }
     if (ui_menu_item(on, "Take the sound away", "", true))
@@ -147,7 +168,7 @@ void timeline_menu(panel *self, ui *on)
     else if (is_ruler(self->menu.part))
         ruler_menu(self, on);
     else if (is_sound)
-        sound_menu(self, on);
+        sound_menu(self, on, &t->audio);
     else if (self->menu.layer && self->menu.part != TIMELINE_LANE)
         layer_menu(self, on, t);
     else

@@ -16,12 +16,23 @@ static float screen_x(const ui_canvas *canvas)
     return canvas->where.x + canvas->x;
 }
 
+int64_t timeline_sound_ns(const panel *self)
+{
+    const take *t = app_take(self->app);
+    const show_audio *about = &self->result->about;
+    const bool is_known = t && t->audio.audio && self->result->audio == t->audio.audio;
+    return is_known && about->rate_hz > 0
+               ? (int64_t)((double)about->frame_count * 1e9 / (double)about->rate_hz)
+               : 0;
+}
+
 static timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas)
 {
     timeline_under under = {.rows = &self->rows,
                             .axis = &self->axis,
                             .take = timeline_take(self),
-                            .flag_width = FLAG_POINTS};
+                            .flag_width = FLAG_POINTS,
+                            .sound_ns = timeline_sound_ns(self)};
     (void)timeline_range(self, &under.in_ns, &under.out_ns);
     return timeline_hit_at(&under, screen_x(canvas), canvas->where.y + canvas->y);
 }
@@ -173,7 +184,8 @@ static void begin(panel *self, const ui_canvas *canvas)
         timeline_drag_kind_of(self->pressed.part, (canvas->modifiers & UI_ALT) != 0);
     if (kind == TIMELINE_DRAG_NONE)
         return;
-    timeline_drag_begin(&self->drag, kind, t, self->pressed, self->pressed_ns);
+    timeline_drag_begin(&self->drag, kind, t, self->pressed, self->pressed_ns,
+                        timeline_sound_ns(self));
     self->edition = app_take_edition(self->app);
     self->gesture = GESTURE_EDIT;
 }
@@ -442,6 +454,10 @@ static const char *hint_of(const panel *self, timeline_hit hit)
                    ? "Drag: the clip begins or ends elsewhere. Alt: it is stretched, slower or "
                      "faster."
                    : "";
+    case TIMELINE_SOUND_START:
+    case TIMELINE_SOUND_END:
+        return self->gesture == GESTURE_NONE ? "Drag: the sound is heard from or up to elsewhere."
+                                             : "";
     case TIMELINE_MARKER:
         return self->gesture == GESTURE_NONE ? "Drag it; a double click names it." : "";
     default:
@@ -457,6 +473,8 @@ static ui_cursor cursor_of(const panel *self, timeline_hit hit)
     switch (part) {
     case TIMELINE_CLIP_START:
     case TIMELINE_CLIP_END:
+    case TIMELINE_SOUND_START:
+    case TIMELINE_SOUND_END:
     case TIMELINE_RANGE_IN:
     case TIMELINE_RANGE_OUT:
     case TIMELINE_FADE_IN:

@@ -217,18 +217,17 @@ static int64_t frame_ns(const show_audio *about, int64_t frame)
     return (int64_t)((double)frame * 1e9 / about->rate_hz);
 }
 
-static void paint_body(panel *self, ui *on, const timeline_row *row, const take *t)
+/* Of what of it is heard. */
+static ui_rectangle body_of(const panel *self, const timeline_row *row, const take *t)
 {
     const show_audio *about = &self->result->about;
-    float x0 = timeline_axis_x(&self->axis, t->audio.offset_ns);
-    float x1 =
-        timeline_axis_x(&self->axis, t->audio.offset_ns + frame_ns(about, about->frame_count));
+    const int64_t sound_ns = frame_ns(about, about->frame_count);
+    float x0 = timeline_axis_x(&self->axis, timeline_sound_start_ns(&t->audio));
+    float x1 = timeline_axis_x(&self->axis, timeline_sound_end_ns(&t->audio, sound_ns));
     float left = self->axis.x - 20.0f, right = self->axis.x + self->axis.width + 20.0f;
     x0 = x0 < left ? left : x0;
     x1 = x1 > right ? right : x1;
-    if (x1 > x0)
-        ui_draw_box(on, (ui_rectangle){x0, row->y + 2.0f, x1 - x0, row->height - 4.0f}, 0x272631ffu,
-                    3.0f);
+    return (ui_rectangle){x0, row->y + 2.0f, x1 > x0 ? x1 - x0 : 0.0f, row->height - 4.0f};
 }
 
 static void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, const take *t)
@@ -236,7 +235,9 @@ static void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, co
     const timeline_result *result = self->result;
     if (result->audio != t->audio.audio || result->about.rate_hz == 0)
         return;
-    paint_body(self, on, row, t);
+    const ui_rectangle body = body_of(self, row, t);
+    if (body.width > 0.0f)
+        ui_draw_box(on, body, 0x272631ffu, 3.0f);
     if (!result->has_wave)
         return;
     float middle = row->y + 0.5f * row->height, half = 0.5f * row->height - 5.0f;
@@ -256,9 +257,14 @@ static void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, co
         self->column_high[count] = high;
         count += 1;
     }
-    if (count > 1)
-        ui_draw_area(on, self->column_x, self->column_low, self->column_high, count,
-                     TIMELINE_WAVE_COLOUR);
+    if (count < 2)
+        return;
+    ui_draw_area(on, self->column_x, self->column_low, self->column_high, count,
+                 TIMELINE_WAVE_TRIMMED);
+    ui_clip_begin(on, body);
+    ui_draw_area(on, self->column_x, self->column_low, self->column_high, count,
+                 TIMELINE_WAVE_COLOUR);
+    ui_clip_end(on);
 }
 
 /* ---- clips ---- */

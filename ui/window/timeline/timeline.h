@@ -22,6 +22,7 @@
 #define TIMELINE_MUTED_CURVE  0x86a9b848u
 #define TIMELINE_MUTED_FILL   0x86a9b818u
 #define TIMELINE_WAVE_COLOUR  0x9c93b8d0u
+#define TIMELINE_WAVE_TRIMMED 0x9c93b840u /* what of it is not heard */
 #define TIMELINE_SHADE        0x0d0f1190u /* where a fade takes something away */
 #define TIMELINE_RANGE_COLOUR 0xd9a44133u
 #define TIMELINE_GRID_COLOUR  0x23272cffu
@@ -180,6 +181,7 @@ void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
 void timeline_paint_rows(panel *self, ui *on);
 
 /* mouse.c */
+int64_t timeline_sound_ns(const panel *self); /* of the take; 0: none, or not known yet */
 void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas);
 
 /* menu.c */

@@ -1,0 +1,166 @@
+/* The voice of a take in the window: read beside all else, laid, trimmed and taken away. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include "scene.h"
+#include "take/take.h"
+#include "window/open_any.h"
+
+enum { RATE_HZ = 48000 };
+
+static bool has_recorded(scene *s, void *data)
+{
+    (void)data;
+    return app_status(s->app)->recorded_ns > NS_PER_S;
+}
+
+static bool has_take(scene *s, void *data)
+{
+    (void)data;
+    return app_take(s->app) != NULL && !app_status(s->app)->is_recording;
+}
+
+static bool has_read(scene *s, void *data)
+{
+    (void)data;
+    return app_voice_part(s->app) < 0.0;
+}
+
+static bool has_wave(scene *s, void *data)
+{
+    return scene_word(s, data) != NULL;
+}
+
+/* A tone, as Sun/NeXT audio. */
+static void write_sound(const scene *s, const char *name, int32_t seconds)
+{
+    const uint32_t head[6] = {0x2e736e64, 24, 0xffffffffu, 3 /* 16 bits */, RATE_HZ, 1};
+    char path[256];
+    (void)snprintf(path, sizeof path, "%s/%s", s->folder, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    for (int i = 0; i < 6; ++i)
+        for (int byte = 3; byte >= 0; --byte)
+            (void)fputc((int)(head[i] >> 8 * byte & 0xff), file);
+    for (int32_t i = 0; i < seconds * RATE_HZ; ++i) {
+        const uint32_t sample = (uint32_t)(int32_t)(12000.0 * sin((double)i * 0.05));
+        (void)fputc((int)(sample >> 8 & 0xff), file);
+        (void)fputc((int)(sample & 0xff), file);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+static mrt_result open_file(scene *s, const char *name)
+{
+    char path[256];
+    (void)snprintf(path, sizeof path, "%s/%s", s->folder, name);
+    return open_any(s->app, path);
+}
+
+static void open_with_a_take(scene *s)
+{
+    static char hand[512];
+    static const char *const inputs[] = {hand};
+    (void)snprintf(hand, sizeof hand, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    const scene_options options = {
+        .width_px = 1280, .height_px = 720, .scale = 1.0f, .inputs = inputs, .input_count = 1};
+    scene_open_with(s, &options);
+    scene_do(s, ACTION_RECORD);
+    assert_true(scene_until(s, has_recorded, NULL));
+    scene_do(s, ACTION_RECORD);
+    assert_true(scene_until(s, has_take, NULL));
+}
+
+static const take_audio *voice(scene *s)
+{
+    return &app_take(s->app)->audio;
+}
+
+static void a_voice_is_read_beside_all_else_trimmed_and_taken_away(void **state)
+{
+    (void)state;
+    scene s;
+    char name[] = "line.au";
+    open_with_a_take(&s);
+    write_sound(&s, name, 1);
+    assert_int_equal(open_file(&s, name), MRT_OK);
+    assert_true(scene_until(&s, has_read, NULL));
+    assert_true(scene_until(&s, has_wave, name));
+    scene_frames(&s, 30);
+    const ui_word *head = scene_word(&s, name);
+    assert_non_null(head);
+    const float y = head->where.y + 18.0f;
+    /* The take begins 390 points from the left. */
+    const float left = 392.0f;
+    scene_drag(&s, left, y, left + 60.0f, y, 8);
+    assert_true(voice(&s)->in_ns > 0 && voice(&s)->out_ns == 0 && voice(&s)->offset_ns == 0);
+    scene_look(&s, "voice_trimmed");
+    scene_check_words(&s);
+    const int64_t in_ns = voice(&s)->in_ns;
+    scene_do(&s, ACTION_UNDO);
+    assert_true(voice(&s)->in_ns == 0);
+    scene_do(&s, ACTION_REDO);
+    assert_true(voice(&s)->in_ns == in_ns);
+    scene_drag(&s, left + 140.0f, y, left + 180.0f, y, 8); /* it takes its trim along */
+    assert_true(voice(&s)->in_ns == in_ns && voice(&s)->offset_ns > 0);
+    scene_click_with(&s, left + 160.0f, y, 1);
+    scene_look(&s, "voice_menu");
+    scene_click_word(&s, "Begin with the take");
+    assert_true(voice(&s)->offset_ns == 0);
+    scene_click_with(&s, left + 160.0f, y, 1);
+    scene_click_word(&s, "All of it is heard");
+    assert_true(voice(&s)->in_ns == 0 && voice(&s)->out_ns == NS_PER_S);
+    scene_click(&s, left + 130.0f, scene_word(&s, "00:00:00:06")->where.y + 8.0f);
+    scene_frames(&s, 3);
+    scene_click_with(&s, left + 160.0f, y, 1);
+    scene_click_word(&s, "Trim its end to the play head");
+    const int64_t out_ns = voice(&s)->out_ns;
+    assert_true(out_ns > 150 * NS_PER_MS && out_ns < 350 * NS_PER_MS);
+    scene_click_with(&s, left + 30.0f, y, 1);
+    scene_click_word(&s, "Take the sound away");
+    assert_true(voice(&s)->audio == 0);
+    scene_do(&s, ACTION_UNDO);
+    assert_true(voice(&s)->audio != 0 && voice(&s)->out_ns == out_ns);
+    scene_close(&s);
+}
+
+static void what_is_read_is_given_up_with_its_show_and_one_at_a_time(void **state)
+{
+    (void)state;
+    scene s;
+    char other[256];
+    open_with_a_take(&s);
+    write_sound(&s, "long.au", 300);
+    write_sound(&s, "line.au", 1);
+    assert_int_equal(open_file(&s, "long.au"), MRT_OK);
+    assert_true(app_voice_part(s.app) >= 0.0);
+    assert_true(open_file(&s, "line.au") < 0);
+    scene_frame(&s);
+    assert_non_null(scene_word_with(&s, "is being read"));
+    assert_non_null(scene_word_with(&s, "Reading the voice"));
+    scene_look(&s, "voice_is_read");
+    (void)snprintf(other, sizeof other, "%s/other.marotte", s.folder);
+    assert_int_equal(app_open_show(s.app, other), MRT_OK);
+    assert_true(app_voice_part(s.app) < 0.0);
+    assert_int_equal(app_open_show(s.app, s.show), MRT_OK);
+    assert_true(app_select_take(s.app, 1) >= 0);
+    assert_true(voice(&s)->audio == 0);
+    assert_true(open_file(&s, "none.au") >= 0);
+    assert_true(scene_until(&s, has_read, NULL));
+    assert_non_null(scene_word_with(&s, "none.au"));
+    assert_true(voice(&s)->audio == 0);
+    scene_close(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_voice_is_read_beside_all_else_trimmed_and_taken_away),
+        cmocka_unit_test(what_is_read_is_given_up_with_its_show_and_one_at_a_time),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
