@@ -61,6 +61,9 @@ CHECKED mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t
                                   void (*read)(void *item, sqlite_statement *row), error *err);
 /* What is stored of an edit beside its text: an edit that moved or changed is noticed. */
 int64_t show_edit_crc(int64_t take, int32_t n, const char *json);
+/* n <= 0: part of how the take was made. In somebody's transaction. */
+CHECKED mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_ms,
+                                    const char *json, error *err);
 /* The first column of all rows. */
 CHECKED mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out_count,
                                  error *err);

@@ -22,8 +22,8 @@ int64_t show_edit_crc(int64_t take_id, int32_t n, const char *json)
     return (int64_t)crc32_z(crc, (const uint8_t *)json, strlen(json));
 }
 
-static mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_ms,
-                                   const char *json, error *err)
+mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_ms,
+                            const char *json, error *err)
 {
     return sqlite_change(db, err,
                          "INSERT INTO edit(take, branch, n, utc_ms, crc, json)"

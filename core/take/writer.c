@@ -820,6 +820,9 @@ static writer_job *slated_job(writer *self, writer_job_kind kind, const writer_s
     job->of.slate.number = slate->number;
     job->of.slate.over = slate->over;
     job->of.slate.over_at_ns = slate->over_at_ns;
+    job->of.slate.fps = slate->fps;
+    job->of.slate.timecode_frame = slate->timecode_frame;
+    job->of.slate.is_drop_frame = slate->is_drop_frame;
     snprintf(job->of.slate.scene, sizeof job->of.slate.scene, "%s",
              slate->scene ? slate->scene : "");
     snprintf(job->of.slate.shot, sizeof job->of.slate.shot, "%s", slate->shot ? slate->shot : "");

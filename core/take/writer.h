@@ -50,6 +50,9 @@ typedef struct writer_slate {
     const char *scene, *shot; /* NULL: "" */
     uint32_t number;          /* 0: the next one of scene and shot */
     int64_t over, over_at_ns; /* the take that it is performed over, and where; 0: none */
+    double fps;               /* of the time code that it begins at; 0: none */
+    int64_t timecode_frame;
+    bool is_drop_frame;
 } writer_slate;
 /* A take exists from here on: it is one even if the program is killed now. */
 CHECKED mrt_result writer_take_begin(writer *self, int64_t time_ns, const writer_slate *slate,

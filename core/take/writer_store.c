@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "take/chunk.h"
+#include "take/edit.h"
 #include "take/spool.h"
 
 #include <math.h>
@@ -170,6 +171,30 @@ static mrt_result run_performance(const writer_job *job, writer_store *store, er
 
 /* ---- takes ---- */
 
+static mrt_result insert_edit(const writer_job *job, int32_t n, const edit *e, sqlite *db,
+                              error *err)
+{
+    char *json = NULL;
+    mrt_result result = edit_write(&json, e, err);
+    if (result >= 0)
+        result = show_edit_insert(db, job->id, n, job->from_ns / NS_PER_MS, json, err);
+    free(json);
+    return result;
+}
+
+/* Part of how it was made: undo leaves it. */
+static mrt_result insert_timecode(const writer_job *job, sqlite *db, error *err)
+{
+    edit fps, code;
+    edit_init(&fps, EDIT_TAKE_FPS);
+    edit_init(&code, EDIT_TAKE_TIMECODE);
+    fps.fps = job->of.slate.fps;
+    code.frame = job->of.slate.timecode_frame;
+    code.is_drop = job->of.slate.is_drop_frame;
+    const mrt_result result = insert_edit(job, -1, &fps, db, err);
+    return result < 0 ? result : insert_edit(job, 0, &code, db, err);
+}
+
 static mrt_result insert_take(const writer_job *job, int64_t start_ns, const int64_t *end_ns,
                               const char *origin, sqlite *db, error *err)
 {
@@ -181,7 +206,8 @@ static mrt_result insert_take(const writer_job *job, int64_t start_ns, const int
                          .shot = job->of.slate.shot,
                          .number = job->of.slate.number,
                          .origin = origin};
-    return show_take_insert(db, &row, err);
+    const mrt_result result = show_take_insert(db, &row, err);
+    return result < 0 || job->of.slate.fps == 0.0 ? result : insert_timecode(job, db, err);
 }
 
 static mrt_result run_take(const writer_job *job, writer_store *store, error *err)

@@ -61,6 +61,9 @@ typedef struct writer_job {
             char scene[TAKE_NAME], shot[TAKE_NAME];
             uint32_t number;
             int64_t over, over_at_ns;
+            double fps;
+            int64_t timecode_frame;
+            bool is_drop_frame;
         } slate;
         struct {
             int64_t track;

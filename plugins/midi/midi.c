@@ -320,7 +320,8 @@ static void release(mrt_plugin *self, uint8_t midi_channel)
     for (uint32_t i = 0; i < self->table.count; ++i) {
         const midi_kind kind = (midi_kind)(self->table.control[i] >> 24);
         const uint8_t of = self->table.control[i] >> 16 & 15;
-        const bool is_pedal = self->table.channel[i].semantic != MRT_CH_OTHER;
+        const uint32_t semantic = self->table.channel[i].semantic;
+        const bool is_pedal = semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
         const int heard = heard_at(self, self->table.control[i]);
         if ((kind != MIDI_NOTE && !is_pedal) || self->value[i] == 0.0f ||
             (midi_channel != MIDI_ALL_CHANNELS && midi_channel != of))
@@ -333,6 +334,9 @@ static void release(mrt_plugin *self, uint8_t midi_channel)
 
 static void take_event(mrt_plugin *self, const midi_event *event)
 {
+    const midi_event rate = {.kind = MIDI_TIMECODE_RATE, .value = event->rate};
+    if (event->kind == MIDI_TIMECODE)
+        move(self, &rate);
     if (event->kind == MIDI_SENSING)
         self->sensing_due_ns = self->chunk_ns + sensing_ns;
     else if (event->kind == MIDI_RELEASE)

@@ -52,14 +52,14 @@ static float of_14_bits(uint8_t high, uint8_t low)
 
 static bool give(midi_event *out, midi_kind kind, uint8_t channel, uint16_t number, float value)
 {
-    *out = (midi_event){kind, channel, number, value};
+    *out = (midi_event){kind, channel, number, value, 0.0f};
     return true;
 }
 
 /* ---- time code ---- */
 
-/* hour has the rate in bits 5 and 6. Seconds of a drop-frame code are counted, not read off. */
-static bool give_time(uint8_t hour, uint8_t minute, uint8_t second, uint8_t frame, int32_t ahead,
+/* hour has the rate in bits 5 and 6. */
+static bool give_time(uint8_t hour, uint8_t minute, uint8_t second, uint8_t frame, float ahead,
                       midi_event *out)
 {
     static const int32_t rates[4] = {24, 25, 30, 30};
@@ -67,18 +67,18 @@ static bool give_time(uint8_t hour, uint8_t minute, uint8_t second, uint8_t fram
     const int32_t rate = rates[kind], hours = hour & 31;
     if (hours > 23 || minute > 59 || second > 59 || frame >= rate)
         return false;
-    int32_t minutes = hours * 60 + minute;
-    int32_t frames = (minutes * 60 + second) * rate + frame + ahead;
     const bool is_drop = kind == 2;
-    if (is_drop)
-        frames -= 2 * (minutes - minutes / 10);
-    double time_s = is_drop ? frames * 1001.0 / 30000.0 : (double)frames / rate;
-    if (time_s >= 86400.0)
-        time_s -= 86400.0;
-    return give(out, MIDI_TIMECODE, 0, 0, (float)time_s);
+    const int32_t minutes = hours * 60 + minute, dropped = 2 * (minutes - minutes / 10);
+    const int32_t frames = (minutes * 60 + second) * rate + frame - (is_drop ? dropped : 0);
+    const int32_t day = 86400 * rate - (is_drop ? 2 * (1440 - 144) : 0);
+    const float now = (float)frames + ahead;
+    (void)give(out, MIDI_TIMECODE, 0, 0, now < (float)day ? now : now - (float)day);
+    out->rate = is_drop ? (float)(-30000.0 / 1001.0) : (float)rate;
+    return true;
 }
 
-/* Eight messages in order make one time, which was that of the first: two frames ago. */
+/* Eight messages in order, a quarter of a frame apart, make one time, which was that of the first.
+ */
 static bool take_quarter(midi_parser *self, uint8_t data, midi_event *out)
 {
     const uint8_t piece = data >> 4;
@@ -91,7 +91,7 @@ static bool take_quarter(midi_parser *self, uint8_t data, midi_event *out)
     self->next_quarter = (uint8_t)((piece + 1) % 8);
     return piece == 7 &&
            give_time((uint8_t)(q[7] << 4 | q[6]), (uint8_t)(q[5] << 4 | q[4]),
-                     (uint8_t)(q[3] << 4 | q[2]), (uint8_t)(q[1] << 4 | q[0]), 2, out);
+                     (uint8_t)(q[3] << 4 | q[2]), (uint8_t)(q[1] << 4 | q[0]), 1.75f, out);
 }
 
 /* f0 7f DEVICE 01 01 HOUR MINUTE SECOND FRAME f7 */
@@ -99,7 +99,7 @@ static bool end_exclusive(const midi_parser *self, midi_event *out)
 {
     const uint8_t *e = self->exclusive;
     return self->exclusive_count == 8 && e[0] == 0x7f && e[2] == 1 && e[3] == 1 &&
-           give_time(e[4], e[5], e[6], e[7], 0, out);
+           give_time(e[4], e[5], e[6], e[7], 0.0f, out);
 }
 
 /* ---- controllers ---- */

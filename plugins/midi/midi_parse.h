@@ -15,16 +15,17 @@ enum {
 
 typedef enum midi_kind {
     MIDI_NONE = 0,
-    MIDI_CONTROLLER,   /* number 0..119; 0..1 */
-    MIDI_BEND,         /* -1..1 */
-    MIDI_NOTE,         /* number 0..127; velocity 0..1, 0 when it is let go */
-    MIDI_PRESSURE,     /* of the whole channel; 0..1 */
-    MIDI_KEY_PRESSURE, /* number 0..127; 0..1 */
-    MIDI_NRPN,         /* number 0..16383; 0..1 */
-    MIDI_PROGRAM,      /* 0..127 */
-    MIDI_TIMECODE,     /* s since midnight, below 86400 */
-    MIDI_RELEASE,      /* of `channel`, or MIDI_ALL_CHANNELS: notes are off, pedals up */
-    MIDI_SENSING       /* the sender is there; from now on it says so every 300 ms */
+    MIDI_CONTROLLER,    /* number 0..119; 0..1 */
+    MIDI_BEND,          /* -1..1 */
+    MIDI_NOTE,          /* number 0..127; velocity 0..1, 0 when it is let go */
+    MIDI_PRESSURE,      /* of the whole channel; 0..1 */
+    MIDI_KEY_PRESSURE,  /* number 0..127; 0..1 */
+    MIDI_NRPN,          /* number 0..16383; 0..1 */
+    MIDI_PROGRAM,       /* 0..127 */
+    MIDI_TIMECODE,      /* frames from 00:00:00:00, counted, below 2592000 */
+    MIDI_TIMECODE_RATE, /* its frames a second, negative for drop-frame */
+    MIDI_RELEASE,       /* of `channel`, or MIDI_ALL_CHANNELS: notes are off, pedals up */
+    MIDI_SENSING        /* the sender is there; from now on it says so every 300 ms */
 } midi_kind;
 
 typedef struct midi_event {
@@ -32,6 +33,7 @@ typedef struct midi_event {
     uint8_t channel; /* 0..15; 0 of MIDI_TIMECODE and MIDI_SENSING */
     uint16_t number;
     float value;
+    float rate; /* of MIDI_TIMECODE: the value of MIDI_TIMECODE_RATE, which is no event */
 } midi_event;
 
 /* What a channel's controllers 6 and 38 are about. */

@@ -21,7 +21,8 @@ static const struct {
     [MIDI_KEY_PRESSURE] = {"key_pressure", true, 127, 0, 1},
     [MIDI_NRPN] = {"nrpn", true, MIDI_NUMBERS - 1, 0, 1},
     [MIDI_PROGRAM] = {"program", false, 0, 0, 127},
-    [MIDI_TIMECODE] = {"timecode", false, 0, 0, 86400},
+    [MIDI_TIMECODE] = {"timecode", false, 0, 0, 2592000},
+    [MIDI_TIMECODE_RATE] = {"timecode_rate", false, 0, -30, 30},
 };
 
 static midi_control control_of(midi_kind kind, uint32_t channel, uint32_t number)
@@ -83,7 +84,7 @@ bool midi_control_parse(midi_control *out, const char *text, size_t length)
     uint32_t channel, number = 0;
     if (!take_channel(&text, end, &channel))
         return false;
-    for (midi_kind kind = MIDI_CONTROLLER; kind <= MIDI_TIMECODE; ++kind) {
+    for (midi_kind kind = MIDI_CONTROLLER; kind <= MIDI_TIMECODE_RATE; ++kind) {
         const size_t size = strlen(kinds[kind].name);
         const char *at = text + size;
         const bool wants_number = kinds[kind].is_numbered || kind == MIDI_BEND;
@@ -97,7 +98,7 @@ bool midi_control_parse(midi_control *out, const char *text, size_t length)
             *out = control_of(kind, channel, number);
         else
             return false;
-        return kind != MIDI_TIMECODE || channel == 0;
+        return kind < MIDI_TIMECODE || channel == 0;
     }
     return false;
 }
@@ -136,6 +137,8 @@ static uint32_t semantic_of(midi_control control, bool has_pedals)
     for (uint32_t i = 0; has_pedals && i < 3; ++i)
         if (control == control_of(MIDI_CONTROLLER, 0, pedal[i]))
             return MRT_CH_PEDAL + i;
+    if (kind_of(control) >= MIDI_TIMECODE)
+        return MRT_CH_TIMECODE + (kind_of(control) - MIDI_TIMECODE);
     return MRT_CH_OTHER;
 }
 
@@ -155,7 +158,9 @@ void midi_table_build(midi_table *self, bool has_pedals)
         const midi_kind kind = kind_of(self->control[i]);
         midi_control_name(self->control[i], self->name[i]);
         self->channel[i] = (mrt_channel){self->name[i],
-                                         kind == MIDI_TIMECODE ? "s" : "",
+                                         kind == MIDI_TIMECODE        ? "frames"
+                                         : kind == MIDI_TIMECODE_RATE ? "1/s"
+                                                                      : "",
                                          semantic_of(self->control[i], has_pedals),
                                          MRT_NO_HAND,
                                          kinds[kind].low,

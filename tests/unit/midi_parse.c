@@ -130,20 +130,22 @@ static void parameters_without_a_registered_number_are_controls(void **state)
     assert_event(&of.event[0], MIDI_CONTROLLER, 2, 6, 1);
 }
 
-static void time_codes_are_seconds(void **state)
+static void time_codes_are_frames(void **state)
 {
     (void)state;
     heard of = {0};
     midi_parser_init(&of.parser, false);
-    /* 01:02:03:04 at 25 a second, in eight quarter frames; two frames have passed meanwhile */
+    /* 01:02:03:04 at 25 a second, in eight quarter frames: seven quarters have passed by then */
     HEAR(&of, 0xf1, 0x04, 0xf1, 0x10, 0xf1, 0x23, 0xf1, 0x30, 0xf1, 0x42, 0xf1, 0x50, 0xf1, 0x61,
          0xf1, 0x72);
     assert_int_equal(of.count, 1);
-    assert_event(&of.event[0], MIDI_TIMECODE, 0, 0, 3723.24f);
+    assert_event(&of.event[0], MIDI_TIMECODE, 0, 0, 3723 * 25 + 5.75f);
+    assert_float_equal(of.event[0].rate, 25.0f, 0.0f);
     /* whole, 30 drop: 00:01:00:02 is one frame after 00:00:59:29 */
     HEAR(&of, 0xf0, 0x7f, 0x7f, 1, 1, 0x40, 1, 0, 2, 0xf7);
     assert_int_equal(of.count, 1);
-    assert_event(&of.event[0], MIDI_TIMECODE, 0, 0, 1800 * 1.001f / 30);
+    assert_event(&of.event[0], MIDI_TIMECODE, 0, 0, 1800);
+    assert_float_equal(of.event[0].rate, -29.97003f, 1e-5f);
     /* a missing piece, an hour 24, a minute 60, one byte more */
     HEAR(&of, 0xf1, 0x04, 0xf1, 0x10, 0xf1, 0x30, 0xf1, 0x42, 0xf1, 0x50, 0xf1, 0x61, 0xf1, 0x72,
          0xf0, 0x7f, 0x7f, 1, 1, 0x38, 0, 0, 0, 0xf7, 0xf0, 0x7f, 0x7f, 1, 1, 0x21, 60, 0, 0, 0xf7,
@@ -178,7 +180,7 @@ static void cut_and_damaged_messages_say_nothing(void **state)
 static void noise_stays_within_its_ranges(void **state)
 {
     (void)state;
-    static const float most[] = {[MIDI_PROGRAM] = 127, [MIDI_TIMECODE] = 86400};
+    static const float most[] = {[MIDI_PROGRAM] = 127, [MIDI_TIMECODE] = 2592000};
     midi_parser parser;
     uint32_t seed = 1, count = 0;
     midi_parser_init(&parser, true);
@@ -200,7 +202,7 @@ static void noise_stays_within_its_ranges(void **state)
 
 static midi_control control(midi_kind kind, uint8_t channel, uint16_t number)
 {
-    return midi_control_of(&(midi_event){kind, channel, number, 0});
+    return midi_control_of(&(midi_event){kind, channel, number, 0, 0});
 }
 
 static void names_are_read_as_they_are_written(void **state)
@@ -218,7 +220,8 @@ static void names_are_read_as_they_are_written(void **state)
                  {MIDI_PRESSURE, 15, 0, "ch16.pressure"},
                  {MIDI_KEY_PRESSURE, 0, 1, "key_pressure.1"},
                  {MIDI_NRPN, 0, 16383, "nrpn.16383"},
-                 {MIDI_TIMECODE, 0, 0, "timecode"}};
+                 {MIDI_TIMECODE, 0, 0, "timecode"},
+                 {MIDI_TIMECODE_RATE, 0, 0, "timecode_rate"}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
         char name[MIDI_NAME];
         midi_control one = control(known[i].kind, known[i].channel, known[i].number), again = 0;
@@ -294,7 +297,7 @@ int main(void)
         cmocka_unit_test(real_time_bytes_may_stand_anywhere),
         cmocka_unit_test(low_bits_refine_a_controller),
         cmocka_unit_test(parameters_without_a_registered_number_are_controls),
-        cmocka_unit_test(time_codes_are_seconds),
+        cmocka_unit_test(time_codes_are_frames),
         cmocka_unit_test(what_ends_notes_is_told),
         cmocka_unit_test(cut_and_damaged_messages_say_nothing),
         cmocka_unit_test(noise_stays_within_its_ranges),

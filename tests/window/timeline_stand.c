@@ -109,6 +109,23 @@ live_click app_click(const app *self)
     return (live_click){.bpm = 120.0, .bar = 4};
 }
 
+bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame)
+{
+    (void)self, (void)out_rate, (void)out_frame;
+    return false;
+}
+
+bool app_chases(const app *self)
+{
+    (void)self;
+    return false;
+}
+
+void app_set_chases(app *self, bool chases)
+{
+    (void)self, (void)chases;
+}
+
 void app_set_click(app *self, const live_click *to)
 {
     (void)self;

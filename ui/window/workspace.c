@@ -628,9 +628,9 @@ static float put_voice(pen *p, float right)
     if (part < 0.0)
         return right;
     (void)snprintf(words, sizeof words, "Reading the voice %.0f %%", 100.0 * part);
-    const float width = ui_text_width(p->on, UI_STYLE_NUMBER, "Reading the voice 100 %") + 12.0f;
+    const float width = ui_text_width(p->on, UI_STYLE_NUMBER, "Reading the voice 100 %") + 24.0f;
     const float height = ui_text_height(p->on, UI_STYLE_NUMBER);
-    ui_draw_text(p->on, right - width, p->where.y + 0.5f * (p->where.height - height),
+    ui_draw_text(p->on, right - width + 12.0f, p->where.y + 0.5f * (p->where.height - height),
                  UI_STYLE_NUMBER, THEME_ACCENT, 0.0f, words);
     return right - width;
 }

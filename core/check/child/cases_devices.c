@@ -113,7 +113,8 @@ static bool is_meaning(uint32_t semantic)
     return semantic == MRT_CH_OTHER || semantic == MRT_CH_BUTTON ||
            (semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES) ||
            (semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + 7) ||
-           (semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS);
+           (semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS) ||
+           semantic == MRT_CH_TIMECODE || semantic == MRT_CH_TIMECODE + 1;
 }
 
 /* Others are told apart by their names. */

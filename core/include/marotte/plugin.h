@@ -121,10 +121,13 @@ enum {
     /* Told apart by name, any number of them: a fader from 0 to 1, a stick from -1 to 1, a shape of
      * a tracked face. Where min < 0 < max it rests at 0, else at min. */
     MRT_CH_OTHER = 0,
-    MRT_CH_ANGLE = 1,  /* + 0..21, in sensor order: thumb roll ... wrist yaw */
-    MRT_CH_WRIST = 32, /* + 0..6: position x y z in mm, orientation quaternion x y z w */
-    MRT_CH_PEDAL = 64, /* + 0..3 */
-    MRT_CH_BUTTON = 72 /* 0 up, 1 down; told apart by name; 96 and above are the host's own */
+    MRT_CH_ANGLE = 1,    /* + 0..21, in sensor order: thumb roll ... wrist yaw */
+    MRT_CH_WRIST = 32,   /* + 0..6: position x y z in mm, orientation quaternion x y z w */
+    MRT_CH_PEDAL = 64,   /* + 0..3 */
+    MRT_CH_BUTTON = 72,  /* 0 up, 1 down; told apart by name */
+    MRT_CH_TIMECODE = 80 /* + 0: frames of time code from 00:00:00:00 to the sample's time, counted
+                            and not read off, parts of one too; + 1: how many a second, such as 25,
+                            negative for drop-frame. 96 and above are the host's own */
 };
 enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
 typedef struct mrt_channel {

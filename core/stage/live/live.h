@@ -68,6 +68,7 @@ typedef struct live_status {
     bool is_recording;   /* a take (live or over one) */
     int64_t take;        /* that is being, or was last, recorded; 0: none */
     int64_t recorded_ns; /* how long it is by now */
+    recorder_code code;  /* time code from outside, while everything is recorded */
     int64_t journal_ns;  /* how far back live_keep reaches now */
     size_t kept_bytes;   /* of the take on the stage, to scrub from: at most 64 MiB */
     uint64_t sample_count;

@@ -260,6 +260,7 @@ void live_status_of(live *self, live_status *out)
     status->patch_speaks = pulse->patch_speaks;
     memcpy(status->patch_pressed, pulse->patch_pressed, sizeof status->patch_pressed);
     status->kept_bytes = pulse->kept_bytes;
+    status->code = pulse->code;
     if (pulse->take > 0)
         status->take = pulse->take;
     measure(self, pulse);

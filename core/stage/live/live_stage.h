@@ -76,6 +76,7 @@ typedef struct live_pulse { /* how the frame thread does */
     live_mode mode;
     bool is_taking; /* a take is recorded */
     int64_t take;
+    recorder_code code;
     uint64_t overs;    /* how often a take was performed over */
     size_t kept_bytes; /* of the take on the stage, to scrub from */
 } live_pulse;

@@ -95,7 +95,10 @@ static void begin(overdub_run *self, int64_t clock_ns)
 
 void overdub_run_slate(const overdub_run *self, recorder *into)
 {
-    const writer_slate slate = {self->scene, self->shot, 0, self->take, self->plan.in_ns};
+    const writer_slate slate = {.scene = self->scene,
+                                .shot = self->shot,
+                                .over = self->take,
+                                .over_at_ns = self->plan.in_ns};
     recorder_take_next(into, &slate, 0);
 }
 

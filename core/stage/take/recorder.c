@@ -4,6 +4,7 @@
 #include "stage/take/identity.h"
 #include "stage/take/replay.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,6 +22,7 @@ struct recorder_cast { /* who performs, and as what it is recorded */
     performer *performer;
     int64_t track[RECORDER_INPUTS_MAX];
     uint32_t version[RECORDER_INPUTS_MAX];
+    int32_t code[RECORDER_INPUTS_MAX], code_rate[RECORDER_INPUTS_MAX]; /* channels; -1: none */
     bool is_kept[RECORDER_INPUTS_MAX]; /* the track goes on in another cast */
     take_performance performance;
 };
@@ -34,6 +36,7 @@ struct recorder {
     bool is_to_begin; /* another one, with the next sample */
     layer *watched;
     int64_t last_ns, checkpoint_ns;
+    recorder_code code;
     int64_t begun_ns, take_from_ns; /* the performance; the take that is wanted, 0: now */
     uint32_t current;               /* input of the step that is performed: its first */
     uint32_t ahead;
@@ -97,6 +100,14 @@ static void describe_channels(take_track *out, const mrt_channel *channel, uint3
     }
 }
 
+static int32_t channel_of(const mrt_channel *channel, uint32_t count, uint32_t semantic)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (channel[i].semantic == semantic)
+            return (int32_t)i;
+    return -1;
+}
+
 static mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, uint32_t i,
                                           uint32_t version, error *err)
 {
@@ -104,6 +115,8 @@ static mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, u
     uint32_t count;
     const mrt_channel *channel = input_channels_of(cast->inputs[i], version, &count);
     describe_channels(&track, channel, count);
+    cast->code[i] = channel_of(channel, count, MRT_CH_TIMECODE);
+    cast->code_rate[i] = channel_of(channel, count, MRT_CH_TIMECODE + 1);
     track.input = strdup(cast->input_text[i]);
     track.device = strdup(input_name(cast->inputs[i]));
     track.plugin = identity_of_plugin(self->settings.plugins, input_plugin(cast->inputs[i]));
@@ -204,6 +217,8 @@ static void share_tracks(recorder_cast *old, recorder_cast *cast)
             old->is_kept[j] = true;
             cast->track[i] = cast->performance.track[i] = old->track[j];
             cast->version[i] = old->version[j];
+            cast->code[i] = old->code[j];
+            cast->code_rate[i] = old->code_rate[j];
         }
     }
     memset(cast->is_kept, 0, sizeof cast->is_kept);
@@ -331,6 +346,63 @@ mrt_result recorder_stop(recorder *self, error *err)
     return result;
 }
 
+/* ---- time code from outside ---- */
+
+static const int64_t code_lasts_ns = NS_PER_S / 2;
+static const double fps_least = 10.0, fps_most = 120.0;
+
+recorder_code recorder_code_heard(const recorder *self)
+{
+    return self->code;
+}
+
+static double code_frame(const recorder_code *self, int64_t time_ns)
+{
+    return self->frame + 1e-9 * (double)(time_ns - self->time_ns) * self->fps;
+}
+
+double recorder_code_at(const recorder_code *self, int64_t time_ns)
+{
+    const bool runs =
+        self->time_ns != 0 && time_ns >= self->since_ns && time_ns - self->time_ns < code_lasts_ns;
+    return runs ? code_frame(self, time_ns) : -1.0;
+}
+
+/* Of a sample of an input, which may have none. */
+static void follow_code(recorder *self, const step_sample *of)
+{
+    const int32_t at = self->cast->code[of->input], rate_at = self->cast->code_rate[of->input];
+    if (at < 0 || rate_at < 0 || (uint32_t)at >= of->sample.count ||
+        (uint32_t)rate_at >= of->sample.count)
+        return;
+    const double rate = (double)of->sample.value[rate_at], fps = fabs(rate);
+    const recorder_code before = self->code;
+    recorder_code now = {of->sample.time_ns, of->sample.time_ns, (double)of->sample.value[at], fps,
+                         rate < 0.0};
+    if (!(fps >= fps_least && fps <= fps_most) || now.frame < 0.0)
+        return;
+    const double expected = recorder_code_at(&before, now.time_ns);
+    if (before.fps == fps && expected >= 0.0 && fabs(expected - now.frame) < 1.0)
+        now.since_ns = before.since_ns;
+    self->code = now;
+}
+
+/* The take's start, on the frame that goes on at from_ns, if it may be earlier. */
+static int64_t lay_on_code(const recorder *self, int64_t from_ns, bool may_be_earlier,
+                           writer_slate *slate)
+{
+    const recorder_code *code = &self->code;
+    const double at = recorder_code_at(code, from_ns);
+    if (slate->over || at < 0.0)
+        return from_ns;
+    const double frame = floor(at + 1e-3);
+    const int64_t edge_ns = code->time_ns + (int64_t)ceil((frame - code->frame) * 1e9 / code->fps);
+    slate->fps = code->fps;
+    slate->timecode_frame = (int64_t)frame;
+    slate->is_drop_frame = code->is_drop;
+    return may_be_earlier && edge_ns >= self->begun_ns && edge_ns < from_ns ? edge_ns : from_ns;
+}
+
 /* ---- takes ---- */
 
 void recorder_take_next(recorder *self, const writer_slate *slate, int64_t from_ns)
@@ -338,8 +410,11 @@ void recorder_take_next(recorder *self, const writer_slate *slate, int64_t from_
     self->take_from_ns = from_ns;
     snprintf(self->scene, sizeof self->scene, "%s", slate->scene ? slate->scene : "");
     snprintf(self->shot, sizeof self->shot, "%s", slate->shot ? slate->shot : "");
-    self->slate =
-        (writer_slate){self->scene, self->shot, slate->number, slate->over, slate->over_at_ns};
+    self->slate = (writer_slate){.scene = self->scene,
+                                 .shot = self->shot,
+                                 .number = slate->number,
+                                 .over = slate->over,
+                                 .over_at_ns = slate->over_at_ns};
     self->is_take_wanted = true;
 }
 
@@ -358,7 +433,9 @@ mrt_result recorder_keep(recorder *self, int64_t from_ns, int64_t to_ns, const w
     if (!self->has_begun)
         return error_set(err, MRT_ERR_ARGUMENT, "nothing was performed yet");
     int64_t end_ns = to_ns <= self->last_ns ? to_ns : self->last_ns + 1;
-    return writer_keep(self->writer, from_ns, end_ns, slate, out_take, err);
+    writer_slate laid = *slate;
+    const int64_t start_ns = lay_on_code(self, from_ns, true, &laid);
+    return writer_keep(self->writer, start_ns, end_ns, &laid, out_take, err);
 }
 
 int64_t recorder_performance(const recorder *self)
@@ -453,8 +530,10 @@ static mrt_result begin_take(recorder *self, int64_t time_ns, error *err)
     if (!self->is_take_wanted)
         return MRT_OK;
     self->is_take_wanted = false;
-    if (self->take_from_ns && self->take_from_ns < time_ns)
+    const bool is_counted = self->take_from_ns && self->take_from_ns < time_ns;
+    if (is_counted)
         time_ns = self->take_from_ns > self->begun_ns ? self->take_from_ns : self->begun_ns;
+    time_ns = lay_on_code(self, time_ns, !is_counted, &self->slate);
     mrt_result result = writer_take_begin(self->writer, time_ns, &self->slate, &self->take, err);
     self->is_take_open = result >= 0;
     return result;
@@ -483,8 +562,10 @@ void recorder_step(recorder *self, const sample_step *s)
     if (!self->watched)
         layer_watch_params(self->cast->layer, on_param, self);
     self->watched = self->cast->layer;
-    for (uint32_t i = 0; i < s->count && result >= 0; ++i)
+    for (uint32_t i = 0; i < s->count && result >= 0; ++i) {
         result = follow_version(self, s->of[i].input, s->time_ns, &err);
+        follow_code(self, &s->of[i]);
+    }
     if (result >= 0)
         result = begin_take(self, s->time_ns, &err);
     if (result < 0)

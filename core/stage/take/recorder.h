@@ -57,7 +57,21 @@ void recorder_leave(recorder *self);
 /* One that was given back, or never used. */
 void recorder_dismiss(recorder *self, recorder_cast *cast);
 
-/* ---- takes ---- */
+/* ---- time code from outside: the newest MRT_CH_TIMECODE of an input ---- */
+
+typedef struct recorder_code {
+    int64_t time_ns;  /* of the samples' clock, when it was that frame; 0: none was heard */
+    int64_t since_ns; /* it has run without a break */
+    double frame;     /* counted from 00:00:00:00 */
+    double fps;
+    bool is_drop;
+} recorder_code;
+recorder_code recorder_code_heard(const recorder *self);
+/* < 0: it does not run then, half a second after it was heard or before it ran. */
+double recorder_code_at(const recorder_code *self, int64_t time_ns);
+
+/* ---- takes: each begins on a frame of the time code, if one runs, and has it from there on ----
+ */
 
 /* A take from the next sample on, or from from_ns of the samples' clock, which is past by then: all
  * that is performed is recorded. 0: no such instant. */

@@ -141,6 +141,11 @@ typedef struct app_remote_status {
 app_remote_status app_remote_now(const app *self); /* texts until the next frame */
 void app_set_remote(app *self, const char *place); /* "[HOST:]PORT", "": off; kept */
 struct expressions *app_expressions(app *self);    /* expressions.h */
+/* The time code from outside as it is now; false: none runs. */
+bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);
+/* The chosen take plays where the time code from outside is, as long as that runs; kept. */
+bool app_chases(const app *self);
+void app_set_chases(app *self, bool chases);
 /* The sound of a file becomes that of the chosen take once it is read, which goes on beside all
  * else: one at a time. */
 CHECKED mrt_result app_attach_voice(app *self, const char *path);

@@ -480,6 +480,7 @@ void app_update(app *self, double dt_s)
     app_takes_update(self, dt_s);
     app_follow_copy(self);
     app_follow_voice(self);
+    app_chase(self);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
         app_keep_settings(self, dt_s);

@@ -111,6 +111,8 @@ struct app {
     show_copier *copier; /* of the show, which is being saved under another name; NULL: none */
     voice_import *voice; /* that is being read into the show; NULL: none */
     int64_t voice_take;  /* whose it becomes */
+    bool is_chasing;     /* the time code from outside has set the take going */
+    int64_t chased_ns;   /* host clock: when it was laid on it last */
     double settings_wait_s;
     bool settings_failed; /* it was said */
 
@@ -144,6 +146,7 @@ CHECKED mrt_result app_open_first(app *self, const app_options *options, error *
 /* A copy of the show that is whole is the open show: once a frame. */
 void app_follow_copy(app *self);
 void app_follow_voice(app *self); /* a voice that has been read becomes its take's */
+void app_chase(app *self);        /* the time code from outside */
 void app_drop_voice(app *self);   /* that is being read */
 
 /* ---- app_takes.c ---- */

@@ -1085,6 +1085,68 @@ static bool show_it(app *self)
     return app_show_chosen(self) >= 0;
 }
 
+/* ---- time code from outside ---- */
+
+static const char chase_key[] = "timecode.chase";
+static const int64_t chase_off_ns = 40 * NS_PER_MS, chase_again_ns = NS_PER_S / 2;
+
+bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame)
+{
+    const recorder_code *code = &self->status.code;
+    const double frame = recorder_code_at(code, clock_now_ns());
+    error ignored = {""};
+    if (frame < 0.0 || timecode_rate_of(out_rate, code->fps, &ignored) < 0)
+        return false;
+    out_rate->is_drop = code->is_drop && timecode_can_drop(*out_rate);
+    *out_frame = (int64_t)frame;
+    return true;
+}
+
+bool app_chases(const app *self)
+{
+    return settings_number(self->settings, chase_key, 0.0) > 0.5;
+}
+
+void app_set_chases(app *self, bool chases)
+{
+    settings_set_number(self->settings, chase_key, chases ? 1.0 : 0.0);
+}
+
+/* Where the chosen take is when the time code says so; < 0: nowhere. */
+static int64_t chased_at_ns(const app *self, int64_t now_ns)
+{
+    const recorder_code *code = &self->status.code;
+    const double frame = recorder_code_at(code, now_ns);
+    const take *t = app_take(self);
+    if (!t || t->fps <= 0.0 || frame < 0.0 || self->status.is_recording || self->over_take)
+        return -1;
+    const double at_s = frame / code->fps - (double)t->timecode_frame / t->fps;
+    const int64_t at_ns = (int64_t)(at_s * 1e9);
+    return at_ns < t->duration_ns ? at_ns : -1;
+}
+
+void app_chase(app *self)
+{
+    if (!app_chases(self) || chased_at_ns(self, clock_now_ns()) < 0 || !show_it(self)) {
+        if (self->is_chasing && !self->status.is_recording)
+            live_pause(self->live);
+        self->is_chasing = false;
+        return;
+    }
+    const bool plays = live_transport(self->live)->is_playing;
+    const int64_t now_ns = clock_now_ns(), at_ns = chased_at_ns(self, now_ns);
+    const int64_t off_ns = live_position(self->live).at_ns - at_ns;
+    if (plays && (llabs(off_ns) < chase_off_ns || now_ns - self->chased_ns < chase_again_ns))
+        return;
+    live_set_speed(self->live, 1.0);
+    live_set_loop(self->live, 0, 0);
+    live_seek(self->live, at_ns);
+    if (!plays)
+        live_play(self->live);
+    self->is_chasing = true;
+    self->chased_ns = now_ns;
+}
+
 void app_seek(app *self, int64_t at_ns)
 {
     if (self->history && !self->status.is_recording && show_it(self))

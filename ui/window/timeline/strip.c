@@ -196,7 +196,11 @@ static void put_time(pen *p)
     uint32_t ink = status->is_recording ? THEME_RECORD : t ? THEME_TEXT : THEME_DIM;
     int64_t at_ns = t ? timeline_head_ns(p->self) : status->recorded_ns;
     timeline_code_write(words, &code, t || status->is_recording ? at_ns : 0);
-    if (!t && !status->is_recording)
+    timecode_rate rate;
+    int64_t frame;
+    if (!t && app_outside_code(p->self->app, &rate, &frame))
+        timecode_write(words, rate, frame);
+    else if (!t && !status->is_recording)
         words[0] = '\0'; /* the bar above says that the hands are live */
     float height = ui_text_height(p->on, UI_STYLE_LARGE);
     ui_draw_text(p->on, p->x, p->y + 0.5f * (ICON_HEIGHT - height), UI_STYLE_LARGE, ink, 0.0f,
@@ -348,6 +352,8 @@ static void click_items(app *of, ui *on)
             click.when = (live_click_when)i;
             app_set_click(of, &click);
         }
+    if (ui_menu_item(on, "Play with time code from outside", app_chases(of) ? "\u2713" : "", true))
+        app_set_chases(of, !app_chases(of));
     if (ui_menu_item(on, "Tempo \u2026", "", true))
         ui_dialog_open(on, "timeline_tempo");
 }
