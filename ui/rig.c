@@ -124,24 +124,6 @@ typedef struct drafting {
     bool may_replace, cuts_mouth;
 } drafting;
 
-/* What the rig must say of its mesh, so that it is read again as it was read now. */
-static void keep_frame(rig *r, const mesh *m, const char *mesh_path)
-{
-    file_extension extension = file_extension_of(mesh_path);
-    bool is_gltf = strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0 ||
-                   strcmp(extension.text, "vrm") == 0;
-    double mm = m->mm_per_unit;
-    bool is_named = mm == 1.0 || mm == 10.0 || mm == 1000.0;
-    if (!is_named)
-        r->mm_per_unit = 1.0; /* a rig's own numbers are in a unit that has a name */
-    if (!is_named || (is_gltf && mm != 1000.0))
-        r->frame.mm_per_unit = mm;
-    if (m->up != MESH_AXIS_Y || m->forward != MESH_AXIS_Z) {
-        r->frame.up = m->up;
-        r->frame.forward = m->forward;
-    }
-}
-
 static bool read_new_options(drafting *d, int argc, char **argv)
 {
     const char *out_path = NULL;
@@ -209,7 +191,6 @@ static mrt_result draft(const drafting *d, error *err)
     rig r;
     char *confirm = NULL;
     uint32_t *chain = NULL, chain_count = 0;
-    error poseless = {""}; /* why it has no poses of the puppet's */
     mrt_result result = face_file_read(&f, d->mesh_path, &d->frame, FACE_FILE_ANY, err);
     if (result < 0)
         return result;
@@ -218,22 +199,15 @@ static mrt_result draft(const drafting *d, error *err)
     else if (d->cuts_mouth && (result = cut_mouth(&f, &chain, &chain_count, err)) < 0)
         error_prefix(err, d->mesh_path);
     if (result >= 0)
-        result = rig_draft_make(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, chain,
-                                chain_count, err);
+        result = face_file_draft(&r, &confirm, &f.mesh, &f.topology, d->mesh_path, chain,
+                                 chain_count, err);
     if (result >= 0) {
-        keep_frame(&r, &f.mesh, d->mesh_path);
-        const uint32_t first = r.pose_count;
-        if (face_file_carry_poses(&r, &f.mesh, &poseless) < 0 ||
-            rig_poses_ease(&r, first, &f.mesh, &f.topology, &poseless) < 0)
-            while (r.pose_count > first)
-                rig_poses_finish(&r.pose[--r.pose_count]);
         result = rig_write(&r, d->out_path, err);
         rig_destroy(&r);
     }
     if (result >= 0) {
         terminal_print("wrote    %s\n", d->out_path);
         print_lines("note     ", f.note);
-        print_lines("note     ", poseless.text);
         if (d->cuts_mouth && !chain)
             print_lines("note     ", "mouth: lips that part are there already: nothing was cut");
         print_lines("confirm  ", confirm);

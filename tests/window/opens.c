@@ -237,6 +237,64 @@ static void a_draft_that_is_left_holds_nothing_up(void **state)
     scene_close(&s);
 }
 
+/* A head whose up is z and that is 2.2 units high, which is no head's height in any unit. */
+static void write_upright(const mesh *m, const char *path)
+{
+    float low[3], high[3];
+    mesh_bounds(m, low, high);
+    const double unit = 2.2 / (double)(high[1] - low[1]);
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const float *p = m->position + (size_t)3 * v;
+        (void)fprintf(file, "v %.7f %.7f %.7f\n", unit * (double)p[0], -unit * (double)p[2],
+                      unit * (double)p[1]);
+    }
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        const uint32_t *corner = m->triangle + (size_t)3 * t;
+        (void)fprintf(file, "f %u %u %u\n", corner[0] + 1, corner[1] + 1, corner[2] + 1);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+static bool has_saved(scene *of, void *data)
+{
+    (void)of;
+    return access(data, R_OK) == 0;
+}
+
+/* What the stage drafts and saves is the same face when it is opened again, with its poses. */
+static void a_drafted_rig_is_read_again_as_it_was_drafted(void **state)
+{
+    char path[200], saved[200];
+    float low[3], high[3], again_low[3], again_high[3];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    assert_true(app_open_face(s.app, SOURCE_DIR "/rigs/puppet/puppet.glb") >= 0);
+    (void)snprintf(path, sizeof path, "%s/upright.obj", s.folder);
+    (void)snprintf(saved, sizeof saved, "%s/upright.rig.json", s.folder);
+    write_upright(&app_face(s.app)->mesh, path);
+    assert_true(app_open_face(s.app, path) >= 0);
+    scene_frames(&s, 5);
+    mesh_bounds(&app_face(s.app)->mesh, low, high);
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, performs, NULL));
+    const uint32_t poses = app_face(s.app)->rig->pose_count;
+    assert_true(poses > 10);
+    scene_do(&s, ACTION_PANEL_RIG);
+    scene_frames(&s, 10);
+    scene_click_word(&s, "Save");
+    assert_true(scene_until(&s, has_saved, saved));
+    assert_true(app_open_face(s.app, saved) >= 0);
+    mesh_bounds(&app_face(s.app)->mesh, again_low, again_high);
+    for (int k = 0; k < 3; ++k) {
+        assert_float_equal(again_low[k], low[k], 1e-3f);
+        assert_float_equal(again_high[k], high[k], 1e-3f);
+    }
+    assert_int_equal(app_face(s.app)->rig->pose_count, poses);
+    scene_close(&s);
+}
+
 /* Its head is what is looked at, and how high a head is, not the body below it. */
 static void a_head_on_a_body_is_looked_at(void **state)
 {
@@ -439,6 +497,7 @@ int main(void)
         cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
         cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),
         cmocka_unit_test(a_draft_that_is_left_holds_nothing_up),
+        cmocka_unit_test(a_drafted_rig_is_read_again_as_it_was_drafted),
         cmocka_unit_test(a_head_on_a_body_is_looked_at),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
         cmocka_unit_test(a_show_goes_on_under_another_name),

@@ -7,6 +7,7 @@
 #include "face/face_weights.h"
 #include "face/rig/rig_poses.h"
 #include "face/rig_check.h"
+#include "face/rig_draft.h"
 #include "io/openmesh.h"
 #include "mesh/cut.h"
 
@@ -25,14 +26,18 @@ static bool is_rig_path(const char *path)
     return strcmp(file_extension_of(path).text, "json") == 0;
 }
 
+static bool is_gltf_path(const char *path)
+{
+    const file_extension extension = file_extension_of(path);
+    return strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0 ||
+           strcmp(extension.text, "vrm") == 0;
+}
+
 /* What the rig says; else glTF is in metres, whatever a rig measures in. */
 static mesh_frame frame_of_mesh(const rig *r)
 {
     mesh_frame frame = r->frame;
-    file_extension extension = file_extension_of(r->mesh_path);
-    bool is_gltf = strcmp(extension.text, "glb") == 0 || strcmp(extension.text, "gltf") == 0 ||
-                   strcmp(extension.text, "vrm") == 0;
-    if (frame.mm_per_unit <= 0.0 && !is_gltf)
+    if (frame.mm_per_unit <= 0.0 && !is_gltf_path(r->mesh_path))
         frame.mm_per_unit = r->mm_per_unit;
     return frame;
 }
@@ -151,7 +156,8 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
     return join_notes(f, err);
 }
 
-mrt_result face_file_carry_poses(rig *r, const mesh *m, error *err)
+/* Adds to the rig of a mesh the puppet's poses (rig_poses_carry). */
+static mrt_result carry_poses(rig *r, const mesh *m, error *err)
 {
     face_file model;
     char *path = installed_face("puppet");
@@ -163,6 +169,57 @@ mrt_result face_file_carry_poses(rig *r, const mesh *m, error *err)
     if (model.rig)
         result = rig_poses_carry(r, m, model.rig, &model.mesh, err);
     face_file_destroy(&model);
+    return result;
+}
+
+/* What the rig must say of its mesh, so that it is read again as it was read now. */
+static void keep_frame(rig *r, const mesh *m, const char *mesh_path)
+{
+    const bool is_gltf = is_gltf_path(mesh_path);
+    double mm = m->mm_per_unit;
+    bool is_named = mm == 1.0 || mm == 10.0 || mm == 1000.0;
+    if (!is_named)
+        r->mm_per_unit = 1.0; /* a rig's own numbers are in a unit that has a name */
+    if (!is_named || (is_gltf && mm != 1000.0))
+        r->frame.mm_per_unit = mm;
+    if (m->up != MESH_AXIS_Y || m->forward != MESH_AXIS_Z) {
+        r->frame.up = m->up;
+        r->frame.forward = m->forward;
+    }
+}
+
+static mrt_result add_line(char **text, const char *what, const char *why, error *err)
+{
+    const size_t used = *text ? strlen(*text) : 0, size = used + strlen(what) + strlen(why) + 2;
+    char *longer = realloc(*text, size);
+    if (!longer)
+        return no_memory(err);
+    (void)snprintf(longer + used, size - used, "%s%s\n", what, why);
+    *text = longer;
+    return MRT_OK;
+}
+
+mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const topology *t,
+                           const char *mesh_path, const uint32_t *cut_mouth, uint32_t cut_count,
+                           error *err)
+{
+    error why = {""};
+    mrt_result result =
+        rig_draft_make(out, out_confirm, m, t, mesh_path, cut_mouth, cut_count, err);
+    if (result < 0)
+        return result;
+    keep_frame(out, m, mesh_path);
+    const uint32_t first = out->pose_count;
+    if (carry_poses(out, m, &why) < 0 || rig_poses_ease(out, first, m, t, &why) < 0)
+        while (out->pose_count > first)
+            rig_poses_finish(&out->pose[--out->pose_count]);
+    if (why.text[0])
+        result = add_line(out_confirm, "poses: ", why.text, err);
+    if (result < 0) {
+        rig_destroy(out);
+        free(*out_confirm);
+        *out_confirm = NULL;
+    }
     return result;
 }
 
@@ -193,7 +250,7 @@ mrt_result face_file_weights(face_weights **out, const face_file *f, error *err)
     mrt_result result = rig_copy(&own, f->rig, err);
     if (result < 0)
         return result;
-    if (face_file_carry_poses(&own, &f->mesh, &ignored) < 0)
+    if (carry_poses(&own, &f->mesh, &ignored) < 0)
         ignored.text[0] = '\0'; /* fewer names, then */
     result = find_weights(out, f, &own, err);
     rig_destroy(&own);

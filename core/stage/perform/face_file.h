@@ -31,9 +31,12 @@ void face_file_destroy(face_file *f); /* accepts NULL and zeroed */
 CHECKED mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t count,
                                        error *err);
 
-/* Adds to the rig of a mesh the puppet's poses that are called as other programs know them
- * (rig_poses_carry). */
-CHECKED mrt_result face_file_carry_poses(rig *r, const mesh *m, error *err);
+/* A first rig for a mesh alone (rig_draft_make), which says how its file is read, and has the
+ * puppet's poses that are called as other programs know them, or a line to confirm that says why
+ * it has none. Any thread, while nobody changes the mesh. */
+CHECKED mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const topology *t,
+                                   const char *mesh_path, const uint32_t *cut_mouth,
+                                   uint32_t cut_count, error *err);
 struct face_weights; /* face/face_weights.h */
 /* The names that the face can be said in, found on a face of its own: some 100 ms. What neither its
  * shapes nor its poses say is carried over from the puppet. The file must outlive them. [main], or

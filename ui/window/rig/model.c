@@ -5,7 +5,6 @@
 #include "face/face.h"
 #include "face/rig.h"
 #include "face/rig_check.h"
-#include "face/rig_draft.h"
 #include "face/rig_edit.h"
 #include "mesh/copy.h"
 #include "mesh/mesh.h"
@@ -786,8 +785,8 @@ static void *make_draft(void *given)
 {
     drafting *self = given;
     rig_model_drafted *made = &self->made;
-    made->result = rig_draft_make(&self->rig, &made->confirm, &self->mesh, &self->topology,
-                                  self->mesh_path, NULL, 0, &made->err);
+    made->result = face_file_draft(&self->rig, &made->confirm, &self->mesh, &self->topology,
+                                   self->mesh_path, NULL, 0, &made->err);
     if (made->result < 0)
         self->rig = (rig){0};
     if (atomic_exchange(&self->state, DRAFT_DONE) == DRAFT_LEFT)
