@@ -107,6 +107,7 @@ typedef struct mesh {
     bool has_focus; /* a box in which all is that performs, of a mesh with a body: bind_focus */
     float focus_low[3], focus_high[3];
     double mm_per_unit;    /* what the file's coordinates were multiplied by */
+    bool is_unit_guessed;  /* by its height: neither the file nor a person says it */
     mesh_axis up, forward; /* of the file's coordinates; the mesh itself has up +y, forward +z */
     char *path;            /* the file that it was read from, as it was named; NULL: none */
     char *note;            /* what a person should know of it, lines ended by \n; NULL: nothing */

@@ -78,6 +78,76 @@ static float width_of(const ui *on, offer which)
     return ui_text_width(on, UI_STYLE_BODY, offers[which].title) + 22.0f;
 }
 
+static const struct {
+    const char *name;
+    double mm;
+} units[] = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
+enum { UNITS = sizeof units / sizeof units[0] };
+
+/* What the height was taken for, and what else it may be: the one that is in force is lit. */
+static void draw_unit(app *of, ui *on, mesh_frame *wanted)
+{
+    const mesh *m = &app_face(of)->mesh;
+    float low[3], high[3];
+    char text[96], hint[96];
+    mesh_bounds(m, low, high);
+    const double height_mm = (double)high[1] - (double)low[1];
+    (void)snprintf(text, sizeof text, "%.0f mm high. Its unit:", height_mm);
+    ui_text(on, UI_STYLE_BODY, text);
+    for (uint32_t i = 0; i < UNITS; ++i) {
+        ui_same_line(on);
+        if (ui_button(on, units[i].name, m->mm_per_unit == units[i].mm ? UI_ACCENT : UI_PLAIN))
+            wanted->mm_per_unit = units[i].mm;
+        (void)snprintf(hint, sizeof hint, "So it would be %.4g mm high.",
+                       height_mm / m->mm_per_unit * units[i].mm);
+        ui_hint(on, hint);
+    }
+}
+
+static mesh_axis opposite(mesh_axis axis)
+{
+    return axis >= MESH_AXIS_MINUS_X ? axis - 3 : axis + 3;
+}
+
+/* At right angles to both, as x is to y and z. */
+static mesh_axis across(mesh_axis up, mesh_axis forward)
+{
+    const uint32_t u = (up - 1u) % 3, f = (forward - 1u) % 3, line = 3 - u - f;
+    const bool is_turned = (u + 1) % 3 != f;
+    const bool is_minus = is_turned ^ (up >= MESH_AXIS_MINUS_X) ^ (forward >= MESH_AXIS_MINUS_X);
+    return (mesh_axis)(MESH_AXIS_X + line + (is_minus ? 3u : 0u));
+}
+
+/* A head that is seen from above, from behind or from the side. */
+static void draw_turns(app *of, ui *on, mesh_frame *wanted)
+{
+    const mesh *m = &app_face(of)->mesh;
+    if (ui_button(on, "Tip it up", UI_PLAIN)) {
+        wanted->up = m->forward;
+        wanted->forward = opposite(m->up);
+    }
+    ui_hint(on, "A quarter towards you and up: until the head stands.");
+    ui_same_line(on);
+    if (ui_button(on, "Turn it", UI_PLAIN)) {
+        wanted->up = m->up;
+        wanted->forward = across(m->up, m->forward);
+    }
+    ui_hint(on, "A quarter round: until it looks at you.");
+}
+
+/* What is not said anew stays as it was said, or guessed. */
+static void reframe(app *of, mesh_frame *wanted, double unit_mm)
+{
+    const mesh *m = &app_face(of)->mesh;
+    if (wanted->mm_per_unit == 0.0)
+        wanted->mm_per_unit = unit_mm;
+    if (wanted->up == MESH_AXIS_AUTO) {
+        wanted->up = m->up;
+        wanted->forward = m->forward;
+    }
+    (void)!app_set_face_frame(of, wanted); /* what is wrong is in the news */
+}
+
 static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
 {
     char text[160];
@@ -87,11 +157,17 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
                    is_drafting ? "Looking for the face in %.80s..." : "%.80s has no rig yet",
                    slash ? slash + 1 : path);
     const float wide = ui_text_width(on, UI_STYLE_DIM, text) + 22.0f + 2.0f * padding;
-    const float width = fmaxf(wide, 150.0f), height = is_drafting ? 34.0f : 34.0f + pitch;
+    const double unit_mm = app_face_unit_mm(of);
+    const bool asks = !is_drafting && (app_face(of)->mesh.is_unit_guessed || unit_mm > 0.0);
+    const float width = fmaxf(wide, is_drafting ? 150.0f : 320.0f);
+    const float height = 34.0f + (is_drafting ? 0.0f : pitch) + (asks ? pitch : 0.0f);
+    mesh_frame wanted = {.mm_per_unit = 0.0};
     const ui_rectangle box = {over.x + 0.5f * (over.width - width),
                               over.y + over.height - height - 8.0f, width, height};
     ui_panel_begin(on, "rig offer", box, UI_GROUND_PANEL);
     ui_text(on, UI_STYLE_DIM, text);
+    if (asks)
+        draw_unit(of, on, &wanted);
     if (!is_drafting && ui_button(on, "Draft a rig", UI_ACCENT))
         app_ask_draft(of);
     if (!is_drafting) {
@@ -102,8 +178,12 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
                        "Rig%s shows what was guessed.",
                        keys);
         ui_hint(on, hint);
+        ui_same_line(on);
+        draw_turns(of, on, &wanted);
     }
     ui_panel_end(on);
+    if (wanted.mm_per_unit > 0.0 || wanted.up != MESH_AXIS_AUTO)
+        reframe(of, &wanted, unit_mm);
 }
 
 void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)

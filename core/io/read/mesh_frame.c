@@ -357,6 +357,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
         return format_mm;
     for (size_t i = 0; i < sizeof unit / sizeof *unit; ++i)
         if (is_likely(&s, unit[i].mm)) {
+            m->is_unit_guessed = true;
             mesh_note(m, "the unit is taken for %s: so the height is %.0f mm (--unit says another)",
                       unit[i].name, s.height * unit[i].mm);
             return unit[i].mm;
@@ -364,6 +365,7 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     double mm = rounded((s.is_head ? 300.0 : 1700.0) / s.height);
     if (!(mm >= 1e-9 && mm <= 1e9))
         return format_mm > 0.0 ? format_mm : 1.0;
+    m->is_unit_guessed = true;
     mesh_note(
         m,
         "%g units high, which is no %s's height in mm, cm or m: a unit is taken for %g mm, so "

@@ -146,6 +146,10 @@ bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_fra
 /* The chosen take plays where the time code from outside is, as long as that runs; kept. */
 bool app_chases(const app *self);
 void app_set_chases(app *self, bool chases);
+/* The face's mesh, which has no rig, read again with that unit and those axes: a person sees what
+ * its shape does not say. Of a unit that nobody said mm_per_unit is 0. */
+CHECKED mrt_result app_set_face_frame(app *self, const mesh_frame *frame);
+double app_face_unit_mm(const app *self); /* as it was said so; 0: it was not */
 /* The sound of a file becomes that of the chosen take once it is read, which goes on beside all
  * else: one at a time. */
 CHECKED mrt_result app_attach_voice(app *self, const char *path);

@@ -553,6 +553,11 @@ const char *app_face_path(const app *self)
     return self->face_path;
 }
 
+double app_face_unit_mm(const app *self)
+{
+    return self->face_unit_mm;
+}
+
 show *app_show(app *self)
 {
     return self->show;

@@ -387,10 +387,10 @@ static void free_face(face_file *made)
     free(made);
 }
 
-static mrt_result read_face(face_file **out, const char *path, error *err)
+static mrt_result read_face(face_file **out, const char *path, const mesh_frame *frame, error *err)
 {
     *out = calloc(1, sizeof **out);
-    mrt_result result = *out ? face_file_read(*out, path, NULL, FACE_FILE_USABLE, err)
+    mrt_result result = *out ? face_file_read(*out, path, frame, FACE_FILE_USABLE, err)
                              : error_set(err, MRT_ERR_MEMORY, "no memory for the face");
     if (result >= 0)
         return MRT_OK;
@@ -444,11 +444,11 @@ static mrt_result set_face_or_rest(app *self, const face_file *made, const char 
 {
     char mapping[PRESET_TEXT + 64];
     error again = {0};
-    mrt_result result = live_set_face(self->live, made, path, 0.0, err);
+    mrt_result result = live_set_face(self->live, made, path, self->face_unit_mm, err);
     mapping_text(self, mapping, sizeof mapping);
     if (result >= 0 || !mapping[0] || live_set_mapping(self->live, "", &again) < 0)
         return result;
-    if (live_set_face(self->live, made, path, 0.0, &again) >= 0) {
+    if (live_set_face(self->live, made, path, self->face_unit_mm, &again) >= 0) {
         rest(self, made, mapping, err);
         return MRT_OK;
     }
@@ -457,13 +457,16 @@ static mrt_result set_face_or_rest(app *self, const face_file *made, const char 
 }
 
 /* The stage goes over to the face, which is the application's whatever comes back. */
-static mrt_result put_face(app *self, face_file *made, const char *path)
+static mrt_result put_face(app *self, face_file *made, const char *path, double unit_mm)
 {
     error err = {0};
+    const double before_mm = self->face_unit_mm;
+    self->face_unit_mm = made->rig ? 0.0 : unit_mm;
     char *name = strdup(path);
     mrt_result result = name ? set_face_or_rest(self, made, path, &err)
                              : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
     if (result < 0) {
+        self->face_unit_mm = before_mm;
         free(name);
         free_face(made);
         return app_report(self, result, &err);
@@ -482,16 +485,31 @@ mrt_result app_open_face(app *self, const char *given)
     error err = {0};
     face_file *made = NULL;
     char *found = installed_face(given), *path = found ? realpath(found, NULL) : NULL;
-    mrt_result result = read_face(&made, path ? path : given, &err);
+    mrt_result result = read_face(&made, path ? path : given, NULL, &err);
     if (result < 0)
         (void)app_report(self, result, &err);
     else
-        result = put_face(self, made, path ? path : given);
+        result = put_face(self, made, path ? path : given, 0.0);
     if (result >= 0) {
         pulls_forget(self->pulls);
         tell_face(self);
     }
     free(found);
+    free(path);
+    return result;
+}
+
+mrt_result app_set_face_frame(app *self, const mesh_frame *frame)
+{
+    error err = {0};
+    face_file *made = NULL;
+    char *path = strdup(self->face_path);
+    mrt_result result = path ? read_face(&made, path, frame, &err)
+                             : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
+    if (result < 0)
+        (void)app_report(self, result, &err);
+    else
+        result = put_face(self, made, path, frame->mm_per_unit);
     free(path);
     return result;
 }
@@ -507,7 +525,7 @@ mrt_result app_change_face(app *self, face_file *made)
     *own = *made;
     *made = (face_file){0};
     char *path = strdup(self->face_path);
-    mrt_result result = put_face(self, own, path ? path : "");
+    mrt_result result = put_face(self, own, path ? path : "", self->face_unit_mm);
     free(path);
     return result;
 }
@@ -531,7 +549,7 @@ static void *read_first_face(void *data)
         if (!self->path[i][0])
             continue;
         char *found = installed_face(self->path[i]), *real = found ? realpath(found, NULL) : NULL;
-        self->result = read_face(&self->face, real ? real : self->path[i], &self->err);
+        self->result = read_face(&self->face, real ? real : self->path[i], NULL, &self->err);
         if (self->result >= 0)
             self->face_path = strdup(real ? real : self->path[i]);
         else if (!self->first_err.text[0])

@@ -43,6 +43,7 @@ struct app {
     show *show;
     face_file *face;
     char *face_path;
+    double face_unit_mm;            /* of a mesh alone, as a person said it; 0: nobody did */
     char resting[PRESET_TEXT + 64]; /* the mapping that the face did not fit; "": none */
     live *live;
     const live_view *view;
