@@ -11,7 +11,7 @@ setup_build_packages=(
     libegl1 libegl-mesa0 libgl1 libgl1-mesa-dri libglx-mesa0
 )
 setup_test_packages=(libcmocka-dev sqlite3 libumockdev-dev umockdev liblo-tools clang-format-14 nodejs npm
-    xvfb xdotool picom ffmpeg gdb pipewire pipewire-bin dbus-daemon)
+    xvfb xdotool openbox wmctrl x11-utils picom ffmpeg gdb pipewire pipewire-bin dbus-daemon)
 
 # For ./test --long: the fuzz targets, clang-tidy.
 setup_long_packages=(clang libclang-rt-14-dev clang-tidy-14)
