@@ -1,57 +1,33 @@
 /* org.marotte.ltc: linear time code from a sound input: a clock that takes are laid on. */
-#include "clock_map.h"
-#include "device_io.h"
+#include "listener.h"
 #include "ltc_decode.h"
-#include "microphone.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { BLOCK = MICROPHONE_RATE / 200 };
 
 struct mrt_plugin {
-    const mrt_host *host;
-    microphone *from;
-    mrt_device device; /* what was opened */
+    listener from;
     ltc_decoder decoder;
-    clock_map clock; /* from frames of sound to the host's clock */
     int16_t block[BLOCK];
     uint32_t block_size, block_at;
-    int64_t block_ns; /* host clock: of the sound behind the block */
     uint32_t sequence;
-    bool has_told_loss;
 };
 
 /* ---- input ---- */
 
 static void input_close(mrt_plugin *self)
 {
-    microphone_close(self->from);
-    self->from = NULL;
+    listener_close(&self->from);
 }
 
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
-    char reason[MICROPHONE_REASON];
     (void)params;
-    input_close(self);
-    self->from = microphone_open(address ? address : "", reason);
-    if (!self->from) {
-        if (!self->has_told_loss)
-            device_say(self->host, MRT_LOG_ERROR, "%s", reason[0] ? reason : "no memory");
-        return MRT_ERR_IO;
-    }
-    self->device = (mrt_device){.state = MRT_DEVICE_READY};
-    (void)snprintf(self->device.address, sizeof self->device.address, "%s",
-                   address && address[0] ? address : "default");
-    (void)snprintf(self->device.name, sizeof self->device.name, "Time code on %.48s",
-                   self->device.address);
     ltc_decoder_init(&self->decoder, MICROPHONE_RATE);
-    clock_map_reset(&self->clock);
     self->block_size = self->block_at = 0;
-    self->has_told_loss = false;
-    return MRT_OK;
+    return listener_open(&self->from, address, "Time code on");
 }
 
 static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
@@ -64,20 +40,12 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
     return channels;
 }
 
-static mrt_result lose(mrt_plugin *self)
-{
-    device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again", self->device.name);
-    self->has_told_loss = true;
-    input_close(self);
-    return MRT_ERR_IO;
-}
-
 /* As of the end of what was heard: of two inputs the one that lies behind would be late. */
 static void give(mrt_plugin *self, const ltc_frame *frame, mrt_sample *out)
 {
     const double heard = (double)(self->decoder.sample + self->block_size - self->block_at);
     memset(out, 0, sizeof *out);
-    out->time_ns = self->block_ns;
+    out->time_ns = self->from.time_ns;
     out->sequence = self->sequence++;
     out->count = 2;
     out->value[0] = (float)(frame->frame + (heard - frame->start_sample) / frame->length);
@@ -99,28 +67,13 @@ static bool decode(mrt_plugin *self, mrt_sample *out)
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
                              mrt_sample *out)
 {
+    mrt_result result = MRT_OK;
     (void)params;
-    while (self->from) {
-        if (decode(self, out))
-            return MRT_OK;
-        const int count = microphone_read(self->from, self->block, BLOCK);
-        const int64_t now_ns = self->host->now_ns(self->host);
-        if (count < 0)
-            return lose(self);
+    while (result == MRT_OK && !decode(self, out)) {
         self->block_at = 0;
-        self->block_size = (uint32_t)count;
-        const int64_t heard = self->decoder.sample + count;
-        if (count > 0)
-            self->block_ns =
-                clock_map_to_host(&self->clock, heard * 1000000000 / MICROPHONE_RATE, now_ns);
-        if (count > 0)
-            continue;
-        if (now_ns >= deadline_ns)
-            return MRT_TIMEOUT;
-        if (!microphone_wait(self->from, deadline_ns - now_ns))
-            return lose(self);
+        result = listener_read(&self->from, deadline_ns, self->block, BLOCK, &self->block_size);
     }
-    return MRT_ERR_IO;
+    return result;
 }
 
 /* ---- devices ---- */
@@ -128,19 +81,12 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
     (void)self;
-    const uint32_t count = microphone_list(out, capacity);
-    for (uint32_t i = 0; i < count && i < capacity; ++i) {
-        char name[sizeof out[i].name];
-        (void)snprintf(name, sizeof name, "%s", out[i].name);
-        (void)snprintf(out[i].name, sizeof out[i].name, "Time code on %.48s", name);
-    }
-    return count;
+    return listener_list("Time code on ", out, capacity);
 }
 
 static bool current_device(mrt_plugin *self, mrt_device *out)
 {
-    *out = self->device;
-    return self->from != NULL;
+    return listener_current(&self->from, out);
 }
 
 /* ---- the type ---- */
@@ -149,7 +95,7 @@ static mrt_plugin *create(const mrt_host *host)
 {
     mrt_plugin *self = calloc(1, sizeof *self);
     if (self)
-        self->host = host;
+        self->from.host = host;
     return self;
 }
 

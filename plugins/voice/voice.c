@@ -4,12 +4,9 @@
  *   level = (20 log10(r) + 60) / 60, within 0 and 1
  * where r is the root mean square of the last WINDOW, full scale being 1: 0 at -60 dB or less,
  * 1 at full scale; speech close to a microphone is some 0.5 to 0.8, with pauses below 0.3. */
-#include "clock_map.h"
-#include "device_io.h"
-#include "microphone.h"
+#include "listener.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,16 +14,11 @@ enum { HOP = MICROPHONE_RATE / 100, HOPS = 2 }; /* a sample each 10 ms, of the l
 static const double full_scale = 32768.0, floor_db = -60.0;
 
 struct mrt_plugin {
-    const mrt_host *host;
-    microphone *from;
-    mrt_device device; /* what was opened */
+    listener from;
     int16_t frame[HOP];
     uint32_t frame_count;
     double square[HOPS]; /* sums of the last hops, newest last */
-    clock_map clock;     /* from frames to the host's clock */
-    int64_t frames;      /* since it was opened */
     uint32_t sequence;
-    bool has_told_loss;
 };
 
 /* ---- the level ---- */
@@ -41,18 +33,16 @@ static float level_of(const double square[HOPS])
     return (float)fmin(fmax(1.0 - db / floor_db, 0.0), 1.0);
 }
 
-static void give(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
+static void give(mrt_plugin *self, mrt_sample *out)
 {
     double sum = 0.0;
     for (uint32_t i = 0; i < HOP; ++i)
         sum += (double)self->frame[i] * (double)self->frame[i];
     memmove(self->square, self->square + 1, (HOPS - 1) * sizeof *self->square);
     self->square[HOPS - 1] = sum;
-    self->frames += HOP;
     self->frame_count = 0;
     memset(out, 0, sizeof *out);
-    out->time_ns =
-        clock_map_to_host(&self->clock, self->frames * 1000000000 / MICROPHONE_RATE, now_ns);
+    out->time_ns = self->from.time_ns;
     out->sequence = self->sequence++;
     out->count = 1;
     out->value[0] = level_of(self->square);
@@ -62,32 +52,15 @@ static void give(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
 
 static void input_close(mrt_plugin *self)
 {
-    microphone_close(self->from);
-    self->from = NULL;
+    listener_close(&self->from);
 }
 
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
-    char reason[MICROPHONE_REASON];
     (void)params;
-    input_close(self);
-    self->from = microphone_open(address ? address : "", reason);
-    if (!self->from) {
-        if (!self->has_told_loss)
-            device_say(self->host, MRT_LOG_ERROR, "%s", reason[0] ? reason : "no memory");
-        return MRT_ERR_IO;
-    }
-    self->device = (mrt_device){.state = MRT_DEVICE_READY};
-    (void)snprintf(self->device.address, sizeof self->device.address, "%s",
-                   address && address[0] ? address : "default");
-    (void)snprintf(self->device.name, sizeof self->device.name, "Microphone %.48s",
-                   self->device.address);
     self->frame_count = 0;
-    self->frames = 0;
     memset(self->square, 0, sizeof self->square);
-    clock_map_reset(&self->clock);
-    self->has_told_loss = false;
-    return MRT_OK;
+    return listener_open(&self->from, address, "Microphone");
 }
 
 static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
@@ -98,35 +71,20 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
     return &level;
 }
 
-static mrt_result lose(mrt_plugin *self)
-{
-    device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again", self->device.name);
-    self->has_told_loss = true;
-    input_close(self);
-    return MRT_ERR_IO;
-}
-
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
                              mrt_sample *out)
 {
+    mrt_result result = MRT_OK;
     (void)params;
-    while (self->from) {
-        int count =
-            microphone_read(self->from, self->frame + self->frame_count, HOP - self->frame_count);
-        int64_t now_ns = self->host->now_ns(self->host);
-        if (count < 0)
-            return lose(self);
-        self->frame_count += (uint32_t)count;
-        if (self->frame_count == HOP) {
-            give(self, now_ns, out);
-            return MRT_OK;
-        }
-        if (now_ns >= deadline_ns)
-            return MRT_TIMEOUT;
-        if (count == 0 && !microphone_wait(self->from, deadline_ns - now_ns))
-            return lose(self);
+    while (result == MRT_OK && self->frame_count < HOP) {
+        uint32_t count;
+        result = listener_read(&self->from, deadline_ns, self->frame + self->frame_count,
+                               HOP - self->frame_count, &count);
+        self->frame_count += count;
     }
-    return MRT_ERR_IO;
+    if (result == MRT_OK)
+        give(self, out);
+    return result;
 }
 
 /* ---- devices ---- */
@@ -134,13 +92,12 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
     (void)self;
-    return microphone_list(out, capacity);
+    return listener_list("", out, capacity);
 }
 
 static bool current_device(mrt_plugin *self, mrt_device *out)
 {
-    *out = self->device;
-    return self->from != NULL;
+    return listener_current(&self->from, out);
 }
 
 /* ---- the type ---- */
@@ -149,7 +106,7 @@ static mrt_plugin *create(const mrt_host *host)
 {
     mrt_plugin *self = calloc(1, sizeof *self);
     if (self)
-        self->host = host;
+        self->from.host = host;
     return self;
 }
 

@@ -222,6 +222,18 @@ static void draw_takes(export_page *self)
     }
 }
 
+static mrt_result name_file(const export_page *self, const app_take_line *line, char *out,
+                            error *err)
+{
+    const export_name_of of = {show_path(app_show(self->app)),
+                               line->id,
+                               line->scene,
+                               line->shot,
+                               line->name,
+                               line->number};
+    return export_name(out, EXPORT_FILE, self->file, &of, err);
+}
+
 /* Of the takes that are ticked, in the order of the list. Returns how many, or why not. */
 static mrt_result name_files(export_page *self, char (*out)[EXPORT_FILE], int64_t *out_take,
                              uint32_t *out_count, error *err)
@@ -234,14 +246,8 @@ static mrt_result name_files(export_page *self, char (*out)[EXPORT_FILE], int64_
         uint32_t at;
         if (!is_ticked(self, line[i].id, &at))
             continue;
-        const export_name_of of = {show_path(app_show(self->app)),
-                                   line[i].id,
-                                   line[i].scene,
-                                   line[i].shot,
-                                   line[i].name,
-                                   line[i].number};
         out_take[*out_count] = line[i].id;
-        result = export_name(out[(*out_count)++], EXPORT_FILE, self->file, &of, err);
+        result = name_file(self, &line[i], out[(*out_count)++], err);
     }
     for (uint32_t i = 0; i < *out_count && result >= 0; ++i)
         for (uint32_t k = 0; k < i && result >= 0; ++k)
@@ -496,13 +502,7 @@ static void draw_file(export_page *self)
         char path[EXPORT_FILE];
         if (!is_ticked(self, line[i].id, &at))
             continue;
-        const export_name_of of = {show_path(app_show(self->app)),
-                                   line[i].id,
-                                   line[i].scene,
-                                   line[i].shot,
-                                   line[i].name,
-                                   line[i].number};
-        if (export_name(path, sizeof path, self->file, &of, &err) < 0) {
+        if (name_file(self, &line[i], path, &err) < 0) {
             ui_text_wrapped(on, UI_STYLE_BAD, err.text);
             return;
         }

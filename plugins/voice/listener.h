@@ -1,0 +1,29 @@
+/* voice/listener.h - a microphone as an input hears it: opened, read in time, and lost. Leaves out
+ * what is heard. Shared by the inputs of this folder. */
+#ifndef PLUGINS_VOICE_LISTENER_H
+#define PLUGINS_VOICE_LISTENER_H
+#include "clock_map.h"
+#include "microphone.h"
+
+typedef struct listener {
+    const mrt_host *host;
+    microphone *from;  /* NULL: it is closed */
+    mrt_device device; /* what was opened */
+    clock_map clock;   /* from frames to the host's clock */
+    int64_t frames;    /* since it was opened */
+    int64_t time_ns;   /* host clock: of the end of what was read last */
+    bool has_told_loss;
+} listener;
+
+/* called: "Microphone", before the address. What is wrong is said, once. */
+mrt_result listener_open(listener *self, const char *address, const char *called);
+void listener_close(listener *self);
+/* Some frames, capacity at most. MRT_TIMEOUT: none until the deadline; MRT_ERR_IO: it went away,
+ * which is said, or is not open. */
+mrt_result listener_read(listener *self, int64_t deadline_ns, int16_t *out, uint32_t capacity,
+                         uint32_t *out_count);
+/* As mrt_devices.list and current; prefix: before the name of each. */
+uint32_t listener_list(const char *prefix, mrt_device *out, uint32_t capacity);
+bool listener_current(const listener *self, mrt_device *out);
+
+#endif
