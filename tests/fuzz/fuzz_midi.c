@@ -32,7 +32,9 @@ static void take_event(const midi_event *event)
     check(event->kind > MIDI_NONE && event->kind <= MIDI_SENSING);
     if (event->kind >= MIDI_RELEASE)
         return;
-    check(event->value >= -1.0f && event->value <= 86400.0f);
+    check(event->value >= -1.0f && event->value < 2592000.0f);
+    check(event->kind == MIDI_TIMECODE ? event->rate >= -30.0f && event->rate <= 30.0f
+                                       : event->rate == 0.0f);
     midi_control_name(midi_control_of(event), name);
     check(midi_control_parse(&again, name, strlen(name)) && again == midi_control_of(event));
 }
