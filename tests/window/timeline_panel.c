@@ -367,14 +367,19 @@ static void stars_are_given_with_a_click(void **state)
     assert_non_null(word);
     float y = word->where.y + 8.0f;
     float right = 250.0f - 8.0f - 8.0f - 50.0f - 4.0f; /* of the stars */
+    stand_click(s, right - 60.0f + 3.5f * 12.0f, y); /* of a take that is not chosen: it is then */
+    pass_half_a_second(s);
+    assert_int_equal(s->selected_id, 4);
+    assert_int_equal(s->rated, 0);
+    s->take.id = 4;
+    stand_settle(s);
     stand_click(s, right - 60.0f + 3.5f * 12.0f, y);
     pass_half_a_second(s);
-    assert_int_equal(s->rated_id, 4);
-    assert_int_equal(s->rated, 4);
-    assert_int_equal(s->line[3].rating, 4);
+    assert_int_equal(s->take.rating, 4);
+    s->line[3].rating = 4;
     stand_click(s, right - 60.0f + 3.5f * 12.0f, y);
     pass_half_a_second(s);
-    assert_int_equal(s->line[3].rating, 3);
+    assert_int_equal(s->take.rating, 3);
     stand_close(s);
 }
 

@@ -112,7 +112,7 @@ static void a_voice_is_read_beside_all_else_trimmed_and_taken_away(void **state)
     scene_click_word(&s, "Begin with the take");
     assert_true(voice(&s)->offset_ns == 0);
     scene_click_with(&s, left + 160.0f, y, 1);
-    scene_click_word(&s, "All of it is heard");
+    scene_click_word(&s, "Hear all of it");
     assert_true(voice(&s)->in_ns == 0 && voice(&s)->out_ns == NS_PER_S);
     scene_click(&s, left + 130.0f, scene_word(&s, "00:00:00:06")->where.y + 8.0f);
     scene_frames(&s, 3);

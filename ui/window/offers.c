@@ -67,8 +67,9 @@ static void accept(app *of, offer which)
 static bool is_without_rig(app *of)
 {
     const face_file *file = app_face(of);
-    return file && !file->rig && !live_mapping(app_live(of)) && !app_take_id(of) &&
-           !app_status(of)->is_recording && !app_looks_of(of)->is_helping && app_view(of)->number;
+    return file && !file->rig && !live_mapping(app_live(of)) &&
+           app_view(of)->mode == LIVE_PERFORMS && !app_status(of)->is_recording &&
+           !app_looks_of(of)->is_helping && app_view(of)->number;
 }
 
 static const float padding = 8.0f, gap = 8.0f, pitch = 31.0f; /* of lines of buttons */

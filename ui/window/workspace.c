@@ -5,6 +5,7 @@
 #include "window/offers.h"
 #include "window/panels/panels.h"
 #include "window/streams.h"
+#include "window/timeline/record_menu.h"
 #include "window/viewport/viewport.h"
 
 #include "base/clock.h"
@@ -489,6 +490,16 @@ static const char *title_of(app *of, int64_t id)
     return "";
 }
 
+static bool is_deleted(app *of, int64_t id)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(of, &line);
+    for (uint32_t i = 0; i < count; ++i)
+        if (line[i].id == id)
+            return line[i].is_deleted;
+    return false;
+}
+
 static state_words state_of(app *of)
 {
     const live_status *status = app_status(of);
@@ -519,7 +530,8 @@ static state_words state_of(app *of)
     } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->has_timeline) {
         (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
         key_map_words(&app_looks_of(of)->keys, ACTION_LIVE, keys);
-        (void)snprintf(out.small, sizeof out.small, "%s: back to the live hands",
+        (void)snprintf(out.small, sizeof out.small, "%s%s: back to the live hands",
+                       is_deleted(of, live_shown_take(app_live(of))) ? "Deleted. " : "",
                        keys[0] ? keys : action_of(ACTION_LIVE)->title);
     } else if (view->mode == LIVE_SHOWS) {
         write_time(out.large, sizeof out.large, live_position(app_live(of)).at_ns);
@@ -551,7 +563,9 @@ static float put_state(pen *p, float x)
     ui_draw_text(p->on, x, p->where.y + 0.5f * (p->where.height - large), UI_STYLE_LARGE,
                  is_warning ? THEME_TEXT : words.ink, wide + 1.0f, words.large);
     x += wide + GAP;
-    const float height = ui_text_height(p->on, UI_STYLE_BODY), room = 190.0f;
+    const float height = ui_text_height(p->on, UI_STYLE_BODY);
+    const float own_small = ui_text_width(p->on, UI_STYLE_BODY, words.small) + 2.0f;
+    const float room = fmaxf(190.0f, fminf(own_small, 0.26f * p->where.width));
     const ui_rectangle box = {x, p->where.y, room, p->where.height};
     ui_draw_text(p->on, x, p->where.y + 0.5f * (p->where.height - height), UI_STYLE_BODY,
                  is_warning ? THEME_WARNING : THEME_DIM, room, words.small);
@@ -680,6 +694,7 @@ static void bar_draw(workspace *self, ui_rectangle where)
     put_right(&p);
     ui_canvas_end(self->ui);
     ui_hint(self->ui, p.hint);
+    record_menu_draw(self->app, self->ui);
     ui_panel_end(self->ui);
 }
 
@@ -935,6 +950,7 @@ static void draw_panels(workspace *self, const workspace_places *at)
                   (ui_rectangle){0.0f, 0.0f, self->screen.width, self->screen.height},
                   self->screen.scale / window_scale(self->window));
     dialogs_draw(&self->dialogs);
+    record_menu_tempo(self->app, self->ui);
 }
 
 static void update_panels(workspace *self, double dt_s)

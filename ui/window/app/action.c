@@ -12,7 +12,7 @@ static const action_entry entries[ACTION_COUNT] = {
     [ACTION_RECORD] =
         {ACTION_RECORD, ACTION_PERFORMANCE, "record", "Record",
          "Begins a take, ends it. Over a take that is shown: performs over it as a new layer. "
-         "A right click on the timeline's strip: a count-in, a pre-roll.",
+         "A right click: a count-in, a pre-roll, a click.",
          'R', 0},
     [ACTION_KEEP] =
         {ACTION_KEEP, ACTION_PERFORMANCE, "keep", "Keep the last 30 s",

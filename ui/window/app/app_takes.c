@@ -71,6 +71,14 @@ static void app_undo_note_take(app *self, int64_t head_before)
     put(self, &step);
 }
 
+/* What was done last is said so. */
+static void app_undo_name_last(app *self, const char *words)
+{
+    app_done *last = self->done_count ? &self->done[self->done_count - 1] : NULL;
+    if (last)
+        (void)snprintf(last->step.words, sizeof last->step.words, "%s", words);
+}
+
 /* The chosen take is a copy of that one, and was made just now. */
 static void app_undo_note_copy(app *self, int64_t of, const char *words)
 {
@@ -876,7 +884,12 @@ static void lead_in(app *self, double s, bool counts_in)
 static void begin_live(app *self)
 {
     error err = {0};
-    (void)app_report(self, live_record(self->live, NULL, &err), &err);
+    const app_take_line *line = app_line_of(self, self->chosen);
+    if (app_report(self, live_record(self->live, NULL, &err), &err) >= 0 && line)
+        app_say(self, MRT_LOG_INFO,
+                "a take of its own: to perform over take %.120s put it on the stage first, by a "
+                "double click",
+                line->title);
 }
 
 /* A layer that is armed gets what was performed between the ends of the range, or from the play
@@ -989,9 +1002,10 @@ static void take_over(app *self)
     const edit **list = calloc(count ? count : 1, sizeof *list);
     for (uint32_t i = 0; list && i < count; ++i)
         list[i] = &edits[i];
-    if (list && app_pick_take(self, self->over_take) >= 0)
-        app_reported(app_edit_all(self, list, count));
-    else if (!list)
+    if (list && app_pick_take(self, self->over_take) >= 0) {
+        if (app_edit_all(self, list, count) >= 0)
+            app_undo_name_last(self, "record over the take");
+    } else if (!list)
         app_say(self, MRT_LOG_ERROR, "no memory: what was performed is a take of its own");
     for (uint32_t i = 0; i < count; ++i)
         edit_finish(&edits[i]);

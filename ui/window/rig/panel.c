@@ -682,11 +682,22 @@ static void rig_panel_draw_check(rig_panel *self, ui *on)
         ui_text(on, UI_STYLE_DIM, "Looking at it \xe2\x80\xa6");
         return;
     }
+    const rig_findings *found = &work->findings;
+    const uint32_t told =
+        rig_findings_count(found, RIG_ERROR) + rig_findings_count(found, RIG_WARNING);
+    ui_space(on, 4.0f);
     draw_summary(work, rig_model_is_laid(self->model), on);
     ui_space(on, 4.0f);
-    for (uint32_t i = 0; i < work->findings.count; ++i)
-        draw_finding(self, on, r, &work->findings.item[i], i);
+    for (uint32_t i = 0; i < found->count; ++i)
+        if (found->item[i].severity != RIG_NOTE)
+            draw_finding(self, on, r, &found->item[i], i);
     draw_confirm(self, on);
+    /* Beside a draft, which wants to be looked at, they wait. */
+    if (found->count == told || !ui_section(on, "To know", !self->confirm))
+        return;
+    for (uint32_t i = 0; i < found->count; ++i)
+        if (found->item[i].severity == RIG_NOTE)
+            draw_finding(self, on, r, &found->item[i], i);
 }
 
 /* ---- the panel ---- */

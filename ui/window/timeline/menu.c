@@ -105,10 +105,24 @@ static void ruler_menu(panel *self, ui *on)
         cut_range(self, EDIT_RANGE_CUT, false);
 }
 
+static void keep_span(panel *self, int64_t in_ns, int64_t out_ns)
+{
+    edit e;
+    edit_init(&e, EDIT_RANGE_KEEP);
+    e.in_ns = in_ns;
+    e.out_ns = out_ns;
+    timeline_edit(self, &e);
+}
+
 static void lane_menu(panel *self, ui *on, const take *t)
 {
     if (ui_menu_item(on, "Add a layer \u2026", "", t->layer_count < EDIT_LAYERS_MAX))
         timeline_ask_layer(self, on, 0);
+    const bool is_within = self->menu_ns > 0 && self->menu_ns < t->duration_ns;
+    if (ui_menu_item(on, "Begin the take here", "", is_within))
+        keep_span(self, self->menu_ns, t->duration_ns);
+    if (ui_menu_item(on, "End the take here", "", is_within))
+        keep_span(self, 0, self->menu_ns);
     char keys[KEY_WORDS];
     key_map_words(&app_looks_of(self->app)->keys, ACTION_TIMELINE_FIT, keys);
     if (ui_menu_item(on, "Show the whole take", keys, true))
@@ -134,7 +148,7 @@ static void sound_menu(panel *self, ui *on, const take_audio *audio)
         e.end_ns = head_ns;
         timeline_edit(self, &e);
     }
-    if (ui_menu_item(on, "All of it is heard", "",
+    if (ui_menu_item(on, "Hear all of it", "",
                      (audio->in_ns > 0 || audio->out_ns > 0) && sound_ns > 0)) {
         e.start_ns = audio->offset_ns;
         e.end_ns = audio->offset_ns + sound_ns;

@@ -188,6 +188,21 @@ void timeline_paint_ruler(panel *self, ui *on)
     ui_clip_end(on);
 }
 
+void timeline_paint_over(panel *self, ui *on)
+{
+    const float from = timeline_axis_x(&self->axis, self->over_from_ns);
+    const float to = timeline_axis_x(&self->axis, timeline_head_ns(self));
+    const ui_rectangle time = {self->axis.x, self->rows.lanes_y, self->axis.width,
+                               self->rows.y + self->rows.height - self->rows.lanes_y};
+    if (self->over_from_ns < 0 || to <= from)
+        return;
+    ui_clip_begin(on, time);
+    ui_draw_box(on, (ui_rectangle){from, time.y, to - from, time.height}, TIMELINE_OVER_COLOUR,
+                0.0f);
+    ui_draw_box(on, (ui_rectangle){from, time.y, to - from, 3.0f}, THEME_RECORD, 0.0f);
+    ui_clip_end(on);
+}
+
 void timeline_paint_head(panel *self, ui *on)
 {
     float x = timeline_axis_x(&self->axis, timeline_head_ns(self));

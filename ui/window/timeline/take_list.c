@@ -196,7 +196,7 @@ static void paint_stars(ui *on, float x, float y, uint32_t rating)
             ui_draw_disc(on, x + (float)i * STAR_WIDTH + 5.5f, y + 9.0f, 1.5f, 0x565b62ffu);
 }
 
-/* All five where the pointer can choose among them, else how many. Returns where they begin. */
+/* All five where a click chooses among them, else how many. Returns where they begin. */
 static float paint_rating(ui *on, float right, float y, uint32_t rating, bool is_wide)
 {
     char words[16];
@@ -265,7 +265,7 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, const tak
     ui_draw_text(on, right - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, time);
     const uint32_t rating =
         self->rates.take == line->id ? self->rates.rating : line->rating; /* as it is clicked */
-    float stars = paint_rating(on, right - TIME_WIDTH - 4.0f, y, rating, is_hovered);
+    float stars = paint_rating(on, right - TIME_WIDTH - 4.0f, y, rating, is_hovered && is_chosen);
     ui_draw_text(on, x, y, is_chosen ? UI_STYLE_STRONG : UI_STYLE_BODY,
                  is_chosen          ? THEME_ACCENT
                  : line->is_deleted ? THEME_DIM
@@ -336,7 +336,9 @@ static bool is_on_fold(const takes_row *row, const ui_canvas *canvas)
 static void click_line(panel *self, const app_take_line *line, const ui_canvas *canvas,
                        ui_rectangle where)
 {
-    uint32_t star = star_at(where, canvas->where.x + canvas->x);
+    /* Of one that is not chosen a click chooses it, wherever. */
+    const bool is_chosen = app_take_id(self->app) == line->id;
+    const uint32_t star = is_chosen ? star_at(where, canvas->where.x + canvas->x) : 0;
     const bool is_click = canvas->is_pressed && canvas->button == 0 && !line->is_recording;
     if (canvas->is_double_clicked && canvas->button == 0 && !line->is_deleted) {
         self->rates.take = 0;

@@ -430,13 +430,21 @@ static void draw_take(panel *self, ui *on, const ui_canvas *canvas)
                       canvas->where.y, canvas->where.width, canvas->where.height, self->scroll);
     self->scroll = self->rows.scroll;
     timeline_mouse(self, on, canvas);
-    timeline_axis_hold(&self->axis, 0, t->duration_ns);
+    const int64_t head_ns = timeline_head_ns(self);
+    const bool is_over = app_view(self->app)->mode == LIVE_OVERDUBS;
+    timeline_axis_hold(&self->axis, 0,
+                       is_over && head_ns > t->duration_ns ? head_ns : t->duration_ns);
+    if (!app_view(self->app)->is_recording_over)
+        self->over_from_ns = -1;
+    else if (self->over_from_ns < 0 || head_ns < self->over_from_ns)
+        self->over_from_ns = head_ns;
     t = timeline_take(self);
     timeline_rows_lay(&self->rows, t, self->comps ? self->comps->count : 0, canvas->where.x,
                       canvas->where.y, canvas->where.width, canvas->where.height, self->scroll);
     timeline_paint_ruler(self, on);
     timeline_paint_corner(self, on, canvas);
     timeline_paint_rows(self, on);
+    timeline_paint_over(self, on);
     timeline_paint_head(self, on);
     paint_why(self, on);
 }
@@ -451,7 +459,10 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
                         where.width - TIMELINE_HEAD_WIDTH);
     follow_take(self);
     self->hint = "";
-    if (app_take(self->app)) {
+    /* What is performed is seen, whatever take is chosen beside it. */
+    const bool is_live =
+        app_status(self->app)->is_recording && app_view(self->app)->mode == LIVE_PERFORMS;
+    if (app_take(self->app) && !is_live) {
         if (self->gesture == GESTURE_KEEP)
             self->gesture = GESTURE_NONE;
         follow_head(self);
@@ -467,7 +478,6 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
     timeline_dialogs(self, on);
     timeline_takes_dialog(self, on);
     timeline_history_dialog(self, on);
-    timeline_tempo_dialog(self, on);
 }
 
 /* ---- the panel ---- */
@@ -495,6 +505,7 @@ static panel *create(app *of)
                     .regions = 1u << OWN_MOUTH,
                     .journal_span_ns = 60 * NS_PER_S,
                     .fitted_take = -1,
+                    .over_from_ns = -1,
                     .axis = {.width = 1.0f, .ns_per_point = 1e7}};
     self->worker = timeline_worker_create(app_plugins(of));
     self->journal = timeline_journal_create();

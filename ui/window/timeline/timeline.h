@@ -22,6 +22,7 @@
 #define TIMELINE_MUTED_CURVE  0x86a9b848u
 #define TIMELINE_MUTED_FILL   0x86a9b818u
 #define TIMELINE_WAVE_COLOUR  0x9c93b8d0u
+#define TIMELINE_OVER_COLOUR  0xff6b6b24u /* what is being performed over a take */
 #define TIMELINE_WAVE_TRIMMED 0x9c93b840u /* what of it is not heard */
 #define TIMELINE_SHADE        0x0d0f1190u /* where a fade takes something away */
 #define TIMELINE_RANGE_COLOUR 0xd9a44133u
@@ -115,6 +116,7 @@ struct panel {
     timeline_drag drag;
     uint64_t edition; /* of the take when the drag began */
     timeline_hit pressed, menu;
+    int64_t over_from_ns; /* where performing over the take began to count; -1: it does not */
     int64_t pressed_ns, menu_ns;
     int64_t slid_from_ns;             /* where a comp lane lay when it was pressed */
     int64_t span_from_ns, span_to_ns; /* of a swipe, a keep, a range */
@@ -172,10 +174,10 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns); /* it 
 /* strip.c */
 void timeline_strip_draw(panel *self, ui *on, ui_rectangle where);
 void timeline_history_dialog(panel *self, ui *on);
-void timeline_tempo_dialog(panel *self, ui *on);
 
 /* paint.c */
 void timeline_paint_ruler(panel *self, ui *on);
+void timeline_paint_over(panel *self, ui *on); /* what is being performed over the take */
 void timeline_paint_head(panel *self, ui *on); /* over everything */
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas);
 void timeline_paint_rows(panel *self, ui *on);
