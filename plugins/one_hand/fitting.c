@@ -135,13 +135,40 @@ static void report_missing(const mrt_host *host, const char *what, const char *c
         if (found[i] != FITTING_NONE)
             continue;
         if (used + strlen(names[i]) + 3 > sizeof line) {
-            host->log(host, MRT_LOG_WARNING, line);
+            host->log(host, MRT_LOG_INFO, line);
             used = head;
         }
         used += (size_t)snprintf(line + used, sizeof line - used, "%s %s", used > head ? "," : "",
                                  names[i]);
     }
     if (used > head)
+        host->log(host, MRT_LOG_INFO, line);
+}
+
+/* Whole parts of a face, as people speak of them; the names are there for whoever rigs it. */
+static void report_parts(const fitting *self, const mrt_host *host)
+{
+    static const struct {
+        const char *name;
+        int first, last; /* degrees of freedom */
+    } parts[] = {{"jaw", DOF_JAW_OPEN, DOF_JAW_FORWARD},
+                 {"neck", DOF_NOD, DOF_TURN},
+                 {"eyes", DOF_EYE_YAW, DOF_EYE_PITCH + 1},
+                 {"lids", DOF_LID_UPPER, DOF_LID_LOWER + 1}};
+    char line[LINE] = "this face has no ";
+    uint32_t count = 0;
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
+        bool is_there = false;
+        for (int dof = parts[i].first; dof <= parts[i].last; ++dof)
+            is_there |= self->dof[dof] != FITTING_NONE;
+        const size_t used = strlen(line);
+        if (!is_there)
+            (void)snprintf(line + used, sizeof line - used, "%s%s", count++ > 0 ? ", no " : "",
+                           parts[i].name);
+    }
+    const size_t used = strlen(line);
+    (void)snprintf(line + used, sizeof line - used, " to move: the hand moves the rest");
+    if (count > 0)
         host->log(host, MRT_LOG_WARNING, line);
 }
 
@@ -152,6 +179,7 @@ void fitting_report(const fitting *self, const mrt_host *host)
              "performs %u of %d contacts and %u of %d degrees of freedom; 1 mm is %.2f mm here",
              self->contact_count, PLACE_COUNT, self->dof_count, DOF_COUNT, self->scale);
     host->log(host, MRT_LOG_INFO, line);
+    report_parts(self, host);
     report_missing(host, "contact", pose_place_names, self->contact, PLACE_COUNT);
     report_missing(host, "degree of freedom", pose_dof_names, self->dof, DOF_COUNT);
 }

@@ -333,6 +333,7 @@ static void a_preset_chooses_and_what_is_typed_is_checked(void **state)
     (void)state;
     scene s;
     open_with_a_take(&s);
+    assert_int_equal(app_select_take(s.app, 0), MRT_OK); /* the newest is ticked then */
     scene_do(&s, ACTION_EXPORT);
     scene_click_word(&s, "No preset");
     scene_click_word(&s, "Pictures to lay over a film");

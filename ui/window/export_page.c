@@ -162,19 +162,6 @@ static bool is_drawn(const export_page *self)
     return self->format == FORMAT_MP4 || self->format == FORMAT_FOLDER;
 }
 
-void export_page_ask(export_page *self)
-{
-    choose(self, settings_text(app_settings(self->app), last_key, ""));
-    self->trouble[0] = self->replaced[0] = '\0';
-    self->preset = 0;
-    self->ticked[0] = app_take_id(self->app);
-    self->ticked_count = 1;
-    put_name(self);
-    put_ending(self);
-    self->is_asked_first = true;
-    ui_dialog_open(self->ui, page_dialog);
-}
-
 /* ---- which takes ---- */
 
 static bool is_ticked(const export_page *self, int64_t id, uint32_t *out_at)
@@ -191,13 +178,37 @@ static void tick(export_page *self, int64_t id, bool is_wanted)
     const bool is_there = is_ticked(self, id, &at);
     if (is_there && !is_wanted)
         self->ticked[at] = self->ticked[--self->ticked_count];
-    else if (!is_there && is_wanted && self->ticked_count < EXPORT_TICKS)
+    else if (id && !is_there && is_wanted && self->ticked_count < EXPORT_TICKS)
         self->ticked[self->ticked_count++] = id;
 }
 
 static bool can_be_exported(const app_take_line *of)
 {
     return !of->is_deleted && !of->is_recording && of->duration_ns > 0;
+}
+
+/* 0: there is none. */
+static int64_t newest(const export_page *self)
+{
+    const app_take_line *line;
+    const uint32_t count = app_takes(self->app, &line);
+    for (uint32_t i = count; i-- > 0;)
+        if (can_be_exported(&line[i]))
+            return line[i].id;
+    return 0;
+}
+
+void export_page_ask(export_page *self)
+{
+    choose(self, settings_text(app_settings(self->app), last_key, ""));
+    self->trouble[0] = self->replaced[0] = '\0';
+    self->preset = 0;
+    self->ticked_count = 0;
+    tick(self, app_take_id(self->app) ? app_take_id(self->app) : newest(self), true);
+    put_name(self);
+    put_ending(self);
+    self->is_asked_first = true;
+    ui_dialog_open(self->ui, page_dialog);
 }
 
 static void draw_takes(export_page *self)

@@ -574,7 +574,8 @@ static float put_state(pen *p, float x)
     return x + room;
 }
 
-static void put_middle(pen *p, float x)
+/* Returns its right end. */
+static float put_middle(pen *p, float x)
 {
     app *of = p->workspace->app;
     live *stage = app_live(of);
@@ -587,7 +588,7 @@ static void put_middle(pen *p, float x)
              is_recording ? sign_recording : sign_record, is_recording);
     x = put_state(p, x + ICON + GAP);
     if (app_looks_of(of)->has_timeline || p->where.width < 1100.0f)
-        return;
+        return x;
     const struct {
         action of;
         paint_sign *sign;
@@ -601,6 +602,7 @@ static void put_middle(pen *p, float x)
         put_sign(p, (ui_rectangle){x, y, ICON, ICON}, signs[i].of, signs[i].sign, signs[i].is_on);
         x += ICON + 2.0f;
     }
+    return x;
 }
 
 /* ---- right: how fast, the output, help ---- */
@@ -615,12 +617,12 @@ static float put_exports(pen *p, float right)
         return right;
     const export_progress first = app_export_now(of, 0);
     if (first.done >= 0.0)
-        (void)snprintf(part, sizeof part, " %.0f %%", 100.0 * first.done);
+        (void)snprintf(part, sizeof part, "%s %.0f %%", count > 1 ? "," : "", 100.0 * first.done);
     if (count > 1)
-        (void)snprintf(words, sizeof words, "Exporting %u%s", count, part);
+        (void)snprintf(words, sizeof words, "Exporting %u takes%s", count, part);
     else
         (void)snprintf(words, sizeof words, "Exporting%s", part);
-    const float widest = ui_text_width(p->on, UI_STYLE_NUMBER, "Exporting 99 100 %") + 20.0f;
+    const float widest = ui_text_width(p->on, UI_STYLE_NUMBER, "Exporting 99 takes, 100 %") + 20.0f;
     const ui_rectangle box = {right - widest, p->where.y + 0.5f * (p->where.height - 30.0f), widest,
                               30.0f};
     const float y = box.y + 0.5f * (box.height - ui_text_height(p->on, UI_STYLE_NUMBER));
@@ -649,7 +651,8 @@ static float put_voice(pen *p, float right)
     return right - width;
 }
 
-static void put_right(pen *p)
+/* left: where the middle ends. */
+static void put_right(pen *p, float left)
 {
     app *of = p->workspace->app;
     const app_figures *fast = app_figures_of(of);
@@ -669,6 +672,8 @@ static void put_right(pen *p)
     else
         return;
     const float width = ui_text_width(p->on, UI_STYLE_NUMBER, words);
+    if (x - width < left + 16.0f)
+        return;
     const float y = p->where.y + 0.5f * (p->where.height - ui_text_height(p->on, UI_STYLE_NUMBER));
     const ui_rectangle box = {x - width, p->where.y, width, p->where.height};
     ui_draw_text(p->on, x - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, words);
@@ -690,8 +695,7 @@ static void bar_draw(workspace *self, ui_rectangle where)
                 THEME_RULE, 0.0f);
     const float names = where.width * 0.2f < 260.0f ? where.width * 0.2f : 260.0f;
     put_names(&p, names);
-    put_middle(&p, where.x + names + 30.0f);
-    put_right(&p);
+    put_right(&p, put_middle(&p, where.x + names + 30.0f));
     ui_canvas_end(self->ui);
     ui_hint(self->ui, p.hint);
     record_menu_draw(self->app, self->ui);

@@ -690,7 +690,7 @@ static const char *why_not(app *self, action of)
     case ACTION_REDO:
         return app_can_redo(self) ? NULL : "there is nothing to do again";
     case ACTION_EXPORT:
-        return self->chosen ? NULL : "no take is chosen";
+        return self->line_count ? NULL : "there is no take yet";
     case ACTION_NONE:
     case ACTION_COUNT:
         return "";

@@ -652,7 +652,7 @@ static void draw_confirm(rig_panel *self, ui *on)
     }
 }
 
-static void draw_summary(const rig_work *work, bool is_laid, ui *on)
+static void draw_summary(const rig_work *work, const rig *r, bool is_laid, ui *on)
 {
     uint32_t errors = rig_findings_count(&work->findings, RIG_ERROR);
     uint32_t warnings = rig_findings_count(&work->findings, RIG_WARNING);
@@ -665,6 +665,9 @@ static void draw_summary(const rig_work *work, bool is_laid, ui *on)
     if (errors > 0)
         (void)snprintf(text, sizeof text, "%u to be mended: the stage keeps the rig before.",
                        errors);
+    else if (r->contact_count == 0)
+        (void)snprintf(text, sizeof text,
+                       "No face was found in it: it can be kneaded, and contacts can be added.");
     else if (warnings > 0)
         (void)snprintf(text, sizeof text, "It performs; %u to look at.", warnings);
     else if (notes > 0)
@@ -686,7 +689,7 @@ static void rig_panel_draw_check(rig_panel *self, ui *on)
     const uint32_t told =
         rig_findings_count(found, RIG_ERROR) + rig_findings_count(found, RIG_WARNING);
     ui_space(on, 4.0f);
-    draw_summary(work, rig_model_is_laid(self->model), on);
+    draw_summary(work, r, rig_model_is_laid(self->model), on);
     ui_space(on, 4.0f);
     for (uint32_t i = 0; i < found->count; ++i)
         if (found->item[i].severity != RIG_NOTE)

@@ -97,6 +97,7 @@ struct viewport {
     double radius_mm; /* of the pointer; 0: the rig's */
     double radius_shown_s;
     ui_rectangle chip;        /* that says what is held, as it was drawn; width 0: it was not */
+    ui_rectangle mirrored;    /* likewise: that says that right is left */
     bool is_over, is_on_face; /* the pointer: over the viewport, on the face */
     float pointer_px[2];
     draw_hit hit;      /* while it is on the face */
@@ -503,17 +504,20 @@ static bool can_pull(const viewport *self)
            !app_is_rig_pending(self->of);
 }
 
-static bool is_on_chip(const viewport *self, const ui_canvas *canvas)
+static bool is_on_chip(const ui_rectangle *chip, const ui_canvas *canvas)
 {
-    const ui_rectangle *chip = &self->chip;
     const float x = canvas->where.x + canvas->x, y = canvas->where.y + canvas->y;
     return x >= chip->x && x < chip->x + chip->width && y >= chip->y && y < chip->y + chip->height;
 }
 
 static void press_left(viewport *self, const ui_canvas *canvas)
 {
-    if (is_on_chip(self, canvas)) {
+    if (is_on_chip(&self->chip, canvas)) {
         app_do(self->of, ACTION_NEUTRAL);
+        return;
+    }
+    if (is_on_chip(&self->mirrored, canvas)) {
+        app_do(self->of, ACTION_VIEW_MIRROR);
         return;
     }
     if (self->use != VIEWPORT_PERFORMS) {
@@ -710,7 +714,8 @@ static void viewport_follow_face(viewport *self)
     if (self->has_camera)
         viewport_keep_camera(self);
     viewport_camera_init(&self->camera, self->low, self->high, viewport_aspect(self));
-    viewport_camera_recall(&self->camera, &self->camera_kept);
+    if (!self->has_camera) /* as the program was left; another head is looked at whole */
+        viewport_camera_recall(&self->camera, &self->camera_kept);
     self->has_camera = true;
 }
 
@@ -966,6 +971,19 @@ static void ink_chip(viewport *self, ui *on)
     ui_draw_text(on, self->chip.x + 8.0f,
                  self->chip.y + 0.5f * (24.0f - ui_text_height(on, UI_STYLE_BODY)), UI_STYLE_BODY,
                  THEME_ACCENT, 0.0f, words);
+}
+
+/* Writing is seen in a mirror, and names end in .r on the right: a click turns it. */
+static void ink_mirrored(viewport *self, ui *on)
+{
+    static const char words[] = "Mirrored";
+    const float width = ui_text_width(on, UI_STYLE_DIM, words), height = 20.0f;
+    self->mirrored = (ui_rectangle){.width = 0.0f};
+    if (!is_mirrored(self))
+        return;
+    self->mirrored = (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
+                                    self->where.y + margin, width + 12.0f, height};
+    write_on_plate(on, self->mirrored.x + 6.0f, self->mirrored.y, THEME_DIM, words);
 }
 
 static void ink_hold(const viewport *self, ui *on)
@@ -1441,6 +1459,7 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
         ui_draw_image(on, canvas->where, texture, app_looks_of(self->of)->is_mirrored);
     viewport_ink(self, on);
     ink_chip(self, on);
+    ink_mirrored(self, on);
     ink_quality(self, on);
     bool is_moving = self->drag != VIEWPORT_DRAGS_NOTHING || self->camera.glided_s >= 0.0 ||
                      app_looks_of(self->of)->is_turning;
