@@ -168,6 +168,12 @@ static void errors_start_with_the_path(void **state)
     assert_refused(&a, "the file is empty");
     a = read_text("a.fbx", "Kaydara", 0);
     assert_refused(&a, "no mesh format that is known");
+    a = read_text("face.glb", "\x89PNG\r\n", 0);
+    assert_refused(&a, "is no mesh but a PNG picture");
+    a = read_text("a.glb", "<!DOCTYPE html>", 0);
+    assert_refused(&a, "is no mesh but a page of the web");
+    a = read_text("a.fbx", "Kaydara FBX Binary", 0);
+    assert_refused(&a, "is no mesh but an FBX file");
     a = read_text("a.glb", "glTF", 0);
     assert_refused(&a, "the .glb ends within its header");
     a = read_text("a.obj", "v 0 0 0\nv 3e38 0 0\nv 0 1 0\nf 1 2 3\n", 1000);

@@ -208,6 +208,8 @@ static void broken_containers_are_refused(void **state)
         d.bytes[changes[i].at] = changes[i].value;
         assert_refused(d.bytes, d.size, changes[i].reason);
     }
+    document whole = document_glb(GOOD);
+    assert_refused(whole.bytes, whole.size / 2, "it is cut off");
     assert_refused("", 0, "the JSON is broken");
     assert_refused("[]", 2, "not an object");
     assert_refused("{\"asset\":{\"version\":\"2.0\"}}", 27, "no triangles");

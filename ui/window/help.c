@@ -280,6 +280,12 @@ static void draw_head(help *self, app_looks *looks, ui *on, ui_rectangle where, 
         }
         ui_hint(on, "Every action has the key again that the program brings.");
     }
+    if (zoom + 0.01f < looks->text_size) {
+        char words[48];
+        (void)snprintf(words, sizeof words, "No room here: %.0f %%", 100.0 * (double)zoom);
+        ui_same_line(on);
+        ui_text(on, UI_STYLE_WARNING, words);
+    }
     ui_panel_end(on);
 }
 

@@ -19,6 +19,10 @@ static mrt_result check_header(text_view file, error *err)
     if (read_u32(file.at + 4) != 2)
         return error_set(err, MRT_ERR_UNSUPPORTED, "glTF version %u: only version 2 is read",
                          read_u32(file.at + 4));
+    if (read_u32(file.at + 8) > size)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "it is cut off: the header says %u bytes, the file has %zu; get it again",
+                         read_u32(file.at + 8), size);
     if (read_u32(file.at + 8) != size)
         return error_set(err, MRT_ERR_FORMAT, "the header says %u bytes, the file has %zu",
                          read_u32(file.at + 8), size);

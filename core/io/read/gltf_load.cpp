@@ -402,12 +402,20 @@ std::string first_line(const std::string &text)
     return out.c_str();
 }
 
+/* Without the library's name for what is wrong: "[json.exception.parse_error.101] ". */
+std::string sentence_of(const json::exception &caught)
+{
+    const std::string text = caught.what();
+    const size_t end = text.find("] ");
+    return first_line(end == std::string::npos ? text : text.substr(end + 2));
+}
+
 json parse_json(const text_view &text)
 {
     try {
         return json::parse(text.at, text.end);
     } catch (const json::exception &caught) {
-        gltf_fail(MRT_ERR_FORMAT, "the JSON is broken: %s", first_line(caught.what()).c_str());
+        gltf_fail(MRT_ERR_FORMAT, "the JSON is broken: %s", sentence_of(caught).c_str());
     }
 }
 

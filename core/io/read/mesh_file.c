@@ -50,6 +50,32 @@ static mesh_format format_of_content(const file_bytes *bytes)
     return word.at < word.end && *word.at == '{' ? FORMAT_GLTF : FORMAT_UNKNOWN;
 }
 
+/* What is often taken for a mesh, as a person calls it; NULL: it is none of these. */
+static const char *other_kind(const file_bytes *bytes)
+{
+    static const struct {
+        const char *begins, *is;
+        size_t size;
+    } known[] = {
+        {"\x89PNG", "a PNG picture", 4},
+        {"\xff\xd8\xff", "a JPEG picture", 3},
+        {"Kaydara FBX", "an FBX file: export it from Blender as .glb", 11},
+        {"BLENDER", "a file of Blender: export it from there as .glb", 7},
+        {"PK\x03\x04", "an archive: unpack it first", 4},
+        {"7z\xbc\xaf", "an archive: unpack it first", 4},
+        {"Rar!", "an archive: unpack it first", 4},
+        {"RIFF", "a sound or a film", 4},
+        {"%PDF", "a document", 4},
+        {"<!DOCTYPE", "a page of the web: download the file itself", 9},
+        {"<html", "a page of the web: download the file itself", 5},
+        {"version https://git-lfs", "a pointer to a file that lies elsewhere (Git LFS)", 23}};
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
+        if (bytes->size >= known[i].size &&
+            memcmp(bytes->data, known[i].begins, known[i].size) == 0)
+            return known[i].is;
+    return NULL;
+}
+
 static mesh_format format_of_name(const char *path)
 {
     static const struct {
@@ -109,7 +135,9 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
     mesh_format format = format_of_content(&bytes);
     if (format == FORMAT_UNKNOWN)
         format = format_of_name(path);
-    result = parse(out, format, &bytes, path, err);
+    const char *other = other_kind(&bytes);
+    result = other ? error_set(err, MRT_ERR_FORMAT, "is no mesh but %s", other)
+                   : parse(out, format, &bytes, path, err);
     file_bytes_finish(&bytes);
     if (result == MRT_OK) {
         mesh_images_decode(out);

@@ -259,6 +259,8 @@ static void keep_show_path(app *self)
     free(real);
     if (self->show && show_notice(self->show)[0])
         app_say(self, MRT_LOG_WARNING, "%s", show_notice(self->show));
+    if (self->show && !show_is_writable(self->show))
+        app_say(self, MRT_LOG_INFO, "Save as makes a copy of it that is recorded into");
 }
 
 /* Whoever named a show wants that one; the last one may have gone. Without any the stage performs
