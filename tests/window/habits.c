@@ -71,6 +71,37 @@ static void text_is_as_large_as_one_wants_it_and_stays_so(void **state)
     scene_close(&s);
 }
 
+/* Bytes of a picture of the window as it is drawn now: nothing at all has a few thousand. */
+static int64_t drawn_bytes(scene *s, const char *name)
+{
+    char path[512];
+    struct stat status = {0};
+    scene_picture(s, name);
+    (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
+    assert_int_equal(stat(path, &status), 0);
+    return (int64_t)status.st_size;
+}
+
+/* The help's letters, then the whole stage, drawn before and after: with fewer of them, too. */
+static void all_of_it_is_drawn_in_another_size(void **state)
+{
+    scene s;
+    (void)state;
+    open_scene(&s, 1280, 720, 1.0f);
+    scene_do(&s, ACTION_HELP);
+    const int64_t keys = drawn_bytes(&s, "habits_keys_100");
+    app_looks_of(s.app)->text_size = 1.25f;
+    scene_frames(&s, 3);
+    assert_true(drawn_bytes(&s, "habits_keys_125") > keys / 2);
+    scene_key(&s, UI_KEY_ESCAPE, 0);
+    scene_frames(&s, 3);
+    assert_true(drawn_bytes(&s, "habits_stage_125") > keys);
+    app_looks_of(s.app)->text_size = 1.0f;
+    scene_frames(&s, 3);
+    assert_true(drawn_bytes(&s, "habits_stage_100") > keys);
+    scene_close(&s);
+}
+
 static void a_small_window_keeps_room_for_its_panels(void **state)
 {
     scene s;
@@ -329,6 +360,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(text_is_as_large_as_one_wants_it_and_stays_so),
+        cmocka_unit_test(all_of_it_is_drawn_in_another_size),
         cmocka_unit_test(a_small_window_keeps_room_for_its_panels),
         cmocka_unit_test(nothing_is_cut_in_a_small_window),
         cmocka_unit_test(nothing_is_cut_in_a_light_window_of_usual_size),

@@ -52,7 +52,7 @@ struct ui {
     theme look, wanted_look; /* of this frame; of the next */
     ui_tint tint[UI_TINTS];
     int plain_depth; /* on the face: colours are shown as they are said */
-    bool is_drawing; /* OpenGL side was started */
+    bool is_drawing, has_drawn; /* OpenGL side was started; has what it draws with */
     ui_cursor cursor;
 
     ImGuiWindow *panel[UI_PANELS_MAX]; /* of this frame, in order */
@@ -1724,7 +1724,12 @@ static void set_scale(ui *self, float scale)
     self->scale = scale;
     ui_fonts_load(self);
     set_style(self);
-    ImGui_ImplOpenGL3_DestroyDeviceObjects(); /* with the texture of the old fonts */
+    /* The texture of the old fonts alone: its buffers, made anew, are believed to be as large as
+     * those before (imgui_impl_opengl3 1.86), and nothing is drawn any more. */
+    if (!self->has_drawn)
+        return;
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 static void set_look(ui *self)
@@ -1774,6 +1779,7 @@ void ui_begin(ui *self, const ui_screen *screen)
     self->is_slider_held = self->types_lines = self->is_answered = false;
     ui_notes_begin(self->notes);
     ImGui_ImplOpenGL3_NewFrame();
+    self->has_drawn = true;
     ImGui::NewFrame();
     close_menus(self);
     if (self->command != UI_KEY_NONE)
