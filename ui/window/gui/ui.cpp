@@ -51,7 +51,7 @@ struct ui {
     ImFont *font[UI_FONTS];
     theme look, wanted_look; /* of this frame; of the next */
     ui_tint tint[UI_TINTS];
-    int plain_depth; /* on the face: colours are shown as they are said */
+    int plain_depth;            /* on the face: colours are shown as they are said */
     bool is_drawing, has_drawn; /* OpenGL side was started; has what it draws with */
     ui_cursor cursor;
 

@@ -944,6 +944,14 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
 
 static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* fewer look coarse */
 
+static float hand_keys_height(const viewport *self, const ui *on);
+
+/* How far down the picture's upper corners begin. */
+static float below_keys(const viewport *self, const ui *on)
+{
+    return virtual_hand_has_keys(self->hand) ? hand_keys_height(self, on) : 0.0f;
+}
+
 /* That the picture is not as sharp as it will be. */
 static void ink_quality(const viewport *self, ui *on)
 {
@@ -952,7 +960,8 @@ static void ink_quality(const viewport *self, ui *on)
         return;
     (void)snprintf(words, sizeof words, "%.0f %% sharp while it moves",
                    100.0 * (double)quality_scale[self->quality.level]);
-    write_on_plate(on, self->where.x + margin, self->where.y + margin, THEME_DIM, words);
+    write_on_plate(on, self->where.x + margin, self->where.y + margin + below_keys(self, on),
+                   THEME_DIM, words);
 }
 
 /* What was let go of with Shift, and clay, is there still: how to be rid of it. */
@@ -981,8 +990,9 @@ static void ink_mirrored(viewport *self, ui *on)
     self->mirrored = (ui_rectangle){.width = 0.0f};
     if (!is_mirrored(self))
         return;
-    self->mirrored = (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
-                                    self->where.y + margin, width + 12.0f, height};
+    self->mirrored =
+        (ui_rectangle){self->where.x + self->where.width - width - 12.0f - margin,
+                       self->where.y + margin + below_keys(self, on), width + 12.0f, height};
     write_on_plate(on, self->mirrored.x + 6.0f, self->mirrored.y, THEME_DIM, words);
 }
 
@@ -1039,11 +1049,6 @@ static void set_cursor(const viewport *self, ui *on)
 }
 
 /* ---- what the colours mean ---- */
-
-static float hand_keys_height(const ui *on)
-{
-    return 2.0f * (ui_text_height(on, UI_STYLE_BODY) + 4.0f) + 18.0f;
-}
 
 static uint32_t mixed(uint32_t a, uint32_t b, float share)
 {
@@ -1104,7 +1109,7 @@ static void ink_heat(const viewport *self, ui *on)
                                  : has_depth       ? 3.0f
                                                    : 2.0f);
     high += legend.bone_count ? 4.0f : 16.0f;
-    float below = virtual_hand_has_keys(self->hand) ? hand_keys_height(on) : 0.0f;
+    const float below = below_keys(self, on);
     ui_rectangle box = {self->where.x + margin, self->where.y + margin + below, wide, high};
     ui_draw_box(on, box, plate, 4.0f);
     float x = box.x + 10.0f, y = box.y + 8.0f, inner = wide - 20.0f;
@@ -1170,27 +1175,62 @@ static void ink_cell(const viewport *self, ui *on, float x, float y, const key_c
         ink_cap(on, x + cap_width(on, cell->down) + cap_gap, y + line, cell->up, intent < -0.1f);
 }
 
+static const char *hand_title(const viewport *self)
+{
+    return virtual_hand_side(self->hand) == MRT_LEFT ? "Left hand" : "Right hand";
+}
+
+/* The cells from `first` on that a line has room for, behind the title at first; *out_wide: with
+ * it.
+ */
+static int cells_of_line(const viewport *self, const ui *on, int first, float *out_wide)
+{
+    const float room = self->where.width - 2.0f * margin - 24.0f;
+    float wide = first == 0 ? ui_text_width(on, UI_STYLE_BODY, hand_title(self)) : -cell_gap;
+    int end = first;
+    while (end < CELLS && (end == first || wide + cell_gap + cell_width(on, &cells[end]) <= room))
+        wide += cell_gap + cell_width(on, &cells[end++]);
+    *out_wide = wide + 24.0f;
+    return end - first;
+}
+
+static float cells_height(const ui *on)
+{
+    return 2.0f * (ui_text_height(on, UI_STYLE_BODY) + 4.0f) + 16.0f;
+}
+
+/* With what is between it and what lies below. */
+static float hand_keys_height(const viewport *self, const ui *on)
+{
+    float wide, high = 0.0f;
+    for (int first = 0; first < CELLS; first += cells_of_line(self, on, first, &wide))
+        high += cells_height(on);
+    return high + 8.0f;
+}
+
 static void ink_hand_keys(const viewport *self, ui *on)
 {
+    const bool is_left = virtual_hand_side(self->hand) == MRT_LEFT;
+    const float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f, high = cells_height(on);
+    const float behind = ui_text_width(on, UI_STYLE_BODY, hand_title(self));
+    float y = self->where.y + 8.0f;
     if (!virtual_hand_has_keys(self->hand))
         return;
-    bool is_left = virtual_hand_side(self->hand) == MRT_LEFT;
-    const char *title = is_left ? "Left hand" : "Right hand";
-    float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    float wide = 24.0f + ui_text_width(on, UI_STYLE_BODY, title), high = hand_keys_height(on);
-    for (int i = 0; i < CELLS; ++i)
-        wide += cell_gap + cell_width(on, &cells[i]);
-    ui_rectangle box = {self->where.x + 0.5f * (self->where.width - wide), self->where.y + 8.0f,
-                        wide, high};
-    ui_draw_box(on, box, plate | 0x20u, 5.0f);
-    float x = box.x + 12.0f, y = box.y + 8.0f;
-    ui_draw_text(on, x, y + 0.5f * line, UI_STYLE_BODY, is_left ? THEME_LEFT : THEME_RIGHT, 0.0f,
-                 title);
-    x += ui_text_width(on, UI_STYLE_BODY, title);
-    for (int i = 0; i < CELLS; ++i) {
-        x += cell_gap;
-        ink_cell(self, on, x, y, &cells[i]);
-        x += cell_width(on, &cells[i]);
+    for (int first = 0; first < CELLS; y += high) {
+        float wide;
+        const int end = first + cells_of_line(self, on, first, &wide);
+        const ui_rectangle box = {self->where.x + 0.5f * (self->where.width - wide), y, wide, high};
+        float x = box.x + 12.0f;
+        ui_draw_box(on, box, plate | 0x20u, 5.0f);
+        if (first == 0)
+            ui_draw_text(on, x, y + 8.0f + 0.5f * line, UI_STYLE_BODY,
+                         is_left ? THEME_LEFT : THEME_RIGHT, 0.0f, hand_title(self));
+        x += first == 0 ? behind : -cell_gap;
+        for (; first < end; ++first) {
+            x += cell_gap;
+            ink_cell(self, on, x, y + 8.0f, &cells[first]);
+            x += cell_width(on, &cells[first]);
+        }
     }
 }
 
