@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-enum { LARGE_BYTES = 128 << 10 };
+enum { LARGE_BYTES = 128 << 10, SPARE_BYTES = 16 << 20 };
 
 uint64_t memory_resident(void)
 {
@@ -22,6 +22,7 @@ void memory_set_up(void)
 {
 #ifdef M_MMAP_THRESHOLD /* glibc raises it with use unless it is set */
     (void)mallopt(M_MMAP_THRESHOLD, LARGE_BYTES);
+    (void)mallopt(M_TRIM_THRESHOLD, SPARE_BYTES);
 #endif
 }
 
