@@ -12,6 +12,10 @@
 #include "window/open_any.h"
 #include "scene.h"
 
+#include <time.h>
+#include <unistd.h>
+#include <utime.h>
+
 static scene s;
 
 static const char *newest(void)
@@ -158,6 +162,38 @@ static void the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opene
     scene_key(&s, UI_KEY_ENTER, 0);
     assert_false(ui_has_dialog(s.ui));
     assert_string_equal(app_face_path(s.app), path);
+    scene_close(&s);
+}
+
+static void the_list_says_how_large_a_file_is_and_when_it_was_changed(void **state)
+{
+    static const char names[][128] = {
+        "head.glb",
+        "a head whose name is as long as those that people give to what they download from "
+        "somewhere, version 2 final.glb"};
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    struct tm when = {.tm_year = 126, .tm_mon = 2, .tm_mday = 4, .tm_hour = 15, .tm_isdst = -1};
+    const time_t changed_s = mktime(&when);
+    const struct utimbuf times = {changed_s, changed_s};
+    for (size_t i = 0; i < 2; ++i) {
+        char path[512];
+        (void)snprintf(path, sizeof path, "%s/%s", s.folder, names[i]);
+        FILE *file = fopen(path, "w");
+        assert_non_null(file);
+        assert_int_equal(ftruncate(fileno(file), i ? 900 : 2400000), 0);
+        (void)fclose(file);
+        assert_int_equal(utime(path, &times), 0);
+    }
+    scene_do(&s, ACTION_OPEN);
+    scene_type(&s, s.folder);
+    scene_key(&s, UI_KEY_ENTER, 0);
+    scene_look(&s, "opens_sizes");
+    assert_non_null(scene_word(&s, "2.4 MB"));
+    assert_non_null(scene_word(&s, "1 KB"));
+    assert_non_null(scene_word(&s, "2026-03-04 15:00"));
+    assert_int_equal(scene_word_faults(&s), 1); /* of the long name, which a hint tells whole */
+    scene_key(&s, UI_KEY_ESCAPE, 0);
     scene_close(&s);
 }
 
@@ -519,6 +555,7 @@ int main(void)
         cmocka_unit_test(a_click_opens_the_camera_and_its_page),
         cmocka_unit_test(the_first_field_has_the_focus_enter_opens_and_esc_cancels),
         cmocka_unit_test(the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opened),
+        cmocka_unit_test(the_list_says_how_large_a_file_is_and_when_it_was_changed),
         cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),
         cmocka_unit_test(a_draft_that_is_left_holds_nothing_up),
         cmocka_unit_test(a_drafted_rig_is_read_again_as_it_was_drafted),

@@ -126,6 +126,42 @@ static void a_contact_is_dragged_with_its_mirror(void **state)
     rig_stand_close(&s);
 }
 
+static void a_contact_that_is_chosen_on_the_face_comes_into_sight_in_the_list(void **state)
+{
+    (void)state;
+    float x, y;
+    char vertex[32];
+    rig_stand_open(&s, PUPPET, "", 1280, 720, 1.0f);
+    rig_stand_click_on(&s, "Contacts");
+    rig_stand_frames(&s, 3);
+    const rig *r = s.of.file.rig;
+    const uint32_t last = r->contact[r->contact_count - 1].vertex;
+    (void)snprintf(vertex, sizeof vertex, "%u", last);
+    assert_false(rig_stand_says(&s, vertex));
+    rig_stand_place(&s, last, &x, &y);
+    rig_stand_click(&s, x, y);
+    rig_stand_frames(&s, 3);
+    rig_stand_picture(&s, "rig_contact_followed");
+    assert_true(rig_stand_says(&s, vertex));
+    rig_stand_close(&s);
+}
+
+static void regions_that_say_the_same_are_told_apart(void **state)
+{
+    (void)state;
+    rig_stand_open(&s, PUPPET, "", 1280, 720, 1.0f);
+    rig_stand_frames(&s, 40);
+    assert_false(rig_stand_says(&s, "mobile (2)"));
+    rig_stand_click_on(&s, "Add a region");
+    rig_stand_wait_for_change(&s, 1);
+    rig_stand_click_on(&s, "Add a region");
+    rig_stand_wait_for_change(&s, 2);
+    rig_stand_frames(&s, 3);
+    rig_stand_picture(&s, "rig_regions_alike");
+    assert_true(rig_stand_says(&s, "skull (2)"));
+    rig_stand_close(&s);
+}
+
 static void a_contact_is_added_where_the_face_is_clicked(void **state)
 {
     (void)state;
@@ -242,6 +278,8 @@ int main(void)
         cmocka_unit_test(a_stroke_is_painted_and_undone),
         cmocka_unit_test(a_region_that_is_chosen_is_shown_alone),
         cmocka_unit_test(a_contact_is_dragged_with_its_mirror),
+        cmocka_unit_test(a_contact_that_is_chosen_on_the_face_comes_into_sight_in_the_list),
+        cmocka_unit_test(regions_that_say_the_same_are_told_apart),
         cmocka_unit_test(a_contact_is_added_where_the_face_is_clicked),
         cmocka_unit_test(the_axis_of_the_jaw_is_dragged_and_the_jaw_tried),
         cmocka_unit_test(findings_lead_to_what_they_speak_of),

@@ -4,10 +4,12 @@
 
 #include "base/timecode.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 /* ---- the desktop's own file dialog ---- */
@@ -15,6 +17,7 @@
 /* How long the desktop has to begin to ask; 0: it is never asked. */
 static const char wait_key[] = "open.desktop_wait_s";
 static const double wait_s = 4.0;
+static const float file_day_width = 142.0f, file_facts_width = 224.0f; /* points */
 
 static void forget_desktop(dialogs_desktop *self)
 {
@@ -445,6 +448,34 @@ static bool draw_recent(dialogs *self, char chosen[FOLDER_PATH])
     return is_double;
 }
 
+static void say_size(char *out, size_t capacity, uint64_t bytes)
+{
+    if (bytes < 1000000)
+        (void)snprintf(out, capacity, "%.0f KB", ceil((double)bytes / 1e3));
+    else if (bytes < 1000000000)
+        (void)snprintf(out, capacity, "%.1f MB", (double)bytes / 1e6);
+    else
+        (void)snprintf(out, capacity, "%.1f GB", (double)bytes / 1e9);
+}
+
+/* How large a file is and when it was changed, at the end of its row. */
+static void draw_file_facts(ui *on, const folder_entry *entry, float end)
+{
+    char size[32], day[32] = "";
+    struct tm changed;
+    const time_t changed_s = (time_t)entry->changed_s;
+    say_size(size, sizeof size, entry->bytes);
+    if (!localtime_r(&changed_s, &changed) ||
+        strftime(day, sizeof day, "%Y-%m-%d %H:%M", &changed) == 0)
+        day[0] = '\0';
+    ui_same_line(on);
+    ui_at(on, end - file_day_width - ui_text_width(on, UI_STYLE_DIM, size));
+    ui_text(on, UI_STYLE_DIM, size);
+    ui_same_line(on);
+    ui_at(on, end - ui_text_width(on, UI_STYLE_DIM, day));
+    ui_text(on, UI_STYLE_DIM, day);
+}
+
 /* True: `chosen` is to be opened. */
 static bool draw_files(dialogs *self, char chosen[FOLDER_PATH])
 {
@@ -452,12 +483,17 @@ static bool draw_files(dialogs *self, char chosen[FOLDER_PATH])
     const folder *at = &self->opening.at[self->opening.kind];
     char label[FOLDER_NAME + 48];
     bool is_double = false;
+    const float end = ui_available_width(on) - 7.0f;
     for (uint32_t i = 0; i < at->count; ++i) {
         const folder_entry *entry = &at->entry[i];
         (void)snprintf(label, sizeof label, "%s%s##%u", entry->name, entry->is_folder ? "/" : "",
                        i);
+        ui_width(on, entry->is_folder ? 0.0f : -file_facts_width);
         const ui_row_click click =
             ui_row(on, label, !entry->is_folder && strcmp(entry->name, self->opening.name) == 0);
+        ui_hint(on, entry->name);
+        if (!entry->is_folder)
+            draw_file_facts(on, entry, end);
         if (click == UI_ROW_NONE)
             continue;
         (void)snprintf(chosen, FOLDER_PATH, "%s", entry->name);

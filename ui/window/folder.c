@@ -54,24 +54,28 @@ static bool is_printable(const char *name)
     return true;
 }
 
-static bool is_wanted(DIR *dir, const struct dirent *found, const char *const *endings,
-                      bool *out_is_folder)
+/* False: nobody wants it. */
+static bool read_entry(folder_entry *out, DIR *dir, const struct dirent *found,
+                       const char *const *endings)
 {
     struct stat info;
     const char *name = found->d_name;
     if ((name[0] == '.' && strcmp(name, "..") != 0) || strlen(name) >= FOLDER_NAME ||
         !is_printable(name) || fstatat(dirfd(dir), name, &info, 0) != 0)
         return false;
-    *out_is_folder = S_ISDIR(info.st_mode);
-    return *out_is_folder || (S_ISREG(info.st_mode) && folder_name_ends(name, endings));
+    (void)snprintf(out->name, sizeof out->name, "%s", name);
+    out->is_folder = S_ISDIR(info.st_mode);
+    out->bytes = (uint64_t)info.st_size;
+    out->changed_s = info.st_mtime;
+    return out->is_folder || (S_ISREG(info.st_mode) && folder_name_ends(name, endings));
 }
 
 static void read_entries(folder *out, DIR *dir, const char *const *endings)
 {
     const struct dirent *found;
     while ((found = readdir(dir)) != NULL) {
-        bool is_folder;
-        if (!is_wanted(dir, found, endings, &is_folder))
+        folder_entry entry;
+        if (!read_entry(&entry, dir, found, endings))
             continue;
         if (strcmp(found->d_name, "..") == 0 && strcmp(out->path, "/") == 0)
             continue;
@@ -79,9 +83,7 @@ static void read_entries(folder *out, DIR *dir, const char *const *endings)
             out->has_more = true;
             break;
         }
-        folder_entry *entry = &out->entry[out->count++];
-        (void)snprintf(entry->name, sizeof entry->name, "%s", found->d_name);
-        entry->is_folder = is_folder;
+        out->entry[out->count++] = entry;
     }
     qsort(out->entry, out->count, sizeof *out->entry, by_name);
 }

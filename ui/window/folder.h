@@ -4,11 +4,15 @@
 #define MAROTTE_UI_WINDOW_FOLDER_H
 #include "base/error.h"
 
+#include <stdint.h>
+
 enum { FOLDER_PATH = 4096, FOLDER_NAME = 256, FOLDER_ENTRIES = 2000 };
 
 typedef struct folder_entry {
     char name[FOLDER_NAME];
     bool is_folder;
+    uint64_t bytes;    /* of a file */
+    int64_t changed_s; /* since 1970 */
 } folder_entry;
 
 typedef struct folder {

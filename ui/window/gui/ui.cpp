@@ -1896,6 +1896,13 @@ void ui_scroll_to_end(ui *self)
     ImGui::SetScrollHereY(1.0f);
 }
 
+void ui_scroll_to_row(ui *self)
+{
+    (void)self;
+    if (!ImGui::IsItemVisible())
+        ImGui::SetScrollHereY(0.5f);
+}
+
 void ui_same_line(ui *self)
 {
     (void)self;

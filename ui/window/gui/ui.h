@@ -57,6 +57,7 @@ void ui_panel_end(ui *self);
 void ui_scroll_begin(ui *self, const char *id, float width, float height);
 void ui_scroll_end(ui *self);
 void ui_scroll_to_end(ui *self); /* of the innermost scrolling part */
+void ui_scroll_to_row(ui *self); /* the last row comes into the middle, unless it is in sight */
 void ui_same_line(ui *self);     /* the next thing comes to the right of the last */
 void ui_next_line(ui *self);     /* after ui_same_line: what comes did not fit */
 void ui_at(ui *self, float x);   /* on this line, from where the lines of the panel begin */

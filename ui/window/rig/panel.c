@@ -175,12 +175,43 @@ static void say_region(const rig *r, const rig_region *region, char *out, size_t
     (void)snprintf(out, capacity, "%s%s%s", rides, rides[0] && mobile[0] ? ", " : "", mobile);
 }
 
+static bool is_alike(double a, double b)
+{
+    return a == b || (isnan(a) && isnan(b));
+}
+
+/* Of those before it that have no name either, how many say the same. */
+static uint32_t says_the_same(const rig *r, uint32_t index)
+{
+    const rig_region *region = &r->region[index];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < index; ++i) {
+        const rig_region *other = &r->region[i];
+        count += !other->name && other->bone == region->bone &&
+                 other->is_rigid == region->is_rigid && is_alike(other->weight, region->weight) &&
+                 is_alike(other->mobility, region->mobility);
+    }
+    return count;
+}
+
 static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
 {
     char words[140];
     const rig_region *region = &r->region[index];
+    const uint32_t before = region->name ? 0 : says_the_same(r, index);
     say_region(r, region, words, sizeof words);
-    (void)snprintf(out, capacity, "%s##region%u", region->name ? region->name : words, index);
+    if (before)
+        (void)snprintf(out, capacity, "%s (%u)##region%u", words, before + 1, index);
+    else
+        (void)snprintf(out, capacity, "%s##region%u", region->name ? region->name : words, index);
+}
+
+/* After the row of what is chosen: it is brought into sight once, wherever it was chosen. */
+static void follow_chosen(rig_panel *self, ui *on)
+{
+    if (self->is_to_follow)
+        ui_scroll_to_row(on);
+    self->is_to_follow = false;
 }
 
 static void draw_chip(ui *on, uint32_t colour, uint32_t index)
@@ -219,13 +250,15 @@ static void draw_region_list(rig_panel *self, ui *on, const rig *r)
 {
     ui_scroll_begin(on, "regions", 0.0f, list_height(self, on));
     for (uint32_t i = 0; i < r->region_count; ++i) {
-        char label[160];
+        char label[180];
         label_of(r, i, label, sizeof label);
         draw_chip(on, rig_tint_chip(r, r->region[i].bone), i);
         ui_same_line(on);
         ui_width(on, -size_width);
         if (ui_row(on, label, i == self->region) != UI_ROW_NONE)
             rig_panel_choose(self, RIG_TAB_REGIONS, i == self->region ? RIG_NONE : i);
+        if (i == self->region)
+            follow_chosen(self, on);
         draw_size(self, on, i);
     }
     ui_scroll_end(on);
@@ -469,6 +502,8 @@ static void draw_contact_list(rig_panel *self, ui *on, const rig *r)
         ui_width(on, -vertex_width);
         if (ui_row(on, label, i == self->contact) != UI_ROW_NONE)
             rig_panel_choose(self, RIG_TAB_CONTACTS, i == self->contact ? RIG_NONE : i);
+        if (i == self->contact)
+            follow_chosen(self, on);
         ui_same_line(on);
         ui_at(on, vertex_end - ui_text_width(on, UI_STYLE_DIM, vertex));
         ui_text(on, UI_STYLE_DIM, vertex);
@@ -781,6 +816,7 @@ bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, cons
 void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index)
 {
     self->tab = tab;
+    self->is_to_follow = true;
     if (tab == RIG_TAB_REGIONS)
         self->region = index;
     if (tab == RIG_TAB_CONTACTS)

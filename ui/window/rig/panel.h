@@ -91,6 +91,7 @@ typedef struct rig_panel {
     char trouble[RIG_PANEL_TROUBLE]; /* of the last thing that was done; "" */
     char *confirm;                   /* of a draft, lines; NULL */
     uint32_t region, contact;        /* that is chosen; RIG_NONE */
+    bool is_to_follow;               /* it was chosen: its row is to be seen */
     bool is_even;                    /* both sides alike: strokes, contacts, the jaw */
     char region_name[RIG_PANEL_NAME];
     uint32_t region_name_of, region_name_number;
