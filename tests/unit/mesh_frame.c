@@ -136,6 +136,15 @@ static void one_axis_brings_the_other(void **state)
 }
 
 /* A skeleton knows better than the shape. Left is towards -x: so the face looks to -z. */
+static void add_joint(mesh *m, const char *name, const float at[3])
+{
+    mesh_joint *grown = realloc(m->joint, (m->joint_count + 1) * sizeof *grown);
+    assert_non_null(grown);
+    m->joint = grown;
+    grown[m->joint_count++] = (mesh_joint){
+        strdup(name), strdup(""), MESH_NO_JOINT, {1, 0, 0, at[0], 0, 1, 0, at[1], 0, 0, 1, at[2]}};
+}
+
 static void a_skeleton_says_where_a_face_looks(void **state)
 {
     (void)state;
@@ -152,16 +161,8 @@ static void a_skeleton_says_where_a_face_looks(void **state)
     enum { JOINTS = sizeof joints / sizeof *joints };
     mesh original = read_moai(), m = read_moai();
     error err;
-    m.joint = calloc(JOINTS, sizeof *m.joint);
-    assert_non_null(m.joint);
-    for (uint32_t i = 0; i < JOINTS; ++i) {
-        m.joint[i] = (mesh_joint){
-            strdup(joints[i].name),
-            strdup(""),
-            MESH_NO_JOINT,
-            {1, 0, 0, joints[i].at[0], 0, 1, 0, joints[i].at[1], 0, 0, 1, joints[i].at[2]}};
-        m.joint_count += 1;
-    }
+    for (uint32_t i = 0; i < JOINTS; ++i)
+        add_joint(&m, joints[i].name, joints[i].at);
     assert_int_equal(mesh_frame_apply(&m, &(mesh_frame){0}, 1.0, &err), MRT_OK);
     assert_int_equal(m.up, MESH_AXIS_Y);
     assert_int_equal(m.forward, MESH_AXIS_MINUS_Z);
@@ -199,6 +200,27 @@ static void heads_and_bodies_get_a_height(void **state)
             fail_msg("case %zu: %g mm high", i, height_mm);
         mesh_destroy(&m);
     }
+}
+
+/* Two people in one file are wider than tall, and no head for that. */
+static void a_skeleton_says_that_it_is_a_body(void **state)
+{
+    (void)state;
+    static const float scale[3] = {0.02f, 0.006f, 0.02f}; /* 2.6 x 1.8 x 2.8 m */
+    mesh m = read_moai();
+    error err;
+    float low[3], high[3];
+    for (size_t v = 0; v < (size_t)m.vertex_count * 3; ++v)
+        m.position[v] *= scale[v % 3];
+    mesh_bounds(&m, low, high);
+    const float height = high[1] - low[1];
+    add_joint(&m, "Hips", (const float[3]){0, low[1] + 0.5f * height, 0});
+    add_joint(&m, "Head", (const float[3]){0, low[1] + 0.9f * height, 0});
+    const mesh_frame upright = {0, MESH_AXIS_Y, MESH_AXIS_Z};
+    assert_int_equal(mesh_frame_apply(&m, &upright, 1000.0, &err), MRT_OK);
+    assert_true(m.mm_per_unit == 1000.0);
+    assert_false(m.is_unit_guessed);
+    mesh_destroy(&m);
 }
 
 static void the_eight_heads_stand_and_look_ahead(void **state)
@@ -263,6 +285,7 @@ int main(void)
         cmocka_unit_test(one_axis_brings_the_other),
         cmocka_unit_test(a_skeleton_says_where_a_face_looks),
         cmocka_unit_test(heads_and_bodies_get_a_height),
+        cmocka_unit_test(a_skeleton_says_that_it_is_a_body),
         cmocka_unit_test(the_eight_heads_stand_and_look_ahead),
         cmocka_unit_test(words_are_read),
     };

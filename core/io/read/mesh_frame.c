@@ -125,15 +125,22 @@ static void find_left(double out[3], const mesh *m)
         }
 }
 
-static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
+static bool find_spine(const mesh *m, double out_hips[3], double out_head[3])
 {
     static const char *const heads[2] = {"head", "head"}, *const hips[2] = {"hips", "pelvis"};
     const mesh_joint *head = find_joint(m, "head", heads), *hip = find_joint(m, "hips", hips);
-    double top[3], bottom[3], left[3], forward[3];
     if (!head || !hip)
         return false;
-    joint_place(top, head);
-    joint_place(bottom, hip);
+    joint_place(out_head, head);
+    joint_place(out_hips, hip);
+    return true;
+}
+
+static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_forward)
+{
+    double top[3], bottom[3], left[3], forward[3];
+    if (!find_spine(m, bottom, top))
+        return false;
     for (int i = 0; i < 3; ++i)
         top[i] -= bottom[i];
     find_left(left, m);
@@ -333,6 +340,15 @@ static bool is_likely(const stature *s, double mm_per_unit)
            (s->is_body && mm >= 500.0 && mm <= 2600.0);
 }
 
+/* Hips and head of the skeleton lie in it, one over the other: of several bodies, too, that are
+ * wider than tall. A head that was cut from a body may have kept a skeleton that is longer. */
+static bool has_body(const mesh *m, double low_y, double high_y)
+{
+    double hips[3], head[3];
+    return find_spine(m, hips, head) && hips[1] >= low_y && head[1] <= high_y &&
+           head[1] - hips[1] > 0.15 * (high_y - low_y);
+}
+
 /* What makes a head, or a body, as tall as one is. */
 static double guess_mm_per_unit(mesh *m, double format_mm)
 {
@@ -346,8 +362,9 @@ static double guess_mm_per_unit(mesh *m, double format_mm)
     double thinner = width < depth ? width : depth;
     stature s = {.height = (double)high[1] - (double)low[1]};
     bool is_flat = !(thinner > 0.05 * s.height);
-    s.is_body = !is_flat && s.height > 2.2 * thinner;
-    s.is_head = is_flat || s.height < 2.8 * thinner;
+    const bool is_body_by_joints = has_body(m, (double)low[1], (double)high[1]);
+    s.is_body = is_body_by_joints || (!is_flat && s.height > 2.2 * thinner);
+    s.is_head = !is_body_by_joints && (is_flat || s.height < 2.8 * thinner);
     if (!(s.height > 0.0 && isfinite(s.height)) || (is_flat && format_mm > 0.0))
         return format_mm > 0.0 ? format_mm : 1.0;
     /* Nothing to say: also of a face that is as thin as a mask, where the format has a unit. */
