@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -269,6 +270,20 @@ mrt_result file_check_below(const char *folder, const char *path, error *err)
                              "%s: is not in the folder of the file that names it; put it there, or "
                              "allow its folder: MAROTTE_FILE_FOLDERS=/THAT/FOLDER",
                              path);
+}
+
+mrt_result file_read_below(file_bytes *out, const char *folder, const char *name, size_t size_cap,
+                           error *err)
+{
+    char path[PATH_MAX];
+    *out = (file_bytes){0};
+    if (!folder || !name[0] || name[0] == '/' || strstr(name, "://"))
+        return error_set(err, MRT_ERR_UNSUPPORTED, "only files beside the document are read");
+    int length = snprintf(path, sizeof path, "%s%s", folder, name);
+    if (length < 0 || (size_t)length >= sizeof path)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "the name of a file is too long");
+    mrt_result result = file_check_below(folder, path, err);
+    return result < 0 ? result : file_read(out, path, size_cap, err);
 }
 
 char *file_directory(const char *path)

@@ -46,6 +46,11 @@ CHECKED mrt_result file_write(const char *path, const void *data, size_t size, e
  * words. The message says what to do. */
 CHECKED mrt_result file_check_below(const char *folder, const char *path, error *err);
 
+/* Reads a file that another one names, from the folder (with its last '/', or "") of that: in it or
+ * below, by file_check_below. NULL: of bytes, which have no folder. */
+CHECKED mrt_result file_read_below(file_bytes *out, const char *folder, const char *name,
+                                   size_t size_cap, error *err);
+
 /* Where the person's own files of marotte lie: $XDG_CONFIG_HOME/marotte/REST, or without the
  * variable ~/.config/marotte/REST; data and cache likewise. An error when neither is known. */
 typedef enum file_home { FILE_HOME_CONFIG = 0, FILE_HOME_DATA, FILE_HOME_CACHE } file_home;

@@ -14,7 +14,9 @@
 CHECKED mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, error *err);
 
 /* The parsers, coordinates as written in the file (mm_per_unit = 1). Messages without file name. */
-CHECKED mrt_result obj_parse(mesh *out, const void *data, size_t size, error *err);
+/* `directory` (with its last '/') is where materials and pictures may be; NULL: none allowed. */
+CHECKED mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *directory,
+                             mesh_vertices vertices, error *err);
 CHECKED mrt_result ply_parse(mesh *out, const void *data, size_t size, error *err);
 CHECKED mrt_result off_parse(mesh *out, const void *data, size_t size, error *err);
 /* glTF 2.0, .glb or .gltf, VRM 0 and 1; `directory` (with its last '/') is where external buffers
@@ -23,5 +25,11 @@ CHECKED mrt_result off_parse(mesh *out, const void *data, size_t size, error *er
  * gltf_write_mesh leaves it), else by the node, else by the mesh. */
 CHECKED mrt_result gltf_parse(mesh *out, const void *data, size_t size, const char *directory,
                               error *err);
+
+/* Tells each file that an OBJ names and that is there, as its reader finds it: materials, and the
+ * pictures of these, named from its folder (with its last '/', or ""); some more than once. */
+typedef mrt_result obj_file(void *self, const char *name, error *err);
+CHECKED mrt_result obj_files(const void *data, size_t size, const char *directory, obj_file *found,
+                             void *self, error *err);
 
 #endif

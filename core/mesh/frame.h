@@ -15,9 +15,14 @@ typedef enum mesh_axis {
     MESH_AXIS_MINUS_Z
 } mesh_axis;
 
+/* An OBJ lists fewer vertices than its pictures need: a vertex may lie at several places of one. As
+ * written it has no pictures, as it was read before it had them. */
+typedef enum mesh_vertices { MESH_VERTICES_ALL = 0, MESH_VERTICES_AS_WRITTEN } mesh_vertices;
+
 typedef struct mesh_frame { /* zeros: not said */
     double mm_per_unit;
     mesh_axis up, forward;
+    mesh_vertices vertices;
 } mesh_frame;
 
 /* "mm", "cm", "m" or a number of mm; "x", "+y", "-z". False: it is none. */

@@ -89,7 +89,8 @@ typedef struct mesh {
     float *normal; /* vertex_count by 3, unit, or NULL when the file has none */
     /* vertex_count each, or both NULL: every vertex is by itself (weld.h). The first vertex of the
      * same point of the surface, at the same place bit for bit; of those of one point, the first
-     * that faces the same way, so that no edge shows between them. */
+     * that faces the same way, so that no edge shows between them. A point without smooth, from a
+     * reader: what the file itself has as one vertex, before weld.h looked at it. */
     uint32_t *point, *smooth;
     float *uv;     /* vertex_count by 2, as glTF: (0, 0) is the upper left; NULL: none */
     float *colour; /* vertex_count by 4, linear RGBA, 0..1; NULL: none */

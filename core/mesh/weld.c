@@ -124,7 +124,8 @@ static mrt_result find_places(uint32_t *place, uint32_t *out_twice, const mesh *
 
 typedef struct edge {     /* of a triangle, from a to b */
     uint32_t low, high;   /* their places */
-    uint32_t a, b, other; /* vertices; other: the triangle's third */
+    uint32_t a, b, other; /* vertices, as they are one in the file; other: the triangle's third */
+    uint32_t looks[2];    /* a and b as the triangle has them, with their texture coordinates */
     bool is_down;         /* from the high place to the low one */
     bool is_paired;
     uint32_t part; /* of the mesh */
@@ -270,8 +271,8 @@ static void join_open(joining *j, edge *e, size_t count)
         const edge *p = &e[first], *q = &e[second];
         const edge_pair pair = {{p->a, q->b}, {p->b, q->a}};
         e[first].is_paired = e[second].is_paired = true;
-        if ((m->uv || m->normal) && p->part == q->part && are_alike(m, p->a, q->b) &&
-            are_alike(m, p->b, q->a))
+        if ((m->uv || m->normal) && p->part == q->part && are_alike(m, p->looks[0], q->looks[1]) &&
+            are_alike(m, p->looks[1], q->looks[0]))
             j->alike[j->alike_count++] = pair;
         else
             join_pair(j->point, &pair);
@@ -325,7 +326,9 @@ static void join_alike(joining *j, const uint32_t *place, uint32_t *chain, uint3
     }
 }
 
-static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const uint8_t *is_twice)
+/* one: of each vertex the one that it is in the file. */
+static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const uint32_t *one,
+                         const uint8_t *is_twice)
 {
     size_t count = 0;
     uint32_t part = 0;
@@ -334,7 +337,7 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const 
             ++part;
         for (size_t i = 0; i < 3; ++i) {
             const uint32_t *corner = m->triangle + 3 * t;
-            uint32_t a = corner[i], b = corner[(i + 1) % 3];
+            uint32_t a = one[corner[i]], b = one[corner[(i + 1) % 3]];
             uint32_t from = place[a], to = place[b];
             if (from == to || (!is_twice[from] && !is_twice[to]))
                 continue;
@@ -343,7 +346,8 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const 
                                     .high = from < to ? to : from,
                                     .a = a,
                                     .b = b,
-                                    .other = corner[(i + 2) % 3],
+                                    .other = one[corner[(i + 2) % 3]],
+                                    .looks = {corner[i], corner[(i + 1) % 3]},
                                     .is_down = from > to,
                                     .part = part};
             count += 1;
@@ -352,6 +356,7 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const 
     return count;
 }
 
+/* point: to begin with, what is one vertex in the file. */
 static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *place, error *err)
 {
     uint8_t *is_twice = calloc((size_t)m->vertex_count + 1, 1);
@@ -360,13 +365,13 @@ static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *pla
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         if (place[v] != v)
             is_twice[place[v]] = 1;
-    size_t count = list_edges(NULL, m, place, is_twice);
+    size_t count = list_edges(NULL, m, place, point, is_twice);
     edge *all = malloc((count + 1) * sizeof *all);
     joining j = {.m = m, .point = point, .alike = malloc((count + 1) * sizeof *j.alike)};
     uint32_t *scratch = malloc(3 * ((size_t)m->vertex_count + 1) * sizeof *scratch);
     bool has_memory = all && j.alike && scratch;
     if (has_memory) {
-        (void)list_edges(all, m, place, is_twice);
+        (void)list_edges(all, m, place, point, is_twice);
         qsort(all, count, sizeof *all, by_place);
         for (size_t first = 0, end; first < count; first = end) {
             for (end = first + 1;
@@ -436,6 +441,8 @@ mrt_result mesh_weld(mesh *m, error *err)
 {
     size_t count = (size_t)m->vertex_count + 1;
     uint32_t twice = 0, *place = malloc(count * sizeof *place);
+    uint32_t *one = m->smooth ? NULL : m->point;
+    m->point = one ? NULL : m->point;
     forget(m);
     mrt_result result = place ? find_places(place, &twice, m, err) : no_memory(err);
     if (result >= 0 && twice > 0) {
@@ -443,7 +450,7 @@ mrt_result mesh_weld(mesh *m, error *err)
         m->smooth = malloc(count * sizeof *m->smooth);
         result = m->point && m->smooth ? MRT_OK : no_memory(err);
         for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
-            m->point[v] = v;
+            m->point[v] = one ? one[v] : v;
         if (result >= 0)
             result = join_edges(m->point, m, place, err);
         for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
@@ -453,6 +460,7 @@ mrt_result mesh_weld(mesh *m, error *err)
         if (result >= 0)
             share_places(m);
     }
+    free(one);
     free(place);
     if (result < 0)
         forget(m);

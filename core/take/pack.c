@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "io/mesh_file.h"
 #include "take/hash.h"
 
 #include <jansson.h>
@@ -241,12 +242,12 @@ static void decode_uri(char *text)
     *to = '\0';
 }
 
-/* A file that another one names, from the folder of that. */
-static mrt_result gather_named(gathering *self, const char *by, const json_t *named, bool is_uri,
+/* A file that another one names, from the folder of that; NULL: it names none. */
+static mrt_result gather_named(gathering *self, const char *by, const char *text, bool is_uri,
                                error *err)
 {
     char name[PATH_MAX];
-    const char *text = json_string_value(named), *slash = strrchr(by, '/');
+    const char *slash = strrchr(by, '/');
     if (!text || (is_uri && strncmp(text, "data:", 5) == 0))
         return MRT_OK;
     int length = snprintf(name, sizeof name, "%.*s", slash ? (int)(slash + 1 - by) : 0, by);
@@ -268,7 +269,9 @@ static mrt_result gather_uris(gathering *self, const char *by, const json_t *lis
 {
     mrt_result result = MRT_OK;
     for (size_t i = 0; i < json_array_size(list) && result >= 0; ++i)
-        result = gather_named(self, by, json_object_get(json_array_get(list, i), "uri"), true, err);
+        result = gather_named(self, by,
+                              json_string_value(json_object_get(json_array_get(list, i), "uri")),
+                              true, err);
     return result;
 }
 
@@ -290,16 +293,44 @@ static mrt_result gather_document(gathering *self, const char *name, const char 
     json_t *root = json_loadb(text, size, 0, NULL);
     file_bytes_finish(&bytes);
     json_t *include = json_object_get(root, "include");
-    result = gather_named(self, name, include, false, err);
+    result = gather_named(self, name, json_string_value(include), false, err);
     for (size_t i = 0; i < json_array_size(include) && result >= 0; ++i)
-        result = gather_named(self, name, json_array_get(include, i), false, err);
+        result =
+            gather_named(self, name, json_string_value(json_array_get(include, i)), false, err);
     if (result >= 0)
-        result = gather_named(self, name, json_object_get(root, "mesh"), false, err);
+        result =
+            gather_named(self, name, json_string_value(json_object_get(root, "mesh")), false, err);
     if (result >= 0)
         result = gather_uris(self, name, json_object_get(root, "buffers"), err);
     if (result >= 0)
         result = gather_uris(self, name, json_object_get(root, "images"), err);
     json_decref(root);
+    return result;
+}
+
+typedef struct obj_gathering {
+    gathering *to;
+    const char *obj;
+} obj_gathering;
+
+static mrt_result gather_beside(void *self, const char *name, error *err)
+{
+    const obj_gathering *of = self;
+    return gather_named(of->to, of->obj, name, false, err);
+}
+
+/* An OBJ's materials and pictures. */
+static mrt_result gather_obj(gathering *self, const char *name, const char *path, error *err)
+{
+    file_bytes bytes;
+    obj_gathering of = {self, name};
+    char *folder = file_directory(path);
+    mrt_result result = folder ? file_read(&bytes, path, PACK_BYTES_MAX, err) : no_memory(err);
+    if (result >= 0) {
+        result = obj_files(bytes.data, bytes.size, folder, gather_beside, &of, err);
+        file_bytes_finish(&bytes);
+    }
+    free(folder);
     return result;
 }
 
@@ -325,6 +356,8 @@ static mrt_result gather(gathering *self, const char *name, error *err)
         return no_memory(err);
     list->count += 1;
     const file_extension kind = file_extension_of(name);
+    if (strcmp(kind.text, "obj") == 0)
+        return gather_obj(self, name, path, err);
     bool is_document = strcmp(kind.text, "json") == 0 || strcmp(kind.text, "gltf") == 0 ||
                        strcmp(kind.text, "glb") == 0 || strcmp(kind.text, "vrm") == 0;
     return is_document ? gather_document(self, name, path, err) : MRT_OK;

@@ -144,6 +144,28 @@ static void a_mesh_alone_travels_beside_a_rig(void **state)
     assert_non_null(strstr(s->face, "/face.gltf"));
 }
 
+/* As its reader finds them, and no more. */
+static void an_obj_travels_with_materials_and_pictures(void **state)
+{
+    stand *s = *state;
+    static const char obj[] = "mtllib mat/my.mtl\nmtllib gone.mtl\nv 0 0 0\n";
+    pack(s);
+    put(s, obj, "rig/head.obj");
+    run(s, "mkdir rig/mat");
+    put(s, "newmtl a\nmap_Kd D:\\eye.png\nmap_Ke gone.png\nmap_d ../secret.txt\n",
+        "rig/mat/my.mtl");
+    put(s, "picture", "rig/mat/eye.png");
+    (void)snprintf(s->rig, sizeof s->rig, "%s/rig/head.obj", s->folder);
+    s->p.rig_hash[0] = '\0';
+    hash_bytes(s->p.mesh_hash, obj, strlen(obj));
+    pack(s);
+    run(s, "rm -r rig");
+    expect_found(s);
+    run(s, "cd \"$(dirname \"$(find night.pack -name face.obj)\")\" && "
+           "[ \"$(find . -type f | sort | xargs)\" = './face.obj ./files.json ./mat/eye.png "
+           "./mat/my.mtl' ]");
+}
+
 static void what_is_not_what_was_performed_on_is_not_packed(void **state)
 {
     stand *s = *state;
@@ -285,6 +307,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(a_face_travels_with_all_that_it_is_read_from),
         TEST(a_mesh_alone_travels_beside_a_rig),
+        TEST(an_obj_travels_with_materials_and_pictures),
         TEST(what_is_not_what_was_performed_on_is_not_packed),
         TEST(files_outside_of_the_faces_folder_do_not_travel),
         TEST(a_pack_that_was_tampered_with_is_refused),

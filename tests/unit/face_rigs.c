@@ -6,6 +6,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "base/file.h"
 #include "face/face.h"
 #include "stage/perform/face_file.h"
 
@@ -328,6 +329,52 @@ static void bones_that_tilt_skin_make_no_pull_jump(void **state)
     close_actor(&a);
 }
 
+static void put(const char *folder, const char *name, const char *text)
+{
+    char path[256];
+    error err = {""};
+    (void)snprintf(path, sizeof path, "%s/%s", folder, name);
+    must(file_write(path, text, strlen(text), &err), &err);
+}
+
+/* An OBJ whose pictures need one vertex more than it lists. */
+static void a_rig_from_before_pictures_keeps_the_mesh_that_it_was_made_for(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *knows;
+        uint32_t vertex_count;
+    } rigs[] = {{"\"mesh_vertices\": 4, ", 4}, {"\"mesh_vertices\": 5, ", 5}, {"", 5}};
+    char folder[] = "/tmp/marotte-rigs-XXXXXX", path[256], text[256];
+    error err = {""};
+    assert_non_null(mkdtemp(folder));
+    put(folder, "head.mtl", "newmtl skin\nmap_Kd gone.png\n");
+    put(folder, "head.obj",
+        "mtllib head.mtl\nv 0 0 0\nv 100 0 0\nv 100 200 0\nv 0 200 0\nvt 0 0\nvt 1 0\nvt 1 1\n"
+        "usemtl skin\nf 1/1 2/2 3/3\nf 1/2 3/3 4/1\n");
+    for (size_t i = 0; i < sizeof rigs / sizeof *rigs; ++i) {
+        face_file f;
+        (void)snprintf(text, sizeof text,
+                       "{\"marotte_rig\": 1, \"mesh\": \"head.obj\", %s\"bones\": []}",
+                       rigs[i].knows);
+        put(folder, "head.rig.json", text);
+        (void)snprintf(path, sizeof path, "%s/head.rig.json", folder);
+        must(face_file_read(&f, path, NULL, FACE_FILE_ANY, &err), &err);
+        assert_int_equal(f.mesh.vertex_count, rigs[i].vertex_count);
+        assert_true((f.mesh.uv != NULL) == (rigs[i].vertex_count == 5));
+        assert_int_equal(strstr(f.note, "its pictures are not drawn") != NULL,
+                         rigs[i].vertex_count == 4);
+        face_file_destroy(&f);
+    }
+    /* Of another mesh it is an error, as ever. */
+    put(folder, "head.rig.json",
+        "{\"marotte_rig\": 1, \"mesh\": \"head.obj\", \"mesh_vertices\": 3, \"bones\": []}");
+    face_file f;
+    assert_true(face_file_read(&f, path, NULL, FACE_FILE_USABLE, &err) < 0);
+    (void)snprintf(text, sizeof text, "rm -r %s", folder);
+    assert_int_equal(system(text), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -336,6 +383,7 @@ int main(void)
         cmocka_unit_test(every_contact_lands_in_any_pose_and_nothing_jumps),
         cmocka_unit_test(no_pull_bends_what_bones_have_bent),
         cmocka_unit_test(bones_that_tilt_skin_make_no_pull_jump),
+        cmocka_unit_test(a_rig_from_before_pictures_keeps_the_mesh_that_it_was_made_for),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -101,14 +101,14 @@ static void what_is_said_holds(void **state)
     mesh original = read_moai(), m = read_moai();
     error err = {""};
     put_into(&m, (const int[]){2, 0, 1}, (const float[]){1, 1, 1}, 4.0f); /* x up, y forward */
-    const mesh_frame said = {0.25, MESH_AXIS_X, MESH_AXIS_Y};
+    const mesh_frame said = {.mm_per_unit = 0.25, .up = MESH_AXIS_X, .forward = MESH_AXIS_Y};
     free(m.note);
     m.note = NULL;
     assert_int_equal(mesh_frame_apply(&m, &said, 1000.0, &err), MRT_OK);
     assert_same_shape(&original, &m, 0.001);
     assert_true(m.mm_per_unit == 0.25);
     assert_null(m.note);
-    const mesh_frame line = {0.25, MESH_AXIS_X, MESH_AXIS_MINUS_X};
+    const mesh_frame line = {.mm_per_unit = 0.25, .up = MESH_AXIS_X, .forward = MESH_AXIS_MINUS_X};
     assert_true(mesh_frame_apply(&m, &line, 1000.0, &err) < 0);
     assert_non_null(strstr(err.text, "--up x and --forward -x are one line"));
     mesh_destroy(&m);
@@ -121,10 +121,10 @@ static void one_axis_brings_the_other(void **state)
     static const struct {
         mesh_frame said;
         mesh_axis up, forward;
-    } cases[] = {{{0, MESH_AXIS_Z, 0}, MESH_AXIS_Z, MESH_AXIS_MINUS_Y},
-                 {{0, MESH_AXIS_Y, 0}, MESH_AXIS_Y, MESH_AXIS_Z},
-                 {{0, 0, MESH_AXIS_MINUS_Y}, MESH_AXIS_Z, MESH_AXIS_MINUS_Y},
-                 {{0, 0, MESH_AXIS_X}, MESH_AXIS_Y, MESH_AXIS_X}};
+    } cases[] = {{{.up = MESH_AXIS_Z}, MESH_AXIS_Z, MESH_AXIS_MINUS_Y},
+                 {{.up = MESH_AXIS_Y}, MESH_AXIS_Y, MESH_AXIS_Z},
+                 {{.forward = MESH_AXIS_MINUS_Y}, MESH_AXIS_Z, MESH_AXIS_MINUS_Y},
+                 {{.forward = MESH_AXIS_X}, MESH_AXIS_Y, MESH_AXIS_X}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         mesh m = read_moai();
         error err;
@@ -192,7 +192,7 @@ static void heads_and_bodies_get_a_height(void **state)
         float low[3], high[3];
         for (size_t v = 0; v < (size_t)m.vertex_count * 3; ++v)
             m.position[v] *= cases[i].scale[v % 3];
-        const mesh_frame upright = {0, MESH_AXIS_Y, MESH_AXIS_Z};
+        const mesh_frame upright = {.up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
         assert_int_equal(mesh_frame_apply(&m, &upright, cases[i].format_mm, &err), MRT_OK);
         mesh_bounds(&m, low, high);
         double height_mm = (double)high[1] - (double)low[1];
@@ -216,7 +216,7 @@ static void a_skeleton_says_that_it_is_a_body(void **state)
     const float height = high[1] - low[1];
     add_joint(&m, "Hips", (const float[3]){0, low[1] + 0.5f * height, 0});
     add_joint(&m, "Head", (const float[3]){0, low[1] + 0.9f * height, 0});
-    const mesh_frame upright = {0, MESH_AXIS_Y, MESH_AXIS_Z};
+    const mesh_frame upright = {.up = MESH_AXIS_Y, .forward = MESH_AXIS_Z};
     assert_int_equal(mesh_frame_apply(&m, &upright, 1000.0, &err), MRT_OK);
     assert_true(m.mm_per_unit == 1000.0);
     assert_false(m.is_unit_guessed);

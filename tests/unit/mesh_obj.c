@@ -17,7 +17,7 @@ static mesh read_good(const char *text)
 {
     mesh m;
     error err = {""};
-    if (obj_parse(&m, text, strlen(text), &err) < 0)
+    if (obj_parse(&m, text, strlen(text), NULL, MESH_VERTICES_ALL, &err) < 0)
         fail_msg("%s", err.text);
     assert_int_equal(mesh_validate(&m, &err), MRT_OK);
     return m;
@@ -27,7 +27,7 @@ static void assert_refused(const char *text, size_t size, const char *reason)
 {
     mesh m;
     error err = {""};
-    if (obj_parse(&m, text, size, &err) >= 0)
+    if (obj_parse(&m, text, size, NULL, MESH_VERTICES_ALL, &err) >= 0)
         fail_msg("accepted: %s", text);
     assert_null(m.position);
     if (!strstr(err.text, reason))
@@ -127,11 +127,11 @@ static void names_are_clean_utf8(void **state)
     mesh_destroy(&m);
 }
 
-static void unknown_statements_are_counted_and_materials_files_left_alone(void **state)
+static void unknown_statements_are_counted(void **state)
 {
     (void)state;
-    mesh m = read_good("mtllib ../../etc/passwd\n# comment\n" TRIANGLE
-                       "vt 0 0\nvn 0 0 1\ns off\ncurv 0 1\nl 1 2\nf 1 2 3\n");
+    mesh m =
+        read_good("# comment\n" TRIANGLE "vt 0 0\nvn 0 0 1\ns off\ncurv 0 1\nl 1 2\nf 1 2 3\n");
     assert_non_null(strstr(m.note, "2 statements were skipped, the first is \"curv\""));
     mesh_destroy(&m);
 }
@@ -144,6 +144,100 @@ static void degenerate_and_non_manifold_faces_are_kept(void **state)
     assert_int_equal(m.triangle_count, 4);
     assert_non_null(strstr(m.note, "1 triangles use a vertex twice"));
     mesh_destroy(&m);
+}
+
+/* Two triangles that share an edge on the surface, and lie apart in the picture. */
+#define SEAM                                                                                       \
+    QUAD "vt 0 0\nvt 1 0\nvt 1 1\nvt 0.25 0.5\nvt 0.5 0.75\n"                                      \
+         "f 1/1 2/2 3/3\nf 1/4 3/-1 4\n"
+
+static void without_materials_vertices_stay_as_they_are(void **state)
+{
+    (void)state;
+    mesh m = read_good(SEAM);
+    static const uint32_t expected[] = {0, 1, 2, 0, 2, 3};
+    assert_int_equal(m.vertex_count, 4);
+    assert_triangles(&m, expected, 2);
+    assert_null(m.uv);
+    assert_null(m.point);
+    assert_null(m.note);
+    mesh_destroy(&m);
+}
+
+static void a_vertex_at_two_places_of_a_picture_is_split_behind_all_others(void **state)
+{
+    (void)state;
+    mesh m = read_good("mtllib head.mtl\n" SEAM "v 9 9 9\nf 1/4 3/5 5/1\n");
+    static const uint32_t triangles[] = {0, 1, 2, 5, 6, 3, 5, 6, 4};
+    static const float uv[] = {0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 0.25f, 0.5f, 0.5f, 0.25f};
+    static const uint32_t point[] = {0, 1, 2, 3, 4, 0, 2};
+    assert_int_equal(m.vertex_count, 7);
+    assert_triangles(&m, triangles, 3);
+    assert_memory_equal(m.uv, uv, sizeof uv);
+    assert_memory_equal(m.point, point, sizeof point);
+    for (size_t v = 0; v < 7; ++v)
+        assert_memory_equal(m.position + 3 * v, m.position + (size_t)3 * point[v],
+                            3 * sizeof(float));
+    mesh_destroy(&m);
+}
+
+/* As before pictures were read. */
+static void as_written_nothing_is_split(void **state)
+{
+    (void)state;
+    static const char text[] = "mtllib head.mtl\n" SEAM;
+    mesh plain = read_good(SEAM), m;
+    error err = {""};
+    assert_int_equal(obj_parse(&m, text, strlen(text), NULL, MESH_VERTICES_AS_WRITTEN, &err),
+                     MRT_OK);
+    assert_int_equal(m.vertex_count, plain.vertex_count);
+    assert_memory_equal(m.position, plain.position, 12 * sizeof(float));
+    assert_triangles(&m, plain.triangle, 2);
+    assert_null(m.uv);
+    assert_null(m.point);
+    mesh_destroy(&m);
+    mesh_destroy(&plain);
+}
+
+static void the_same_place_twice_in_the_file_is_one(void **state)
+{
+    (void)state;
+    mesh m = read_good("mtllib head.mtl\n" QUAD
+                       "vt 0.5 0.5\nvt 0.5 0.5\nf 1/1 2/1 3/1\nf 1/2 3/2 4/2\n");
+    assert_int_equal(m.vertex_count, 4);
+    assert_true(m.uv[0] == 0.5f && m.uv[7] == 0.5f);
+    assert_null(m.point);
+    mesh_destroy(&m);
+}
+
+static void coordinates_that_are_not_there_cost_nothing_but_themselves(void **state)
+{
+    (void)state;
+    mesh m = read_good("mtllib head.mtl\n" QUAD "vt nan 0\nvt 0.5\nvt 0.25 0.25 0\n"
+                       "f 1/1 2/99 3/-99\nf 1/2 3/3 4\n");
+    assert_int_equal(m.vertex_count, 4);
+    assert_true(m.uv[0] == 0.5f && m.uv[1] == 1.0f && m.uv[4] == 0.25f && m.uv[5] == 0.75f);
+    assert_true(m.uv[2] == 0.0f && m.uv[6] == 0.0f);
+    assert_non_null(strstr(m.note, "3 corners lie at texture coordinates that are not there"));
+    mesh_destroy(&m);
+}
+
+/* One vertex in the middle of very many corners, each at another place. */
+static void many_places_of_one_vertex_are_read_in_bounded_time(void **state)
+{
+    (void)state;
+    enum { CORNERS = 200000 };
+    char *text = malloc((size_t)CORNERS * 48 + 256);
+    assert_non_null(text);
+    int used = sprintf(text, "mtllib a\n%svt 0 0\n", TRIANGLE);
+    for (int i = 0; i < CORNERS; ++i)
+        used += sprintf(text + used, "vt %d 1\nf 1/-1 2/1 3/1\n", i);
+    mesh m;
+    error err = {""};
+    assert_int_equal(obj_parse(&m, text, (size_t)used, NULL, MESH_VERTICES_ALL, &err), MRT_OK);
+    assert_int_equal(m.vertex_count, 3 + CORNERS - 1);
+    mesh_destroy(&m);
+    free(text);
 }
 
 static void malformed_text_is_refused_by_line(void **state)
@@ -212,8 +306,14 @@ int main(void)
         cmocka_unit_test(polygons_become_fans_with_a_note),
         cmocka_unit_test(groups_and_materials_become_parts_in_order_of_appearance),
         cmocka_unit_test(names_are_clean_utf8),
-        cmocka_unit_test(unknown_statements_are_counted_and_materials_files_left_alone),
+        cmocka_unit_test(unknown_statements_are_counted),
         cmocka_unit_test(degenerate_and_non_manifold_faces_are_kept),
+        cmocka_unit_test(without_materials_vertices_stay_as_they_are),
+        cmocka_unit_test(a_vertex_at_two_places_of_a_picture_is_split_behind_all_others),
+        cmocka_unit_test(as_written_nothing_is_split),
+        cmocka_unit_test(the_same_place_twice_in_the_file_is_one),
+        cmocka_unit_test(coordinates_that_are_not_there_cost_nothing_but_themselves),
+        cmocka_unit_test(many_places_of_one_vertex_are_read_in_bounded_time),
         cmocka_unit_test(malformed_text_is_refused_by_line),
         cmocka_unit_test(a_line_beyond_the_cap_is_refused),
         cmocka_unit_test(many_groups_are_refused_in_bounded_time),

@@ -7,16 +7,12 @@
 #include <new>
 
 extern "C" {
-#include "base/budget.h"
-#include "base/file.h"
 #include "io/read/mesh_build.h"
+#include "io/read/mesh_images.h"
 }
 
 namespace
 {
-
-const size_t IMAGES_MAX = 64;
-const size_t IMAGE_SIZE_MAX = (size_t)64 << 20; /* bytes, encoded */
 
 typedef tinygltf::Value value;
 
@@ -88,18 +84,12 @@ std::string percent_decoded(const std::string &uri)
 std::vector<unsigned char> read_file(const picture_source &from, const std::string &uri)
 {
     std::string name = percent_decoded(uri);
-    if (!from.directory)
-        gltf_fail(MRT_ERR_UNSUPPORTED, "only pictures inside of the file are read");
-    bool is_plain = !name.empty() && name[0] != '/' && name.find('\0') == std::string::npos &&
-                    name.find("://") == std::string::npos;
-    if (!is_plain)
+    if (name.find('\0') != std::string::npos)
         gltf_fail(MRT_ERR_UNSUPPORTED, "only files beside the document are read");
     error failed = {""};
     file_bytes bytes;
-    std::string path = from.directory + name;
-    mrt_result result = file_check_below(from.directory, path.c_str(), &failed);
-    if (result >= 0)
-        result = file_read(&bytes, path.c_str(), IMAGE_SIZE_MAX, &failed);
+    mrt_result result =
+        file_read_below(&bytes, from.directory, name.c_str(), MESH_IMAGE_SIZE_MAX, &failed);
     if (result < 0)
         gltf_fail(result, "%s", failed.text);
     std::vector<unsigned char> out =
@@ -114,7 +104,8 @@ std::vector<unsigned char> read_uri(const picture_source &from, const std::strin
         return read_file(from, uri);
     std::vector<unsigned char> out;
     std::string type;
-    if (uri.size() > IMAGE_SIZE_MAX * 4 / 3 || !tinygltf::DecodeDataURI(&out, type, uri, 0, false))
+    if (uri.size() > MESH_IMAGE_SIZE_MAX * 4 / 3 ||
+        !tinygltf::DecodeDataURI(&out, type, uri, 0, false))
         gltf_fail(MRT_ERR_UNSUPPORTED, "its data URI is neither PNG nor JPEG");
     return out;
 }
@@ -129,7 +120,7 @@ std::vector<unsigned char> read_view(const picture_source &from, int index)
         gltf_fail(MRT_ERR_FORMAT, "its buffer is not there");
     const std::vector<unsigned char> &bytes = model.buffers[(size_t)view.buffer].data;
     if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset ||
-        view.byteLength > IMAGE_SIZE_MAX)
+        view.byteLength > MESH_IMAGE_SIZE_MAX)
         gltf_fail(MRT_ERR_FORMAT, "its bytes are not there");
     return copy_of(bytes.data() + view.byteOffset, view.byteLength);
 }
@@ -144,9 +135,6 @@ class material_reader
         : out_(out), document_(document),
           model_(document.model), from_{document, directory, budget_of(BUDGET_IMAGE, file_size)}
     {
-        out_.image = static_cast<mesh_image *>(calloc(IMAGES_MAX, sizeof *out_.image));
-        if (!out_.image)
-            throw std::bad_alloc();
     }
 
     mesh_material read(size_t index, bool is_used)
@@ -310,25 +298,21 @@ class material_reader
                            : wanted.uri.rfind("data:", 0) == 0 ? ""
                                                                : wanted.uri;
         try {
-            if (out_.image_count == IMAGES_MAX)
-                gltf_fail(MRT_ERR_UNSUPPORTED, "more than %zu pictures are not drawn", IMAGES_MAX);
+            error failed = {""};
+            uint32_t image = 0;
+            if (mesh_image_room(&out_, &failed) < 0)
+                gltf_fail(MRT_ERR_UNSUPPORTED, "%s", failed.text);
             std::vector<unsigned char> bytes =
                 wanted.uri.empty() ? read_view(from_, wanted.view) : read_uri(from_, wanted.uri);
-            error failed = {""};
-            if (bytes.empty() || budget_spend_bytes(&from_.bytes, bytes.size(), &failed) < 0)
-                gltf_fail(MRT_ERR_UNSUPPORTED, "%s", bytes.empty() ? "it is empty" : failed.text);
-            mesh_image &image = out_.image[out_.image_count];
-            image.encoded = static_cast<uint8_t *>(malloc(bytes.size()));
-            if (!image.encoded)
+            mrt_result result = mesh_image_add(&out_, &image, name.c_str(), bytes.data(),
+                                               bytes.size(), &from_.bytes, &failed);
+            if (result == MRT_ERR_MEMORY)
                 throw std::bad_alloc();
-            out_.image_count += 1;
-            std::memcpy(image.encoded, bytes.data(), bytes.size());
-            image.encoded_size = bytes.size();
-            image.name = gltf_clean_name(name);
-            return out_.image_count;
+            if (result < 0)
+                gltf_fail(result, "%s", failed.text);
+            return image;
         } catch (const gltf_failure &failure) {
-            mesh_note(&out_, "the picture \"%s\" is not drawn: %s", gltf_printable(name).c_str(),
-                      failure.what());
+            mesh_image_note(&out_, name.c_str(), failure.what());
             return 0;
         }
     }

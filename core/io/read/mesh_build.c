@@ -118,6 +118,10 @@ void mesh_build_finish(mesh_build *b)
     free(b->triangle);
     free(b->part_of);
     free(b->corner);
+    free(b->corner_uv);
+    free(b->triangle_uv);
+    free(b->uv);
+    free(b->origin);
     *b = (mesh_build){0};
 }
 
@@ -177,11 +181,21 @@ mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err)
                          (long long)vertex, b->vertex_count);
     mrt_result result = mesh_build_grow((void **)&b->corner, &b->corner_capacity,
                                         b->corner_count + 1, sizeof *b->corner, err);
+    if (result >= 0 && b->keeps_uv)
+        result = mesh_build_grow((void **)&b->corner_uv, &b->corner_uv_capacity,
+                                 b->corner_count + 1, 2 * sizeof *b->corner_uv, err);
     if (result < 0)
         return result;
     b->corner[b->corner_count] = (uint32_t)vertex;
+    if (b->keeps_uv)
+        b->corner_uv[b->corner_count * 2] = b->corner_uv[b->corner_count * 2 + 1] = NAN;
     b->corner_count += 1;
     return MRT_OK;
+}
+
+void mesh_build_corner_uv(mesh_build *b, const float uv[2])
+{
+    memcpy(b->corner_uv + (b->corner_count - 1) * 2, uv, 2 * sizeof *uv);
 }
 
 static double squared_distance(const mesh_build *b, uint32_t v, uint32_t w)
@@ -195,12 +209,17 @@ static double squared_distance(const mesh_build *b, uint32_t v, uint32_t w)
     return sum;
 }
 
-static void add_triangle(mesh_build *b, uint32_t i, uint32_t j, uint32_t k)
+/* Of three corners of the face. */
+static void add_triangle(mesh_build *b, size_t i, size_t j, size_t k)
 {
-    uint32_t *triangle = b->triangle + b->triangle_count * 3;
-    triangle[0] = i;
-    triangle[1] = j;
-    triangle[2] = k;
+    const size_t corner[3] = {i, j, k};
+    for (size_t n = 0; n < 3; ++n) {
+        size_t at = b->triangle_count * 3 + n;
+        b->triangle[at] = b->corner[corner[n]];
+        if (b->keeps_uv)
+            memcpy(b->triangle_uv + at * 2, b->corner_uv + corner[n] * 2,
+                   2 * sizeof *b->triangle_uv);
+    }
     b->part_of[b->triangle_count] = b->part;
     b->triangle_count += 1;
 }
@@ -214,6 +233,9 @@ static mrt_result reserve_triangles(mesh_build *b, size_t added, error *err)
     size_t capacity = b->triangle_capacity;
     mrt_result result =
         mesh_build_grow((void **)&b->triangle, &capacity, needed, 3 * sizeof *b->triangle, err);
+    if (result >= 0 && b->keeps_uv)
+        result = mesh_build_grow((void **)&b->triangle_uv, &b->triangle_uv_capacity, needed,
+                                 6 * sizeof *b->triangle_uv, err);
     if (result < 0)
         return result;
     return mesh_build_grow((void **)&b->part_of, &b->triangle_capacity, needed, sizeof *b->part_of,
@@ -237,12 +259,12 @@ mrt_result mesh_build_face(mesh_build *b, error *err)
     if (count > 4)
         b->polygon_count += 1;
     if (count == 4 && squared_distance(b, c[1], c[3]) < squared_distance(b, c[0], c[2])) {
-        add_triangle(b, c[0], c[1], c[3]);
-        add_triangle(b, c[1], c[2], c[3]);
+        add_triangle(b, 0, 1, 3);
+        add_triangle(b, 1, 2, 3);
         return MRT_OK;
     }
     for (size_t i = 2; i < count; ++i)
-        add_triangle(b, c[0], c[i - 1], c[i]);
+        add_triangle(b, 0, i - 1, i);
     return MRT_OK;
 }
 
@@ -340,6 +362,115 @@ static mrt_result take_names(mesh_build *b, mesh *out, error *err)
     return MRT_OK;
 }
 
+/* ---- vertices that lie at several places of a picture ---- */
+
+enum { VERSIONS_MAX = 64 }; /* of a vertex that are looked through; more are not shared any more */
+
+typedef struct splitting {
+    mesh_build *b;
+    uint32_t *next; /* of each vertex the next version of the same one; UINT32_MAX: the last */
+    size_t count, uv_capacity, next_capacity, origin_capacity;
+} splitting;
+
+static mrt_result reserve_versions(splitting *s, size_t needed, error *err)
+{
+    mesh_build *b = s->b;
+    if (needed > COUNT_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "more than %d vertices are not accepted",
+                         COUNT_MAX);
+    mrt_result result =
+        mesh_build_grow((void **)&s->next, &s->next_capacity, needed, sizeof *s->next, err);
+    if (result >= 0)
+        result = mesh_build_grow((void **)&b->origin, &s->origin_capacity, needed,
+                                 sizeof *b->origin, err);
+    return result < 0
+               ? result
+               : mesh_build_grow((void **)&b->uv, &s->uv_capacity, needed, 2 * sizeof *b->uv, err);
+}
+
+static void add_version(splitting *s, uint32_t origin, uint32_t next, const float uv[2])
+{
+    s->b->origin[s->count] = origin;
+    s->next[s->count] = next;
+    memcpy(s->b->uv + s->count * 2, uv, 2 * sizeof *uv);
+    s->count += 1;
+}
+
+/* The version of a vertex that lies there, or a new one. */
+static mrt_result find_version(splitting *s, uint32_t *vertex, const float uv[2], error *err)
+{
+    const uint32_t origin = *vertex;
+    float *own = s->b->uv + (size_t)origin * 2;
+    if (isnan(uv[0]))
+        return MRT_OK;
+    if (isnan(own[0]))
+        memcpy(own, uv, 2 * sizeof *uv);
+    uint32_t at = origin;
+    for (int i = 0; i < VERSIONS_MAX && at != UINT32_MAX; ++i, at = s->next[at])
+        if (s->b->uv[(size_t)at * 2] == uv[0] && s->b->uv[(size_t)at * 2 + 1] == uv[1]) {
+            *vertex = at;
+            return MRT_OK;
+        }
+    mrt_result result = reserve_versions(s, s->count + 1, err);
+    if (result < 0)
+        return result;
+    *vertex = (uint32_t)s->count;
+    add_version(s, origin, s->next[origin], uv);
+    s->next[origin] = *vertex;
+    return MRT_OK;
+}
+
+/* version: triangle_count by 3. */
+static mrt_result find_versions(splitting *s, uint32_t *version, error *err)
+{
+    static const float nothing[2] = {NAN, NAN};
+    const mesh_build *b = s->b;
+    mrt_result result = reserve_versions(s, b->vertex_count, err);
+    for (uint32_t v = 0; result >= 0 && v < b->vertex_count; ++v)
+        add_version(s, v, UINT32_MAX, nothing);
+    for (size_t i = 0; result >= 0 && i < b->triangle_count * 3; ++i) {
+        version[i] = b->triangle[i];
+        result = find_version(s, &version[i], b->triangle_uv + i * 2, err);
+    }
+    return result;
+}
+
+static bool says_uv(const mesh_build *b)
+{
+    for (size_t i = 0; b->keeps_uv && i < b->triangle_count * 3; ++i)
+        if (!isnan(b->triangle_uv[i * 2]))
+            return true;
+    return false;
+}
+
+static mrt_result split_vertices(mesh_build *b, error *err)
+{
+    splitting s = {.b = b};
+    if (!says_uv(b))
+        return MRT_OK;
+    uint32_t *version = malloc(b->triangle_count * 3 * sizeof *version);
+    mrt_result result = version ? find_versions(&s, version, err) : no_memory(err);
+    size_t more = result >= 0 ? s.count - b->vertex_count : 0;
+    if (result >= 0) {
+        memcpy(b->triangle, version, b->triangle_count * 3 * sizeof *version);
+        result = mesh_build_grow((void **)&b->position, &b->vertex_capacity, s.count,
+                                 3 * sizeof *b->position, err);
+        for (size_t v = b->vertex_count; result >= 0 && v < s.count; ++v)
+            memcpy(b->position + v * 3, b->position + (size_t)b->origin[v] * 3,
+                   3 * sizeof *b->position);
+        b->vertex_count += result >= 0 ? more : 0;
+        for (size_t i = 0; result >= 0 && i < b->vertex_count * 2; ++i)
+            b->uv[i] = isnan(b->uv[i]) ? 0.0f : b->uv[i];
+    }
+    if (result >= 0 && more == 0) {
+        free(b->origin);
+        b->origin = NULL;
+    }
+    free(version);
+    free(s.next);
+    return result;
+}
+
 mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err)
 {
     *out = (mesh){0};
@@ -352,6 +483,9 @@ mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err)
         error_set(err, result, "%zu vertices but no faces: a surface is needed", b->vertex_count);
         goto fail;
     }
+    result = split_vertices(b, err);
+    if (result < 0)
+        goto fail;
     result = mesh_create(out, (uint32_t)b->vertex_count, (uint32_t)b->triangle_count, err);
     if (result < 0)
         goto fail;
@@ -366,6 +500,10 @@ mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err)
     }
     sort_triangles(b, out);
     mesh_build_part_ranges(out);
+    out->uv = b->uv;
+    out->point = b->origin;
+    b->uv = NULL;
+    b->origin = NULL;
     if (b->polygon_count)
         mesh_note(out, "%zu faces of more than 4 corners were cut into fans", b->polygon_count);
     mesh_build_note_degenerate(out);

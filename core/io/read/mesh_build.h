@@ -28,8 +28,14 @@ typedef struct mesh_build {
     uint32_t *triangle; /* triangle_count by 3 */
     uint32_t *part_of;  /* triangle_count */
     uint32_t *corner;   /* of the face being added */
+    bool keeps_uv;      /* set before the first face: its corners may lie in a picture */
+    float *corner_uv;   /* then of each corner, as glTF; NaN: nothing is said of it */
+    float *triangle_uv; /* triangle_count by 3 by 2, likewise */
+    float *uv;          /* of each vertex, once vertices are split */
+    uint32_t *origin;   /* likewise: itself, or the vertex that it was split from */
     size_t vertex_count, vertex_capacity, triangle_count, triangle_capacity;
     size_t corner_count, corner_capacity, normal_count, normal_capacity;
+    size_t corner_uv_capacity, triangle_uv_capacity;
     mesh_build_table parts, materials;
     uint32_t part; /* of the next face; UINT32_MAX: look it up */
     char group[MESH_BUILD_NAME_LENGTH_MAX + 1], material[MESH_BUILD_NAME_LENGTH_MAX + 1];
@@ -48,7 +54,11 @@ void mesh_build_material(mesh_build *b, text_view name);
 /* A face: its corners, each a vertex that was added before, then its end (>= 3 corners). */
 CHECKED mrt_result mesh_build_corner(mesh_build *b, int64_t vertex, error *err);
 CHECKED mrt_result mesh_build_face(mesh_build *b, error *err);
-/* Moves everything into `out` (a mesh without vertices or faces is an error) and finishes `b`. */
+/* Where the last corner lies in a picture, of a build that keeps it. */
+void mesh_build_corner_uv(mesh_build *b, const float uv[2]);
+/* Moves everything into `out` (a mesh without vertices or faces is an error) and finishes `b`. A
+ * vertex that lies at several places of a picture is split: the first of them keeps its number, the
+ * others come behind all vertices, and are one point with it (mesh.point). */
 CHECKED mrt_result mesh_build_take(mesh_build *b, mesh *out, error *err);
 
 /* Sets first_vertex and vertex_count of every part from its triangles. */

@@ -92,28 +92,31 @@ static mesh_format format_of_name(const char *path)
     return FORMAT_UNKNOWN;
 }
 
-static mrt_result parse_gltf(mesh *out, const file_bytes *bytes, const char *path, error *err)
+/* Those that name other files. */
+static mrt_result parse_in_folder(mesh *out, mesh_format format, const file_bytes *bytes,
+                                  const char *path, mesh_vertices vertices, error *err)
 {
     char *directory = file_directory(path);
     if (!directory)
         return error_set(err, MRT_ERR_MEMORY, "no memory");
-    mrt_result result = gltf_parse(out, bytes->data, bytes->size, directory, err);
+    mrt_result result = format == FORMAT_GLTF
+                            ? gltf_parse(out, bytes->data, bytes->size, directory, err)
+                            : obj_parse(out, bytes->data, bytes->size, directory, vertices, err);
     free(directory);
     return result;
 }
 
 static mrt_result parse(mesh *out, mesh_format format, const file_bytes *bytes, const char *path,
-                        error *err)
+                        mesh_vertices vertices, error *err)
 {
     switch (format) {
     case FORMAT_OBJ:
-        return obj_parse(out, bytes->data, bytes->size, err);
+    case FORMAT_GLTF:
+        return parse_in_folder(out, format, bytes, path, vertices, err);
     case FORMAT_PLY:
         return ply_parse(out, bytes->data, bytes->size, err);
     case FORMAT_OFF:
         return off_parse(out, bytes->data, bytes->size, err);
-    case FORMAT_GLTF:
-        return parse_gltf(out, bytes, path, err);
     case FORMAT_FOREIGN:
         return mesh_child_read(out, path, err);
     case FORMAT_UNKNOWN:
@@ -136,8 +139,9 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
     if (format == FORMAT_UNKNOWN)
         format = format_of_name(path);
     const char *other = other_kind(&bytes);
-    result = other ? error_set(err, MRT_ERR_FORMAT, "is no mesh but %s", other)
-                   : parse(out, format, &bytes, path, err);
+    result =
+        other ? error_set(err, MRT_ERR_FORMAT, "is no mesh but %s", other)
+              : parse(out, format, &bytes, path, frame ? frame->vertices : MESH_VERTICES_ALL, err);
     file_bytes_finish(&bytes);
     if (result == MRT_OK) {
         mesh_images_decode(out);

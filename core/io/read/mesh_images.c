@@ -1,9 +1,59 @@
 #include "io/read/mesh_images.h"
 
+#include "base/text.h"
 #include "io/decode/decode.h"
+#include "io/read/mesh_build.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+enum { IMAGES_MAX = 64 };
+
+mrt_result mesh_image_room(const mesh *m, error *err)
+{
+    return m->image_count < IMAGES_MAX
+               ? MRT_OK
+               : error_set(err, MRT_ERR_UNSUPPORTED, "more than %d pictures are not drawn",
+                           IMAGES_MAX);
+}
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for a picture");
+}
+
+mrt_result mesh_image_add(mesh *m, uint32_t *out_image, const char *name, const void *data,
+                          size_t size, budget *b, error *err)
+{
+    char clean[MESH_BUILD_NAME_LENGTH_MAX + 1];
+    if (size == 0)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "it is empty");
+    mrt_result result = budget_spend_bytes(b, size, err);
+    if (result < 0)
+        return result;
+    if (!m->image)
+        m->image = calloc(IMAGES_MAX, sizeof *m->image);
+    if (!m->image)
+        return no_memory(err);
+    text_copy(clean, sizeof clean, text_view_of(name, strlen(name)));
+    mesh_image image = {.name = strdup(clean), .encoded = malloc(size), .encoded_size = size};
+    if (!image.name || !image.encoded) {
+        free(image.name);
+        free(image.encoded);
+        return no_memory(err);
+    }
+    memcpy(image.encoded, data, size);
+    m->image[m->image_count++] = image;
+    *out_image = m->image_count;
+    return MRT_OK;
+}
+
+void mesh_image_note(mesh *m, const char *name, const char *why)
+{
+    char clean[MESH_BUILD_NAME_LENGTH_MAX + 1];
+    text_copy(clean, sizeof clean, text_view_of(name, strlen(name)));
+    mesh_note(m, "the picture \"%s\" is not drawn: %s", clean, why);
+}
 
 /* The longest side with which so many pictures of four bytes a pixel keep the limit. */
 static uint32_t side_max_for(uint32_t count)
@@ -45,7 +95,7 @@ void mesh_images_decode(mesh *m)
         if (result >= 0 && job[i].out)
             take(image, &job[i]);
         else if (result >= 0)
-            mesh_note(m, "the picture \"%s\" is not drawn: %s", image->name, job[i].failed.text);
+            mesh_image_note(m, image->name, job[i].failed.text);
         free(image->encoded);
         image->encoded = NULL;
         image->encoded_size = 0;

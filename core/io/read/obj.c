@@ -1,14 +1,24 @@
-/* Wavefront OBJ: v, f, o, g and usemtl are read; texture coordinates, normals, smoothing and
- * material libraries are passed over; everything else is counted in a note. */
+/* Wavefront OBJ: v, vt, f, o, g, usemtl and mtllib (mtl.h) are read; normals and smoothing are
+ * passed over; everything else is counted in a note. Texture coordinates matter to a file with
+ * mtllib alone: without one its vertices stay as they are. */
 #include "io/read/mesh_build.h"
+#include "io/read/mtl.h"
+#include "base/file.h"
 #include "io/mesh_file.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 enum { LINE_LENGTH_MAX = 1 << 20, NUMBERS_MAX = 7 };
 
 typedef struct obj_reader {
     mesh_build build;
+    float *uv; /* uv_count by 2, as glTF; NaN: the line makes no sense */
+    size_t uv_count, uv_capacity;
+    size_t lost_count; /* corners that lie at coordinates which are not there */
     text_view rest, line;
     uint64_t line_number;
     size_t unknown_count;
@@ -59,27 +69,59 @@ static mrt_result read_vertex(obj_reader *r)
     return mesh_build_vertex(&r->build, number, r->err);
 }
 
-/* v, v/vt, v//vn or v/vt/vn; vt and vn must be numbers, but what they point to is not used. */
-static bool parse_corner(text_view word, int64_t *out_index)
+/* "vt u" or "vt u v", of which more is ignored. One that makes no sense costs the picture's place,
+ * not the head. */
+static mrt_result read_uv(obj_reader *r)
+{
+    float number[2] = {0.0f, 0.0f};
+    text_view word;
+    bool is_good = next_word(r, &word) && text_float(word, &number[0]);
+    if (is_good && next_word(r, &word))
+        is_good = text_float(word, &number[1]);
+    mrt_result result = mesh_build_grow((void **)&r->uv, &r->uv_capacity, r->uv_count + 1,
+                                        2 * sizeof *r->uv, r->err);
+    if (result < 0)
+        return result;
+    r->uv[r->uv_count * 2] = is_good ? number[0] : NAN;
+    r->uv[r->uv_count * 2 + 1] = is_good ? 1.0f - number[1] : NAN;
+    r->uv_count += 1;
+    return MRT_OK;
+}
+
+/* v, v/vt, v//vn or v/vt/vn; vn must be a number, but what it points to is not used. out_uv: 0:
+ * none. */
+static bool parse_corner(text_view word, int64_t *out_index, int64_t *out_uv)
 {
     text_view field;
-    int64_t ignored;
+    int64_t number[2] = {0, 0};
     if (!text_next_field(&word, '/', &field) || !text_int(field, out_index))
         return false;
     for (int i = 0; i < 2 && text_next_field(&word, '/', &field); ++i) {
         bool may_be_empty = i == 0 && word.at;
-        if (field.at == field.end ? !may_be_empty : !text_int(field, &ignored))
+        if (field.at == field.end ? !may_be_empty : !text_int(field, &number[i]))
             return false;
     }
+    *out_uv = number[0];
     return !word.at;
+}
+
+static void put_uv(obj_reader *r, int64_t index)
+{
+    int64_t count = (int64_t)r->uv_count;
+    bool is_there = index != 0 && index <= count && index >= -count;
+    const float *uv = is_there ? r->uv + (index > 0 ? index - 1 : count + index) * 2 : NULL;
+    if (uv && !isnan(uv[0]))
+        mesh_build_corner_uv(&r->build, uv);
+    else
+        r->lost_count += 1;
 }
 
 static mrt_result read_face(obj_reader *r)
 {
     text_view word;
     while (next_word(r, &word)) {
-        int64_t index;
-        if (!parse_corner(word, &index))
+        int64_t index, uv;
+        if (!parse_corner(word, &index, &uv))
             return malformed(r, "a corner as v, v/vt, v//vn or v/vt/vn", word);
         int64_t vertex_count = (int64_t)r->build.vertex_count;
         if (index == 0 || index > vertex_count || index < -vertex_count)
@@ -90,13 +132,15 @@ static mrt_result read_face(obj_reader *r)
             mesh_build_corner(&r->build, index > 0 ? index - 1 : vertex_count + index, r->err);
         if (result < 0)
             return result;
+        if (r->build.keeps_uv && uv != 0)
+            put_uv(r, uv);
     }
     return mesh_build_face(&r->build, r->err);
 }
 
 static bool is_passed_over(text_view keyword)
 {
-    static const char *const known[] = {"vt", "vn", "s", "mtllib"};
+    static const char *const known[] = {"vn", "s", "vt", "mtllib"};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (text_equals(keyword, known[i]))
             return true;
@@ -109,10 +153,14 @@ static mrt_result read_statement(obj_reader *r)
     if (r->line.end - r->line.at > LINE_LENGTH_MAX)
         return error_set(r->err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
                          LINE_LENGTH_MAX);
-    if (!next_word(r, &keyword) || is_passed_over(keyword))
+    if (!next_word(r, &keyword))
         return MRT_OK;
     if (text_equals(keyword, "v"))
         return read_vertex(r);
+    if (r->build.keeps_uv && text_equals(keyword, "vt"))
+        return read_uv(r);
+    if (is_passed_over(keyword))
+        return MRT_OK;
     if (text_equals(keyword, "f"))
         return read_face(r);
     if (text_equals(keyword, "g") || text_equals(keyword, "o"))
@@ -124,25 +172,120 @@ static mrt_result read_statement(obj_reader *r)
     return MRT_OK;
 }
 
-mrt_result obj_parse(mesh *out, const void *data, size_t size, error *err)
+/* ---- materials ---- */
+
+/* The names behind the next mtllib. */
+static bool next_library(text_view *rest, text_view *out_names)
 {
-    obj_reader r = {.rest = text_view_of(data, size), .err = err};
-    *out = (mesh){0};
-    mesh_build_init(&r.build);
-    while (next_line(&r)) {
-        uint64_t line_number = r.line_number;
-        mrt_result result = read_statement(&r);
+    text_view line, keyword;
+    while (text_next_line(rest, &line))
+        if (text_next_word(&line, &keyword) && text_equals(keyword, "mtllib")) {
+            *out_names = text_trim(line);
+            return true;
+        }
+    return false;
+}
+
+static mrt_result add_looks(mesh *m, text_view text, const char *directory, mesh_vertices vertices,
+                            error *err)
+{
+    mtl_library library = {0};
+    mrt_result result = MRT_OK;
+    const size_t size = (size_t)(text.end - text.at);
+    for (text_view names; result >= 0 && next_library(&text, &names);) {
+        char shown[128];
+        error why = {""};
+        mrt_result one = mtl_read(&library, names, directory, &why);
+        text_copy(shown, sizeof shown, names);
+        if (one == MRT_ERR_MEMORY)
+            result = error_set(err, one, "%s", why.text);
+        else if (one < 0)
+            mesh_note(m, "its materials \"%s\" are not read, it is grey: %s", shown, why.text);
+    }
+    uint32_t unplaced = result >= 0 ? mtl_apply(m, &library, directory, size) : 0;
+    if (unplaced && vertices == MESH_VERTICES_AS_WRITTEN)
+        mesh_note(m, "its pictures are not drawn: they need more vertices than the rig was made "
+                     "for; marotte rig new drafts one that has them");
+    else if (unplaced)
+        mesh_note(m, "its pictures are not drawn: it has no texture coordinates");
+    mtl_library_finish(&library);
+    return result;
+}
+
+static mrt_result read_statements(obj_reader *r)
+{
+    while (next_line(r)) {
+        uint64_t line_number = r->line_number;
+        mrt_result result = read_statement(r);
         if (result < 0) {
             char prefix[32];
             (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)line_number);
-            error_prefix(err, prefix);
-            mesh_build_finish(&r.build);
+            error_prefix(r->err, prefix);
             return result;
         }
     }
-    mrt_result result = mesh_build_take(&r.build, out, err);
+    return MRT_OK;
+}
+
+mrt_result obj_parse(mesh *out, const void *data, size_t size, const char *directory,
+                     mesh_vertices vertices, error *err)
+{
+    const text_view all = text_view_of(data, size);
+    obj_reader r = {.rest = all, .err = err};
+    text_view search = all, names;
+    *out = (mesh){0};
+    mesh_build_init(&r.build);
+    const bool has_looks = next_library(&search, &names);
+    r.build.keeps_uv = has_looks && vertices == MESH_VERTICES_ALL;
+    mrt_result result = read_statements(&r);
+    free(r.uv);
+    if (result < 0) {
+        mesh_build_finish(&r.build);
+        return result;
+    }
+    result = mesh_build_take(&r.build, out, err);
     if (result == MRT_OK && r.unknown_count)
         mesh_note(out, "%zu statements were skipped, the first is \"%s\"", r.unknown_count,
                   r.unknown);
+    if (result == MRT_OK && r.lost_count)
+        mesh_note(out, "%zu corners lie at texture coordinates that are not there", r.lost_count);
+    if (result == MRT_OK && has_looks)
+        result = add_looks(out, all, directory, vertices, err);
+    if (result < 0)
+        mesh_destroy(out);
+    return result;
+}
+
+/* ---- what belongs to it ---- */
+
+static mrt_result tell(const char *directory, const char *name, obj_file *found, void *self,
+                       error *err)
+{
+    char path[PATH_MAX];
+    error ignored = {""};
+    int length = snprintf(path, sizeof path, "%s%s", directory, name);
+    bool is_read = length > 0 && (size_t)length < sizeof path && access(path, R_OK) == 0 &&
+                   file_check_below(directory, path, &ignored) >= 0;
+    return is_read ? found(self, name, err) : MRT_OK;
+}
+
+mrt_result obj_files(const void *data, size_t size, const char *directory, obj_file *found,
+                     void *self, error *err)
+{
+    mtl_library library = {0};
+    mrt_result result = MRT_OK;
+    text_view text = text_view_of(data, size);
+    for (text_view names; result >= 0 && next_library(&text, &names);) {
+        error ignored = {""};
+        if (mtl_read(&library, names, directory, &ignored) == MRT_ERR_MEMORY)
+            result = error_set(err, MRT_ERR_MEMORY, "%s", ignored.text);
+    }
+    for (uint32_t i = 0; result >= 0 && i < library.file_count; ++i)
+        result = tell(directory, library.file[i], found, self, err);
+    for (size_t i = 0; i < library.count; ++i)
+        for (int use = 0; result >= 0 && use < MTL_USES; ++use)
+            if (use != MTL_CLEAR && library.material[i].map[use].file)
+                result = tell(directory, library.material[i].map[use].file, found, self, err);
+    mtl_library_finish(&library);
     return result;
 }

@@ -48,23 +48,46 @@ static mrt_result read_rig(face_file *f, const char *path, error *err)
     return f->rig ? rig_read(f->rig, path, err) : no_memory(err);
 }
 
-static mrt_result read_mesh(face_file *f, const char *path, const mesh_frame *frame, error *err)
+static mrt_result read_and_cut(mesh *out, const face_file *f, const char *path,
+                               const mesh_frame *frame, error *err)
 {
-    mesh_frame of_rig = f->rig ? frame_of_mesh(f->rig) : (mesh_frame){0};
-    mrt_result result =
-        mesh_file_read(&f->mesh, f->rig ? f->rig->mesh_path : path, f->rig ? &of_rig : frame, err);
+    mrt_result result = mesh_file_read(out, f->rig ? f->rig->mesh_path : path, frame, err);
     if (result < 0 && f->rig) {
         error_prefix(err, "$.mesh");
         error_prefix(err, path);
     }
     if (result >= 0 && f->rig && f->rig->cut_mouth) {
-        result = mesh_cut_mouth(&f->mesh, f->rig->cut_mouth, f->rig->cut_mouth_count, err);
+        result = mesh_cut_mouth(out, f->rig->cut_mouth, f->rig->cut_mouth_count, err);
         if (result < 0) {
             error_prefix(err, "$.cut_mouth");
             error_prefix(err, path);
+            mesh_destroy(out);
         }
     }
     return result;
+}
+
+/* A rig that was made before an OBJ had pictures gets the mesh that it was made for. */
+static mrt_result read_mesh(face_file *f, const char *path, const mesh_frame *frame, error *err)
+{
+    mesh_frame of_rig = f->rig ? frame_of_mesh(f->rig) : (mesh_frame){0};
+    mrt_result result = read_and_cut(&f->mesh, f, path, f->rig ? &of_rig : frame, err);
+    const uint32_t made_for = f->rig ? f->rig->mesh_vertex_count : 0;
+    if (made_for == 0 || (result >= 0 && f->mesh.vertex_count == made_for) ||
+        strcmp(file_extension_of(f->rig->mesh_path).text, "obj") != 0)
+        return result;
+    mesh written;
+    error ignored = {""};
+    of_rig.vertices = MESH_VERTICES_AS_WRITTEN;
+    if (read_and_cut(&written, f, path, &of_rig, &ignored) < 0)
+        return result;
+    if (written.vertex_count != made_for) {
+        mesh_destroy(&written);
+        return result;
+    }
+    mesh_destroy(&f->mesh);
+    f->mesh = written;
+    return MRT_OK;
 }
 
 /* Reading checks that coordinates are finite; a field wants them within its reach too. */
