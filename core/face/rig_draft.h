@@ -19,5 +19,6 @@ CHECKED mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, co
 CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
                                   const char *mesh_path, const uint32_t *cut_mouth,
                                   uint32_t cut_count, error *err);
+bool rig_draft_is_clay(const rig *drafted); /* its jaw only stretches the skin: no lips part */
 
 #endif

@@ -12,6 +12,7 @@
 #include "window/open_any.h"
 #include "scene.h"
 
+#include <math.h>
 #include <time.h>
 #include <unistd.h>
 #include <utime.h>
@@ -355,6 +356,125 @@ static void a_drafted_rig_is_read_again_as_it_was_drafted(void **state)
     scene_close(&s);
 }
 
+/* The Moai without its bag, its lips grown together and the groove between them filled. */
+static void write_closed(const char *path)
+{
+    face_file moai;
+    error err = {""};
+    if (face_file_read(&moai, SOURCE_DIR "/rigs/moai/moai.glb", NULL, FACE_FILE_ANY, &err) < 0)
+        fail_msg("%s", err.text);
+    const mesh *m = &moai.mesh;
+    assert_string_equal(m->part[m->part_count - 1].name, "mouth");
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (uint32_t v = 0; v < m->vertex_count; ++v) {
+        const float *p = m->position + (size_t)3 * v;
+        const double x = (double)p[0], y = (double)p[1], z = (double)p[2];
+        const bool is_mouth = fabs(x) < 55.0 && fabs(y + 64.0) < 16.0 && z > 20.0;
+        (void)fprintf(file, "v %.9g %.9g %.9g\n", x, y,
+                      is_mouth ? fmax(z, 59.5 - 0.006 * x * x) : z);
+    }
+    for (uint32_t i = 0; i < 3 * m->part[m->part_count - 1].first_triangle; ++i) {
+        const float *p = m->position + (size_t)3 * m->triangle[i];
+        uint32_t v = 0;
+        while (memcmp(p, m->position + (size_t)3 * v, 3 * sizeof *p) != 0)
+            ++v;
+        (void)fprintf(file, "%s%u%s", i % 3 ? " " : "f ", v + 1, i % 3 == 2 ? "\n" : "");
+    }
+    assert_int_equal(fclose(file), 0);
+    face_file_destroy(&moai);
+}
+
+static bool asks_mouth(scene *of, void *data)
+{
+    (void)data;
+    return !app_is_drafting(of->app) && scene_word(of, "There is no slit between the lips.");
+}
+
+static bool has_cut(scene *of, void *data)
+{
+    (void)data;
+    return app_face(of->app)->rig && app_face(of->app)->rig->cut_mouth;
+}
+
+static bool is_clay(scene *of, void *data)
+{
+    (void)data;
+    return app_face(of->app)->rig && !app_face(of->app)->rig->cut_mouth;
+}
+
+static double jaw_opens_rad(void)
+{
+    const rig *r = app_face(s.app)->rig;
+    return r->bone[rig_find_bone(r, "jaw")].open_max_rad;
+}
+
+/* Whoever drafts a head whose lips are one surface is asked; the answer is one step of undo, with
+ * the rig's tabs open too, and the face that was saved is the one that was cut. */
+static void a_mouth_is_cut_where_a_head_has_none(void **state)
+{
+    char path[200], saved[200];
+    (void)state;
+    scene_open(&s, 1280, 720, 1.0f);
+    (void)snprintf(path, sizeof path, "%s/closed.obj", s.folder);
+    (void)snprintf(saved, sizeof saved, "%s/closed.rig.json", s.folder);
+    write_closed(path);
+    assert_true(app_open_face(s.app, path) >= 0);
+    scene_frames(&s, 5);
+    const uint32_t whole = app_face(s.app)->mesh.vertex_count;
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, asks_mouth, NULL));
+    assert_true(scene_until(&s, performs, NULL));
+    assert_true(jaw_opens_rad() < 0.2);
+    scene_look(&s, "opens_no_mouth");
+    scene_let_cut(&s, "No takes yet");
+    scene_check_words(&s);
+    scene_click_word(&s, "Perform as clay");
+    scene_frames(&s, 3);
+    assert_null(scene_word(&s, "Cut the mouth"));
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, rests, NULL));
+    scene_frames(&s, 30);
+    scene_click_word(&s, "Draft a rig");
+    assert_true(scene_until(&s, asks_mouth, NULL));
+    scene_click_word(&s, "Cut the mouth");
+    assert_true(scene_until(&s, has_cut, NULL));
+    const uint32_t cut = app_face(s.app)->mesh.vertex_count;
+    assert_true(cut > whole);
+    assert_true(jaw_opens_rad() > 0.2);
+    assert_true(scene_until(&s, performs, NULL));
+    assert_null(scene_word(&s, "Cut the mouth"));
+    scene_do(&s, ACTION_PANEL_RIG);
+    scene_frames(&s, 10);
+    scene_click_word(&s, "Jaw"); /* which shows the face opened */
+    scene_frames(&s, 10);
+    scene_look(&s, "opens_mouth_cut");
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, is_clay, NULL));
+    assert_int_equal(app_face(s.app)->mesh.vertex_count, whole);
+    const ui_word *tab = scene_word_with(&s, "Check");
+    assert_non_null(tab);
+    scene_click(&s, tab->where.x + 0.5f * tab->where.width,
+                tab->where.y + 0.5f * tab->where.height);
+    scene_frames(&s, 10);
+    scene_look(&s, "opens_mouth_asked_in_rig");
+    assert_non_null(scene_word(&s, "Cut the mouth")); /* it is asked in Rig too */
+    scene_click_word(&s, "Jaw");
+    scene_do(&s, ACTION_UNDO);
+    assert_true(scene_until(&s, rests, NULL));
+    scene_do(&s, ACTION_REDO);
+    scene_do(&s, ACTION_REDO);
+    assert_true(scene_until(&s, has_cut, NULL));
+    assert_int_equal(app_face(s.app)->mesh.vertex_count, cut);
+    scene_click_word(&s, "Save");
+    assert_true(scene_until(&s, has_saved, saved));
+    assert_true(app_open_face(s.app, saved) >= 0);
+    scene_frames(&s, 5);
+    assert_int_equal(app_face(s.app)->mesh.vertex_count, cut);
+    assert_true(performs(&s, NULL));
+    scene_close(&s);
+}
+
 /* Its head is what is looked at, and how high a head is, not the body below it. */
 static void a_head_on_a_body_is_looked_at(void **state)
 {
@@ -559,6 +679,7 @@ int main(void)
         cmocka_unit_test(a_mesh_without_a_rig_performs_after_one_click),
         cmocka_unit_test(a_draft_that_is_left_holds_nothing_up),
         cmocka_unit_test(a_drafted_rig_is_read_again_as_it_was_drafted),
+        cmocka_unit_test(a_mouth_is_cut_where_a_head_has_none),
         cmocka_unit_test(a_head_on_a_body_is_looked_at),
         cmocka_unit_test(whatever_is_dropped_is_opened_as_what_it_is),
         cmocka_unit_test(a_show_goes_on_under_another_name),

@@ -70,6 +70,18 @@ void app_note_drafting(app *self, bool is_drafting)
     (void)is_drafting;
 }
 
+app_mouth app_take_mouth(app *self)
+{
+    (void)self;
+    return APP_MOUTH_UNANSWERED;
+}
+
+void app_note_mouth_asked(app *self, bool is_asked)
+{
+    (void)self;
+    (void)is_asked;
+}
+
 void app_set_rig_saver(app *self, const app_rig_saver *saver)
 {
     (void)self;

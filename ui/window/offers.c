@@ -187,6 +187,36 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
         reframe(of, &wanted, unit_mm);
 }
 
+/* A head without a slit between its lips was drafted. */
+static bool asks_mouth(app *of)
+{
+    return app_is_mouth_asked(of) && !app_status(of)->is_recording &&
+           !app_looks_of(of)->is_helping && app_view(of)->number;
+}
+
+static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
+{
+    const bool is_cutting = app_is_drafting(of);
+    const char *text = is_cutting ? "Cutting the mouth..." : APP_MOUTH_QUESTION;
+    const float wide = ui_text_width(on, UI_STYLE_DIM, text) + 22.0f + 2.0f * padding;
+    const float width = fmaxf(wide, is_cutting ? 150.0f : 260.0f);
+    const float height = 34.0f + (is_cutting ? 0.0f : pitch);
+    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
+                              over.y + over.height - height - 8.0f, width, height};
+    ui_panel_begin(on, "mouth offer", box, UI_GROUND_PANEL);
+    ui_text(on, UI_STYLE_DIM, text);
+    if (!is_cutting) {
+        if (ui_button(on, "Cut the mouth", UI_ACCENT))
+            app_answer_mouth(of, APP_MOUTH_CUT);
+        ui_hint(on, APP_MOUTH_CUT_HINT);
+        ui_same_line(on);
+        if (ui_button(on, "Perform as clay", UI_PLAIN))
+            app_answer_mouth(of, APP_MOUTH_CLAY);
+        ui_hint(on, APP_MOUTH_CLAY_HINT);
+    }
+    ui_panel_end(on);
+}
+
 void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
 {
     offer list[OFFERS];
@@ -197,6 +227,10 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
         return;
     if (is_without_rig(of)) {
         draw_rig_offer(of, on, over);
+        return;
+    }
+    if (asks_mouth(of)) {
+        draw_mouth_offer(of, on, over);
         return;
     }
     if (*is_gone || !is_empty(of))

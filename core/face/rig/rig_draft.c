@@ -460,10 +460,12 @@ static void add_jaw(drafting *d)
         return;
     }
     if (!d->a.has_slit) {
-        rig_note(&d->confirm,
-                 "mouth: there is no slit between the lips: likely; it is performed as clay, and "
-                 "the jaw only stretches the skin; marotte rig new --cut-mouth opens the edges "
-                 "between the lips and hangs a dark bag behind them");
+        rig_note(
+            &d->confirm,
+            "mouth: there is no slit between the lips: likely; it is performed as clay, and "
+            "the jaw only stretches the skin; a mouth can be cut (on the command line: marotte rig "
+            "new --cut-mouth), which opens the edges between the lips and hangs a dark bag "
+            "behind them");
         return;
     }
     add_lip(d, "skull", "lip.upper.mid", 1.0);
@@ -1062,6 +1064,12 @@ mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh
         result = find_mouth_line(out_chain, out_count, &a, &l, m, t, err);
     rig_anatomy_finish(&a);
     return result;
+}
+
+bool rig_draft_is_clay(const rig *drafted)
+{
+    const uint32_t jaw = rig_find_bone(drafted, "jaw");
+    return jaw != RIG_NONE && drafted->bone[jaw].slide_mm == 0.0;
 }
 
 mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,

@@ -180,6 +180,16 @@ void app_ask_draft(app *self);
 bool app_take_draft(app *self);
 void app_note_drafting(app *self, bool is_drafting); /* [rig panel] */
 bool app_is_drafting(const app *self);
+/* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the
+ * answer once. */
+#define APP_MOUTH_QUESTION  "There is no slit between the lips."
+#define APP_MOUTH_CUT_HINT  "The edges between the lips open, with the dark of a mouth behind them."
+#define APP_MOUTH_CLAY_HINT "The skin stays whole: the jaw stretches it, and the lips do not part."
+typedef enum app_mouth { APP_MOUTH_UNANSWERED = 0, APP_MOUTH_CUT, APP_MOUTH_CLAY } app_mouth;
+void app_note_mouth_asked(app *self, bool is_asked); /* [rig panel] */
+bool app_is_mouth_asked(const app *self);
+void app_answer_mouth(app *self, app_mouth answer);
+app_mouth app_take_mouth(app *self);
 /* The dialog that opens a picture behind the face: true once. */
 void app_ask_picture(app *self);
 bool app_take_picture(app *self);

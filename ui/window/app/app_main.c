@@ -170,6 +170,28 @@ bool app_is_drafting(const app *self)
     return self->is_drafting;
 }
 
+void app_note_mouth_asked(app *self, bool is_asked)
+{
+    self->is_mouth_asked = is_asked;
+}
+
+bool app_is_mouth_asked(const app *self)
+{
+    return self->is_mouth_asked;
+}
+
+void app_answer_mouth(app *self, app_mouth answer)
+{
+    self->mouth_answer = answer;
+}
+
+app_mouth app_take_mouth(app *self)
+{
+    const app_mouth answer = self->mouth_answer;
+    self->mouth_answer = APP_MOUTH_UNANSWERED;
+    return answer;
+}
+
 void app_ask_picture(app *self)
 {
     self->picture_asked = true;

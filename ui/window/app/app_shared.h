@@ -63,7 +63,8 @@ struct app {
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
-    bool camera_asked, picture_asked, draft_asked, is_drafting, has_pulled;
+    bool camera_asked, picture_asked, draft_asked, is_drafting, is_mouth_asked, has_pulled;
+    app_mouth mouth_answer;
     char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */

@@ -5,6 +5,7 @@
 #include "face/face.h"
 #include "face/rig.h"
 #include "face/rig_check.h"
+#include "face/rig_draft.h"
 #include "face/rig_edit.h"
 #include "mesh/copy.h"
 #include "mesh/mesh.h"
@@ -154,37 +155,38 @@ static bool rig_keep_has_old(const rig_keep *self)
     return self->old_path != NULL;
 }
 
-/* What is of another time; refuses one for another mesh. */
-static mrt_result rig_keep_read(rig_keep *self, rig *out, const mesh *m, error *err)
+/* What is of another time. */
+static mrt_result rig_keep_read(const rig_keep *self, rig *out, error *err)
 {
     if (!self->old_path)
         return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
-    mrt_result result = rig_read_trusted(out, self->old_path, err);
-    if (result >= 0 && out->mesh_vertex_count != 0 && out->mesh_vertex_count != m->vertex_count) {
-        result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%s: it was made for a mesh of %u vertices, this one has %u",
-                           self->old_path, out->mesh_vertex_count, m->vertex_count);
-        rig_destroy(out);
-    }
-    if (result < 0)
-        return result;
+    return rig_read_trusted(out, self->old_path, err);
+}
+
+/* refuses one for another mesh */
+static mrt_result rig_keep_take(rig_keep *self, const rig *r, const mesh *m, error *err)
+{
+    if (r->mesh_vertex_count != 0 && r->mesh_vertex_count != m->vertex_count)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: it was made for a mesh of %u vertices, this one has %u",
+                         self->old_path, r->mesh_vertex_count, m->vertex_count);
     free(self->taken_path);
     self->taken_path = self->old_path;
     self->old_path = NULL;
-    return result;
+    return MRT_OK;
 }
 
 /* ---- the worker: lays a state on the mesh and checks it ---- */
 
 typedef struct order { /* what is asked */
     rig rig;
+    const mesh *m; /* it outlives the worker */
+    const topology *t;
     uint64_t number;
-    char *keep_path;
+    char *keep_path; /* NULL: no file is written */
 } order;
 
 struct rig_worker {
-    const mesh *m;
-    const topology *t;
     pthread_t thread;
     pthread_mutex_t lock; /* of all below */
     pthread_cond_t news;
@@ -226,7 +228,7 @@ static mrt_result copy_binding(face_file *file, const binding *b, error *err)
                        : error_set(err, MRT_ERR_MEMORY, "no memory for the face");
 }
 
-static mrt_result copy_for_stage(rig_work *work, const rig_worker *self, error *err)
+static mrt_result copy_for_stage(rig_work *work, const order *o, error *err)
 {
     face_file *file = calloc(1, sizeof *file);
     work->file = file;
@@ -236,34 +238,33 @@ static mrt_result copy_for_stage(rig_work *work, const rig_worker *self, error *
     file->rig = copy;
     mrt_result result = rig_copy(copy, &work->rig, err);
     if (result >= 0)
-        result = mesh_copy(&file->mesh, self->m, err);
+        result = mesh_copy(&file->mesh, o->m, err);
     if (result >= 0)
-        bind_focus(&file->mesh, copy, self->t);
+        bind_focus(&file->mesh, copy, o->t);
     if (result >= 0)
-        result = topology_copy(&file->topology, self->t, err);
+        result = topology_copy(&file->topology, o->t, err);
     return result < 0 ? result : copy_binding(file, face_binding(work->face), err);
 }
 
 /* binding: taken over. */
-static mrt_result make_face(rig_work *work, const rig_worker *self, binding *b, error *err)
+static mrt_result make_face(rig_work *work, const order *o, binding *b, error *err)
 {
-    mrt_result result =
-        face_create_bound(&work->face, &work->rig, self->m, b, MRT_MAX_VECTORS, err);
-    return result < 0 ? result : copy_for_stage(work, self, err);
+    mrt_result result = face_create_bound(&work->face, &work->rig, o->m, b, MRT_MAX_VECTORS, err);
+    return result < 0 ? result : copy_for_stage(work, o, err);
 }
 
-static mrt_result lay(rig_work *work, const rig_worker *self, error *err)
+static mrt_result lay(rig_work *work, const order *o, error *err)
 {
     binding b = {0};
     error check_err = {""};
     const rig *r = &work->rig;
-    mrt_result result = rig_validate(r, self->m, self->t, err);
+    mrt_result result = rig_validate(r, o->m, o->t, err);
     if (result >= 0)
-        result = binding_create(&b, r, self->m, self->t, err);
+        result = binding_create(&b, r, o->m, o->t, err);
     mrt_result checked =
-        rig_check(&work->findings, r, self->m, self->t, result >= 0 ? &b : NULL, &check_err);
+        rig_check(&work->findings, r, o->m, o->t, result >= 0 ? &b : NULL, &check_err);
     if (result >= 0)
-        result = make_face(work, self, &b, err);
+        result = make_face(work, o, &b, err);
     if (result >= 0 && checked < 0) {
         *err = check_err;
         result = checked;
@@ -272,13 +273,13 @@ static mrt_result lay(rig_work *work, const rig_worker *self, error *err)
     return result;
 }
 
-static void count_regions(rig_work *work, const rig_worker *self)
+static void count_regions(rig_work *work, const order *o)
 {
-    uint32_t vertex_count = self->m->vertex_count;
+    uint32_t vertex_count = o->m->vertex_count;
     float *share = calloc((size_t)vertex_count + 1, sizeof *share);
     work->region_size = calloc(work->rig.region_count + 1u, sizeof *work->region_size);
     for (uint32_t i = 0; share && work->region_size && i < work->rig.region_count; ++i) {
-        if (bind_select(share, &work->rig.region[i].select, self->m, self->t, NULL) < 0)
+        if (bind_select(share, &work->rig.region[i].select, o->m, o->t, NULL) < 0)
             continue;
         for (uint32_t v = 0; v < vertex_count; ++v)
             work->region_size[i] += share[v] > 0.0f;
@@ -295,7 +296,7 @@ static void drop_what_failed(rig_work *work)
     work->file = NULL;
 }
 
-static rig_work *work_on(const rig_worker *self, order *o)
+static rig_work *work_on(order *o)
 {
     rig_work *work = calloc(1, sizeof *work);
     if (!work)
@@ -305,10 +306,10 @@ static rig_work *work_on(const rig_worker *self, order *o)
     o->rig = (rig){0};
     if (o->keep_path)
         work->kept = rig_write(&work->rig, o->keep_path, &work->keep_err);
-    work->result = lay(work, self, &work->err);
+    work->result = lay(work, o, &work->err);
     if (work->result < 0)
         drop_what_failed(work);
-    count_regions(work, self);
+    count_regions(work, o);
     return work;
 }
 
@@ -325,7 +326,7 @@ static void *run(void *given)
         self->waiting = NULL;
         self->is_working = true;
         (void)pthread_mutex_unlock(&self->lock);
-        rig_work *work = work_on(self, o);
+        rig_work *work = work_on(o);
         destroy_order(o);
         (void)pthread_mutex_lock(&self->lock);
         rig_work *before = self->done;
@@ -340,15 +341,12 @@ static void *run(void *given)
 
 /* ---- [main] ---- */
 
-/* The mesh must outlive it. */
-static mrt_result rig_worker_create(rig_worker **out, const mesh *m, const topology *t, error *err)
+static mrt_result rig_worker_create(rig_worker **out, error *err)
 {
     rig_worker *self = calloc(1, sizeof *self);
     *out = NULL;
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to check the rig");
-    self->m = m;
-    self->t = t;
     (void)pthread_mutex_init(&self->lock, NULL);
     (void)pthread_cond_init(&self->news, NULL);
     if (pthread_create(&self->thread, NULL, run, self) == 0) {
@@ -378,20 +376,16 @@ static void rig_worker_destroy(rig_worker *self)
     free(self);
 }
 
-/* Takes the rig over, also on error. keep_path NULL: no file is written. */
-static mrt_result rig_worker_ask(rig_worker *self, rig *r, uint64_t number, const char *keep_path,
-                                 error *err)
+/* Takes all of it over, also on error. */
+static mrt_result rig_worker_ask(rig_worker *self, order *all, error *err)
 {
-    order *o = calloc(1, sizeof *o);
-    char *path = keep_path ? strdup(keep_path) : NULL;
-    if (!o || (keep_path && !path)) {
-        rig_destroy(r);
-        free(o);
-        free(path);
+    order *o = malloc(sizeof *o);
+    if (!o) {
+        rig_destroy(&all->rig);
+        free(all->keep_path);
         return error_set(err, MRT_ERR_MEMORY, "no memory to check the rig");
     }
-    *o = (order){*r, number, path};
-    *r = (rig){0};
+    *o = *all;
     (void)pthread_mutex_lock(&self->lock);
     order *before = self->waiting;
     self->waiting = o;
@@ -427,20 +421,30 @@ typedef enum draft_state { DRAFT_GOES = 0, DRAFT_DONE, DRAFT_LEFT /* by the mode
 /* It takes seconds, and a face that goes does not wait for it: its thread has all that it needs,
  * and the last one that is done with it, model or thread, frees it. */
 typedef struct drafting {
-    mesh mesh;
-    topology topology;
+    face_file file;  /* the mesh alone */
+    uint32_t *chain; /* a mouth is cut along it first; NULL: none. Of a head that lacks one where */
+    uint32_t chain_count; /* it may be cut, once it is drafted */
+    bool cuts;
     char *mesh_path;
     _Atomic draft_state state; /* what follows is [main]'s once it is done */
     rig rig;
     rig_model_drafted made;
 } drafting;
 
-struct rig_model {
+typedef struct surface {
     mesh mesh;
     topology topology;
+    brush *brush;
+} surface;
+
+struct rig_model {
+    surface whole;          /* the face as it was opened */
+    surface cut;            /* with the mouth that rigs of it cut; no brush: none does */
+    uint32_t *chain;        /* where one may be cut, which is asked; NULL: nowhere */
+    uint32_t chain_count;   /* of it */
+    uint64_t asked_number;  /* of the state that asks */
     char *mesh_path, *path; /* path: where the rig is saved */
     char *beside_path;      /* NULL: none */
-    brush *brush;
     rig_history *history;
     rig *changing; /* between begin and commit; NULL: none */
     rig_worker *worker;
@@ -484,9 +488,9 @@ static char *rig_path_for(const char *mesh_path, char **out_beside)
 static mrt_result copy_face(rig_model *self, const face_file *of, const char *path, error *err)
 {
     rig first = {0};
-    mrt_result result = mesh_copy(&self->mesh, &of->mesh, err);
+    mrt_result result = mesh_copy(&self->whole.mesh, &of->mesh, err);
     if (result >= 0)
-        result = topology_copy(&self->topology, &of->topology, err);
+        result = topology_copy(&self->whole.topology, &of->topology, err);
     if (result >= 0 && of->rig)
         result = rig_copy(&first, of->rig, err);
     if (result < 0)
@@ -512,9 +516,9 @@ mrt_result rig_model_create(rig_model **out, const face_file *of, const char *pa
     if (result >= 0 && !(self->keep_folder = strdup(keep_folder)))
         result = no_memory(err);
     if (result >= 0)
-        result = brush_create(&self->brush, &self->mesh, &self->topology, err);
+        result = brush_create(&self->whole.brush, &self->whole.mesh, &self->whole.topology, err);
     if (result >= 0)
-        result = rig_worker_create(&self->worker, &self->mesh, &self->topology, err);
+        result = rig_worker_create(&self->worker, err);
     if (result < 0)
         rig_model_destroy(self);
     else
@@ -536,10 +540,18 @@ static void keep_last_changes(rig_model *self)
         return; /* what was kept before is still there */
 }
 
-static void free_draft(drafting *self)
+static void surface_finish(surface *self)
 {
+    brush_destroy(self->brush);
     mesh_destroy(&self->mesh);
     topology_destroy(&self->topology);
+    *self = (surface){.brush = NULL};
+}
+
+static void free_draft(drafting *self)
+{
+    face_file_destroy(&self->file);
+    free(self->chain);
     free(self->mesh_path);
     rig_destroy(&self->rig);
     free(self->made.confirm);
@@ -566,11 +578,11 @@ void rig_model_destroy(rig_model *self)
         keep_last_changes(self);
     rig_work_destroy(self->work);
     free_file(self->for_stage);
-    brush_destroy(self->brush);
+    surface_finish(&self->whole);
+    surface_finish(&self->cut);
+    free(self->chain);
     rig_history_destroy(self->history);
     rig_keep_close(&self->keep);
-    mesh_destroy(&self->mesh);
-    topology_destroy(&self->topology);
     free(self->mesh_path);
     free(self->keep_folder);
     free(self->path);
@@ -586,19 +598,30 @@ const rig *rig_model_rig(const rig_model *self)
     return now->bone_count > 0 ? now : NULL;
 }
 
+/* What that rig is laid on; NULL: a mesh alone. */
+static const surface *surface_of(const rig_model *self, const rig *r)
+{
+    return r && r->cut_mouth && self->cut.brush ? &self->cut : &self->whole;
+}
+
+static const surface *surface_now(const rig_model *self)
+{
+    return surface_of(self, rig_model_rig(self));
+}
+
 const mesh *rig_model_mesh(const rig_model *self)
 {
-    return &self->mesh;
+    return &surface_now(self)->mesh;
 }
 
 const topology *rig_model_topology(const rig_model *self)
 {
-    return &self->topology;
+    return &surface_now(self)->topology;
 }
 
 brush *rig_model_brush(rig_model *self)
 {
-    return self->brush;
+    return surface_now(self)->brush;
 }
 
 const rig_work *rig_model_work(const rig_model *self)
@@ -639,8 +662,8 @@ static void offer_mesh_alone(rig_model *self)
 {
     face_file *file = calloc(1, sizeof *file);
     error err;
-    if (file && mesh_copy(&file->mesh, &self->mesh, &err) >= 0 &&
-        topology_copy(&file->topology, &self->topology, &err) >= 0) {
+    if (file && mesh_copy(&file->mesh, &self->whole.mesh, &err) >= 0 &&
+        topology_copy(&file->topology, &self->whole.topology, &err) >= 0) {
         self->for_stage = file;
         return;
     }
@@ -649,7 +672,8 @@ static void offer_mesh_alone(rig_model *self)
 
 static void ask(rig_model *self)
 {
-    rig copy;
+    const surface *on = surface_now(self);
+    order all = {.m = &on->mesh, .t = &on->topology, .number = self->edition};
     error err;
     const rig *now = rig_model_rig(self);
     bool keeps = now && !rig_model_is_saved(self);
@@ -658,11 +682,21 @@ static void ask(rig_model *self)
         offer_mesh_alone(self);
         return;
     }
-    if (rig_copy(&copy, now, &err) < 0)
+    if (rig_copy(&all.rig, now, &err) < 0)
         return;
     const char *keep_path = keeps ? rig_keep_begin(&self->keep) : NULL;
-    if (rig_worker_ask(self->worker, &copy, self->edition, keep_path, &err) < 0)
+    all.keep_path = keep_path ? strdup(keep_path) : NULL;
+    if (rig_worker_ask(self->worker, &all, &err) < 0)
         self->waits_s = RIG_MODEL_WAIT_S; /* later, with more memory */
+}
+
+/* Its face has other vertices than what is shown now. */
+static void drop_work_elsewhere(rig_model *self)
+{
+    if (!self->work || surface_of(self, &self->work->rig) == surface_now(self))
+        return;
+    rig_work_destroy(self->work);
+    self->work = NULL;
 }
 
 static bool take_work(rig_model *self)
@@ -672,6 +706,9 @@ static bool take_work(rig_model *self)
         return false;
     rig_work_destroy(self->work);
     self->work = work;
+    drop_work_elsewhere(self);
+    if (!self->work)
+        return true;
     if (work->file && rig_model_is_laid(self) && self->edition > 0) { /* 0 is there already */
         free_file(self->for_stage);
         self->for_stage = work->file;
@@ -717,6 +754,8 @@ static void has_changed(rig_model *self)
 {
     free_file(self->for_stage);
     self->for_stage = NULL;
+    leave_draft(self); /* it was of the state before */
+    drop_work_elsewhere(self);
     self->edition += 1;
     self->is_left = false;
     self->waits_s = RIG_MODEL_WAIT_S;
@@ -748,6 +787,8 @@ uint64_t rig_model_commit(rig_model *self)
     rig_history_push(self->history, self->changing);
     free(self->changing);
     self->changing = NULL;
+    if (rig_model_number(self) <= self->asked_number)
+        self->asked_number = 0; /* that state is no more */
     has_changed(self);
     return rig_model_number(self);
 }
@@ -781,14 +822,35 @@ static mrt_result commit_rig(rig_model *self, rig *r, uint64_t *out_number, erro
     return MRT_OK;
 }
 
+/* Only what can be cut is asked; the mesh has served. */
+static void try_cut(drafting *self)
+{
+    error ignored;
+    const face_file *file = &self->file;
+    if (rig_draft_mouth(&self->chain, &self->chain_count, &file->mesh, &file->topology, &ignored) <
+        0)
+        self->chain = NULL;
+    if (!self->chain ||
+        face_file_cut_mouth(&self->file, self->chain, self->chain_count, &ignored) >= 0)
+        return;
+    free(self->chain);
+    self->chain = NULL;
+}
+
 static void *make_draft(void *given)
 {
     drafting *self = given;
     rig_model_drafted *made = &self->made;
-    made->result = face_file_draft(&self->rig, &made->confirm, &self->mesh, &self->topology,
-                                   self->mesh_path, NULL, 0, &made->err);
+    if (self->cuts)
+        made->result = face_file_cut_mouth(&self->file, self->chain, self->chain_count, &made->err);
+    if (made->result >= 0)
+        made->result =
+            face_file_draft(&self->rig, &made->confirm, &self->file.mesh, &self->file.topology,
+                            self->mesh_path, self->chain, self->chain_count, &made->err);
     if (made->result < 0)
         self->rig = (rig){0};
+    else if (!self->cuts && rig_draft_is_clay(&self->rig))
+        try_cut(self);
     if (atomic_exchange(&self->state, DRAFT_DONE) == DRAFT_LEFT)
         free_draft(self);
     return NULL;
@@ -803,16 +865,20 @@ static mrt_result begin_draft(drafting *made, error *err)
     return MRT_OK;
 }
 
-mrt_result rig_model_draft(rig_model *self, error *err)
+/* chain: along which a mouth is cut, the draft's; NULL: none is. */
+static mrt_result draft(rig_model *self, uint32_t *chain, uint32_t count, error *err)
 {
-    if (self->draft)
-        return MRT_OK;
     drafting *made = calloc(1, sizeof *made);
-    if (!made)
+    if (!made) {
+        free(chain);
         return no_memory(err);
-    mrt_result result = mesh_copy(&made->mesh, &self->mesh, err);
+    }
+    made->cuts = chain != NULL;
+    made->chain = chain;
+    made->chain_count = count;
+    mrt_result result = mesh_copy(&made->file.mesh, &self->whole.mesh, err);
     if (result >= 0)
-        result = topology_copy(&made->topology, &self->topology, err);
+        result = topology_copy(&made->file.topology, &self->whole.topology, err);
     if (result >= 0 && !(made->mesh_path = strdup(self->mesh_path)))
         result = no_memory(err);
     if (result >= 0)
@@ -824,9 +890,51 @@ mrt_result rig_model_draft(rig_model *self, error *err)
     return result;
 }
 
+mrt_result rig_model_draft(rig_model *self, error *err)
+{
+    return self->draft ? MRT_OK : draft(self, NULL, 0, err);
+}
+
+bool rig_model_asks_mouth(const rig_model *self)
+{
+    return self->asked_number > 0 && self->asked_number == rig_model_number(self);
+}
+
+void rig_model_leave_clay(rig_model *self)
+{
+    self->asked_number = 0;
+}
+
+mrt_result rig_model_cut_mouth(rig_model *self, error *err)
+{
+    if (self->draft || !rig_model_asks_mouth(self))
+        return MRT_OK;
+    const size_t size = self->chain_count * sizeof *self->chain;
+    uint32_t *chain = malloc(size);
+    if (!chain)
+        return no_memory(err);
+    memcpy(chain, self->chain, size);
+    return draft(self, chain, self->chain_count, err);
+}
+
 bool rig_model_is_drafting(const rig_model *self)
 {
     return self->draft != NULL;
+}
+
+/* What rigs with a cut mouth are laid on: taken over. One head is cut in one place. */
+static mrt_result keep_cut(rig_model *self, face_file *file, error *err)
+{
+    if (self->cut.brush)
+        return MRT_OK;
+    self->cut.mesh = file->mesh;
+    self->cut.topology = file->topology;
+    file->mesh = (mesh){0};
+    file->topology = (topology){0};
+    mrt_result result = brush_create(&self->cut.brush, &self->cut.mesh, &self->cut.topology, err);
+    if (result < 0)
+        surface_finish(&self->cut);
+    return result;
 }
 
 bool rig_model_take_draft(rig_model *self, rig_model_drafted *out)
@@ -834,12 +942,24 @@ bool rig_model_take_draft(rig_model *self, rig_model_drafted *out)
     drafting *made = self->draft;
     if (!made || atomic_load(&made->state) != DRAFT_DONE)
         return false;
+    self->draft = NULL;
     *out = made->made;
+    out->has_cut = made->cuts;
     made->made.confirm = NULL;
-    if (out->result >= 0)
+    if (out->result >= 0 && made->cuts)
+        out->result = keep_cut(self, &made->file, &out->err);
+    if (out->result >= 0) {
         out->result = commit_rig(self, &made->rig, &out->number, &out->err);
-    made->rig = (rig){0}; /* it was taken over */
-    leave_draft(self);
+        made->rig = (rig){0}; /* it was taken over */
+    }
+    if (out->result >= 0 && !made->cuts && made->chain) {
+        free(self->chain);
+        self->chain = made->chain;
+        self->chain_count = made->chain_count;
+        self->asked_number = out->number;
+        made->chain = NULL;
+    }
+    free_draft(made);
     return true;
 }
 
@@ -889,10 +1009,32 @@ bool rig_model_has_kept(const rig_model *self)
     return rig_keep_has_old(&self->keep);
 }
 
+/* A rig of another time that cuts the mouth of this mesh. */
+static mrt_result cut_for(rig_model *self, const rig *r, error *err)
+{
+    face_file file = {.rig = NULL};
+    if (!r->cut_mouth || self->cut.brush || r->mesh_vertex_count == self->whole.mesh.vertex_count)
+        return MRT_OK;
+    mrt_result result = mesh_copy(&file.mesh, &self->whole.mesh, err);
+    if (result >= 0)
+        result = face_file_cut_mouth(&file, r->cut_mouth, r->cut_mouth_count, err);
+    if (result >= 0)
+        result = keep_cut(self, &file, err);
+    face_file_destroy(&file);
+    return result;
+}
+
 mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err)
 {
     rig kept;
-    mrt_result result = rig_keep_read(&self->keep, &kept, &self->mesh, err);
+    mrt_result result = rig_keep_read(&self->keep, &kept, err);
+    if (result < 0)
+        return result;
+    result = cut_for(self, &kept, err);
+    if (result >= 0)
+        result = rig_keep_take(&self->keep, &kept, &surface_of(self, &kept)->mesh, err);
+    if (result < 0)
+        rig_destroy(&kept);
     return result < 0 ? result : commit_rig(self, &kept, out_number, err);
 }
 

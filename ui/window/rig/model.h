@@ -16,7 +16,7 @@ typedef struct rig_work { /* about one state of the rig */
     rig rig;
     mrt_result result; /* < 0: it cannot be performed; the findings say why */
     face_file *file;   /* for the stage, a copy of everything; NULL: result < 0, or it was taken */
-    face *face;        /* to try it; NULL: result < 0. Of `rig` here and of the worker's mesh */
+    face *face;        /* to try it; NULL: result < 0. Of `rig` here and of the model's mesh */
     rig_findings findings;
     uint32_t *region_size; /* rig.region_count: vertices that it selects */
     mrt_result kept;       /* of writing the file */
@@ -34,8 +34,8 @@ void rig_model_destroy(rig_model *self); /* NULL is fine */
 /* Each frame: asks the worker a while after the last change. True: rig_model_work is another. */
 bool rig_model_update(rig_model *self, double dt_s);
 
-const rig *rig_model_rig(const rig_model *self); /* NULL: a mesh alone; until the next change */
-const mesh *rig_model_mesh(const rig_model *self);
+const rig *rig_model_rig(const rig_model *self);   /* NULL: a mesh alone; until the next change */
+const mesh *rig_model_mesh(const rig_model *self); /* these three: another where a mouth is cut */
 const topology *rig_model_topology(const rig_model *self);
 brush *rig_model_brush(rig_model *self);
 /* About the newest state that is laid; NULL: none yet. Until the next update. */
@@ -63,9 +63,15 @@ typedef struct rig_model_drafted {
     error err;
     char *confirm;   /* to be freed; lines to look at */
     uint64_t number; /* of the change that it is */
+    bool has_cut;    /* a mouth */
 } rig_model_drafted;
 /* True once, when it is done. */
 bool rig_model_take_draft(rig_model *self, rig_model_drafted *out);
+/* The rig is a draft of a head without a slit between its lips, where a mouth can be cut: it is
+ * drafted again with one, as it was drafted, or stays clay. */
+bool rig_model_asks_mouth(const rig_model *self);
+CHECKED mrt_result rig_model_cut_mouth(rig_model *self, error *err);
+void rig_model_leave_clay(rig_model *self);
 
 /* ---- files ---- */
 

@@ -328,8 +328,11 @@ static const float chosen_rgba[4] = {0.98f, 0.74f, 0.28f, 1.0f};
 static bool allocate(rig_shown *shown, uint32_t vertex_count)
 {
     size_t count = (size_t)vertex_count + 1;
-    if (shown->rgb)
+    if (shown->rgb && shown->vertex_count == vertex_count)
         return true;
+    rig_panel_shown_finish(shown);
+    shown->vertex_count = vertex_count;
+    shown->is_tint_new = shown->is_shape_new = true;
     shown->rgb = calloc(count * 3, sizeof *shown->rgb);
     shown->share = calloc(count, sizeof *shown->share);
     shown->position = calloc(count * 3, sizeof *shown->position);

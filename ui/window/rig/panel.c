@@ -712,6 +712,31 @@ static void draw_summary(const rig_work *work, const rig *r, bool is_laid, ui *o
     ui_text_wrapped(on, errors ? UI_STYLE_BAD : warnings ? UI_STYLE_WARNING : UI_STYLE_GOOD, text);
 }
 
+static void rig_panel_cut_mouth(rig_panel *self)
+{
+    error err = {""};
+    rig_panel_say(self, rig_model_cut_mouth(self->model, &err) < 0 ? err.text : "");
+}
+
+/* As the empty stage asks it too. */
+static void draw_mouth_question(rig_panel *self, ui *on)
+{
+    if (!rig_model_asks_mouth(self->model))
+        return;
+    const bool is_cutting = rig_model_is_drafting(self->model);
+    ui_text_wrapped(on, UI_STYLE_BODY, is_cutting ? "Cutting the mouth..." : APP_MOUTH_QUESTION);
+    ui_disabled_begin(on, is_cutting);
+    if (ui_button(on, "Cut the mouth", UI_ACCENT))
+        rig_panel_cut_mouth(self);
+    ui_hint(on, APP_MOUTH_CUT_HINT);
+    ui_same_line(on);
+    if (ui_button(on, "Perform as clay", UI_PLAIN))
+        rig_model_leave_clay(self->model);
+    ui_hint(on, APP_MOUTH_CLAY_HINT);
+    ui_disabled_end(on);
+    ui_space(on, 6.0f);
+}
+
 static void rig_panel_draw_check(rig_panel *self, ui *on)
 {
     const rig_work *work = rig_model_work(self->model);
@@ -726,6 +751,7 @@ static void rig_panel_draw_check(rig_panel *self, ui *on)
     ui_space(on, 4.0f);
     draw_summary(work, r, rig_model_is_laid(self->model), on);
     ui_space(on, 4.0f);
+    draw_mouth_question(self, on);
     for (uint32_t i = 0; i < found->count; ++i)
         if (found->item[i].severity != RIG_NOTE)
             draw_finding(self, on, r, &found->item[i], i);
@@ -1040,7 +1066,7 @@ static void take_draft(rig_panel *self)
     }
     free(self->confirm);
     self->confirm = made.confirm;
-    rig_panel_note_step(self, made.number, "draft");
+    rig_panel_note_step(self, made.number, made.has_cut ? "cut the mouth" : "draft");
     rig_panel_choose(self, RIG_TAB_CHECK, 0);
     if (!self->is_seen) {
         char text[128], keys[KEY_WORDS + 4];
@@ -1051,9 +1077,27 @@ static void take_draft(rig_panel *self)
     }
 }
 
+/* What is edited is what the viewport shows: a mouth that was cut, or is whole again, comes to the
+ * stage a moment later. */
+static bool is_on_stage(const rig_panel *self, const face_file *before)
+{
+    const face_file *file = app_face(self->of);
+    return file && file == before &&
+           file->mesh.vertex_count == rig_model_mesh(self->model)->vertex_count;
+}
+
+static void answer_mouth(rig_panel *self, app_mouth answer)
+{
+    if (answer == APP_MOUTH_CUT)
+        rig_panel_cut_mouth(self);
+    else if (answer == APP_MOUTH_CLAY)
+        rig_model_leave_clay(self->model);
+}
+
 static void update(panel *self_, double dt_s)
 {
     rig_panel *self = &self_->of;
+    const face_file *before = app_face(self->of);
     viewport *view = app_viewport(self->of);
     follow_face(self, dt_s);
     self->is_draft_wanted |= app_take_draft(self->of);
@@ -1062,6 +1106,7 @@ static void update(panel *self_, double dt_s)
         if (self->is_draft_wanted && !rig_model_rig(self->model))
             begin_draft(self);
         self->is_draft_wanted = false;
+        answer_mouth(self, app_take_mouth(self->of));
         take_draft(self);
         if (app_take_request(self->of, ACTION_SAVE))
             save_as_asked(self);
@@ -1073,7 +1118,8 @@ static void update(panel *self_, double dt_s)
         keep_choices(self);
     }
     app_note_drafting(self->of, self->model && rig_model_is_drafting(self->model));
-    if (view && self->model && self->is_seen)
+    app_note_mouth_asked(self->of, self->model && rig_model_asks_mouth(self->model));
+    if (view && self->model && self->is_seen && is_on_stage(self, before))
         rig_panel_face(self, view);
     else if (view)
         rig_panel_release(self, view);

@@ -70,6 +70,7 @@ typedef struct rig_parting {    /* bones, what skin does not enter, poses */
 typedef struct rig_shown {       /* what the viewport was told */
     bool is_released;            /* nothing: the panel is not seen */
     bool is_tinted, is_tint_new; /* new: it is to be told again */
+    uint32_t vertex_count;       /* of the memory below */
     float *rgb, *share;          /* vertex_count by 3; vertex_count */
     float *position, *normal;    /* vertex_count by 3: of the jaw that is tried */
     float *scratch;              /* 6 by vertex_count */
