@@ -100,6 +100,7 @@ typedef struct mesh {
     mesh_attribute *attribute;
     mesh_target *target;
     uint32_t image_count, material_count, part_count, attribute_count, target_count;
+    uint32_t undrawn_count; /* pictures of the file that could not be had */
     /* The skeleton at rest, which is how the positions stand. */
     mesh_joint *joint;
     uint32_t joint_count;

@@ -237,6 +237,26 @@ static void a_picture_that_cannot_be_had_is_told(void **state)
     }
 }
 
+static void of_many_pictures_that_cannot_be_had_one_is_told_and_the_others_counted(void **state)
+{
+    (void)state;
+    mesh m;
+    error err = {""};
+    assert_int_equal(parse(&m, ",'TEXCOORD_0':1",
+                           "'materials':[{'pbrMetallicRoughness':{'baseColorTexture':{'index':0}},"
+                           "'emissiveTexture':{'index':1},'normalTexture':{'index':2}}],"
+                           "'textures':[{'source':0},{'source':1},{'source':2}],"
+                           "'images':[{'uri':'a.png'},{'uri':'b.png'},{'uri':'c.png'}]",
+                           SOURCE_DIR "/rigs/", &err),
+                     MRT_OK);
+    mesh_images_decode(&m);
+    const char *first = strstr(m.note, "the picture \"");
+    assert_non_null(first);
+    assert_null(strstr(first + 1, "the picture \""));
+    assert_non_null(strstr(m.note, "\n2 more of its pictures are not drawn\n"));
+    mesh_destroy(&m);
+}
+
 static mesh decode_of(const void *bytes, size_t size)
 {
     memcpy(buffer.picture, bytes, size);
@@ -321,6 +341,7 @@ int main(void)
         cmocka_unit_test(toon_and_unlit_are_known),
         cmocka_unit_test(pictures_are_decoded_in_the_child),
         cmocka_unit_test(a_picture_that_cannot_be_had_is_told),
+        cmocka_unit_test(of_many_pictures_that_cannot_be_had_one_is_told_and_the_others_counted),
         cmocka_unit_test(damaged_and_foreign_pictures_are_told),
         cmocka_unit_test(nonsense_is_refused),
     };

@@ -51,6 +51,8 @@ mrt_result mesh_image_add(mesh *m, uint32_t *out_image, const char *name, const 
 void mesh_image_note(mesh *m, const char *name, const char *why)
 {
     char clean[MESH_BUILD_NAME_LENGTH_MAX + 1];
+    if (m->undrawn_count++ > 0)
+        return;
     text_copy(clean, sizeof clean, text_view_of(name, strlen(name)));
     mesh_note(m, "the picture \"%s\" is not drawn: %s", clean, why);
 }
@@ -75,12 +77,10 @@ static void take(mesh_image *image, decode_job *job)
     job->out = NULL;
 }
 
-void mesh_images_decode(mesh *m)
+static void decode_all(mesh *m)
 {
     error failed = {"no memory"};
-    decode_job *job = m->image_count ? calloc(m->image_count, sizeof *job) : NULL;
-    if (m->image_count == 0)
-        return;
+    decode_job *job = calloc(m->image_count, sizeof *job);
     for (uint32_t i = 0; job && i < m->image_count; ++i) {
         job[i].order.kind = DECODE_IMAGE;
         job[i].order.side_max = side_max_for(m->image_count);
@@ -101,4 +101,12 @@ void mesh_images_decode(mesh *m)
         image->encoded_size = 0;
     }
     free(job);
+}
+
+void mesh_images_decode(mesh *m)
+{
+    if (m->image_count > 0)
+        decode_all(m);
+    if (m->undrawn_count > 1)
+        mesh_note(m, "%u more of its pictures are not drawn", m->undrawn_count - 1);
 }

@@ -14,7 +14,7 @@ CHECKED mrt_result mesh_image_room(const mesh *m, error *err);
  */
 CHECKED mrt_result mesh_image_add(mesh *m, uint32_t *out_image, const char *name, const void *data,
                                   size_t size, budget *b, error *err);
-/* Notes that a picture is not drawn, and why. */
+/* A picture is not drawn: of the first the note says why, of others how many there are. */
 void mesh_image_note(mesh *m, const char *name, const char *why);
 
 /* Decodes all that are still encoded, in the child process; at most 256 MB of pixels, so many small
