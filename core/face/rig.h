@@ -143,6 +143,7 @@ typedef struct rig {
     double shapes;         /* 0..1: how far the mesh's own shapes answer pulls; 1: not said */
     void *document;        /* the JSON as read, for what this version does not know */
     char *note;            /* unknown keys and the like, lines ended by \n; NULL: nothing */
+    size_t copied_bytes;   /* of memory that rig_copy has taken for it; 0: it is no copy */
 } rig;
 
 /* What it names must lie in its folder or below (file_check_below), and is paid out of a budget.

@@ -58,10 +58,10 @@ grep -E 'AddressSanitizer|LeakSanitizer|ThreadSanitizer|runtime error|Assertion'
 [ "$(json frames)" -gt $((seconds / 4)) ] || fail "only $(json frames) frames were drawn"
 [ "$(json samples)" -gt $((seconds * 5)) ] || fail "only $(json samples) samples were performed"
 
-# What is kept to scrub from has a bound of its own and goes with its take: it is no growth.
+# What is kept to scrub from, and what is kept to undo, have bounds of their own: they are no growth.
 used_mb() { # from to: the least of these rounds
     awk -v from="$1" -v to="$2" \
-        '/^memory round/ && $3 + 0 >= from && $3 + 0 <= to { mb = $4 - $(NF - 1); if (!n++ || mb < least) least = mb }
+        '/^memory round/ && $3 + 0 >= from && $3 + 0 <= to { mb = $4 - $11 - $16; if (!n++ || mb < least) least = mb }
          END { printf "%d\n", least }' stderr.txt
 }
 grep '^memory round' stderr.txt

@@ -166,6 +166,7 @@ uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t
 
 typedef struct copying {
     bool failed; /* no memory: what is copied from then on is NULL */
+    size_t bytes;
 } copying;
 
 static void *copy_array(copying *c, const void *from, size_t count, size_t item_size)
@@ -174,6 +175,7 @@ static void *copy_array(copying *c, const void *from, size_t count, size_t item_
         return NULL;
     void *out = malloc(count * item_size + 1);
     c->failed = c->failed || !out;
+    c->bytes += count * item_size;
     if (out)
         memcpy(out, from, count * item_size);
     return out;
@@ -185,6 +187,7 @@ static void *copy_roomy(copying *c, const void *from, size_t count, size_t capac
 {
     void *out = calloc(capacity + 1, item_size);
     c->failed = c->failed || !out;
+    c->bytes += (capacity + 1) * item_size;
     if (out && count > 0)
         memcpy(out, from, count * item_size);
     return out;
@@ -203,8 +206,8 @@ static void copy_select(copying *c, rig_select *out, const rig_select *from)
     out->first = copy_array(c, from->first, from->range_count, sizeof *from->first);
     out->last = copy_array(c, from->last, from->range_count, sizeof *from->last);
     out->value = copy_array(c, from->value, from->range_count, sizeof *from->value);
-    out->child = from->child_count ? calloc(from->child_count, sizeof *out->child) : NULL;
-    c->failed = c->failed || (from->child_count && !out->child);
+    out->child =
+        from->child_count ? copy_roomy(c, NULL, 0, from->child_count, sizeof *out->child) : NULL;
     for (uint32_t i = 0; out->child && i < from->child_count; ++i)
         copy_select(c, &out->child[i], &from->child[i]);
 }
@@ -240,8 +243,8 @@ static void copy_pose(copying *c, rig_pose *out, const rig_pose *from)
 {
     uint32_t dof_count = from->dof_count, pull_count = from->pull_count;
     out->name = copy_text(c, from->name);
-    out->dof_name = from->dof_name ? calloc(dof_count + 1u, sizeof *out->dof_name) : NULL;
-    c->failed = c->failed || (from->dof_name && !out->dof_name);
+    out->dof_name =
+        from->dof_name ? copy_roomy(c, NULL, 0, dof_count, sizeof *out->dof_name) : NULL;
     for (uint32_t i = 0; out->dof_name && i < dof_count; ++i)
         out->dof_name[i] = copy_text(c, from->dof_name[i]);
     out->dof_value = copy_array(c, from->dof_value, dof_count, sizeof *from->dof_value);
@@ -270,7 +273,7 @@ static void copy_sets(copying *c, rig *out, const rig *r)
 
 mrt_result rig_copy(rig *out, const rig *r, error *err)
 {
-    copying c = {false};
+    copying c = {.bytes = sizeof *out};
     *out = *r;
     copy_bones(&c, out, r);
     copy_regions(&c, out, r);
@@ -285,6 +288,7 @@ mrt_result rig_copy(rig *out, const rig *r, error *err)
     out->note = copy_text(&c, r->note);
     if (r->document)
         rig_document_hold(r->document);
+    out->copied_bytes = c.bytes;
     if (!c.failed)
         return MRT_OK;
     rig_destroy(out);

@@ -251,6 +251,7 @@ typedef struct app_step {
 /* Takes step->data over, and forgets it when the step can be neither undone nor redone any more:
  * another one is done after it was undone, or APP_UNDO_MAX steps or APP_UNDO_BYTES after it. */
 void app_did(app *self, const app_step *step);
+size_t app_undo_bytes(const app *self); /* of all steps that are kept */
 void app_forget_steps(app *self, const void *owner);
 
 /* Work that is not on the disk yet (a rig): whoever has some says so. The title has a dot then, and

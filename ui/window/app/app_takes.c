@@ -41,6 +41,11 @@ static void put(app *self, const app_done *step)
     self->done_bytes += step->step.bytes;
 }
 
+size_t app_undo_bytes(const app *self)
+{
+    return self->done_bytes;
+}
+
 /* ---- steps of takes ---- */
 
 /* An edit that is made after an undo abandons the edits behind it: no step leads there any more. */

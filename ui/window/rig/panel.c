@@ -811,7 +811,12 @@ static void redo(void *owner, void *data)
 
 static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words)
 {
-    app_step step = {.owner = self, .undo = undo, .redo = redo, .data = (void *)(uintptr_t)number};
+    const rig *made = rig_model_rig(self->model);
+    app_step step = {.owner = self,
+                     .undo = undo,
+                     .redo = redo,
+                     .data = (void *)(uintptr_t)number,
+                     .bytes = made ? made->copied_bytes : 0};
     (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
     app_clear_pulls(self->of);
     app_did(self->of, &step);
