@@ -11,6 +11,7 @@
 #include "face/rig_edit.h"
 #include "stage/perform/face_file.h"
 #include "window/rig/model.h"
+#include "closed_moai.h"
 
 #include <dirent.h>
 #include <math.h>
@@ -293,35 +294,6 @@ static void a_mesh_alone_is_drafted_and_saved_beside_it(void **state)
     face_file_destroy(&file);
 }
 
-/* The Moai without its bag, its lips grown together and the groove between them filled. */
-static void write_closed(const char *path)
-{
-    face_file moai;
-    error err = {""};
-    if (face_file_read(&moai, SOURCE_DIR "/rigs/moai/moai.glb", NULL, FACE_FILE_ANY, &err) < 0)
-        fail_msg("%s", err.text);
-    const mesh *m = &moai.mesh;
-    assert_string_equal(m->part[m->part_count - 1].name, "mouth");
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        const float *p = m->position + (size_t)3 * v;
-        const double x = (double)p[0], y = (double)p[1], z = (double)p[2];
-        const bool is_mouth = fabs(x) < 55.0 && fabs(y + 64.0) < 16.0 && z > 20.0;
-        (void)fprintf(file, "v %.9g %.9g %.9g\n", x, y,
-                      is_mouth ? fmax(z, 59.5 - 0.006 * x * x) : z);
-    }
-    for (uint32_t i = 0; i < 3 * m->part[m->part_count - 1].first_triangle; ++i) {
-        const float *p = m->position + (size_t)3 * m->triangle[i];
-        uint32_t v = 0;
-        while (memcmp(p, m->position + (size_t)3 * v, 3 * sizeof *p) != 0)
-            ++v;
-        (void)fprintf(file, "%s%u%s", i % 3 ? " " : "f ", v + 1, i % 3 == 2 ? "\n" : "");
-    }
-    assert_int_equal(fclose(file), 0);
-    face_file_destroy(&moai);
-}
-
 static rig_model_drafted wait_for_draft(rig_model *model)
 {
     rig_model_drafted made;
@@ -338,7 +310,7 @@ static void a_cut_mouth_is_a_change_and_kept_like_one(void **state)
     (void)state;
     error err = {""};
     uint64_t number;
-    write_closed(in_folder("closed.obj"));
+    write_closed_moai(in_folder("closed.obj"));
     rig_model *model = open_model("closed.obj");
     const uint32_t whole = rig_model_mesh(model)->vertex_count;
     must(rig_model_draft(model, &err), &err);
