@@ -9,6 +9,10 @@ uint64_t memory_resident(void);
  * use; of small things up to 16 MiB are kept for the next ones: to give them back and fault them in
  * again cost a fifth of the time to the first face. Once, at the start. */
 void memory_set_up(void);
+/* From now on small things go back too, where there is a way. */
+void memory_started(void);
+/* Bytes that the program has asked for and not freed; 0: the system does not say. */
+uint64_t memory_in_use(void);
 /* What was freed between small things goes back too. It takes some milliseconds: after something
  * large has gone, and not on the frame thread. */
 void memory_give_back(void);

@@ -522,9 +522,11 @@ static mrt_result do_calm(script *self, const script_stage *on)
 /* For tests: to where errors go, so that the facts of --json stay alone. */
 static void tell_memory(const command *c, const script_stage *on)
 {
-    fprintf(stderr, "memory %s: %.1f MB, of it to scrub from %.1f MB and to undo %.1f MB\n",
+    fprintf(stderr,
+            "memory %s: %.1f MB, of it to scrub from %.1f MB and to undo %.1f MB; asked for and "
+            "not freed %.1f MB\n",
             c->text, (double)memory_resident() / 1e6, (double)app_status(on->app)->kept_bytes / 1e6,
-            (double)app_undo_bytes(on->app) / 1e6);
+            (double)app_undo_bytes(on->app) / 1e6, (double)memory_in_use() / 1e6);
 }
 
 /* MRT_END: this command is done. */

@@ -9,6 +9,7 @@
 #include "window/viewport/viewport.h"
 
 #include "base/clock.h"
+#include "base/memory.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -1052,9 +1053,10 @@ static void note_face(workspace *self)
     const live_view *view = app_view(self->app);
     if (view->number == 0 || view->number == self->face_shown)
         return;
-    if (self->face_shown == 0)
+    if (self->face_shown == 0) {
         self->first_face_s = running_s();
-    else if (view->sample_ns > 0 && view->mode != LIVE_SHOWS)
+        memory_started();
+    } else if (view->sample_ns > 0 && view->mode != LIVE_SHOWS)
         figures_add(&self->latency_ms, ms_between(view->sample_ns, clock_now_ns()));
     self->face_shown = view->number;
 }
