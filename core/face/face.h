@@ -101,6 +101,10 @@ uint32_t face_shapes_of(const mesh *m);
 /* Those that move something; the names are the mesh's. */
 uint32_t face_shape_count(const face *f);
 const char *face_shape_name(const face *f, uint32_t index);
+/* out: face_shape_count; how much of each is in what is called so: 1 of shapes of that name
+ * (ARKit's whoever writes it, "eyeBlink_L"), else their weights in the mesh's expression of that
+ * name. False: all are 0. */
+bool face_shape_parts(const face *f, const char *name, float *out);
 /* Of the frame, 0..1: as given, less than asked for where skin would fold. */
 double face_shape_weight(const face *f, uint32_t index);
 /* What bones do of it at weight 1: MRT_MAX_DOFS; until destroy. */

@@ -3,8 +3,9 @@
  * shows, whoever pulls it and however: by bounded least squares over some hundred points of its
  * skin and the degrees of freedom of its bones.
  *
- * What a name means is the mesh's own shape of that name (face_shape_name), else the rig's pose of
- * that name. A shape is bones at theta_k and, with these taken back, offsets d_k of the points.
+ * What a name means is the mesh's own shape of that name (face_shape_parts: or its expression),
+ * else the rig's pose. A shape is bones at theta_k and, with these taken back, offsets d_k of the
+ * points.
  * With y the offsets of the points shown, the bones taken back likewise, and t the degrees of
  * freedom: min sum_i |y_i - sum_k w_k d_ik|^2 + sum_j s_j^2 (t_j - sum_k w_k theta_jk)^2 + ridge,
  *   0 <= w_k <= 1

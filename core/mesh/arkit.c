@@ -93,3 +93,11 @@ uint32_t arkit_find(const char *name)
     }
     return ARKIT_NONE;
 }
+
+bool arkit_is_same_name(const char *a, const char *b)
+{
+    if (strcmp(a, b) == 0)
+        return true;
+    uint32_t of = arkit_find(a);
+    return of < ARKIT_SHAPES && arkit_find(b) == of;
+}

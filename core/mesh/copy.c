@@ -70,6 +70,13 @@ static void copy_targets(copying *c, mesh *out, const mesh *m)
     }
 }
 
+static void copy_expressions(copying *c, mesh *out, const mesh *m)
+{
+    out->expression = copy_array(c, m->expression, m->expression_count, sizeof *m->expression);
+    for (uint32_t i = 0; out->expression && i < m->expression_count; ++i)
+        out->expression[i].name = copy_text(c, m->expression[i].name);
+}
+
 static void copy_skin(copying *c, mesh *out, const mesh *m)
 {
     out->joint = copy_array(c, m->joint, m->joint_count, sizeof *m->joint);
@@ -99,6 +106,7 @@ mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
     copy_parts(&c, out, m);
     copy_attributes(&c, out, m);
     copy_targets(&c, out, m);
+    copy_expressions(&c, out, m);
     copy_skin(&c, out, m);
     out->path = copy_text(&c, m->path);
     out->note = copy_text(&c, m->note);

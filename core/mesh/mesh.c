@@ -66,6 +66,9 @@ void mesh_destroy(mesh *m)
         free(m->target[i].name);
         free(m->target[i].offset);
     }
+    for (uint32_t i = 0; m->expression && i < m->expression_count; ++i)
+        free(m->expression[i].name);
+    free(m->expression);
     for (uint32_t i = 0; m->image && i < m->image_count; ++i) {
         free(m->image[i].name);
         free(m->image[i].encoded);

@@ -71,6 +71,14 @@ typedef struct mesh_target { /* a morph target */
     float *offset; /* vertex_count by 3, mm, to be added to position */
 } mesh_target;
 
+/* A shape's part in what a face shows under a word of its own: VRM's expressions, one row for each
+ * shape; the rows of one expression follow each other. */
+typedef struct mesh_expression {
+    char *name;      /* VRM 1.0's word ("aa", "happy", "blinkLeft"), else the file's */
+    uint32_t target; /* index into mesh.target */
+    float weight;    /* 0..1: of the shape, where the expression is whole */
+} mesh_expression;
+
 /* A joint of a skeleton. Parents come before their children. */
 typedef struct mesh_joint {
     char *name;      /* of its node; "" when the file has none */
@@ -99,7 +107,9 @@ typedef struct mesh {
     mesh_part *part;
     mesh_attribute *attribute;
     mesh_target *target;
+    mesh_expression *expression;
     uint32_t image_count, material_count, part_count, attribute_count, target_count;
+    uint32_t expression_count;
     uint32_t undrawn_count; /* pictures of the file that could not be had */
     /* The skeleton at rest, which is how the positions stand. */
     mesh_joint *joint;

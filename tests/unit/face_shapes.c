@@ -6,6 +6,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
+#include "face/face_weights.h"
 #include "unit/allocation_count.h"
 #include "unit/face_scene.h"
 
@@ -237,6 +238,53 @@ static void a_shape_that_is_asked_for_is_that_shape(void **state)
     must(face_pull(s.scene.face, NULL, NULL, &err), &err);
     assert_true(greatest_off(&s, SMILE, 0.0) < 1e-6);
     face_destroy(s.scene.face);
+}
+
+/* VRM's: what is asked for in its words, and said to other programs. */
+static void words_of_the_file_are_sums_of_its_shapes(void **state)
+{
+    static shaped s;
+    static float shown[SCENE_VERTICES][3];
+    static mesh_expression rows[] = {{"eyeBlinkRight", STILL, 1.0f},
+                                     {"happy", BROW_UP, 0.5f},
+                                     {"happy", SMILE, 1.0f},
+                                     {"jawOpen", SMILE, 1.0f}};
+    float part[SHAPES];
+    face_weights *weights;
+    error err = {""};
+    (void)state;
+    make(&s);
+    face *f = s.scene.face;
+    s.scene.mesh.expression = rows;
+    s.scene.mesh.expression_count = 4;
+    assert_true(face_shape_parts(f, "happy", part));
+    for (uint32_t i = 0; i < face_shape_count(f); ++i)
+        assert_true(part[i] == (strcmp(face_shape_name(f, i), "smile") == 0    ? 1.0f
+                                : strcmp(face_shape_name(f, i), "browUp") == 0 ? 0.5f
+                                                                               : 0.0f));
+    /* A shape's own name comes first; one that moves nothing is no part of anything. */
+    assert_true(face_shape_parts(f, "JawOpen", part));
+    for (uint32_t i = 0; i < face_shape_count(f); ++i)
+        assert_true(part[i] == (strcmp(face_shape_name(f, i), "jawOpen") == 0 ? 1.0f : 0.0f));
+    assert_false(face_shape_parts(f, "eyeBlinkRight", part));
+    assert_false(face_shape_parts(f, "sad", part));
+
+    must(face_weights_create(&weights, f, &s.scene.rig, &s.scene.mesh, &err), &err);
+    assert_true(face_shape_parts(f, "happy", part));
+    for (uint32_t i = 0; i < face_shape_count(f); ++i)
+        part[i] *= 0.6f;
+    face_ask_shapes(f, part);
+    must(face_pull(f, NULL, NULL, &err), &err);
+    points_to_rows(shown[0], face_shown(f), face_order(f));
+    const face_said *said = face_weights_solve(weights, shown[0], face_metered(f)->dof);
+    for (uint32_t i = 0; i < FACE_EXPRESSIONS; ++i) {
+        const char *name = face_expression_name[i];
+        double wanted = strcmp(name, "happy") == 0 ? 0.6 : strcmp(name, "neutral") == 0 ? 0.4 : 0.0;
+        if (!(fabs(said->expression[i] - wanted) < 0.02))
+            fail_msg("%s: %.3f", name, said->expression[i]);
+    }
+    face_weights_destroy(weights);
+    face_destroy(f);
 }
 
 /* Hands that hold the face still let it smile; what they pull adds to it. */
@@ -595,6 +643,7 @@ int main(void)
         cmocka_unit_test(contacts_land_whatever_is_pulled),
         cmocka_unit_test(bones_and_shapes_do_the_work_once),
         cmocka_unit_test(a_shape_that_is_asked_for_is_that_shape),
+        cmocka_unit_test(words_of_the_file_are_sums_of_its_shapes),
         cmocka_unit_test(pulls_add_to_what_is_asked_for),
         cmocka_unit_test(what_is_held_back_does_not_jump),
         cmocka_unit_test(rigid_parts_stay_rigid),

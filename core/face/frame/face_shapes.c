@@ -18,6 +18,7 @@
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
 #include "face/frame/strain.h"
+#include "mesh/arkit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -487,7 +488,10 @@ static mrt_result learn_shape(learning *l, uint32_t target, float *kept, error *
     face_shapes *s = &f->shapes;
     face_shape *one = &s->shape[s->count];
     rigid pose[RIG_BONES_MAX];
-    *one = (face_shape){.name = l->m->target[target].name, .size_mm = size_of(l, target)};
+    *one = (face_shape){.name = l->m->target[target].name,
+                        .target = target,
+                        .arkit = arkit_find(l->m->target[target].name),
+                        .size_mm = size_of(l, target)};
     read_shape(l, target);
     for (uint32_t bone = 0; bone < f->bone_count; ++bone)
         if (dofs_of(&f->bones, bone) > 0)
@@ -584,6 +588,7 @@ mrt_result face_shapes_create(face *f, const mesh *m, error *err)
     learning l = {.f = f, .m = m};
     uint32_t count = face_shapes_of(m);
     size_t each = (size_t)3 * f->rest.padded_count;
+    s->m = m;
     s->amount = 1.0;
     s->derived = NOT_KNOWN;
     if (!f->wants_shapes || !f->rig || count == 0)
@@ -1088,6 +1093,27 @@ uint32_t face_shape_count(const face *f)
 const char *face_shape_name(const face *f, uint32_t index)
 {
     return f->shapes.shape[index].name;
+}
+
+bool face_shape_parts(const face *f, const char *name, float *out)
+{
+    const face_shapes *s = &f->shapes;
+    const uint32_t of = arkit_find(name);
+    bool is_there = false;
+    for (uint32_t i = 0; i < s->count; ++i) {
+        const face_shape *one = &s->shape[i];
+        out[i] = strcmp(one->name, name) == 0 || (of < ARKIT_SHAPES && one->arkit == of);
+        is_there = is_there || out[i] > 0.0f;
+    }
+    for (uint32_t r = 0; !is_there && s->count > 0 && r < s->m->expression_count; ++r) {
+        const mesh_expression *row = &s->m->expression[r];
+        for (uint32_t i = 0; i < s->count && arkit_is_same_name(row->name, name); ++i)
+            if (s->shape[i].target == row->target)
+                out[i] = row->weight;
+    }
+    for (uint32_t i = 0; i < s->count; ++i)
+        is_there = is_there || out[i] > 0.0f;
+    return is_there;
 }
 
 const float *face_shape_dofs(const face *f, uint32_t index)

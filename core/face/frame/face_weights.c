@@ -125,7 +125,22 @@ typedef struct meaning {
     double dof[MRT_MAX_DOFS];
 } meaning;
 
-enum { VISEME_MEANING = ARKIT_SHAPES, MEANINGS = ARKIT_SHAPES + FACE_VISEMES };
+enum {
+    VISEME_MEANING = ARKIT_SHAPES,
+    EXPRESSION_MEANING = VISEME_MEANING + FACE_VISEMES, /* those that are found together */
+    MEANINGS = EXPRESSION_MEANING + OH + 1
+};
+
+/* VRM's words for what the 52 and the visemes call otherwise. */
+static const struct {
+    const char *expression, *name;
+} same_word[] = {{"blinkLeft", "eyeBlinkLeft"},
+                 {"blinkRight", "eyeBlinkRight"},
+                 {"aa", "viseme_aa"},
+                 {"ee", "viseme_E"},
+                 {"ih", "viseme_I"},
+                 {"oh", "viseme_O"},
+                 {"ou", "viseme_U"}};
 
 typedef struct making {
     face_weights *self;
@@ -136,8 +151,8 @@ typedef struct making {
     float *position; /* vertex_count by 3 */
 } making;
 
-/* Which of the 52 and the visemes a shape or a pose is called; "browInnerUp_L" is half of
- * browInnerUp, and a viseme begins as in "viseme_aa". MEANINGS: none. */
+/* Which of the 52, the visemes and the expressions a shape or a pose is called; "browInnerUp_L" is
+ * half of browInnerUp, and a viseme begins as in "viseme_aa". MEANINGS: none. */
 static uint32_t meaning_of(const char *name)
 {
     char whole[64];
@@ -147,6 +162,9 @@ static uint32_t meaning_of(const char *name)
     for (uint32_t i = 0; i < FACE_VISEMES; ++i)
         if (strncmp(name, "viseme_", 7) == 0 && strcmp(name + 7, face_viseme_name[i]) == 0)
             return VISEME_MEANING + i;
+    for (uint32_t i = 0; i <= OH; ++i)
+        if (strcmp(name, face_expression_name[i]) == 0)
+            return EXPRESSION_MEANING + i;
     size_t size = strlen(name);
     if (size < 3 || size >= sizeof whole || name[size - 2] != '_')
         return MEANINGS;
@@ -156,23 +174,54 @@ static uint32_t meaning_of(const char *name)
     return found < ARKIT_SHAPES ? found : MEANINGS;
 }
 
+/* So much of the head's own shape. */
+static void add_own_shape(making *k, uint32_t at, uint32_t own, double part)
+{
+    meaning *to = &k->of[at];
+    float *one = k->position;
+    face_shape_offset(k->f, own, one);
+    for (size_t n = 0; n < (size_t)3 * k->m->vertex_count; ++n)
+        to->offset[n] += (float)part * one[n];
+    for (uint32_t d = 0; d < k->self->bones.dof_count; ++d)
+        to->dof[d] += part * (double)face_shape_dofs(k->f, own)[d];
+    to->is_there = true;
+    if (at < ARKIT_SHAPES)
+        k->self->source[at] = FACE_NAME_SHAPE;
+}
+
 static void add_own_shapes(making *k)
 {
-    const face_shapes *s = &k->f->shapes;
-    float *one = k->position;
     for (uint32_t i = 0; i < face_shape_count(k->f); ++i) {
         uint32_t at = meaning_of(face_shape_name(k->f, i));
-        if (at == MEANINGS)
+        if (at < MEANINGS)
+            add_own_shape(k, at, i, 1.0);
+    }
+}
+
+/* What no shape is called, of those that the mesh's table of expressions makes of several. */
+static void add_expression(making *k, uint32_t at, const char *name)
+{
+    float part[FACE_SHAPES_MAX];
+    const bool is_there = face_shape_count(k->f) > 0 && face_shape_parts(k->f, name, part);
+    for (uint32_t i = 0; is_there && i < face_shape_count(k->f); ++i)
+        if (part[i] > 0.0f)
+            add_own_shape(k, at, i, (double)part[i]);
+}
+
+static void add_expressions(making *k)
+{
+    const mesh *m = k->m;
+    for (uint32_t i = 0; i < m->expression_count; ++i) {
+        const char *name = m->expression[i].name;
+        uint32_t at = meaning_of(name);
+        if (i > 0 && strcmp(name, m->expression[i - 1].name) == 0)
             continue;
-        meaning *to = &k->of[at];
-        face_shape_offset(k->f, i, one);
-        for (size_t n = 0; n < (size_t)3 * k->m->vertex_count; ++n)
-            to->offset[n] += one[n];
-        for (uint32_t d = 0; d < k->self->bones.dof_count; ++d)
-            to->dof[d] += (double)s->shape[i].dof[d];
-        to->is_there = true;
-        if (at < ARKIT_SHAPES)
-            k->self->source[at] = FACE_NAME_SHAPE;
+        if (at < MEANINGS && !k->of[at].is_there)
+            add_expression(k, at, name);
+        for (size_t w = 0; w < sizeof same_word / sizeof *same_word; ++w)
+            if (strcmp(same_word[w].expression, name) == 0 &&
+                !k->of[at = meaning_of(same_word[w].name)].is_there)
+                add_expression(k, at, name);
     }
 }
 
@@ -432,7 +481,10 @@ static mrt_result fill_sets(making *k, error *err)
         if (k->of[i].is_there)
             fill_column(&self->arkit, i, self, &k->of[i]);
     for (uint32_t i = 0; i <= OH; ++i)
-        fill_sum(&self->expressions, i, self, expression_sum[i]);
+        if (k->of[EXPRESSION_MEANING + i].is_there)
+            fill_column(&self->expressions, i, self, &k->of[EXPRESSION_MEANING + i]);
+        else
+            fill_sum(&self->expressions, i, self, expression_sum[i]);
     for (uint32_t i = 0; i < FACE_VISEMES; ++i)
         if (k->of[VISEME_MEANING + i].is_there)
             fill_column(&self->visemes, i, self, &k->of[VISEME_MEANING + i]);
@@ -540,6 +592,7 @@ static mrt_result make(making *k, error *err)
     find_turns(k->self);
     add_targets(k);
     add_own_shapes(k);
+    add_expressions(k);
     result = add_poses(k, face_bones(k->f)->rig, err);
     if (result >= 0)
         result = choose_points(k, err);

@@ -81,6 +81,7 @@ typedef struct face_limit {
 /* One of the head's own shapes. */
 typedef struct face_shape {
     const char *name;        /* of the mesh */
+    uint32_t target, arkit;  /* index into mesh.target; which of ARKit's, or ARKIT_NONE */
     float dof[MRT_MAX_DOFS]; /* what the bones do of it, at weight 1 */
     uint32_t bones;          /* bits: those that do */
     bool follows_bones;      /* its weight is how far they have gone that way */
@@ -98,6 +99,7 @@ typedef struct face_shape_part {
 
 /* The head's own shapes: face_shapes.c. The columns come first, before those of controls. */
 typedef struct face_shapes {
+    const mesh *m; /* whose */
     face_shape *shape;
     face_shape_part *part;
     uint32_t count, part_count;

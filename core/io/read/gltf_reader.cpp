@@ -1,5 +1,6 @@
 /* glTF into a mesh: plans the scene, reads the accessors, and is the border that no exception
  * crosses. */
+#include "io/read/gltf_expression.hpp"
 #include "io/read/gltf_material.hpp"
 #include "io/read/gltf_plan.hpp"
 
@@ -63,6 +64,19 @@ void make_targets(mesh &out, const gltf_plan &plan)
         target.name = gltf_clean_name(name);
         target.offset = zeroed<float>(plan.vertex_count * 3);
     }
+}
+
+void make_expressions(mesh &out, const gltf_expressions &from)
+{
+    out.expression = zeroed<mesh_expression>(from.weight.size());
+    for (const auto &row : from.weight) {
+        mesh_expression &to = out.expression[out.expression_count++];
+        to.name = gltf_clean_name(row.first.first);
+        to.target = (uint32_t)row.first.second;
+        to.weight = row.second;
+    }
+    if (from.lost_count)
+        mesh_note(&out, "%zu shapes that its expressions name are not there", from.lost_count);
 }
 
 void make_attributes(mesh &out, const gltf_plan &plan)
@@ -281,6 +295,7 @@ void parse(mesh &out, const void *data, size_t size, const char *directory)
                    plan.needs_default_material || model.materials.empty(), directory, size);
     make_parts(out, model, plan);
     make_targets(out, plan);
+    make_expressions(out, gltf_expressions_of(model, plan));
     make_attributes(out, plan);
     make_joints(out, model, plan);
     out.uv = plan.has_uv ? zeroed<float>(plan.vertex_count * 2) : nullptr;

@@ -115,28 +115,21 @@ static void plan_contact(patch_plan *self, uint32_t i, const mrt_face *about)
         note(self, i, "the face has no contact \"%s\"", c->target);
 }
 
-/* By its name; a shape of ARKit's is the same whoever writes it ("eyeBlink_L"). */
-static bool is_of_shape(const char *name, const char *wanted)
-{
-    uint32_t of = arkit_find(wanted);
-    return strcmp(name, wanted) == 0 || (of < ARKIT_SHAPES && arkit_find(name) == of);
-}
-
 static const rig_pose *find_pose(const rig *r, const char *name, patch_kind kind)
 {
     for (uint32_t i = 0; r && i < r->pose_count; ++i)
         if (strcmp(r->pose[i].name, name) == 0)
             return &r->pose[i];
     for (uint32_t i = 0; r && kind == PATCH_SHAPE && i < r->pose_count; ++i)
-        if (is_of_shape(r->pose[i].name, name))
+        if (arkit_is_same_name(r->pose[i].name, name))
             return &r->pose[i];
     return NULL;
 }
 
-static void add_dofs(patch_plan *self, uint32_t i, const float *dof, uint32_t count)
+static void add_dofs(patch_plan *self, uint32_t i, const float *dof, double part, uint32_t count)
 {
     for (uint32_t d = 0; d < count && d < MRT_MAX_DOFS; ++d) {
-        const double way[3] = {(double)dof[d], 0.0, 0.0};
+        const double way[3] = {part * (double)dof[d], 0.0, 0.0};
         if (fabs(way[0]) > 0.0)
             (void)add_move(self, i, MOVE_DOF, d, way);
     }
@@ -145,14 +138,17 @@ static void add_dofs(patch_plan *self, uint32_t i, const float *dof, uint32_t co
 /* False: the head has none of that name. */
 static bool plan_shape(patch_plan *self, uint32_t i, const mrt_face *about, const face *own)
 {
-    static const double whole[3] = {1.0, 0.0, 0.0};
     const char *target = self->of.connection[i].target;
     uint32_t before = self->move_count, count = own ? face_shape_count(own) : 0;
+    float part[FACE_SHAPES_MAX];
+    if (count == 0 || !face_shape_parts(own, target, part))
+        return false;
     for (uint32_t s = 0; s < count; ++s) {
-        if (!is_of_shape(face_shape_name(own, s), target))
+        const double way[3] = {(double)part[s], 0.0, 0.0};
+        if (!(way[0] > 0.0))
             continue;
-        (void)add_move(self, i, MOVE_SHAPE, s, whole);
-        add_dofs(self, i, face_shape_dofs(own, s), about->dof_count);
+        (void)add_move(self, i, MOVE_SHAPE, s, way);
+        add_dofs(self, i, face_shape_dofs(own, s), way[0], about->dof_count);
         self->shape_count = count;
     }
     return self->move_count > before;

@@ -331,6 +331,8 @@ static void list_targets(panel *self, patch_kind kind)
         add_item(self, patch_action_names[i]);
     for (uint32_t i = 0; kind == PATCH_SHAPE && file && i < file->mesh.target_count; ++i)
         add_item(self, file->mesh.target[i].name);
+    for (uint32_t i = 0; kind == PATCH_SHAPE && file && i < file->mesh.expression_count; ++i)
+        (void)place_of(self, file->mesh.expression[i].name);
 }
 
 static void list_sources(panel *self, const heard *now)
