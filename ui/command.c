@@ -49,13 +49,13 @@ void command_typed(char *out, size_t capacity)
         char *next = word + strlen(word) + 1, quoted[TYPED_MAX];
         const char *slash = is_written ? strrchr(word, '/') : NULL;
         bool has_file = slash && slash[1] != '\0';
-        const char *said = word == line ? "marotte" : has_file ? slash + 1 : shortened(word);
+        const char *shown = word == line ? "marotte" : has_file ? slash + 1 : shortened(word);
         is_written = strcmp(word, "--export") == 0 || strcmp(word, "--out") == 0;
-        if (!is_plain(said)) {
-            program_quote(quoted, sizeof quoted, said);
-            said = quoted;
+        if (!is_plain(shown)) {
+            program_quote(quoted, sizeof quoted, shown);
+            shown = quoted;
         }
-        used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? " " : "", said);
+        used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? " " : "", shown);
         word = next;
     }
 }

@@ -11,33 +11,34 @@
 
 enum { PATH_TEXT = 96 };
 
-typedef struct place {
+typedef struct json_path {
     char text[PATH_TEXT]; /* "$.frames[2][0]" */
-} place;
+} json_path;
 
-static place place_at(const place *parent, size_t index)
+static json_path json_path_at(const json_path *parent, size_t index)
 {
-    place out;
+    json_path out;
     (void)snprintf(out.text, sizeof out.text, "%.60s[%zu]", parent->text, index);
     return out;
 }
 
-static place place_of(const place *parent, const char *key)
+static json_path json_path_of(const json_path *parent, const char *key)
 {
-    place out;
+    json_path out;
     (void)snprintf(out.text, sizeof out.text, "%.40s.%.40s", parent->text, key);
     return out;
 }
 
-static const place root = {"$"};
+static const json_path root = {"$"};
 
-static mrt_result unexpected(error *err, const place *at, const char *expected, const json_t *found)
+static mrt_result unexpected(error *err, const json_path *at, const char *expected,
+                             const json_t *found)
 {
     return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected,
                      json_describe(found).text);
 }
 
-static mrt_result read_number(double *out, const json_t *value, const place *at, error *err)
+static mrt_result read_number(double *out, const json_t *value, const json_path *at, error *err)
 {
     if (!json_is_number(value) || !(fabs(json_number_value(value)) <= (double)POINTS_REACH))
         return unexpected(err, at, "a number within +-1e15", value);
@@ -46,12 +47,12 @@ static mrt_result read_number(double *out, const json_t *value, const place *at,
 }
 
 /* out: 3. */
-static mrt_result read_row(double *out, const json_t *value, const place *at, error *err)
+static mrt_result read_row(double *out, const json_t *value, const json_path *at, error *err)
 {
     if (!json_is_array(value) || json_array_size(value) != 3)
         return unexpected(err, at, "three numbers [x, y, z]", value);
     for (size_t axis = 0; axis < 3; ++axis) {
-        place here = place_at(at, axis);
+        json_path here = json_path_at(at, axis);
         mrt_result result = read_number(out + axis, json_array_get(value, axis), &here, err);
         if (result < 0)
             return result;
@@ -60,10 +61,10 @@ static mrt_result read_row(double *out, const json_t *value, const place *at, er
 }
 
 /* out: as many rows as value has. */
-static mrt_result read_rows_into(double *out, const json_t *value, const place *at, error *err)
+static mrt_result read_rows_into(double *out, const json_t *value, const json_path *at, error *err)
 {
     for (size_t i = 0; i < json_array_size(value); ++i) {
-        place here = place_at(at, i);
+        json_path here = json_path_at(at, i);
         mrt_result result = read_row(out + 3 * i, json_array_get(value, i), &here, err);
         if (result < 0)
             return result;
@@ -79,9 +80,9 @@ static mrt_result allocate(double **out, size_t count, error *err)
 
 /* Rows of three at `key` of the object, at most row_cap of them. */
 static mrt_result read_rows(double **out, uint32_t *out_count, const json_t *object,
-                            const place *parent, const char *key, uint32_t row_cap, error *err)
+                            const json_path *parent, const char *key, uint32_t row_cap, error *err)
 {
-    place at = place_of(parent, key);
+    json_path at = json_path_of(parent, key);
     const json_t *value = json_object_get(object, key);
     if (!json_is_array(value))
         return unexpected(err, &at, "an array of points [x, y, z]", value);
@@ -95,7 +96,7 @@ static mrt_result read_rows(double **out, uint32_t *out_count, const json_t *obj
 
 static mrt_result read_frames(deform_case *c, const json_t *object, error *err)
 {
-    place at = place_of(&root, "frames");
+    json_path at = json_path_of(&root, "frames");
     const json_t *frames = json_object_get(object, "frames");
     if (!json_is_array(frames) || json_array_size(frames) == 0)
         return unexpected(err, &at, "an array of at least one frame", frames);
@@ -106,7 +107,7 @@ static mrt_result read_frames(deform_case *c, const json_t *object, error *err)
     mrt_result result = allocate(&c->tip, count * numbers, err);
     for (size_t f = 0; result >= 0 && f < count; ++f) {
         const json_t *frame = json_array_get(frames, f);
-        place here = place_at(&at, f);
+        json_path here = json_path_at(&at, f);
         if (!json_is_array(frame) || json_array_size(frame) != c->tip_count) {
             char expected[64];
             (void)snprintf(expected, sizeof expected, "an array of %u points, as $.starts has",
@@ -119,7 +120,7 @@ static mrt_result read_frames(deform_case *c, const json_t *object, error *err)
 }
 
 /* Notes keys of the object that are not in the NULL-ended list. */
-static void note_unknown(deform_case *c, const json_t *object, const place *parent,
+static void note_unknown(deform_case *c, const json_t *object, const json_path *parent,
                          const char *const *known)
 {
     void *place_in = json_object_iter((json_t *)(uintptr_t)object);
@@ -138,7 +139,7 @@ static void note_unknown(deform_case *c, const json_t *object, const place *pare
     }
 }
 
-static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, const place *at,
+static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, const json_path *at,
                             vec3 point, vec3 axis, error *err)
 {
     static const char *const known[] = {"angle", "translation", NULL};
@@ -146,11 +147,11 @@ static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, c
         return unexpected(err, at, "an object with angle and translation", value);
     note_unknown(c, value, at, known);
     double angle = 0.0, translation[3] = {0.0};
-    place here = place_of(at, "angle");
+    json_path here = json_path_of(at, "angle");
     mrt_result result = read_number(&angle, json_object_get(value, "angle"), &here, err);
     if (result < 0)
         return result;
-    here = place_of(at, "translation");
+    here = json_path_of(at, "translation");
     result = read_row(translation, json_object_get(value, "translation"), &here, err);
     if (result < 0)
         return result;
@@ -161,14 +162,14 @@ static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, c
 }
 
 static mrt_result read_axis(vec3 *out_point, vec3 *out_direction, const json_t *jaw,
-                            const place *parent, error *err)
+                            const json_path *parent, error *err)
 {
     double point[3] = {0.0}, direction[3] = {0.0};
-    place at = place_of(parent, "axis_point");
+    json_path at = json_path_of(parent, "axis_point");
     mrt_result result = read_row(point, json_object_get(jaw, "axis_point"), &at, err);
     if (result < 0)
         return result;
-    at = place_of(parent, "axis_dir");
+    at = json_path_of(parent, "axis_dir");
     result = read_row(direction, json_object_get(jaw, "axis_dir"), &at, err);
     if (result < 0)
         return result;
@@ -184,7 +185,7 @@ static mrt_result read_jaw(deform_case *c, const json_t *object, error *err)
 {
     static const char *const known[] = {"centres", "axis_point", "axis_dir", "poses", NULL};
     const json_t *jaw = json_object_get(object, "jaw");
-    place at = place_of(&root, "jaw");
+    json_path at = json_path_of(&root, "jaw");
     if (!jaw)
         return MRT_OK;
     if (!json_is_object(jaw))
@@ -198,7 +199,7 @@ static mrt_result read_jaw(deform_case *c, const json_t *object, error *err)
     if (result < 0)
         return result;
     const json_t *poses = json_object_get(jaw, "poses");
-    place here = place_of(&at, "poses");
+    json_path here = json_path_of(&at, "poses");
     if (!json_is_array(poses) || json_array_size(poses) != c->frame_count) {
         char expected[64];
         (void)snprintf(expected, sizeof expected, "an array of %u poses, one per frame",
@@ -209,7 +210,7 @@ static mrt_result read_jaw(deform_case *c, const json_t *object, error *err)
     if (!c->pose)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u poses", c->frame_count);
     for (size_t f = 0; result >= 0 && f < c->frame_count; ++f) {
-        place pose_at = place_at(&here, f);
+        json_path pose_at = json_path_at(&here, f);
         result = read_pose(c, f, json_array_get(poses, f), &pose_at, point, direction, err);
     }
     return result;
@@ -223,22 +224,22 @@ static const char *word_at(const json_t *object, const char *key)
 
 static mrt_result read_settings(deform_case *c, const json_t *object, error *err)
 {
-    place at = place_of(&root, "kernel");
+    json_path at = json_path_of(&root, "kernel");
     if (!csrbf_kernel_named(word_at(object, "kernel"), &c->settings.kernel))
         return unexpected(err, &at,
                           "\"wendland_c2\", \"wendland_c0\", \"wendland_c4\" or \"wendland_c6\"",
                           json_object_get(object, "kernel"));
-    at = place_of(&root, "polynomial");
+    at = json_path_of(&root, "polynomial");
     if (!csrbf_polynomial_named(word_at(object, "polynomial"), &c->settings.polynomial))
         return unexpected(err, &at, "\"none\", \"constant\", \"linear\" or \"windowed\"",
                           json_object_get(object, "polynomial"));
-    at = place_of(&root, "mode");
+    at = json_path_of(&root, "mode");
     const char *mode = word_at(object, "mode");
     if (strcmp(mode, "anchored") != 0 && strcmp(mode, "unanchored") != 0)
         return unexpected(err, &at, "\"anchored\" or \"unanchored\"",
                           json_object_get(object, "mode"));
     c->mode = strcmp(mode, "anchored") == 0 ? DEFORM_ANCHORED : DEFORM_UNANCHORED;
-    at = place_of(&root, "radius");
+    at = json_path_of(&root, "radius");
     const json_t *radius = json_object_get(object, "radius");
     c->settings.radius = json_number_value(radius);
     if (!(c->settings.radius >= 1e-14 && c->settings.radius <= 1e14))
@@ -450,8 +451,8 @@ mrt_result deform_case_run(const deform_case *c, deform_precision precision, dou
             result = check_points(out + frame * numbers, c->point_count, err);
         }
         if (result < 0) {
-            place at = place_of(&root, "frames");
-            error_prefix(err, place_at(&at, frame).text);
+            json_path at = json_path_of(&root, "frames");
+            error_prefix(err, json_path_at(&at, frame).text);
         }
     }
     run_destroy(&r);

@@ -440,9 +440,10 @@ static mrt_result add_said(recording *self, const face *f, error *err)
     if (!self->weights)
         return MRT_OK;
     points_to_rows(self->rows, face_shown(f), face_order(f));
-    const face_said *said = face_weights_solve(self->weights, self->rows, face_metered(f)->dof);
-    self->residual_mm = fmax(self->residual_mm, said->residual_mm);
-    return clip_add_arkit(self->clip, said->arkit, err);
+    const face_channels *channels =
+        face_weights_solve(self->weights, self->rows, face_metered(f)->dof);
+    self->residual_mm = fmax(self->residual_mm, channels->residual_mm);
+    return clip_add_arkit(self->clip, channels->arkit, err);
 }
 
 /* ---- frames ---- */

@@ -515,14 +515,14 @@ static mrt_result ask_layer_add(take_call *call, const take *t, take_change *out
 {
     (void)t;
     edit *e = take_change_add(out, EDIT_LAYER_ADD);
-    double place = -1.0;
+    double position = -1.0;
     mrt_result result = put_name(call, e->name, call->word[2], err);
     if (result >= 0 && call->text[TAKE_OWN])
         result = take_read_own(call, call->text[TAKE_OWN], e, err);
     if (result >= 0)
-        result = take_number(call, TAKE_PLACE, 0, EDIT_LAYERS_MAX - 1, &place, err);
-    if (place >= 0.0)
-        e->place = (uint32_t)place;
+        result = take_number(call, TAKE_PLACE, 0, EDIT_LAYERS_MAX - 1, &position, err);
+    if (position >= 0.0)
+        e->place = (uint32_t)position;
     return result;
 }
 
@@ -593,11 +593,12 @@ static mrt_result ask_layer_offset(take_call *call, const take *t, take_change *
 static mrt_result ask_layer_order(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = NULL;
-    double place = 0.0;
+    double position = 0.0;
     mrt_result result = named_layer(call, t, out, EDIT_LAYER_ORDER, &e, err);
     if (result >= 0)
-        result = take_number_of(call, "PLACE", call->word[3], 0, EDIT_LAYERS_MAX - 1, &place, err);
-    e->place = (uint32_t)place;
+        result =
+            take_number_of(call, "PLACE", call->word[3], 0, EDIT_LAYERS_MAX - 1, &position, err);
+    e->place = (uint32_t)position;
     return result;
 }
 

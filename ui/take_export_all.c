@@ -39,7 +39,7 @@ typedef struct job { /* a take */
     uint32_t path_count;
     char made_from[TAKE_HASH]; /* "": not known, so it is always done */
     pid_t pid;                 /* 0: it does not run */
-    FILE *said;                /* what it says on stderr */
+    FILE *child_stderr;        /* what it says on stderr */
 } job;
 
 typedef struct all {
@@ -355,7 +355,8 @@ static int spawn(job *of, words *with)
             failed =
                 posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
         if (!failed)
-            failed = posix_spawn_file_actions_adddup2(&actions, fileno(of->said), STDERR_FILENO);
+            failed =
+                posix_spawn_file_actions_adddup2(&actions, fileno(of->child_stderr), STDERR_FILENO);
         if (!failed)
             failed = posix_spawnattr_setpgroup(&attributes, 0);
         if (!failed)
@@ -378,8 +379,8 @@ static mrt_result start(all *self, job *of, error *err)
     if (result < 0)
         return result;
     list_words(&with, self, of);
-    of->said = tmpfile();
-    const int failed = of->said ? spawn(of, &with) : errno;
+    of->child_stderr = tmpfile();
+    const int failed = of->child_stderr ? spawn(of, &with) : errno;
     if (failed) {
         of->pid = 0;
         return error_set(err, MRT_ERR_IO, "take %s: no process for it: %s", of->id,
@@ -389,11 +390,11 @@ static mrt_result start(all *self, job *of, error *err)
     return MRT_OK;
 }
 
-static void tell_said(job *of)
+static void report_stderr(job *of)
 {
     char line[1200];
-    rewind(of->said);
-    while (fgets(line, sizeof line, of->said)) {
+    rewind(of->child_stderr);
+    while (fgets(line, sizeof line, of->child_stderr)) {
         line[strcspn(line, "\r\n")] = '\0';
         fprintf(stderr, "take %s (%s): %s\n", of->id, of->slate, line);
     }
@@ -404,9 +405,9 @@ static mrt_result finish(all *self, job *of, int status, error *err)
     bool is_done = WIFEXITED(status) && WEXITSTATUS(status) == COMMAND_DONE;
     of->pid = 0;
     self->running -= 1;
-    tell_said(of);
-    (void)fclose(of->said);
-    of->said = NULL;
+    report_stderr(of);
+    (void)fclose(of->child_stderr);
+    of->child_stderr = NULL;
     self->done += is_done;
     self->failed += !is_done;
     return is_done ? note_complete(self, of, err) : MRT_OK;

@@ -35,10 +35,10 @@ static double cosine_near_zero(double x)
     return 1.0 + q * p;
 }
 
-angle_turn angle_turn_of(double angle_rad)
+angle_sincos angle_sincos_of(double angle_rad)
 {
     if (!isfinite(angle_rad))
-        return (angle_turn){0.0, 1.0};
+        return (angle_sincos){0.0, 1.0};
     if (angle_rad > 1e4 || angle_rad < -1e4)
         angle_rad = fmod(angle_rad, 2.0 * ANGLE_PI); /* exact by definition, in every libm */
     double quarters = angle_rad * (2.0 / ANGLE_PI);
@@ -47,12 +47,12 @@ angle_turn angle_turn_of(double angle_rad)
     double s = sine_near_zero(x), c = cosine_near_zero(x);
     switch (quarter & 3) {
     case 0:
-        return (angle_turn){s, c};
+        return (angle_sincos){s, c};
     case 1:
-        return (angle_turn){c, -s};
+        return (angle_sincos){c, -s};
     case 2:
-        return (angle_turn){-s, -c};
+        return (angle_sincos){-s, -c};
     default:
-        return (angle_turn){-c, s};
+        return (angle_sincos){-c, s};
     }
 }

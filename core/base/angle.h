@@ -6,13 +6,13 @@
 
 #define ANGLE_PI 3.14159265358979323846
 
-typedef struct angle_turn {
+typedef struct angle_sincos {
     double sin, cos;
-} angle_turn;
+} angle_sincos;
 
 /* Error below 1e-15 for |angle_rad| <= 1e4, which is far more than +-2 pi. Beyond that (1e4 to any
  * finite value) the angle is first taken modulo the double nearest to 2 pi; a non-finite angle
  * counts as 0. */
-angle_turn angle_turn_of(double angle_rad);
+angle_sincos angle_sincos_of(double angle_rad);
 
 #endif

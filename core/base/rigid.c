@@ -32,8 +32,8 @@ rigid rigid_inverse(const rigid *m)
 
 rigid rigid_turn(vec3 point, vec3 axis, double angle_rad)
 {
-    double s = angle_turn_of(angle_rad).sin;
-    double half = angle_turn_of(0.5 * angle_rad).sin;
+    double s = angle_sincos_of(angle_rad).sin;
+    double half = angle_sincos_of(0.5 * angle_rad).sin;
     double c1 = 2.0 * half * half; /* 1 - cos, exact for small angles */
     double u[3] = {axis.x, axis.y, axis.z};
     rigid out = rigid_identity();

@@ -258,7 +258,7 @@ enum { PLANS = sizeof plans / sizeof *plans };
 typedef struct job {
     const char *name;
     check_subject *subject;
-    uint32_t type, turn;
+    uint32_t type, repeat;
     bool is_exclusive, is_started;
     bool has_failed;    /* told a failure */
     char sum[SUM_TEXT]; /* CASE_SUM */
@@ -366,8 +366,8 @@ static void judge_end(const case_process *process, job *of)
 
 static mrt_result start(const examiner *self, case_process *process, const job *of, error *err)
 {
-    bool is_second_sum = strcmp(of->name, CASE_SUM) == 0 && of->turn > 0;
-    uint64_t seed = self->settings->seed + (is_second_sum ? 0 : of->turn * seed_step);
+    bool is_second_sum = strcmp(of->name, CASE_SUM) == 0 && of->repeat > 0;
+    uint64_t seed = self->settings->seed + (is_second_sum ? 0 : of->repeat * seed_step);
     const process_words words = {.program = self->program,
                                  .library = self->path,
                                  .case_name = of->name,
@@ -466,12 +466,12 @@ static uint32_t plan_type(const examiner *self, uint32_t type, job *out, uint32_
     uint32_t count = 0;
     check_subject *subject = type_subject(self->report, type);
     for (int i = 0; i < PLANS; ++i)
-        for (uint32_t turn = 0; turn < plans[i].times && count < capacity; ++turn)
+        for (uint32_t repeat = 0; repeat < plans[i].times && count < capacity; ++repeat)
             if (subject->concerns & plans[i].concerns)
                 out[count++] = (job){.name = plans[i].name,
                                      .subject = subject,
                                      .type = type,
-                                     .turn = turn,
+                                     .repeat = repeat,
                                      .is_exclusive = plans[i].is_exclusive};
     return count;
 }
@@ -482,7 +482,7 @@ static void compare_sums(const job *jobs, uint32_t count, check_subject *subject
     char text[CHECK_TEXT];
     for (uint32_t i = 0; i < count; ++i)
         if (strcmp(jobs[i].name, CASE_SUM) == 0 && jobs[i].sum[0])
-            sum[jobs[i].turn % 2] = &jobs[i];
+            sum[jobs[i].repeat % 2] = &jobs[i];
     if (!sum[0] || !sum[1])
         return;
     if (strcmp(sum[0]->sum, sum[1]->sum) == 0) {

@@ -28,13 +28,13 @@ extern const char *const face_expression_name[FACE_EXPRESSIONS];
 /* Those of Oculus LipSync, "sil", "PP" ... "U", and its "laughter". */
 extern const char *const face_viseme_name[FACE_VISEMES];
 
-typedef struct face_said {
+typedef struct face_channels {
     /* In the order of arkit_name: the shapes 0..1; then turns, rad, of the head to the face's own
      * left, up, and to its left shoulder, and of the eyes likewise. 0 where nothing says it. */
     double arkit[ARKIT_CHANNELS];
     double expression[FACE_EXPRESSIONS], viseme[FACE_VISEMES]; /* 0..1 */
     double residual_mm; /* root mean square over the points: of the face what the 52 do not say */
-} face_said;
+} face_channels;
 
 typedef enum face_name_source {
     FACE_NAME_NONE = 0, /* nothing says it: always 0 */
@@ -55,7 +55,8 @@ void face_weights_destroy(face_weights *self); /* NULL is fine */
  * posed for that (face_meter.dof). The weights of the call before are where the search begins,
  * which may change the last digits (less than 1e-4). Not finite: what was said last stays. Until
  * the next call. */
-const face_said *face_weights_solve(face_weights *self, const float *position, const float *dof);
+const face_channels *face_weights_solve(face_weights *self, const float *position,
+                                        const float *dof);
 /* [any] The vertices that are read of a position, of the mesh file; as long as it lives. */
 const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_count);
 /* Forgets the call before. */

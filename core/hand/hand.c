@@ -152,10 +152,10 @@ static const struct finger {
 
 /* Palm points on the palmar skin. carrier: 0 the Parent, 1..5 the PalmJoint of thumb .. little,
  * whose arch they follow; positions are of the default shape, in the same table's mm. */
-static const struct palm_place {
+static const struct palm_position {
     int carrier;
     vec3 position;
-} palm_places[PALM_POINTS] = {
+} palm_positions[PALM_POINTS] = {
     {0, {0.0, -22.0, 14.0}},   /* heel of the hand */
     {0, {24.0, -30.0, 38.0}},  /* thenar eminence */
     {5, {-34.0, -32.0, 40.0}}, /* hypothenar eminence */
@@ -217,10 +217,10 @@ hand_skeleton *hand_skeleton_create(uint32_t side, double hand_length_mm)
     for (int i = 0; i < FINGER_COUNT; ++i)
         carrier[1 + i] = add_finger(s, wrist, i, scale);
     for (int i = 0; i < PALM_POINTS; ++i) {
-        const struct palm_place *place = &palm_places[i];
-        s->palm[i].carrier = carrier[place->carrier];
-        vec3 position_mm = vec3_scale(place->position, scale);
-        s->palm[i].offset_mm = vec3_sub(position_mm, carrier[place->carrier]->offset_mm);
+        const struct palm_position *at = &palm_positions[i];
+        s->palm[i].carrier = carrier[at->carrier];
+        vec3 position_mm = vec3_scale(at->position, scale);
+        s->palm[i].offset_mm = vec3_sub(position_mm, carrier[at->carrier]->offset_mm);
     }
     return s;
 }
@@ -247,7 +247,7 @@ static double angle_of(const float *angle_rad, int sensor)
 }
 
 /* First yaw towards the thumb, then pitch towards the palm, both in the forearm's axes. */
-static rigid wrist_turn(const float *angle_rad)
+static rigid wrist_rotation(const float *angle_rad)
 {
     rigid yaw = rigid_turn(ORIGIN, AXIS_Y, angle_of(angle_rad, SENSOR_WRIST_YAW));
     rigid pitch = rigid_turn(ORIGIN, AXIS_X, angle_of(angle_rad, SENSOR_WRIST_PITCH));
@@ -279,12 +279,12 @@ static rigid joint_turn(const node *n, const float *angle_rad)
                         n->spread[2] * angle_of(angle_rad, SENSOR_LITTLE_RING_SPREAD);
     if (spread_rad == 0.0)
         return flexion;
-    double looseness = fmax(angle_turn_of(flexion_rad).cos, 0.0);
+    double looseness = fmax(angle_sincos_of(flexion_rad).cos, 0.0);
     rigid spread = rigid_turn(ORIGIN, AXIS_Y, spread_rad * looseness);
     return rigid_compose(&spread, &flexion);
 }
 
-static rigid arch_turn(const node *n, const float *angle_rad)
+static rigid arch_rotation(const node *n, const float *angle_rad)
 {
     double arch_rad = n->arch_share * angle_of(angle_rad, SENSOR_ARCH);
     return rigid_turn(ORIGIN, AXIS_Z, arch_rad);
@@ -293,25 +293,26 @@ static rigid arch_turn(const node *n, const float *angle_rad)
 /* Where a node stands in the hand, given where its parent stands. */
 static rigid node_frame(const node *n, const rigid *parent, const float *angle_rad)
 {
-    rigid turn;
+    rigid rotation;
     vec3 offset_mm = n->offset_mm;
     switch (n->kind) {
     case NODE_PARENT:
-        turn = wrist_turn(angle_rad);
+        rotation = wrist_rotation(angle_rad);
         break;
     case NODE_PALM_JOINT:
-        turn = arch_turn(n, angle_rad);
-        offset_mm = rigid_rotate(&turn, offset_mm); /* the metacarpal swings about the long axis */
+        rotation = arch_rotation(n, angle_rad);
+        offset_mm =
+            rigid_rotate(&rotation, offset_mm); /* the metacarpal swings about the long axis */
         break;
     case NODE_THUMB:
-        turn = thumb_turn(angle_rad);
+        rotation = thumb_turn(angle_rad);
         break;
     default:
-        turn = joint_turn(n, angle_rad);
+        rotation = joint_turn(n, angle_rad);
         break;
     }
-    turn.t = offset_mm;
-    return rigid_compose(parent, &turn);
+    rotation.t = offset_mm;
+    return rigid_compose(parent, &rotation);
 }
 
 typedef struct pose {
@@ -371,7 +372,7 @@ static const double backwards_most_rad = 0.6; /* in sum; beyond: a hand of the o
 
 /* A palm laid upon another. */
 typedef struct palm_fit {
-    rigid turn; /* R and t: seen = scale R p + t */
+    rigid rotation; /* R and t: seen = scale R p + t */
     double scale;
     double off;  /* weighted sum of squares of what is left over */
     double size; /* weighted sum of squares about the centre, as seen */
@@ -431,7 +432,7 @@ static void largest_eigenvector(double m[4][4], double out[4])
  * weight: 0 leaves a pair out. */
 static palm_fit lay_palm(const vec3 *from, const vec3 *to, const double *weight)
 {
-    palm_fit fit = {.turn = rigid_identity()};
+    palm_fit fit = {.rotation = rigid_identity()};
     vec3 from_centre = ORIGIN, to_centre = ORIGIN;
     double all = 0.0, from_size = 0.0, along = 0.0, s[3][3] = {{0}};
     for (int i = 0; i < PALM_JOINTS; ++i) {
@@ -458,13 +459,14 @@ static palm_fit lay_palm(const vec3 *from, const vec3 *to, const double *weight)
     double q[4];
     largest_eigenvector(n, q);
     const double xyzw[4] = {q[1], q[2], q[3], q[0]};
-    fit.turn = rigid_from_quaternion(xyzw, ORIGIN);
+    fit.rotation = rigid_from_quaternion(xyzw, ORIGIN);
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k)
-            along += fit.turn.r[k][j] * s[j][k];
+            along += fit.rotation.r[k][j] * s[j][k];
     fit.scale = from_size > 0.0 ? along / from_size : 0.0;
     fit.off = fmax(fit.size - fit.scale * along, 0.0);
-    fit.turn.t = vec3_sub(to_centre, vec3_scale(rigid_rotate(&fit.turn, from_centre), fit.scale));
+    fit.rotation.t =
+        vec3_sub(to_centre, vec3_scale(rigid_rotate(&fit.rotation, from_centre), fit.scale));
     return fit;
 }
 
@@ -538,8 +540,8 @@ static rigid turned_onto(const rigid *frame, vec3 along)
 {
     vec3 axis = vec3_cross(AXIS_Z, along);
     double sine = vec3_length(axis);
-    rigid turn = rigid_turn(ORIGIN, vec3_normalised(axis, AXIS_X), atan2(sine, along.z));
-    return rigid_compose(frame, &turn);
+    rigid rotation = rigid_turn(ORIGIN, vec3_normalised(axis, AXIS_X), atan2(sine, along.z));
+    return rigid_compose(frame, &rotation);
 }
 
 /* How far a bone is bent towards the palm from the one before, whose frame it turns onto the bone.
@@ -662,8 +664,8 @@ void hand_read(const hand_skeleton *skeleton, const hand_landmarks *seen, hand_r
     palm_fit fit = lay_arched_palm(skeleton, to, weight, arch_rad);
     if (!(fit.scale > 0.0) || !(fit.size > 0.0))
         return;
-    now.wrist = fit.turn;
-    now.wrist.t = is_seen(seen, 0) ? to[0] : fit.turn.t;
+    now.wrist = fit.rotation;
+    now.wrist.t = is_seen(seen, 0) ? to[0] : fit.rotation.t;
     now.size = fit.scale;
     now.misfit = sqrt(fit.off / fit.size);
     now.angle_rad[SENSOR_ARCH] = (float)arch_rad;

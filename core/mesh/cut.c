@@ -14,7 +14,7 @@ typedef enum fan_side { SIDE_UNKNOWN = 0, SIDE_UPPER, SIDE_LOWER } fan_side;
 typedef struct cutting {
     mesh *m;
     uint32_t *chain, count;   /* points, from the subject's right to the left */
-    int32_t *place;           /* vertex_count: of a point in the chain; NOT_THERE */
+    int32_t *chain_index;     /* vertex_count: of a point in the chain; NOT_THERE */
     uint32_t *fan, fan_count; /* triangles at the inner points of the chain */
     uint8_t *side;            /* of each */
     uint32_t *twin; /* vertex_count: the lower lip's vertex for one of the chain; UINT32_MAX */
@@ -48,23 +48,23 @@ static mrt_result take_chain(cutting *c, const uint32_t *chain, uint32_t count, 
     bool is_turned = position_of(c, chain[0])[0] > position_of(c, chain[count - 1])[0];
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t point = mesh_point(c->m, chain[is_turned ? count - 1 - i : i]);
-        if (c->place[point] != NOT_THERE)
+        if (c->chain_index[point] != NOT_THERE)
             return error_set(err, MRT_ERR_FORMAT, "vertex %u is there twice", point);
-        c->place[point] = (int32_t)i;
+        c->chain_index[point] = (int32_t)i;
         c->chain[i] = point;
     }
     c->count = count;
     return MRT_OK;
 }
 
-static int32_t place_of(const cutting *c, uint32_t vertex)
+static int32_t chain_index_of(const cutting *c, uint32_t vertex)
 {
-    return c->place[mesh_point(c->m, vertex)];
+    return c->chain_index[mesh_point(c->m, vertex)];
 }
 
-static bool is_inner(const cutting *c, int32_t place)
+static bool is_inner(const cutting *c, int32_t chain_index)
 {
-    return place > 0 && place < (int32_t)c->count - 1;
+    return chain_index > 0 && chain_index < (int32_t)c->count - 1;
 }
 
 static const uint32_t *corners_of(const cutting *c, uint32_t fan)
@@ -80,7 +80,7 @@ static mrt_result find_fan(cutting *c, error *err)
         fan_side side = SIDE_UNKNOWN;
         bool is_of_fan = false;
         for (size_t i = 0; i < 3; ++i) {
-            int32_t a = place_of(c, corner[i]), b = place_of(c, corner[(i + 1) % 3]);
+            int32_t a = chain_index_of(c, corner[i]), b = chain_index_of(c, corner[(i + 1) % 3]);
             is_of_fan = is_of_fan || is_inner(c, a);
             if (a == NOT_THERE || b == NOT_THERE || (a != b + 1 && b != a + 1))
                 continue;
@@ -98,7 +98,7 @@ static mrt_result find_fan(cutting *c, error *err)
             bool has[2] = {false, false};
             for (int n = 0; n < 3; ++n)
                 for (int e = 0; e < 2; ++e)
-                    has[e] = has[e] || place_of(c, corner[n]) == (int32_t)i + e;
+                    has[e] = has[e] || chain_index_of(c, corner[n]) == (int32_t)i + e;
             uses[c->side[k]] += has[0] && has[1];
         }
         if (uses[SIDE_UPPER] != 1 || uses[SIDE_LOWER] != 1)
@@ -120,7 +120,7 @@ static bool are_beside(const cutting *c, uint32_t a, uint32_t b)
                 shared[count++] = p[i];
     if (count != 2)
         return false;
-    int32_t from = place_of(c, shared[0]), to = place_of(c, shared[1]);
+    int32_t from = chain_index_of(c, shared[0]), to = chain_index_of(c, shared[1]);
     bool is_of_chain = from != NOT_THERE && to != NOT_THERE && abs(from - to) == 1;
     return !is_of_chain && (is_inner(c, from) || is_inner(c, to));
 }
@@ -183,7 +183,7 @@ static void part_lips(cutting *c)
     for (uint32_t k = 0; k < c->fan_count; ++k) {
         uint32_t *corner = c->m->triangle + (size_t)c->fan[k] * 3;
         for (int i = 0; c->side[k] == SIDE_LOWER && i < 3; ++i)
-            if (is_inner(c, place_of(c, corner[i])))
+            if (is_inner(c, chain_index_of(c, corner[i])))
                 corner[i] = twin_of(c, corner[i]);
     }
 }
@@ -350,13 +350,13 @@ static mrt_result allocate(cutting *c, uint32_t count, error *err)
 {
     size_t vertices = (size_t)c->m->vertex_count + 1, triangles = (size_t)c->m->triangle_count + 1;
     c->chain = malloc(((size_t)count + 1) * sizeof *c->chain);
-    c->place = malloc(vertices * sizeof *c->place);
+    c->chain_index = malloc(vertices * sizeof *c->chain_index);
     c->twin = malloc(vertices * sizeof *c->twin);
     c->fan = malloc(triangles * sizeof *c->fan);
     c->side = malloc(triangles);
-    if (!c->chain || !c->place || !c->twin || !c->fan || !c->side)
+    if (!c->chain || !c->chain_index || !c->twin || !c->fan || !c->side)
         return no_memory(err);
-    memset(c->place, 0xff, vertices * sizeof *c->place);
+    memset(c->chain_index, 0xff, vertices * sizeof *c->chain_index);
     memset(c->twin, 0xff, vertices * sizeof *c->twin);
     return MRT_OK;
 }
@@ -364,7 +364,7 @@ static mrt_result allocate(cutting *c, uint32_t count, error *err)
 static void finish(cutting *c)
 {
     free(c->chain);
-    free(c->place);
+    free(c->chain_index);
     free(c->twin);
     free(c->fan);
     free(c->side);

@@ -13,7 +13,7 @@ static mrt_result no_memory(error *err)
 
 mesh_material mesh_material_grey(void)
 {
-    static const mesh_texture none = {.place = {1, 0, 0, 0, 1, 0}};
+    static const mesh_texture none = {.uv_transform = {1, 0, 0, 0, 1, 0}};
     return (mesh_material){.base_colour = {0.6f, 0.6f, 0.6f, 1.0f},
                            .roughness = 0.7f,
                            .alpha_cutoff = 0.5f,
@@ -157,7 +157,7 @@ static mrt_result validate_looks(const mesh *m, error *err)
         const mesh_texture *texture[] = {&look->base, &look->normal, &look->emission,
                                          &look->surface};
         for (size_t t = 0; t < sizeof texture / sizeof *texture; ++t)
-            if (texture[t]->image > m->image_count || !all_finite(texture[t]->place, 6))
+            if (texture[t]->image > m->image_count || !all_finite(texture[t]->uv_transform, 6))
                 return error_set(err, MRT_ERR_FORMAT, "material \"%s\" uses picture %u of %u",
                                  look->name, texture[t]->image, m->image_count);
     }

@@ -22,7 +22,8 @@ typedef enum mesh_wrap { MESH_WRAP_REPEAT = 0, MESH_WRAP_MIRROR, MESH_WRAP_CLAMP
 typedef struct mesh_texture { /* a picture on a surface */
     uint32_t image;           /* 1 + index into mesh.image; 0: none */
     mesh_wrap wrap[2];
-    float place[6]; /* from mesh.uv to the picture: two rows of three, the last of a row a shift */
+    float uv_transform[6]; /* from mesh.uv to the picture: two rows of three, the last of a row a
+                              shift */
 } mesh_texture;
 
 typedef enum mesh_alpha { MESH_ALPHA_OPAQUE = 0, MESH_ALPHA_MASK, MESH_ALPHA_BLEND } mesh_alpha;

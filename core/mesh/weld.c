@@ -88,7 +88,8 @@ static void add_place(grid *g, uint32_t vertex)
 }
 
 /* place: vertex_count: the first vertex at its place. Returns how many there are twice. */
-static mrt_result find_places(uint32_t *place, uint32_t *out_twice, const mesh *m, error *err)
+static mrt_result find_coincident(uint32_t *coincident, uint32_t *out_twice, const mesh *m,
+                                  error *err)
 {
     float low[3], high[3];
     double square = 0.0;
@@ -109,7 +110,7 @@ static mrt_result find_places(uint32_t *place, uint32_t *out_twice, const mesh *
         memset(g.first, 0xff, (size_t)g.slot_count * sizeof *g.first);
     for (uint32_t v = 0; has_memory && v < m->vertex_count; ++v) {
         uint32_t near = find_near(&g, v);
-        place[v] = near == UINT32_MAX ? v : near;
+        coincident[v] = near == UINT32_MAX ? v : near;
         if (near == UINT32_MAX)
             add_place(&g, v);
         else
@@ -287,14 +288,14 @@ static void join_open(joining *j, edge *e, size_t count)
 
 enum { SLIT_LEAST = 6 }; /* edges */
 
-static uint32_t place_of(const uint32_t *place, const edge_pair *pair, int end)
+static uint32_t coincident_of(const uint32_t *coincident, const edge_pair *pair, int end)
 {
-    return place[end == 0 ? pair->a[0] : pair->b[0]];
+    return coincident[end == 0 ? pair->a[0] : pair->b[0]];
 }
 
 /* chain: of each place one that it hangs together with, itself at the end; ends: of each chain's
  * last place how many ends both sides share, and 4 for each place where it branches or is open. */
-static void join_alike(joining *j, const uint32_t *place, uint32_t *chain, uint32_t *used,
+static void join_alike(joining *j, const uint32_t *coincident, uint32_t *chain, uint32_t *used,
                        uint32_t *ends)
 {
     const uint32_t count = j->m->vertex_count;
@@ -303,14 +304,15 @@ static void join_alike(joining *j, const uint32_t *place, uint32_t *chain, uint3
         used[v] = ends[v] = 0;
     }
     for (size_t i = 0; i < j->alike_count; ++i) {
-        join(chain, place_of(place, &j->alike[i], 0), place_of(place, &j->alike[i], 1));
-        used[place_of(place, &j->alike[i], 0)] += 1;
-        used[place_of(place, &j->alike[i], 1)] += 1;
+        join(chain, coincident_of(coincident, &j->alike[i], 0),
+             coincident_of(coincident, &j->alike[i], 1));
+        used[coincident_of(coincident, &j->alike[i], 0)] += 1;
+        used[coincident_of(coincident, &j->alike[i], 1)] += 1;
     }
     for (size_t i = 0; i < j->alike_count; ++i)
         for (int end = 0; end < 2; ++end) {
             const edge_pair *pair = &j->alike[i];
-            uint32_t at = place_of(place, pair, end), last = root_of(chain, at);
+            uint32_t at = coincident_of(coincident, pair, end), last = root_of(chain, at);
             const uint32_t *vertex = end == 0 ? pair->a : pair->b;
             bool is_shared = vertex[0] == vertex[1];
             ends[last] += used[at] == 2 && !is_shared ? 0 : used[at] == 1 && is_shared ? 1 : 4;
@@ -318,16 +320,16 @@ static void join_alike(joining *j, const uint32_t *place, uint32_t *chain, uint3
     for (uint32_t v = 0; v < count; ++v)
         used[v] = 0; /* from here on: edges of a chain */
     for (size_t i = 0; i < j->alike_count; ++i)
-        used[root_of(chain, place_of(place, &j->alike[i], 0))] += 1;
+        used[root_of(chain, coincident_of(coincident, &j->alike[i], 0))] += 1;
     for (size_t i = 0; i < j->alike_count; ++i) {
-        uint32_t last = root_of(chain, place_of(place, &j->alike[i], 0));
+        uint32_t last = root_of(chain, coincident_of(coincident, &j->alike[i], 0));
         if (ends[last] != 2 || used[last] < SLIT_LEAST)
             join_pair(j->point, &j->alike[i]);
     }
 }
 
 /* one: of each vertex the one that it is in the file. */
-static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const uint32_t *one,
+static size_t list_edges(edge *out, const mesh *m, const uint32_t *coincident, const uint32_t *one,
                          const uint8_t *is_twice)
 {
     size_t count = 0;
@@ -338,7 +340,7 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const 
         for (size_t i = 0; i < 3; ++i) {
             const uint32_t *corner = m->triangle + 3 * t;
             uint32_t a = one[corner[i]], b = one[corner[(i + 1) % 3]];
-            uint32_t from = place[a], to = place[b];
+            uint32_t from = coincident[a], to = coincident[b];
             if (from == to || (!is_twice[from] && !is_twice[to]))
                 continue;
             if (out)
@@ -357,21 +359,21 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *place, const 
 }
 
 /* point: to begin with, what is one vertex in the file. */
-static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *place, error *err)
+static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *coincident, error *err)
 {
     uint8_t *is_twice = calloc((size_t)m->vertex_count + 1, 1);
     if (!is_twice)
         return no_memory(err);
     for (uint32_t v = 0; v < m->vertex_count; ++v)
-        if (place[v] != v)
-            is_twice[place[v]] = 1;
-    size_t count = list_edges(NULL, m, place, point, is_twice);
+        if (coincident[v] != v)
+            is_twice[coincident[v]] = 1;
+    size_t count = list_edges(NULL, m, coincident, point, is_twice);
     edge *all = malloc((count + 1) * sizeof *all);
     joining j = {.m = m, .point = point, .alike = malloc((count + 1) * sizeof *j.alike)};
     uint32_t *scratch = malloc(3 * ((size_t)m->vertex_count + 1) * sizeof *scratch);
     bool has_memory = all && j.alike && scratch;
     if (has_memory) {
-        (void)list_edges(all, m, place, point, is_twice);
+        (void)list_edges(all, m, coincident, point, is_twice);
         qsort(all, count, sizeof *all, by_place);
         for (size_t first = 0, end; first < count; first = end) {
             for (end = first + 1;
@@ -380,7 +382,7 @@ static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *pla
             if (end - first > 1 && end - first <= CROWD)
                 join_open(&j, all + first, end - first);
         }
-        join_alike(&j, place, scratch, scratch + m->vertex_count,
+        join_alike(&j, coincident, scratch, scratch + m->vertex_count,
                    scratch + 2 * (size_t)m->vertex_count);
     }
     free(scratch);
@@ -440,11 +442,11 @@ static void forget(mesh *m)
 mrt_result mesh_weld(mesh *m, error *err)
 {
     size_t count = (size_t)m->vertex_count + 1;
-    uint32_t twice = 0, *place = malloc(count * sizeof *place);
+    uint32_t twice = 0, *coincident = malloc(count * sizeof *coincident);
     uint32_t *one = m->smooth ? NULL : m->point;
     m->point = one ? NULL : m->point;
     forget(m);
-    mrt_result result = place ? find_places(place, &twice, m, err) : no_memory(err);
+    mrt_result result = coincident ? find_coincident(coincident, &twice, m, err) : no_memory(err);
     if (result >= 0 && twice > 0) {
         m->point = malloc(count * sizeof *m->point);
         m->smooth = malloc(count * sizeof *m->smooth);
@@ -452,7 +454,7 @@ mrt_result mesh_weld(mesh *m, error *err)
         for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
             m->point[v] = one ? one[v] : v;
         if (result >= 0)
-            result = join_edges(m->point, m, place, err);
+            result = join_edges(m->point, m, coincident, err);
         for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
             m->point[v] = root_of(m->point, v);
         if (result >= 0)
@@ -461,7 +463,7 @@ mrt_result mesh_weld(mesh *m, error *err)
             share_places(m);
     }
     free(one);
-    free(place);
+    free(coincident);
     if (result < 0)
         forget(m);
     return result;

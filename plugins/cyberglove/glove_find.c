@@ -72,7 +72,8 @@ static void describe(const char *root, const char *name, glove_found *out)
     glove_find_real(folder, real, sizeof real);
     if (!cut_at_interface(real, &interface))
         return;
-    snprintf(out->place, sizeof out->place, "%.40s%s%.8s", interface, number[0] ? "/" : "", number);
+    snprintf(out->usb_path, sizeof out->usb_path, "%.40s%s%.8s", interface, number[0] ? "/" : "",
+             number);
     char *slash = strrchr(real, '/');
     *slash = '\0'; /* the device that has the interface */
     read_line(real, "product", out->product, sizeof out->product);
@@ -112,7 +113,7 @@ static int by_likeliness(const void *left, const void *right)
     const glove_found *a = left, *b = right;
     if (a->likeliness != b->likeliness)
         return a->likeliness > b->likeliness ? -1 : 1;
-    int order = strcmp(a->place, b->place);
+    int order = strcmp(a->usb_path, b->usb_path);
     return order ? order : strcmp(a->path, b->path);
 }
 
@@ -141,12 +142,12 @@ uint32_t glove_find_ports(const char *root, glove_found *out, uint32_t capacity)
     return count;
 }
 
-bool glove_find_place(const char *root, const char *place, glove_found *out)
+bool glove_find_usb(const char *root, const char *usb_path, glove_found *out)
 {
     glove_found ports[GLOVE_PORTS_MAX];
     uint32_t count = glove_find_ports(root, ports, GLOVE_PORTS_MAX);
     for (uint32_t i = 0; i < count; ++i)
-        if (place[0] && strcmp(ports[i].place, place) == 0) {
+        if (usb_path[0] && strcmp(ports[i].usb_path, usb_path) == 0) {
             *out = ports[i];
             return true;
         }

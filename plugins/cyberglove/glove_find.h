@@ -11,7 +11,7 @@ enum { GLOVE_PORTS_MAX = 32, PATH_CAPACITY = 4096 };
 typedef struct glove_found {
     char path[128];      /* "/dev/ttyUSB0" */
     char link[160];      /* "/dev/serial/by-path/...", "" if there is none */
-    char place[64];      /* USB interface and port: "1-1.4:1.0/0"; stays when path changes */
+    char usb_path[64];   /* USB interface and port: "1-1.4:1.0/0"; stays when path changes */
     char product[64];    /* "FT232R USB UART"; "" if unknown */
     uint32_t likeliness; /* 2: calls itself a glove, 1: an adapter that gloves have, 0 */
 } glove_found;
@@ -20,7 +20,7 @@ typedef struct glove_found {
  * Returns how many were written. */
 uint32_t glove_find_ports(const char *root, glove_found *out, uint32_t capacity);
 /* The port at this place now. */
-bool glove_find_place(const char *root, const char *place, glove_found *out);
+bool glove_find_usb(const char *root, const char *usb_path, glove_found *out);
 /* The port that this path, or a link to it, names now. */
 bool glove_find_path(const char *root, const char *path, glove_found *out);
 

@@ -17,8 +17,8 @@ void glove_open_address(const glove_found *port, char *out, size_t capacity)
 {
     if (port->link[0])
         snprintf(out, capacity, "serial:%s", port->link);
-    else if (port->place[0])
-        snprintf(out, capacity, "usb:%s", port->place);
+    else if (port->usb_path[0])
+        snprintf(out, capacity, "usb:%s", port->usb_path);
     else
         snprintf(out, capacity, "serial:%s", port->path);
 }
@@ -55,12 +55,12 @@ static mrt_result open_tcp(const attempt *by, const char *address)
     return result < 0 ? result : start(by);
 }
 
-static mrt_result open_place(const attempt *by, const char *place, glove_memory *memory)
+static mrt_result open_usb(const attempt *by, const char *usb_path, glove_memory *memory)
 {
-    if (!glove_find_place(by->root, place, &memory->port))
+    if (!glove_find_usb(by->root, usb_path, &memory->port))
         return glove_why_set(by->why, MRT_ERR_IO,
                              "nothing is plugged in at USB port %.60s: plug the glove in there",
-                             place);
+                             usb_path);
     return open_path(by, memory->port.path);
 }
 
@@ -133,8 +133,8 @@ static mrt_result open_first(attempt *by, glove_memory *memory)
 
 static mrt_result open_again(const attempt *by, glove_memory *memory)
 {
-    if (memory->port.place[0])
-        return open_place(by, memory->port.place, memory);
+    if (memory->port.usb_path[0])
+        return open_usb(by, memory->port.usb_path, memory);
     return open_path(by, memory->port.path);
 }
 
@@ -146,8 +146,8 @@ static mrt_result open_named(const attempt *by, const char *path, bool is_again,
 {
     glove_found now;
     bool is_there = glove_find_path(by->root, path, &now);
-    if (!is_there && is_again && memory->port.place[0])
-        return open_place(by, memory->port.place, memory);
+    if (!is_there && is_again && memory->port.usb_path[0])
+        return open_usb(by, memory->port.usb_path, memory);
     mrt_result result = open_path(by, path);
     if (result < 0)
         return result;
@@ -174,7 +174,7 @@ static mrt_result open_address(attempt *by, const char *address, bool is_again,
     if ((rest = after(address, "tcp:")) != NULL)
         return open_tcp(by, rest);
     if ((rest = after(address, "usb:")) != NULL)
-        return open_place(by, rest, memory);
+        return open_usb(by, rest, memory);
     rest = after(address, "serial:");
     const char *path = rest ? rest : address;
     if (path[0] == '/')

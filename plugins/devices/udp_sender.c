@@ -16,16 +16,16 @@ mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
 {
     char reason[UDP_REASON];
     udp_sender_close(self);
-    (void)snprintf(self->place, sizeof self->place, "127.0.0.1");
+    (void)snprintf(self->host_name, sizeof self->host_name, "127.0.0.1");
     self->port = port;
     self->refused_ns = 0;
-    if (address[0] && !udp_address_parse(self->place, &self->port, address, strlen(address))) {
+    if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
                    address, (unsigned)port);
         return MRT_ERR_ARGUMENT;
     }
-    self->socket = udp_connect(self->place, self->port, reason);
+    self->socket = udp_connect(self->host_name, self->port, reason);
     if (self->socket < 0) {
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
@@ -51,7 +51,7 @@ mrt_result udp_sender_send(udp_sender *self, const void *bytes, size_t size)
         self->refused_ns = now_ns;
     if (error == 0 || is_passing(error))
         return self->refused_ns && now_ns - self->refused_ns < unheard_ns ? MRT_TIMEOUT : MRT_OK;
-    device_say(self->host, MRT_LOG_ERROR, "nothing reaches %s port %u: %s", self->place,
+    device_say(self->host, MRT_LOG_ERROR, "nothing reaches %s port %u: %s", self->host_name,
                (unsigned)self->port, strerror(error));
     return MRT_ERR_IO;
 }

@@ -8,7 +8,7 @@
 typedef struct udp_sender {
     const mrt_host *host;
     int socket; /* -1: closed */
-    char place[UDP_HOST];
+    char host_name[UDP_HOST];
     uint16_t port;
     int64_t refused_ns; /* when nobody listened last; 0: never */
     trace trace;

@@ -53,14 +53,14 @@ static void read_bits(uint32_t number, const char *file, uint8_t *out, size_t si
     }
 }
 
-static void find_place(evdev_seen *out)
+static void find_identity(evdev_seen *out)
 {
-    read_line(out->number, "uniq", out->place, sizeof out->place);
-    if (out->place[0] == '\0')
-        read_line(out->number, "phys", out->place, sizeof out->place);
-    if (out->place[0] == '\0')
-        (void)snprintf(out->place, sizeof out->place, "event%u", out->number);
-    for (char *c = out->place; *c; ++c)
+    read_line(out->number, "uniq", out->identity, sizeof out->identity);
+    if (out->identity[0] == '\0')
+        read_line(out->number, "phys", out->identity, sizeof out->identity);
+    if (out->identity[0] == '\0')
+        (void)snprintf(out->identity, sizeof out->identity, "event%u", out->number);
+    for (char *c = out->identity; *c; ++c)
         if (*c == '/')
             *c = '.';
 }
@@ -80,7 +80,7 @@ static bool see(evdev_seen *out, uint32_t number)
     out->model.vendor = (uint16_t)strtoul(vendor, NULL, 16);
     read_line(number, "name", out->name, sizeof out->name);
     (void)snprintf(out->node, sizeof out->node, "/dev/input/event%u", number);
-    find_place(out);
+    find_identity(out);
     return true;
 }
 

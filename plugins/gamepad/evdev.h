@@ -7,13 +7,13 @@
 
 #include <linux/input.h>
 
-enum { EVDEV_SEEN = 16, EVDEV_NAME = 64, EVDEV_PLACE = 96 };
+enum { EVDEV_SEEN = 16, EVDEV_NAME = 64, EVDEV_IDENTITY = 96 };
 
 typedef struct evdev_seen {
     uint32_t number; /* of /dev/input/eventN */
     char node[32], name[EVDEV_NAME];
     /* Where it is plugged in, or the address of its radio: stays when it comes again. */
-    char place[EVDEV_PLACE];
+    char identity[EVDEV_IDENTITY];
     pad_model model; /* without the ends of axes */
 } evdev_seen;
 

@@ -22,9 +22,9 @@ static const int64_t repeat_ns = 1000000000;
 
 struct mrt_plugin {
     const mrt_host *host;
-    int descriptor;          /* -1: closed */
-    char address[192];       /* as opened */
-    char place[EVDEV_PLACE]; /* of the pad that this address has meant; "" none yet */
+    int descriptor;                /* -1: closed */
+    char address[192];             /* as opened */
+    char identity[EVDEV_IDENTITY]; /* of the pad that this address has meant; "" none yet */
     evdev_seen pad;
     pad_state state;
     trace trace;
@@ -45,12 +45,12 @@ struct mrt_plugin {
 static bool is_wanted(const mrt_plugin *self, const evdev_seen *seen, uint32_t index)
 {
     char *end;
-    if (self->place[0])
-        return strcmp(self->place, seen->place) == 0;
+    if (self->identity[0])
+        return strcmp(self->identity, seen->identity) == 0;
     unsigned long number = strtoul(self->address, &end, 10);
     if (self->address[0] == '\0' || (*end == '\0' && number > 0))
         return index + 1 == (self->address[0] ? number : 1);
-    return strcmp(self->address, seen->place) == 0 || strcmp(self->address, seen->node) == 0;
+    return strcmp(self->address, seen->identity) == 0 || strcmp(self->address, seen->node) == 0;
 }
 
 static const char *advice(int error)
@@ -73,9 +73,9 @@ static void input_close(mrt_plugin *self)
 
 static mrt_result say_absent(const mrt_plugin *self, uint32_t count)
 {
-    if (self->place[0])
+    if (self->identity[0])
         device_say(self->host, MRT_LOG_ERROR, "the gamepad at %.90s is not there: plug it in again",
-                   self->place);
+                   self->identity);
     else if (self->address[0])
         device_say(self->host, MRT_LOG_ERROR,
                    "no gamepad is \"%.60s\", of %u that are plugged in: plug it in, or see what "
@@ -92,7 +92,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     (void)params;
     input_close(self);
     if (strcmp(self->address, address) != 0)
-        self->place[0] = '\0';
+        self->identity[0] = '\0';
     (void)snprintf(self->address, sizeof self->address, "%s", address);
     const uint32_t count = evdev_look(seen);
     uint32_t at = 0;
@@ -107,7 +107,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
                    strerror(errno), advice(errno));
         return MRT_ERR_IO;
     }
-    (void)snprintf(self->place, sizeof self->place, "%s", self->pad.place);
+    (void)snprintf(self->identity, sizeof self->identity, "%s", self->pad.identity);
     trace_open(&self->trace, self->host, "gamepad");
     self->event_count = self->event_at = 0;
     self->has_dropped = self->is_lost = self->has_told_loss = false;
@@ -253,7 +253,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 static void fill_device(const evdev_seen *seen, mrt_device *out)
 {
     *out = (mrt_device){.state = MRT_DEVICE_READY};
-    (void)snprintf(out->address, sizeof out->address, "%s", seen->place);
+    (void)snprintf(out->address, sizeof out->address, "%s", seen->identity);
     (void)snprintf(out->name, sizeof out->name, "%s", seen->name[0] ? seen->name : "Gamepad");
     if (access(seen->node, R_OK) != 0) {
         out->state = MRT_DEVICE_DENIED;

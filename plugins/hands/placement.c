@@ -47,16 +47,16 @@ static void sine_cosine(double angle_deg, double *out_sine, double *out_cosine)
     *out_cosine = cosine;
 }
 
-typedef struct turn {
+typedef struct rotation {
     double r[3][3];
-} turn;
+} rotation;
 
-static turn turn_about(int axis, double angle_deg)
+static rotation rotation_about(int axis, double angle_deg)
 {
     double s, c;
     sine_cosine(angle_deg, &s, &c);
     int a = (axis + 1) % 3, b = (axis + 2) % 3;
-    turn out = {{{0}}};
+    rotation out = {{{0}}};
     out.r[axis][axis] = 1.0;
     out.r[a][a] = c;
     out.r[a][b] = -s;
@@ -65,9 +65,9 @@ static turn turn_about(int axis, double angle_deg)
     return out;
 }
 
-static turn turn_compose(const turn *second, const turn *first)
+static rotation rotation_compose(const rotation *second, const rotation *first)
 {
-    turn out;
+    rotation out;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             out.r[i][j] = second->r[i][0] * first->r[0][j] + second->r[i][1] * first->r[1][j] +
@@ -83,23 +83,23 @@ static bool is_pair(const mrt_frame *frame)
 }
 
 /* Hand frame to face frame, without the place. The left hand is turned as in a mirror. */
-static turn posture_turn(const mrt_frame *frame, uint32_t side)
+static rotation posture_turn(const mrt_frame *frame, uint32_t side)
 {
     const double *params = frame->params;
     double mirror = side == MRT_LEFT ? -1.0 : 1.0;
-    static const turn in_head = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    static const turn before_face = {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}};
+    static const rotation in_head = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    static const rotation before_face = {{{-1, 0, 0}, {0, 0, 1}, {0, 1, 0}}};
     bool is_before_face = (int)params[PLACEMENT_POSTURE] == POSTURE_BEFORE_FACE;
     bool is_turned = !is_before_face && is_pair(frame);
     double roll_deg = params[PLACEMENT_ROLL] + (is_turned ? pair_roll_deg : 0.0);
     double pitch_deg = params[PLACEMENT_PITCH] + (is_turned ? pair_pitch_deg : 0.0);
-    turn out = is_before_face ? before_face : in_head;
-    turn roll = turn_about(2, mirror * roll_deg);
-    turn pitch = turn_about(0, -pitch_deg);
-    turn yaw = turn_about(1, mirror * params[PLACEMENT_YAW]);
-    out = turn_compose(&roll, &out);
-    out = turn_compose(&pitch, &out);
-    return turn_compose(&yaw, &out);
+    rotation out = is_before_face ? before_face : in_head;
+    rotation roll = rotation_about(2, mirror * roll_deg);
+    rotation pitch = rotation_about(0, -pitch_deg);
+    rotation yaw = rotation_about(1, mirror * params[PLACEMENT_YAW]);
+    out = rotation_compose(&roll, &out);
+    out = rotation_compose(&pitch, &out);
+    return rotation_compose(&yaw, &out);
 }
 
 void placement_activate(placement *self, const mrt_face *face)
@@ -164,12 +164,13 @@ static float scale_of(const placement *self, const mrt_frame *frame)
     return length_mm / hand_length_mm;
 }
 
-static mrt_vec3 laid(const turn *t, float scale, mrt_vec3 home, mrt_vec3 place, mrt_vec3 p)
+static mrt_vec3 laid(const rotation *t, float scale, mrt_vec3 home, mrt_vec3 position, mrt_vec3 p)
 {
     double x = (double)(p.x - home.x), y = (double)(p.y - home.y), z = (double)(p.z - home.z);
-    return (mrt_vec3){place.x + scale * (float)(t->r[0][0] * x + t->r[0][1] * y + t->r[0][2] * z),
-                      place.y + scale * (float)(t->r[1][0] * x + t->r[1][1] * y + t->r[1][2] * z),
-                      place.z + scale * (float)(t->r[2][0] * x + t->r[2][1] * y + t->r[2][2] * z)};
+    return (mrt_vec3){
+        position.x + scale * (float)(t->r[0][0] * x + t->r[0][1] * y + t->r[0][2] * z),
+        position.y + scale * (float)(t->r[1][0] * x + t->r[1][1] * y + t->r[1][2] * z),
+        position.z + scale * (float)(t->r[2][0] * x + t->r[2][1] * y + t->r[2][2] * z)};
 }
 
 uint32_t placement_points(placement *self, const mrt_frame *frame,
@@ -186,12 +187,12 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
             self->home[side] = centre_of_tips(hand);
             self->is_laid[side] = true;
         }
-        turn t = posture_turn(frame, side);
-        mrt_vec3 home = self->home[side], place = place_of(self, frame, side);
+        rotation t = posture_turn(frame, side);
+        mrt_vec3 home = self->home[side], position = place_of(self, frame, side);
         for (int finger = 0; finger < 5; ++finger)
-            out_point[count++] = laid(&t, scale, home, place, hand->joint[4 + 4 * finger]);
+            out_point[count++] = laid(&t, scale, home, position, hand->joint[4 + 4 * finger]);
         for (int i = 0; i < MRT_PALM && params[PLACEMENT_PALM] > 0.5; ++i)
-            out_point[count++] = laid(&t, scale, home, place, hand->palm[i]);
+            out_point[count++] = laid(&t, scale, home, position, hand->palm[i]);
     }
     return count;
 }

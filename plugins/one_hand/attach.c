@@ -28,8 +28,8 @@ static void shorten(double v[3], double most)
 void attach_keep(attach *self, double most_mm, const double *low, const double *high)
 {
     self->offset = self->shown;
-    for (int place = 0; place < PLACE_COUNT; ++place)
-        shorten(self->offset.value + 3 * place, most_mm);
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark)
+        shorten(self->offset.value + 3 * landmark, most_mm);
     double *dof = self->offset.value + POSE_DOFS;
     for (int i = 0; i < DOF_COUNT; ++i)
         dof[i] = curve_clamp(dof[i], low[i], high[i]);

@@ -26,14 +26,14 @@ static uint32_t find_dof(const mrt_face *face, const char *name)
     return FITTING_NONE;
 }
 
-static bool has_pair(const fitting *self, int place)
+static bool has_pair(const fitting *self, int landmark)
 {
-    return self->contact[place] != FITTING_NONE && self->contact[place + 1] != FITTING_NONE;
+    return self->contact[landmark] != FITTING_NONE && self->contact[landmark + 1] != FITTING_NONE;
 }
 
-static double apart(const fitting *self, int place)
+static double apart(const fitting *self, int landmark)
 {
-    mrt_vec3 a = self->start[place], b = self->start[place + 1];
+    mrt_vec3 a = self->start[landmark], b = self->start[landmark + 1];
     double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y,
            z = (double)a.z - (double)b.z;
     return sqrt(x * x + y * y + z * z);
@@ -51,19 +51,19 @@ static void insert(double *sorted, int count, double value)
 static double scale_of(const fitting *self, const mrt_face *face)
 {
     static const struct measure {
-        int place;
+        int landmark;
         double mm;
-    } measures[] = {{PLACE_MOUTH_CORNER, 52},
-                    {PLACE_BROW_MID, 66},
-                    {PLACE_BROW_INNER, 30},
-                    {PLACE_BROW_OUTER, 100}};
+    } measures[] = {{LANDMARK_MOUTH_CORNER, 52},
+                    {LANDMARK_BROW_MID, 66},
+                    {LANDMARK_BROW_INNER, 30},
+                    {LANDMARK_BROW_OUTER, 100}};
     double scales[1 + COUNT_OF(measures)];
     int count = 0;
     double height = ((double)face->high.y - (double)face->low.y) / 240.0;
     if (isfinite(height) && height > 0.0)
         insert(scales, count++, height);
     for (int i = 0; i < COUNT_OF(measures); ++i) {
-        double mm = has_pair(self, measures[i].place) ? apart(self, measures[i].place) : 0.0;
+        double mm = has_pair(self, measures[i].landmark) ? apart(self, measures[i].landmark) : 0.0;
         if (isfinite(mm) && mm > 0.0)
             insert(scales, count++, mm / measures[i].mm);
     }
@@ -105,8 +105,8 @@ static void limit_dofs(fitting *self, const mrt_face *face)
 bool fitting_find(fitting *out, const mrt_face *face)
 {
     *out = (fitting){.scale = 1.0};
-    for (int i = 0; i < PLACE_COUNT; ++i) {
-        out->contact[i] = find_contact(face, pose_place_names[i]);
+    for (int i = 0; i < LANDMARK_COUNT; ++i) {
+        out->contact[i] = find_contact(face, pose_landmark_names[i]);
         if (out->contact[i] == FITTING_NONE)
             continue;
         out->start[i] = face->contacts[out->contact[i]].rest;
@@ -177,10 +177,10 @@ void fitting_report(const fitting *self, const mrt_host *host)
     char line[LINE];
     snprintf(line, sizeof line,
              "performs %u of %d contacts and %u of %d degrees of freedom; 1 mm is %.2f mm here",
-             self->contact_count, PLACE_COUNT, self->dof_count, DOF_COUNT, self->scale);
+             self->contact_count, LANDMARK_COUNT, self->dof_count, DOF_COUNT, self->scale);
     host->log(host, MRT_LOG_INFO, line);
     report_parts(self, host);
-    report_missing(host, "contact", pose_place_names, self->contact, PLACE_COUNT);
+    report_missing(host, "contact", pose_landmark_names, self->contact, LANDMARK_COUNT);
     report_missing(host, "degree of freedom", pose_dof_names, self->dof, DOF_COUNT);
 }
 
@@ -188,22 +188,22 @@ void fitting_report(const fitting *self, const mrt_host *host)
 
 /* What the skin does where a jaw that is no bone would carry it, per mm at the incisors. */
 static const pose_part drop_parts[] = {
-    {PLACE_CHIN, 0, -1, -0.3},
-    {PLACE_LIP_LOWER_MID, 0, -0.9, -0.2},
-    {PLACE_LIP_LOWER_SIDE, 0, -0.75, -0.2},
-    {PLACE_JAW_ANGLE, 0, -0.25, -0.1},
-    {PLACE_MOUTH_CORNER, 0, -0.35, -0.05},
-    {PLACE_CHEEK_LOWER, 0, -0.3, 0},
+    {LANDMARK_CHIN, 0, -1, -0.3},
+    {LANDMARK_LIP_LOWER_MID, 0, -0.9, -0.2},
+    {LANDMARK_LIP_LOWER_SIDE, 0, -0.75, -0.2},
+    {LANDMARK_JAW_ANGLE, 0, -0.25, -0.1},
+    {LANDMARK_MOUTH_CORNER, 0, -0.35, -0.05},
+    {LANDMARK_CHEEK_LOWER, 0, -0.3, 0},
 };
 static const struct carried {
-    int place;
+    int landmark;
     double share;
-} carried[] = {{PLACE_CHIN, 1},
-               {PLACE_LIP_LOWER_MID, 1},
-               {PLACE_LIP_LOWER_SIDE, 0.85},
-               {PLACE_LIP_LOWER_SIDE + 1, 0.85},
-               {PLACE_JAW_ANGLE, 0.5},
-               {PLACE_JAW_ANGLE + 1, 0.5}};
+} carried[] = {{LANDMARK_CHIN, 1},
+               {LANDMARK_LIP_LOWER_MID, 1},
+               {LANDMARK_LIP_LOWER_SIDE, 0.85},
+               {LANDMARK_LIP_LOWER_SIDE + 1, 0.85},
+               {LANDMARK_JAW_ANGLE, 0.5},
+               {LANDMARK_JAW_ANGLE + 1, 0.5}};
 
 static double dof_value(const fitting *self, const pose *p, int dof)
 {
@@ -213,7 +213,7 @@ static double dof_value(const fitting *self, const pose *p, int dof)
 static void carry(pose *p, int axis, double mm)
 {
     for (int i = 0; i < COUNT_OF(carried); ++i)
-        p->value[3 * carried[i].place + axis] += carried[i].share * mm;
+        p->value[3 * carried[i].landmark + axis] += carried[i].share * mm;
 }
 
 /* Pulls for the jaw's degrees of freedom that the face lacks. */
@@ -229,8 +229,8 @@ static void stand_in(const fitting *self, pose *p, double lever_mm)
 
 static void limit_pulls(pose *p, double reach_mm)
 {
-    for (int place = 0; place < PLACE_COUNT; ++place) {
-        double *v = p->value + 3 * place;
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
+        double *v = p->value + 3 * landmark;
         double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
         double most = curve_limit(length, reach_mm, reach_mm);
         if (most < length)
@@ -273,15 +273,15 @@ void fitting_write(const fitting *self, const pose *shown, double closure, const
     stand_in(self, &p, params[SET_LEVER]);
     bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->contact_count;
     uint32_t count = 0;
-    for (int place = 0; place < PLACE_COUNT; ++place) {
-        if (self->contact[place] == FITTING_NONE)
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
+        if (self->contact[landmark] == FITTING_NONE)
             continue;
-        const double *v = p.value + 3 * place;
-        mrt_vec3 start = self->start[place];
+        const double *v = p.value + 3 * landmark;
+        mrt_vec3 start = self->start[landmark];
         mrt_vector *vector = &pull->vector[count++];
-        is_new =
-            is_new || vector->contact != 1 + self->contact[place] || !is_same(vector->start, start);
-        *vector = (mrt_vector){.start = start, .contact = 1 + self->contact[place]};
+        is_new = is_new || vector->contact != 1 + self->contact[landmark] ||
+                 !is_same(vector->start, start);
+        *vector = (mrt_vector){.start = start, .contact = 1 + self->contact[landmark]};
         vector->end = (mrt_vec3){start.x + (float)(size * v[0]), start.y + (float)(size * v[1]),
                                  start.z + (float)(size * v[2])};
     }

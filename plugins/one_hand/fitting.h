@@ -8,9 +8,9 @@
 #define FITTING_NONE UINT32_MAX
 
 typedef struct fitting {
-    uint32_t contact[PLACE_COUNT]; /* of the face, or FITTING_NONE */
+    uint32_t contact[LANDMARK_COUNT]; /* of the face, or FITTING_NONE */
     uint32_t dof[DOF_COUNT];
-    mrt_vec3 start[PLACE_COUNT];
+    mrt_vec3 start[LANDMARK_COUNT];
     double low[DOF_COUNT], high[DOF_COUNT]; /* of a pose's values: what the face can show */
     double closed[DOF_COUNT];               /* lids: the dof's value when closed */
     double scale;                           /* mm of this face per mm of a pose */

@@ -98,25 +98,25 @@ void maps_muppet(pose *out, const reading *difference, double intensity, double 
 
 /* Out is across the face, to the subject's left, for both sides. */
 typedef struct follower {
-    int place;
+    int landmark;
     double share;
 } follower;
 
 static const follower brow_followers[] = {
-    {PLACE_BROW_INNER, 0.8}, {PLACE_BROW_MID, 1}, {PLACE_BROW_OUTER, 0.8}};
-static const follower corner_followers[] = {{PLACE_MOUTH_CORNER, 1},
-                                            {PLACE_NASOLABIAL, 0.4},
-                                            {PLACE_CHEEK_LOWER, 0.4},
-                                            {PLACE_LIP_UPPER_SIDE, 0.45},
-                                            {PLACE_LIP_LOWER_SIDE, 0.45}};
-static const follower cheek_followers[] = {{PLACE_CHEEK, 1}};
-static const follower chin_followers[] = {{PLACE_CHIN, 1}, {PLACE_LIP_LOWER_MID, 0.8}};
+    {LANDMARK_BROW_INNER, 0.8}, {LANDMARK_BROW_MID, 1}, {LANDMARK_BROW_OUTER, 0.8}};
+static const follower corner_followers[] = {{LANDMARK_MOUTH_CORNER, 1},
+                                            {LANDMARK_NASOLABIAL, 0.4},
+                                            {LANDMARK_CHEEK_LOWER, 0.4},
+                                            {LANDMARK_LIP_UPPER_SIDE, 0.45},
+                                            {LANDMARK_LIP_LOWER_SIDE, 0.45}};
+static const follower cheek_followers[] = {{LANDMARK_CHEEK, 1}};
+static const follower chin_followers[] = {{LANDMARK_CHIN, 1}, {LANDMARK_LIP_LOWER_MID, 0.8}};
 
 static void follow(pose *p, const follower *followers, int count, int side, const double pull[3])
 {
     for (int i = 0; i < count; ++i)
         for (int axis = 0; axis < 3; ++axis)
-            p->value[3 * (followers[i].place + side) + axis] += followers[i].share * pull[axis];
+            p->value[3 * (followers[i].landmark + side) + axis] += followers[i].share * pull[axis];
 }
 
 /* A point's movement scaled, its dead zone a ball, softly stopped. */

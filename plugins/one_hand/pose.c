@@ -6,7 +6,7 @@
 
 /* ---- names ---- */
 
-const char *const pose_place_names[PLACE_COUNT] = {
+const char *const pose_landmark_names[LANDMARK_COUNT] = {
     "brow.inner.l",
     "brow.inner.r",
     "brow.mid.l",
@@ -45,8 +45,9 @@ const char *const pose_dof_names[DOF_COUNT] = {
 int pose_layer(int index)
 {
     if (index < POSE_DOFS) {
-        int place = index / 3;
-        return place < PLACE_CHEEK || place == PLACE_FOREHEAD_MID ? LAYER_BROWS : LAYER_MOUTH;
+        int landmark = index / 3;
+        return landmark < LANDMARK_CHEEK || landmark == LANDMARK_FOREHEAD_MID ? LAYER_BROWS
+                                                                              : LAYER_MOUTH;
     }
     int dof = index - POSE_DOFS;
     if (dof <= DOF_JAW_FORWARD)
@@ -65,11 +66,11 @@ static void swap(double *a, double *b)
 
 void pose_mirror(pose *p)
 {
-    for (int place = 0; place < PLACE_FIRST_MID; place += 2)
+    for (int landmark = 0; landmark < LANDMARK_FIRST_MID; landmark += 2)
         for (int axis = 0; axis < 3; ++axis)
-            swap(&p->value[3 * place + axis], &p->value[3 * place + 3 + axis]);
-    for (int place = 0; place < PLACE_COUNT; ++place)
-        p->value[3 * place] = -p->value[3 * place];
+            swap(&p->value[3 * landmark + axis], &p->value[3 * landmark + 3 + axis]);
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark)
+        p->value[3 * landmark] = -p->value[3 * landmark];
     double *dof = p->value + POSE_DOFS;
     for (int pair = DOF_EYE_YAW; pair < DOF_COUNT; pair += 2)
         swap(&dof[pair], &dof[pair + 1]);
@@ -78,9 +79,9 @@ void pose_mirror(pose *p)
         dof[aside[i]] = -dof[aside[i]];
 }
 
-static void add_at(pose *p, int place, double side, const pose_part *part, double amount)
+static void add_at(pose *p, int landmark, double side, const pose_part *part, double amount)
 {
-    double *pull = p->value + 3 * place;
+    double *pull = p->value + 3 * landmark;
     pull[0] += side * amount * part->out;
     pull[1] += amount * part->up;
     pull[2] += amount * part->front;
@@ -89,21 +90,21 @@ static void add_at(pose *p, int place, double side, const pose_part *part, doubl
 void pose_add_left(pose *p, const pose_part *parts, int count, double amount)
 {
     for (int i = 0; i < count; ++i)
-        add_at(p, parts[i].place, 1.0, &parts[i], amount);
+        add_at(p, parts[i].landmark, 1.0, &parts[i], amount);
 }
 
 void pose_add_right(pose *p, const pose_part *parts, int count, double amount)
 {
     for (int i = 0; i < count; ++i)
-        add_at(p, parts[i].place + 1, -1.0, &parts[i], amount);
+        add_at(p, parts[i].landmark + 1, -1.0, &parts[i], amount);
 }
 
 /* On the midline nothing goes out. */
 void pose_add(pose *p, const pose_part *parts, int count, double amount)
 {
     for (int i = 0; i < count; ++i) {
-        if (parts[i].place >= PLACE_FIRST_MID) {
-            add_at(p, parts[i].place, 0.0, &parts[i], amount);
+        if (parts[i].landmark >= LANDMARK_FIRST_MID) {
+            add_at(p, parts[i].landmark, 0.0, &parts[i], amount);
             continue;
         }
         pose_add_left(p, &parts[i], 1, amount);
@@ -114,50 +115,52 @@ void pose_add(pose *p, const pose_part *parts, int count, double amount)
 /* ---- what an axis does, per mm: the muscles' directions, with their neighbours in part, for a
  * contact that is not pulled along holds its place ---- */
 
-static const pose_part brow_parts[] = {
-    {PLACE_BROW_INNER, 0, 0.85, 0}, {PLACE_BROW_MID, 0, 1, 0}, {PLACE_BROW_OUTER, 0, 0.75, 0}};
-static const pose_part forehead_parts[] = {{PLACE_FOREHEAD_MID, 0, 1, 0}};
-static const pose_part tilt_parts[] = {{PLACE_BROW_INNER, 0, 1, 0}, {PLACE_BROW_OUTER, 0, -1, 0}};
+static const pose_part brow_parts[] = {{LANDMARK_BROW_INNER, 0, 0.85, 0},
+                                       {LANDMARK_BROW_MID, 0, 1, 0},
+                                       {LANDMARK_BROW_OUTER, 0, 0.75, 0}};
+static const pose_part forehead_parts[] = {{LANDMARK_FOREHEAD_MID, 0, 1, 0}};
+static const pose_part tilt_parts[] = {{LANDMARK_BROW_INNER, 0, 1, 0},
+                                       {LANDMARK_BROW_OUTER, 0, -1, 0}};
 static const pose_part smile_parts[] = {
-    {PLACE_MOUTH_CORNER, 0.55, 0.75, -0.37}, {PLACE_NASOLABIAL, 0.25, 0.5, 0.05},
-    {PLACE_CHEEK_LOWER, 0.3, 0.4, 0},        {PLACE_LIP_UPPER_SIDE, 0.3, 0.35, -0.12},
-    {PLACE_LIP_LOWER_SIDE, 0.3, 0.3, -0.12},
+    {LANDMARK_MOUTH_CORNER, 0.55, 0.75, -0.37}, {LANDMARK_NASOLABIAL, 0.25, 0.5, 0.05},
+    {LANDMARK_CHEEK_LOWER, 0.3, 0.4, 0},        {LANDMARK_LIP_UPPER_SIDE, 0.3, 0.35, -0.12},
+    {LANDMARK_LIP_LOWER_SIDE, 0.3, 0.3, -0.12},
 };
-static const pose_part smile_cheek_parts[] = {{PLACE_CHEEK, 0.2, 0.95, 0.25}};
+static const pose_part smile_cheek_parts[] = {{LANDMARK_CHEEK, 0.2, 0.95, 0.25}};
 static const pose_part frown_parts[] = {
-    {PLACE_MOUTH_CORNER, 0.12, -0.98, -0.15}, {PLACE_NASOLABIAL, 0, -0.3, 0},
-    {PLACE_CHEEK_LOWER, 0, -0.3, 0},          {PLACE_LIP_UPPER_SIDE, 0.05, -0.3, 0},
-    {PLACE_LIP_LOWER_SIDE, 0.05, -0.45, 0},
+    {LANDMARK_MOUTH_CORNER, 0.12, -0.98, -0.15}, {LANDMARK_NASOLABIAL, 0, -0.3, 0},
+    {LANDMARK_CHEEK_LOWER, 0, -0.3, 0},          {LANDMARK_LIP_UPPER_SIDE, 0.05, -0.3, 0},
+    {LANDMARK_LIP_LOWER_SIDE, 0.05, -0.45, 0},
 };
-static const pose_part frown_cheek_parts[] = {{PLACE_CHEEK, 0, -0.5, 0}};
+static const pose_part frown_cheek_parts[] = {{LANDMARK_CHEEK, 0, -0.5, 0}};
 static const pose_part smirk_parts[] = {
-    {PLACE_MOUTH_CORNER, 0.3, 0.93, -0.2}, {PLACE_NASOLABIAL, 0.1, 0.4, 0},
-    {PLACE_CHEEK_LOWER, 0.1, 0.35, 0},     {PLACE_LIP_UPPER_SIDE, 0.1, 0.4, 0},
-    {PLACE_LIP_LOWER_SIDE, 0.1, 0.35, 0},
+    {LANDMARK_MOUTH_CORNER, 0.3, 0.93, -0.2}, {LANDMARK_NASOLABIAL, 0.1, 0.4, 0},
+    {LANDMARK_CHEEK_LOWER, 0.1, 0.35, 0},     {LANDMARK_LIP_UPPER_SIDE, 0.1, 0.4, 0},
+    {LANDMARK_LIP_LOWER_SIDE, 0.1, 0.35, 0},
 };
 static const pose_part wide_parts[] = {
-    {PLACE_MOUTH_CORNER, 1, 0, -0.35},     {PLACE_LIP_UPPER_SIDE, 0.5, 0, -0.15},
-    {PLACE_LIP_LOWER_SIDE, 0.5, 0, -0.15}, {PLACE_NASOLABIAL, 0.3, 0, 0},
-    {PLACE_CHEEK_LOWER, 0.35, 0, 0},
+    {LANDMARK_MOUTH_CORNER, 1, 0, -0.35},     {LANDMARK_LIP_UPPER_SIDE, 0.5, 0, -0.15},
+    {LANDMARK_LIP_LOWER_SIDE, 0.5, 0, -0.15}, {LANDMARK_NASOLABIAL, 0.3, 0, 0},
+    {LANDMARK_CHEEK_LOWER, 0.35, 0, 0},
 };
 static const pose_part narrow_parts[] = {
-    {PLACE_MOUTH_CORNER, -1, 0, 0},      {PLACE_LIP_UPPER_SIDE, -0.55, 0, 0},
-    {PLACE_LIP_LOWER_SIDE, -0.55, 0, 0}, {PLACE_NASOLABIAL, -0.2, 0, 0},
-    {PLACE_CHEEK_LOWER, -0.35, 0, 0},
+    {LANDMARK_MOUTH_CORNER, -1, 0, 0},      {LANDMARK_LIP_UPPER_SIDE, -0.55, 0, 0},
+    {LANDMARK_LIP_LOWER_SIDE, -0.55, 0, 0}, {LANDMARK_NASOLABIAL, -0.2, 0, 0},
+    {LANDMARK_CHEEK_LOWER, -0.35, 0, 0},
 };
 static const pose_part protrusion_parts[] = {
-    {PLACE_LIP_UPPER_MID, 0, 0, 1},    {PLACE_LIP_LOWER_MID, 0, 0, 1},
-    {PLACE_LIP_UPPER_SIDE, 0, 0, 0.8}, {PLACE_LIP_LOWER_SIDE, 0, 0, 0.8},
-    {PLACE_MOUTH_CORNER, 0, 0, 0.6},   {PLACE_NASOLABIAL, 0, 0, 0.2},
-    {PLACE_CHEEK_LOWER, 0, 0, 0.15},
+    {LANDMARK_LIP_UPPER_MID, 0, 0, 1},    {LANDMARK_LIP_LOWER_MID, 0, 0, 1},
+    {LANDMARK_LIP_UPPER_SIDE, 0, 0, 0.8}, {LANDMARK_LIP_LOWER_SIDE, 0, 0, 0.8},
+    {LANDMARK_MOUTH_CORNER, 0, 0, 0.6},   {LANDMARK_NASOLABIAL, 0, 0, 0.2},
+    {LANDMARK_CHEEK_LOWER, 0, 0, 0.15},
 };
 static const pose_part sneer_parts[] = {
-    {PLACE_NOSE_WING, 0.15, 0.7, 0},   {PLACE_NASOLABIAL, 0.1, 0.8, 0.1},
-    {PLACE_LIP_UPPER_SIDE, 0, 0.8, 0}, {PLACE_CHEEK, 0.05, 0.6, 0.25},
-    {PLACE_LIP_UPPER_MID, 0, 0.4, 0},
+    {LANDMARK_NOSE_WING, 0.15, 0.7, 0},   {LANDMARK_NASOLABIAL, 0.1, 0.8, 0.1},
+    {LANDMARK_LIP_UPPER_SIDE, 0, 0.8, 0}, {LANDMARK_CHEEK, 0.05, 0.6, 0.25},
+    {LANDMARK_LIP_UPPER_MID, 0, 0.4, 0},
 };
-static const pose_part lip_parts[] = {{PLACE_LIP_UPPER_MID, 0, 1, 0.1},
-                                      {PLACE_LIP_UPPER_SIDE, 0, 0.7, 0.05}};
+static const pose_part lip_parts[] = {{LANDMARK_LIP_UPPER_MID, 0, 1, 0.1},
+                                      {LANDMARK_LIP_UPPER_SIDE, 0, 0.7, 0.05}};
 
 #define ADD(parts, amount) pose_add(out, parts, COUNT_OF(parts), amount)
 

@@ -8,24 +8,24 @@
 
 /* Places: pairs (left, right), then those on the midline. */
 enum {
-    PLACE_BROW_INNER = 0,
-    PLACE_BROW_MID = 2,
-    PLACE_BROW_OUTER = 4,
-    PLACE_CHEEK = 6,
-    PLACE_CHEEK_LOWER = 8,
-    PLACE_NASOLABIAL = 10,
-    PLACE_NOSE_WING = 12,
-    PLACE_MOUTH_CORNER = 14,
-    PLACE_LIP_UPPER_SIDE = 16,
-    PLACE_LIP_LOWER_SIDE = 18,
-    PLACE_JAW_ANGLE = 20,
-    PLACE_FIRST_MID = 22,
-    PLACE_LIP_UPPER_MID = PLACE_FIRST_MID,
-    PLACE_LIP_LOWER_MID,
-    PLACE_CHIN,
-    PLACE_NOSE_TIP,
-    PLACE_FOREHEAD_MID,
-    PLACE_COUNT
+    LANDMARK_BROW_INNER = 0,
+    LANDMARK_BROW_MID = 2,
+    LANDMARK_BROW_OUTER = 4,
+    LANDMARK_CHEEK = 6,
+    LANDMARK_CHEEK_LOWER = 8,
+    LANDMARK_NASOLABIAL = 10,
+    LANDMARK_NOSE_WING = 12,
+    LANDMARK_MOUTH_CORNER = 14,
+    LANDMARK_LIP_UPPER_SIDE = 16,
+    LANDMARK_LIP_LOWER_SIDE = 18,
+    LANDMARK_JAW_ANGLE = 20,
+    LANDMARK_FIRST_MID = 22,
+    LANDMARK_LIP_UPPER_MID = LANDMARK_FIRST_MID,
+    LANDMARK_LIP_LOWER_MID,
+    LANDMARK_CHIN,
+    LANDMARK_NOSE_TIP,
+    LANDMARK_FOREHEAD_MID,
+    LANDMARK_COUNT
 };
 enum {
     DOF_JAW_OPEN = 0,                  /* rad */
@@ -39,8 +39,8 @@ enum {
     DOF_LID_LOWER = DOF_LID_UPPER + 2, /* 0 rest .. 1 closed */
     DOF_COUNT = DOF_LID_LOWER + 2
 };
-enum { POSE_DOFS = 3 * PLACE_COUNT, POSE_COUNT = POSE_DOFS + DOF_COUNT };
-extern const char *const pose_place_names[PLACE_COUNT];
+enum { POSE_DOFS = 3 * LANDMARK_COUNT, POSE_COUNT = POSE_DOFS + DOF_COUNT };
+extern const char *const pose_landmark_names[LANDMARK_COUNT];
 extern const char *const pose_dof_names[DOF_COUNT];
 
 typedef struct pose {
@@ -54,7 +54,7 @@ void pose_mirror(pose *p);
 /* A place's pull made longer by `amount` times a direction: out to the place's own side, up,
  * front. */
 typedef struct pose_part {
-    int place; /* of a pair: both sides */
+    int landmark; /* of a pair: both sides */
     double out, up, front;
 } pose_part;
 void pose_add(pose *p, const pose_part *parts, int count, double amount);

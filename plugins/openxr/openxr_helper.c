@@ -39,7 +39,7 @@ typedef struct watcher { /* of the thread alone */
     bool has_time, has_hands;
     int64_t newest_ns, newest_arrival_ns; /* the first in the writer's clock */
     openxr_hand last[2];
-    char said[OPENXR_REASON]; /* the last trouble, until it has run well for a while */
+    char last_reason[OPENXR_REASON]; /* the last trouble, until it has run well for a while */
 } watcher;
 
 static struct {
@@ -109,9 +109,9 @@ static void publish_frame(const openxr_hand hand[2], int64_t time_ns)
 /* Each sentence once, not at every new try. */
 static void say_trouble(watcher *self, const char *text)
 {
-    if (strcmp(self->said, text) == 0)
+    if (strcmp(self->last_reason, text) == 0)
         return;
-    (void)snprintf(self->said, sizeof self->said, "%s", text);
+    (void)snprintf(self->last_reason, sizeof self->last_reason, "%s", text);
     publish_text(OPENXR_HEARD_TROUBLE, text);
 }
 
@@ -210,7 +210,7 @@ static void give_up(watcher *self, const char *why)
     int64_t now_ns = device_clock_ns();
     if (self->has_frames && now_ns - self->started_ns >= healthy_ns) {
         self->retry_ns = retry_least_ns;
-        self->said[0] = '\0';
+        self->last_reason[0] = '\0';
     }
     self->next_start_ns = now_ns + self->retry_ns;
     self->retry_ns = self->retry_ns * 2 < retry_most_ns ? self->retry_ns * 2 : retry_most_ns;
@@ -267,7 +267,7 @@ static bool take_record(watcher *self, int64_t arrival_ns)
         give_up(self, record->text);
         return false;
     }
-    if (self->said[0] == '\0') {
+    if (self->last_reason[0] == '\0') {
         (void)snprintf(line, sizeof line, "hands come from the OpenXR runtime \"%s\"",
                        record->text);
         publish_text(OPENXR_HEARD_NEWS, line);

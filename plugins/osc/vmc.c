@@ -174,26 +174,27 @@ static void local_turn(float out[4], const mrt_face_names *n, const mrt_face_sam
                        uint32_t bone)
 {
     const float *own = sample->bones[bone].turn;
-    float turn[4] = {own[0], own[1], own[2], own[3]};
+    float rotation[4] = {own[0], own[1], own[2], own[3]};
     if (n->parents[bone] >= 0) {
         const float *of = sample->bones[n->parents[bone]].turn;
         const float back[4] = {-of[0], -of[1], -of[2], of[3]};
-        multiply(turn, back, own);
+        multiply(rotation, back, own);
     }
-    out[0] = turn[0];
-    out[1] = -turn[1];
-    out[2] = -turn[2];
-    out[3] = turn[3];
+    out[0] = rotation[0];
+    out[1] = -rotation[1];
+    out[2] = -rotation[2];
+    out[3] = rotation[3];
 }
 
-static void say_bone(mrt_plugin *self, const char *address, const char *name, const float turn[4])
+static void say_bone(mrt_plugin *self, const char *address, const char *name,
+                     const float rotation[4])
 {
     osc_builder message = osc_builder_start();
     osc_builder_text(&message, name);
     for (int i = 0; i < 3; ++i)
         osc_builder_float(&message, 0.0f);
     for (int i = 0; i < 4; ++i)
-        osc_builder_float(&message, turn[i]);
+        osc_builder_float(&message, rotation[i]);
     osc_sender_add(&self->sender, &message, address);
 }
 
@@ -213,11 +214,11 @@ static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sam
 {
     for (int i = 0; i < BODY_BONES; ++i) {
         int of = head_bone_of(self, body_bone[i], params[JAW] > 0.5);
-        float turn[4] = {0, 0, 0, 1};
+        float rotation[4] = {0, 0, 0, 1};
         if (of >= 0)
-            local_turn(turn, self->names, sample, self->bone[of]);
+            local_turn(rotation, self->names, sample, self->bone[of]);
         if (of >= 0 || params[ROLE] > 0.5)
-            say_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], turn);
+            say_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], rotation);
     }
 }
 

@@ -68,10 +68,10 @@ static void enter(learn *self, learn_stage stage, int64_t until_ns)
 
 /* ---- what is watched ---- */
 
-static void watch(learn *self, const descriptor_field *place)
+static void watch(learn *self, const descriptor_field *where)
 {
     if (self->field_count < LEARN_FIELDS)
-        self->field[self->field_count++].place = *place;
+        self->field[self->field_count++].where = *where;
 }
 
 static void watch_bits(learn *self, uint8_t report_id, uint32_t first, uint32_t count)
@@ -117,14 +117,14 @@ void learn_start(learn *self, const layout *of, const descriptor *fields, int64_
 /* Numbers outside of the range that the device promised count as its end. */
 static bool value_of(const learn_field *field, const uint8_t *bytes, size_t size, int64_t *out)
 {
-    const descriptor_field *place = &field->place;
-    if ((place->report_id != 0 && (size == 0 || bytes[0] != place->report_id)) ||
-        !decode_number(bytes, size, place->bit, place->width, place->is_signed, out))
+    const descriptor_field *where = &field->where;
+    if ((where->report_id != 0 && (size == 0 || bytes[0] != where->report_id)) ||
+        !decode_number(bytes, size, where->bit, where->width, where->is_signed, out))
         return false;
-    if (*out < place->low)
-        *out = place->low;
-    if (*out > place->high)
-        *out = place->high;
+    if (*out < where->low)
+        *out = where->low;
+    if (*out > where->high)
+        *out = where->high;
     return true;
 }
 
@@ -151,7 +151,7 @@ static double way_of(const learn_field *field, int64_t value)
         beyond = value - field->rest_high;
     else if (value < field->rest_low)
         beyond = field->rest_low - value;
-    return (double)beyond / ((double)field->place.high - (double)field->place.low);
+    return (double)beyond / ((double)field->where.high - (double)field->where.low);
 }
 
 /* The key that is down, 0: none. Codes up to 3 are a keyboard's errors, unless they stand alone:
@@ -205,13 +205,13 @@ static void forget_press(learn *self)
 
 static layout_switch field_switch(const learn_field *field)
 {
-    const descriptor_field *place = &field->place;
+    const descriptor_field *where = &field->where;
     int64_t up = field->peak > field->rest_high ? field->rest_high : field->rest_low;
     return (layout_switch){.kind = LAYOUT_FIELD,
-                           .report_id = place->report_id,
-                           .bit = place->bit,
-                           .width = place->width,
-                           .is_signed = place->is_signed,
+                           .report_id = where->report_id,
+                           .bit = where->bit,
+                           .width = where->width,
+                           .is_signed = where->is_signed,
                            .up = (int32_t)up,
                            .down = (int32_t)field->peak};
 }

@@ -22,7 +22,7 @@ typedef enum learn_stage {
 } learn_stage;
 
 typedef struct learn_field {
-    descriptor_field place;
+    descriptor_field where;
     bool is_seen;
     int64_t rest_low, rest_high; /* what it did while nobody touched it */
     int64_t peak;                /* of this press: the value furthest from rest */

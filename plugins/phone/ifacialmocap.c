@@ -70,9 +70,9 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
     char reason[UDP_REASON], host[UDP_HOST] = "127.0.0.1";
     uint16_t port = PORT;
     bool is_told = strncmp(address, "to:", 3) == 0;
-    const char *place = is_told ? address + 3 : address;
+    const char *rest = is_told ? address + 3 : address;
     close(self);
-    if (place[0] && !udp_address_parse(host, &port, place, strlen(place))) {
+    if (rest[0] && !udp_address_parse(host, &port, rest, strlen(rest))) {
         device_say(
             self->host, MRT_LOG_ERROR,
             "\"%.100s\" is no address: write where to listen, as in 0.0.0.0:%d, or to:HOST:%d "

@@ -85,7 +85,7 @@ static mrt_result claim(mrt_plugin *self, int number)
     give_back(self);
     int length =
         snprintf(name.sun_path + 1, sizeof name.sun_path - 1, "marotte livelink %d %u %.64s",
-                 number, (unsigned)self->to.port, self->to.place);
+                 number, (unsigned)self->to.port, self->to.host_name);
     socklen_t size = (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)length);
     self->claim = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (self->claim >= 0 && bind(self->claim, (struct sockaddr *)&name, size) != 0 &&

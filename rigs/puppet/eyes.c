@@ -37,9 +37,9 @@ static void put_on_ball(sheet *s, int32_t first)
 static ring ball_ring(sheet *s, double from_front_deg)
 {
     vec3 point[BALL_POINTS];
-    angle_turn slope = plan_degrees(from_front_deg);
+    angle_sincos slope = plan_degrees(from_front_deg);
     for (int32_t i = 0; i < BALL_POINTS; ++i) {
-        angle_turn around = plan_degrees(-135.0 + 360.0 * i / BALL_POINTS);
+        angle_sincos around = plan_degrees(-135.0 + 360.0 * i / BALL_POINTS);
         vec3 direction = {slope.sin * around.cos, slope.sin * around.sin, slope.cos};
         point[i] = on_ball(direction, PLAN_EYE_RADIUS);
     }
@@ -68,8 +68,8 @@ static vec3 lid_point(const lid *l, double column, double row)
 {
     double side_deg = LID_SIDE_DEG + l->grow_deg;
     double span_deg = l->high_deg - l->low_deg + 2.0 * l->grow_deg;
-    angle_turn side = plan_degrees(side_deg * (2.0 * column / LID_COLUMNS - 1.0));
-    angle_turn raised = plan_degrees(l->low_deg - l->grow_deg + span_deg * row / LID_ROWS);
+    angle_sincos side = plan_degrees(side_deg * (2.0 * column / LID_COLUMNS - 1.0));
+    angle_sincos raised = plan_degrees(l->low_deg - l->grow_deg + span_deg * row / LID_ROWS);
     vec3 direction = {side.sin, side.cos * raised.sin, side.cos * raised.cos};
     return on_ball(direction, l->radius_mm);
 }

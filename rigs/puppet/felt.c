@@ -117,7 +117,7 @@ static ear_frame ear_frame_of(void)
 
 static vec3 ear_point(const ear_frame *f, const ear_station *at, int32_t i)
 {
-    angle_turn a = plan_degrees(-112.0 + 360.0 * i / EAR_POINTS);
+    angle_sincos a = plan_degrees(-112.0 + 360.0 * i / EAR_POINTS);
     double front = -a.cos * at->half_thick_mm, up = a.sin;
     if (front > 0.0)
         front -= at->dish_mm * (1.0 - up * up) * (1.0 - up * up);
@@ -177,7 +177,7 @@ static vec3 lock_point(const lock *l, double t, double angle_deg)
     vec3 axis = vec3_normalised(along, (vec3){0, 1, 0});
     vec3 up = vec3_normalised(vec3_cross(axis, (vec3){1, 0, 0}), (vec3){0, 0, 1});
     vec3 right = vec3_cross(up, axis);
-    angle_turn a = plan_degrees(angle_deg);
+    angle_sincos a = plan_degrees(angle_deg);
     vec3 side = vec3_add(vec3_scale(right, a.cos), vec3_scale(up, a.sin));
     return vec3_add(middle, vec3_scale(side, lock_radius_mm(l, t)));
 }

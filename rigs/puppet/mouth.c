@@ -115,7 +115,7 @@ static column column_at(int32_t i)
     vec3 normal = form_normal(foot);
     normal.y = 0.0;
     c.outward = vec3_normalised(normal, (vec3){0, 0, 1});
-    angle_turn tilt = plan_degrees(tilt_deg);
+    angle_sincos tilt = plan_degrees(tilt_deg);
     c.away = (vec3){c.outward.z * tilt.cos, tilt.sin, -c.outward.x * tilt.cos};
     c.slit = vec3_sub(foot, vec3_scale(c.outward, SUNK * c.radius_mm));
     vec3 outline = form_projected(beside(&c, outline_mm(&c), 0.0));
@@ -126,7 +126,7 @@ static column column_at(int32_t i)
 
 static vec3 cord_point(const column *c, double angle_deg)
 {
-    angle_turn a = plan_degrees(angle_deg);
+    angle_sincos a = plan_degrees(angle_deg);
     return beside(c, c->gap_mm + c->radius_mm * (1.0 + a.sin), c->radius_mm * a.cos);
 }
 

@@ -61,9 +61,9 @@ static inline vec3 plan_eye_axis(void)
     return vec3_normalised((vec3){0.05, 0.08, 1.0}, (vec3){0, 0, 1});
 }
 
-static inline angle_turn plan_degrees(double angle_deg)
+static inline angle_sincos plan_degrees(double angle_deg)
 {
-    return angle_turn_of(angle_deg * (ANGLE_PI / 180.0));
+    return angle_sincos_of(angle_deg * (ANGLE_PI / 180.0));
 }
 
 #endif

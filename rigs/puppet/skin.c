@@ -52,7 +52,7 @@ static int has_cell(const window *w, int32_t column, int32_t row)
 
 static vec3 wall_point(int32_t column, int32_t row)
 {
-    angle_turn around = angle_turn_of(ANGLE_PI * column / PLAN_AROUND);
+    angle_sincos around = angle_sincos_of(ANGLE_PI * column / PLAN_AROUND);
     double radius = row == 0 ? 46.0 : 60.0;
     double y = PLAN_NECK_Y + 240.0 * row / PLAN_UP;
     return form_projected((vec3){radius * around.sin, y, PLAN_NECK_Z + radius * around.cos});
@@ -150,7 +150,7 @@ static void eye_line(vec3 out_point[EYE_POINTS], double radius_mm)
     vec3 right = vec3_normalised(vec3_cross((vec3){0, 1, 0}, axis), (vec3){1, 0, 0});
     vec3 up = vec3_cross(axis, right);
     for (int32_t i = 0; i < EYE_POINTS; ++i) {
-        angle_turn a = plan_degrees(-135.0 + 360.0 * i / EYE_POINTS);
+        angle_sincos a = plan_degrees(-135.0 + 360.0 * i / EYE_POINTS);
         vec3 side = vec3_add(vec3_scale(right, a.cos), vec3_scale(up, a.sin));
         out_point[i] = form_along(vec3_add(PLAN_EYE, vec3_scale(side, radius_mm)), axis);
     }
@@ -192,7 +192,7 @@ static mrt_result add_socket(sheet *s, const ring *rim, error *err)
     }
     int32_t first = s->point_count;
     for (size_t k = 0; k < sizeof BOWL_DEG / sizeof *BOWL_DEG; ++k) {
-        angle_turn a = plan_degrees(BOWL_DEG[k]);
+        angle_sincos a = plan_degrees(BOWL_DEG[k]);
         for (int32_t i = 0; i < EYE_POINTS; ++i)
             point[i] = vec3_add(PLAN_EYE, vec3_add(vec3_scale(side[i], PLAN_SOCKET_RADIUS * a.cos),
                                                    vec3_scale(axis, -PLAN_SOCKET_RADIUS * a.sin)));
@@ -208,7 +208,7 @@ static mrt_result add_socket(sheet *s, const ring *rim, error *err)
 static void nose_line(vec3 out_point[NOSE_POINTS])
 {
     for (int32_t i = 0; i < NOSE_POINTS; ++i) {
-        angle_turn a = plan_degrees(-90.0 + 180.0 * i / (NOSE_POINTS - 1));
+        angle_sincos a = plan_degrees(-90.0 + 180.0 * i / (NOSE_POINTS - 1));
         out_point[i] = form_projected((vec3){22.0 * a.cos, 24.0 + 18.6 * a.sin, 79.0});
     }
 }

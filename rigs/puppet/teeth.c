@@ -37,7 +37,7 @@ static const arch LOWER = {
 /* From the middle (s = 0) to the end (1): an arch that is flat in front. */
 static vec3 arch_point(const arch *a, double s)
 {
-    angle_turn t = plan_degrees(78.0 * s);
+    angle_sincos t = plan_degrees(78.0 * s);
     double z = (1.0 - t.cos) / (1.0 - plan_degrees(78.0).cos);
     return (vec3){a->reach_x * t.sin / plan_degrees(78.0).sin, a->edge_y,
                   a->front_z - a->reach_z * z};
@@ -134,7 +134,7 @@ static ring tongue_ring(sheet *s, const tongue_station *at)
 {
     vec3 point[TONGUE_POINTS];
     for (int32_t i = 0; i < TONGUE_POINTS; ++i) {
-        angle_turn a = plan_degrees(-90.0 + 180.0 * i / (TONGUE_POINTS - 1));
+        angle_sincos a = plan_degrees(-90.0 + 180.0 * i / (TONGUE_POINTS - 1));
         double flat =
             1.0 / sqrt(sqrt(a.cos * a.cos * a.cos * a.cos + a.sin * a.sin * a.sin * a.sin));
         double x = a.cos * flat;

@@ -82,7 +82,7 @@ static void draft(face_file *out, const char *head)
     free(confirm);
 }
 
-static const face_said *solve(performed *p)
+static const face_channels *solve(performed *p)
 {
     points_to_rows(p->shown, face_shown(p->face), face_order(p->face));
     return face_weights_solve(p->weights, p->shown, face_metered(p->face)->dof);
@@ -95,12 +95,12 @@ typedef struct errors {
 } errors;
 
 /* Of the 52 that the face can say; looks are of bones. */
-static void compare(errors *to, const performed *p, const face_said *said,
+static void compare(errors *to, const performed *p, const face_channels *channels,
                     const double weight[ARKIT_SHAPES])
 {
     for (uint32_t i = 0; i < ARKIT_SHAPES; ++i) {
         face_name_source from = face_weights_source(p->weights, i);
-        double off = fabs(said->arkit[i] - weight[i]);
+        double off = fabs(channels->arkit[i] - weight[i]);
         if (from == FACE_NAME_NONE || from == FACE_NAME_BONES)
             continue;
         to->sum += off;
@@ -334,9 +334,9 @@ int main(void)
         cmocka_unit_test(shapes_that_contacts_pull_come_back),
         cmocka_unit_test(poses_are_carried_to_heads_that_were_drafted),
     };
-    const char *said = getenv("MAROTTE_SHARED");
+    const char *channels = getenv("MAROTTE_SHARED");
     char path[4096];
-    (void)snprintf(shared, sizeof shared, "%s", said ? said : SOURCE_DIR "/../shared");
+    (void)snprintf(shared, sizeof shared, "%s", channels ? channels : SOURCE_DIR "/../shared");
     (void)snprintf(path, sizeof path, "%s/data/heads/rpm_arkit.glb", shared);
     if (access(path, R_OK) != 0) {
         printf("SKIPPED: %s is not there; set MAROTTE_SHARED to the folder with data/\n", path);

@@ -177,7 +177,7 @@ static void what_crashes_hangs_or_fails_comes_back(void **state)
 {
     (void)state;
     static const char *const trouble[] = {"trouble=1", "trouble=2", "trouble=3"};
-    static const char *const said[] = {"signal 6", "hangs", "it is broken"};
+    static const char *const messages[] = {"signal 6", "hangs", "it is broken"};
     for (int i = 0; i < 3; ++i) {
         stand s;
         int port, fd = listen_somewhere(&port);
@@ -189,7 +189,7 @@ static void what_crashes_hangs_or_fails_comes_back(void **state)
             at = hear_number(&s, fd, 1, at);
             log_record line;
             while (log_pop(s.log, &line))
-                has_said |= strstr(line.text, said[i]) != NULL;
+                has_said |= strstr(line.text, messages[i]) != NULL;
         }
         (void)hear_number(&s, fd, 1, s.published);
         lie_down(&s);
@@ -299,17 +299,17 @@ static void unknown_ones_and_a_ninth_are_refused_in_words(void **state)
 
 /* ---- OSC 1.0, as the specification has it: big endian, everything padded to four bytes ---- */
 
-typedef struct osc_said {
+typedef struct osc_seen {
     char address[64], types[512], name[64];
     float number[8]; /* of an f or i behind the name */
     uint32_t numbers;
     const unsigned char *at;
     size_t size;
-} osc_said;
+} osc_seen;
 
-enum { SAID_MAX = 1024 };
+enum { MESSAGES_MAX = 1024 };
 typedef struct osc_frame { /* all messages of one face */
-    osc_said said[SAID_MAX];
+    osc_seen messages[MESSAGES_MAX];
     uint32_t count, bundles;
     size_t largest;
 } osc_frame;
@@ -324,9 +324,9 @@ static size_t padded(size_t size)
     return (size + 4) / 4 * 4; /* a text ends with one to four zeros */
 }
 
-static void read_osc_message(osc_said *out, const unsigned char *at, size_t size)
+static void read_osc_message(osc_seen *out, const unsigned char *at, size_t size)
 {
-    *out = (osc_said){.at = at, .size = size};
+    *out = (osc_seen){.at = at, .size = size};
     assert_int_equal(size % 4, 0);
     size_t used = padded(strlen((const char *)at));
     (void)snprintf(out->address, sizeof out->address, "%s", (const char *)at);
@@ -360,18 +360,18 @@ static void read_osc_bundle(osc_frame *out, const unsigned char *at, size_t size
     out->largest = size > out->largest ? size : out->largest;
     for (size_t used = 16; used < size;) {
         uint32_t length = big_endian(at + used);
-        assert_true(out->count < SAID_MAX && used + 4 + length <= size);
-        read_osc_message(&out->said[out->count++], at + used + 4, length);
+        assert_true(out->count < MESSAGES_MAX && used + 4 + length <= size);
+        read_osc_message(&out->messages[out->count++], at + used + 4, length);
         used += 4 + length;
     }
 }
 
-static const osc_said *osc_find(const osc_frame *of, const char *address, const char *name)
+static const osc_seen *osc_find(const osc_frame *of, const char *address, const char *name)
 {
     for (uint32_t i = 0; i < of->count; ++i)
-        if (strcmp(of->said[i].address, address) == 0 &&
-            (!name || strcmp(of->said[i].name, name) == 0))
-            return &of->said[i];
+        if (strcmp(of->messages[i].address, address) == 0 &&
+            (!name || strcmp(of->messages[i].name, name) == 0))
+            return &of->messages[i];
     return NULL;
 }
 
@@ -410,7 +410,8 @@ static void hear_frame(stand *s, int fd, osc_frame *out, const char *first, cons
             continue;
         osc_frame one = {.count = 0};
         read_osc_bundle(&one, packets[n], size);
-        if (strcmp(one.said[0].address, first) == 0 && (!has_begun || strcmp(first, last) != 0)) {
+        if (strcmp(one.messages[0].address, first) == 0 &&
+            (!has_begun || strcmp(first, last) != 0)) {
             *out = (osc_frame){.count = 0};
             has_begun = true;
         }
@@ -419,7 +420,7 @@ static void hear_frame(stand *s, int fd, osc_frame *out, const char *first, cons
         read_osc_bundle(out, packets[n], size);
         n += 1;
         assert_true(n < 64);
-        if (strcmp(out->said[out->count - 1].address, last) == 0)
+        if (strcmp(out->messages[out->count - 1].address, last) == 0)
             return;
     }
     fail_msg("no whole face was heard");
@@ -449,17 +450,17 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
     add(&s, path, port, "");
     hear_frame(&s, fd, &frame, "/VMC/Ext/OK", "/VMC/Ext/Blend/Apply");
     assert_true(frame.bundles >= 2);
-    assert_string_equal(frame.said[0].types, ",i");
-    expect_near(frame.said[0].number[0], 1, 0, "OK");
+    assert_string_equal(frame.messages[0].types, ",i");
+    expect_near(frame.messages[0].number[0], 1, 0, "OK");
     assert_string_equal(osc_find(&frame, "/VMC/Ext/T", NULL)->types, ",f");
-    const osc_said *head = osc_find(&frame, "/VMC/Ext/Bone/Pos", "Head");
+    const osc_seen *head = osc_find(&frame, "/VMC/Ext/Bone/Pos", "Head");
     assert_non_null(head);
     assert_string_equal(head->types, ",sfffffff");
     /* Unity is left-handed: a turn about +y goes to the right there, and this one is to the left.
      */
     expect_near(head->number[4], -sin(0.2), 1e-3, "the head's y");
     expect_near(head->number[6], cos(0.2), 1e-3, "the head's w");
-    const osc_said *eye = osc_find(&frame, "/VMC/Ext/Bone/Pos", "LeftEye");
+    const osc_seen *eye = osc_find(&frame, "/VMC/Ext/Bone/Pos", "LeftEye");
     assert_non_null(eye); /* about the head, whose turn is not in it; about -x: up */
     expect_near(eye->number[3], -sin(0.1), 1e-3, "the eye's x");
     expect_near(eye->number[4], 0, 1e-3, "the eye's y");
@@ -467,10 +468,10 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
     assert_null(osc_find(&frame, "/VMC/Ext/Bone/Pos", "Hips"));
     uint32_t blends = 0;
     for (uint32_t i = 0; i < frame.count; ++i)
-        if (strcmp(frame.said[i].address, "/VMC/Ext/Blend/Val") == 0) {
+        if (strcmp(frame.messages[i].address, "/VMC/Ext/Blend/Val") == 0) {
             blends += 1;
-            assert_string_equal(frame.said[i].types, ",sf");
-            assert_true(frame.said[i].number[0] >= 0.0f && frame.said[i].number[0] <= 1.0f);
+            assert_string_equal(frame.messages[i].types, ",sf");
+            assert_true(frame.messages[i].number[0] >= 0.0f && frame.messages[i].number[0] <= 1.0f);
         }
     assert_int_equal(blends, 52 + 13);
     static const char *const some[] = {"EyeBlinkLeft", "TongueOut", "BrowInnerUp", "A",
@@ -496,7 +497,7 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
     assert_string_equal(osc_find(&frame, "/VMC/Ext/Root/Pos", "root")->types, ",sfffffff");
     uint32_t bone_count = 0;
     for (uint32_t i = 0; i < frame.count; ++i)
-        bone_count += strcmp(frame.said[i].address, "/VMC/Ext/Bone/Pos") == 0;
+        bone_count += strcmp(frame.messages[i].address, "/VMC/Ext/Bone/Pos") == 0;
     assert_int_equal(bone_count, 55);
     assert_non_null(osc_find(&frame, "/VMC/Ext/Bone/Pos", "RightLittleDistal"));
     assert_null(osc_find(&frame, "/VMC/Ext/Blend/Val", "EyeBlinkLeft"));
@@ -517,7 +518,7 @@ static void face_osc_says_named_numbers(void **state)
     add(&s, path, port, "weights=off,contacts=off,shapes=off");
     hear_frame(&s, fd, &frame, "/marotte/1/face", "/marotte/1/face");
     const mrt_face *about = composer_about(s.desk.composer);
-    const osc_said *all = &frame.said[0];
+    const osc_seen *all = &frame.messages[0];
     assert_int_equal(frame.count, 1);
     assert_int_equal(strlen(all->types), 1 + 2 * about->dof_count);
     assert_string_equal(all->name, about->dofs[0].name); /* skull.turn */
@@ -540,7 +541,7 @@ static float big_endian_float(const unsigned char *at)
 static float said_by_osc(const osc_frame *frame, const char *name)
 {
     for (uint32_t i = 0; i < frame->count; ++i) {
-        const unsigned char *at = frame->said[i].at;
+        const unsigned char *at = frame->messages[i].at;
         size_t used = padded(strlen((const char *)at));
         const char *types = (const char *)at + used;
         used += padded(strlen(types));
@@ -605,10 +606,10 @@ static void livelink_sends_the_datagram_of_the_app(void **state)
             if (swap && (place == 15 || place == 16 || place == 21 || place == 22))
                 place = place % 2 ? place + 1 : place - 1;
             const char *name = live_link_table[i].name;
-            float said = said_by_osc(&frame[0], name);
-            if (isnan(said))
-                said = said_by_osc(&frame[1], name);
-            expect_near(big_endian_float(at + 17 + 4 * place), (double)said, 5e-3, name);
+            float messages = said_by_osc(&frame[0], name);
+            if (isnan(messages))
+                messages = said_by_osc(&frame[1], name);
+            expect_near(big_endian_float(at + 17 + 4 * place), (double)messages, 5e-3, name);
         }
         lie_down(&s);
         close(fd);

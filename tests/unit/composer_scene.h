@@ -104,7 +104,7 @@ static inline void desk_expect_way(desk *d, const char *name, double x, double y
 }
 
 /* Of the plane: how far the vertex nearest to a place of the rest shape has gone out. */
-static inline double desk_height_at(desk *d, mrt_vec3 place)
+static inline double desk_height_at(desk *d, mrt_vec3 position)
 {
     composer_draw(d->composer);
     const points *rest = face_rest(composer_face(d->composer)),
@@ -112,7 +112,7 @@ static inline double desk_height_at(desk *d, mrt_vec3 place)
     uint32_t best = 0;
     float least = INFINITY;
     for (uint32_t i = 0; i < rest->count; ++i) {
-        float x = rest->x[i] - place.x, y = rest->y[i] - place.y;
+        float x = rest->x[i] - position.x, y = rest->y[i] - position.y;
         if (x * x + y * y < least) {
             least = x * x + y * y;
             best = i;
@@ -121,12 +121,12 @@ static inline double desk_height_at(desk *d, mrt_vec3 place)
     return (double)now->z[best] - (double)rest->z[best];
 }
 
-static inline void desk_expect_height(desk *d, mrt_vec3 place, double height, double within)
+static inline void desk_expect_height(desk *d, mrt_vec3 position, double height, double within)
 {
-    double is = desk_height_at(d, place);
+    double is = desk_height_at(d, position);
     if (!(fabs(is - height) <= within))
-        fail_msg("the face is %g mm out at (%g, %g) instead of %g", is, (double)place.x,
-                 (double)place.y, height);
+        fail_msg("the face is %g mm out at (%g, %g) instead of %g", is, (double)position.x,
+                 (double)position.y, height);
 }
 
 /* At vertices of the plane: row 11, columns 5 and 18. */

@@ -125,7 +125,7 @@ static double norm(double g[3][3])
 static void meters_agree_with_differences_of_the_field(void **state)
 {
     (void)state;
-    static const float place[4][3] = {
+    static const float position[4][3] = {
         {0.3f, 0.2f, 0.1f}, {0.7f, 0.1f, 0.6f}, {-0.4f, 0.3f, 0.2f}, {1.6f, 0.2f, 0.3f}};
     for (int polynomial = CSRBF_NONE; polynomial <= CSRBF_WINDOWED; ++polynomial)
         for (int k = 0; k < 4; ++k)
@@ -136,9 +136,9 @@ static void meters_agree_with_differences_of_the_field(void **state)
                 csrbf_solver *solver = solved(&settings, four_tips[0], four_pulls[0], 4);
                 points_order order;
                 points p;
-                make_points(&p, &order, place[i], 1);
-                double g[3][3],
-                    at[3] = {(double)place[i][0], (double)place[i][1], (double)place[i][2]};
+                make_points(&p, &order, position[i], 1);
+                double g[3][3], at[3] = {(double)position[i][0], (double)position[i][1],
+                                         (double)position[i][2]};
                 measure(g, solver, at);
                 expect_near(csrbf_min_determinant(solver, &p), determinant(g), 2e-5);
                 /* C0 counts the tips of its cones, too. */

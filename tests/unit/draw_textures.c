@@ -87,7 +87,7 @@ static void a_picture_lies_where_its_coordinates_say(void **state)
     assert_colour(pixel(picture, LOW, HIGH), 0, 0, 255);
     assert_colour(pixel(picture, HIGH, HIGH), 255, 255, 255); /* opaque: alpha says nothing */
     static const float turned[6] = {-1, 0, 1, 0, 1, 0};       /* u -> 1 - u */
-    memcpy(m.material[0].base.place, turned, sizeof turned);
+    memcpy(m.material[0].base.uv_transform, turned, sizeof turned);
     draw_mesh(&m, &front, picture);
     assert_colour(pixel(picture, LOW, LOW), 0, 255, 0);
     mesh_destroy(&m);

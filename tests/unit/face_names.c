@@ -88,7 +88,7 @@ static void add_to_mixture(named_face *of, const rig_pose *pose, double weight)
 }
 
 /* What is said of the face that so much of each shape makes, pulled and turned as a hand would. */
-static const face_said *perform(named_face *of, const double weight[ARKIT_SHAPES])
+static const face_channels *perform(named_face *of, const double weight[ARKIT_SHAPES])
 {
     rig *r = &of->with_mixture;
     csrbf_settings solver = of->stage.solver;
@@ -242,9 +242,9 @@ static void each_pose_is_said_by_its_name(void **state)
             weight[i] = 1.0;
             weight[arkit_find("jawOpen")] =
                 i == arkit_find("mouthClose") ? 1.0 : weight[arkit_find("jawOpen")];
-            const face_said *said = perform(of, weight);
+            const face_channels *channels = perform(of, weight);
             for (uint32_t k = 0; k < ARKIT_SHAPES; ++k) {
-                double off = fabs(said->arkit[k] - weight[k]);
+                double off = fabs(channels->arkit[k] - weight[k]);
                 sum += off;
                 count += 1;
                 if (off > worst) {
@@ -279,16 +279,16 @@ static void mixtures_come_back(void **state)
                 weight[at] = 0.3 + 0.7 * next_random(&random);
                 part -= 1;
             }
-            const face_said *said = perform(of, weight);
+            const face_channels *channels = perform(of, weight);
             for (uint32_t k = 0; k < ARKIT_SHAPES; ++k) {
-                double off = fabs(said->arkit[k] - weight[k]);
+                double off = fabs(channels->arkit[k] - weight[k]);
                 sum += off;
                 count += 1;
                 of_shapes += weight[k] > 0.0 ? off : 0.0;
                 shapes += weight[k] > 0.0;
                 worst = fmax(worst, off);
             }
-            residual = fmax(residual, said->residual_mm);
+            residual = fmax(residual, channels->residual_mm);
         }
         print_message(
             "  %s: %d mixtures: mean error %.4f (of shapes that are in it %.4f), greatest "
@@ -321,7 +321,7 @@ static void the_presets_of_the_eyes_say_where_it_looks(void **state)
             for (int k = 0; k < 2; ++k)
                 if (strcmp(b.dof[d].name, way[w].dofs[k]) == 0)
                     dof[d] = way[w].part * b.dof[d].max;
-        const face_said *s = face_weights_solve(of->weights, of->file.mesh.position, dof);
+        const face_channels *s = face_weights_solve(of->weights, of->file.mesh.position, dof);
         for (uint32_t i = 0; i < FACE_EXPRESSIONS; ++i) {
             const char *name = face_expression_name[i];
             if (strncmp(name, "look", 4) == 0 && strcmp(name, way[w].preset) == 0)
@@ -346,7 +346,7 @@ static void the_puppet_looks_where_its_eyes_are_turned(void **state)
         dof[d] = strcmp(name, "eye.l.yaw") == 0 || strcmp(name, "eye.r.yaw") == 0 ? 0.25f : 0.0f;
         dof[d] = strcmp(name, "skull.turn") == 0 ? 0.5f : dof[d];
     }
-    const face_said *s = face_weights_solve(of->weights, of->file.mesh.position, dof);
+    const face_channels *s = face_weights_solve(of->weights, of->file.mesh.position, dof);
     assert_int_equal(face_weights_source(of->weights, arkit_find("eyeLookOutLeft")),
                      FACE_NAME_BONES);
     assert_true(s->arkit[arkit_find("eyeLookOutLeft")] > 0.3);

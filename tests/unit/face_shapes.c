@@ -276,12 +276,12 @@ static void words_of_the_file_are_sums_of_its_shapes(void **state)
     face_ask_shapes(f, part);
     must(face_pull(f, NULL, NULL, &err), &err);
     points_to_rows(shown[0], face_shown(f), face_order(f));
-    const face_said *said = face_weights_solve(weights, shown[0], face_metered(f)->dof);
+    const face_channels *channels = face_weights_solve(weights, shown[0], face_metered(f)->dof);
     for (uint32_t i = 0; i < FACE_EXPRESSIONS; ++i) {
         const char *name = face_expression_name[i];
         double wanted = strcmp(name, "happy") == 0 ? 0.6 : strcmp(name, "neutral") == 0 ? 0.4 : 0.0;
-        if (!(fabs(said->expression[i] - wanted) < 0.02))
-            fail_msg("%s: %.3f", name, said->expression[i]);
+        if (!(fabs(channels->expression[i] - wanted) < 0.02))
+            fail_msg("%s: %.3f", name, channels->expression[i]);
     }
     face_weights_destroy(weights);
     face_destroy(f);

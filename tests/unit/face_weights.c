@@ -123,17 +123,17 @@ static void perform(posed *p, const double weight[POSES])
     points_to_rows(p->shown[0], face_shown(p->scene.face), face_order(p->scene.face));
 }
 
-static const face_said *solve(posed *p)
+static const face_channels *solve(posed *p)
 {
     return face_weights_solve(p->weights, p->shown[0], face_metered(p->scene.face)->dof);
 }
 
-static double said(const face_said *s, const posed *p, int pose)
+static double said(const face_channels *s, const posed *p, int pose)
 {
     return s->arkit[arkit_find(p->pose[pose].name)];
 }
 
-static double expressed(const face_said *s, const char *name)
+static double expressed(const face_channels *s, const char *name)
 {
     for (int i = 0; i < FACE_EXPRESSIONS; ++i)
         if (strcmp(face_expression_name[i], name) == 0)
@@ -151,7 +151,7 @@ static void a_pose_alone_is_said_alone(void **state)
         weight[i] = 1.0;
         weight[JAW_OPEN] = i == MOUTH_CLOSE ? 1.0 : weight[JAW_OPEN];
         perform(&p, weight);
-        const face_said *s = solve(&p);
+        const face_channels *s = solve(&p);
         for (int k = 0; k < VISEME_AA; ++k)
             if (!(fabs(said(s, &p, k) - weight[k]) < 0.02))
                 fail_msg("%s: %s is %.4f", p.pose[i].name, p.pose[k].name, said(s, &p, k));
@@ -172,7 +172,7 @@ static void mixtures_are_taken_apart(void **state)
     make(&p);
     for (size_t i = 0; i < sizeof weight / sizeof *weight; ++i) {
         perform(&p, weight[i]);
-        const face_said *s = solve(&p);
+        const face_channels *s = solve(&p);
         for (int k = 0; k < VISEME_AA; ++k)
             if (!(fabs(said(s, &p, k) - weight[i][k]) < 0.04))
                 fail_msg("mixture %zu: %s is %.4f, not %.2f", i, p.pose[k].name, said(s, &p, k),
@@ -190,7 +190,7 @@ static void lips_close_no_further_than_the_jaw_is_open(void **state)
     make(&p);
     const double weight[POSES] = {0.2, 0.9};
     perform(&p, weight);
-    const face_said *s = solve(&p);
+    const face_channels *s = solve(&p);
     assert_true(said(s, &p, MOUTH_CLOSE) <= said(s, &p, JAW_OPEN));
     assert_true(said(s, &p, MOUTH_CLOSE) > 0.1);
     assert_true(s->residual_mm > 0.1); /* and it says that something is left */
@@ -205,7 +205,7 @@ static void a_viseme_of_the_rig_is_said_as_such(void **state)
     double weight[POSES] = {0};
     weight[VISEME_AA] = 0.8;
     perform(&p, weight);
-    const face_said *s = solve(&p);
+    const face_channels *s = solve(&p);
     for (int i = 0; i < FACE_VISEMES; ++i) {
         double wanted = strcmp(face_viseme_name[i], "aa") == 0 ? 0.8 : 0.0;
         if (i > 0 && !(fabs(s->viseme[i] - wanted) < 0.1))
@@ -221,7 +221,7 @@ static void what_no_one_says_is_0(void **state)
     make(&p);
     const double weight[POSES] = {0.5, 0, 0.5, 0.5, 0.5};
     perform(&p, weight);
-    const face_said *s = solve(&p);
+    const face_channels *s = solve(&p);
     for (uint32_t i = 0; i < ARKIT_SHAPES; ++i) {
         bool is_known = false;
         for (int k = 0; k < POSES; ++k)
@@ -242,7 +242,7 @@ static void the_frame_before_changes_nothing_that_is_seen(void **state)
     posed p;
     make(&p);
     const double far[POSES] = {0.9, 0.9, 0, 1, 1, 1}, here[POSES] = {0.3, 0.1, 0.7, 0, 0.2, 0.3};
-    face_said cold[2];
+    face_channels cold[2];
     for (int round = 0; round < 2; ++round) {
         face_weights_reset(p.weights);
         perform(&p, here);
@@ -252,7 +252,7 @@ static void the_frame_before_changes_nothing_that_is_seen(void **state)
     perform(&p, far);
     (void)solve(&p);
     perform(&p, here);
-    const face_said *warm = solve(&p);
+    const face_channels *warm = solve(&p);
     for (uint32_t i = 0; i < ARKIT_SHAPES; ++i)
         assert_true(fabs(warm->arkit[i] - cold[0].arkit[i]) < 1e-4);
     finish(&p);
@@ -265,7 +265,7 @@ static void nonsense_leaves_what_was_said(void **state)
     make(&p);
     const double weight[POSES] = {0.3, 0, 0.7};
     perform(&p, weight);
-    face_said before = *solve(&p);
+    face_channels before = *solve(&p);
     for (int v = 0; v < SCENE_VERTICES; ++v)
         p.shown[v][1] = NAN;
     assert_memory_equal(solve(&p), &before, sizeof before);

@@ -162,7 +162,7 @@ static void ports_are_found_with_place_and_name(void **state)
     plug_in(t, "1-1.4", 3, "/dev/null");
     make_file(t, "/sys/class/tty/ttyS0/uevent", "");
     assert_int_equal(glove_find_ports(t->root, found, 4), 1);
-    assert_string_equal(found[0].place, "1-1.4:1.0/0");
+    assert_string_equal(found[0].usb_path, "1-1.4:1.0/0");
     assert_string_equal(found[0].product, "FT232R USB UART");
     assert_string_equal(found[0].link, "");
     assert_string_equal(found[0].path + strlen(t->root), "/dev/ttyUSB3");
@@ -185,8 +185,8 @@ static void likelier_ports_come_first(void **state)
     make_file(t, "/sys/devices/usb1/1-3/manufacturer", "CyberGlove Systems\n");
     glove_found found[4];
     assert_int_equal(glove_find_ports(t->root, found, 4), 3);
-    assert_string_equal(found[0].place, "1-3:1.0/0");
-    assert_string_equal(found[1].place, "1-2:1.0/0");
+    assert_string_equal(found[0].usb_path, "1-3:1.0/0");
+    assert_string_equal(found[1].usb_path, "1-2:1.0/0");
     assert_int_equal(glove_find_ports(t->root, found, 2), 2);
 }
 
@@ -263,7 +263,7 @@ static void the_first_port_with_a_glove_is_found(void **state)
     let_go(&t->talker[1]);
     if (open_any(t, &why) < 0)
         fail_msg("%s", why.text);
-    assert_string_equal(t->memory.port.place, "1-2:1.0/0");
+    assert_string_equal(t->memory.port.usb_path, "1-2:1.0/0");
     assert_int_equal(t->drive.unit.sensors.count, 18);
 }
 
@@ -278,7 +278,7 @@ static void the_hand_that_is_wished_decides(void **state)
     t->drive.settings.hand = GLOVE_HAND_LEFT;
     if (open_any(t, &why) < 0)
         fail_msg("%s", why.text);
-    assert_string_equal(t->memory.port.place, "1-2:1.0/0");
+    assert_string_equal(t->memory.port.usb_path, "1-2:1.0/0");
 }
 
 static void a_glove_is_found_again_where_it_is_plugged_in(void **state)

@@ -28,7 +28,7 @@ static void agrees_with_known_values(void **state)
         {100.0, -0.50636564110975879365656, 0.86231887228768393410194},
     };
     for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
-        angle_turn turn = angle_turn_of(known[i].angle);
+        angle_sincos turn = angle_sincos_of(known[i].angle);
         assert_true(fabs(turn.sin - known[i].sin) < TOLERANCE);
         assert_true(fabs(turn.cos - known[i].cos) < TOLERANCE);
     }
@@ -39,7 +39,7 @@ static void agrees_with_libm_over_two_turns(void **state)
     (void)state;
     for (int i = -40000; i <= 40000; ++i) {
         double angle = i * (2.0 * ANGLE_PI / 40000.0);
-        angle_turn turn = angle_turn_of(angle);
+        angle_sincos turn = angle_sincos_of(angle);
         assert_true(fabs(turn.sin - sin(angle)) < TOLERANCE);
         assert_true(fabs(turn.cos - cos(angle)) < TOLERANCE);
     }
@@ -49,7 +49,7 @@ static void is_exactly_odd_and_even(void **state)
 {
     (void)state;
     for (int i = 1; i < 10000; ++i) {
-        angle_turn plus = angle_turn_of(i * 0.00123), minus = angle_turn_of(-i * 0.00123);
+        angle_sincos plus = angle_sincos_of(i * 0.00123), minus = angle_sincos_of(-i * 0.00123);
         assert_true(plus.sin == -minus.sin);
         assert_true(plus.cos == minus.cos);
     }
@@ -68,7 +68,7 @@ static void gives_the_stated_bits(void **state)
         {4.0, UINT64_C(0xbfe837b9dddc1eae), UINT64_C(0xbfe4eaa606db24c1)},
     };
     for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i) {
-        angle_turn turn = angle_turn_of(known[i].angle);
+        angle_sincos turn = angle_sincos_of(known[i].angle);
         uint64_t sin_bits, cos_bits;
         memcpy(&sin_bits, &turn.sin, sizeof sin_bits);
         memcpy(&cos_bits, &turn.cos, sizeof cos_bits);
@@ -82,10 +82,10 @@ static void takes_any_number(void **state)
     (void)state;
     static const double wild[] = {1e4, -1e4, 1e9, -1e300, HUGE_VAL, -HUGE_VAL, (double)NAN};
     for (size_t i = 0; i < sizeof wild / sizeof wild[0]; ++i) {
-        angle_turn turn = angle_turn_of(wild[i]);
+        angle_sincos turn = angle_sincos_of(wild[i]);
         assert_true(fabs(turn.sin * turn.sin + turn.cos * turn.cos - 1.0) < 1e-14);
     }
-    assert_true(angle_turn_of((double)NAN).cos == 1.0);
+    assert_true(angle_sincos_of((double)NAN).cos == 1.0);
 }
 
 static void rigid_turn_is_right_handed(void **state)

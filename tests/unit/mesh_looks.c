@@ -118,9 +118,9 @@ static void a_material_keeps_what_it_says(void **state)
     assert_true(look->normal_scale == 0.5f);
     assert_int_equal(look->base.wrap[0], MESH_WRAP_CLAMP);
     assert_int_equal(look->base.wrap[1], MESH_WRAP_MIRROR);
-    static const float place[6] = {2, 0, 0.5f, 0, 3, 0.25f};
+    static const float uv_transform[6] = {2, 0, 0.5f, 0, 3, 0.25f};
     for (int i = 0; i < 6; ++i)
-        assert_true(fabsf(look->base.place[i] - place[i]) < 1e-6f);
+        assert_true(fabsf(look->base.uv_transform[i] - uv_transform[i]) < 1e-6f);
     assert_int_equal(m.image_count, 1);
     assert_string_equal(m.image[0].name, "face");
     assert_int_equal(m.image[0].encoded_size, picture_size);

@@ -133,8 +133,8 @@ static void pictures_lie_on_it_as_it_says(void **state)
     assert_int_equal(m.image[look->base.image - 1].width, 24);
     assert_non_null(m.image[look->emission.image - 1].rgba);
     /* u' = 2 u + 0.5; from above: v' = 4 v + (1 - 4 - 0.25) */
-    static const float place[6] = {2, 0, 0.5f, 0, 4, -3.25f};
-    assert_memory_equal(look->base.place, place, sizeof place);
+    static const float uv_transform[6] = {2, 0, 0.5f, 0, 4, -3.25f};
+    assert_memory_equal(look->base.uv_transform, uv_transform, sizeof uv_transform);
     assert_int_equal(look->base.wrap[0], MESH_WRAP_CLAMP);
     assert_int_equal(look->emission.wrap[1], MESH_WRAP_REPEAT);
     assert_true(look->base_colour[0] == 1.0f && look->emission_colour[0] == 1.0f);

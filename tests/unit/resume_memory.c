@@ -19,7 +19,7 @@ typedef struct mind {
     bool is_down[3];
     int phase;
     uint32_t count;
-    mrt_vec3 place[2];
+    mrt_vec3 position[2];
     double time_s;
 } mind;
 
@@ -30,7 +30,7 @@ static memory_list list_of(mind *m, const char *type, uint32_t version)
     return (memory_list){.type = type,
                          .version = version,
                          .parts = {MEMORY_BOOLS(m->is_down), MEMORY_WHOLES(m->phase, PHASES - 1),
-                                   MEMORY_WHOLES(m->count, 4), MEMORY_FLOATS(m->place),
+                                   MEMORY_WHOLES(m->count, 4), MEMORY_FLOATS(m->position),
                                    MEMORY_DOUBLES(m->time_s)}};
 }
 
@@ -61,7 +61,7 @@ static void what_was_remembered_comes_back_bit_for_bit(void **state)
     assert_memory_equal(back.is_down, example.is_down, sizeof example.is_down);
     assert_int_equal(back.phase, PULLING);
     assert_int_equal(back.count, 4);
-    assert_memory_equal(back.place, example.place, sizeof example.place);
+    assert_memory_equal(back.position, example.position, sizeof example.position);
     assert_memory_equal(&back.time_s, &example.time_s, sizeof example.time_s);
 }
 
@@ -123,7 +123,7 @@ static void forged_values_are_refused(void **state)
     forged[1].phase = PHASES;
     forged[2].phase = -1;
     forged[3].count = 5;
-    forged[4].place[1].y = NAN;
+    forged[4].position[1].y = NAN;
     forged[5].time_s = INFINITY;
     for (int i = 0; i < 6; ++i) {
         unsigned char bytes[ROOM];

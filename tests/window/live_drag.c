@@ -70,26 +70,27 @@ static vec3 cheek(const live_desk *d)
     return (vec3){(double)nearest[0], (double)nearest[1], (double)nearest[2]};
 }
 
-static double moved_at(const live_desk *d, vec3 place, vec3 *out)
+static double moved_at(const live_desk *d, vec3 position, vec3 *out)
 {
     for (size_t v = 0; v < d->view->vertex_count; ++v) {
         const float *p = d->first + 3 * v, *q = d->view->position + 3 * v;
-        if ((double)p[0] == place.x && (double)p[1] == place.y && (double)p[2] == place.z) {
+        if ((double)p[0] == position.x && (double)p[1] == position.y &&
+            (double)p[2] == position.z) {
             *out = (vec3){(double)q[0], (double)q[1], (double)q[2]};
-            return vec3_length(vec3_sub(*out, place));
+            return vec3_length(vec3_sub(*out, position));
         }
     }
     return NAN;
 }
 
-static void drag_place(live_desk *d, pointer_grip grip, vec3 place, bool stays)
+static void drag_place(live_desk *d, pointer_grip grip, vec3 position, bool stays)
 {
-    vec3 from = place;
-    (void)moved_at(d, place, &from);
-    desk_point(d, grip, place, from, stays);
+    vec3 from = position;
+    (void)moved_at(d, position, &from);
+    desk_point(d, grip, position, from, stays);
     for (int i = 1; i <= 20; ++i) {
         desk_frame(d);
-        desk_point(d, grip, place, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
+        desk_point(d, grip, position, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
     }
     desk_perform(d, 0.0);
 }
@@ -100,9 +101,9 @@ static void place_of_the_skin_springs_back(void **state)
     live_desk d;
     vec3 now;
     start(&d, NULL);
-    vec3 place = cheek(&d);
-    drag_place(&d, POINTER_PULLS, place, false);
-    assert_true(fabs(moved_at(&d, place, &now) - vec3_length(way)) < 0.5);
+    vec3 position = cheek(&d);
+    drag_place(&d, POINTER_PULLS, position, false);
+    assert_true(fabs(moved_at(&d, position, &now) - vec3_length(way)) < 0.5);
     desk_let_go(&d);
     assert_true(desk_until(&d, desk_is_at_rest, NULL));
     desk_finish(&d);
@@ -114,14 +115,14 @@ static void place_that_stays_can_be_dragged_on(void **state)
     live_desk d;
     vec3 now;
     start(&d, NULL);
-    vec3 place = cheek(&d);
-    drag_place(&d, POINTER_PULLS, place, true);
+    vec3 position = cheek(&d);
+    drag_place(&d, POINTER_PULLS, position, true);
     desk_let_go(&d);
-    double once = moved_at(&d, place, &now);
+    double once = moved_at(&d, position, &now);
     assert_true(fabs(once - vec3_length(way)) < 0.5);
-    drag_place(&d, POINTER_PULLS, place, true);
+    drag_place(&d, POINTER_PULLS, position, true);
     desk_let_go(&d);
-    double twice = moved_at(&d, place, &now);
+    double twice = moved_at(&d, position, &now);
     if (fabs(twice - 2.0 * vec3_length(way)) >= 1.0)
         fail_msg("%g mm after one drag, %g mm after two", once, twice);
     desk_finish(&d);
@@ -133,10 +134,10 @@ static void clay_stays_until_neutral(void **state)
     live_desk d;
     vec3 now;
     start(&d, NULL);
-    vec3 place = cheek(&d);
-    drag_place(&d, POINTER_KNEADS, place, false);
+    vec3 position = cheek(&d);
+    drag_place(&d, POINTER_KNEADS, position, false);
     desk_let_go(&d);
-    double moved_mm = moved_at(&d, place, &now);
+    double moved_mm = moved_at(&d, position, &now);
     if (moved_mm < 2.0)
         fail_msg("clay moved by %g mm", moved_mm);
     live_neutral(d.live);

@@ -82,13 +82,13 @@ void app_set_patch(app *self, const patch *p)
 app_remote_status app_remote_now(const app *self)
 {
     (void)self;
-    return (app_remote_status){.place = here->remote, .trouble = "", .last = ""};
+    return (app_remote_status){.address = here->remote, .trouble = "", .last = ""};
 }
 
-void app_set_remote(app *self, const char *place)
+void app_set_remote(app *self, const char *address)
 {
     (void)self;
-    (void)snprintf(here->remote, sizeof here->remote, "%s", place);
+    (void)snprintf(here->remote, sizeof here->remote, "%s", address);
 }
 
 const app_picture *app_picture_now(const app *self)

@@ -48,14 +48,14 @@ static uint16_t free_port(void)
 static void open_desk(desk *d, bool has_hand)
 {
     error err = {0};
-    char place[16];
+    char address[16];
     *d = (desk){.port = free_port(), .udp = -1, .tcp = -1};
-    (void)snprintf(place, sizeof place, "%u", (unsigned)d->port);
+    (void)snprintf(address, sizeof address, "%u", (unsigned)d->port);
     make_room(&d->room);
     const app_options with = {.show_path = d->room.show,
                               .face_path = puppet,
                               .mapping = "one_hand",
-                              .remote = place,
+                              .remote = address,
                               .inputs = has_hand ? demo_inputs : NULL,
                               .input_count = has_hand ? 1 : 0};
     if (open_with(&d->room, &with, &err) < 0)
@@ -198,7 +198,7 @@ static void nobody_listens_until_it_is_switched_on(void **state)
     room r;
     (void)state;
     open_room(&r, false);
-    assert_string_equal(app_remote_now(r.app).place, "");
+    assert_string_equal(app_remote_now(r.app).address, "");
     assert_false(app_remote_now(r.app).is_listening);
     assert_int_equal(live_input_count(app_live(r.app)), 0);
     close_room(&r);
@@ -450,15 +450,15 @@ static void a_port_that_is_taken_is_said_and_comes_back_by_itself(void **state)
 {
     room r;
     error err = {0};
-    char place[16];
+    char address[16];
     const uint16_t port = free_port();
     const struct sockaddr_in at = here(port);
     (void)state;
     const int taken = socket(AF_INET, SOCK_DGRAM, 0);
     assert_int_equal(bind(taken, (const struct sockaddr *)&at, sizeof at), 0);
-    (void)snprintf(place, sizeof place, "%u", (unsigned)port);
+    (void)snprintf(address, sizeof address, "%u", (unsigned)port);
     make_room(&r);
-    const app_options with = {.show_path = r.show, .face_path = puppet, .remote = place};
+    const app_options with = {.show_path = r.show, .face_path = puppet, .remote = address};
     assert_int_equal(open_with(&r, &with, &err), MRT_OK);
     assert_true(until(&r, is_in_trouble));
     assert_false(app_remote_now(r.app).is_listening);

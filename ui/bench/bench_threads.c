@@ -55,15 +55,15 @@ static const struct {
              {"folds", measure_folds}};
 enum { KINDS = sizeof kinds / sizeof kinds[0] };
 
-typedef struct turn {
+typedef struct thread_run {
     scene *of;
     void (*run)(scene *self);
     double share_from_ns;
-} turn;
+} thread_run;
 
 static void run_turn(void *data)
 {
-    turn *self = data;
+    thread_run *self = data;
     pool_share_from(self->share_from_ns);
     self->run(self->of);
     pool_share_from((double)INFINITY);
@@ -75,7 +75,7 @@ static void rest_a_while(void *data)
     clock_sleep_until_ns(clock_now_ns() + 3 * NS_PER_MS);
 }
 
-static bool is_shared(turn usual)
+static bool is_shared(thread_run usual)
 {
     uint64_t before = pool_state_now().shared_count;
     usual.share_from_ns = POOL_WORTH_NS;
@@ -108,8 +108,8 @@ static void tell(bench *self, const scene *s, const char *kind, const bench_work
 static void measure_kinds(bench *self, scene *s)
 {
     for (size_t i = 0; i < KINDS; ++i) {
-        turn alone = {.of = s, .run = kinds[i].run, .share_from_ns = (double)INFINITY};
-        turn shared = {.of = s, .run = kinds[i].run, .share_from_ns = 0.0};
+        thread_run alone = {.of = s, .run = kinds[i].run, .share_from_ns = (double)INFINITY};
+        thread_run shared = {.of = s, .run = kinds[i].run, .share_from_ns = 0.0};
         bench_work work[] = {
             {.name = "alone", .run = run_turn, .data = &alone},
             {.name = "shared", .run = run_turn, .data = &shared},

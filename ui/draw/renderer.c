@@ -37,7 +37,7 @@ static void find_face_uniforms(renderer_face_program *out)
                                                         "rough_metal_map"};
     for (int i = 0; i < FACE_TEXTURES; ++i)
         out->texture[i] = glGetUniformLocation(p, textures[i]);
-    out->place = glGetUniformLocation(p, "place");
+    out->uv_transform = glGetUniformLocation(p, "uv_transform");
     out->has_tint = glGetUniformLocation(p, "has_tint");
     out->emission = glGetUniformLocation(p, "emission");
     out->normal_scale = glGetUniformLocation(p, "normal_scale");
@@ -328,15 +328,15 @@ static void set_painted(const draw_renderer *self, const renderer_face_program *
     const mesh_material *look = &batch->look;
     const mesh_texture *texture[FACE_TEXTURES] = {&look->base, &look->normal, &look->emission,
                                                   &look->surface};
-    GLfloat place[FACE_TEXTURES][6];
+    GLfloat uv_transform[FACE_TEXTURES][6];
     for (int i = 0; i < FACE_TEXTURES; ++i) {
-        memcpy(place[i], texture[i]->place, sizeof place[i]);
+        memcpy(uv_transform[i], texture[i]->uv_transform, sizeof uv_transform[i]);
         glActiveTexture(GL_TEXTURE1 + (GLenum)i);
         glBindTexture(GL_TEXTURE_2D, batch->texture[i] ? batch->texture[i] : self->no_texture[i]);
         glUniform1i(u->texture[i], 1 + i);
     }
     glActiveTexture(GL_TEXTURE0);
-    glUniform3fv(u->place, 2 * FACE_TEXTURES, place[0]);
+    glUniform3fv(u->uv_transform, 2 * FACE_TEXTURES, uv_transform[0]);
     glUniform1i(u->has_tint, face->tint_buffer != 0);
     glUniform3fv(u->emission, 1, look->emission_colour);
     glUniform1f(u->normal_scale, look->normal_scale);

@@ -19,7 +19,7 @@ typedef struct renderer_face_program {
     GLint shadow_projection, shadow_map, shadow_texel_mm, shadow_reach_texels, origin, side,
         has_own_colours, light_colour, room;
     GLint softness, coat;
-    GLint texture[FACE_TEXTURES], place, has_tint; /* of a painted surface */
+    GLint texture[FACE_TEXTURES], uv_transform, has_tint; /* of a painted surface */
     GLint emission, normal_scale, shade, toon, alpha_range;
 } renderer_face_program;
 
@@ -51,7 +51,7 @@ typedef struct renderer_wall_program {
 
 struct draw_renderer {
     renderer_face_program face[LOOKS];
-    GLuint no_texture[FACE_TEXTURES]; /* one pixel that changes nothing, in the place of each */
+    GLuint no_texture[FACE_TEXTURES]; /* one pixel that changes nothing, for each that is missing */
     GLuint depth_program;
     GLint depth_projection;
     renderer_wall_program wall, picture; /* the wall alone; a picture before it */

@@ -28,11 +28,11 @@ static const int64_t goodbye_ns = 5 * NS_PER_S;
 
 enum { WORDS_MAX = 24, SAID_MAX = 1 << 16, TURN_MS = 100 };
 
-typedef struct said { /* what it prints */
+typedef struct child_output { /* what it prints */
     char text[SAID_MAX];
     size_t size;
     int fd; /* -1: at its end */
-} said;
+} child_output;
 
 /* posix_spawn does not write to the words: it is only declared so. */
 static bool start(pid_t *out, const char *program, const char *const *word, int out_fd, int err_fd)
@@ -50,7 +50,7 @@ static bool start(pid_t *out, const char *program, const char *const *word, int 
 }
 
 /* What it says beyond the room is read and dropped: it must not wait for us. */
-static void hear(said *from)
+static void hear(child_output *from)
 {
     char more[4096];
     ssize_t size = read(from->fd, more, sizeof more);
@@ -66,14 +66,15 @@ static void hear(said *from)
     from->text[from->size] = '\0';
 }
 
-static mrt_result listen_to(paper *of, pid_t pid, said *facts_said, said *trouble, error *err)
+static mrt_result listen_to(paper *of, pid_t pid, child_output *facts_output, child_output *trouble,
+                            error *err)
 {
     mrt_result result = MRT_OK;
-    while (facts_said->fd >= 0 || trouble->fd >= 0) {
-        struct pollfd wanted[2] = {{facts_said->fd, POLLIN, 0}, {trouble->fd, POLLIN, 0}};
+    while (facts_output->fd >= 0 || trouble->fd >= 0) {
+        struct pollfd wanted[2] = {{facts_output->fd, POLLIN, 0}, {trouble->fd, POLLIN, 0}};
         (void)poll(wanted, 2, TURN_MS);
         if (wanted[0].revents)
-            hear(facts_said);
+            hear(facts_output);
         if (wanted[1].revents)
             hear(trouble);
         progress_show(&of->shown, -1.0, "the Moai");
@@ -84,7 +85,7 @@ static mrt_result listen_to(paper *of, pid_t pid, said *facts_said, said *troubl
 }
 
 /* The last line that is not a note. */
-static const char *reason_of(said *trouble)
+static const char *reason_of(child_output *trouble)
 {
     char *reason = trouble->text;
     while (trouble->size > 0 && trouble->text[trouble->size - 1] == '\n')
@@ -98,10 +99,11 @@ static mrt_result run_command(paper *of, const char *const *word, json_t **out_f
     char program[INSTALLED_LENGTH];
     int told[2] = {-1, -1}, failed[2] = {-1, -1}, status = 0;
     pid_t pid = 0;
-    said *facts_said = calloc(1, sizeof *facts_said), *trouble = calloc(1, sizeof *trouble);
+    child_output *facts_output = calloc(1, sizeof *facts_output),
+                 *trouble = calloc(1, sizeof *trouble);
     mrt_result result = MRT_OK;
     *out_facts = NULL;
-    if (!facts_said || !trouble || !installed_program(program) || program_pipe(told, err) < 0 ||
+    if (!facts_output || !trouble || !installed_program(program) || program_pipe(told, err) < 0 ||
         program_pipe(failed, err) < 0 || !start(&pid, program, word, told[1], failed[1]))
         result = error_set(err, MRT_ERR_IO, "marotte %s cannot be started: %s", word[1],
                            strerror(errno));
@@ -114,16 +116,16 @@ static mrt_result run_command(paper *of, const char *const *word, json_t **out_f
     if (result < 0 && failed[0] >= 0)
         close(failed[0]);
     if (result >= 0) {
-        facts_said->fd = told[0];
+        facts_output->fd = told[0];
         trouble->fd = failed[0];
-        result = listen_to(of, pid, facts_said, trouble, err);
+        result = listen_to(of, pid, facts_output, trouble, err);
         (void)program_wait(pid, &status, goodbye_ns);
     }
     if (result >= 0 && !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
         result = error_set(err, MRT_ERR_IO, "a picture of the page: %s", reason_of(trouble));
-    if (result >= 0 && !(*out_facts = json_loads(facts_said->text, 0, NULL)))
+    if (result >= 0 && !(*out_facts = json_loads(facts_output->text, 0, NULL)))
         result = error_set(err, MRT_ERR_FORMAT, "marotte %s --json gave no object", word[1]);
-    free(facts_said);
+    free(facts_output);
     free(trouble);
     return result;
 }

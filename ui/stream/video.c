@@ -512,14 +512,14 @@ extern char **environ;
 /* For what is left to encode and to write when the last picture was given. */
 static const int64_t patience_ns = 600 * NS_PER_S;
 
-enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, SAID_MAX = 4096 };
+enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, STDERR_MAX = 4096 };
 
 struct video_ffmpeg {
-    file_writer file; /* ffmpeg writes into its temporary file */
-    FILE *said;       /* what ffmpeg says: a file without a name */
-    pid_t pid;        /* 0: not running */
-    int fd;           /* to ffmpeg; -1 */
-    int status;       /* how it ended */
+    file_writer file;   /* ffmpeg writes into its temporary file */
+    FILE *child_stderr; /* what ffmpeg says: a file without a name */
+    pid_t pid;          /* 0: not running */
+    int fd;             /* to ffmpeg; -1 */
+    int status;         /* how it ended */
     size_t picture_size;
     uint64_t count; /* of pictures */
 };
@@ -669,14 +669,14 @@ static void describe_sound(words *w, const char *program, const char *pictures, 
 
 /* ---- started ---- */
 
-static int set_actions(posix_spawn_file_actions_t *actions, int in_fd, int said_fd)
+static int set_actions(posix_spawn_file_actions_t *actions, int in_fd, int stderr_fd)
 {
     int failed = in_fd >= 0 ? posix_spawn_file_actions_adddup2(actions, in_fd, STDIN_FILENO)
                             : posix_spawn_file_actions_addopen(actions, STDIN_FILENO, "/dev/null",
                                                                O_RDONLY, 0);
     if (!failed)
         failed = posix_spawn_file_actions_addopen(actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    return failed ? failed : posix_spawn_file_actions_adddup2(actions, said_fd, STDERR_FILENO);
+    return failed ? failed : posix_spawn_file_actions_adddup2(actions, stderr_fd, STDERR_FILENO);
 }
 
 /* Signals as usual; a group of its own, which Ctrl-C does not reach. */
@@ -699,7 +699,7 @@ static int set_attributes(posix_spawnattr_t *attributes)
                                                              POSIX_SPAWN_SETPGROUP);
 }
 
-static int spawn(pid_t *out_pid, words *w, int in_fd, int said_fd)
+static int spawn(pid_t *out_pid, words *w, int in_fd, int stderr_fd)
 {
     posix_spawn_file_actions_t actions;
     posix_spawnattr_t attributes;
@@ -708,7 +708,7 @@ static int spawn(pid_t *out_pid, words *w, int in_fd, int said_fd)
         return failed;
     failed = posix_spawnattr_init(&attributes);
     if (!failed) {
-        failed = set_actions(&actions, in_fd, said_fd);
+        failed = set_actions(&actions, in_fd, stderr_fd);
         if (!failed)
             failed = set_attributes(&attributes);
         if (!failed)
@@ -721,12 +721,12 @@ static int spawn(pid_t *out_pid, words *w, int in_fd, int said_fd)
 
 static mrt_result run_ffmpeg(video_ffmpeg *self, words *w, int in_fd, error *err)
 {
-    self->said = tmpfile();
-    if (!self->said)
+    self->child_stderr = tmpfile();
+    if (!self->child_stderr)
         return error_set(err, MRT_ERR_IO, "%s: no temporary file: %s", self->file.path,
                          strerror(errno));
-    (void)fcntl(fileno(self->said), F_SETFD, FD_CLOEXEC);
-    int failed = spawn(&self->pid, w, in_fd, fileno(self->said));
+    (void)fcntl(fileno(self->child_stderr), F_SETFD, FD_CLOEXEC);
+    int failed = spawn(&self->pid, w, in_fd, fileno(self->child_stderr));
     if (!failed)
         return MRT_OK;
     self->pid = 0;
@@ -799,14 +799,15 @@ static void wait_for(video_ffmpeg *self)
 /* The last line that ffmpeg said; "" nothing. */
 static void read_last_line(video_ffmpeg *self, char *out, size_t capacity)
 {
-    char text[SAID_MAX];
+    char text[STDERR_MAX];
     out[0] = '\0';
-    if (fseek(self->said, 0, SEEK_END) != 0)
+    if (fseek(self->child_stderr, 0, SEEK_END) != 0)
         return;
-    long size = ftell(self->said);
-    if (size <= 0 || fseek(self->said, size < SAID_MAX ? 0 : size - SAID_MAX + 1, SEEK_SET) != 0)
+    long size = ftell(self->child_stderr);
+    if (size <= 0 ||
+        fseek(self->child_stderr, size < STDERR_MAX ? 0 : size - STDERR_MAX + 1, SEEK_SET) != 0)
         return;
-    size_t length = fread(text, 1, sizeof text - 1, self->said);
+    size_t length = fread(text, 1, sizeof text - 1, self->child_stderr);
     while (length > 0 && (unsigned char)text[length - 1] <= ' ')
         --length;
     text[length] = '\0';
@@ -867,8 +868,8 @@ void video_ffmpeg_abandon(video_ffmpeg *self)
     if (self->pid)
         (void)kill(self->pid, SIGKILL);
     wait_for(self);
-    if (self->said)
-        (void)fclose(self->said);
+    if (self->child_stderr)
+        (void)fclose(self->child_stderr);
     file_writer_abandon(&self->file);
     free(self);
 }

@@ -97,11 +97,11 @@ void cases_absent(const examination *e)
     if (result >= 0) {
         tell_skipped(RULE_INPUT_ABSENT, "it opens any address, \"%s\" too", nowhere);
         close_input(&input);
-    } else if (!is_sentence(input.host.said)) {
+    } else if (!is_sentence(input.host.last_log)) {
         tell_failed(RULE_INPUT_ABSENT, "open(\"%s\") says \"%s\": no sentence that helps", nowhere,
-                    input.host.said);
+                    input.host.last_log);
     } else {
-        tell_ok(RULE_INPUT_ABSENT, "\"%s\"", input.host.said);
+        tell_ok(RULE_INPUT_ABSENT, "\"%s\"", input.host.last_log);
     }
     finish(&input);
 }
@@ -305,7 +305,7 @@ static void skip_all(const reader *self)
                                        RULE_INPUT_REOPEN,   RULE_INPUT_GROWTH};
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         tell_skipped(rules[i], "nothing could be opened (%.300s): name one with --input ADDRESS",
-                     self->host.said);
+                     self->host.last_log);
 }
 
 static int open_files(void)
@@ -333,7 +333,8 @@ static void judge_reopening(reader *self)
         self->has_last = false;
         close_input(self);
         if (open_named(self) < 0) {
-            tell_failed(RULE_INPUT_REOPEN, "closed and opened again it says: %s", self->host.said);
+            tell_failed(RULE_INPUT_REOPEN, "closed and opened again it says: %s",
+                        self->host.last_log);
             return;
         }
         if (!has_same_channels(self, channel, count))
@@ -424,7 +425,7 @@ void cases_recorded(const examination *e)
     if (open_named(&exact) < 0 || open_named(&late) < 0) {
         tell_skipped(RULE_INPUT_RECORDED,
                      "nothing could be opened (%.300s): name one with --input ADDRESS",
-                     exact.host.said);
+                     exact.host.last_log);
         return;
     }
     tell_doing(RULE_COUNT, "read() at two speeds");
@@ -475,7 +476,7 @@ void cases_stop(const examination *e)
     if (!is_open && input.host.wait_count == 0)
         tell_skipped(RULE_INPUT_STOP,
                      "nothing could be opened (%.300s): name one with --input ADDRESS",
-                     input.host.said);
+                     input.host.last_log);
     else
         tell_ok(RULE_INPUT_STOP, "%s", "");
     finish(&input);
@@ -591,11 +592,11 @@ static void judge_absent(const mrt_output *functions, mrt_plugin *self)
     if (open_output_at(functions, self, no_receiver) >= 0) {
         tell_skipped(RULE_OUTPUT_ABSENT, "it opens any address, \"%s\" too", no_receiver);
         close_output(functions, self);
-    } else if (strlen(with.said) < 12 || !strchr(with.said, ' ')) {
+    } else if (strlen(with.last_log) < 12 || !strchr(with.last_log, ' ')) {
         tell_failed(RULE_OUTPUT_ABSENT, "open(\"%s\") says \"%s\": no sentence that helps",
-                    no_receiver, with.said);
+                    no_receiver, with.last_log);
     } else {
-        tell_ok(RULE_OUTPUT_ABSENT, "\"%s\"", with.said);
+        tell_ok(RULE_OUTPUT_ABSENT, "\"%s\"", with.last_log);
     }
 }
 
@@ -618,7 +619,7 @@ static void write_samples(const mrt_output *functions, mrt_plugin *self)
             tell_failed(RULE_OUTPUT_WAIT, "write() called %s", caught);
         if (result < 0)
             tell_failed(RULE_OUTPUT_WRITE, "write() returned %d for sample %u: %s", result, i,
-                        with.said);
+                        with.last_log);
     }
     tell_ok(RULE_OUTPUT_WAIT, "%d samples", SAMPLES);
     tell_ok(RULE_OUTPUT_WRITE, "%d samples", SAMPLES);
@@ -631,7 +632,7 @@ static void judge_output_reopening(const mrt_output *functions, mrt_plugin *self
     for (int i = 0; i < OUTPUT_ROUNDS; ++i) {
         close_output(functions, self);
         if (open_output_at(functions, self, address) < 0) {
-            tell_failed(RULE_OUTPUT_REOPEN, "closed and opened again it says: %s", with.said);
+            tell_failed(RULE_OUTPUT_REOPEN, "closed and opened again it says: %s", with.last_log);
             return;
         }
         if (i == 1)
@@ -658,7 +659,7 @@ void cases_output(const examination *e)
             tell_skipped(rules[i],
                          "nothing could be opened (%.300s): name a place with --output "
                          "ADDRESS",
-                         with.said);
+                         with.last_log);
     } else {
         write_samples(functions, self);
         judge_output_reopening(functions, self, address);

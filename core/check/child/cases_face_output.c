@@ -105,11 +105,11 @@ static void judge_absent(output *self)
 {
     if (open_at(self, no_receiver) >= 0)
         tell_skipped(RULE_FACE_OUTPUT_ABSENT, "it opens any address, \"%s\" too", no_receiver);
-    else if (strlen(with.said) < 12 || !strchr(with.said, ' '))
+    else if (strlen(with.last_log) < 12 || !strchr(with.last_log, ' '))
         tell_failed(RULE_FACE_OUTPUT_ABSENT, "open(\"%s\") says \"%s\": no sentence that helps",
-                    no_receiver, with.said);
+                    no_receiver, with.last_log);
     else
-        tell_ok(RULE_FACE_OUTPUT_ABSENT, "\"%s\"", with.said);
+        tell_ok(RULE_FACE_OUTPUT_ABSENT, "\"%s\"", with.last_log);
     close_it(self);
 }
 
@@ -129,7 +129,7 @@ static void send_samples(output *self, face_kind kind)
     mrt_result result = self->functions->begin(self->self, &names);
     if (result < 0)
         tell_failed(RULE_FACE_OUTPUT_FACES, "begin() of %s returned %d: %s", faces_name(kind),
-                    result, with.said);
+                    result, with.last_log);
     tell_doing(RULE_COUNT, "send() of %s", faces_name(kind));
     for (uint32_t i = 0; i < SAMPLES; ++i) {
         const mrt_face_sample sample = sample_of(i, &self->wants);
@@ -139,7 +139,7 @@ static void send_samples(output *self, face_kind kind)
         took_ns[i] = host_now_ns(&with) - before_ns;
         if (result != MRT_OK && result != MRT_TIMEOUT)
             tell_failed(RULE_FACE_OUTPUT_SEND, "send() returned %d for sample %u: %s", result, i,
-                        with.said);
+                        with.last_log);
     }
     qsort(took_ns, SAMPLES, sizeof *took_ns, by_size);
     if (took_ns[SAMPLES / 2] > usual_ns)
@@ -153,7 +153,8 @@ static void judge_reopening(output *self, const char *address)
     for (int i = 0; i < ROUNDS; ++i) {
         close_it(self);
         if (open_at(self, address) < 0) {
-            tell_failed(RULE_FACE_OUTPUT_REOPEN, "closed and opened again it says: %s", with.said);
+            tell_failed(RULE_FACE_OUTPUT_REOPEN, "closed and opened again it says: %s",
+                        with.last_log);
             return;
         }
         if (i == 1)
@@ -186,7 +187,7 @@ void cases_face_output(const examination *e)
         tell_skipped(rules[i],
                      "nothing could be opened (%.300s): name a place with --output "
                      "ADDRESS",
-                     with.said);
+                     with.last_log);
     for (int kind = 0; kind < FACE_KINDS && is_open && !tell_has_failed_any(); ++kind)
         send_samples(&self, (face_kind)kind);
     if (is_open) {

@@ -32,7 +32,7 @@ static const void *open_library(const char *path)
         return NULL;
     }
     tell_ok(RULE_LIBRARY_LOAD, "%s", "");
-    place_learn(whole);
+    call_stack_set_library(whole);
     const void *table = dlsym(library, "marotte_plugins");
     if (!table)
         tell_failed(RULE_LIBRARY_SYMBOL,

@@ -60,7 +60,7 @@ static void host_log(const mrt_host *plugin, int32_t level, const char *text)
         return;
     uint32_t kinds = trap_pause();
     self->error_count += 1;
-    (void)snprintf(self->said, sizeof self->said, "%s", text);
+    (void)snprintf(self->last_log, sizeof self->last_log, "%s", text);
     trap_resume(kinds);
 }
 
@@ -145,7 +145,7 @@ void host_init(host *out, host_clock clock, int64_t start_ns)
 
 const char *host_words(const host *self, char out[300])
 {
-    (void)snprintf(out, 300, "%s%s", self->said[0] ? ": " : "", self->said);
+    (void)snprintf(out, 300, "%s%s", self->last_log[0] ? ": " : "", self->last_log);
     return out;
 }
 

@@ -28,7 +28,7 @@ typedef struct host {
     int64_t latest_ask_ns; /* the furthest moment that it asked to wait for */
     uint32_t wait_count;
     uint32_t error_count; /* lines that explain: errors and warnings */
-    char said[256];       /* the last of them; "" */
+    char last_log[256];   /* the last of them; "" */
 } host;
 
 /* It must not move. */

@@ -100,13 +100,13 @@ static void learn_symbols(const char *path)
     symbol_count = 0;
 }
 
-/* The stack of the caller. No allocation after place_learn. */
-static void place_take(place *out)
+/* The stack of the caller. No allocation after call_stack_set_library. */
+static void call_stack_take(call_stack *out)
 {
-    out->count = backtrace(out->frame, PLACE_FRAMES);
+    out->count = backtrace(out->frame, CALL_STACK_FRAMES);
 }
 
-void place_learn(const char *library_path)
+void call_stack_set_library(const char *library_path)
 {
     static char path[PATH_MAX];
     if (!realpath(library_path, path))
@@ -115,12 +115,12 @@ void place_learn(const char *library_path)
     library_name = slash ? slash + 1 : path;
     learn_mapping(path);
     learn_symbols(path);
-    place first; /* the first call of backtrace() loads a library */
-    place_take(&first);
+    call_stack first; /* the first call of backtrace() loads a library */
+    call_stack_take(&first);
 }
 
 /* Whether the address lies in the plugin. */
-static bool place_is_inside(const void *address)
+static bool is_inside_library(const void *address)
 {
     return (uintptr_t)address >= low && (uintptr_t)address < high;
 }
@@ -137,10 +137,10 @@ static const elf_symbol *find_symbol(uintptr_t offset)
 }
 
 /* The innermost function of the plugin; false, and "an unknown place": none is on the stack. */
-static bool place_name(const place *where, char *out, size_t capacity)
+static bool call_stack_name(const call_stack *where, char *out, size_t capacity)
 {
     for (int i = 0; i < where->count; ++i) {
-        if (!place_is_inside(where->frame[i]))
+        if (!is_inside_library(where->frame[i]))
             continue;
         uintptr_t offset = (uintptr_t)where->frame[i] - low;
         const elf_symbol *symbol = find_symbol(offset - 1); /* behind the call */
@@ -159,7 +159,7 @@ static bool place_name(const place *where, char *out, size_t capacity)
 
 typedef struct trap_hit {
     const char *function; /* NULL: nothing was caught */
-    place where;
+    call_stack where;
 } trap_hit;
 
 static trap_hit hits[TRAP_KINDS];
@@ -194,7 +194,7 @@ void trap_note(trap_kind kind, const char *function)
         return;
     trapped = 0; /* looking at the stack is not the plugin's doing */
     hits[kind].function = function;
-    place_take(&hits[kind].where);
+    call_stack_take(&hits[kind].where);
     trapped = kinds;
 }
 
@@ -208,7 +208,7 @@ bool trap_caught(trap_kind kind, char *out, size_t capacity)
     char where[256];
     if (!hits[kind].function)
         return false;
-    (void)place_name(&hits[kind].where, where, sizeof where);
+    (void)call_stack_name(&hits[kind].where, where, sizeof where);
     (void)snprintf(out, capacity, "%s() in %s", hits[kind].function, where);
     hits[kind].function = NULL;
     return true;
@@ -241,10 +241,10 @@ static volatile sig_atomic_t is_over, is_in_frame, ticks;
 static void go_down(check_rule rule, const char *how)
 {
     char where[256], text[512];
-    place at;
+    call_stack at;
     trap_leave();
-    place_take(&at);
-    (void)place_name(&at, where, sizeof where);
+    call_stack_take(&at);
+    (void)call_stack_name(&at, where, sizeof where);
     (void)snprintf(text, sizeof text, "%s in %s", how, where);
     is_over = 1;
     tell_down(rule, text);

@@ -9,13 +9,13 @@
 /* ---- where it happened ---- */
 
 /* After dlopen: finds where the library lies in memory. Without it every place is unknown. */
-void place_learn(const char *library_path);
+void call_stack_set_library(const char *library_path);
 
-enum { PLACE_FRAMES = 32 };
-typedef struct place {
-    void *frame[PLACE_FRAMES]; /* return addresses, the innermost first */
+enum { CALL_STACK_FRAMES = 32 };
+typedef struct call_stack {
+    void *frame[CALL_STACK_FRAMES]; /* return addresses, the innermost first */
     int count;
-} place;
+} call_stack;
 
 /* ---- what it may not call ---- */
 

@@ -27,7 +27,7 @@ vec3 blend_apply(const blend *b, vec3 x)
 
 vec3 blend_undo_direction(const blend *b, vec3 direction)
 {
-    matrix3x3 whole = b->turn, inverse;
+    matrix3x3 whole = b->rotation, inverse;
     for (int i = 0; i < 3; ++i)
         whole.at[i][i] += 1.0;
     return matrix3x3_invert(&inverse, &whole) ? matrix3x3_apply(&inverse, direction) : direction;

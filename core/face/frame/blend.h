@@ -13,20 +13,20 @@ typedef struct matrix3x3 {
 
 /* x -> x + sum_b share_b (R_b x + t_b - x) */
 typedef struct blend {
-    matrix3x3 turn; /* sum_b share_b (R_b - I) */
-    vec3 shift;     /* sum_b share_b t_b */
+    matrix3x3 rotation; /* sum_b share_b (R_b - I) */
+    vec3 shift;         /* sum_b share_b t_b */
 } blend;
 
 static inline blend blend_of(const double *share, const rigid *pose, const bool *moves,
                              uint32_t bone_count)
 {
-    blend out = {.turn = {{{0}}}};
+    blend out = {.rotation = {{{0}}}};
     for (uint32_t b = 0; b < bone_count; ++b) {
         if (!moves[b] || share[b] == 0.0)
             continue;
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j)
-                out.turn.at[i][j] += share[b] * (pose[b].r[i][j] - (i == j ? 1.0 : 0.0));
+                out.rotation.at[i][j] += share[b] * (pose[b].r[i][j] - (i == j ? 1.0 : 0.0));
         out.shift = vec3_add(out.shift, vec3_scale(pose[b].t, share[b]));
     }
     return out;
@@ -42,7 +42,7 @@ static inline vec3 matrix3x3_apply(const matrix3x3 *m, vec3 x)
 /* How far x is moved. */
 static inline vec3 blend_moves(const blend *b, vec3 x)
 {
-    return vec3_add(matrix3x3_apply(&b->turn, x), b->shift);
+    return vec3_add(matrix3x3_apply(&b->rotation, x), b->shift);
 }
 
 vec3 blend_apply(const blend *b, vec3 x);

@@ -92,9 +92,9 @@ static double lateral_angle(double depth, double side, double way)
 {
     double angle = way / depth;
     for (int i = 0; i < 4; ++i) {
-        angle_turn turn = angle_turn_of(angle);
-        double missing = depth * turn.sin + side * (1.0 - turn.cos) - way;
-        angle -= missing / (depth * turn.cos + side * turn.sin);
+        angle_sincos rotation = angle_sincos_of(angle);
+        double missing = depth * rotation.sin + side * (1.0 - rotation.cos) - way;
+        angle -= missing / (depth * rotation.cos + side * rotation.sin);
     }
     return angle;
 }
@@ -107,7 +107,7 @@ rigid bones_aside(const bones *b, double lateral_mm, double turn_rad)
         return rigid_identity();
     double side = lateral_mm / sqrt(lateral_mm * lateral_mm + side_mm * side_mm);
     double offset = h->half_mm * side;
-    angle_turn opened = angle_turn_of(turn_rad);
+    angle_sincos opened = angle_sincos_of(turn_rad);
     double depth = h->depth_mm * opened.cos + h->rise_mm * opened.sin;
     depth = depth > depth_least * h->arm_mm ? depth : depth_least * h->arm_mm;
     vec3 centre = vec3_add(h->middle, vec3_scale(h->left, offset));
@@ -116,7 +116,7 @@ rigid bones_aside(const bones *b, double lateral_mm, double turn_rad)
 
 static double incisor_gap(const bones *b, double open_rad)
 {
-    return 2.0 * b->hinge.arm_mm * fabs(angle_turn_of(0.5 * open_rad).sin);
+    return 2.0 * b->hinge.arm_mm * fabs(angle_sincos_of(0.5 * open_rad).sin);
 }
 
 double bones_slide(const bones *b, double open_rad)
@@ -162,10 +162,10 @@ static void limit_jaw(double out[3], const bones *b, const float *dof)
     out[2] = bones_soft_limit(value_of(dof, 2), 0.0, bones_forward_limit(b, out[0]));
 }
 
-static double limit_turn(const rig_bone *ball, uint32_t turn, const float *dof)
+static double limit_turn(const rig_bone *ball, uint32_t rotation, const float *dof)
 {
-    const rig_turn *t = &ball->turn[turn];
-    return bones_soft_limit(value_of(dof, turn), t->min_rad, t->max_rad);
+    const rig_turn *t = &ball->turn[rotation];
+    return bones_soft_limit(value_of(dof, rotation), t->min_rad, t->max_rad);
 }
 
 void bones_limit(float *out_dof, const bones *b, const float *dof)
@@ -216,8 +216,8 @@ static rigid pose_ball(const rig_bone *ball, const float *dof)
         double angle = limit_turn(ball, i, dof);
         if (angle == 0.0)
             continue;
-        rigid turn = rigid_turn(ball->centre, ball->turn[i].axis, angle);
-        out = rigid_compose(&out, &turn);
+        rigid rotation = rigid_turn(ball->centre, ball->turn[i].axis, angle);
+        out = rigid_compose(&out, &rotation);
     }
     return out;
 }

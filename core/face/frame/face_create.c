@@ -229,14 +229,14 @@ static mrt_result create_controls(face *f, error *err)
     f->next_weight = calloc(3 * rows_of_columns + 1, sizeof *f->next_weight);
     f->given = calloc(3 * rows_of_columns + 1, sizeof *f->given);
     f->grip = calloc(controls + 1, sizeof *f->grip);
-    f->turn = calloc(controls + 1, sizeof *f->turn);
+    f->rotation = calloc(controls + 1, sizeof *f->rotation);
     f->next_grip = calloc(controls + 1, sizeof *f->next_grip);
     mrt_result result = create_places(f, err);
     if (result < 0)
         return result;
     size_t cross_rows = f->bone_count > 1 ? rows_of_columns : 0;
     f->cross = calloc(cross_rows * f->grip_place.padded_count + 1, sizeof *f->cross);
-    if (made && f->weight && f->next_weight && f->given && f->grip && f->turn && f->next_grip &&
+    if (made && f->weight && f->next_weight && f->given && f->grip && f->rotation && f->next_grip &&
         f->cross)
         return MRT_OK;
     return error_set(err, MRT_ERR_MEMORY, "no memory for %u controls", f->control_capacity);
@@ -398,7 +398,7 @@ void face_destroy(face *f)
     free(f->contact);
     free(f->contact_slot);
     free(f->grip);
-    free(f->turn);
+    free(f->rotation);
     free(f->next_grip);
     free(f->cross);
     free(f);

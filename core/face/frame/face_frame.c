@@ -80,15 +80,15 @@ static void measure_rest(face *f, const double *end, const rigid *pose)
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);
         vec3 moved = blend_moves(&posed, grip->start), shaped = face_shapes_at(f, k);
-        moved = vec3_add(moved, vec3_add(shaped, matrix3x3_apply(&posed.turn, shaped)));
+        moved = vec3_add(moved, vec3_add(shaped, matrix3x3_apply(&posed.rotation, shaped)));
         face_grip own = *grip;
         for (uint32_t b = 0; b < f->bone_count; ++b)
             own.share[b] = grip->belongs[b] ? grip->share[b] : 0.0;
-        matrix3x3 whole = face_blend_at(f, &own, pose).turn;
+        matrix3x3 whole = face_blend_at(f, &own, pose).rotation;
         for (int i = 0; i < 3; ++i)
             whole.at[i][i] += face_share_held(f, grip);
-        if (grip->is_dropped || !matrix3x3_invert(&f->turn[k], &whole))
-            f->turn[k] = (matrix3x3){{{0}}};
+        if (grip->is_dropped || !matrix3x3_invert(&f->rotation[k], &whole))
+            f->rotation[k] = (matrix3x3){{{0}}};
         f->position[3 * k] = (end[3 * k] - grip->start.x - moved.x) / grip->mobility;
         f->position[3 * k + 1] = (end[3 * k + 1] - grip->start.y - moved.y) / grip->mobility;
         f->position[3 * k + 2] = (end[3 * k + 2] - grip->start.z - moved.z) / grip->mobility;
@@ -124,7 +124,7 @@ static void solve_grips(face *f, const double *end, const rigid *pose)
     for (int sweep = 0; sweep < (f->bone_count > 1 ? SWEEPS : 1); ++sweep)
         for (uint32_t k = 0; k < f->control_count; ++k) {
             vec3 rest = {f->position[3 * k], f->position[3 * k + 1], f->position[3 * k + 2]};
-            vec3 g = matrix3x3_apply(&f->turn[k], vec3_sub(rest, stray(f, k, pose)));
+            vec3 g = matrix3x3_apply(&f->rotation[k], vec3_sub(rest, stray(f, k, pose)));
             f->g[3 * k] = g.x;
             f->g[3 * k + 1] = g.y;
             f->g[3 * k + 2] = g.z;

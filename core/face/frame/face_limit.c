@@ -41,7 +41,7 @@ static const double strain_most = 8.0;
 /* Tangents of how far skin may turn from where the bones turn it: no triangle is seen from behind,
  * and up to 17 degrees that the bones tilt it take nothing from what the pulls may. */
 static const float of_seen = 0.0524078f; /* 1 over that of 87 degrees */
-static const angle_turn tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
+static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 
 /* Shapes that meet may stretch an edge by so much more than each of them does. */
 static const float made_stretch = 1.5f;
@@ -71,15 +71,15 @@ typedef struct limit_patch {
 
 /* What is known of them beside. */
 typedef struct limit_group {
-    float steepness;       /* strained and turned at most by so much of a gradient */
-    float of_turn;         /* the greatest of its triangles' */
-    float tilt_cosine;     /* of how far the origin has turned a triangle from rest at most */
-    float rounding;        /* of the origin: what it may turn and stretch a triangle by */
-    float room;            /* room_of_pose; INFINITY: not known in this frame */
-    float room_alone;      /* likewise, where no other bone is near, of every pose; or INFINITY */
-    float strain, turn;    /* at most, strain also the size; INFINITY: not known with this pose */
-    uint32_t main_bone;    /* or STILL */
-    uint32_t bones_around; /* a bit for each that is the main one of a group beside it */
+    float steepness;        /* strained and turned at most by so much of a gradient */
+    float of_turn;          /* the greatest of its triangles' */
+    float tilt_cosine;      /* of how far the origin has turned a triangle from rest at most */
+    float rounding;         /* of the origin: what it may turn and stretch a triangle by */
+    float room;             /* room_of_pose; INFINITY: not known in this frame */
+    float room_alone;       /* likewise, where no other bone is near, of every pose; or INFINITY */
+    float strain, rotation; /* at most, strain also the size; INFINITY: not known with this pose */
+    uint32_t main_bone;     /* or STILL */
+    uint32_t bones_around;  /* a bit for each that is the main one of a group beside it */
     uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
     bool is_framed, is_seen;             /* patch.posed and patch.along are those of this pose */
     float centre[3], radius;
@@ -100,7 +100,7 @@ typedef enum limit_looks { AT_STRAINS = 0, AT_TURNS } limit_looks;
 /* How a bone moves relative to another; turn: the length of R - I; < 0: not known in this frame. */
 typedef struct limit_apart {
     rigid motion;
-    double turn;
+    double rotation;
 } limit_apart;
 
 enum { STILL = RIG_BONES_MAX, CARRIERS }; /* what no bone moves is carried by that */
@@ -133,8 +133,8 @@ static void measure_turns(face *f)
     const double pi = 3.14159265358979323846, least = 0.5 * SURFACE_CREASE_DEG - 1.0;
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
-        double turn = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
-        f->limit.patch[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(turn));
+        double rotation = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
+        f->limit.patch[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(rotation));
     }
 }
 
@@ -352,37 +352,37 @@ static float steepest_in(const float *row, const uint32_t *corner, const strain_
 }
 
 /* 1 over the tangent of what is left of an angle, given as that, less others up to so much. */
-static double left_of(double of_angle, angle_turn less)
+static double left_of(double of_angle, angle_sincos less)
 {
     double left = less.cos - of_angle * less.sin;
     return left > 0.0 ? (of_angle * less.cos + less.sin) / left : (double)INFINITY;
 }
 
-static angle_turn turn_of_cosine(double cosine)
+static angle_sincos turn_of_cosine(double cosine)
 {
-    return (angle_turn){.cos = cosine, .sin = sqrt(fmax(1.0 - cosine * cosine, 0.0))};
+    return (angle_sincos){.cos = cosine, .sin = sqrt(fmax(1.0 - cosine * cosine, 0.0))};
 }
 
-static angle_turn turn_of_sine(double sine)
+static angle_sincos turn_of_sine(double sine)
 {
     sine = fmin(sine, 1.0);
-    return (angle_turn){.cos = sqrt(1.0 - sine * sine), .sin = sine};
+    return (angle_sincos){.cos = sqrt(1.0 - sine * sine), .sin = sine};
 }
 
 /* Both; 90 degrees at most. */
-static angle_turn turn_add(angle_turn a, angle_turn b)
+static angle_sincos turn_add(angle_sincos a, angle_sincos b)
 {
     double cosine = a.cos * b.cos - a.sin * b.sin;
-    return cosine > 0.0 ? (angle_turn){.cos = cosine, .sin = a.sin * b.cos + a.cos * b.sin}
-                        : (angle_turn){.cos = 0.0, .sin = 1.0};
+    return cosine > 0.0 ? (angle_sincos){.cos = cosine, .sin = a.sin * b.cos + a.cos * b.sin}
+                        : (angle_sincos){.cos = 0.0, .sin = 1.0};
 }
 
 /* How much a gradient strains and turns triangles of the group at most, when they have turned from
  * rest by up to `tilt`, and their neighbours another way by up to `apart`. */
-static float steepness_of(const limit_group *g, angle_turn tilt, angle_turn apart)
+static float steepness_of(const limit_group *g, angle_sincos tilt, angle_sincos apart)
 {
     const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
-    const angle_turn all = turn_add(tilt, apart);
+    const angle_sincos all = turn_add(tilt, apart);
     double of_tilt = fmax(1.0 / (double)STRAIN_TILT_MOST, left_of((double)of_seen, tilt));
     double of_turn = left_of((double)g->of_turn, all);
     double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
@@ -430,7 +430,7 @@ static void bound_group(face *f, size_t group)
         float without = steepest_in(row, corner, &patch->origin.shape, count, 0.0f);
         rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
     }
-    const angle_turn tilt = turn_of_cosine((double)g->tilt_cosine), none = {.cos = 1.0};
+    const angle_sincos tilt = turn_of_cosine((double)g->tilt_cosine), none = {.cos = 1.0};
     g->steepness = is_squashed ? INFINITY : steepness_of(g, tilt, none);
     g->rounding = rounding;
 }
@@ -636,11 +636,11 @@ static void begin_pose(face *f)
            (size_t)3 * (f->columns.count - f->control_column_count) * sizeof *l->pose_weight);
     memset(l->is_posed, 0, f->rest.block_count);
     for (size_t i = 0; i < (size_t)CARRIERS * CARRIERS; ++i)
-        l->apart[i].turn = -1.0;
+        l->apart[i].rotation = -1.0;
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &l->group[group];
         g->room = l->is_at_rest ? 1.0f - g->rounding : g->room_alone;
-        g->strain = g->turn = INFINITY;
+        g->strain = g->rotation = INFINITY;
         g->is_framed = g->is_seen = false;
     }
 }
@@ -654,7 +654,7 @@ static rigid motion_of(const face *f, uint32_t bone)
 static const limit_apart *apart_of(face *f, uint32_t main_bone, uint32_t bone)
 {
     limit_apart *out = &f->limit.apart[main_bone * CARRIERS + bone];
-    if (out->turn >= 0.0)
+    if (out->rotation >= 0.0)
         return out;
     const rigid main_motion = motion_of(f, main_bone), motion = motion_of(f, bone);
     const rigid back = rigid_inverse(&main_motion);
@@ -665,7 +665,7 @@ static const limit_apart *apart_of(face *f, uint32_t main_bone, uint32_t bone)
             double off = out->motion.r[i][j] - (i == j ? 1.0 : 0.0);
             square += off * off;
         }
-    out->turn = sqrt(0.5 * square);
+    out->rotation = sqrt(0.5 * square);
     return out;
 }
 
@@ -676,29 +676,29 @@ static double least_scale(double p, double n)
 }
 
 /* Half of the angle between what the bones do to the group and to one beside it, at most. */
-static angle_turn half_apart(face *f, const limit_group *g)
+static angle_sincos half_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
     for (uint32_t left = g->bones_around & ~(1u << g->main_bone); left != 0; left &= left - 1) {
-        double turn = apart_of(f, g->main_bone, (uint32_t)__builtin_ctz(left))->turn;
-        most = 0.5 * turn > most ? 0.5 * turn : most;
+        double rotation = apart_of(f, g->main_bone, (uint32_t)__builtin_ctz(left))->rotation;
+        most = 0.5 * rotation > most ? 0.5 * rotation : most;
     }
     return turn_of_sine(most);
 }
 
 /* Likewise the angle between what the bones do to a triangle of the group and to the main one. */
-static angle_turn blend_apart(face *f, const limit_group *g)
+static angle_sincos blend_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
     for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
         most += (double)f->limit.carried[i].weight *
-                apart_of(f, g->main_bone, f->limit.carried[i].bone)->turn;
+                apart_of(f, g->main_bone, f->limit.carried[i].bone)->rotation;
     return turn_of_sine(most);
 }
 
 /* At least the shortest that the bones make a unit vector of the group; < 0: nothing is known. And
  * how far they tilt a triangle at most. */
-static float bound_pose(face *f, const limit_group *g, angle_turn *out_tilt)
+static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
 {
     const vec3 centre = {(double)g->centre[0], (double)g->centre[1], (double)g->centre[2]};
     double lost = (double)g->rounding, scale = 1.0, most = 0.0, steepest = 0.0;
@@ -708,11 +708,11 @@ static float bound_pose(face *f, const limit_group *g, angle_turn *out_tilt)
         const vec3 way = vec3_sub(rigid_apply(&apart->motion, centre), centre);
         const vec3 gradient = {(double)c->gradient[0], (double)c->gradient[1],
                                (double)c->gradient[2]};
-        double round = apart->turn * (double)g->radius, off = (double)c->apart;
+        double round = apart->rotation * (double)g->radius, off = (double)c->apart;
         double far = sqrt(vec3_dot(way, way)) + round;
         double steep = sqrt(vec3_dot(gradient, gradient)) + off;
         double p = vec3_dot(way, gradient) - round * steep - far * off, n = far * steep;
-        lost += (double)c->weight * apart->turn + fmin(n, most);
+        lost += (double)c->weight * apart->rotation + fmin(n, most);
         if (n > most) { /* the others are counted as if they all went against it */
             most = n;
             scale = least_scale(p, n);
@@ -720,8 +720,8 @@ static float bound_pose(face *f, const limit_group *g, angle_turn *out_tilt)
         }
     }
     const double cosine = 1.0 / sqrt(1.0 + steepest * steepest);
-    const angle_turn by_one = {.cos = cosine, .sin = steepest * cosine};
-    const angle_turn by_others = turn_of_sine(scale > 0.0 ? 1.01 * lost / scale : 1.0);
+    const angle_sincos by_one = {.cos = cosine, .sin = steepest * cosine};
+    const angle_sincos by_others = turn_of_sine(scale > 0.0 ? 1.01 * lost / scale : 1.0);
     *out_tilt = turn_add(by_one, by_others);
     return (float)(scale - 1.01 * lost);
 }
@@ -729,7 +729,7 @@ static float bound_pose(face *f, const limit_group *g, angle_turn *out_tilt)
 /* So steep in the origin, times the group's steepness, may be what pulls add to the pose. */
 static float room_of_pose(face *f, const limit_group *g)
 {
-    angle_turn tilt, apart = half_apart(f, g);
+    angle_sincos tilt, apart = half_apart(f, g);
     float scale = bound_pose(f, g, &tilt) - g->rounding;
     tilt = turn_add(tilt, turn_of_cosine((double)g->tilt_cosine));
     float steepness = steepness_of(g, tilt, apart);
@@ -807,7 +807,7 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
     float change = f->limit.change[group];
     if (!is_too_steep(f, group)) {
         if (change > 0.0f)
-            g->strain = g->turn = INFINITY;
+            g->strain = g->rotation = INFINITY;
         return false;
     }
     if (is_shaped(f))
@@ -816,9 +816,9 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
         float more =
             g->room > 0.0f && isfinite(g->room) ? change * g->steepness / g->room : INFINITY;
         g->strain += more;
-        g->turn += more;
+        g->rotation += more;
     }
-    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->turn < 1.0f));
+    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->rotation < 1.0f));
 }
 
 /* What the columns as weighed do to a block. */
@@ -909,7 +909,7 @@ static void leave_tilts(face *f, size_t group, const float *turned_cosine)
 {
     const limit_group *g = &f->limit.group[group];
     limit_patch *patch = &f->limit.patch[group];
-    const angle_turn less = turn_add(blend_apart(f, g), turn_of_cosine((double)g->tilt_cosine));
+    const angle_sincos less = turn_add(blend_apart(f, g), turn_of_cosine((double)g->tilt_cosine));
     const bool is_known = less.sin < tilt_free.sin;
     const double enough = tilt_free.cos * less.cos + tilt_free.sin * less.sin;
     float of_angle[GROUP], cosine[GROUP];
@@ -962,12 +962,12 @@ static void frame_group(face *f, size_t group)
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = corners_of(f, group, l->posed);
     const rigid motion = motion_of(f, g->main_bone);
-    float turn[9], turned_cosine[GROUP];
+    float rotation[9], turned_cosine[GROUP];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            turn[3 * i + j] = (float)motion.r[i][j];
+            rotation[3 * i + j] = (float)motion.r[i][j];
     l->loops->frames(&patch->posed, &posed);
-    l->loops->turned(turned_cosine, &patch->origin, &patch->posed, turn);
+    l->loops->turned(turned_cosine, &patch->origin, &patch->posed, rotation);
     leave_tilts(f, group, turned_cosine);
     leave_turns(f, group, turned_cosine);
     g->is_framed = true;
@@ -1045,13 +1045,13 @@ static double measure_group(face *f, size_t group, float stretch)
     if (!g->is_framed)
         frame_group(f, group);
     l->loops->strains(&found, &patch->posed, patch->of_tilt_posed, patch->of_turn_posed, &added);
-    g->strain = g->turn = 0.0f;
+    g->strain = g->rotation = 0.0f;
     for (size_t i = 0; i < added.count; ++i) {
-        float strain = found.strain[i], turn = found.turn[i], size = found.size[i];
+        float strain = found.strain[i], rotation = found.rotation[i], size = found.size[i];
         size_t t = GROUP * group + i;
         float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
         g->strain = larger(g->strain, larger(larger(strain, stretched), size));
-        g->turn = turn > g->turn ? turn : g->turn;
+        g->rotation = rotation > g->rotation ? rotation : g->rotation;
         if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
             strain = fmaxf(found.alone[i], fminf(strain, turn_over_strain(f, group, i)));
         strain = stretched > strain ? stretched : strain;
@@ -1059,7 +1059,7 @@ static double measure_group(face *f, size_t group, float stretch)
             strain_controls(f, t, fmin((double)strain, strain_most));
             strain_own_shapes(f, group, fmin((double)strain, strain_most));
         }
-        if (turn > 1.0f)
+        if (rotation > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
     }

@@ -271,7 +271,7 @@ static void turn_normals(learning *l, const rigid *pose)
         vec3 at = place_of(&f->rest, corner[0]);
         vec3 normal = vec3_cross(vec3_sub(place_of(&f->rest, corner[1]), at),
                                  vec3_sub(place_of(&f->rest, corner[2]), at));
-        normal = vec3_add(normal, matrix3x3_apply(&here.turn, normal));
+        normal = vec3_add(normal, matrix3x3_apply(&here.rotation, normal));
         l->normal[t][0] = (float)normal.x;
         l->normal[t][1] = (float)normal.y;
         l->normal[t][2] = (float)normal.z;
@@ -1030,9 +1030,9 @@ void face_shapes_weigh(const face *f, double *weight, const rigid *pose)
         double *row = weight + (size_t)3 * part->column, by = s->amount * s->weight[part->shape];
         for (int axis = 0; axis < 3; ++axis)
             for (int i = 0; i < 3; ++i) {
-                double turn = axis == i ? 1.0 : 0.0;
+                double rotation = axis == i ? 1.0 : 0.0;
                 row[3 * axis + i] =
-                    by * (part->carrier == STILL ? turn : pose[part->carrier].r[i][axis]);
+                    by * (part->carrier == STILL ? rotation : pose[part->carrier].r[i][axis]);
             }
     }
 }

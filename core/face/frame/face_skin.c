@@ -77,7 +77,7 @@ vec3 face_skin_along(const face *f, const uint32_t *corner)
             3.0;
     }
     blend here = blend_of(share, f->pose, f->bones.moves, f->bone_count);
-    return vec3_add(normal, matrix3x3_apply(&here.turn, normal));
+    return vec3_add(normal, matrix3x3_apply(&here.rotation, normal));
 }
 
 /* Whether a / (|b| c) is more than `least` for certain, before a root is drawn for it. */

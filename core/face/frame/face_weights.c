@@ -113,7 +113,7 @@ struct face_weights {
     uint32_t jaw_open, mouth_close;
     uint32_t head; /* bone; RIG_NONE */
     eye eye[2];    /* left, right */
-    face_said said;
+    face_channels channels;
 };
 
 /* ---- made: what each name does ---- */
@@ -533,9 +533,9 @@ static void find_turns(face_weights *self)
 {
     const uint32_t bone[3] = {self->head, self->eye[0].bone, self->eye[1].bone};
     for (uint32_t i = 0; i < 3; ++i)
-        for (uint32_t turn = 0; turn < (i == 0 ? 3u : 2u); ++turn)
+        for (uint32_t rotation = 0; rotation < (i == 0 ? 3u : 2u); ++rotation)
             if (bone[i] != RIG_NONE && self->bones.moves[bone[i]])
-                self->source[ARKIT_SHAPES + 3 * i + turn] = FACE_NAME_BONES;
+                self->source[ARKIT_SHAPES + 3 * i + rotation] = FACE_NAME_BONES;
 }
 
 /* How far an eye goes that looks all the way. */
@@ -679,31 +679,31 @@ static bool take_frame(face_weights *self, const float *position, const float *d
 static void read_eye(face_weights *self, int side)
 {
     const eye *e = &self->eye[side];
-    double yaw, pitch, *turn = self->said.arkit + ARKIT_SHAPES + 3 + 3 * side;
+    double yaw, pitch, *rotation = self->channels.arkit + ARKIT_SHAPES + 3 + 3 * side;
     if (e->bone == RIG_NONE)
         return;
     look_of(&yaw, &pitch, self, e->bone, self->pose);
-    turn[0] = yaw;
-    turn[1] = pitch;
+    rotation[0] = yaw;
+    rotation[1] = pitch;
     double out = side == 0 ? yaw : -yaw;
     const double way[WAYS] = {-out, out, pitch, -pitch};
     for (int i = 0; i < WAYS; ++i) {
         double part = fmin(fmax(way[i] / e->whole_rad[i], 0.0), 1.0);
-        self->said.arkit[e->look[i]] = part;
+        self->channels.arkit[e->look[i]] = part;
         self->arkit.low[e->look[i]] = self->arkit.high[e->look[i]] = part;
     }
 }
 
 static void read_head(face_weights *self)
 {
-    double *turn = self->said.arkit + ARKIT_SHAPES;
+    double *rotation = self->channels.arkit + ARKIT_SHAPES;
     if (self->head == RIG_NONE)
         return;
     const rigid *head = &self->pose[self->head];
     vec3 to = rigid_rotate(head, (vec3){0, 0, 1}), left = rigid_rotate(head, (vec3){1, 0, 0});
-    turn[0] = atan2(to.x, to.z);
-    turn[1] = asin(fmin(fmax(to.y, -1.0), 1.0));
-    turn[2] = asin(fmin(fmax(-left.y, -1.0), 1.0));
+    rotation[0] = atan2(to.x, to.z);
+    rotation[1] = asin(fmin(fmax(to.y, -1.0), 1.0));
+    rotation[2] = asin(fmin(fmax(-left.y, -1.0), 1.0));
 }
 
 static void solve_set(shape_set *s, const face_weights *self)
@@ -732,7 +732,7 @@ static void solve_arkit(face_weights *self)
         (void)shape_solve(s->weight, &problem, s->scratch);
         s->weight[close] = fmin(s->weight[close], s->weight[self->jaw_open]);
     }
-    memcpy(self->said.arkit, s->weight, ARKIT_SHAPES * sizeof *s->weight);
+    memcpy(self->channels.arkit, s->weight, ARKIT_SHAPES * sizeof *s->weight);
 }
 
 static double left_over_mm(const face_weights *self)
@@ -751,15 +751,15 @@ static double left_over_mm(const face_weights *self)
 /* Of the ways that both eyes look. */
 static double mean_look(const face_weights *self, int left, int right)
 {
-    const double *said = self->said.arkit;
-    return 0.5 * (said[self->eye[0].look[left]] + said[self->eye[1].look[right]]);
+    const double *channels = self->channels.arkit;
+    return 0.5 * (channels[self->eye[0].look[left]] + channels[self->eye[1].look[right]]);
 }
 
 static void say_eyes(face_weights *self)
 {
-    double *out = self->said.expression, felt = 0.0;
-    out[BLINK_LEFT] = self->said.arkit[self->eye[0].blink];
-    out[BLINK_RIGHT] = self->said.arkit[self->eye[1].blink];
+    double *out = self->channels.expression, felt = 0.0;
+    out[BLINK_LEFT] = self->channels.arkit[self->eye[0].blink];
+    out[BLINK_RIGHT] = self->channels.arkit[self->eye[1].blink];
     out[BLINK] = fmin(out[BLINK_LEFT], out[BLINK_RIGHT]);
     out[LOOK_UP] = mean_look(self, UP, UP);
     out[LOOK_DOWN] = mean_look(self, DOWN, DOWN);
@@ -770,25 +770,25 @@ static void say_eyes(face_weights *self)
     out[NEUTRAL] = fmax(0.0, 1.0 - felt);
 }
 
-const face_said *face_weights_solve(face_weights *self, const float *position, const float *dof)
+const face_channels *face_weights_solve(face_weights *self, const float *position, const float *dof)
 {
     if (!take_frame(self, position, dof))
-        return &self->said;
+        return &self->channels;
     read_eye(self, 0);
     read_eye(self, 1);
     read_head(self);
     solve_arkit(self);
-    self->said.residual_mm = left_over_mm(self);
+    self->channels.residual_mm = left_over_mm(self);
     solve_set(&self->expressions, self);
-    memcpy(self->said.expression, self->expressions.weight, (OH + 1) * sizeof(double));
+    memcpy(self->channels.expression, self->expressions.weight, (OH + 1) * sizeof(double));
     say_eyes(self);
     solve_set(&self->visemes, self);
     double spoken = 0.0;
-    memcpy(self->said.viseme, self->visemes.weight, sizeof self->said.viseme);
+    memcpy(self->channels.viseme, self->visemes.weight, sizeof self->channels.viseme);
     for (int i = 1; i < FACE_VISEMES; ++i)
-        spoken += self->said.viseme[i];
-    self->said.viseme[0] = fmax(0.0, 1.0 - spoken);
-    return &self->said;
+        spoken += self->channels.viseme[i];
+    self->channels.viseme[0] = fmax(0.0, 1.0 - spoken);
+    return &self->channels;
 }
 
 const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_count)
@@ -799,7 +799,7 @@ const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_coun
 
 void face_weights_reset(face_weights *self)
 {
-    self->said = (face_said){.residual_mm = 0.0};
+    self->channels = (face_channels){.residual_mm = 0.0};
     memset(self->arkit.weight, 0, self->arkit.count * sizeof(double));
     memset(self->expressions.weight, 0, self->expressions.count * sizeof(double));
     memset(self->visemes.weight, 0, self->visemes.count * sizeof(double));

@@ -155,7 +155,7 @@ struct face {
     face_grip *grip, *next_grip; /* control_capacity; next: drag and engage */
     points grip_place;           /* control_capacity: the starts, for `cross` */
     float *cross;                /* a row per control column: its response at the starts */
-    matrix3x3 *turn;             /* control_capacity: scratch of a frame */
+    matrix3x3 *rotation;         /* control_capacity: scratch of a frame */
     double *g, *position, *scratch, *gain; /* control_capacity by 3, gain by 1 */
     double *tip, *step, *pull, *from, *to; /* drag: control_capacity by 3 */
 

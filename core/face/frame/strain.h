@@ -34,10 +34,10 @@ typedef struct strain_frames {
 } strain_frames;
 
 typedef struct strain_found {
-    float strain[STRAIN_GROUP]; /* squeezed over M, and tilted times of_tilt */
-    float alone[STRAIN_GROUP];  /* the same, if bones had tilted nothing */
-    float turn[STRAIN_GROUP];   /* squeezed, and tilted times of_turn */
-    float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
+    float strain[STRAIN_GROUP];   /* squeezed over M, and tilted times of_tilt */
+    float alone[STRAIN_GROUP];    /* the same, if bones had tilted nothing */
+    float rotation[STRAIN_GROUP]; /* squeezed, and tilted times of_turn */
+    float size[STRAIN_GROUP];     /* of the gradient: the root of its sum of squares */
 } strain_found;
 
 typedef struct strain_folds {
@@ -52,7 +52,7 @@ typedef struct strain_loops {
     /* The cosine of how far the bones have turned each triangle: from `rest`, turned by the rows
      * of `turn`, to `posed`. */
     void (*turned)(float *out, const strain_frames *rest, const strain_frames *posed,
-                   const float turn[9]);
+                   const float rotation[9]);
     /* of_turn, 1 over the tangent of how far each may turn, less of what it has turned already. */
     void (*turns)(float *out, const float *of_turn, const float *turned_cosine);
     /* The greatest size of the gradient of a displacement of these corners. */
@@ -61,7 +61,7 @@ typedef struct strain_loops {
                     const float *of_turn, const strain_corners *displacement);
     /* out += share times (turn applied to rest), of each; turn: what is added to the identity */
     void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
-                         const float *share, const float turn[9]);
+                         const float *share, const float rotation[9]);
     /* Of what `added` does to `posed`, seen along `normal`. */
     void (*folds)(strain_folds *out, const strain_corners *posed, const strain_corners *added,
                   const float (*normal)[STRAIN_GROUP]);
@@ -89,7 +89,7 @@ const strain_loops *strain_loops_now(void);
     void STRAIN_OF(add, variant)(float *out, const float *row, float by, size_t count);            \
     void STRAIN_OF(frames, variant)(strain_frames * out, const strain_corners *at);                \
     void STRAIN_OF(turned, variant)(float *out, const strain_frames *rest,                         \
-                                    const strain_frames *posed, const float turn[9]);              \
+                                    const strain_frames *posed, const float rotation[9]);          \
     void STRAIN_OF(turns, variant)(float *out, const float *of_turn, const float *turned_cosine);  \
     float STRAIN_OF(steepest, variant)(const strain_shapes *s,                                     \
                                        const strain_corners *displacement);                        \
@@ -98,7 +98,7 @@ const strain_loops *strain_loops_now(void);
                                      const strain_corners *displacement);                          \
     void STRAIN_OF(turn_normals, variant)(float(*out)[STRAIN_GROUP],                               \
                                           const float(*rest)[STRAIN_GROUP], const float *share,    \
-                                          const float turn[9]);                                    \
+                                          const float rotation[9]);                                \
     void STRAIN_OF(folds, variant)(strain_folds * out, const strain_corners *posed,                \
                                    const strain_corners *added,                                    \
                                    const float(*normal)[STRAIN_GROUP])

@@ -56,13 +56,13 @@ void STRAIN(frames)(strain_frames *restrict out, const strain_corners *at)
 }
 
 void STRAIN(turned)(float *restrict out, const strain_frames *rest, const strain_frames *posed,
-                    const float turn[9])
+                    const float rotation[9])
 {
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
         float x = rest->normal[0][i], y = rest->normal[1][i], z = rest->normal[2][i];
-        out[i] = posed->normal[0][i] * (turn[0] * x + turn[1] * y + turn[2] * z) +
-                 posed->normal[1][i] * (turn[3] * x + turn[4] * y + turn[5] * z) +
-                 posed->normal[2][i] * (turn[6] * x + turn[7] * y + turn[8] * z);
+        out[i] = posed->normal[0][i] * (rotation[0] * x + rotation[1] * y + rotation[2] * z) +
+                 posed->normal[1][i] * (rotation[3] * x + rotation[4] * y + rotation[5] * z) +
+                 posed->normal[2][i] * (rotation[6] * x + rotation[7] * y + rotation[8] * z);
     }
 }
 
@@ -121,20 +121,20 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
         squeeze = squeeze > 0.0f ? squeeze : 0.0f;
         out->strain[i] = squeeze * of_squeeze + tilt * of_tilt[i];
         out->alone[i] = squeeze * of_squeeze + tilt * (1.0f / STRAIN_TILT_MOST);
-        out->turn[i] = squeeze + tilt * of_turn[i];
+        out->rotation[i] = squeeze + tilt * of_turn[i];
         out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
     }
 }
 
 void STRAIN(turn_normals)(float (*restrict out)[STRAIN_GROUP],
                           const float (*restrict rest)[STRAIN_GROUP], const float *restrict share,
-                          const float turn[9])
+                          const float rotation[9])
 {
     for (size_t axis = 0; axis < 3; ++axis)
         for (size_t i = 0; i < STRAIN_GROUP; ++i)
             out[axis][i] +=
-                share[i] * (turn[3 * axis] * rest[0][i] + turn[3 * axis + 1] * rest[1][i] +
-                            turn[3 * axis + 2] * rest[2][i]);
+                share[i] * (rotation[3 * axis] * rest[0][i] + rotation[3 * axis + 1] * rest[1][i] +
+                            rotation[3 * axis + 2] * rest[2][i]);
 }
 
 /* The third edges, from the second corner to the third. */

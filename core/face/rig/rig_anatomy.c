@@ -586,13 +586,13 @@ static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)
 }
 
 /* Points of a piece within reach_mm of a place. */
-static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_piece *p, vec3 place,
-                           double reach_mm)
+static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_piece *p,
+                           vec3 location, double reach_mm)
 {
     uint32_t count = 0;
     for (uint32_t k = 0; k < p->point_count; ++k)
         count += vec3_length(vec3_sub(rig_mirror_position(m, a->member[p->first_member + k]),
-                                      place)) < reach_mm;
+                                      location)) < reach_mm;
     return count;
 }
 

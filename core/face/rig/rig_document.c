@@ -48,20 +48,22 @@ rig_node rig_json_member(const rig_node *of, const char *key)
 {
     rig_node out = {.value = json_object_get(of->value, key)};
     rig_word word = rig_word_of(key);
-    (void)snprintf(out.place.text, sizeof out.place.text, "%.190s.%s", of->place.text, word.text);
+    (void)snprintf(out.location.text, sizeof out.location.text, "%.190s.%s", of->location.text,
+                   word.text);
     return out;
 }
 
 rig_node rig_json_item(const rig_node *of, size_t index)
 {
     rig_node out = {.value = json_array_get(of->value, index)};
-    (void)snprintf(out.place.text, sizeof out.place.text, "%.230s[%zu]", of->place.text, index);
+    (void)snprintf(out.location.text, sizeof out.location.text, "%.230s[%zu]", of->location.text,
+                   index);
     return out;
 }
 
 mrt_result rig_json_unexpected(error *err, const rig_node *at, const char *expected)
 {
-    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->place.text, expected,
+    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->location.text, expected,
                      json_describe(at->value).text);
 }
 
@@ -76,7 +78,7 @@ mrt_result rig_json_array(const rig_node *at, const char *expected, size_t item_
         return rig_json_unexpected(err, at, expected);
     if (json_array_size(at->value) > item_cap)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu entries are too many, at most %zu",
-                         at->place.text, json_array_size(at->value), item_cap);
+                         at->location.text, json_array_size(at->value), item_cap);
     return MRT_OK;
 }
 
@@ -134,7 +136,7 @@ mrt_result rig_json_text(char **out, const rig_node *at, const char *expected, s
     if (length > length_max || !text_is_printable(text_view_of(text, length)))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected at most %zu letters and no control characters",
-                         at->place.text, length_max);
+                         at->location.text, length_max);
     *out = strdup(text);
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
 }
@@ -165,7 +167,8 @@ void rig_json_note_unknown(char **note, const rig_node *object, const char *cons
         if (*entry)
             continue;
         rig_node member = rig_json_member(object, key);
-        rig_note(note, "%s: a key that this version does not know; it is kept", member.place.text);
+        rig_note(note, "%s: a key that this version does not know; it is kept",
+                 member.location.text);
     }
 }
 
@@ -232,7 +235,7 @@ static mrt_result check_version(const rig_node *root, error *err)
     if (!version.value)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected the version of the format, 1; this is no rig file",
-                         version.place.text);
+                         version.location.text);
     if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
         return rig_json_unexpected(err, &version, "1, the version that this program reads");
     return MRT_OK;
@@ -261,16 +264,16 @@ static mrt_result add_file(rig_document *d, const char *path, const char *real_p
                            const char *shown, error *err)
 {
     rig_file *file = &d->file[d->file_count];
-    *file = (rig_file){.root = root, .path = strdup(path), .place = {"$"}};
+    *file = (rig_file){.root = root, .path = strdup(path), .location = {"$"}};
     d->file_count += 1;
     file->real_path = real_path ? strdup(real_path) : NULL;
     if (!file->path || (real_path && !file->real_path))
         return no_memory(err);
     if (shown) {
         rig_word word = rig_word_of(shown);
-        (void)snprintf(file->place.text, sizeof file->place.text, "%s: $", word.text);
+        (void)snprintf(file->location.text, sizeof file->location.text, "%s: $", word.text);
     }
-    rig_node node = {root, file->place};
+    rig_node node = {root, file->location};
     mrt_result result = check_version(&node, err);
     return result < 0 ? result : read_unit(file, &node, err);
 }
@@ -312,7 +315,7 @@ static mrt_result include_one(loading *l, const rig_node *at, const char *direct
     if (result >= 0 && l->folder)
         result = file_check_below(l->folder, path, err);
     if (result < 0)
-        error_prefix(err, at->place.text);
+        error_prefix(err, at->location.text);
     else
         result = load_file(l, path, name, err);
     free(path);
@@ -430,14 +433,14 @@ static mrt_result add_entry(rig_document *d, rig_section section, const rig_entr
             rig_word word = rig_word_of(entry->name);
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: the name \"%s\" is taken by %s; choose another",
-                             entry->node.place.text, word.text, all[i].node.place.text);
+                             entry->node.location.text, word.text, all[i].node.location.text);
         }
         all[i] = *entry;
         return MRT_OK;
     }
     if (count >= section_cap[section])
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: more than %u are too many",
-                         entry->node.place.text, section_cap[section]);
+                         entry->node.location.text, section_cap[section]);
     all[count] = *entry;
     d->entry_count[section] = count + 1;
     return MRT_OK;
@@ -472,7 +475,7 @@ static mrt_result add_members(rig_document *d, rig_section section, const rig_no
             !text_is_printable(text_view_of(key, strlen(key))))
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: expected a name of 1 to %d letters as the key",
-                             entry.node.place.text, RIG_NAME_MAX);
+                             entry.node.location.text, RIG_NAME_MAX);
         result = add_entry(d, section, &entry, err);
     }
     return result;
@@ -485,7 +488,7 @@ static mrt_result collect_section(rig_document *d, rig_section section, error *e
         return no_memory(err);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->file_count; ++i) {
-        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node root = {d->file[i].root, d->file[i].location};
         rig_node list = rig_json_member(&root, rig_section_key[section]);
         if (!list.value)
             continue;
@@ -580,7 +583,7 @@ void rig_document_destroy(rig_document *d)
 rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file)
 {
     for (uint32_t i = d->file_count; i-- > 0;) {
-        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node root = {d->file[i].root, d->file[i].location};
         rig_node member = rig_json_member(&root, key);
         *out_file = i;
         if (member.value)
@@ -592,7 +595,7 @@ rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *o
 rig_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file)
 {
     for (uint32_t i = d->file_count; i-- > 0;) {
-        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node root = {d->file[i].root, d->file[i].location};
         rig_node paints = rig_json_member(&root, "paints");
         rig_node paint = rig_json_member(&paints, name);
         *out_file = i;
@@ -638,14 +641,14 @@ const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index)
     return NULL;
 }
 
-rig_place rig_where(const rig *r, rig_section section, uint32_t index)
+rig_location rig_location_of(const rig *r, rig_section section, uint32_t index)
 {
     const rig_document *d = r->document;
     const rig_entry *source = rig_source(r, section, index);
     bool may_have_moved = section != RIG_SETS;
     if (source && (!may_have_moved || d->file_count > 1))
-        return source->node.place;
-    rig_place out;
+        return source->node.location;
+    rig_location out;
     (void)snprintf(out.text, sizeof out.text, "$.%s[%u]", rig_section_key[section], index);
     return out;
 }

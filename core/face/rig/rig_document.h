@@ -11,15 +11,15 @@
 
 /* ---- values, with their place in the file: every message can say "$.contacts[3].vertex" ---- */
 
-enum { RIG_PLACE_TEXT = 256, RIG_NAME_MAX = 63, RIG_WORD_TEXT = 64 };
+enum { RIG_LOCATION_TEXT = 256, RIG_NAME_MAX = 63, RIG_WORD_TEXT = 64 };
 
-typedef struct rig_place {
-    char text[RIG_PLACE_TEXT]; /* "$.bones[2].hinge", or "base.rig.json: $.bones[2].hinge" */
-} rig_place;
+typedef struct rig_location {
+    char text[RIG_LOCATION_TEXT]; /* "$.bones[2].hinge", or "base.rig.json: $.bones[2].hinge" */
+} rig_location;
 
 typedef struct rig_node {
     const json_t *value; /* NULL: there is none at this place */
-    rig_place place;
+    rig_location location;
 } rig_node;
 
 rig_node rig_json_member(const rig_node *of, const char *key);
@@ -83,8 +83,8 @@ typedef struct rig_file {
     char *path;
     char *real_path; /* links followed; NULL: from bytes */
     json_t *root;
-    rig_place place;    /* "$", or "base.rig.json: $" for an included one */
-    double mm_per_unit; /* of its coordinates */
+    rig_location location; /* "$", or "base.rig.json: $" for an included one */
+    double mm_per_unit;    /* of its coordinates */
 } rig_file;
 
 enum { RIG_FILES_MAX = 64, RIG_INCLUDE_DEPTH_MAX = 8 };
@@ -119,7 +119,7 @@ rig_node rig_document_paint(const rig_document *d, const char *name, uint32_t *o
 const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index);
 /* Where entry `index` of a rig's section is, for messages: also of rigs without a document; as it
  * will be written where it was changed. */
-rig_place rig_where(const rig *r, rig_section section, uint32_t index);
+rig_location rig_location_of(const rig *r, rig_section section, uint32_t index);
 
 /* ---- what reading, writing and changing share ---- */
 

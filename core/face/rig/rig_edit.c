@@ -49,7 +49,7 @@ static double round_share(double share, double before)
     return isnan(share) ? share : round_to(share, steps_per_share, before);
 }
 
-static vec3 round_place(vec3 mm, vec3 before)
+static vec3 round_position(vec3 mm, vec3 before)
 {
     return (vec3){round_mm(mm.x, before.x), round_mm(mm.y, before.y), round_mm(mm.z, before.z)};
 }
@@ -95,7 +95,7 @@ static mrt_result check_name(const char *name, error *err)
 
 /* ---- paths: selectors say in messages where they are ---- */
 
-static void place_select(rig_select *select, const char *path)
+static void set_select_path(rig_select *select, const char *path)
 {
     char *copy = strdup(path);
     if (copy) {
@@ -110,17 +110,17 @@ static void place_select(rig_select *select, const char *path)
         else
             (void)snprintf(child, sizeof child, "%.400s.%s[%u]", path,
                            select->kind == SELECT_ALL ? "all" : "any", i);
-        place_select(&select->child[i], child);
+        set_select_path(&select->child[i], child);
     }
 }
 
-static void place_regions(rig *r)
+static void set_region_paths(rig *r)
 {
     for (uint32_t i = 0; i < r->region_count; ++i) {
-        rig_place place = rig_where(r, RIG_REGIONS, i);
+        rig_location location = rig_location_of(r, RIG_REGIONS, i);
         char path[PATH_TEXT];
-        (void)snprintf(path, sizeof path, "%s.select", place.text);
-        place_select(&r->region[i].select, path);
+        (void)snprintf(path, sizeof path, "%s.select", location.text);
+        set_select_path(&r->region[i].select, path);
     }
 }
 
@@ -205,7 +205,7 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
     r->region[r->region_count] = made;
     *out_index = r->region_count;
     r->region_count += 1;
-    place_regions(r);
+    set_region_paths(r);
     return MRT_OK;
 }
 
@@ -219,7 +219,7 @@ mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err)
     memmove(&r->region[index], &r->region[index + 1],
             (r->region_count - index - 1) * sizeof *r->region);
     r->region_count -= 1;
-    place_regions(r);
+    set_region_paths(r);
     return MRT_OK;
 }
 
@@ -236,7 +236,7 @@ mrt_result rig_edit_move_region(rig *r, uint32_t index, uint32_t to, error *err)
     else
         memmove(&r->region[to + 1], &r->region[to], (index - to) * sizeof moved);
     r->region[to] = moved;
-    place_regions(r);
+    set_region_paths(r);
     return MRT_OK;
 }
 
@@ -352,7 +352,7 @@ mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value, uint32_t
     }
     rig_select_finish(&r->region[index].select);
     r->region[index].select = made;
-    place_regions(r);
+    set_region_paths(r);
     return MRT_OK;
 }
 
@@ -376,7 +376,7 @@ void rig_edit_jaw_of(rig_edit_jaw *out, const rig *r, uint32_t bone)
 }
 
 /* Within what a file may say. */
-static bool is_place(vec3 p)
+static bool is_position(vec3 p)
 {
     return fabs(p.x) <= coordinate_cap && fabs(p.y) <= coordinate_cap &&
            fabs(p.z) <= coordinate_cap;
@@ -391,7 +391,7 @@ static mrt_result check_jaw(const rig *r, uint32_t bone, const rig_edit_jaw *jaw
 {
     if (bone >= r->bone_count || r->bone[bone].kind != BONE_JAW)
         return error_set(err, MRT_ERR_ARGUMENT, "there is no jaw to change");
-    if (!is_place(jaw->left) || !is_place(jaw->right) || !is_place(jaw->incisor))
+    if (!is_position(jaw->left) || !is_position(jaw->right) || !is_position(jaw->incisor))
         return error_set(err, MRT_ERR_ARGUMENT, "the jaw's axis is too far away");
     if (!(jaw->left.x - jaw->right.x >= least_width_mm))
         return error_set(err, MRT_ERR_ARGUMENT,
@@ -411,9 +411,9 @@ mrt_result rig_edit_set_jaw(rig *r, uint32_t bone, const rig_edit_jaw *jaw, erro
     if (result < 0)
         return result;
     rig_bone *to = &r->bone[bone];
-    to->hinge_left = round_place(jaw->left, to->hinge_left);
-    to->hinge_right = round_place(jaw->right, to->hinge_right);
-    to->incisor = round_place(jaw->incisor, to->has_incisor ? to->incisor : nowhere);
+    to->hinge_left = round_position(jaw->left, to->hinge_left);
+    to->hinge_right = round_position(jaw->right, to->hinge_right);
+    to->incisor = round_position(jaw->incisor, to->has_incisor ? to->incisor : nowhere);
     to->has_incisor = jaw->has_incisor;
     to->open_min_rad = round_rad(jaw->open_min_rad, to->open_min_rad);
     to->open_max_rad = round_rad(jaw->open_max_rad, to->open_max_rad);
@@ -480,7 +480,7 @@ static mrt_result check_new_bone(const rig *r, rig_bone_kind kind, vec3 at, doub
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "the bones of a rig move in at most %d ways; take one out first",
                          MRT_MAX_DOFS);
-    if (!is_place(at) || !(half_mm >= least_half_mm && half_mm <= most_half_mm))
+    if (!is_position(at) || !(half_mm >= least_half_mm && half_mm <= most_half_mm))
         return error_set(err, MRT_ERR_ARGUMENT, "the bone is too far away, or too small");
     return MRT_OK;
 }
@@ -488,8 +488,8 @@ static mrt_result check_new_bone(const rig *r, rig_bone_kind kind, vec3 at, doub
 static void make_jaw(rig_bone *out, vec3 at, double half_mm)
 {
     const vec3 half = {half_mm, 0.0, 0.0};
-    out->hinge_left = round_place(vec3_add(at, half), nowhere);
-    out->hinge_right = round_place(vec3_sub(at, half), nowhere);
+    out->hinge_left = round_position(vec3_add(at, half), nowhere);
+    out->hinge_right = round_position(vec3_sub(at, half), nowhere);
     out->open_max_rad = rig_adult_jaw.open_max_rad;
     out->lateral_mm = rig_adult_jaw.lateral_mm;
     out->forward_mm = rig_adult_jaw.forward_mm;
@@ -498,7 +498,7 @@ static void make_jaw(rig_bone *out, vec3 at, double half_mm)
 
 static void make_ball(rig_bone *out, vec3 at, double half_mm)
 {
-    out->centre = round_place(at, nowhere);
+    out->centre = round_position(at, nowhere);
     out->radius_mm = round_mm(half_mm, nowhere.x);
     out->turn[0] = (rig_turn){strdup("yaw"), {0.0, 1.0, 0.0}, -to_the_sides_rad, to_the_sides_rad};
     out->turn[1] = (rig_turn){strdup("pitch"), {-1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad};
@@ -693,10 +693,10 @@ mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_
         return result;
     if (r->bone[index].kind != BONE_BALL)
         return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[index].name);
-    if (!is_place(centre) || !(radius_mm >= 0.0 && radius_mm <= most_half_mm))
+    if (!is_position(centre) || !(radius_mm >= 0.0 && radius_mm <= most_half_mm))
         return error_set(err, MRT_ERR_ARGUMENT, "the ball is too far away, or too large");
     rig_bone *to = &r->bone[index];
-    to->centre = round_place(centre, to->centre);
+    to->centre = round_position(centre, to->centre);
     to->radius_mm = round_mm(radius_mm, to->radius_mm);
     return MRT_OK;
 }
@@ -804,7 +804,7 @@ static bool is_dof(const char *dof, const char *bone, const char *turn)
            strcmp(dof + length + 1, turn) == 0;
 }
 
-static uint32_t place_in(const rig_pose *pose, const char *bone, const char *turn)
+static uint32_t dof_index_in(const rig_pose *pose, const char *bone, const char *turn)
 {
     uint32_t i = 0;
     while (i < pose->dof_count && !is_dof(pose->dof_name[i], bone, turn))
@@ -816,7 +816,7 @@ static void forget_in_poses(rig *r, const char *bone, const char *turn)
 {
     for (uint32_t i = 0; i < r->pose_count; ++i) {
         rig_pose *pose = &r->pose[i];
-        const uint32_t at = place_in(pose, bone, turn);
+        const uint32_t at = dof_index_in(pose, bone, turn);
         if (at == pose->dof_count)
             continue;
         free(pose->dof_name[at]);
@@ -837,14 +837,14 @@ static mrt_result rename_turn_in_poses(rig *r, const char *bone, const char *tur
     bool has_all = made != NULL;
     (void)snprintf(text, sizeof text, "%s.%s", bone, name);
     for (uint32_t i = 0; has_all && i < r->pose_count; ++i) {
-        if (place_in(&r->pose[i], bone, turn) == r->pose[i].dof_count)
+        if (dof_index_in(&r->pose[i], bone, turn) == r->pose[i].dof_count)
             continue;
         made[i] = strdup(text);
         has_all = made[i] != NULL;
     }
     for (uint32_t i = 0; made && i < r->pose_count; ++i) {
         if (has_all && made[i]) {
-            char **dof = &r->pose[i].dof_name[place_in(&r->pose[i], bone, turn)];
+            char **dof = &r->pose[i].dof_name[dof_index_in(&r->pose[i], bone, turn)];
             char *old = *dof;
             *dof = made[i];
             made[i] = old;
@@ -1122,7 +1122,7 @@ static mrt_result check_proxy(const rig *r, const rig_proxy *proxy, error *err)
 {
     if (proxy->bone >= r->bone_count)
         return error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", proxy->bone);
-    if (!is_place(proxy->centre) || !is_place(proxy->radii))
+    if (!is_position(proxy->centre) || !is_position(proxy->radii))
         return error_set(err, MRT_ERR_ARGUMENT, "the ellipsoid is too far away, or too large");
     if (!(proxy->radii.x > 0.0 && proxy->radii.y > 0.0 && proxy->radii.z > 0.0))
         return error_set(err, MRT_ERR_ARGUMENT, "an ellipsoid has three radii above 0");
@@ -1139,7 +1139,7 @@ static double round_radius(double mm, double before)
 static rig_proxy rounded_proxy(const rig_proxy *proxy, const rig_proxy *before)
 {
     rig_proxy out = *proxy;
-    out.centre = round_place(proxy->centre, before->centre);
+    out.centre = round_position(proxy->centre, before->centre);
     out.radii = (vec3){round_radius(proxy->radii.x, before->radii.x),
                        round_radius(proxy->radii.y, before->radii.y),
                        round_radius(proxy->radii.z, before->radii.z)};
@@ -1217,7 +1217,7 @@ static mrt_result check_pose(const rig *r, const rig_pose *pose, error *err)
             return error_set(err, MRT_ERR_ARGUMENT, "the pose turns a bone too far");
     }
     for (uint32_t i = 0; i < pose->pull_count; ++i)
-        if (pose->pull_contact[i] >= r->contact_count || !is_place(pose->pull_mm[i]))
+        if (pose->pull_contact[i] >= r->contact_count || !is_position(pose->pull_mm[i]))
             return error_set(err, MRT_ERR_ARGUMENT, "the pose pulls at what is not there");
     return MRT_OK;
 }
@@ -1258,7 +1258,7 @@ static bool copy_pose(rig_pose *out, const rig_pose *from, const rig *r)
     }
     for (uint32_t i = 0; i < from->pull_count; ++i) {
         out->pull_contact[i] = from->pull_contact[i];
-        out->pull_mm[i] = round_place(from->pull_mm[i], nowhere);
+        out->pull_mm[i] = round_position(from->pull_mm[i], nowhere);
     }
     out->pull_count = from->pull_count;
     return true;
@@ -1403,10 +1403,10 @@ void rig_edit_describe(const rig_select *select, char *out, size_t capacity)
 /* ---- from a place in the file ---- */
 
 /* "$.regions[1]" is said by "$.regions[1].select", not by "$.regions[12]". */
-static bool says_place(const char *path, const rig_place *place)
+static bool is_below(const char *path, const rig_location *location)
 {
-    size_t length = strlen(place->text);
-    return strncmp(path, place->text, length) == 0 &&
+    size_t length = strlen(location->text);
+    return strncmp(path, location->text, length) == 0 &&
            (path[length] == '\0' || path[length] == '.' || path[length] == '[');
 }
 
@@ -1414,9 +1414,9 @@ static bool find_in(const rig *r, rig_section section, uint32_t count, const cha
                     uint32_t *out_index)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        rig_place place = rig_where(r, section, i);
+        rig_location location = rig_location_of(r, section, i);
         *out_index = i;
-        if (says_place(path, &place))
+        if (is_below(path, &location))
             return true;
     }
     return false;

@@ -157,7 +157,7 @@ static mrt_result pay(budget *b, size_t range_count, const rig_node *at, error *
     if (result >= 0)
         result = budget_spend_bytes(b, range_count * RANGE_BYTES, err);
     if (result < 0)
-        error_prefix(err, at->place.text);
+        error_prefix(err, at->location.text);
     return result;
 }
 

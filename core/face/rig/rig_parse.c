@@ -123,7 +123,7 @@ static mrt_result parse_box(rig_select *out, const rig_node *at, const selecting
     if (out->a.x > out->b.x || out->a.y > out->b.y || out->a.z > out->b.z)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: low must not be above high in x, y or z; exchange them",
-                         at->place.text);
+                         at->location.text);
     return MRT_OK;
 }
 
@@ -135,7 +135,7 @@ static mrt_result parse_ellipsoid(rig_select *out, const rig_node *at, const sel
         return result;
     if (!(out->b.x > 0.0 && out->b.y > 0.0 && out->b.z > 0.0))
         return error_set(err, MRT_ERR_FORMAT, "%s.radii: expected three radii above 0",
-                         at->place.text);
+                         at->location.text);
     return MRT_OK;
 }
 
@@ -147,7 +147,8 @@ static mrt_result parse_half_space(rig_select *out, const rig_node *at, const se
         return result;
     if (!(vec3_length(out->b) > 1e-9))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.normal: expected a direction, found one of length 0", at->place.text);
+                         "%s.normal: expected a direction, found one of length 0",
+                         at->location.text);
     return MRT_OK;
 }
 
@@ -206,7 +207,7 @@ static mrt_result parse_painted(rig_select *out, const rig_node *at, selecting *
         return rig_paint_parse(out, &paint, s->budget, err);
     rig_word word = rig_word_of(out->name);
     return error_set(err, MRT_ERR_FORMAT, "%s: there is no paint \"%s\"; add it to $.paints",
-                     at->place.text, word.text);
+                     at->location.text, word.text);
 }
 
 /* ---- any of them ---- */
@@ -261,7 +262,7 @@ static mrt_result find_select_kind(rig_select *out, const char **out_key, const 
         if (out->kind != SELECT_NOTHING)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: says both %s and %s; join them with \"all\" or \"any\"",
-                             at->place.text, *out_key, kinds[i].key);
+                             at->location.text, *out_key, kinds[i].key);
         out->kind = kinds[i].kind;
         *out_key = kinds[i].key;
     }
@@ -277,13 +278,13 @@ static mrt_result parse_select(rig_select *out, const rig_node *at, selecting *s
     if (s->depth >= DEPTH_MAX || s->node_count >= NODES_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s: selectors may be %d deep and %d in all; use groups or attributes",
-                         at->place.text, DEPTH_MAX, NODES_MAX);
+                         at->location.text, DEPTH_MAX, NODES_MAX);
     s->node_count += 1;
     const char *key = "";
     mrt_result result = find_select_kind(out, &key, at, s, err);
     if (result < 0)
         return result;
-    out->path = strdup(at->place.text);
+    out->path = strdup(at->location.text);
     if (!out->path)
         return no_memory(err);
     rig_node value = rig_json_member(at, key);
@@ -354,11 +355,11 @@ static mrt_result read_range(double *out_min_rad, double *out_max_rad, const rig
     if (deg[0] >= deg[1])
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: [%g, %g] is reversed or empty; write the smaller angle first",
-                         at->place.text, deg[0], deg[1]);
+                         at->location.text, deg[0], deg[1]);
     if (deg[0] > 0.0 || deg[1] < 0.0)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: [%g, %g] leaves out 0, which is the pose of the mesh; widen it",
-                         at->place.text, deg[0], deg[1]);
+                         at->location.text, deg[0], deg[1]);
     *out_min_rad = deg[0] * radian_per_degree;
     *out_max_rad = deg[1] * radian_per_degree;
     return MRT_OK;
@@ -386,7 +387,7 @@ static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: left and right are %.3g mm apart, so there is no axis; they are the "
                          "two jaw joints, just before the ears",
-                         hinge.place.text, length_mm);
+                         hinge.location.text, length_mm);
     return MRT_OK;
 }
 
@@ -423,13 +424,13 @@ static mrt_result check_turn_name(const rig_bone *bone, uint32_t index, const ri
     const char *name = bone->turn[index].name;
     if (strlen(bone->name) + 1 + strlen(name) > RIG_NAME_MAX)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.name: \"%s.%s\" is longer than %d letters; shorten it", at->place.text,
-                         bone->name, name, RIG_NAME_MAX);
+                         "%s.name: \"%s.%s\" is longer than %d letters; shorten it",
+                         at->location.text, bone->name, name, RIG_NAME_MAX);
     for (uint32_t i = 0; i < index; ++i)
         if (strcmp(bone->turn[i].name, name) == 0)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s.name: there is already a turn \"%s\"; choose another name",
-                             at->place.text, name);
+                             at->location.text, name);
     return MRT_OK;
 }
 
@@ -454,7 +455,7 @@ static mrt_result read_turn(rig_bone *bone, const rig_node *at, rig *r, error *e
         return result;
     if (!(vec3_length(turn->axis) > 1e-9))
         return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found one of length 0",
-                         axis.place.text);
+                         axis.location.text);
     turn->axis = vec3_normalised(turn->axis, (vec3){1.0, 0.0, 0.0});
     rig_node deg = rig_json_member(at, "deg");
     return read_range(&turn->min_rad, &turn->max_rad, &deg, 180.0, err);
@@ -499,7 +500,7 @@ static mrt_result read_kind(rig_bone *bone, const reading *in, error *err)
     if (has_hinge && has_ball)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: has both a hinge and a ball; a bone moves in one way",
-                         in->node.place.text);
+                         in->node.location.text);
     const char *const *keys = has_hinge ? jaw_keys : has_ball ? ball_keys : fixed_keys;
     rig_json_note_unknown(&in->r->note, &in->node, keys);
     return has_hinge ? read_jaw(bone, in, err) : has_ball ? read_ball(bone, in, err) : MRT_OK;
@@ -519,7 +520,7 @@ static mrt_result read_parent(rig_bone *bone, const reading *in, error *err)
         rig_word word = rig_word_of(name);
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: there is no bone \"%s\" before this one; list parents first",
-                         parent.place.text, word.text);
+                         parent.location.text, word.text);
     }
     return MRT_OK;
 }
@@ -539,10 +540,10 @@ static mrt_result check_dofs(const rig *r, const rig_node *last, error *err)
     }
     if (jaw_count > 1)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: a second bone with a hinge; a face has one jaw", last->place.text);
+                         "%s: a second bone with a hinge; a face has one jaw", last->location.text);
     if (dof_count > MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: %u degrees of freedom are too many, at most %d", last->place.text,
+                         "%s: %u degrees of freedom are too many, at most %d", last->location.text,
                          dof_count, MRT_MAX_DOFS);
     return MRT_OK;
 }
@@ -609,7 +610,7 @@ static mrt_result find_contact(uint32_t *out, const rig *r, const char *name, co
     rig_word word = rig_word_of(name);
     return error_set(err, MRT_ERR_FORMAT,
                      "%s: there is no contact \"%s\"; add it to $.contacts or take it out here",
-                     at->place.text, word.text);
+                     at->location.text, word.text);
 }
 
 /* ---- degrees of freedom: degrees or mm in the file ---- */
@@ -622,7 +623,7 @@ static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const 
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: there is no such degree of freedom; a hinge has open, lateral and "
                          "forward (\"jaw.open\"), a ball has its turns (\"eye.l.yaw\")",
-                         at->place.text);
+                         at->location.text);
     double value = 0.0;
     mrt_result result = rig_json_number(&value, at, -1e4, 1e4, err);
     if (result < 0)
@@ -643,7 +644,7 @@ static mrt_result read_dofs(rig_pose *pose, const rig *r, const rig_node *dofs, 
         return result;
     size_t count = json_object_size(dofs->value);
     if (count > MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", dofs->place.text,
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", dofs->location.text,
                          MRT_MAX_DOFS);
     pose->dof_name = calloc(count + 1, sizeof *pose->dof_name);
     pose->dof_value = calloc(count + 1, sizeof *pose->dof_value);
@@ -670,7 +671,8 @@ static mrt_result read_pulls(rig_pose *pose, const rig *r, const rig_node *pulls
         return result;
     size_t count = json_object_size(pulls->value);
     if (count > PULLS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", pulls->place.text, PULLS_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", pulls->location.text,
+                         PULLS_MAX);
     pose->pull_contact = calloc(count + 1, sizeof *pose->pull_contact);
     pose->pull_mm = calloc(count + 1, sizeof *pose->pull_mm);
     if (!pose->pull_contact || !pose->pull_mm)
@@ -733,7 +735,7 @@ static mrt_result add_to_set(rig_contact_set *set, const rig *r, const rig_node 
     for (uint32_t i = 0; result >= 0 && i < set->contact_count; ++i)
         if (set->contact[i] == contact)
             return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is in this set already; take it out",
-                             item->place.text, r->contact[contact].name);
+                             item->location.text, r->contact[contact].name);
     if (result >= 0)
         set->contact[set->contact_count++] = contact;
     return result;
@@ -838,7 +840,7 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
     if (!d->is_trusted)
         result = check_name(r, err);
     if (result < 0)
-        error_prefix(err, named.place.text);
+        error_prefix(err, named.location.text);
     return result;
 }
 
@@ -919,7 +921,7 @@ static mrt_result find_bone(uint32_t *out, const rig *r, const rig_node *at, err
         return MRT_OK;
     rig_word word = rig_word_of(name);
     return error_set(err, MRT_ERR_FORMAT, "%s: there is no bone \"%s\"; add it to $.bones",
-                     at->place.text, word.text);
+                     at->location.text, word.text);
 }
 
 static mrt_result check_region(const rig_region *region, const rig_node *at, error *err)
@@ -928,16 +930,16 @@ static mrt_result check_region(const rig_region *region, const rig_node *at, err
     if (region->is_rigid && (has_weight || has_mobility))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: rigid means weight 1 and mobility 0; leave weight and mobility away",
-                         at->place.text);
+                         at->location.text);
     if (!region->is_rigid && !has_weight && !has_mobility)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected \"rigid\": true, \"weight\" or \"mobility\": this region "
                          "says nothing",
-                         at->place.text);
+                         at->location.text);
     if (region->bone == RIG_NONE && (region->is_rigid || has_weight))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s.bone: expected the name of the bone that these vertices ride on",
-                         at->place.text);
+                         at->location.text);
     return MRT_OK;
 }
 
@@ -1018,7 +1020,7 @@ static mrt_result find_mirror(rig *r, uint32_t index, const rig_node *contact, e
     return error_set(err, MRT_ERR_FORMAT,
                      "%s: there is no contact \"%s\"; add it to $.contacts or leave the mirror "
                      "away",
-                     at.place.text, word.text);
+                     at.location.text, word.text);
 }
 
 static mrt_result check_mirrors(const rig *r, error *err)
@@ -1027,11 +1029,12 @@ static mrt_result check_mirrors(const rig *r, error *err)
         uint32_t other = r->contact[i].mirror;
         if (other == RIG_NONE || r->contact[other].mirror == i)
             continue;
-        rig_place place = rig_where(r, RIG_CONTACTS, i);
-        rig_place other_place = rig_where(r, RIG_CONTACTS, other);
+        rig_location location = rig_location_of(r, RIG_CONTACTS, i);
+        rig_location other_location = rig_location_of(r, RIG_CONTACTS, other);
         return error_set(err, MRT_ERR_FORMAT,
                          "%s.mirror: \"%s\" does not point back; write \"mirror\": \"%s\" at %s",
-                         place.text, r->contact[other].name, r->contact[i].name, other_place.text);
+                         location.text, r->contact[other].name, r->contact[i].name,
+                         other_location.text);
     }
     return MRT_OK;
 }
@@ -1073,7 +1076,8 @@ static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const rig_node *at, doubl
     if (result < 0)
         return result;
     if (!(proxy->radii.x > 0.0 && proxy->radii.y > 0.0 && proxy->radii.z > 0.0))
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected three radii above 0", radii.place.text);
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected three radii above 0",
+                         radii.location.text);
     return find_bone(&proxy->bone, r, &bone, err);
 }
 
@@ -1152,7 +1156,7 @@ static mrt_result allocate(rig *r, rig_document *d, error *err)
 static void note_unknown_roots(rig *r, const rig_document *d)
 {
     for (uint32_t i = 0; i < d->file_count; ++i) {
-        rig_node root = {d->file[i].root, d->file[i].place};
+        rig_node root = {d->file[i].root, d->file[i].location};
         rig_json_note_unknown(&r->note, &root, root_keys);
     }
 }

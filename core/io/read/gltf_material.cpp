@@ -240,14 +240,14 @@ class material_reader
             return out;
         }
         const tinygltf::Texture &texture = model_.textures[(size_t)index];
-        place(out, transform);
+        uv_transform(out, transform);
         set_wrap(out, texture.sampler);
         out.image = image_of(texture, material);
         return out;
     }
 
     /* KHR_texture_transform: shift * turn * scale. */
-    static void place(mesh_texture &out, const value &transform)
+    static void uv_transform(mesh_texture &out, const value &transform)
     {
         double shift[2] = {0, 0}, scale[2] = {1, 1};
         read_numbers(gltf_member(transform, "offset"), shift, 2);
@@ -257,7 +257,7 @@ class material_reader
         const double rows[6] = {c * scale[0],  s * scale[1], shift[0],
                                 -s * scale[0], c * scale[1], shift[1]};
         for (size_t i = 0; i < 6; ++i)
-            out.place[i] = within(rows[i], -1e6, 1e6);
+            out.uv_transform[i] = within(rows[i], -1e6, 1e6);
     }
 
     void set_wrap(mesh_texture &out, int sampler) const

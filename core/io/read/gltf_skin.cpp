@@ -272,7 +272,7 @@ gltf_transform gltf_skin::blend(size_t vertex) const
     return sum;
 }
 
-template <class Apply> void gltf_skin::place(float *value, size_t count, Apply apply) const
+template <class Apply> void gltf_skin::transform_each(float *value, size_t count, Apply apply) const
 {
     if (is_rigid_ || width_ == 0) {
         apply(common_, value, count);
@@ -284,19 +284,19 @@ template <class Apply> void gltf_skin::place(float *value, size_t count, Apply a
 
 void gltf_skin::place_points(float *point, size_t count) const
 {
-    place(point, count, gltf_transform_points);
+    transform_each(point, count, gltf_transform_points);
 }
 
 void gltf_skin::place_vectors(float *vector, size_t count) const
 {
     if (is_rigid_ && gltf_transform_is_linear_identity(common_))
         return;
-    place(vector, count, gltf_transform_vectors);
+    transform_each(vector, count, gltf_transform_vectors);
 }
 
 void gltf_skin::place_normals(float *normal, size_t count) const
 {
-    place(normal, count, gltf_transform_normals);
+    transform_each(normal, count, gltf_transform_normals);
 }
 
 bool gltf_skin::mirrors() const

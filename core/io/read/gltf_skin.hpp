@@ -54,7 +54,7 @@ class gltf_skin
     void find_common();
     void read_influences(const tinygltf::Primitive &source, size_t count);
     gltf_transform blend(size_t vertex) const;
-    template <class Apply> void place(float *value, size_t count, Apply apply) const;
+    template <class Apply> void transform_each(float *value, size_t count, Apply apply) const;
 
     struct influence {
         uint32_t joint; /* of the skin */

@@ -20,14 +20,14 @@ static void axis_vector(int out[3], mesh_axis axis)
 }
 
 /* Rows: where each axis of the mesh lies in the file. */
-static void turn_vectors(int turn[3][3], float *vector, size_t count)
+static void turn_vectors(int rotation[3][3], float *vector, size_t count)
 {
     for (float *v = vector, *end = vector + count * 3; v < end; v += 3) {
         const float from[3] = {v[0], v[1], v[2]};
         for (int row = 0; row < 3; ++row)
             for (int axis = 0; axis < 3; ++axis)
-                if (turn[row][axis])
-                    v[row] = turn[row][axis] > 0 ? from[axis] : -from[axis];
+                if (rotation[row][axis])
+                    v[row] = rotation[row][axis] > 0 ? from[axis] : -from[axis];
     }
 }
 
@@ -35,21 +35,21 @@ static void turn_vectors(int turn[3][3], float *vector, size_t count)
  * changes but its sign. */
 static void turn_axes(mesh *m)
 {
-    int turn[3][3];
-    axis_vector(turn[1], m->up);
-    axis_vector(turn[2], m->forward);
+    int rotation[3][3];
+    axis_vector(rotation[1], m->up);
+    axis_vector(rotation[2], m->forward);
     for (int i = 0; i < 3; ++i)
-        turn[0][i] = turn[1][(i + 1) % 3] * turn[2][(i + 2) % 3] -
-                     turn[1][(i + 2) % 3] * turn[2][(i + 1) % 3];
-    turn_vectors(turn, m->position, m->vertex_count);
+        rotation[0][i] = rotation[1][(i + 1) % 3] * rotation[2][(i + 2) % 3] -
+                         rotation[1][(i + 2) % 3] * rotation[2][(i + 1) % 3];
+    turn_vectors(rotation, m->position, m->vertex_count);
     if (m->normal)
-        turn_vectors(turn, m->normal, m->vertex_count);
+        turn_vectors(rotation, m->normal, m->vertex_count);
     for (uint32_t t = 0; t < m->target_count; ++t)
-        turn_vectors(turn, m->target[t].offset, m->vertex_count);
+        turn_vectors(rotation, m->target[t].offset, m->vertex_count);
     for (uint32_t j = 0; j < m->joint_count; ++j)
         for (size_t column = 0; column < 4; ++column) {
             float *rest = m->joint[j].rest + column, vector[3] = {rest[0], rest[4], rest[8]};
-            turn_vectors(turn, vector, 1);
+            turn_vectors(rotation, vector, 1);
             for (size_t row = 0; row < 3; ++row)
                 rest[row * 4] = vector[row];
         }

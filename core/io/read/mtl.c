@@ -124,11 +124,11 @@ static bool read_numbers(float *out, int most, text_view *rest)
     return count > 0;
 }
 
-static void place(mesh_texture *out, const float scale[3], const float shift[3])
+static void uv_transform(mesh_texture *out, const float scale[3], const float shift[3])
 {
     const float of_glTF[6] = {scale[0], 0.0f, shift[0], 0.0f, scale[1], 1.0f - scale[1] - shift[1]};
     for (int i = 0; i < 6; ++i)
-        out->place[i] = within(of_glTF[i], -1e6f, 1e6f);
+        out->uv_transform[i] = within(of_glTF[i], -1e6f, 1e6f);
 }
 
 /* What an option does not say is passed over with its words. False: it is none, or makes no sense.
@@ -181,7 +181,7 @@ static mrt_result read_map(mtl_map *map, bool *out_good, text_view rest, const c
             break;
         rest = text_trim(after);
     }
-    place(&map->placed, scale, shift);
+    uv_transform(&map->placed, scale, shift);
     *out_good = resolve(path, folder, rest);
     if (*out_good && !(map->file = strdup(path)))
         return no_memory(err);

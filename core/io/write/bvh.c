@@ -186,11 +186,11 @@ static void put_hand(FILE *out, const bvh_hand *of, const char *side, double per
     fprintf(out, "  }\n");
 }
 
-static void put_channels(FILE *out, const vec3 *position, double per_mm, const rigid *turn,
+static void put_channels(FILE *out, const vec3 *position, double per_mm, const rigid *rotation,
                          double last_zxy[3])
 {
     double zxy[3];
-    euler_of(turn, zxy);
+    euler_of(rotation, zxy);
     stay_near(zxy, last_zxy);
     for (int k = 0; k < 3; ++k)
         last_zxy[k] = zxy[k];
@@ -212,15 +212,17 @@ static void put_pose(FILE *out, bvh_hand *of, const double *hand, double per_mm)
         rigid to_joint = back; /* from the hand's axes into those of the joint's parent */
         for (int joint = base; joint < base + BONES_A_FINGER; ++joint) {
             vec3 place = of->rest[joint];
-            rigid turn = still;
+            rigid rotation = still;
             if (hand && is_base(joint))
                 place = rigid_rotate(&back, vec3_sub(joint_at(hand, joint), joint_at(hand, 0)));
             if (hand && !is_tip(joint)) {
                 vec3 along = vec3_sub(joint_at(hand, joint + 1), joint_at(hand, joint));
-                turn = turn_between(bone_at_rest(of, joint + 1), rigid_rotate(&to_joint, along));
+                rotation =
+                    turn_between(bone_at_rest(of, joint + 1), rigid_rotate(&to_joint, along));
             }
-            put_channels(out, is_base(joint) ? &place : NULL, per_mm, &turn, of->last_zxy[joint]);
-            rigid undo = rigid_inverse(&turn);
+            put_channels(out, is_base(joint) ? &place : NULL, per_mm, &rotation,
+                         of->last_zxy[joint]);
+            rigid undo = rigid_inverse(&rotation);
             to_joint = rigid_compose(&undo, &to_joint);
         }
     }

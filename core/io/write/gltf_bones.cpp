@@ -22,14 +22,14 @@ void turn_from(double out[4], const double *own, const double *parent)
 }
 
 /* A way in the parent's frame. */
-void way_from(double out[3], const double *own, const double *parent, const double *turn)
+void way_from(double out[3], const double *own, const double *parent, const double *rotation)
 {
     double way[3] = {own[0] - parent[0], own[1] - parent[1], own[2] - parent[2]};
-    double q[3] = {-turn[0], -turn[1], -turn[2]}, cross[3];
+    double q[3] = {-rotation[0], -rotation[1], -rotation[2]}, cross[3];
     for (int i = 0; i < 3; ++i)
         cross[i] = 2.0 * (q[(i + 1) % 3] * way[(i + 2) % 3] - q[(i + 2) % 3] * way[(i + 1) % 3]);
     for (int i = 0; i < 3; ++i)
-        out[i] = way[i] + turn[3] * cross[i] + q[(i + 1) % 3] * cross[(i + 2) % 3] -
+        out[i] = way[i] + rotation[3] * cross[i] + q[(i + 1) % 3] * cross[(i + 2) % 3] -
                  q[(i + 2) % 3] * cross[(i + 1) % 3];
 }
 
@@ -44,19 +44,19 @@ gltf_bone bone_of(const clip *c, uint32_t index)
         out.rest_m[i] = (bone->centre_mm[i] - from[i]) * METRES_PER_MM;
     for (uint32_t frame = 0; frame < clip_frame_count(c); ++frame) {
         const double *pose = clip_pose(c, frame);
-        double turn[4] = {0.0, 0.0, 0.0, 1.0}, place[3];
-        std::transform(out.rest_m, out.rest_m + 3, place,
+        double rotation[4] = {0.0, 0.0, 0.0, 1.0}, translation[3];
+        std::transform(out.rest_m, out.rest_m + 3, translation,
                        [](double m) { return m / METRES_PER_MM; });
         if (pose) {
             const double *own = pose + size_t{index} * 7;
             const double *parent = has_parent ? pose + size_t{bone->parent} * 7 : nullptr;
-            turn_from(turn, own, parent ? parent : NO_TURN);
-            way_from(place, own + 4, parent ? parent + 4 : origin, parent ? parent : NO_TURN);
+            turn_from(rotation, own, parent ? parent : NO_TURN);
+            way_from(translation, own + 4, parent ? parent + 4 : origin, parent ? parent : NO_TURN);
         }
-        for (double part : turn)
-            out.turn.push_back(static_cast<float>(part));
-        for (double mm : place)
-            out.place.push_back(static_cast<float>(mm * METRES_PER_MM));
+        for (double part : rotation)
+            out.rotation.push_back(static_cast<float>(part));
+        for (double mm : translation)
+            out.translation.push_back(static_cast<float>(mm * METRES_PER_MM));
     }
     return out;
 }

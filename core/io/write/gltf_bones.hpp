@@ -11,9 +11,10 @@ extern "C" {
 
 struct gltf_bone {
     std::string name;
-    size_t parent;                  /* SIZE_MAX: none */
-    double rest_m[3];               /* its centre, from the parent's */
-    std::vector<float> place, turn; /* of each frame: 3, metres; 4, a quaternion x y z w */
+    size_t parent;    /* SIZE_MAX: none */
+    double rest_m[3]; /* its centre, from the parent's */
+    std::vector<float> translation,
+        rotation; /* of each frame: 3, metres; 4, a quaternion x y z w */
 };
 
 /* Parents first; of frames without a pose: as at rest. */

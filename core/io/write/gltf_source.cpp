@@ -178,18 +178,19 @@ gltf_source::gltf_source(const char *path, const mesh *m)
 void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_container &container)
 {
     ordered_json buffers = ordered_json::array({ordered_json::object()});
-    std::vector<std::pair<size_t, size_t>> place; /* of each buffer: which now, and from where */
+    std::vector<std::pair<size_t, size_t>>
+        translation; /* of each buffer: which now, and from where */
     const ordered_json none = ordered_json::array();
     const ordered_json &before = document_.contains("buffers") ? document_["buffers"] : none;
     for (size_t i = 0; i < before.size(); ++i) {
         bool is_chunk =
             i == 0 && container.is_binary && container.binary.at != container.binary.end;
         if (!is_chunk && !before[i].contains("uri")) { /* what its views are decompressed to */
-            place.push_back({buffers.size(), 0});
+            translation.push_back({buffers.size(), 0});
             buffers.push_back(before[i]);
             continue;
         }
-        place.push_back({0, out_.binary_size});
+        translation.push_back({0, out_.binary_size});
         gltf_bytes data = model.buffers[i].data;
         data.resize((data.size() + 7) & ~size_t{7});
         gltf_output_reserve(out_, data.size());
@@ -197,7 +198,7 @@ void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_containe
         out_.chunk.push_back(std::move(data));
     }
     auto move = [&](ordered_json &view) {
-        const auto &to = place[view["buffer"].get<size_t>()];
+        const auto &to = translation[view["buffer"].get<size_t>()];
         view["buffer"] = to.first;
         if (to.second > 0)
             view["byteOffset"] = view.value("byteOffset", size_t{0}) + to.second;
@@ -336,7 +337,7 @@ int gltf_source::zeros(size_t count)
 }
 
 void gltf_source::add_to(instance &to, const std::string &name, const std::vector<float> &offset,
-                         const std::vector<float> &turn)
+                         const std::vector<float> &rotation)
 {
     ordered_json &in_file = document_["meshes"][to.mesh];
     std::vector<ordered_json> target_of;
@@ -346,9 +347,9 @@ void gltf_source::add_to(instance &to, const std::string &name, const std::vecto
         target["POSITION"] =
             is_still ? zeros(g.count) : gltf_output_offsets(out_, &offset[g.first * 3], g.count);
         if (g.has_normals)
-            target["NORMAL"] = is_zero(turn, g.first, g.count)
+            target["NORMAL"] = is_zero(rotation, g.first, g.count)
                                    ? zeros(g.count)
-                                   : gltf_output_offsets(out_, &turn[g.first * 3], g.count);
+                                   : gltf_output_offsets(out_, &rotation[g.first * 3], g.count);
         target_of.push_back(std::move(target));
     }
     for (size_t i = 0; i < to.group_of.size(); ++i) {
@@ -365,7 +366,7 @@ void gltf_source::add_to(instance &to, const std::string &name, const std::vecto
     to.targets.push_back(target_count_);
 }
 
-void gltf_source::add_target(const std::string &name, const float *offset, const float *turn)
+void gltf_source::add_target(const std::string &name, const float *offset, const float *rotation)
 {
     for (instance &to : instances_) {
         size_t first = to.groups.empty() ? 0 : to.groups.front().first, end = first;
@@ -382,7 +383,7 @@ void gltf_source::add_target(const std::string &name, const float *offset, const
                 for (size_t i = 0; i < 3; ++i)
                     mm[i] = offset[at + i] * 1000.0f;
                 apply(&own[at], back, mm);
-                apply(&own_turn[at], back, turn + at);
+                apply(&own_turn[at], back, rotation + at);
                 double stretch = 0.0; /* of the frame: what turns a normal has no unit */
                 for (int row = 0; row < 3; ++row)
                     stretch += back.linear[row][0] * back.linear[row][0];
@@ -442,8 +443,8 @@ void gltf_source::add_bones(ordered_json &animation, int time, const std::vector
             animation["samplers"].push_back(
                 {{"input", time}, {"output", output}, {"interpolation", "LINEAR"}});
         };
-        add("rotation", bones[i].turn, 4);
-        add("translation", bones[i].place, 3);
+        add("rotation", bones[i].rotation, 4);
+        add("translation", bones[i].translation, 3);
     }
     size_t scene = document_.value("scene", size_t{0});
     document_["scenes"][scene]["nodes"].push_back(root);

@@ -22,7 +22,7 @@ class gltf_source
 
     /* offset, turn: V by 3, of the mesh: metres and change of normal per unit of weight. What they
      * move gets the target; other meshes of the file do not. */
-    void add_target(const std::string &name, const float *offset, const float *turn);
+    void add_target(const std::string &name, const float *offset, const float *rotation);
     /* The file's own target of that name is played with the weights of the target that would be
      * added now; false: no mesh has it, and nothing is added. */
     bool add_own_target(const std::string &name);
@@ -58,7 +58,7 @@ class gltf_source
                      gltf_skin &skin, const mesh *m);
     int zeros(size_t count);
     void add_to(instance &to, const std::string &name, const std::vector<float> &offset,
-                const std::vector<float> &turn);
+                const std::vector<float> &rotation);
     void add_bones(nlohmann::ordered_json &animation, int time,
                    const std::vector<gltf_bone> &bones);
     void finish_meshes();

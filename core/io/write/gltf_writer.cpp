@@ -51,15 +51,15 @@ template <typename number> number *room_for(size_t count)
 }
 
 void list_target(clip_targets &to, const std::string &name, const float *offset,
-                 const std::vector<float> &turn)
+                 const std::vector<float> &rotation)
 {
     auto moves = [&](size_t v) {
         auto is_there = [](float x) { return x != 0.0f; };
         return std::any_of(offset + v * 3, offset + v * 3 + 3, is_there) ||
-               std::any_of(&turn[v * 3], &turn[v * 3] + 3, is_there);
+               std::any_of(&rotation[v * 3], &rotation[v * 3] + 3, is_there);
     };
     std::vector<uint32_t> moved;
-    for (size_t v = 0; v * 3 < turn.size(); ++v)
+    for (size_t v = 0; v * 3 < rotation.size(); ++v)
         if (moves(v))
             moved.push_back(static_cast<uint32_t>(v));
     auto *grown = static_cast<clip_target *>(
@@ -77,7 +77,7 @@ void list_target(clip_targets &to, const std::string &name, const float *offset,
     std::copy(moved.begin(), moved.end(), added.vertex);
     for (size_t i = 0; i < moved.size(); ++i) {
         std::copy_n(offset + moved[i] * size_t{3}, 3, added.offset + i * 3);
-        std::copy_n(&turn[moved[i] * size_t{3}], 3, added.normal + i * 3);
+        std::copy_n(&rotation[moved[i] * size_t{3}], 3, added.normal + i * 3);
     }
 }
 
@@ -577,8 +577,8 @@ void add_bone_channels(gltf_output &out, const std::vector<gltf_bone> &bones)
         animation.channels.push_back(std::move(channel));
     };
     for (size_t i = 0; i < bones.size(); ++i) {
-        add(i, "rotation", bones[i].turn, 4);
-        add(i, "translation", bones[i].place, 3);
+        add(i, "rotation", bones[i].rotation, 4);
+        add(i, "translation", bones[i].translation, 3);
     }
 }
 

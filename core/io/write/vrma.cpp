@@ -54,13 +54,13 @@ uint32_t find_bone(const clip *c, const char *name)
 /* Of one bone, or of the middle between two, against its parent. */
 std::vector<float> turns_of(const vrma &from, uint32_t bone, uint32_t other)
 {
-    std::vector<float> out = from.turning[bone == CLIP_NO_BONE ? other : bone].turn;
+    std::vector<float> out = from.turning[bone == CLIP_NO_BONE ? other : bone].rotation;
     if (bone == CLIP_NO_BONE || other == CLIP_NO_BONE)
         return out;
     for (size_t i = 0; i < out.size(); i += 4) {
         float length = 0.0f;
         for (size_t k = i; k < i + 4; ++k) {
-            out[k] += from.turning[other].turn[k];
+            out[k] += from.turning[other].rotation[k];
             length += out[k] * out[k];
         }
         for (size_t k = i; k < i + 4; ++k)

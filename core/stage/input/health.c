@@ -259,7 +259,7 @@ void health_age(health_report *self, int64_t now_ns)
 
 void health_board_init(health_board *out)
 {
-    atomic_init(&out->turn, 0);
+    atomic_init(&out->sequence, 0);
     for (int i = 0; i < HEALTH_BOARD_WORDS; ++i)
         atomic_init(&out->word[i], 0);
 }
@@ -270,21 +270,22 @@ void health_post(health_board *board, const health_report *report)
 {
     uint64_t words[HEALTH_BOARD_WORDS] = {0};
     memcpy(words, report, sizeof *report);
-    uint32_t turn = atomic_load_explicit(&board->turn, memory_order_relaxed);
-    atomic_store_explicit(&board->turn, turn + 1, memory_order_relaxed);
+    uint32_t sequence = atomic_load_explicit(&board->sequence, memory_order_relaxed);
+    atomic_store_explicit(&board->sequence, sequence + 1, memory_order_relaxed);
     for (int i = 0; i < HEALTH_BOARD_WORDS; ++i)
         atomic_store_explicit(&board->word[i], words[i], memory_order_release);
-    atomic_store_explicit(&board->turn, turn + 2, memory_order_release);
+    atomic_store_explicit(&board->sequence, sequence + 2, memory_order_release);
 }
 
 void health_look(const health_board *board, health_report *out)
 {
     uint64_t words[HEALTH_BOARD_WORDS];
     for (;;) {
-        uint32_t turn = atomic_load_explicit(&board->turn, memory_order_acquire);
+        uint32_t sequence = atomic_load_explicit(&board->sequence, memory_order_acquire);
         for (int i = 0; i < HEALTH_BOARD_WORDS; ++i)
             words[i] = atomic_load_explicit(&board->word[i], memory_order_acquire);
-        if (turn % 2 == 0 && atomic_load_explicit(&board->turn, memory_order_relaxed) == turn)
+        if (sequence % 2 == 0 &&
+            atomic_load_explicit(&board->sequence, memory_order_relaxed) == sequence)
             break;
         sched_yield();
     }

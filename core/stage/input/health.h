@@ -79,7 +79,7 @@ void health_age(health_report *self, int64_t now_ns);
 /* The newest report of one poster for any number of lookers. */
 enum { HEALTH_BOARD_WORDS = (sizeof(health_report) + 7) / 8 };
 typedef struct health_board {
-    _Atomic uint32_t turn; /* odd while posting */
+    _Atomic uint32_t sequence; /* odd while posting */
     _Atomic uint64_t word[HEALTH_BOARD_WORDS];
 } health_board;
 void health_board_init(health_board *out);

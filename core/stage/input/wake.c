@@ -10,7 +10,7 @@ _Static_assert(sizeof(_Atomic uint32_t) == sizeof(uint32_t), "a futex is a plain
 
 void wake_init(wake *self)
 {
-    atomic_init(&self->turn, 0);
+    atomic_init(&self->generation, 0);
     atomic_init(&self->waiting, 0);
 }
 
@@ -18,14 +18,14 @@ void wake_init(wake *self)
  * that it waits. */
 void wake_signal(wake *self)
 {
-    atomic_fetch_add(&self->turn, 1);
+    atomic_fetch_add(&self->generation, 1);
     if (atomic_load(&self->waiting))
-        syscall(SYS_futex, &self->turn, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);
+        syscall(SYS_futex, &self->generation, FUTEX_WAKE_PRIVATE, 1, NULL, NULL, 0);
 }
 
 uint32_t wake_seen(const wake *self)
 {
-    return atomic_load(&self->turn);
+    return atomic_load(&self->generation);
 }
 
 void wake_wait_until_ns(wake *self, uint32_t seen, int64_t time_ns)
@@ -35,8 +35,8 @@ void wake_wait_until_ns(wake *self, uint32_t seen, int64_t time_ns)
     struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
                              .tv_nsec = (long)(time_ns % NS_PER_S)};
     atomic_store(&self->waiting, 1);
-    while (atomic_load(&self->turn) == seen && clock_now_ns() < time_ns)
-        syscall(SYS_futex, &self->turn, FUTEX_WAIT_BITSET_PRIVATE, seen, &until, NULL,
+    while (atomic_load(&self->generation) == seen && clock_now_ns() < time_ns)
+        syscall(SYS_futex, &self->generation, FUTEX_WAIT_BITSET_PRIVATE, seen, &until, NULL,
                 FUTEX_BITSET_MATCH_ANY);
     atomic_store(&self->waiting, 0);
 }

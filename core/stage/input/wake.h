@@ -7,8 +7,8 @@
 #include <stdint.h>
 
 typedef struct wake {
-    _Atomic uint32_t turn;    /* +1 with each signal */
-    _Atomic uint32_t waiting; /* 1 while the waiter may be asleep */
+    _Atomic uint32_t generation; /* +1 with each signal */
+    _Atomic uint32_t waiting;    /* 1 while the waiter may be asleep */
 } wake;
 
 void wake_init(wake *self);

@@ -189,7 +189,7 @@ struct live {
     char note[1024];
     struct {
         int64_t take, at_ns;
-    } place[LIVE_POSITIONS];
+    } position[LIVE_POSITIONS];
     uint32_t position_count;
 
     sound *sound;

@@ -23,23 +23,24 @@ static void remember_position(live *self)
         return;
     int64_t at_ns = live_position(self).at_ns;
     uint32_t i = 0;
-    while (i < self->position_count && self->place[i].take != self->timeline->take)
+    while (i < self->position_count && self->position[i].take != self->timeline->take)
         i += 1;
     if (i == LIVE_POSITIONS) {
-        memmove(&self->place[0], &self->place[1], (LIVE_POSITIONS - 1) * sizeof self->place[0]);
+        memmove(&self->position[0], &self->position[1],
+                (LIVE_POSITIONS - 1) * sizeof self->position[0]);
         i -= 1;
     }
     if (i >= self->position_count)
         self->position_count = i + 1;
-    self->place[i].take = self->timeline->take;
-    self->place[i].at_ns = at_ns;
+    self->position[i].take = self->timeline->take;
+    self->position[i].at_ns = at_ns;
 }
 
-static int64_t place_of(const live *self, int64_t take_id)
+static int64_t position_of(const live *self, int64_t take_id)
 {
     for (uint32_t i = 0; i < self->position_count; ++i)
-        if (self->place[i].take == take_id)
-            return self->place[i].at_ns;
+        if (self->position[i].take == take_id)
+            return self->position[i].at_ns;
     return 0;
 }
 
@@ -262,7 +263,7 @@ static void take_rate(live *self, const take *t)
 
 static mrt_result show_another(live *self, const take *t, error *err)
 {
-    int64_t at_ns = place_of(self, t->id);
+    int64_t at_ns = position_of(self, t->id);
     showing s = {.live = self, .take = t};
     if (at_ns > t->duration_ns)
         at_ns = t->duration_ns;
@@ -282,9 +283,9 @@ static mrt_result show_again(live *self, const take *t, error *err)
 {
     showing s = {.live = self, .take = t};
     int64_t now_ns = clock_now_ns();
-    transport_position place = transport_at(&self->transport, now_ns);
+    transport_position position = transport_at(&self->transport, now_ns);
     self->transport.end_ns = t->duration_ns;
-    if (place.at_ns > t->duration_ns)
+    if (position.at_ns > t->duration_ns)
         transport_seek(&self->transport, now_ns, t->duration_ns);
     live_take_hold(self);
     mrt_result result = sequencer_set_take(self->timeline->sequencer, t, err);

@@ -238,10 +238,10 @@ void face_board_prepare(face_board *self)
     atomic_store(&self->has_tried, true);
 }
 
-static float *put_said(float *out, const double *said, uint32_t count)
+static float *put_channels(float *out, const double *channels, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
-        *out++ = (float)said[i];
+        *out++ = (float)channels[i];
     return out;
 }
 
@@ -256,11 +256,12 @@ static void say_weights(face_board *self, const board_face *from)
         memset(out, 0, n->weight_count * sizeof *out);
         return;
     }
-    const face_said *said = face_weights_solve(self->weights, &sample.vertices->x, sample.dofs);
-    self->residual_mm = said->residual_mm;
-    out = put_said(out, said->arkit, ARKIT_CHANNELS);
-    out = put_said(out, said->expression, FACE_EXPRESSIONS);
-    (void)put_said(out, said->viseme, FACE_VISEMES);
+    const face_channels *channels =
+        face_weights_solve(self->weights, &sample.vertices->x, sample.dofs);
+    self->residual_mm = channels->residual_mm;
+    out = put_channels(out, channels->arkit, ARKIT_CHANNELS);
+    out = put_channels(out, channels->expression, FACE_EXPRESSIONS);
+    (void)put_channels(out, channels->viseme, FACE_VISEMES);
 }
 
 const board_face *face_board_take(face_board *self)

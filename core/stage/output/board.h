@@ -25,7 +25,7 @@ typedef struct face_board {
     const face_file *file;
     face_weights *weights;  /* [taker] NULL: none yet, or none can be made */
     _Atomic bool has_tried; /* to make them; from then on [frame] asks which points they read */
-    double residual_mm;     /* of the face taken last, face_said */
+    double residual_mm;     /* of the face taken last, face_channels */
 } face_board;
 
 /* [main] With one reference. The composer may go before it; the file must be there as long as faces

@@ -38,7 +38,7 @@ uint32_t outputs_count(const outputs *self);
 /* What is sent from now on; NULL: nothing. The board is kept, and nobody else may take from it; the
  * file of the one before is not needed any more. */
 void outputs_show(outputs *self, face_board *board);
-/* How far the face is from what the 52 weights say of it, face_said; 0: nothing is known. */
+/* How far the face is from what the 52 weights say of it, face_channels; 0: nothing is known. */
 double outputs_residual_mm(outputs *self);
 
 typedef enum output_state {

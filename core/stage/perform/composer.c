@@ -188,16 +188,16 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const voice
         if (rides[k])
             continue;
         const voice *v = &self->voice[c->slot];
-        vec3 place = c->start;
+        vec3 position = c->start;
         if (v->is_joined && !v->part.is_finger && at[k].voices == 1 && is_one(v->share) &&
             (!counts || counts(v))) {
             /* it lands on its end itself: no digits lost on the way */
-            place = composer_vec3(v->joined.vector[c->vector].end);
+            position = composer_vec3(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);
         }
-        end[3 * k] += place.x;
-        end[3 * k + 1] += place.y;
-        end[3 * k + 2] += place.z;
+        end[3 * k] += position.x;
+        end[3 * k + 1] += position.y;
+        end[3 * k + 2] += position.z;
     }
 }
 
@@ -411,7 +411,7 @@ static bool nobody(const voice *v)
 
 /* Where a place of the rest face is in the shape shown: beside the vertex that is nearest at rest.
  */
-static vec3 place_now(const composer *self, vec3 at_rest)
+static vec3 position_now(const composer *self, vec3 at_rest)
 {
     const points *rest = face_rest(self->face), *shown = face_shown(self->face);
     double from[3], to[3];
@@ -439,7 +439,7 @@ static vec3 start_of(const composer *self, const joined_control *c)
     if (c->contact > 0)
         return face_contact_now(self->face, c->contact);
     if (self->voice[c->slot].part.is_finger)
-        return place_now(self, c->rest);
+        return position_now(self, c->rest);
     return composer_vec3(self->voice[c->slot].heard.vector[c->vector].start);
 }
 
@@ -468,10 +468,10 @@ static void find_places(composer *self, const holds *h, double *out_place, bool 
         out_comes[k] = c->is_finger && !held_before(self, c);
         if (!out_comes[k])
             continue;
-        vec3 place = start_of(self, c);
-        out_place[3 * k] = place.x;
-        out_place[3 * k + 1] = place.y;
-        out_place[3 * k + 2] = place.z;
+        vec3 position = start_of(self, c);
+        out_place[3 * k] = position.x;
+        out_place[3 * k + 1] = position.y;
+        out_place[3 * k + 2] = position.z;
     }
 }
 
@@ -486,14 +486,14 @@ static void keep_held(const composer *self, holds *h)
 }
 
 /* Engaged anew: how far from the base the others had those places. */
-static void hold_places(composer *self, const double *place, const bool *comes)
+static void hold_positions(composer *self, const double *position, const bool *comes)
 {
     double way[MRT_MAX_VECTORS * 3] = {0};
     bool any = false;
     for (uint32_t k = 0; k < self->control_count; ++k) {
         const vec3 *start = &self->control[k].start;
         const double still[3] = {start->x, start->y, start->z};
-        memcpy(way + 3 * k, comes[k] ? place + 3 * k : still, sizeof still);
+        memcpy(way + 3 * k, comes[k] ? position + 3 * k : still, sizeof still);
         any |= comes[k];
     }
     if (any)
@@ -504,7 +504,8 @@ static void hold_places(composer *self, const double *place, const bool *comes)
             continue;
         c->held = (vec3){way[3 * k], way[3 * k + 1], way[3 * k + 2]};
         if (c->contact == 0)
-            c->held = vec3_sub((vec3){place[3 * k], place[3 * k + 1], place[3 * k + 2]}, c->start);
+            c->held = vec3_sub((vec3){position[3 * k], position[3 * k + 1], position[3 * k + 2]},
+                               c->start);
     }
 }
 
@@ -651,15 +652,15 @@ static void composer_join(composer *self)
     list_holds(self, &h);
     is_new |= !are_held(self, &h);
     if (is_new) {
-        double place[MRT_MAX_VECTORS * 3];
+        double position[MRT_MAX_VECTORS * 3];
         bool comes[MRT_MAX_VECTORS] = {false};
         uint64_t before = self->counts.engagements;
-        find_places(self, &h, place, comes);
+        find_places(self, &h, position, comes);
         settle(self, is_anew);
         keep_held(self, &h);
         engage(self, &h);
         if (self->counts.engagements != before)
-            hold_places(self, place, comes);
+            hold_positions(self, position, comes);
     }
     join(self, &h);
     if (!self->engaged)

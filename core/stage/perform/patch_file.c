@@ -9,19 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLACE = 96 };
+enum { JSON_PATH_LENGTH = 96 };
 
 /* ---- read ---- */
 
-static mrt_result unexpected(error *err, const char *place, const char *key, const char *expected,
-                             const json_t *found)
+static mrt_result unexpected(error *err, const char *json_path, const char *key,
+                             const char *expected, const json_t *found)
 {
-    return error_set(err, MRT_ERR_FORMAT, "%s.%s: expected %s, found %s", place, key, expected,
+    return error_set(err, MRT_ERR_FORMAT, "%s.%s: expected %s, found %s", json_path, key, expected,
                      json_describe(found).text);
 }
 
 /* An object that has none but these keys. */
-static mrt_result check_keys(const json_t *object, const char *place, const char *const *keys,
+static mrt_result check_keys(const json_t *object, const char *json_path, const char *const *keys,
                              error *err)
 {
     const char *key;
@@ -34,13 +34,13 @@ static mrt_result check_keys(const json_t *object, const char *place, const char
         char shown[48];
         text_copy(shown, sizeof shown, text_view_of(key, strlen(key)));
         if (!*known)
-            return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is not known here", place, shown);
+            return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is not known here", json_path, shown);
     }
     return MRT_OK;
 }
 
 /* What is left out leaves *out as it is. */
-static mrt_result read_text(const json_t *object, const char *place, const char *key,
+static mrt_result read_text(const json_t *object, const char *json_path, const char *key,
                             char out[PATCH_NAME], error *err)
 {
     const json_t *value = json_object_get(object, key);
@@ -50,24 +50,24 @@ static mrt_result read_text(const json_t *object, const char *place, const char 
         return MRT_OK;
     if (!text || length == 0 || length >= PATCH_NAME || strlen(text) != length ||
         !text_is_printable(text_view_of(text, length)))
-        return unexpected(err, place, key, "a text of 1 to 63 bytes", value);
+        return unexpected(err, json_path, key, "a text of 1 to 63 bytes", value);
     memcpy(out, text, length + 1);
     return MRT_OK;
 }
 
-static mrt_result read_number(const json_t *object, const char *place, const char *key, double *out,
-                              error *err)
+static mrt_result read_number(const json_t *object, const char *json_path, const char *key,
+                              double *out, error *err)
 {
     const json_t *value = json_object_get(object, key);
     if (!value)
         return MRT_OK;
     if (!json_is_number(value) || !isfinite(json_number_value(value)))
-        return unexpected(err, place, key, "a number", value);
+        return unexpected(err, json_path, key, "a number", value);
     *out = json_number_value(value);
     return MRT_OK;
 }
 
-static mrt_result read_numbers(const json_t *object, const char *place, const char *key,
+static mrt_result read_numbers(const json_t *object, const char *json_path, const char *key,
                                double *out, size_t count, error *err)
 {
     const json_t *value = json_object_get(object, key);
@@ -79,31 +79,31 @@ static mrt_result read_numbers(const json_t *object, const char *place, const ch
         is_good = json_is_number(item) && isfinite(json_number_value(item));
         out[i] = json_number_value(item);
     }
-    return is_good
-               ? MRT_OK
-               : unexpected(err, place, key, count == 2 ? "two numbers" : "three numbers", value);
+    return is_good ? MRT_OK
+                   : unexpected(err, json_path, key, count == 2 ? "two numbers" : "three numbers",
+                                value);
 }
 
-static mrt_result read_flag(const json_t *object, const char *place, const char *key, bool *out,
+static mrt_result read_flag(const json_t *object, const char *json_path, const char *key, bool *out,
                             error *err)
 {
     const json_t *value = json_object_get(object, key);
     if (value && !json_is_boolean(value))
-        return unexpected(err, place, key, "true or false", value);
+        return unexpected(err, json_path, key, "true or false", value);
     if (value)
         *out = json_is_true(value);
     return MRT_OK;
 }
 
-static mrt_result read_from(patch_connection *out, const json_t *item, const char *place,
+static mrt_result read_from(patch_connection *out, const json_t *item, const char *json_path,
                             error *err)
 {
     static const char *const keys[] = {"input", "channel", NULL};
     const json_t *from = json_object_get(item, "from");
-    char inside[PLACE + 8];
+    char inside[JSON_PATH_LENGTH + 8];
     if (!json_is_object(from))
-        return unexpected(err, place, "from", "an object", from);
-    (void)snprintf(inside, sizeof inside, "%s.from", place);
+        return unexpected(err, json_path, "from", "an object", from);
+    (void)snprintf(inside, sizeof inside, "%s.from", json_path);
     mrt_result result = check_keys(from, inside, keys, err);
     if (result >= 0)
         result = read_text(from, inside, "input", out->input, err);
@@ -111,28 +111,30 @@ static mrt_result read_from(patch_connection *out, const json_t *item, const cha
 }
 
 /* A direction of any length. */
-static mrt_result read_way(patch_connection *out, const json_t *to, const char *place, error *err)
+static mrt_result read_way(patch_connection *out, const json_t *to, const char *json_path,
+                           error *err)
 {
     double way[3] = {0.0, 1.0, 0.0};
-    mrt_result result = read_numbers(to, place, "way", way, 3, err);
+    mrt_result result = read_numbers(to, json_path, "way", way, 3, err);
     double length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
     if (result >= 0 && !(length > 1e-6 && length < 1e6))
-        return unexpected(err, place, "way", "a direction", json_object_get(to, "way"));
+        return unexpected(err, json_path, "way", "a direction", json_object_get(to, "way"));
     double unit = fabs(length - 1.0) < 1e-6 ? 1.0 : 1.0 / length; /* one that was written stays */
     for (int axis = 0; axis < 3 && result >= 0; ++axis)
         out->way[axis] = (float)(way[axis] * unit);
     return result;
 }
 
-static mrt_result read_to(patch_connection *out, const json_t *item, const char *place, error *err)
+static mrt_result read_to(patch_connection *out, const json_t *item, const char *json_path,
+                          error *err)
 {
     static const char *const keys[] = {"param",  "dof",   "contact", "pose",
                                        "action", "shape", "way",     NULL};
     const json_t *to = json_object_get(item, "to");
-    char inside[PLACE + 8];
+    char inside[JSON_PATH_LENGTH + 8];
     if (!json_is_object(to))
-        return unexpected(err, place, "to", "an object", to);
-    (void)snprintf(inside, sizeof inside, "%s.to", place);
+        return unexpected(err, json_path, "to", "an object", to);
+    (void)snprintf(inside, sizeof inside, "%s.to", json_path);
     mrt_result result = check_keys(to, inside, keys, err);
     uint32_t kind_count = 0;
     for (int kind = PATCH_PARAM; kind < PATCH_KINDS && result >= 0; ++kind) {
@@ -143,8 +145,8 @@ static mrt_result read_to(patch_connection *out, const json_t *item, const char 
         result = read_text(to, inside, patch_kind_names[kind], out->target, err);
     }
     if (result >= 0 && kind_count != 1)
-        return unexpected(err, place, "to", "one of param, dof, contact, pose, shape and action",
-                          to);
+        return unexpected(err, json_path, "to",
+                          "one of param, dof, contact, pose, shape and action", to);
     if (result < 0 || out->kind == PATCH_CONTACT)
         return result < 0 ? result : read_way(out, to, inside, err);
     return json_object_get(to, "way") ? unexpected(err, inside, "way", "it with a contact alone",
@@ -152,7 +154,7 @@ static mrt_result read_to(patch_connection *out, const json_t *item, const char 
                                       : MRT_OK;
 }
 
-static mrt_result read_mode(patch_connection *out, const json_t *item, const char *place,
+static mrt_result read_mode(patch_connection *out, const json_t *item, const char *json_path,
                             error *err)
 {
     const json_t *mode = json_object_get(item, "mode");
@@ -162,37 +164,37 @@ static mrt_result read_mode(patch_connection *out, const json_t *item, const cha
     out->adds = text && strcmp(text, "add") == 0;
     return out->adds || (text && strcmp(text, "instead") == 0)
                ? MRT_OK
-               : unexpected(err, place, "mode", "\"add\" or \"instead\"", mode);
+               : unexpected(err, json_path, "mode", "\"add\" or \"instead\"", mode);
 }
 
-static mrt_result read_connection(patch_connection *out, const json_t *item, const char *place,
+static mrt_result read_connection(patch_connection *out, const json_t *item, const char *json_path,
                                   error *err)
 {
     static const char *const keys[] = {"from",     "to",   "in",     "out",   "bend", "ease",
                                        "smooth_s", "mode", "pickup", "muted", NULL};
     if (!json_is_object(item))
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected an object, found %s", place,
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected an object, found %s", json_path,
                          json_describe(item).text);
-    mrt_result result = check_keys(item, place, keys, err);
+    mrt_result result = check_keys(item, json_path, keys, err);
     if (result >= 0)
-        result = read_to(out, item, place, err); /* first: it sets the usual values */
+        result = read_to(out, item, json_path, err); /* first: it sets the usual values */
     if (result >= 0)
-        result = read_from(out, item, place, err);
+        result = read_from(out, item, json_path, err);
     if (result >= 0)
-        result = read_numbers(item, place, "in", out->in, 2, err);
+        result = read_numbers(item, json_path, "in", out->in, 2, err);
     if (result >= 0)
-        result = read_numbers(item, place, "out", out->out, 2, err);
+        result = read_numbers(item, json_path, "out", out->out, 2, err);
     if (result >= 0)
-        result = read_number(item, place, "bend", &out->bend, err);
+        result = read_number(item, json_path, "bend", &out->bend, err);
     if (result >= 0)
-        result = read_number(item, place, "ease", &out->ease, err);
+        result = read_number(item, json_path, "ease", &out->ease, err);
     if (result >= 0)
-        result = read_number(item, place, "smooth_s", &out->smooth_s, err);
+        result = read_number(item, json_path, "smooth_s", &out->smooth_s, err);
     if (result >= 0)
-        result = read_mode(out, item, place, err);
+        result = read_mode(out, item, json_path, err);
     if (result >= 0)
-        result = read_flag(item, place, "pickup", &out->picks_up, err);
-    return result < 0 ? result : read_flag(item, place, "muted", &out->is_muted, err);
+        result = read_flag(item, json_path, "pickup", &out->picks_up, err);
+    return result < 0 ? result : read_flag(item, json_path, "muted", &out->is_muted, err);
 }
 
 static mrt_result read_connections(patch *out, const json_t *root, error *err)
@@ -202,10 +204,10 @@ static mrt_result read_connections(patch *out, const json_t *root, error *err)
         return unexpected(err, "$", "connections", "an array of at most 64", list);
     out->count = (uint32_t)json_array_size(list);
     for (uint32_t i = 0; i < out->count; ++i) {
-        char place[PLACE];
-        (void)snprintf(place, sizeof place, "$.connections[%u]", i);
+        char json_path[JSON_PATH_LENGTH];
+        (void)snprintf(json_path, sizeof json_path, "$.connections[%u]", i);
         mrt_result result =
-            read_connection(&out->connection[i], json_array_get(list, i), place, err);
+            read_connection(&out->connection[i], json_array_get(list, i), json_path, err);
         if (result < 0)
             return result;
     }

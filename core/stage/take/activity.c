@@ -151,13 +151,13 @@ static double squared_mm(mrt_vec3 a, mrt_vec3 b)
 }
 
 /* A free point counts where the nearest contact is. */
-static uint32_t regions_at(const activity *self, mrt_vec3 place)
+static uint32_t regions_at(const activity *self, mrt_vec3 position)
 {
     const mrt_face *about = composer_about(performer_composer(self->world.scratch));
     uint32_t out = 1u << ALL;
     double least = INFINITY;
     for (uint32_t i = 0; i < about->contact_count; ++i) {
-        double away = squared_mm(about->contacts[i].rest, place);
+        double away = squared_mm(about->contacts[i].rest, position);
         if (away >= least)
             continue;
         least = away;

@@ -129,16 +129,16 @@ static mrt_result go_to(overdub_run *self, recorder *into, int64_t clock_ns, err
         begin(self, clock_ns);
     if (clock_ns < self->rolling_ns || self->is_over)
         return MRT_OK;
-    transport_position place = transport_at(&self->transport, clock_ns);
+    transport_position position = transport_at(&self->transport, clock_ns);
     mrt_result result = MRT_OK;
     bool is_past_out =
-        self->plan.passes == 1 && self->plan.out_ns > 0 && place.at_ns >= self->plan.out_ns;
-    while (result >= 0 && self->pass_now < place.pass && !self->is_over)
+        self->plan.passes == 1 && self->plan.out_ns > 0 && position.at_ns >= self->plan.out_ns;
+    while (result >= 0 && self->pass_now < position.pass && !self->is_over)
         result = end_pass(self, into, err);
     if (is_past_out && result >= 0)
         result = end_pass(self, into, err);
     if (result >= 0 && !self->is_over)
-        self->at_ns = place.at_ns;
+        self->at_ns = position.at_ns;
     return result;
 }
 

@@ -26,24 +26,24 @@ const vec3 sky = vec3(0.255, 0.285, 0.335), ground = vec3(0.095, 0.083, 0.072);
 in vec4 v_tint;
 in vec2 v_uv;
 uniform sampler2D base_map, normal_map, emission_map, rough_metal_map;
-uniform vec3 place[8]; // two rows of each, from v_uv
+uniform vec3 uv_transform[8]; // two rows of each, from v_uv
 uniform vec3 emission; // linear
 uniform float normal_scale;
 uniform vec3 shade;   // toon: linear
 uniform vec2 toon;    // shift, toony
 uniform vec2 alpha_range;
 
-vec2 place_of(int map)
+vec2 uv_of(int map)
 {
     vec3 at = vec3(v_uv, 1.0);
-    return vec2(dot(place[2 * map], at), dot(place[2 * map + 1], at));
+    return vec2(dot(uv_transform[2 * map], at), dot(uv_transform[2 * map + 1], at));
 }
 
 #ifdef NORMAL_MAP
 // The normal map, in a frame made of how position and coordinates change from pixel to pixel.
 vec3 bend(vec3 normal)
 {
-    vec2 uv = place_of(1);
+    vec2 uv = uv_of(1);
     vec3 px = dFdx(v_position), py = dFdy(v_position);
     vec2 ux = dFdx(uv), uy = dFdy(uv);
     vec3 along = cross(py, normal) * ux.x + cross(normal, px) * uy.x;
@@ -273,7 +273,7 @@ void main()
     vec3 base = has_own_colours ? v_colour : base_colour.rgb;
     float shown_alpha = base_colour.a, metal = metallic;
 #ifdef PAINTED
-    vec4 paint = v_tint * texture(base_map, place_of(0));
+    vec4 paint = v_tint * texture(base_map, uv_of(0));
     base *= paint.rgb;
     shown_alpha *= paint.a;
 #endif
@@ -281,10 +281,10 @@ void main()
     normal = bend(normal);
 #endif
 #ifdef EMISSION
-    vec3 glow = emission * texture(emission_map, place_of(2)).rgb;
+    vec3 glow = emission * texture(emission_map, uv_of(2)).rgb;
 #endif
 #ifdef ROUGH_METAL
-    vec4 kind = texture(rough_metal_map, place_of(3));
+    vec4 kind = texture(rough_metal_map, uv_of(3));
     rough = clamp(roughness * kind.g, 0.12, 1.0);
     metal *= kind.b;
 #endif

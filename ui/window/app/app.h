@@ -130,17 +130,17 @@ const char *app_picture_says(const app *self, uint32_t *out_streams);
 
 /* ---- from afar ---- */
 
-enum { APP_REMOTE_PLACE = 160 };
+enum { APP_REMOTE_ADDRESS = 160 };
 typedef struct app_remote_status {
-    const char *place; /* "": off */
+    const char *address; /* "": off */
     bool is_listening;
     const char *trouble; /* why it does not; "" */
     uint32_t clients;    /* WebSockets */
     const char *last;    /* what was done last, and what came of it; "" */
 } app_remote_status;
-app_remote_status app_remote_now(const app *self); /* texts until the next frame */
-void app_set_remote(app *self, const char *place); /* "[HOST:]PORT", "": off; kept */
-struct expressions *app_expressions(app *self);    /* expressions.h */
+app_remote_status app_remote_now(const app *self);   /* texts until the next frame */
+void app_set_remote(app *self, const char *address); /* "[HOST:]PORT", "": off; kept */
+struct expressions *app_expressions(app *self);      /* expressions.h */
 /* The time code from outside as it is now; false: none runs. */
 bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);
 /* The chosen take plays where the time code from outside is, as long as that runs; kept. */

@@ -209,18 +209,18 @@ app_remote_status app_remote_now(const app *self)
     return remote_status_of(self->remote);
 }
 
-void app_set_remote(app *self, const char *place)
+void app_set_remote(app *self, const char *address)
 {
     error err = {""};
-    if (app_report(self, remote_listen(self->remote, place, &err), &err) >= 0)
-        settings_set_text(self->settings, remote_key, place[0] ? place : NULL);
+    if (app_report(self, remote_listen(self->remote, address, &err), &err) >= 0)
+        settings_set_text(self->settings, remote_key, address[0] ? address : NULL);
 }
 
 static mrt_result start_remote(app *self, const char *wanted, error *err)
 {
-    const char *place = wanted ? wanted : settings_text(self->settings, remote_key, "");
+    const char *address = wanted ? wanted : settings_text(self->settings, remote_key, "");
     error ignored;
-    const mrt_result result = remote_listen(self->remote, place, wanted ? err : &ignored);
+    const mrt_result result = remote_listen(self->remote, address, wanted ? err : &ignored);
     return wanted ? result : MRT_OK;
 }
 

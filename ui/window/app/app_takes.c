@@ -1182,12 +1182,12 @@ static void play_or_pause(app *self)
 {
     if (!show_it(self))
         return;
-    const transport_position place = live_position(self->live);
-    if (live_transport(self->live)->is_playing && !place.has_stopped) {
+    const transport_position position = live_position(self->live);
+    if (live_transport(self->live)->is_playing && !position.has_stopped) {
         live_pause(self->live);
         return;
     }
-    self->played_from_ns = place.has_stopped ? 0 : place.at_ns;
+    self->played_from_ns = position.has_stopped ? 0 : position.at_ns;
     live_play(self->live);
 }
 

@@ -36,9 +36,9 @@ typedef struct call {
 } call;
 
 typedef struct job {
-    call *call; /* NULL: free */
-    pid_t pid;  /* 0: it waits */
-    int said;   /* what it says on stderr */
+    call *call;    /* NULL: free */
+    pid_t pid;     /* 0: it waits */
+    int stderr_fd; /* what it says on stderr */
     export_progress going;
     char line[LINE], last[LINE]; /* being read; the last that was no progress */
     size_t length;
@@ -65,7 +65,7 @@ void exporter_destroy(exporter *self)
             continue;
         (void)kill(self->job[i].pid, SIGTERM);
         (void)program_wait(self->job[i].pid, &status, goodbye_patience_ns);
-        close(self->job[i].said);
+        close(self->job[i].stderr_fd);
     }
     free(self);
 }
@@ -151,7 +151,7 @@ static char **environment_with_progress(void)
     return out;
 }
 
-static int spawn(pid_t *out_pid, const call *what, int said)
+static int spawn(pid_t *out_pid, const call *what, int stderr_fd)
 {
     posix_spawn_file_actions_t actions;
     union { /* posix_spawn does not write to its arguments: they are only declared so */
@@ -164,7 +164,7 @@ static int spawn(pid_t *out_pid, const call *what, int said)
         free(environment);
         return failed;
     }
-    failed = posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
+    failed = posix_spawn_file_actions_adddup2(&actions, stderr_fd, STDERR_FILENO);
     if (!failed)
         failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     if (!failed)
@@ -188,7 +188,7 @@ static mrt_result begin_job(job *self, error *err)
     (void)fcntl(end[0], F_SETFL, O_NONBLOCK);
     const int failed = spawn(&self->pid, self->call, end[1]);
     close(end[1]);
-    self->said = end[0];
+    self->stderr_fd = end[0];
     if (!failed) {
         self->going.is_waiting = false;
         return MRT_OK;
@@ -260,7 +260,7 @@ static void listen(job *self)
 {
     char piece[256];
     ssize_t got;
-    while ((got = read(self->said, piece, sizeof piece)) > 0)
+    while ((got = read(self->stderr_fd, piece, sizeof piece)) > 0)
         for (ssize_t i = 0; i < got; ++i)
             if (piece[i] == '\n')
                 parse_line(self);
@@ -308,7 +308,7 @@ static bool has_ended(job *self, bool has_room, int *out_status)
             return false;
         listen(self);
         parse_line(self);
-        close(self->said);
+        close(self->stderr_fd);
         return true;
     }
     if (self->going.is_cancelled)

@@ -49,7 +49,7 @@ typedef struct answer { /* waits for the frame's end */
 
 struct remote {
     app *of;
-    char place[APP_REMOTE_PLACE], host[UDP_HOST];
+    char address[APP_REMOTE_ADDRESS], host[UDP_HOST];
     uint16_t port;
     bool others_may_ask;
     int udp, tcp; /* -1: closed */
@@ -586,30 +586,30 @@ static void open_sockets(remote *self)
     self->trouble[0] = '\0';
     self->news_told = news_list_said(app_news(self->of));
     self->was_recording = app_status(self->of)->is_recording;
-    char words[APP_REMOTE_PLACE + 64];
+    char words[APP_REMOTE_ADDRESS + 64];
     (void)snprintf(words, sizeof words, "remote control at %s port %u: OSC and WebSocket",
                    self->host, (unsigned)self->port);
     news_list_add(app_news(self->of), MRT_LOG_INFO, "remote", words);
 }
 
-mrt_result remote_listen(remote *self, const char *place, error *err)
+mrt_result remote_listen(remote *self, const char *address, error *err)
 {
     char host[UDP_HOST] = "127.0.0.1";
     uint16_t port = REMOTE_PORT;
-    if (place[0] && (strlen(place) >= sizeof self->place ||
-                     !udp_address_parse(host, &port, place, strlen(place))))
+    if (address[0] && (strlen(address) >= sizeof self->address ||
+                       !udp_address_parse(host, &port, address, strlen(address))))
         return error_set(err, MRT_ERR_ARGUMENT,
                          "remote control at \"%.60s\": expected a port, as in 9110, or "
                          "0.0.0.0:9110 for the whole network",
-                         place);
+                         address);
     close_sockets(self);
-    (void)snprintf(self->place, sizeof self->place, "%s", place);
+    (void)snprintf(self->address, sizeof self->address, "%s", address);
     (void)snprintf(self->host, sizeof self->host, "%s", host);
     self->port = port;
     self->others_may_ask = strcmp(host, "127.0.0.1") != 0 && strcmp(host, "::1") != 0;
     self->trouble[0] = self->last[0] = '\0';
     self->wait_s = self->quiet_s = 0.0;
-    if (place[0])
+    if (address[0])
         expressions_want(app_expressions(self->of));
     return MRT_OK;
 }
@@ -638,7 +638,7 @@ void remote_destroy(remote *self)
 
 void remote_update(remote *self, double dt_s)
 {
-    if (!self->place[0])
+    if (!self->address[0])
         return;
     self->quiet_s -= dt_s;
     self->wait_s -= dt_s;
@@ -662,7 +662,7 @@ void remote_update(remote *self, double dt_s)
 
 app_remote_status remote_status_of(const remote *self)
 {
-    app_remote_status out = {.place = self->place,
+    app_remote_status out = {.address = self->address,
                              .is_listening = self->tcp >= 0,
                              .trouble = self->trouble,
                              .last = self->last};

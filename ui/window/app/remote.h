@@ -16,7 +16,7 @@ void remote_destroy(remote *self); /* NULL is fine */
 
 /* "[HOST:]PORT", HOST this computer's own address in numbers; "": off. A port that another program
  * has is said once and tried again until it is free. */
-CHECKED mrt_result remote_listen(remote *self, const char *place, error *err);
+CHECKED mrt_result remote_listen(remote *self, const char *address, error *err);
 /* Once a frame. */
 void remote_update(remote *self, double dt_s);
 

@@ -40,9 +40,9 @@ typedef struct devices_panel {
     char path[DEVICES_PATH], osc[128];
     input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
     uint32_t opening_count, input_count;
-    bool repeats;                  /* a recording begins again at its end */
-    bool shows_page;               /* the camera's, as soon as it is open */
-    char remote[APP_REMOTE_PLACE]; /* the place that is typed */
+    bool repeats;                    /* a recording begins again at its end */
+    bool shows_page;                 /* the camera's, as soon as it is open */
+    char remote[APP_REMOTE_ADDRESS]; /* the place that is typed */
     char streams[512];
     char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
     rezero_counts rezeros; /* as of the frame before */
@@ -952,7 +952,7 @@ static void draw_remote(devices_panel *self, ui *on)
 {
     static const char usual[] = "9110";
     const app_remote_status now = app_remote_now(self->app);
-    bool is_on = now.place[0] != '\0';
+    bool is_on = now.address[0] != '\0';
     char line[96];
     if (!ui_section(on, "Remote control", false))
         return;
@@ -1144,7 +1144,7 @@ static panel *create(app *of)
     }
     use_settings(&self->of);
     (void)snprintf(self->of.streams, sizeof self->of.streams, "%s", app_picture_now(of)->targets);
-    (void)snprintf(self->of.remote, sizeof self->of.remote, "%s", app_remote_now(of).place);
+    (void)snprintf(self->of.remote, sizeof self->of.remote, "%s", app_remote_now(of).address);
     self->of.rezeros = app_status(of)->rezeros;
     return self;
 }

@@ -42,12 +42,12 @@ static void clip_menu(panel *self, ui *on, const take *t)
         do_edit(self, EDIT_CLIP_REMOVE, 0, self->menu.clip);
 }
 
-static void move_layer(panel *self, const take_layer *lane, uint32_t place)
+static void move_layer(panel *self, const take_layer *lane, uint32_t layer_index)
 {
     edit e;
     edit_init(&e, EDIT_LAYER_ORDER);
     e.layer = lane->id;
-    e.place = place;
+    e.place = layer_index;
     timeline_edit(self, &e);
 }
 
@@ -56,13 +56,13 @@ static void layer_menu(panel *self, ui *on, const take *t)
     const take_layer *lane = timeline_layer(t, self->menu.layer);
     if (!lane)
         return;
-    uint32_t place = (uint32_t)(lane - t->layer);
+    uint32_t layer_index = (uint32_t)(lane - t->layer);
     if (ui_menu_item(on, "Name and parts \u2026", "", true))
         timeline_ask_layer(self, on, lane->id);
-    else if (ui_menu_item(on, "Move up", "", place + 1 < t->layer_count))
-        move_layer(self, lane, place + 1);
-    else if (ui_menu_item(on, "Move down", "", place > 0))
-        move_layer(self, lane, place - 1);
+    else if (ui_menu_item(on, "Move up", "", layer_index + 1 < t->layer_count))
+        move_layer(self, lane, layer_index + 1);
+    else if (ui_menu_item(on, "Move down", "", layer_index > 0))
+        move_layer(self, lane, layer_index - 1);
     else if (ui_menu_item(on, "Remove", "", true))
         do_edit(self, EDIT_LAYER_REMOVE, lane->id, 0);
 }

@@ -51,9 +51,10 @@ static ramp ramp_of(const uint32_t stop[VIEWPORT_HEAT_STOPS])
 /* share: 0..1; NaN as 0. */
 static void ramp_at(float out[3], const ramp *r, float share)
 {
-    float place = (share > 0.0f ? share < 1.0f ? share : 1.0f : 0.0f) * (VIEWPORT_HEAT_STOPS - 1);
-    int low = place < VIEWPORT_HEAT_STOPS - 1 ? (int)place : VIEWPORT_HEAT_STOPS - 2;
-    float part = place - (float)low;
+    float position =
+        (share > 0.0f ? share < 1.0f ? share : 1.0f : 0.0f) * (VIEWPORT_HEAT_STOPS - 1);
+    int low = position < VIEWPORT_HEAT_STOPS - 1 ? (int)position : VIEWPORT_HEAT_STOPS - 2;
+    float part = position - (float)low;
     for (int i = 0; i < 3; ++i)
         out[i] = r->stop[low][i] + part * (r->stop[low + 1][i] - r->stop[low][i]);
 }

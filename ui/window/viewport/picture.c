@@ -17,7 +17,7 @@ static void set_ink(float out[4], uint32_t colour, float alpha)
     out[3] = alpha;
 }
 
-static void set_place(float out[3], vec3 at)
+static void set_point(float out[3], vec3 at)
 {
     out[0] = (float)at.x;
     out[1] = (float)at.y;
@@ -51,12 +51,12 @@ static const double hand_tilt_rad = 0.95; /* the back of the hand is seen, finge
 static const double hand_length_mm = 190.0;
 static const float absent_alpha = 0.22f;
 
-typedef struct hand_place {
+typedef struct hand_stance {
     vec3 wrist, right, up, out; /* unit vectors: the hand's x, y, z in the face frame */
     double mm;                  /* of the picture in a mm of the hand */
-} hand_place;
+} hand_stance;
 
-static hand_place place_of_hand(const viewport_scene_of *of, uint32_t side)
+static hand_stance hand_stance_of(const viewport_scene_of *of, uint32_t side)
 {
     const draw_camera *c = of->camera;
     double sy = sin((double)c->yaw_rad), cy = cos((double)c->yaw_rad);
@@ -65,32 +65,32 @@ static hand_place place_of_hand(const viewport_scene_of *of, uint32_t side)
     double high = 2.0 * tan(0.5 * (double)c->field_of_view_rad) * (double)c->distance_mm;
     double wide = high * (double)of->aspect;
     double across = wide * (0.5 - hand_edge) * (side == MRT_RIGHT ? -1.0 : 1.0);
-    hand_place place = {.mm = high * hand_share / hand_length_mm, .right = right};
+    hand_stance pose = {.mm = high * hand_share / hand_length_mm, .right = right};
     vec3 target = {(double)c->target[0], (double)c->target[1], (double)c->target[2]};
-    place.wrist =
+    pose.wrist =
         vec3_add(vec3_add(target, vec3_scale(right, across)), vec3_scale(up, hand_up * high));
     double st = sin(hand_tilt_rad), ct = cos(hand_tilt_rad);
-    place.up = vec3_add(vec3_scale(up, ct), vec3_scale(back, st));
-    place.out = vec3_sub(vec3_scale(back, ct), vec3_scale(up, st));
-    return place;
+    pose.up = vec3_add(vec3_scale(up, ct), vec3_scale(back, st));
+    pose.out = vec3_sub(vec3_scale(back, ct), vec3_scale(up, st));
+    return pose;
 }
 
-static vec3 in_place(const hand_place *place, mrt_vec3 joint)
+static vec3 in_place(const hand_stance *pose, mrt_vec3 joint)
 {
-    vec3 at = place->wrist;
-    at = vec3_add(at, vec3_scale(place->right, place->mm * (double)joint.x));
-    at = vec3_add(at, vec3_scale(place->up, place->mm * (double)joint.y));
-    return vec3_add(at, vec3_scale(place->out, place->mm * (double)joint.z));
+    vec3 at = pose->wrist;
+    at = vec3_add(at, vec3_scale(pose->right, pose->mm * (double)joint.x));
+    at = vec3_add(at, vec3_scale(pose->up, pose->mm * (double)joint.y));
+    return vec3_add(at, vec3_scale(pose->out, pose->mm * (double)joint.z));
 }
 
-static void add_bone(viewport_scene *out, const hand_place *place, const mrt_hand *hand, int from,
+static void add_bone(viewport_scene *out, const hand_stance *pose, const mrt_hand *hand, int from,
                      int to, const overlay_item *like, double radius_mm)
 {
     overlay_item bone = *like;
     bone.kind = OVERLAY_BONE;
-    bone.radius_mm = (float)(radius_mm * place->mm);
-    set_place(bone.from, in_place(place, hand->joint[from]));
-    set_place(bone.to, in_place(place, hand->joint[to]));
+    bone.radius_mm = (float)(radius_mm * pose->mm);
+    set_point(bone.from, in_place(pose, hand->joint[from]));
+    set_point(bone.to, in_place(pose, hand->joint[to]));
     viewport_scene_add(out, &bone);
 }
 
@@ -99,26 +99,26 @@ static void add_hand(viewport_scene *out, const viewport_scene_of *of, uint32_t 
     const mrt_hand *hand = &of->view->hand[side];
     if (!hand->present && hand->time_ns == 0)
         return;
-    hand_place place = place_of_hand(of, side);
+    hand_stance pose = hand_stance_of(of, side);
     uint32_t colour = side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT;
     overlay_item like = {.kind = OVERLAY_BONE};
     set_ink(like.rgba, colour, hand->present ? 1.0f : absent_alpha);
     for (int finger = 0; finger < FINGERS; ++finger) {
         int first = 1 + FINGER_JOINTS * finger, tip = first + FINGER_JOINTS - 1;
-        add_bone(out, &place, hand, 0, first, &like, 8.5);
+        add_bone(out, &pose, hand, 0, first, &like, 8.5);
         for (int joint = first; joint < tip; ++joint)
-            add_bone(out, &place, hand, joint, joint + 1, &like, finger == 0 ? 8.5 : 7.5);
+            add_bone(out, &pose, hand, joint, joint + 1, &like, finger == 0 ? 8.5 : 7.5);
         overlay_item ball = like;
         ball.kind = OVERLAY_BALL;
-        ball.radius_mm = (float)(7.0 * place.mm);
+        ball.radius_mm = (float)(7.0 * pose.mm);
         for (int i = 0; i < 3; ++i)
             ball.rgba[i] = 0.45f * ball.rgba[i] + 0.55f;
-        set_place(ball.from, in_place(&place, hand->joint[tip]));
-        set_place(ball.to, in_place(&place, hand->joint[tip]));
+        set_point(ball.from, in_place(&pose, hand->joint[tip]));
+        set_point(ball.to, in_place(&pose, hand->joint[tip]));
         viewport_scene_add(out, &ball);
     }
     for (int finger = 1; finger + 1 < FINGERS; ++finger)
-        add_bone(out, &place, hand, 1 + FINGER_JOINTS * finger, 1 + FINGER_JOINTS * (finger + 1),
+        add_bone(out, &pose, hand, 1 + FINGER_JOINTS * finger, 1 + FINGER_JOINTS * (finger + 1),
                  &like, 7.5);
 }
 
@@ -164,8 +164,8 @@ static bool viewport_vector_shown(const viewport_scene_of *of, uint32_t index, f
         to = view->contact[contact];
         from = vec3_sub(to, rigid_rotate(&bone, way));
     }
-    set_place(out_from, from);
-    set_place(out_to, to);
+    set_point(out_from, from);
+    set_point(out_to, to);
     return true;
 }
 
@@ -231,8 +231,8 @@ enum { ARC_PARTS = 24 };
 static void add_line(viewport_scene *out, const overlay_item *like, vec3 from, vec3 to)
 {
     overlay_item line = *like;
-    set_place(line.from, from);
-    set_place(line.to, to);
+    set_point(line.from, from);
+    set_point(line.to, to);
     viewport_scene_add(out, &line);
 }
 

@@ -135,13 +135,13 @@ static ui_rectangle dot_of(const viewport_label *l, float dot)
 }
 
 /* Where a name may be: right, left, above, below. */
-enum { PLACES = 4 };
-static void put(viewport_label *l, int place, float dot)
+enum { SIDES = 4 };
+static void put(viewport_label *l, int side, float dot)
 {
     float middle_x = l->x - 0.5f * l->width, middle_y = l->y - 0.5f * l->height;
     float away = dot + label_gap;
-    l->at_x = place == 0 ? l->x + away : place == 1 ? l->x - away - l->width : middle_x;
-    l->at_y = place == 2 ? l->y - away - l->height : place == 3 ? l->y + away : middle_y;
+    l->at_x = side == 0 ? l->x + away : side == 1 ? l->x - away - l->width : middle_x;
+    l->at_y = side == 2 ? l->y - away - l->height : side == 3 ? l->y + away : middle_y;
 }
 
 static bool is_free(const viewport_label *label, uint32_t count, uint32_t self,
@@ -164,8 +164,8 @@ void viewport_labels_place(viewport_label *label, uint32_t count, ui_rectangle w
 {
     for (uint32_t i = 0; i < count; ++i) {
         label[i].is_placed = false;
-        for (int place = 0; place < PLACES && !label[i].is_placed; ++place) {
-            put(&label[i], place, dot);
+        for (int side = 0; side < SIDES && !label[i].is_placed; ++side) {
+            put(&label[i], side, dot);
             label[i].is_placed = is_free(label, count, i, &within, dot);
         }
     }
@@ -1064,10 +1064,10 @@ static void ink_scale(ui *on, float x, float y, float width, const viewport_heat
 {
     enum { PARTS = 40 };
     for (int i = 0; i < PARTS; ++i) {
-        float place = ((float)i + 0.5f) / PARTS * (VIEWPORT_HEAT_STOPS - 1);
-        int low = (int)place;
+        float along = ((float)i + 0.5f) / PARTS * (VIEWPORT_HEAT_STOPS - 1);
+        int low = (int)along;
         ui_rectangle part = {x + width * (float)i / PARTS, y, width / PARTS + 0.5f, 8.0f};
-        ui_draw_box(on, part, mixed(legend->stop[low], legend->stop[low + 1], place - (float)low),
+        ui_draw_box(on, part, mixed(legend->stop[low], legend->stop[low + 1], along - (float)low),
                     0.0f);
     }
 }
