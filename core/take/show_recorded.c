@@ -176,8 +176,8 @@ struct show_reader {
      * grows while it is recorded. */
     bool has_chunk;
     int64_t chunk_id, chunk_from_ns, chunk_to_ns, next_ordinal; /* ordinal -1: not known */
-    mrt_sample sample[CHUNK_SAMPLES_MAX];
-    uint32_t count, at;
+    mrt_sample *sample; /* room for `capacity`: the longest chunk so far */
+    uint32_t capacity, count, at;
     size_t chunk_size; /* in bytes, as stored */
 };
 
@@ -252,6 +252,7 @@ void show_reader_close(show_reader *self)
     sqlite_finish(self->again);
     sqlite_finish(self->lawful);
     sqlite_finish(self->chunk_count);
+    free(self->sample);
     free(self);
 }
 
@@ -295,6 +296,20 @@ static bool goes_on(const show_reader *self, sqlite_statement *row)
     return from_ns > self->chunk_from_ns || (from_ns == self->chunk_from_ns && id > self->chunk_id);
 }
 
+static mrt_result decode(show_reader *self, chunk_head *out, const uint8_t *bytes, size_t size,
+                         error *err)
+{
+    mrt_result result = chunk_read_head(out, bytes, size, err);
+    if (result >= 0 && out->sample_count > self->capacity) {
+        free(self->sample);
+        self->sample = malloc(out->sample_count * sizeof *self->sample);
+        self->capacity = self->sample ? out->sample_count : 0;
+        if (!self->sample)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for %u samples", out->sample_count);
+    }
+    return result < 0 ? result : chunk_decode(self->sample, out, bytes, size, err);
+}
+
 /* Takes the chunk of the row in; the first `given` samples of it were given already. Where it
  * cannot be read, or others before it are missing, that is an error once. */
 static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t given, error *err)
@@ -311,7 +326,7 @@ static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t giv
     self->chunk_size = size;
     self->count = self->at = 0;
     mrt_result result =
-        is_typed ? chunk_decode(self->sample, &head, bytes, size, err)
+        is_typed ? decode(self, &head, bytes, size, err)
                  : error_set(err, MRT_ERR_FORMAT, "a chunk of samples is damaged: it is no blob");
     if (result >= 0)
         result = check_against_row(self, &head, err);

@@ -14,22 +14,29 @@ static const int64_t first_bin_ns = 4 * NS_PER_MS;
 /* A drag of clay counts as the way that it goes in so long. */
 static const double drag_span_s = 0.1;
 
+/* Steps of 1 / bin_steps of what a lane shows, from 1 on; greatest 0: nothing is known. */
+typedef struct packed_bin {
+    uint16_t least, greatest;
+} packed_bin;
+static const float bin_steps = 4096.0f;
+
 typedef struct tower { /* of a lane: the finest level, and above it each bin covers two */
-    activity_bin bin[2 * BINS];
+    packed_bin bin[2 * BINS];
 } tower;
 
 struct activity {
     replay_world world;
     int64_t performance, from_ns, to_ns; /* show time: as far as it was recorded when opened */
-    replay *replay;
+    replay *replay;   /* NULL: all that was recorded is known, or it could not be opened */
+    bool has_failed;  /* to open */
     int64_t known_ns; /* source time */
     int64_t bin_ns;
     tower *lane;                                 /* ACTIVITY_LANES */
     uint32_t *region_of_contact, *region_of_dof; /* bits */
     double unit_mm;                              /* a tenth of the face's height */
     float held[ACTIVITY_LANES];                  /* since the last sample */
-    void *state;                                 /* while it is opened anew */
-    size_t state_capacity;
+    void *state;                                 /* of the replay, to go on from */
+    size_t state_size, state_capacity;           /* size 0: it cannot be had */
 };
 
 /* ---- towers ---- */
@@ -44,22 +51,29 @@ static activity_bin unknown(void)
     return (activity_bin){INFINITY, -INFINITY};
 }
 
-static activity_bin join(activity_bin a, activity_bin b)
+static uint16_t packed(float value)
 {
-    return (activity_bin){fminf(a.least, b.least), fmaxf(a.greatest, b.greatest)};
+    return (uint16_t)(1.0f + roundf(fminf(value * bin_steps, (float)(UINT16_MAX - 1))));
 }
 
-static void clear_from(tower *t, size_t first)
+static float unpacked(uint16_t steps)
 {
-    for (size_t i = first; i < 2 * (size_t)BINS; ++i)
-        t->bin[i] = unknown();
+    return (float)(steps - 1) / bin_steps;
+}
+
+static packed_bin join(packed_bin a, packed_bin b)
+{
+    if (a.greatest == 0 || b.greatest == 0)
+        return a.greatest == 0 ? b : a;
+    return (packed_bin){a.least < b.least ? a.least : b.least,
+                        a.greatest > b.greatest ? a.greatest : b.greatest};
 }
 
 static void add(tower *t, size_t bin, float value)
 {
-    const activity_bin one = {value, value};
+    const packed_bin one = {packed(value), packed(value)};
     for (uint32_t level = 0; level < LEVELS; ++level, bin /= 2) {
-        activity_bin *b = &t->bin[level_start(level) + bin];
+        packed_bin *b = &t->bin[level_start(level) + bin];
         *b = join(*b, one);
     }
 }
@@ -67,11 +81,10 @@ static void add(tower *t, size_t bin, float value)
 /* Every bin covers twice as much. */
 static void coarsen(tower *t)
 {
-    activity_bin *b = t->bin;
+    packed_bin *b = t->bin;
     for (size_t i = 0; i < BINS / 2; ++i)
         b[i] = join(b[2 * i], b[2 * i + 1]);
-    for (size_t i = BINS / 2; i < BINS; ++i)
-        b[i] = unknown();
+    memset(b + BINS / 2, 0, BINS / 2 * sizeof *b);
     for (uint32_t level = 1; level < LEVELS; ++level) {
         size_t below = level_start(level - 1), at = level_start(level);
         for (size_t i = 0; i < (size_t)BINS >> level; ++i)
@@ -227,12 +240,10 @@ mrt_result activity_create(activity **out, const replay_world *world, int64_t pe
     self->performance = performance;
     self->known_ns = -1;
     self->bin_ns = first_bin_ns;
-    self->lane = malloc(ACTIVITY_LANES * sizeof *self->lane);
+    self->lane = calloc(ACTIVITY_LANES, sizeof *self->lane);
     mrt_result result = self->lane
                             ? list_regions(self, err)
                             : error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
-    for (uint32_t i = 0; i < ACTIVITY_LANES && result >= 0; ++i)
-        clear_from(&self->lane[i], 0);
     if (result >= 0)
         result = open_replay(self, err);
     if (result >= 0) /* it need not begin at rest */
@@ -259,31 +270,40 @@ void activity_destroy(activity *self)
 
 /* ---- performed ---- */
 
-static bool keep_state(activity *self, size_t *out_size)
+static size_t keep_state(activity *self)
 {
-    *out_size = replay_save(self->replay, NULL, 0);
-    if (*out_size > self->state_capacity) {
-        void *grown = realloc(self->state, *out_size);
+    const size_t size = replay_save(self->replay, NULL, 0);
+    if (size > self->state_capacity) {
+        void *grown = realloc(self->state, size);
         if (!grown)
-            return false;
+            return 0;
         self->state = grown;
-        self->state_capacity = *out_size;
+        self->state_capacity = size;
     }
-    return *out_size > 0 && replay_save(self->replay, self->state, *out_size) == *out_size;
+    return size > 0 && replay_save(self->replay, self->state, size) == size ? size : 0;
+}
+
+/* All that was recorded is known: what performs it takes more memory than what is kept. */
+static void park(activity *self)
+{
+    if (!self->replay)
+        return;
+    self->state_size = keep_state(self);
+    replay_close(self->replay);
+    self->replay = NULL;
 }
 
 /* A performance that goes on has more samples, and more that was said, than when it was opened. */
 static mrt_result open_further(activity *self, error *err)
 {
-    size_t size;
-    bool is_kept = keep_state(self, &size);
-    replay_close(self->replay);
-    self->replay = NULL;
+    park(self);
     mrt_result result = open_replay(self, err);
-    if (result < 0)
-        return result;
-    return is_kept ? replay_load(self->replay, self->state, size, err)
-                   : replay_seek(self->replay, self->from_ns + self->known_ns + 1, err);
+    if (result >= 0)
+        result = self->state_size > 0
+                     ? replay_load(self->replay, self->state, self->state_size, err)
+                     : replay_seek(self->replay, self->from_ns + self->known_ns + 1, err);
+    self->has_failed = result < 0;
+    return result;
 }
 
 static mrt_result look_further(activity *self, bool *out_has_more, error *err)
@@ -295,7 +315,10 @@ static mrt_result look_further(activity *self, bool *out_has_more, error *err)
         return result;
     *out_has_more = of.to_ns > self->to_ns;
     show_performance_finish(&of);
-    return *out_has_more ? open_further(self, err) : MRT_OK;
+    if (*out_has_more)
+        return open_further(self, err);
+    park(self);
+    return MRT_OK;
 }
 
 mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
@@ -307,7 +330,7 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
         if (result < 0)
             return result;
         if (result == MRT_END) {
-            if (has_looked || !self->replay)
+            if (has_looked || self->has_failed)
                 return MRT_END;
             has_looked = true;
             result = look_further(self, &has_more, err);
@@ -327,10 +350,10 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
 
 static activity_bin read_bin(const activity *self, const tower *t, int64_t from_ns, int64_t to_ns)
 {
-    activity_bin out = unknown();
-    if (to_ns <= 0 || from_ns > self->known_ns)
-        return out;
+    packed_bin out = {0, 0};
     uint32_t level = 0;
+    if (to_ns <= 0 || from_ns > self->known_ns)
+        return unknown();
     while (level + 1 < LEVELS && (self->bin_ns << (level + 1)) <= (to_ns - from_ns) / 2)
         level += 1;
     int64_t size_ns = self->bin_ns << level;
@@ -339,7 +362,8 @@ static activity_bin read_bin(const activity *self, const tower *t, int64_t from_
     last = last < first ? first : last;
     for (int64_t i = first; i <= last && i < count; ++i)
         out = join(out, t->bin[level_start(level) + (size_t)i]);
-    return out;
+    return out.greatest == 0 ? unknown()
+                             : (activity_bin){unpacked(out.least), unpacked(out.greatest)};
 }
 
 void activity_read(const activity *self, uint32_t lane, int64_t from_ns, int64_t to_ns,
