@@ -395,14 +395,40 @@ static uint32_t find_shape(const face_shapes *s, const char *name, size_t length
     return s->count;
 }
 
+static bool is_called(const mesh *m, uint32_t arkit)
+{
+    for (uint32_t i = 0; i < m->target_count; ++i)
+        if (arkit_find(m->target[i].name) == arkit)
+            return true;
+    return false;
+}
+
+/* By its name; else by an expression that is this shape alone, where no shape has that name. */
+static uint32_t arkit_of(const mesh *m, uint32_t target)
+{
+    uint32_t of = arkit_find(m->target[target].name);
+    for (uint32_t i = 0; i < m->expression_count && of >= ARKIT_SHAPES; ++i) {
+        const mesh_expression *row = &m->expression[i];
+        const bool is_shared = (i > 0 && strcmp(row[-1].name, row->name) == 0) ||
+                               (i + 1 < m->expression_count && strcmp(row[1].name, row->name) == 0);
+        const uint32_t said = row->target == target && row->weight >= 1.0f && !is_shared
+                                  ? arkit_find(row->name)
+                                  : ARKIT_NONE;
+        if (said < ARKIT_SHAPES && !is_called(m, said))
+            of = said;
+    }
+    return of;
+}
+
 /* "mouthClose" closes the lips of an open jaw; "a_b" corrects what a and b make together. */
 static void find_needs(face_shapes *s)
 {
+    const uint32_t close = arkit_find("mouthClose"), open = arkit_find("jawOpen");
     for (uint32_t i = 0; i < s->count; ++i) {
         face_shape *one = &s->shape[i];
-        uint32_t jaw = find_shape(s, "jawOpen", 7);
-        if (strcmp(one->name, "mouthClose") == 0 && jaw < s->count)
-            one->needs[0] = 1 + jaw;
+        for (uint32_t jaw = 0; jaw < s->count && one->arkit == close; ++jaw)
+            if (s->shape[jaw].arkit == open)
+                one->needs[0] = 1 + jaw;
         for (const char *cut = strchr(one->name, '_'); cut; cut = strchr(cut + 1, '_')) {
             uint32_t a = find_shape(s, one->name, (size_t)(cut - one->name));
             uint32_t b = find_shape(s, cut + 1, strlen(cut + 1));
@@ -490,7 +516,7 @@ static mrt_result learn_shape(learning *l, uint32_t target, float *kept, error *
     rigid pose[RIG_BONES_MAX];
     *one = (face_shape){.name = l->m->target[target].name,
                         .target = target,
-                        .arkit = arkit_find(l->m->target[target].name),
+                        .arkit = arkit_of(l->m, target),
                         .size_mm = size_of(l, target)};
     read_shape(l, target);
     for (uint32_t bone = 0; bone < f->bone_count; ++bone)

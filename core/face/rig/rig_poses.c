@@ -379,13 +379,13 @@ static bool is_name_of_others(const char *name)
     return arkit_find(name) < ARKIT_SHAPES || starts(name, "viseme_");
 }
 
-static bool has_target(const mesh *m, const char *name)
+static bool has_shape(const mesh *m, const char *name)
 {
     bool found = false;
     for (uint32_t i = 0; i < m->target_count && !found; ++i)
-        found =
-            strcmp(m->target[i].name, name) == 0 ||
-            (arkit_find(name) < ARKIT_SHAPES && arkit_find(m->target[i].name) == arkit_find(name));
+        found = arkit_is_same_name(m->target[i].name, name);
+    for (uint32_t i = 0; i < m->expression_count && !found; ++i)
+        found = arkit_is_same_name(m->expression[i].name, name);
     return found;
 }
 
@@ -408,7 +408,7 @@ mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *
     r->pose = grown;
     for (uint32_t i = 0; i < model->pose_count; ++i) {
         const rig_pose *pose = &model->pose[i];
-        if (!is_name_of_others(pose->name) || find_pose(r, pose->name) || has_target(m, pose->name))
+        if (!is_name_of_others(pose->name) || find_pose(r, pose->name) || has_shape(m, pose->name))
             continue;
         if (carry_pose(&r->pose[r->pose_count], pose, &c))
             r->pose_count += 1;
