@@ -29,7 +29,7 @@ static char folder[] = "/tmp/marotte-output-XXXXXX";
 /* ---- a face that is performed, its outputs, and who listens ---- */
 
 typedef struct stand {
-    desk desk;
+    fixture fixture;
     mrt_pull *pull;
     plugin_list plugins;
     log_queue *log;
@@ -42,10 +42,10 @@ static void stand_up(stand *s, const char *face_name, outputs_isolation isolatio
 {
     error err = {""};
     *s = (stand){.log = log_queue_create()};
-    desk_set_up(&s->desk, face_name);
-    s->pull = desk_add_part(&s->desk, 0, 0);
+    fixture_set_up(&s->fixture, face_name);
+    s->pull = fixture_add_part(&s->fixture, 0, 0);
     const outputs_settings settings = {&s->plugins, s->log, isolation};
-    scene_must(face_board_create(&s->board, s->desk.composer, &s->desk.file, &err), &err);
+    scene_must(face_board_create(&s->board, s->fixture.composer, &s->fixture.file, &err), &err);
     scene_must(outputs_create(&s->outputs, &settings, &err), &err);
     outputs_show(s->outputs, s->board);
 }
@@ -55,7 +55,7 @@ static void lie_down(stand *s)
     outputs_destroy(s->outputs);
     face_board_drop(s->board);
     plugin_list_destroy(&s->plugins);
-    desk_tear_down(&s->desk);
+    fixture_tear_down(&s->fixture);
     log_queue_destroy(s->log);
 }
 
@@ -72,9 +72,9 @@ static void add(stand *s, const char *path, int port, const char *params)
 
 static void publish(stand *s)
 {
-    desk_move(&s->desk);
-    composer_draw(s->desk.composer);
-    outputs_publish(s->outputs, s->board, s->desk.composer, clock_now_ns(), -1);
+    fixture_move(&s->fixture);
+    composer_draw(s->fixture.composer);
+    outputs_publish(s->outputs, s->board, s->fixture.composer, clock_now_ns(), -1);
     s->published += 1;
 }
 
@@ -258,19 +258,19 @@ static void another_face_is_begun_with_its_own_names(void **state)
     (void)hear_number(&s, fd, 1, 5);
     outputs_show(other.outputs, NULL); /* a board has one taker */
     outputs_show(s.outputs, other.board);
-    desk_move(&other.desk);
-    composer_draw(other.desk.composer);
+    fixture_move(&other.fixture);
+    composer_draw(other.fixture.composer);
     char text[64] = "";
     int64_t until_ns = clock_now_ns() + patience_ns;
     unsigned long long number = 0;
     do { /* the puppet's board counts from 1 */
-        outputs_publish(s.outputs, other.board, other.desk.composer, clock_now_ns(), 7);
+        outputs_publish(s.outputs, other.board, other.fixture.composer, clock_now_ns(), 7);
         size_t size = hear(fd, text, sizeof text - 1, 1000);
         text[size] = '\0';
         assert_true(clock_now_ns() < until_ns);
     } while (sscanf(text, "1 %llu", &number) != 1 || number >= 5);
     /* A face that is not the board's is left out. */
-    outputs_publish(s.outputs, s.board, other.desk.composer, clock_now_ns(), -1);
+    outputs_publish(s.outputs, s.board, other.fixture.composer, clock_now_ns(), -1);
     outputs_show(s.outputs, NULL);
     (void)err;
     lie_down(&s);
@@ -378,9 +378,9 @@ static const osc_seen *osc_find(const osc_frame *of, const char *address, const 
 /* The puppet with its jaw half open, its head turned and a smile. */
 static void make_a_face(stand *s)
 {
-    const mrt_face *about = composer_about(s->desk.composer);
-    desk_hold_contact(&s->desk, s->pull, "mouth.corner.l", 5.0f, 7.0f, -2.0f);
-    desk_hold_contact(&s->desk, s->pull, "mouth.corner.r", -5.0f, 7.0f, -2.0f);
+    const mrt_face *about = composer_about(s->fixture.composer);
+    fixture_hold_contact(&s->fixture, s->pull, "mouth.corner.l", 5.0f, 7.0f, -2.0f);
+    fixture_hold_contact(&s->fixture, s->pull, "mouth.corner.r", -5.0f, 7.0f, -2.0f);
     for (uint32_t i = 0; i < about->dof_count; ++i) {
         if (strcmp(about->dofs[i].name, "jaw.open") == 0)
             s->pull->dof[i] = 0.3f;
@@ -517,7 +517,7 @@ static void face_osc_says_named_numbers(void **state)
     make_a_face(&s);
     add(&s, path, port, "weights=off,contacts=off,shapes=off");
     hear_frame(&s, fd, &frame, "/marotte/1/face", "/marotte/1/face");
-    const mrt_face *about = composer_about(s.desk.composer);
+    const mrt_face *about = composer_about(s.fixture.composer);
     const osc_seen *all = &frame.messages[0];
     assert_int_equal(frame.count, 1);
     assert_int_equal(strlen(all->types), 1 + 2 * about->dof_count);
@@ -814,10 +814,10 @@ static frame_cost cost_of_frames(stand *s)
     for (int i = 0; i < COST_FRAMES; ++i) {
         double before_ms = cpu_now_ms();
         int64_t before_ns = clock_now_ns();
-        desk_move(&s->desk);
-        composer_draw(s->desk.composer);
+        fixture_move(&s->fixture);
+        composer_draw(s->fixture.composer);
         if (outputs_are_wanted(s->outputs))
-            outputs_publish(s->outputs, s->board, s->desk.composer, clock_now_ns(), -1);
+            outputs_publish(s->outputs, s->board, s->fixture.composer, clock_now_ns(), -1);
         took[i] = cpu_now_ms() - before_ms;
         out.real_worst = fmax(out.real_worst, (double)(clock_now_ns() - before_ns) * 1e-6);
         clock_sleep_until_ns(before_ns + NS_PER_S / 150);

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "sound_desk.h"
+#include "sound_fixture.h"
 
 static take take_of(int64_t audio, int64_t offset_ns, double gain)
 {
@@ -20,12 +20,12 @@ static take take_of(int64_t audio, int64_t offset_ns, double gain)
     return t;
 }
 
-static void out_path(const desk *d, char *out, size_t capacity)
+static void out_path(const fixture *d, char *out, size_t capacity)
 {
     snprintf(out, capacity, "%s/out.wav", d->scene.folder);
 }
 
-static sound_file_report export(const desk *d, const take *t, int64_t from_ns, int64_t to_ns,
+static sound_file_report export(const fixture *d, const take *t, int64_t from_ns, int64_t to_ns,
                                 uint32_t rate_hz)
 {
     error err = {""};
@@ -37,7 +37,7 @@ static sound_file_report export(const desk *d, const take *t, int64_t from_ns, i
     return report;
 }
 
-static size_t read_out(const desk *d, double *out, size_t frames_max, SF_INFO *info)
+static size_t read_out(const fixture *d, double *out, size_t frames_max, SF_INFO *info)
 {
     char path[SCENE_PATH];
     out_path(d, path, sizeof path);
@@ -53,7 +53,7 @@ static void a_range_goes_out_as_it_came_in_with_silence_around(void **state)
 {
     static double got[2 * 48000];
     static const int kinds[][2] = {{SF_FORMAT_PCM_16, 16}, {SF_FORMAT_PCM_24, 24}};
-    desk *d = *state;
+    fixture *d = *state;
     for (int k = 0; k < 2; ++k) {
         SF_INFO info;
         write_sound(d, SF_FORMAT_WAV | kinds[k][0], 48000, 2, 30000, kinds[k][1]);
@@ -77,7 +77,7 @@ static void a_range_goes_out_as_it_came_in_with_silence_around(void **state)
 static void gain_is_applied_and_what_is_too_loud_is_counted(void **state)
 {
     static double got[1000];
-    desk *d = *state;
+    fixture *d = *state;
     SF_INFO info;
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, 1000, 16);
     take t = take_of(import(d), 0, 0.5);
@@ -98,7 +98,7 @@ static void gain_is_applied_and_what_is_too_loud_is_counted(void **state)
 static void what_is_trimmed_is_not_heard_and_fades(void **state)
 {
     static double got[48000];
-    desk *d = *state;
+    fixture *d = *state;
     SF_INFO info;
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, 40000, 16);
     take t = take_of(import(d), NS_PER_S / 4, 1.0);
@@ -120,7 +120,7 @@ static void what_is_trimmed_is_not_heard_and_fades(void **state)
 
 static void the_file_says_when_it_was(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     char path[SCENE_PATH];
     SF_BROADCAST_INFO bext;
     SF_INFO info = {0};
@@ -151,7 +151,7 @@ static void another_rate_is_made_only_when_asked_for(void **state)
 {
     static double got[48000];
     static float tone[44100];
-    desk *d = *state;
+    fixture *d = *state;
     SF_INFO info,
         as = {.samplerate = 44100, .channels = 1, .format = SF_FORMAT_WAV | SF_FORMAT_FLOAT};
     for (int i = 0; i < 44100; ++i)
@@ -187,7 +187,7 @@ static void another_rate_is_made_only_when_asked_for(void **state)
 
 static void what_cannot_be_written_leaves_what_was_there(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     char path[SCENE_PATH];
     sound_file_report report;
@@ -219,7 +219,7 @@ static void what_cannot_be_written_leaves_what_was_there(void **state)
 
 static void the_same_range_gives_the_same_bytes(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     char path[SCENE_PATH], other[SCENE_PATH], command[3 * SCENE_PATH];
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_FLOAT, 48000, 1, 48000, 24);
     take t = take_of(import(d), 0, 0.7);
@@ -235,13 +235,13 @@ static void the_same_range_gives_the_same_bytes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        DESK(a_range_goes_out_as_it_came_in_with_silence_around),
-        DESK(gain_is_applied_and_what_is_too_loud_is_counted),
-        DESK(what_is_trimmed_is_not_heard_and_fades),
-        DESK(the_file_says_when_it_was),
-        DESK(another_rate_is_made_only_when_asked_for),
-        DESK(what_cannot_be_written_leaves_what_was_there),
-        DESK(the_same_range_gives_the_same_bytes),
+        WITH_FIXTURE(a_range_goes_out_as_it_came_in_with_silence_around),
+        WITH_FIXTURE(gain_is_applied_and_what_is_too_loud_is_counted),
+        WITH_FIXTURE(what_is_trimmed_is_not_heard_and_fades),
+        WITH_FIXTURE(the_file_says_when_it_was),
+        WITH_FIXTURE(another_rate_is_made_only_when_asked_for),
+        WITH_FIXTURE(what_cannot_be_written_leaves_what_was_there),
+        WITH_FIXTURE(the_same_range_gives_the_same_bytes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

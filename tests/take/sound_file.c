@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "sound_desk.h"
+#include "sound_fixture.h"
 #include "take/sound_pcm.h"
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ const char *__lsan_default_suppressions(void)
 }
 
 /* The show has no sound but `count` ones. */
-static void expect_sounds(const desk *d, size_t count)
+static void expect_sounds(const fixture *d, size_t count)
 {
     error err = {""};
     int64_t *ids;
@@ -29,7 +29,7 @@ static void expect_sounds(const desk *d, size_t count)
     free(ids);
 }
 
-static void expect_samples(const desk *d, int64_t id, int channels, int64_t frames, int bits)
+static void expect_samples(const fixture *d, int64_t id, int channels, int64_t frames, int bits)
 {
     error err = {""};
     show_audio info;
@@ -68,7 +68,7 @@ static void sounds_are_kept_as_they_are_in_the_narrowest_format(void **state)
         {SF_FORMAT_FLAC | SF_FORMAT_PCM_24, 48000, 2, 24, "s24"},
         {SF_FORMAT_RF64 | SF_FORMAT_PCM_16, 48000, 2, 16, "s16"},
     };
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
         show_audio info;
@@ -87,7 +87,7 @@ static void sounds_are_kept_as_they_are_in_the_narrowest_format(void **state)
 
 static void floats_that_are_no_integers_stay_floats(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     show_audio info;
     float samples[3] = {0.1f, -3.5f, 1e-30f}, got[3];
@@ -106,7 +106,7 @@ static void floats_that_are_no_integers_stay_floats(void **state)
 
 static void ogg_is_read(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     show_audio info;
     write_sound(d, SF_FORMAT_OGG | SF_FORMAT_VORBIS, 44100, 1, 44100, 8);
@@ -115,7 +115,7 @@ static void ogg_is_read(void **state)
     assert_int_equal(info.frame_count, 44100);
 }
 
-static void refuses(const desk *d, const char *words)
+static void refuses(const fixture *d, const char *words)
 {
     error err = {""};
     int64_t id = 77;
@@ -128,7 +128,7 @@ static void refuses(const desk *d, const char *words)
 
 static void what_is_no_sound_is_refused_with_a_reason(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     refuses(d, "No such file");
     put_bytes(d->file, "", 0);
     refuses(d, "is empty");
@@ -143,7 +143,7 @@ static void what_is_no_sound_is_refused_with_a_reason(void **state)
 }
 
 /* 8 bytes of the header: rate, and the rest as they are. */
-static void patch(const desk *d, long at, const void *bytes, size_t size)
+static void patch(const fixture *d, long at, const void *bytes, size_t size)
 {
     FILE *file = fopen(d->file, "r+b");
     assert_non_null(file);
@@ -154,7 +154,7 @@ static void patch(const desk *d, long at, const void *bytes, size_t size)
 
 static void absurd_headers_are_refused(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     uint32_t slow = 10, fast = 900000000;
     uint16_t none = 0;
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, 1000, 16);
@@ -169,7 +169,7 @@ static void absurd_headers_are_refused(void **state)
 
 static void a_sound_of_more_than_a_day_is_refused(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     /* 1000 Hz, 8 bits: 86 400 001 frames of a sparse file. */
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_U8, 1000, 1, 1000, 8);
     uint32_t size = 86400001, whole = size + 36;
@@ -188,7 +188,7 @@ static void a_cut_file_is_refused_unless_it_is_asked_to_be_kept(void **state)
                  {SF_FORMAT_AIFF | SF_FORMAT_PCM_16, "was cut"},
                  {SF_FORMAT_FLAC | SF_FORMAT_PCM_16, "of the 5.000 s"},
                  {SF_FORMAT_OGG | SF_FORMAT_VORBIS, "has no end"}};
-    desk *d = *state;
+    fixture *d = *state;
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
         error err = {""};
         struct stat status;
@@ -202,15 +202,15 @@ static void a_cut_file_is_refused_unless_it_is_asked_to_be_kept(void **state)
         scene_must(show_audio_info(d->show, id, &info, &err), &err);
         assert_true(info.frame_count > 1000);
         assert_true(info.frame_count < 240000);
-        desk_clear(state);
-        desk_make(state);
+        fixture_clear(state);
+        fixture_make(state);
         d = *state;
     }
 }
 
 static void samples_that_no_format_keeps_are_refused(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     double fine[2] = {0.5, 1.0 / 3.0};
     float no_number[2] = {0.5f, NAN};
     SF_INFO as = {.samplerate = 48000, .channels = 1, .format = SF_FORMAT_WAV | SF_FORMAT_DOUBLE};
@@ -227,7 +227,7 @@ static void samples_that_no_format_keeps_are_refused(void **state)
 
 static void giving_up_leaves_nothing_behind(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 2, 200000, 16);
     for (int when = 1; when < 14; when += 3) {
@@ -247,7 +247,7 @@ static void damaged_files_do_no_harm(void **state)
     static const int formats[] = {
         SF_FORMAT_WAV | SF_FORMAT_PCM_16, SF_FORMAT_FLAC | SF_FORMAT_PCM_16,
         SF_FORMAT_OGG | SF_FORMAT_VORBIS, SF_FORMAT_AIFF | SF_FORMAT_PCM_24};
-    desk *d = *state;
+    fixture *d = *state;
     int taken = 0, refused = 0;
     for (uint64_t i = 0; i < 120; ++i) {
         error err = {""};
@@ -274,16 +274,16 @@ static void damaged_files_do_no_harm(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        DESK(sounds_are_kept_as_they_are_in_the_narrowest_format),
-        DESK(floats_that_are_no_integers_stay_floats),
-        DESK(ogg_is_read),
-        DESK(what_is_no_sound_is_refused_with_a_reason),
-        DESK(absurd_headers_are_refused),
-        DESK(a_sound_of_more_than_a_day_is_refused),
-        DESK(a_cut_file_is_refused_unless_it_is_asked_to_be_kept),
-        DESK(samples_that_no_format_keeps_are_refused),
-        DESK(giving_up_leaves_nothing_behind),
-        DESK(damaged_files_do_no_harm),
+        WITH_FIXTURE(sounds_are_kept_as_they_are_in_the_narrowest_format),
+        WITH_FIXTURE(floats_that_are_no_integers_stay_floats),
+        WITH_FIXTURE(ogg_is_read),
+        WITH_FIXTURE(what_is_no_sound_is_refused_with_a_reason),
+        WITH_FIXTURE(absurd_headers_are_refused),
+        WITH_FIXTURE(a_sound_of_more_than_a_day_is_refused),
+        WITH_FIXTURE(a_cut_file_is_refused_unless_it_is_asked_to_be_kept),
+        WITH_FIXTURE(samples_that_no_format_keeps_are_refused),
+        WITH_FIXTURE(giving_up_leaves_nothing_behind),
+        WITH_FIXTURE(damaged_files_do_no_harm),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

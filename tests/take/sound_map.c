@@ -138,14 +138,14 @@ static void absurd_anchors_do_no_harm(void **state)
 
 /* ---- rendered ---- */
 
-typedef struct desk {
+typedef struct fixture {
     scene scene;
     show *show;
     int64_t audio;
-} desk;
+} fixture;
 
 /* 60 s recorded by a device that runs ppm fast; from piece 1000 on (32 s) lost_ns later. */
-static void record(desk *d, double ppm, int64_t lost_ns)
+static void record(fixture *d, double ppm, int64_t lost_ns)
 {
     static show_audio_anchor anchors[60 * RATE / PIECE + 1];
     static float samples[PIECE];
@@ -163,10 +163,10 @@ static void record(desk *d, double ppm, int64_t lost_ns)
     }
 }
 
-static int desk_make(void **state)
+static int fixture_make(void **state)
 {
     error err = {""};
-    desk *d = calloc(1, sizeof *d);
+    fixture *d = calloc(1, sizeof *d);
     assert_non_null(d);
     scene_make(&d->scene);
     scene_must(show_create(&d->show, d->scene.path, &err), &err);
@@ -174,16 +174,16 @@ static int desk_make(void **state)
     return 0;
 }
 
-static int desk_clear(void **state)
+static int fixture_clear(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     show_close(d->show);
     scene_remove(&d->scene);
     free(d);
     return 0;
 }
 
-static sound_render *render_of(const desk *d, int64_t offset_ns, double gain)
+static sound_render *render_of(const fixture *d, int64_t offset_ns, double gain)
 {
     error err = {""};
     sound_render *render;
@@ -196,7 +196,7 @@ static void a_recorded_sound_is_heard_when_it_was_said(void **state)
 {
     static float out[4800];
     static const double ppm[] = {150, -200};
-    desk *d = *state;
+    fixture *d = *state;
     for (int p = 0; p < 2; ++p) {
         error err = {""};
         double worst = 0, uncorrected = 0;
@@ -229,7 +229,7 @@ static void what_is_heard_does_not_depend_on_where_one_begins(void **state)
 {
     enum { FROM = 30 * RATE, COUNT = 5 * RATE };
     static float whole[COUNT], part[1000];
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     record(d, 170, 100000000);
     sound_render *render = render_of(d, 123456789, 0.8);
@@ -245,7 +245,7 @@ static void what_is_heard_does_not_depend_on_where_one_begins(void **state)
 static void lost_frames_are_silence_with_soft_edges(void **state)
 {
     static float out[RATE];
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     record(d, 0, 300000000);
     sound_render *render = render_of(d, 0, 1.0);
@@ -265,7 +265,7 @@ static void lost_frames_are_silence_with_soft_edges(void **state)
 
 static void its_wav_is_corrected_too_and_says_how_often(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     char path[SCENE_PATH];
     sound_file_report report;
@@ -282,7 +282,7 @@ static void its_wav_is_corrected_too_and_says_how_often(void **state)
 static void damage_is_silence_and_is_told(void **state)
 {
     static float out[RATE];
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     sqlite *db;
     record(d, 0, 0);
@@ -303,7 +303,7 @@ static void damage_is_silence_and_is_told(void **state)
     sound_render_destroy(render);
 }
 
-#define DESK(test) cmocka_unit_test_setup_teardown(test, desk_make, desk_clear)
+#define WITH_FIXTURE(test) cmocka_unit_test_setup_teardown(test, fixture_make, fixture_clear)
 
 int main(void)
 {
@@ -312,11 +312,11 @@ int main(void)
         cmocka_unit_test(noisy_anchors_give_smooth_times),
         cmocka_unit_test(lost_frames_part_the_sound),
         cmocka_unit_test(absurd_anchors_do_no_harm),
-        DESK(a_recorded_sound_is_heard_when_it_was_said),
-        DESK(what_is_heard_does_not_depend_on_where_one_begins),
-        DESK(lost_frames_are_silence_with_soft_edges),
-        DESK(its_wav_is_corrected_too_and_says_how_often),
-        DESK(damage_is_silence_and_is_told),
+        WITH_FIXTURE(a_recorded_sound_is_heard_when_it_was_said),
+        WITH_FIXTURE(what_is_heard_does_not_depend_on_where_one_begins),
+        WITH_FIXTURE(lost_frames_are_silence_with_soft_edges),
+        WITH_FIXTURE(its_wav_is_corrected_too_and_says_how_often),
+        WITH_FIXTURE(damage_is_silence_and_is_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,15 +10,15 @@
 #include "take/sound_pcm.h"
 #include "take/waveform.h"
 
-typedef struct desk {
+typedef struct fixture {
     scene scene;
     show *show;
     int64_t audio, frames;
     int16_t *samples; /* what was written: 2 channels */
     waveform *wave;
-} desk;
+} fixture;
 
-static void write_frames(desk *d, int64_t count)
+static void write_frames(fixture *d, int64_t count)
 {
     error err = {""};
     d->samples = realloc(d->samples, (size_t)(d->frames + count) * 4);
@@ -37,10 +37,10 @@ static void write_frames(desk *d, int64_t count)
     d->frames += count;
 }
 
-static int desk_make(void **state)
+static int fixture_make(void **state)
 {
     error err = {""};
-    desk *d = calloc(1, sizeof *d);
+    fixture *d = calloc(1, sizeof *d);
     show_audio audio = {.rate_hz = 48000, .channel_count = 2, .format = "s16"};
     assert_non_null(d);
     scene_make(&d->scene);
@@ -51,9 +51,9 @@ static int desk_make(void **state)
     return 0;
 }
 
-static int desk_clear(void **state)
+static int fixture_clear(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     waveform_destroy(d->wave);
     show_close(d->show);
     scene_remove(&d->scene);
@@ -62,7 +62,7 @@ static int desk_clear(void **state)
     return 0;
 }
 
-static void step_to_end(desk *d, int64_t frames_at_a_time)
+static void step_to_end(fixture *d, int64_t frames_at_a_time)
 {
     error err = {""};
     mrt_result result;
@@ -72,7 +72,7 @@ static void step_to_end(desk *d, int64_t frames_at_a_time)
     assert_int_equal(waveform_known_frames(d->wave), d->frames);
 }
 
-static void expect_exact(desk *d, int64_t from, int64_t to, size_t pairs_max)
+static void expect_exact(fixture *d, int64_t from, int64_t to, size_t pairs_max)
 {
     static waveform_view view;
     error err = {""};
@@ -104,7 +104,7 @@ static void expect_exact(desk *d, int64_t from, int64_t to, size_t pairs_max)
 
 static void every_zoom_is_exact(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     write_frames(d, 1234567);
     step_to_end(d, 10000);
     expect_exact(d, 0, d->frames, 4096);
@@ -120,7 +120,7 @@ static void every_zoom_is_exact(void **state)
 
 static void what_is_known_so_far_is_exact(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     static waveform_view view;
     write_frames(d, 50001);
@@ -135,7 +135,7 @@ static void what_is_known_so_far_is_exact(void **state)
 
 static void a_sound_that_grows_is_followed(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     for (int i = 0; i < 20; ++i) {
         write_frames(d, 1111 + 97 * i);
         step_to_end(d, 4000);
@@ -147,7 +147,7 @@ static void a_sound_that_grows_is_followed(void **state)
 /* The finest levels are let go as the sound gets longer. */
 static void a_sound_too_long_for_the_finest_level_is_exact_too(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     waveform_limit(d->wave, 256);
     for (int i = 0; i < 12; ++i) {
         write_frames(d, 100000);
@@ -162,7 +162,7 @@ static void a_sound_too_long_for_the_finest_level_is_exact_too(void **state)
 static void nonsense_is_refused(void **state)
 {
     static waveform_view view;
-    desk *d = *state;
+    fixture *d = *state;
     error err = {""};
     waveform *none;
     write_frames(d, 1000);
@@ -179,16 +179,16 @@ static void nonsense_is_refused(void **state)
     assert_null(none);
 }
 
-#define DESK(test) cmocka_unit_test_setup_teardown(test, desk_make, desk_clear)
+#define WITH_FIXTURE(test) cmocka_unit_test_setup_teardown(test, fixture_make, fixture_clear)
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        DESK(every_zoom_is_exact),
-        DESK(what_is_known_so_far_is_exact),
-        DESK(a_sound_that_grows_is_followed),
-        DESK(a_sound_too_long_for_the_finest_level_is_exact_too),
-        DESK(nonsense_is_refused),
+        WITH_FIXTURE(every_zoom_is_exact),
+        WITH_FIXTURE(what_is_known_so_far_is_exact),
+        WITH_FIXTURE(a_sound_that_grows_is_followed),
+        WITH_FIXTURE(a_sound_too_long_for_the_finest_level_is_exact_too),
+        WITH_FIXTURE(nonsense_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

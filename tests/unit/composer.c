@@ -16,56 +16,57 @@
 static void layers_that_own_different_contacts_give_what_one_pull_gives(void **state)
 {
     (void)state;
-    desk one, two;
-    desk_set_up(&one, "puppet");
-    desk_set_up(&two, "puppet");
-    mrt_pull *all = desk_add_part(&one, 0, 0);
-    mrt_pull *low = desk_add_part(&two, 3, 0), *high = desk_add_part(&two, 1, 1);
+    fixture one, two;
+    fixture_set_up(&one, "puppet");
+    fixture_set_up(&two, "puppet");
+    mrt_pull *all = fixture_add_part(&one, 0, 0);
+    mrt_pull *low = fixture_add_part(&two, 3, 0), *high = fixture_add_part(&two, 1, 1);
     uint64_t before = 0;
     for (int n = 0; n < 20; ++n) {
         float amount = 0.15f * (float)n;
         all->count = low->count = high->count = 0;
-        desk_hold_mouth(&one, all, amount);
-        desk_hold_brows(&one, all, 2.0f - amount);
-        desk_hold_mouth(&two, low, amount);
-        desk_hold_brows(&two, high, 2.0f - amount);
+        fixture_hold_mouth(&one, all, amount);
+        fixture_hold_brows(&one, all, 2.0f - amount);
+        fixture_hold_mouth(&two, low, amount);
+        fixture_hold_brows(&two, high, 2.0f - amount);
         all->dof[0] = low->dof[0] = 0.01f * (float)n;
-        desk_move(&one);
-        desk_move(&two);
-        uint64_t now = desk_shown(&one);
-        assert_true(now == desk_shown(&two));
+        fixture_move(&one);
+        fixture_move(&two);
+        uint64_t now = fixture_shown(&one);
+        assert_true(now == fixture_shown(&two));
         assert_true(now != before);
         before = now;
     }
-    desk_tear_down(&one);
-    desk_tear_down(&two);
+    fixture_tear_down(&one);
+    fixture_tear_down(&two);
 }
 
 /* What a layer does not own it does not move, whatever its pull says. */
 static void a_layer_moves_only_what_it_owns(void **state)
 {
     (void)state;
-    desk all, some;
-    desk_set_up(&all, "puppet");
-    desk_set_up(&some, "puppet");
+    fixture all, some;
+    fixture_set_up(&all, "puppet");
+    fixture_set_up(&some, "puppet");
     const mrt_face *about = composer_about(some.composer);
     uint8_t owns[256] = {0};
     assert_true(about->contact_count + about->dof_count < sizeof owns);
     for (int i = 0; i < 4; ++i)
-        owns[desk_contact_named(&some, desk_brows[i]) - 1] = 1;
-    mrt_pull *only_brows = desk_add_part(&all, 0, 0), *everything = desk_add_part(&some, 0, 0);
-    desk_hold_brows(&all, only_brows, 1.5f);
-    desk_hold_brows(&some, everything, 1.5f);
-    desk_hold_mouth(&some, everything, 2.0f);
-    desk_hold_point(everything, about->contacts[desk_contact_named(&some, "nose.tip") - 1].rest,
-                    3.0f);
+        owns[fixture_contact_named(&some, fixture_brows[i]) - 1] = 1;
+    mrt_pull *only_brows = fixture_add_part(&all, 0, 0),
+             *everything = fixture_add_part(&some, 0, 0);
+    fixture_hold_brows(&all, only_brows, 1.5f);
+    fixture_hold_brows(&some, everything, 1.5f);
+    fixture_hold_mouth(&some, everything, 2.0f);
+    fixture_hold_point(everything,
+                       about->contacts[fixture_contact_named(&some, "nose.tip") - 1].rest, 3.0f);
     everything->dof[0] = 0.3f;
     some.part[0].owns = owns;
-    desk_move(&all);
-    desk_move(&some);
-    assert_true(desk_shown(&all) == desk_shown(&some));
-    desk_tear_down(&all);
-    desk_tear_down(&some);
+    fixture_move(&all);
+    fixture_move(&some);
+    assert_true(fixture_shown(&all) == fixture_shown(&some));
+    fixture_tear_down(&all);
+    fixture_tear_down(&some);
 }
 
 /* ---- over each other ---- */
@@ -73,102 +74,102 @@ static void a_layer_moves_only_what_it_owns(void **state)
 static void a_later_layer_replaces_an_additive_one_adds(void **state)
 {
     (void)state;
-    desk d;
-    desk_set_up(&d, "puppet");
-    mrt_pull *below = desk_add_part(&d, 0, 0), *above = desk_add_part(&d, 1, 1);
-    desk_hold_contact(&d, below, "brow.mid.l", 0, 2, 1);
-    desk_hold_contact(&d, below, "brow.mid.r", 0, 2, 1);
-    desk_hold_contact(&d, above, "brow.mid.l", 1, -3, 2);
+    fixture d;
+    fixture_set_up(&d, "puppet");
+    mrt_pull *below = fixture_add_part(&d, 0, 0), *above = fixture_add_part(&d, 1, 1);
+    fixture_hold_contact(&d, below, "brow.mid.l", 0, 2, 1);
+    fixture_hold_contact(&d, below, "brow.mid.r", 0, 2, 1);
+    fixture_hold_contact(&d, above, "brow.mid.l", 1, -3, 2);
     below->dof[0] = above->dof[0] = 0.0f;
-    desk_move(&d);
-    desk_expect_way(&d, "brow.mid.l", 1, -3, 2, desk_near_mm);
-    desk_expect_way(&d, "brow.mid.r", 0, 2, 1, desk_near_mm);
+    fixture_move(&d);
+    fixture_expect_way(&d, "brow.mid.l", 1, -3, 2, fixture_near_mm);
+    fixture_expect_way(&d, "brow.mid.r", 0, 2, 1, fixture_near_mm);
     d.part[1].is_additive = true;
-    desk_move(&d);
-    desk_expect_way(&d, "brow.mid.l", 1, -1, 3, desk_near_mm);
-    desk_expect_way(&d, "brow.mid.r", 0, 2, 1, desk_near_mm);
-    desk_tear_down(&d);
+    fixture_move(&d);
+    fixture_expect_way(&d, "brow.mid.l", 1, -1, 3, fixture_near_mm);
+    fixture_expect_way(&d, "brow.mid.r", 0, 2, 1, fixture_near_mm);
+    fixture_tear_down(&d);
 }
 
 static void weights_blend_linearly_and_gains_multiply(void **state)
 {
     (void)state;
-    desk d;
-    desk_set_up(&d, "puppet");
-    mrt_pull *below = desk_add_part(&d, 0, 0), *above = desk_add_part(&d, 1, 1);
-    desk_hold_contact(&d, below, "brow.mid.l", 0, 2, 1);
-    desk_hold_contact(&d, above, "brow.mid.l", 1, -2, 2);
+    fixture d;
+    fixture_set_up(&d, "puppet");
+    mrt_pull *below = fixture_add_part(&d, 0, 0), *above = fixture_add_part(&d, 1, 1);
+    fixture_hold_contact(&d, below, "brow.mid.l", 0, 2, 1);
+    fixture_hold_contact(&d, above, "brow.mid.l", 1, -2, 2);
     for (int n = 0; n <= 10; ++n) {
         double w = 0.1 * n;
         d.part[1].weight = w;
-        desk_move(&d);
-        desk_expect_way(&d, "brow.mid.l", w, 2 - 4 * w, 1 + w, desk_near_mm);
+        fixture_move(&d);
+        fixture_expect_way(&d, "brow.mid.l", w, 2 - 4 * w, 1 + w, fixture_near_mm);
     }
     d.part[1].weight = 0.25;
     d.part[1].gain = 2.0; /* of what it adds, not of what it takes away */
-    desk_move(&d);
-    desk_expect_way(&d, "brow.mid.l", 0.5, 0.75 * 2 - 1, 0.75 + 1, desk_near_mm);
+    fixture_move(&d);
+    fixture_expect_way(&d, "brow.mid.l", 0.5, 0.75 * 2 - 1, 0.75 + 1, fixture_near_mm);
     d.part[0].weight = 0.5; /* towards the rest */
     d.part[1].weight = 0.0;
-    desk_move(&d);
-    desk_expect_way(&d, "brow.mid.l", 0, 1, 0.5, desk_near_mm);
+    fixture_move(&d);
+    fixture_expect_way(&d, "brow.mid.l", 0, 1, 0.5, fixture_near_mm);
     d.part[0].weight = 1.0;
     d.part[0].gain = 1.5;
-    desk_move(&d);
-    desk_expect_way(&d, "brow.mid.l", 0, 3, 1.5, desk_near_mm);
-    desk_tear_down(&d);
+    fixture_move(&d);
+    fixture_expect_way(&d, "brow.mid.l", 0, 3, 1.5, fixture_near_mm);
+    fixture_tear_down(&d);
 }
 
 /* Two clips of one layer cross-fade: their weights sum to 1. */
 static void parts_of_one_layer_share_it(void **state)
 {
     (void)state;
-    desk d;
-    desk_set_up(&d, "puppet");
-    mrt_pull *below = desk_add_part(&d, 2, 0), *out = desk_add_part(&d, 0, 1),
-             *in = desk_add_part(&d, 1, 1);
-    desk_hold_contact(&d, below, "brow.mid.l", 0, 0, 4);
-    desk_hold_contact(&d, out, "brow.mid.l", 0, 2, 0);
-    desk_hold_contact(&d, in, "brow.mid.l", 0, -2, 1);
+    fixture d;
+    fixture_set_up(&d, "puppet");
+    mrt_pull *below = fixture_add_part(&d, 2, 0), *out = fixture_add_part(&d, 0, 1),
+             *in = fixture_add_part(&d, 1, 1);
+    fixture_hold_contact(&d, below, "brow.mid.l", 0, 0, 4);
+    fixture_hold_contact(&d, out, "brow.mid.l", 0, 2, 0);
+    fixture_hold_contact(&d, in, "brow.mid.l", 0, -2, 1);
     for (int n = 0; n <= 4; ++n) {
         d.part[1].weight = 1.0 - 0.25 * n;
         d.part[2].weight = 0.25 * n;
-        desk_move(&d);
-        desk_expect_way(&d, "brow.mid.l", 0, 2 - n, 0.25 * n,
-                        desk_near_mm); /* nothing from below */
+        fixture_move(&d);
+        fixture_expect_way(&d, "brow.mid.l", 0, 2 - n, 0.25 * n,
+                           fixture_near_mm); /* nothing from below */
     }
-    desk_tear_down(&d);
+    fixture_tear_down(&d);
 }
 
 static void degrees_of_freedom_are_laid_over_each_other_too(void **state)
 {
     (void)state;
-    desk d;
-    desk_set_up(&d, "puppet");
+    fixture d;
+    fixture_set_up(&d, "puppet");
     const mrt_face *about = composer_about(d.composer);
     uint32_t open = 0;
     while (open < about->dof_count && strcmp(about->dofs[open].name, "jaw.open") != 0)
         open += 1;
     assert_true(open < about->dof_count);
-    mrt_pull *below = desk_add_part(&d, 0, 0), *above = desk_add_part(&d, 1, 1);
-    desk_hold_contact(&d, below, "brow.mid.l", 0, 0, 0);
-    desk_hold_contact(&d, above, "brow.mid.r", 0, 0, 0);
+    mrt_pull *below = fixture_add_part(&d, 0, 0), *above = fixture_add_part(&d, 1, 1);
+    fixture_hold_contact(&d, below, "brow.mid.l", 0, 0, 0);
+    fixture_hold_contact(&d, above, "brow.mid.r", 0, 0, 0);
     below->dof[open] = 0.2f;
-    desk_move(&d);
+    fixture_move(&d);
     const float *dof = face_metered(composer_face(d.composer))->dof;
     assert_true(fabs((double)dof[open] - 0.2) < 1e-3); /* the one above says nothing */
     above->dof[open] = 0.1f;
-    desk_move(&d);
+    fixture_move(&d);
     assert_true(fabs((double)dof[open] - 0.1) < 1e-3);
     d.part[1].weight = 0.5;
-    desk_move(&d);
+    fixture_move(&d);
     assert_true(fabs((double)dof[open] - 0.15) < 1e-3);
     d.part[1].is_additive = true;
     d.part[1].weight = 1.0;
     above->dof[open] = 0.05f;
-    desk_move(&d);
+    fixture_move(&d);
     assert_true(fabs((double)dof[open] - 0.25) < 1e-3);
-    desk_tear_down(&d);
+    fixture_tear_down(&d);
 }
 
 /* ---- limits ---- */
@@ -176,21 +177,21 @@ static void degrees_of_freedom_are_laid_over_each_other_too(void **state)
 static void vectors_beyond_the_limit_are_counted(void **state)
 {
     (void)state;
-    desk d;
-    desk_set_up(&d, "plane");
-    mrt_pull *pulls[2] = {desk_add_part(&d, 0, 0), desk_add_part(&d, 1, 1)};
+    fixture d;
+    fixture_set_up(&d, "plane");
+    mrt_pull *pulls[2] = {fixture_add_part(&d, 0, 0), fixture_add_part(&d, 1, 1)};
     for (int p = 0; p < 2; ++p)
         for (int i = 0; i < 40; ++i)
-            desk_hold_point(pulls[p],
-                            (mrt_vec3){-70.0f + 3.5f * (float)i, 30.0f + 100.0f * (float)p, 55.0f},
-                            1.0f);
-    desk_move(&d);
+            fixture_hold_point(
+                pulls[p], (mrt_vec3){-70.0f + 3.5f * (float)i, 30.0f + 100.0f * (float)p, 55.0f},
+                1.0f);
+    fixture_move(&d);
     assert_int_equal(composer_counted(d.composer)->left_out, 16);
-    (void)desk_shown(&d); /* none is held */
-    desk_go(&d, 0);
-    desk_move(&d);
+    (void)fixture_shown(&d); /* none is held */
+    fixture_go(&d, 0);
+    fixture_move(&d);
     assert_int_equal(composer_counted(d.composer)->left_out, 16);
-    desk_tear_down(&d);
+    fixture_tear_down(&d);
 }
 
 static void nothing_allocates_while_layers_come_and_go(void **state)
@@ -200,17 +201,17 @@ static void nothing_allocates_while_layers_come_and_go(void **state)
         print_message("SKIPPED: the sanitizer has an allocator of its own\n");
         skip();
     }
-    desk d;
-    desk_set_up(&d, "puppet");
-    mrt_pull *low = desk_add_part(&d, 0, 0), *high = desk_add_part(&d, 1, 1),
-             *clay = desk_add_part(&d, 2, 2);
+    fixture d;
+    fixture_set_up(&d, "puppet");
+    mrt_pull *low = fixture_add_part(&d, 0, 0), *high = fixture_add_part(&d, 1, 1),
+             *clay = fixture_add_part(&d, 2, 2);
     unsigned char *bytes = malloc(4 << 20);
     assert_non_null(bytes);
-    desk_hold_mouth(&d, low, 1.0f);
-    desk_hold_brows(&d, high, 1.0f);
+    fixture_hold_mouth(&d, low, 1.0f);
+    fixture_hold_brows(&d, high, 1.0f);
     clay->mode = MRT_UNANCHORED;
     clay->radius_mm = 20.0f;
-    desk_hold_point(clay, composer_about(d.composer)->contacts[0].rest, 0.0f);
+    fixture_hold_point(clay, composer_about(d.composer)->contacts[0].rest, 0.0f);
     uint64_t before = atomic_load(&allocation_count);
     for (uint32_t n = 0; n < 60; ++n) {
         low->vector[0].end.y += 0.05f;
@@ -220,13 +221,13 @@ static void nothing_allocates_while_layers_come_and_go(void **state)
         high->commit += n % 20 == 9;
         d.part[1].weight = n % 10 == 3 ? 0.5 : 1.0;
         d.count = n % 7 == 0 ? 1 : n % 3 == 0 ? 2 : 3;
-        desk_move(&d);
+        fixture_move(&d);
         composer_draw(d.composer);
         assert_true(composer_save(d.composer, bytes, 4 << 20) < 4 << 20);
     }
     assert_int_equal(atomic_load(&allocation_count) - before, 0);
     free(bytes);
-    desk_tear_down(&d);
+    fixture_tear_down(&d);
 }
 
 int main(void)

@@ -13,7 +13,7 @@
 enum { FRAMES = 200, DESKS = 2 };
 
 typedef struct stand {
-    desk desk[DESKS]; /* of one face: the hands', and a take's */
+    fixture fixture[DESKS]; /* of one face: the hands', and a take's */
     live_board board;
     float *looked; /* positions, then normals: what changed was copied */
     stamps_reader seen;
@@ -34,12 +34,12 @@ static void begin(stand *s)
     error err = {""};
     *s = (stand){.now_ns = NS_PER_S};
     for (int i = 0; i < DESKS; ++i) {
-        desk_set_up(&s->desk[i], "puppet");
-        mrt_pull *pull = desk_add_part(&s->desk[i], 0, 0);
-        desk_hold_contact(&s->desk[i], pull, "mouth.corner.l", 0.0f, 0.0f, 0.0f);
-        desk_hold_contact(&s->desk[i], pull, "brow.inner.r", 0.0f, 0.0f, 0.0f);
+        fixture_set_up(&s->fixture[i], "puppet");
+        mrt_pull *pull = fixture_add_part(&s->fixture[i], 0, 0);
+        fixture_hold_contact(&s->fixture[i], pull, "mouth.corner.l", 0.0f, 0.0f, 0.0f);
+        fixture_hold_contact(&s->fixture[i], pull, "brow.inner.r", 0.0f, 0.0f, 0.0f);
     }
-    scene_must(live_board_create(&s->board, s->desk[0].composer, &err), &err);
+    scene_must(live_board_create(&s->board, s->fixture[0].composer, &err), &err);
     s->looked = calloc((size_t)s->board.vertex_count * 6, sizeof *s->looked);
     assert_non_null(s->looked);
 }
@@ -48,11 +48,11 @@ static void end(stand *s)
 {
     live_board_destroy(&s->board);
     for (int i = 0; i < DESKS; ++i)
-        desk_tear_down(&s->desk[i]);
+        fixture_tear_down(&s->fixture[i]);
     free(s->looked);
 }
 
-static void perform(desk *d, uint64_t *seed)
+static void perform(fixture *d, uint64_t *seed)
 {
     mrt_pull *pull = &d->pull[0];
     if (number(seed) < 0.3)
@@ -61,13 +61,13 @@ static void perform(desk *d, uint64_t *seed)
     pull->vector[which].end.y += (float)(4.0 * number(seed) - 2.0);
     if (number(seed) < 0.2)
         pull->dof[0] = (float)(0.3 * number(seed));
-    desk_move(d);
+    fixture_move(d);
 }
 
-static void perform_once(desk *d)
+static void perform_once(fixture *d)
 {
     d->pull[0].vector[0].end.y += 5.0f;
-    desk_move(d);
+    fixture_move(d);
     composer_draw(d->composer);
 }
 
@@ -122,7 +122,7 @@ static void what_changed_is_all_that_is_missed(void **state)
             if (number(&seed) < 0.6)
                 live_board_ease(&s.board, s.now_ns);
         }
-        desk *d = &s.desk[shown];
+        fixture *d = &s.fixture[shown];
         perform(d, &seed);
         s.now_ns += 16 * NS_PER_MS;
         composer_draw(d->composer);
@@ -149,21 +149,21 @@ static void who_comes_from_another_board_misses_nothing(void **state)
     begin(&s);
     begin(&other);
     for (int i = 0; i < 9; ++i) {
-        live_board_fill(&s.board, s.desk[0].composer, 0);
+        live_board_fill(&s.board, s.fixture[0].composer, 0);
         live_board_publish(&s.board);
         look(&s);
     }
-    composer_draw(other.desk[0].composer);
-    live_board_fill(&other.board, other.desk[0].composer, 0);
+    composer_draw(other.fixture[0].composer);
+    live_board_fill(&other.board, other.fixture[0].composer, 0);
     live_board_publish(&other.board);
     assert_true(live_board_look(&other.board, &view));
     for (uint32_t part = 0; part < view->changed->count; ++part)
         assert_true(stamps_is_new(&s.seen, view->changed, part));
-    perform_once(&other.desk[0]);
-    live_board_fill(&other.board, other.desk[0].composer, 0);
+    perform_once(&other.fixture[0]);
+    live_board_fill(&other.board, other.fixture[0].composer, 0);
     live_board_publish(&other.board);
     live_board_ease_from(&s.board, &other.board, 0);
-    live_board_fill(&s.board, s.desk[0].composer, NS_PER_MS);
+    live_board_fill(&s.board, s.fixture[0].composer, NS_PER_MS);
     live_board_publish(&s.board);
     look(&s);
     end(&s);

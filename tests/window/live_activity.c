@@ -1,5 +1,5 @@
 /* What the lanes of a timeline show of a performance: where it moves the face, and when. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 #include "stage/take/activity.h"
 #include "stage/take/sequencer.h"
@@ -13,14 +13,14 @@ typedef struct lanes {
     activity *of;
 } lanes;
 
-static void open_lanes(live_desk *d, lanes *out, int64_t performance)
+static void open_lanes(live_fixture *d, lanes *out, int64_t performance)
 {
     error err = {""};
     const performer_settings of_rig = {.rezero_pedal = 0};
-    desk_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
-    desk_must(performer_create(&out->scratch, &d->face, NULL, &of_rig, &err), &err);
+    fixture_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
+    fixture_must(performer_create(&out->scratch, &d->face, NULL, &of_rig, &err), &err);
     out->world = (replay_world){out->show, &d->plugins, d->log, out->scratch};
-    desk_must(activity_create(&out->of, &out->world, performance, &err), &err);
+    fixture_must(activity_create(&out->of, &out->world, performance, &err), &err);
 }
 
 static void close_lanes(lanes *l)
@@ -37,7 +37,7 @@ static uint32_t step_all(lanes *l)
     mrt_result result;
     while ((result = activity_step(l->of, 4, &err)) == MRT_OK)
         steps += 1;
-    desk_must(result, &err);
+    fixture_must(result, &err);
     return steps;
 }
 
@@ -55,27 +55,27 @@ static float greatest(const lanes *l, uint32_t lane, int64_t from_ns, int64_t to
 static void lanes_tell_when_and_where(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
     live_status status;
     lanes l;
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_pass(&d, 0.5);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 0.5);
     int64_t drag_ns = clock_now_ns();
-    desk_drag(&d, POINTER_PULLS, desk_contact(&d, "mouth.corner.l"), (vec3){0, 6, 0}, false);
+    fixture_drag(&d, POINTER_PULLS, fixture_contact(&d, "mouth.corner.l"), (vec3){0, 6, 0}, false);
     int64_t go_ns = clock_now_ns();
-    desk_let_go(&d);
-    desk_must(live_record_end(d.live, &err), &err);
-    desk_must(writer_flush(recorder_writer(d.live->recorder), &err), &err);
+    fixture_let_go(&d);
+    fixture_must(live_record_end(d.live, &err), &err);
+    fixture_must(writer_flush(recorder_writer(d.live->recorder), &err), &err);
     live_status_of(d.live, &status);
-    desk_take(&d, status.take, &t);
+    fixture_take(&d, status.take, &t);
     open_lanes(&d, &l, t.layer[0].clip[0].performance);
     assert_true(step_all(&l) >= 2);
     int64_t known_ns = activity_known_ns(l.of);
     show_performance p;
-    desk_must(show_performance_read(l.show, t.layer[0].clip[0].performance, &p, &err), &err);
+    fixture_must(show_performance_read(l.show, t.layer[0].clip[0].performance, &p, &err), &err);
     int64_t offset_ns = recorder_show_ns(d.live->recorder, 0) - p.from_ns;
     int64_t from_ns = drag_ns + offset_ns, to_ns = go_ns + offset_ns;
     show_performance_finish(&p);
@@ -89,15 +89,15 @@ static void lanes_tell_when_and_where(void **state)
     activity_read(l.of, OWN_MOUTH, known_ns + NS_PER_S, known_ns + 2 * NS_PER_S, 1, &beyond);
     assert_true(beyond.least > beyond.greatest);
     /* it goes on when the performance does */
-    desk_drag(&d, POINTER_PULLS, desk_contact(&d, "brow.mid.l"), (vec3){0, 6, 0}, false);
-    desk_let_go(&d);
-    desk_must(writer_flush(recorder_writer(d.live->recorder), &err), &err);
+    fixture_drag(&d, POINTER_PULLS, fixture_contact(&d, "brow.mid.l"), (vec3){0, 6, 0}, false);
+    fixture_let_go(&d);
+    fixture_must(writer_flush(recorder_writer(d.live->recorder), &err), &err);
     (void)step_all(&l);
     assert_true(activity_known_ns(l.of) > known_ns);
     assert_true(greatest(&l, OWN_BROWS, known_ns, activity_known_ns(l.of)) > 0.1f);
     close_lanes(&l);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* Mapping, face, inputs and engine are changed while a live stage performs: nothing jumps, nothing
  * else stops. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 /* What an ease of a quarter of a second moves a vertex in 20 ms at most, of how far it has to go:
  * the hand is held still. */
@@ -14,19 +14,19 @@ typedef struct still_hand {
 } still_hand;
 
 /* From straight to bent, slowly: mappings take the first pose that they see as neutral. */
-static void bend(live_desk *d, still_hand *h)
+static void bend(live_fixture *d, still_hand *h)
 {
     for (int n = 0; n <= 20; ++n) {
         for (uint32_t i = 0; i < 18; ++i)
             h->angle[i] = 0.03f * (float)n * (i % 4 == 0 ? 1.0f : -0.5f);
         feed_give(h->feed, h->angle, FEED_MOVES);
-        desk_perform(d, n == 0 ? 0.4 : 0.01);
+        fixture_perform(d, n == 0 ? 0.4 : 0.01);
     }
-    desk_perform(d, 0.7);
-    h->moved_mm = desk_apart_mm(d, d->first);
+    fixture_perform(d, 0.7);
+    h->moved_mm = fixture_apart_mm(d, d->first);
 }
 
-static void hold(live_desk *d, still_hand *h)
+static void hold(live_fixture *d, still_hand *h)
 {
     error err = {""};
     input *in;
@@ -39,15 +39,15 @@ static void hold(live_desk *d, still_hand *h)
                                     .channels = channel,
                                     .channel_count = MRT_ANGLES,
                                     .rate_hz = 150.0};
-    desk_must(feed_create(&h->feed, &settings, &err), &err);
-    desk_must(input_create(&in, feed_type(h->feed), "", "", CLOCK_REAL, d->log, &err), &err);
-    desk_must(live_add_input(d->live, in, "hand", &err), &err);
+    fixture_must(feed_create(&h->feed, &settings, &err), &err);
+    fixture_must(input_create(&in, feed_type(h->feed), "", "", CLOCK_REAL, d->log, &err), &err);
+    fixture_must(live_add_input(d->live, in, "hand", &err), &err);
     bend(d, h);
 }
 
-static void end(live_desk *d, still_hand *h)
+static void end(live_fixture *d, still_hand *h)
 {
-    desk_finish(d);
+    fixture_finish(d);
     feed_destroy(h->feed);
 }
 
@@ -57,7 +57,7 @@ typedef struct track {
     double most_mm; /* of any vertex between two faces, per 20 ms of samples */
 } track;
 
-static void look_on(live_desk *d, track *t, double seconds)
+static void look_on(live_fixture *d, track *t, double seconds)
 {
     size_t size = (size_t)d->view->vertex_count * 3;
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
@@ -68,10 +68,10 @@ static void look_on(live_desk *d, track *t, double seconds)
         t->sample_ns = d->view->sample_ns;
     }
     while (clock_now_ns() < until_ns || d->view->sample_ns < until_ns) {
-        desk_frame(d);
+        fixture_frame(d);
         double passed_s = (double)(d->view->sample_ns - t->sample_ns) / 1e9;
         double frames = fmax(passed_s / 0.02, 1.0);
-        t->most_mm = fmax(t->most_mm, desk_apart_mm(d, t->last) / frames);
+        t->most_mm = fmax(t->most_mm, fixture_apart_mm(d, t->last) / frames);
         memcpy(t->last, d->view->position, size * sizeof *t->last);
         t->sample_ns = d->view->sample_ns;
     }
@@ -85,32 +85,32 @@ static void is_smooth(const track *t, const char *what, double moved_mm)
         fail_msg("%s: a vertex jumps by %.2f mm", what, t->most_mm);
 }
 
-static void add_demo(live_desk *d)
+static void add_demo(live_fixture *d)
 {
     error err = {""};
-    char text[DESK_PATH];
+    char text[FIXTURE_PATH];
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=3,loop=1", SOURCE_DIR);
-    desk_must(desk_add_input(d, text, &err), &err);
+    fixture_must(fixture_add_input(d, text, &err), &err);
 }
 
-static void relax(live_desk *d, still_hand *h)
+static void relax(live_fixture *d, still_hand *h)
 {
     memset(h->angle, 0, sizeof h->angle);
     feed_give(h->feed, h->angle, FEED_MOVES);
-    desk_perform(d, 0.5);
+    fixture_perform(d, 0.5);
 }
 
-static void change_mapping(live_desk *d, still_hand *hand, const char *from, const char *to)
+static void change_mapping(live_fixture *d, still_hand *hand, const char *from, const char *to)
 {
     error err = {""};
-    char what[DESK_PATH];
+    char what[FIXTURE_PATH];
     track t = {0};
     relax(d, hand);
-    desk_must(live_set_mapping(d->live, from, &err), &err);
-    desk_perform(d, 0.6);
+    fixture_must(live_set_mapping(d->live, from, &err), &err);
+    fixture_perform(d, 0.6);
     bend(d, hand);
     look_on(d, &t, 0.0);
-    desk_must(live_set_mapping(d->live, to, &err), &err);
+    fixture_must(live_set_mapping(d->live, to, &err), &err);
     assert_true((live_mapping(d->live) != NULL) == (to[0] != '\0'));
     look_on(d, &t, 0.8);
     snprintf(what, sizeof what, "from \"%s\" to \"%s\"", from, to);
@@ -121,9 +121,9 @@ static void change_mapping(live_desk *d, still_hand *hand, const char *from, con
 static void mapping_changes_without_a_jump(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     still_hand hand;
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     hold(&d, &hand);
     assert_true(hand.moved_mm > 3.0);
     change_mapping(&d, &hand, "one_hand", "");
@@ -133,7 +133,7 @@ static void mapping_changes_without_a_jump(void **state)
     end(&d, &hand);
 }
 
-static bool drives_a_bone(live_desk *d, void *data)
+static bool drives_a_bone(live_fixture *d, void *data)
 {
     (void)data;
     for (uint32_t i = 0; i < d->view->about->dof_count; ++i)
@@ -146,145 +146,145 @@ static bool drives_a_bone(live_desk *d, void *data)
 static void a_mapping_of_vectors_drives_no_bone_of_the_one_before(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     still_hand hand;
     error err = {""};
-    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
     hold(&d, &hand);
     assert_true(drives_a_bone(&d, NULL));
-    desk_must(live_set_mapping(d.live, "anchored", &err), &err);
-    desk_perform(&d, 1.0);
+    fixture_must(live_set_mapping(d.live, "anchored", &err), &err);
+    fixture_perform(&d, 1.0);
     assert_int_equal(d.view->pull.mode, MRT_ANCHORED);
     assert_false(drives_a_bone(&d, NULL));
     end(&d, &hand);
 }
 
-static bool is_moved(live_desk *d, void *data)
+static bool is_moved(live_fixture *d, void *data)
 {
     (void)data;
-    return desk_apart_mm(d, d->first) > 0.5;
+    return fixture_apart_mm(d, d->first) > 0.5;
 }
 
 static void mapping_of_nothing_lets_the_face_rest(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
     add_demo(&d);
-    assert_true(desk_until(&d, is_moved, NULL));
-    desk_must(live_set_mapping(d.live, NULL, &err), &err);
+    assert_true(fixture_until(&d, is_moved, NULL));
+    fixture_must(live_set_mapping(d.live, NULL, &err), &err);
     assert_null(live_mapping(d.live));
-    assert_true(desk_until(&d, desk_is_at_rest, NULL));
+    assert_true(fixture_until(&d, fixture_is_at_rest, NULL));
     assert_true(live_set_mapping(d.live, "no_such_mapping", &err) < 0);
     assert_true(live_set_mapping(d.live, "one_hand,no_such=1", &err) < 0);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void inputs_come_and_go_while_it_performs(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     mrt_sample sample;
     live_status before, after;
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     add_demo(&d);
-    desk_perform(&d, 0.4);
+    fixture_perform(&d, 0.4);
     track t = {0};
     for (int i = 0; i < 3; ++i) {
         add_demo(&d);
         assert_int_equal(live_input_count(d.live), 2);
         look_on(&d, &t, 0.1);
-        desk_must(live_remove_input(d.live, 0, &err), &err);
+        fixture_must(live_remove_input(d.live, 0, &err), &err);
         look_on(&d, &t, 0.1);
     }
     free(t.last);
     assert_int_equal(live_input_count(d.live), 1);
-    desk_perform(&d, 0.1);
+    fixture_perform(&d, 0.1);
     assert_true(live_input_sample(d.live, 0, &sample));
     live_status_of(d.live, &before);
-    desk_perform(&d, 0.3);
+    fixture_perform(&d, 0.3);
     live_status_of(d.live, &after);
     assert_true(after.sample_count > before.sample_count);
-    desk_must(live_remove_input(d.live, 0, &err), &err);
+    fixture_must(live_remove_input(d.live, 0, &err), &err);
     assert_false(live_input_sample(d.live, 0, &sample));
     assert_true(live_remove_input(d.live, 0, &err) < 0);
-    assert_true(desk_add_input(&d, "no_such_plugin", &err) < 0);
-    assert_true(desk_add_input(&d, "log:/no/such/file.csv", &err) < 0);
-    assert_true(desk_add_input(&d, ":", &err) < 0);
+    assert_true(fixture_add_input(&d, "no_such_plugin", &err) < 0);
+    assert_true(fixture_add_input(&d, "log:/no/such/file.csv", &err) < 0);
+    assert_true(fixture_add_input(&d, ":", &err) < 0);
     assert_int_equal(live_input_count(d.live), 0);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void eight_inputs_are_too_many(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    char text[DESK_PATH];
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    char text[FIXTURE_PATH];
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     for (int i = 0; i < 7; ++i)
         add_demo(&d);
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv", SOURCE_DIR);
-    assert_true(desk_add_input(&d, text, &err) < 0);
+    assert_true(fixture_add_input(&d, text, &err) < 0);
     assert_true(strstr(err.text, "7 inputs are open") != NULL);
-    desk_pass(&d, 0.1);
-    desk_finish(&d);
+    fixture_pass(&d, 0.1);
+    fixture_finish(&d);
 }
 
 static void a_kernel_is_taken_with_the_radius_of_the_rig(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
     const csrbf_settings of_rig = d.view->solver;
     const csrbf_settings broad = {.kernel = CSRBF_WENDLAND_C6, .polynomial = CSRBF_CONSTANT};
-    desk_must(live_set_solver(d.live, &broad, &err), &err);
-    desk_pass(&d, 0.1);
+    fixture_must(live_set_solver(d.live, &broad, &err), &err);
+    fixture_pass(&d, 0.1);
     assert_int_equal(d.view->solver.kernel, CSRBF_WENDLAND_C6);
     assert_int_equal(d.view->solver.polynomial, CSRBF_CONSTANT);
     assert_float_equal(d.view->solver.radius, of_rig.radius, 1e-9);
-    desk_must(live_set_solver(d.live, NULL, &err), &err);
-    desk_pass(&d, 0.1);
+    fixture_must(live_set_solver(d.live, NULL, &err), &err);
+    fixture_pass(&d, 0.1);
     assert_int_equal(d.view->solver.kernel, of_rig.kernel);
     assert_int_equal(d.view->solver.polynomial, of_rig.polynomial);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void face_and_engine_change_while_it_performs(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     still_hand hand;
     error err = {""};
     face_file moai = {0};
-    char path[DESK_PATH];
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    char path[FIXTURE_PATH];
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     hold(&d, &hand);
     csrbf_settings solver = d.view->solver;
     solver.radius *= 1.5;
     track t = {0};
     look_on(&d, &t, 0.05);
-    desk_must(live_set_solver(d.live, &solver, &err), &err);
+    fixture_must(live_set_solver(d.live, &solver, &err), &err);
     look_on(&d, &t, 0.6);
     is_smooth(&t, "another radius", hand.moved_mm);
     free(t.last);
     assert_true(fabs(d.view->solver.radius - solver.radius) < 1e-9);
     uint32_t of_puppet = d.view->vertex_count;
     snprintf(path, sizeof path, "%s/rigs/moai/moai.rig.json", SOURCE_DIR);
-    desk_must(face_file_read(&moai, path, NULL, FACE_FILE_USABLE, &err), &err);
+    fixture_must(face_file_read(&moai, path, NULL, FACE_FILE_USABLE, &err), &err);
     const live_view *before = d.view; /* two changes within a frame */
-    desk_must(live_set_solver(d.live, &solver, &err), &err);
-    desk_must(live_set_face(d.live, &moai, path, 0.0, &err), &err);
+    fixture_must(live_set_solver(d.live, &solver, &err), &err);
+    fixture_must(live_set_face(d.live, &moai, path, 0.0, &err), &err);
     assert_true(isfinite(before->position[3 * of_puppet - 1])); /* still there until it is looked */
     assert_true(live_look(d.live, &d.view));
     assert_int_not_equal(d.view->vertex_count, of_puppet);
-    desk_perform(&d, 0.3);
+    fixture_perform(&d, 0.3);
     assert_true(d.view->number > 2);
-    desk_must(live_set_face(d.live, &d.face, d.face_path, 0.0, &err), &err);
-    desk_pass(&d, 0.2);
+    fixture_must(live_set_face(d.live, &d.face, d.face_path, 0.0, &err), &err);
+    fixture_pass(&d, 0.2);
     assert_int_equal(d.view->vertex_count, of_puppet);
     face_file_destroy(&moai);
     end(&d, &hand);
@@ -293,21 +293,21 @@ static void face_and_engine_change_while_it_performs(void **state)
 static void grip_of_a_moving_face_does_not_jump(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     still_hand hand;
     static const char *const contacts[] = {"mouth.corner.l", "chin", "brow.mid.l", "cheek.l",
                                            "nose.tip"};
-    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
     hold(&d, &hand);
     for (size_t i = 0; i < sizeof contacts / sizeof *contacts; ++i) {
-        uint32_t contact = desk_contact(&d, contacts[i]);
-        vec3 rest = desk_rest(&d, contact), at = d.view->contact[contact];
+        uint32_t contact = fixture_contact(&d, contacts[i]);
+        vec3 rest = fixture_rest(&d, contact), at = d.view->contact[contact];
         track t = {0};
         look_on(&d, &t, 0.1);
         at = d.view->contact[contact];
-        desk_point(&d, POINTER_PULLS, rest, at, false);
+        fixture_point(&d, POINTER_PULLS, rest, at, false);
         look_on(&d, &t, 0.3);
-        desk_point(&d, POINTER_AWAY, rest, at, false);
+        fixture_point(&d, POINTER_AWAY, rest, at, false);
         look_on(&d, &t, 0.6);
         is_smooth(&t, contacts[i], hand.moved_mm);
         free(t.last);

@@ -1,62 +1,63 @@
 /* The mouse on the face of a live stage: what is dragged moves, springs back, stays, is clay. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 static const vec3 way = {0.0, 6.0, 4.0};
 
-static void start(live_desk *d, const char *mapping)
+static void start(live_fixture *d, const char *mapping)
 {
-    desk_start(d, "puppet", mapping, DESK_NO_SHOW);
+    fixture_start(d, "puppet", mapping, FIXTURE_NO_SHOW);
 }
 
 static void stage_is_seen_before_any_sample(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     start(&d, NULL);
     assert_true(d.view->vertex_count > 1000);
     assert_true(d.view->number >= 1);
     assert_true(d.view->contact_count > 0);
-    assert_true(desk_is_at_rest(&d, NULL));
-    desk_finish(&d);
+    assert_true(fixture_is_at_rest(&d, NULL));
+    fixture_finish(&d);
 }
 
 static void dragged_contact_moves_by_the_drag(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     start(&d, NULL);
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
-    desk_drag(&d, POINTER_PULLS, corner, way, false);
-    vec3 moved = vec3_sub(d.view->contact[corner], desk_rest(&d, corner));
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
+    fixture_drag(&d, POINTER_PULLS, corner, way, false);
+    vec3 moved = vec3_sub(d.view->contact[corner], fixture_rest(&d, corner));
     assert_true(vec3_length(vec3_sub(moved, way)) < 0.05);
-    desk_let_go(&d);
-    assert_true(desk_until(&d, desk_is_at_rest, NULL));
-    desk_finish(&d);
+    fixture_let_go(&d);
+    assert_true(fixture_until(&d, fixture_is_at_rest, NULL));
+    fixture_finish(&d);
 }
 
 static void staying_contact_stays_until_it_is_let_go(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     start(&d, NULL);
-    uint32_t left = desk_contact(&d, "mouth.corner.l"), right = desk_contact(&d, "mouth.corner.r");
-    desk_drag(&d, POINTER_PULLS, left, way, true);
-    desk_let_go(&d);
-    assert_true(fabs(desk_moved_mm(&d, left) - vec3_length(way)) < 0.05);
-    desk_drag(&d, POINTER_PULLS, right, way, true);
-    desk_let_go(&d);
-    assert_true(fabs(desk_moved_mm(&d, left) - vec3_length(way)) < 0.05);
-    assert_true(fabs(desk_moved_mm(&d, right) - vec3_length(way)) < 0.05);
+    uint32_t left = fixture_contact(&d, "mouth.corner.l"),
+             right = fixture_contact(&d, "mouth.corner.r");
+    fixture_drag(&d, POINTER_PULLS, left, way, true);
+    fixture_let_go(&d);
+    assert_true(fabs(fixture_moved_mm(&d, left) - vec3_length(way)) < 0.05);
+    fixture_drag(&d, POINTER_PULLS, right, way, true);
+    fixture_let_go(&d);
+    assert_true(fabs(fixture_moved_mm(&d, left) - vec3_length(way)) < 0.05);
+    assert_true(fabs(fixture_moved_mm(&d, right) - vec3_length(way)) < 0.05);
     const vec3 nowhere = {0, 0, 0};
-    desk_point(&d, POINTER_LETS_GO, nowhere, nowhere, false);
-    assert_true(desk_until(&d, desk_is_at_rest, NULL));
-    desk_finish(&d);
+    fixture_point(&d, POINTER_LETS_GO, nowhere, nowhere, false);
+    assert_true(fixture_until(&d, fixture_is_at_rest, NULL));
+    fixture_finish(&d);
 }
 
-static vec3 cheek(const live_desk *d)
+static vec3 cheek(const live_fixture *d)
 {
-    uint32_t corner = desk_contact(d, "mouth.corner.l");
-    vec3 near = vec3_add(desk_rest(d, corner), (vec3){6.0, 8.0, 0.0});
+    uint32_t corner = fixture_contact(d, "mouth.corner.l");
+    vec3 near = vec3_add(fixture_rest(d, corner), (vec3){6.0, 8.0, 0.0});
     const float *nearest = d->first;
     double least = INFINITY;
     for (size_t v = 0; v < d->view->vertex_count; ++v) {
@@ -70,7 +71,7 @@ static vec3 cheek(const live_desk *d)
     return (vec3){(double)nearest[0], (double)nearest[1], (double)nearest[2]};
 }
 
-static double moved_at(const live_desk *d, vec3 position, vec3 *out)
+static double moved_at(const live_fixture *d, vec3 position, vec3 *out)
 {
     for (size_t v = 0; v < d->view->vertex_count; ++v) {
         const float *p = d->first + 3 * v, *q = d->view->position + 3 * v;
@@ -83,66 +84,66 @@ static double moved_at(const live_desk *d, vec3 position, vec3 *out)
     return NAN;
 }
 
-static void drag_place(live_desk *d, pointer_grip grip, vec3 position, bool stays)
+static void drag_place(live_fixture *d, pointer_grip grip, vec3 position, bool stays)
 {
     vec3 from = position;
     (void)moved_at(d, position, &from);
-    desk_point(d, grip, position, from, stays);
+    fixture_point(d, grip, position, from, stays);
     for (int i = 1; i <= 20; ++i) {
-        desk_frame(d);
-        desk_point(d, grip, position, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
+        fixture_frame(d);
+        fixture_point(d, grip, position, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
     }
-    desk_perform(d, 0.0);
+    fixture_perform(d, 0.0);
 }
 
 static void place_of_the_skin_springs_back(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     vec3 now;
     start(&d, NULL);
     vec3 position = cheek(&d);
     drag_place(&d, POINTER_PULLS, position, false);
     assert_true(fabs(moved_at(&d, position, &now) - vec3_length(way)) < 0.5);
-    desk_let_go(&d);
-    assert_true(desk_until(&d, desk_is_at_rest, NULL));
-    desk_finish(&d);
+    fixture_let_go(&d);
+    assert_true(fixture_until(&d, fixture_is_at_rest, NULL));
+    fixture_finish(&d);
 }
 
 static void place_that_stays_can_be_dragged_on(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     vec3 now;
     start(&d, NULL);
     vec3 position = cheek(&d);
     drag_place(&d, POINTER_PULLS, position, true);
-    desk_let_go(&d);
+    fixture_let_go(&d);
     double once = moved_at(&d, position, &now);
     assert_true(fabs(once - vec3_length(way)) < 0.5);
     drag_place(&d, POINTER_PULLS, position, true);
-    desk_let_go(&d);
+    fixture_let_go(&d);
     double twice = moved_at(&d, position, &now);
     if (fabs(twice - 2.0 * vec3_length(way)) >= 1.0)
         fail_msg("%g mm after one drag, %g mm after two", once, twice);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void clay_stays_until_neutral(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     vec3 now;
     start(&d, NULL);
     vec3 position = cheek(&d);
     drag_place(&d, POINTER_KNEADS, position, false);
-    desk_let_go(&d);
+    fixture_let_go(&d);
     double moved_mm = moved_at(&d, position, &now);
     if (moved_mm < 2.0)
         fail_msg("clay moved by %g mm", moved_mm);
     live_neutral(d.live);
-    assert_true(desk_until(&d, desk_is_at_rest, NULL));
-    desk_finish(&d);
+    assert_true(fixture_until(&d, fixture_is_at_rest, NULL));
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
 /* A take on a live stage: shown, scrubbed, played, looped, performed over. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 #include "stage/take/kept_solver.h"
 #include "stage/mapping/taught.h"
@@ -8,29 +8,29 @@
 static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 /* A take of two seconds in which the mouse drags the left corner of the mouth. */
-static int64_t record_a_drag(live_desk *d, const char *name, vec3 way)
+static int64_t record_a_drag(live_fixture *d, const char *name, vec3 way)
 {
     error err = {""};
     live_status status;
-    uint32_t contact = desk_contact(d, name);
-    desk_must(live_record(d->live, &slate, &err), &err);
-    desk_pass(d, 0.2);
-    desk_drag(d, POINTER_PULLS, contact, way, false);
-    desk_perform(d, 0.8);
-    desk_let_go(d);
-    desk_must(live_record_end(d->live, &err), &err);
+    uint32_t contact = fixture_contact(d, name);
+    fixture_must(live_record(d->live, &slate, &err), &err);
+    fixture_pass(d, 0.2);
+    fixture_drag(d, POINTER_PULLS, contact, way, false);
+    fixture_perform(d, 0.8);
+    fixture_let_go(d);
+    fixture_must(live_record_end(d->live, &err), &err);
     live_status_of(d->live, &status);
     return status.take;
 }
 
-static void show_take_on(live_desk *d, int64_t id, take *out)
+static void show_take_on(live_fixture *d, int64_t id, take *out)
 {
     error err = {""};
-    desk_take(d, id, out);
-    desk_must(live_show_take(d->live, out, &err), &err);
+    fixture_take(d, id, out);
+    fixture_must(live_show_take(d->live, out, &err), &err);
 }
 
-static bool stands_at(live_desk *d, void *data)
+static bool stands_at(live_fixture *d, void *data)
 {
     const int64_t *at_ns = data;
     return d->view->mode == LIVE_SHOWS && d->view->at_ns == *at_ns;
@@ -42,24 +42,24 @@ typedef struct projector { /* the take by itself, apart from the stage */
     float *rows;
 } projector;
 
-static void project(live_desk *d, const take *t, projector *out)
+static void project(live_fixture *d, const take *t, projector *out)
 {
     error err = {""};
-    desk_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
+    fixture_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
     const sequencer_settings settings = {
         .show = out->show, .plugins = &d->plugins, .log = d->log, .face = &d->face};
-    desk_must(sequencer_create(&out->plays, &settings, t, &err), &err);
+    fixture_must(sequencer_create(&out->plays, &settings, t, &err), &err);
     out->rows = malloc((size_t)d->view->vertex_count * 3 * sizeof *out->rows);
 }
 
-static uint64_t projected(live_desk *d, projector *of, int64_t at_ns)
+static uint64_t projected(live_fixture *d, projector *of, int64_t at_ns)
 {
     error err = {""};
     composer *shown = performer_composer(sequencer_performer(of->plays));
-    desk_must(sequencer_play_to(of->plays, at_ns, &err), &err);
+    fixture_must(sequencer_play_to(of->plays, at_ns, &err), &err);
     composer_draw(shown);
     points_to_rows(of->rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
-    return desk_hash(of->rows, (size_t)d->view->vertex_count * 3);
+    return fixture_hash(of->rows, (size_t)d->view->vertex_count * 3);
 }
 
 typedef struct expected {
@@ -67,24 +67,24 @@ typedef struct expected {
     uint64_t hash;
 } expected;
 
-static bool shows(live_desk *d, void *data)
+static bool shows(live_fixture *d, void *data)
 {
     const expected *e = data;
     return d->view->mode == LIVE_SHOWS && d->view->at_ns == e->at_ns &&
-           desk_hash(d->view->position, (size_t)d->view->vertex_count * 3) == e->hash;
+           fixture_hash(d->view->position, (size_t)d->view->vertex_count * 3) == e->hash;
 }
 
-static bool is_pulled(live_desk *d, void *data)
+static bool is_pulled(live_fixture *d, void *data)
 {
-    return desk_moved_mm(d, *(const uint32_t *)data) > 3.0;
+    return fixture_moved_mm(d, *(const uint32_t *)data) > 3.0;
 }
 
-static bool performs_at_rest(live_desk *d, void *data)
+static bool performs_at_rest(live_fixture *d, void *data)
 {
-    return d->view->mode == LIVE_PERFORMS && desk_is_at_rest(d, data);
+    return d->view->mode == LIVE_PERFORMS && fixture_is_at_rest(d, data);
 }
 
-static bool has_eased(live_desk *d, void *data)
+static bool has_eased(live_fixture *d, void *data)
 {
     const int64_t *from_ns = data;
     return d->view->published_ns > *from_ns + NS_PER_S * 3 / 10 ||
@@ -92,10 +92,10 @@ static bool has_eased(live_desk *d, void *data)
 }
 
 /* What eases over, from a change of now, has eased. */
-static void ease(live_desk *d)
+static void ease(live_fixture *d)
 {
     int64_t now_ns = clock_now_ns();
-    assert_true(desk_until(d, has_eased, &now_ns));
+    assert_true(fixture_until(d, has_eased, &now_ns));
 }
 
 static void pack_up(projector *of)
@@ -108,9 +108,9 @@ static void pack_up(projector *of)
 static void shown_take_stands_where_it_is_sought(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     take t = {0};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
     assert_int_equal(live_shown_take(d.live), id);
@@ -120,71 +120,71 @@ static void shown_take_stands_where_it_is_sought(void **state)
     for (size_t i = 0; i < 4; ++i) {
         expected e = {instants[i], projected(&d, &alone, instants[i])};
         live_seek(d.live, instants[i]);
-        if (!desk_until(&d, shows, &e))
+        if (!fixture_until(&d, shows, &e))
             fail_msg("instant %u of the take is not shown as it was recorded", (unsigned)i);
     }
     pack_up(&alone);
     for (int64_t i = 0; i <= 100; ++i) /* scrubbing: only the last one counts */
         live_seek(d.live, t.duration_ns * i / 100);
-    assert_true(desk_until(&d, stands_at, &t.duration_ns));
+    assert_true(fixture_until(&d, stands_at, &t.duration_ns));
     live_show_hands(d.live);
-    assert_true(desk_until(&d, performs_at_rest, NULL));
+    assert_true(fixture_until(&d, performs_at_rest, NULL));
     assert_int_equal(live_shown_take(d.live), 0);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void take_is_solved_as_its_show_says_wherever_it_plays(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     take t = {0};
     error err = {""};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     const kept_solver kept = {true, {.kernel = CSRBF_WENDLAND_C6, .polynomial = CSRBF_CONSTANT}};
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
-    desk_must(live_set_solver(d.live, &kept.as, &err), &err);
+    fixture_must(live_set_solver(d.live, &kept.as, &err), &err);
     show_take_on(&d, id, &t);
     projector before, after;
     project(&d, &t, &before);
-    desk_must(kept_solver_write(d.show, &kept, &err), &err);
+    fixture_must(kept_solver_write(d.show, &kept, &err), &err);
     project(&d, &t, &after);
     expected e = {t.duration_ns / 2, projected(&d, &after, t.duration_ns / 2)};
     live_seek(d.live, e.at_ns);
-    assert_true(desk_until(&d, shows, &e));
+    assert_true(fixture_until(&d, shows, &e));
     (void)projected(&d, &before, e.at_ns);
     double most_mm = 0.0;
     for (size_t i = 0; i < (size_t)d.view->vertex_count * 3; ++i)
         most_mm = fmax(most_mm, fabs((double)before.rows[i] - (double)after.rows[i]));
     assert_true(most_mm > 0.5);
-    desk_must(kept_solver_write(d.show, &(kept_solver){.is_kept = false}, &err), &err);
+    fixture_must(kept_solver_write(d.show, &(kept_solver){.is_kept = false}, &err), &err);
     kept_solver none;
-    desk_must(kept_solver_read(&none, d.show, &err), &err);
+    fixture_must(kept_solver_read(&none, d.show, &err), &err);
     assert_false(none.is_kept);
-    desk_must(show_note_write(d.show, "solver", "thin_plate none 3", &err), &err);
+    fixture_must(show_note_write(d.show, "solver", "thin_plate none 3", &err), &err);
     assert_true(kept_solver_read(&none, d.show, &err) < 0);
     assert_true(strstr(err.text, "\"thin_plate none 3\", is not known here") != NULL);
     pack_up(&before);
     pack_up(&after);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void take_plays_to_its_end_and_loops(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     take t = {0};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
     double most_mm = 0.0;
     int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
     live_play(d.live);
     while (!live_position(d.live).has_stopped && clock_now_ns() < until_ns) {
-        desk_frame(&d);
-        most_mm = fmax(most_mm, desk_moved_mm(&d, corner));
+        fixture_frame(&d);
+        most_mm = fmax(most_mm, fixture_moved_mm(&d, corner));
     }
     assert_true(live_position(d.live).has_stopped);
     assert_true(most_mm > 5.0);
@@ -193,7 +193,7 @@ static void take_plays_to_its_end_and_loops(void **state)
     live_seek(d.live, in_ns);
     live_play(d.live);
     while (live_position(d.live).pass < 2 && clock_now_ns() < until_ns) {
-        desk_frame(&d);
+        fixture_frame(&d);
         assert_true(live_position(d.live).at_ns < out_ns);
     }
     assert_true(live_position(d.live).pass >= 2);
@@ -202,69 +202,69 @@ static void take_plays_to_its_end_and_loops(void **state)
     live_seek(d.live, 0);
     live_step_frames(d.live, 3);
     int64_t third_ns = 100 * NS_PER_MS;
-    assert_true(desk_until(&d, stands_at, &third_ns));
+    assert_true(fixture_until(&d, stands_at, &third_ns));
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 /* What stays on the face at the end of a take is still there when it has been played. */
 static void at_its_end_a_take_shows_what_it_ends_with(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
     live_status status;
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_drag(&d, POINTER_PULLS, corner, (vec3){0, 6, 2}, true);
-    desk_let_go(&d);
-    desk_must(live_record_end(d.live, &err), &err);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_drag(&d, POINTER_PULLS, corner, (vec3){0, 6, 2}, true);
+    fixture_let_go(&d);
+    fixture_must(live_record_end(d.live, &err), &err);
     live_status_of(d.live, &status);
     show_take_on(&d, status.take, &t);
     live_seek(d.live, t.duration_ns);
-    assert_true(desk_until(&d, stands_at, &t.duration_ns));
-    assert_true(desk_until(&d, is_pulled, &corner));
+    assert_true(fixture_until(&d, stands_at, &t.duration_ns));
+    assert_true(fixture_until(&d, is_pulled, &corner));
     live_seek(d.live, 0);
     live_play(d.live);
     int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
     while (!live_position(d.live).has_stopped && clock_now_ns() < until_ns)
-        desk_frame(&d);
+        fixture_frame(&d);
     assert_true(live_position(d.live).has_stopped);
-    assert_true(desk_until(&d, stands_at, &t.duration_ns));
-    assert_true(desk_until(&d, is_pulled, &corner));
+    assert_true(fixture_until(&d, stands_at, &t.duration_ns));
+    assert_true(fixture_until(&d, is_pulled, &corner));
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void hands_are_recorded_while_a_take_is_shown(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0}, kept = {0};
     int64_t kept_id;
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
     ease(&d);
-    uint64_t shown = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
-    uint32_t right = desk_contact(&d, "mouth.corner.r");
-    desk_drag(&d, POINTER_PULLS, right, (vec3){0, -5, 0}, false);
-    assert_true(shown == desk_hash(d.view->position, (size_t)d.view->vertex_count * 3));
-    desk_must(
+    uint64_t shown = fixture_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+    uint32_t right = fixture_contact(&d, "mouth.corner.r");
+    fixture_drag(&d, POINTER_PULLS, right, (vec3){0, -5, 0}, false);
+    assert_true(shown == fixture_hash(d.view->position, (size_t)d.view->vertex_count * 3));
+    fixture_must(
         live_keep(d.live, clock_now_ns() - NS_PER_S / 10, clock_now_ns(), &slate, &kept_id, &err),
         &err);
-    desk_let_go(&d);
-    desk_take(&d, kept_id, &kept);
+    fixture_let_go(&d);
+    fixture_take(&d, kept_id, &kept);
     projector alone;
     project(&d, &kept, &alone);
     assert_true(projected(&d, &alone, kept.duration_ns - 1) != shown);
     pack_up(&alone);
     take_finish(&kept);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 /* ---- over it ---- */
@@ -275,11 +275,11 @@ typedef struct film_frame {
 } film_frame;
 enum { FRAMES_MAX = 4096 };
 
-static void apply_edits(live_desk *d, take *t, edit *edits, uint32_t count)
+static void apply_edits(live_fixture *d, take *t, edit *edits, uint32_t count)
 {
     error err = {""};
     for (uint32_t i = 0; i < count; ++i) {
-        desk_must(edit_apply(t, &edits[i], &err), &err);
+        fixture_must(edit_apply(t, &edits[i], &err), &err);
         edit_finish(&edits[i]);
     }
     free(edits);
@@ -289,41 +289,41 @@ static void apply_edits(live_desk *d, take *t, edit *edits, uint32_t count)
 static void what_is_performed_over_plays_as_it_was_seen(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
     edit *edits;
     uint32_t count, frames = 0, compared = 0;
     film_frame *frame = calloc(FRAMES_MAX, sizeof *frame);
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     /* something stays on the live face: it is not to be in what is performed over the take */
-    desk_drag(&d, POINTER_PULLS, desk_contact(&d, "chin"), (vec3){0, -3, 0}, true);
-    desk_let_go(&d);
+    fixture_drag(&d, POINTER_PULLS, fixture_contact(&d, "chin"), (vec3){0, -3, 0}, true);
+    fixture_let_go(&d);
     show_take_on(&d, id, &t);
     ease(&d);
     const live_over over = {.passes = 1};
-    desk_must(live_record_over(d.live, &over, &err), &err);
-    uint32_t right = desk_contact(&d, "mouth.corner.r");
-    vec3 rest = desk_rest(&d, right);
+    fixture_must(live_record_over(d.live, &over, &err), &err);
+    uint32_t right = fixture_contact(&d, "mouth.corner.r");
+    vec3 rest = fixture_rest(&d, right);
     int64_t until_ns = clock_now_ns() + 1300 * NS_PER_MS;
     double step = 0.0;
     while (clock_now_ns() < until_ns || frames < 10) {
         step = fmin(step + 0.1, 6.0);
         if (step > 1.0)
-            desk_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-step, step, 0}), false);
-        desk_frame(&d);
+            fixture_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-step, step, 0}), false);
+        fixture_frame(&d);
         bool is_new = frames == 0 || frame[frames - 1].at_ns != d.view->at_ns;
         if (d.view->mode != LIVE_OVERDUBS || !is_new || frames == FRAMES_MAX)
             continue;
         frame[frames].at_ns = d.view->at_ns;
-        frame[frames++].hash = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+        frame[frames++].hash = fixture_hash(d.view->position, (size_t)d.view->vertex_count * 3);
     }
     live_status status;
     live_status_of(d.live, &status);
     assert_true(status.is_recording);
-    desk_must(live_record_end(d.live, &err), &err);
-    desk_point(&d, POINTER_AWAY, rest, rest, false);
+    fixture_must(live_record_end(d.live, &err), &err);
+    fixture_point(&d, POINTER_AWAY, rest, rest, false);
     if (!live_take_over(d.live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     assert_true(count >= 2);
@@ -343,35 +343,35 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     pack_up(&alone);
     assert_true(compared > frames / 2);
     assert_false(live_take_over(d.live, &edits, &count, &err));
-    desk_must(live_show_take(d.live, &t, &err), &err);
+    fixture_must(live_show_take(d.live, &t, &err), &err);
     ease(&d);
     assert_int_equal(d.view->mode, LIVE_SHOWS);
     free(frame);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
-static bool has_performed(live_desk *d, void *data)
+static bool has_performed(live_fixture *d, void *data)
 {
     live_status status;
     live_status_of(d->live, &status);
     return status.sample_count > *(const uint64_t *)data;
 }
 
-static void let_perform(live_desk *d, uint64_t samples)
+static void let_perform(live_fixture *d, uint64_t samples)
 {
     live_status status;
     live_status_of(d->live, &status);
     uint64_t until = status.sample_count + samples;
-    assert_true(desk_until(d, has_performed, &until));
+    assert_true(fixture_until(d, has_performed, &until));
 }
 
-static void add_hand(live_desk *d)
+static void add_hand(live_fixture *d)
 {
-    char text[DESK_PATH + 64];
+    char text[FIXTURE_PATH + 64];
     error err = {""};
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
-    desk_must(desk_add_input(d, text, &err), &err);
+    fixture_must(fixture_add_input(d, text, &err), &err);
 }
 
 /* ---- plugins are called where plugin.h says ---- */
@@ -499,7 +499,7 @@ static mrt_result spied_resume_load(mrt_plugin *self, const void *bytes, size_t 
     return result;
 }
 
-static void spy_on(live_desk *d, mrt_plugin_type *spy)
+static void spy_on(live_fixture *d, mrt_plugin_type *spy)
 {
     static const mrt_mapping mapping = {spied_activate, spied_deactivate, spied_reset,
                                         spied_process};
@@ -521,18 +521,18 @@ static void spy_on(live_desk *d, mrt_plugin_type *spy)
 }
 
 /* A take of `count` clips one after the other, each of a performance of its own. */
-static void make_a_mosaic(live_desk *d, uint32_t count, take *out)
+static void make_a_mosaic(live_fixture *d, uint32_t count, take *out)
 {
     error err = {""};
     live_status status;
     for (uint32_t i = 0; i < count; ++i) {
         take t = {0};
-        desk_must(live_record(d->live, &slate, &err), &err);
-        desk_perform(d, 0.08);
-        desk_must(live_record_end(d->live, &err), &err);
-        desk_must(live_cast_anew(d->live, &err), &err);
+        fixture_must(live_record(d->live, &slate, &err), &err);
+        fixture_perform(d, 0.08);
+        fixture_must(live_record_end(d->live, &err), &err);
+        fixture_must(live_cast_anew(d->live, &err), &err);
         live_status_of(d->live, &status);
-        desk_take(d, status.take, i == 0 ? out : &t);
+        fixture_take(d, status.take, i == 0 ? out : &t);
         if (i == 0)
             continue;
         const take_clip *c = &t.layer[0].clip[0];
@@ -546,7 +546,7 @@ static void make_a_mosaic(live_desk *d, uint32_t count, take *out)
         e.source_ns = 0;
         e.start_ns = out->duration_ns;
         e.end_ns = out->duration_ns + 50 * NS_PER_MS;
-        desk_must(edit_apply(out, &e, &err), &err);
+        fixture_must(edit_apply(out, &e, &err), &err);
         edit_finish(&e);
         take_finish(&t);
     }
@@ -556,14 +556,14 @@ static void make_a_mosaic(live_desk *d, uint32_t count, take *out)
 static void plugins_are_called_on_threads_that_may_and_one_at_a_time(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0}, mosaic = {0};
     live_status status;
     mrt_plugin_type spy = {0};
-    desk_start(&d, "puppet", "", DESK_SHOW);
+    fixture_start(&d, "puppet", "", FIXTURE_SHOW);
     spy_on(&d, &spy);
-    desk_must(live_set_mapping(d.live, "one_hand", &err), &err);
+    fixture_must(live_set_mapping(d.live, "one_hand", &err), &err);
     add_hand(&d);
     make_a_mosaic(&d, SHORT_TAKES, &mosaic);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
@@ -572,19 +572,19 @@ static void plugins_are_called_on_threads_that_may_and_one_at_a_time(void **stat
     for (int i = 0; i < 6; ++i) { /* there and back */
         int64_t at_ns = i % 2 ? t.duration_ns * 3 / 4 : 10 * NS_PER_MS;
         live_seek(d.live, at_ns);
-        assert_true(desk_until(&d, stands_at, &at_ns));
+        assert_true(fixture_until(&d, stands_at, &at_ns));
     }
     const take *over_which[] = {&t, &mosaic};
     for (int i = 0; i < 2; ++i) {
-        desk_must(live_show_take(d.live, over_which[i], &err), &err);
+        fixture_must(live_show_take(d.live, over_which[i], &err), &err);
         const live_over over = {.in_ns = over_which[i]->duration_ns / 5,
                                 .out_ns = over_which[i]->duration_ns * 4 / 5,
                                 .passes = 2,
                                 .name = "again"};
-        desk_must(live_record_over(d.live, &over, &err), &err);
+        fixture_must(live_record_over(d.live, &over, &err), &err);
         int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
         do {
-            desk_frame(&d);
+            fixture_frame(&d);
             live_status_of(d.live, &status);
         } while (status.is_recording && clock_now_ns() < until_ns);
         assert_false(status.is_recording);
@@ -599,31 +599,31 @@ static void plugins_are_called_on_threads_that_may_and_one_at_a_time(void **stat
     assert_int_equal(spied.overlaps, 0);
     take_finish(&t);
     take_finish(&mosaic);
-    desk_finish(&d);
+    fixture_finish(&d);
     assert_int_equal(spied.overlaps, 0);
 }
 
 static void recording_over_ends_by_itself_at_its_out(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
     edit *edits = NULL;
     uint32_t count = 0;
     live_status status;
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
     const live_over over = {
         .in_ns = 200 * NS_PER_MS, .out_ns = 600 * NS_PER_MS, .passes = 2, .name = "again"};
-    desk_must(live_record_over(d.live, &over, &err), &err);
-    uint32_t right = desk_contact(&d, "mouth.corner.r");
-    vec3 rest = desk_rest(&d, right);
+    fixture_must(live_record_over(d.live, &over, &err), &err);
+    uint32_t right = fixture_contact(&d, "mouth.corner.r");
+    vec3 rest = fixture_rest(&d, right);
     int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
     do {
-        desk_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-4, 4, 0}), false);
-        desk_frame(&d);
+        fixture_point(&d, POINTER_PULLS, rest, vec3_add(rest, (vec3){-4, 4, 0}), false);
+        fixture_frame(&d);
         live_status_of(d.live, &status);
     } while (status.is_recording && clock_now_ns() < until_ns);
     assert_false(status.is_recording);
@@ -635,24 +635,24 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
     assert_true(t.layer[1].is_muted);
     assert_false(t.layer[2].is_muted);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 /* What is seen of a take stays when the take goes. */
 /* ---- what a mapping was taught ---- */
 
-static void add_poses(live_desk *d)
+static void add_poses(live_fixture *d)
 {
-    char path[DESK_PATH];
+    char path[FIXTURE_PATH];
     error err = {""};
     snprintf(path, sizeof path, "%s/plugins/poses.so", BUILD_DIR);
-    desk_must(plugin_list_add(&d->plugins, path, &err), &err);
-    desk_must(live_set_mapping(d->live, "poses", &err), &err);
+    fixture_must(plugin_list_add(&d->plugins, path, &err), &err);
+    fixture_must(live_set_mapping(d->live, "poses", &err), &err);
     add_hand(d);
     let_perform(d, 60);
 }
 
-static void press(live_desk *d, const char *group)
+static void press(live_fixture *d, const char *group)
 {
     instance *mapping = live_mapping(d->live);
     for (uint32_t i = 0; i < mapping->type->param_count; ++i)
@@ -666,25 +666,25 @@ static void press(live_desk *d, const char *group)
 
 enum { NOTE = 2 * TAUGHT_BYTES_MAX + 1 };
 
-static char *note_of(live_desk *d)
+static char *note_of(live_fixture *d)
 {
     error err = {""};
     char *out = calloc(NOTE, 1);
     live_cast_keep_taught(d->live);
-    desk_must(show_note_read(d->show, "taught.org.marotte.poses", out, NOTE, &err), &err);
+    fixture_must(show_note_read(d->show, "taught.org.marotte.poses", out, NOTE, &err), &err);
     return out;
 }
 
 static void what_was_taught_stays_with_the_take_and_the_show(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
     edit *edits;
     uint32_t count, frames = 0, compared = 0;
     film_frame *frame = calloc(FRAMES_MAX, sizeof *frame);
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     add_poses(&d);
     char *shipped = note_of(&d);
@@ -699,17 +699,17 @@ static void what_was_taught_stays_with_the_take_and_the_show(void **state)
     show_take_on(&d, id, &t);
     ease(&d);
     const live_over over = {.passes = 1};
-    desk_must(live_record_over(d.live, &over, &err), &err);
+    fixture_must(live_record_over(d.live, &over, &err), &err);
     int64_t until_ns = clock_now_ns() + 1000 * NS_PER_MS;
     while (clock_now_ns() < until_ns || frames < 10) {
-        desk_frame(&d);
+        fixture_frame(&d);
         bool is_new = frames == 0 || frame[frames - 1].at_ns != d.view->at_ns;
         if (d.view->mode != LIVE_OVERDUBS || !is_new || frames == FRAMES_MAX)
             continue;
         frame[frames].at_ns = d.view->at_ns;
-        frame[frames++].hash = desk_hash(d.view->position, (size_t)d.view->vertex_count * 3);
+        frame[frames++].hash = fixture_hash(d.view->position, (size_t)d.view->vertex_count * 3);
     }
-    desk_must(live_record_end(d.live, &err), &err);
+    fixture_must(live_record_end(d.live, &err), &err);
     if (!live_take_over(d.live, &edits, &count, &err))
         fail_msg("nothing was performed: %s", err.text);
     apply_edits(&d, &t, edits, count);
@@ -729,20 +729,20 @@ static void what_was_taught_stays_with_the_take_and_the_show(void **state)
     char *after_over = note_of(&d);
     assert_string_equal(after_over, taught);
     /* Another session of the show. */
-    desk_stop_live(&d);
+    fixture_stop_live(&d);
     const live_settings settings = {.plugins = &d.plugins,
                                     .log = d.log,
                                     .show = d.show,
                                     .face = &d.face,
                                     .face_path = d.face_path,
                                     .mapping = "poses"};
-    desk_must(live_start(&d.live, &settings, &err), &err);
+    fixture_must(live_start(&d.live, &settings, &err), &err);
     char *another_session = note_of(&d);
     assert_string_equal(another_session, taught);
     free(shipped), free(taught), free(after_reset), free(after_over), free(another_session);
     free(frame);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 /* As a preset does it. */
@@ -750,12 +750,12 @@ static void what_is_taught_anew_is_recorded_with_it(void **state)
 {
     (void)state;
     static unsigned char shipped[TAUGHT_BYTES_MAX], taught[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
     live_status status;
     projector alone;
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     add_poses(&d);
     size_t size = live_taught(d.live, shipped, sizeof shipped);
     assert_true(size > 0 && size <= sizeof shipped);
@@ -763,24 +763,24 @@ static void what_is_taught_anew_is_recorded_with_it(void **state)
     let_perform(&d, 30);
     assert_int_equal(live_taught(d.live, taught, sizeof taught), size);
     assert_memory_not_equal(taught, shipped, size);
-    desk_must(live_teach(d.live, shipped, size, &err), &err);
+    fixture_must(live_teach(d.live, shipped, size, &err), &err);
     assert_int_equal(live_taught(d.live, now, sizeof now), size);
     assert_memory_equal(now, shipped, size);
     /* What makes no sense is refused, and changes nothing. */
     assert_true(live_teach(d.live, taught, size / 2, &err) < 0);
     assert_non_null(strstr(err.text, "org.marotte.poses"));
-    desk_must(live_teach(d.live, taught, size, &err), &err);
+    fixture_must(live_teach(d.live, taught, size, &err), &err);
     assert_true(live_teach(d.live, "nonsense", 8, &err) < 0);
     assert_int_equal(live_taught(d.live, now, sizeof now), size);
     assert_memory_equal(now, taught, size);
     let_perform(&d, 60); /* the blend is over */
-    desk_must(live_record(d.live, &slate, &err), &err);
+    fixture_must(live_record(d.live, &slate, &err), &err);
     assert_true(live_teach(d.live, shipped, size, &err) < 0); /* not while a take is recorded */
     let_perform(&d, 60);
-    desk_must(live_record_end(d.live, &err), &err);
+    fixture_must(live_record_end(d.live, &err), &err);
     live_status_of(d.live, &status);
     show_take_on(&d, status.take, &t);
-    desk_must(live_teach(d.live, shipped, size, &err), &err);
+    fixture_must(live_teach(d.live, shipped, size, &err), &err);
     /* Whatever it is taught now, the take is performed with what it knew then. */
     project(&d, &t, &alone);
     (void)projected(&d, &alone, t.duration_ns / 2);
@@ -789,23 +789,23 @@ static void what_is_taught_anew_is_recorded_with_it(void **state)
     assert_memory_equal(now, taught, size);
     pack_up(&alone);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void seen_face_is_described_by_the_stage_alone(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     take t = {0};
     int64_t start_ns = 0;
-    desk_start(&d, "puppet", "", DESK_SHOW);
+    fixture_start(&d, "puppet", "", FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){4, 3, 2});
     const mrt_face *about = d.view->about;
     show_take_on(&d, id, &t);
-    assert_true(desk_until(&d, stands_at, &start_ns));
+    assert_true(fixture_until(&d, stands_at, &start_ns));
     assert_ptr_equal(d.view->about, about);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -1,38 +1,38 @@
 /* While it performs, a live stage allocates nothing: neither its frame thread, nor its inputs', nor
  * the window's that looks. */
 #include "unit/allocation_count.h"
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 static void performing_allocates_nothing(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
-    char text[DESK_PATH];
+    char text[FIXTURE_PATH];
     if (!ALLOCATIONS_ARE_COUNTED)
         skip();
-    desk_start(&d, "puppet", "one_hand", DESK_NO_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=3", SOURCE_DIR);
-    desk_must(desk_add_input(&d, text, &err), &err);
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
-    vec3 rest = desk_rest(&d, corner);
-    desk_pass(&d, 0.5);
+    fixture_must(fixture_add_input(&d, text, &err), &err);
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
+    vec3 rest = fixture_rest(&d, corner);
+    fixture_pass(&d, 0.5);
     uint64_t samples, before = atomic_load(&allocation_count);
     live_status_of(d.live, &status);
     samples = status.sample_count;
     for (int i = 0; i < 200; ++i) {
-        desk_frame(&d);
+        fixture_frame(&d);
         live_status_of(d.live, &status);
-        desk_point(&d, i < 150 ? POINTER_PULLS : POINTER_AWAY, rest,
-                   vec3_add(rest, (vec3){0, 0.02 * (double)i, 0}), false);
+        fixture_point(&d, i < 150 ? POINTER_PULLS : POINTER_AWAY, rest,
+                      vec3_add(rest, (vec3){0, 0.02 * (double)i, 0}), false);
     }
     uint64_t count = atomic_load(&allocation_count) - before;
     assert_true(status.sample_count > samples + 100);
     assert_true(status.frame_count > 10);
     if (count > 0)
         fail_msg("%u allocations", (unsigned)count);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -1,10 +1,10 @@
 /* A mapping that did not come with the program performs on a live stage in a process of its own,
  * and its library is rebuilt meanwhile. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 static void copy_file(const char *from, const char *to)
 {
-    char part[DESK_PATH + 8];
+    char part[FIXTURE_PATH + 8];
     char bytes[4096];
     size_t size;
     snprintf(part, sizeof part, "%s.part", to);
@@ -22,7 +22,7 @@ typedef struct counts {
     uint32_t taken, refused;
 } counts;
 
-static bool is_answered(live_desk *d, void *data)
+static bool is_answered(live_fixture *d, void *data)
 {
     live_status status;
     const counts *before = data;
@@ -31,7 +31,7 @@ static bool is_answered(live_desk *d, void *data)
 }
 
 /* On a busy machine a new version may answer too late and be refused: it is built again. */
-static void rebuild(live_desk *d, const char *built, const char *own)
+static void rebuild(live_fixture *d, const char *built, const char *own)
 {
     live_status status;
     live_status_of(d->live, &status);
@@ -39,7 +39,7 @@ static void rebuild(live_desk *d, const char *built, const char *own)
     for (int tries = 0; tries < 10 && status.reload_taken == taken; ++tries) {
         counts before = {status.reload_taken, status.reload_refused};
         copy_file(built, own);
-        assert_true(desk_until(d, is_answered, &before));
+        assert_true(fixture_until(d, is_answered, &before));
         live_status_of(d->live, &status);
     }
     assert_int_equal(status.reload_taken, taken + 1);
@@ -53,36 +53,36 @@ static double value_of(const instance *of, uint32_t param)
 static void rebuilt_mapping_takes_over_and_keeps_its_parameters(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    char built[DESK_PATH], own[DESK_PATH];
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
+    char built[FIXTURE_PATH], own[FIXTURE_PATH];
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     snprintf(built, sizeof built, "%s/plugins/poses.so", BUILD_DIR);
     snprintf(own, sizeof own, "%s/poses.so", d.folder);
     copy_file(built, own);
-    desk_must(plugin_list_add(&d.plugins, own, &err), &err);
-    desk_must(live_set_mapping(d.live, "poses", &err), &err);
+    fixture_must(plugin_list_add(&d.plugins, own, &err), &err);
+    fixture_must(live_set_mapping(d.live, "poses", &err), &err);
     instance *mapping = live_mapping(d.live);
     assert_non_null(mapping);
     const mrt_param *p = &mapping->type->params[0];
     double wanted = p->flags & MRT_PARAM_STEPPED ? p->max : 0.5 * (p->min + p->max);
     atomic_store(&mapping->wanted[0], wanted);
     /* time goes on: something moves */
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
-    vec3 rest = desk_rest(&d, corner);
-    desk_point(&d, POINTER_PULLS, rest, rest, false);
-    desk_perform(&d, 0.5);
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
+    vec3 rest = fixture_rest(&d, corner);
+    fixture_point(&d, POINTER_PULLS, rest, rest, false);
+    fixture_perform(&d, 0.5);
     for (int n = 0; n < 2; ++n) {
         rebuild(&d, built, own);
         mapping = live_mapping(d.live);
         assert_non_null(mapping);
         assert_true(fabs(value_of(mapping, 0) - wanted) < 1e-9);
-        desk_perform(&d, 0.4);
+        fixture_perform(&d, 0.4);
     }
-    desk_must(live_set_mapping(d.live, NULL, &err), &err);
-    desk_perform(&d, 0.5);
+    fixture_must(live_set_mapping(d.live, NULL, &err), &err);
+    fixture_perform(&d, 0.5);
     (void)unlink(own);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* The microphone and the loudspeaker beside a live stage: what was said while a take was recorded
  * becomes its sound; whoever performs hears a click. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 static const writer_slate slate = {.scene = "1", .shot = "a"};
 
@@ -89,7 +89,7 @@ static sound_backend backend_of(microphone *m)
                            .close = microphone_close};
 }
 
-static bool is_heard(live_desk *d, void *data)
+static bool is_heard(live_fixture *d, void *data)
 {
     live_status status;
     (void)data;
@@ -97,7 +97,7 @@ static bool is_heard(live_desk *d, void *data)
     return status.listening.record.audio != 0;
 }
 
-static bool is_edited(live_desk *d, void *data)
+static bool is_edited(live_fixture *d, void *data)
 {
     int64_t id = live_take_edited(d->live);
     if (id != 0)
@@ -108,7 +108,7 @@ static bool is_edited(live_desk *d, void *data)
 static void what_is_said_is_the_takes(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
     take t = {0};
@@ -116,79 +116,79 @@ static void what_is_said_is_the_takes(void **state)
     microphone m = {.is_there = true};
     const sound_backend backend = backend_of(&m);
     int64_t edited = 0;
-    desk_start_heard(&d, "puppet", NULL, DESK_SHOW, &backend);
-    desk_must(live_arm_sound(d.live, 1, &err), &err);
-    assert_true(desk_until(&d, is_heard, NULL));
+    fixture_start_heard(&d, "puppet", NULL, FIXTURE_SHOW, &backend);
+    fixture_must(live_arm_sound(d.live, 1, &err), &err);
+    assert_true(fixture_until(&d, is_heard, NULL));
     for (int n = 0; n < 2; ++n) { /* it stays armed for the next take */
-        desk_must(live_record(d.live, &slate, &err), &err);
-        desk_pass(&d, 0.4);
-        assert_true(desk_until(&d, is_heard, NULL));
-        desk_must(live_record_end(d.live, &err), &err);
-        assert_true(desk_until(&d, is_edited, &edited));
+        fixture_must(live_record(d.live, &slate, &err), &err);
+        fixture_pass(&d, 0.4);
+        assert_true(fixture_until(&d, is_heard, NULL));
+        fixture_must(live_record_end(d.live, &err), &err);
+        assert_true(fixture_until(&d, is_edited, &edited));
         live_status_of(d.live, &status);
         assert_int_equal(edited, status.take);
         assert_true(status.is_sound_armed);
-        desk_take(&d, edited, &t);
+        fixture_take(&d, edited, &t);
         assert_true(t.audio.audio > 0);
         assert_true(t.audio.offset_ns < t.duration_ns);
-        desk_must(show_audio_info(d.show, t.audio.audio, &audio, &err), &err);
+        fixture_must(show_audio_info(d.show, t.audio.audio, &audio, &err), &err);
         int64_t length_ns = audio.frame_count * NS_PER_S / RATE_HZ;
         assert_true(t.audio.offset_ns + length_ns > t.duration_ns / 2);
         take_finish(&t);
     }
     live_disarm_sound(d.live);
-    desk_pass(&d, 0.1);
+    fixture_pass(&d, 0.1);
     live_status_of(d.live, &status);
     assert_false(status.is_sound_armed);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void missing_microphone_stops_nothing(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
     take t = {0};
     microphone m = {.is_there = false};
     const sound_backend backend = backend_of(&m);
-    desk_start_heard(&d, "puppet", NULL, DESK_SHOW, &backend);
-    desk_must(live_arm_sound(d.live, 1, &err), &err);
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_pass(&d, 0.3);
+    fixture_start_heard(&d, "puppet", NULL, FIXTURE_SHOW, &backend);
+    fixture_must(live_arm_sound(d.live, 1, &err), &err);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 0.3);
     live_status_of(d.live, &status);
     assert_true(status.listening.device.text[0] != '\0');
-    desk_must(live_record_end(d.live, &err), &err);
-    desk_pass(&d, 0.1);
-    desk_take(&d, status.take, &t);
+    fixture_must(live_record_end(d.live, &err), &err);
+    fixture_pass(&d, 0.1);
+    fixture_take(&d, status.take, &t);
     assert_int_equal(t.audio.audio, 0);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void sound_is_kept_when_the_stage_ends(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
     take t = {0};
     microphone m = {.is_there = true};
     const sound_backend backend = backend_of(&m);
-    desk_start_heard(&d, "puppet", NULL, DESK_SHOW, &backend);
-    desk_must(live_arm_sound(d.live, 1, &err), &err);
-    desk_must(live_record(d.live, &slate, &err), &err);
-    assert_true(desk_until(&d, is_heard, NULL));
-    desk_pass(&d, 0.3);
+    fixture_start_heard(&d, "puppet", NULL, FIXTURE_SHOW, &backend);
+    fixture_must(live_arm_sound(d.live, 1, &err), &err);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    assert_true(fixture_until(&d, is_heard, NULL));
+    fixture_pass(&d, 0.3);
     live_status_of(d.live, &status);
-    desk_stop_live(&d);
-    desk_take(&d, status.take, &t);
+    fixture_stop_live(&d);
+    fixture_take(&d, status.take, &t);
     assert_true(t.audio.audio > 0);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
-static uint64_t clicks_of(live_desk *d)
+static uint64_t clicks_of(live_fixture *d)
 {
     live_status status;
     live_update(d->live);
@@ -196,7 +196,7 @@ static uint64_t clicks_of(live_desk *d)
     return status.playing.click_count;
 }
 
-static bool has_loudspeaker(live_desk *d, void *data)
+static bool has_loudspeaker(live_fixture *d, void *data)
 {
     live_status status;
     (void)data;
@@ -205,20 +205,20 @@ static bool has_loudspeaker(live_desk *d, void *data)
 }
 
 /* Returns when it began, on the host's clock. */
-static int64_t count_in_and_record(live_desk *d, int64_t *out_start_ns)
+static int64_t count_in_and_record(live_fixture *d, int64_t *out_start_ns)
 {
     error err = {""};
     live_status status;
     take t = {0};
     const int64_t begin_ns = clock_now_ns() + 600 * NS_PER_MS;
     live_count_in(d->live, begin_ns);
-    desk_pass(d, 0.7); /* whoever asks for the recording is late */
-    desk_must(live_record(d->live, &slate, &err), &err);
-    desk_pass(d, 0.3);
-    desk_must(live_record_end(d->live, &err), &err);
-    desk_pass(d, 0.2);
+    fixture_pass(d, 0.7); /* whoever asks for the recording is late */
+    fixture_must(live_record(d->live, &slate, &err), &err);
+    fixture_pass(d, 0.3);
+    fixture_must(live_record_end(d->live, &err), &err);
+    fixture_pass(d, 0.2);
     live_status_of(d->live, &status);
-    desk_take(d, status.take, &t);
+    fixture_take(d, status.take, &t);
     *out_start_ns = t.start_ns;
     take_finish(&t);
     return begin_ns;
@@ -227,21 +227,21 @@ static int64_t count_in_and_record(live_desk *d, int64_t *out_start_ns)
 static void a_counted_take_begins_on_its_beat_however_late_it_is_asked_for(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     microphone m = {.is_there = true, .is_loudspeaker = true};
     const sound_backend backend = backend_of(&m);
     live_click click = {.when = LIVE_CLICK_RECORDING, .bpm = 300.0, .bar = 3};
     int64_t start_ns[2], begin_ns[2];
-    desk_start_heard(&d, "puppet", NULL, DESK_SHOW, &backend);
-    desk_must(live_set_click(d.live, &click, &err), &err);
-    assert_true(desk_until(&d, has_loudspeaker, NULL));
-    desk_pass(&d, 0.3);
+    fixture_start_heard(&d, "puppet", NULL, FIXTURE_SHOW, &backend);
+    fixture_must(live_set_click(d.live, &click, &err), &err);
+    assert_true(fixture_until(&d, has_loudspeaker, NULL));
+    fixture_pass(&d, 0.3);
     assert_int_equal(clicks_of(&d), 0); /* nothing is recorded */
     begin_ns[0] = count_in_and_record(&d, &start_ns[0]);
     assert_true(clicks_of(&d) >= 3);
     click.when = LIVE_CLICK_OFF;
-    desk_must(live_set_click(d.live, &click, &err), &err);
+    fixture_must(live_set_click(d.live, &click, &err), &err);
     const uint64_t before = clicks_of(&d);
     begin_ns[1] = count_in_and_record(&d, &start_ns[1]);
     assert_int_equal(clicks_of(&d), before);
@@ -249,7 +249,7 @@ static void a_counted_take_begins_on_its_beat_however_late_it_is_asked_for(void 
     click = (live_click){.when = LIVE_CLICK_ALWAYS, .bpm = 5000.0, .bar = 4};
     assert_true(live_set_click(d.live, &click, &err) < 0);
     assert_non_null(strstr(err.text, "5000"));
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 int main(void)

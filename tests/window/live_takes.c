@@ -1,6 +1,6 @@
 /* What a live stage records: everything, whatever the window does; and that it plays as it was
  * seen. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 #include "stage/take/sequencer.h"
 
@@ -14,32 +14,32 @@ typedef struct seen { /* the faces that were looked at while a take was recorded
 
 static const writer_slate slate = {.scene = "1", .shot = "a"};
 
-static void remember(live_desk *d, seen *s)
+static void remember(live_fixture *d, seen *s)
 {
     bool is_new = s->count == 0 || s->sample_ns[s->count - 1] != d->view->sample_ns;
     if (!is_new || s->count == SEEN_MAX)
         return;
     s->sample_ns[s->count] = d->view->sample_ns;
-    s->hash[s->count++] = desk_hash(d->view->position, (size_t)d->view->vertex_count * 3);
+    s->hash[s->count++] = fixture_hash(d->view->position, (size_t)d->view->vertex_count * 3);
 }
 
 /* For so long, and until the last that was measured by then is seen. */
-static void watch(live_desk *d, seen *s, double seconds)
+static void watch(live_fixture *d, seen *s, double seconds)
 {
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
     int64_t last_ns = until_ns + 20 * NS_PER_S;
     while (clock_now_ns() < until_ns || (d->view->sample_ns < until_ns - NS_PER_S / 20 &&
                                          d->live->moves && clock_now_ns() < last_ns)) {
-        desk_frame(d);
+        fixture_frame(d);
         remember(d, s);
     }
 }
 
-static int64_t record_end(live_desk *d)
+static int64_t record_end(live_fixture *d)
 {
     error err = {""};
     live_status status;
-    desk_must(live_record_end(d->live, &err), &err);
+    fixture_must(live_record_end(d->live, &err), &err);
     live_status_of(d->live, &status);
     assert_false(status.is_recording);
     return status.take;
@@ -51,18 +51,18 @@ static void demo_input(char *out, size_t capacity, const char *more)
 }
 
 /* The instants of the take at which faces were seen show these faces, after any other instant. */
-static uint32_t compare(live_desk *d, int64_t take_id, const seen *s)
+static uint32_t compare(live_fixture *d, int64_t take_id, const seen *s)
 {
     error err = {""};
     take t = {0};
     sequencer *plays;
     uint32_t compared = 0;
-    desk_take(d, take_id, &t);
+    fixture_take(d, take_id, &t);
     show *reading;
-    desk_must(show_open(&reading, d->show_path, SHOW_READ, &err), &err);
+    fixture_must(show_open(&reading, d->show_path, SHOW_READ, &err), &err);
     const sequencer_settings settings = {
         .show = reading, .plugins = &d->plugins, .log = d->log, .face = &d->face};
-    desk_must(sequencer_create(&plays, &settings, &t, &err), &err);
+    fixture_must(sequencer_create(&plays, &settings, &t, &err), &err);
     composer *shown = performer_composer(sequencer_performer(plays));
     size_t size = (size_t)d->view->vertex_count * 3;
     float *rows = malloc(size * sizeof *rows);
@@ -72,10 +72,10 @@ static uint32_t compare(live_desk *d, int64_t take_id, const seen *s)
         int64_t at_ns = s->sample_ns[i] - start_ns;
         if (at_ns < 0 || at_ns >= t.duration_ns)
             continue;
-        desk_must(sequencer_play_to(plays, at_ns, &err), &err);
+        fixture_must(sequencer_play_to(plays, at_ns, &err), &err);
         composer_draw(shown);
         points_to_rows(rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
-        if (desk_hash(rows, size) != s->hash[i])
+        if (fixture_hash(rows, size) != s->hash[i])
             fail_msg("face %u of %u, at %.4f s of %.4f s, is another one%s", i, s->count,
                      (double)at_ns / 1e9, (double)t.duration_ns / 1e9,
                      n < s->count ? "" : " when it is sought");
@@ -88,20 +88,20 @@ static uint32_t compare(live_desk *d, int64_t take_id, const seen *s)
     return compared;
 }
 
-static void release(live_desk *d)
+static void release(live_fixture *d)
 {
     const vec3 nowhere = {0, 0, 0};
-    desk_point(d, POINTER_AWAY, nowhere, nowhere, false);
+    fixture_point(d, POINTER_AWAY, nowhere, nowhere, false);
 }
 
 /* Clay is slow: nothing waits for it. */
-static void knead(live_desk *d, seen *s, uint32_t contact, vec3 way)
+static void knead(live_fixture *d, seen *s, uint32_t contact, vec3 way)
 {
-    vec3 rest = desk_rest(d, contact), from = d->view->contact[contact];
+    vec3 rest = fixture_rest(d, contact), from = d->view->contact[contact];
     for (int i = 0; i <= 10; ++i) {
-        desk_point(d, POINTER_KNEADS, rest, vec3_add(from, vec3_scale(way, 0.1 * (double)i)),
-                   false);
-        desk_frame(d);
+        fixture_point(d, POINTER_KNEADS, rest, vec3_add(from, vec3_scale(way, 0.1 * (double)i)),
+                      false);
+        fixture_frame(d);
         remember(d, s);
     }
 }
@@ -109,13 +109,13 @@ static void knead(live_desk *d, seen *s, uint32_t contact, vec3 way)
 static void slow_window_loses_no_sample(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status before, after;
     uint32_t count;
     feed *hand;
     input *in;
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     static const mrt_channel channel[] = {
         {"index", "rad", MRT_CH_ANGLE + 4, MRT_RIGHT, -1.0f, 3.0f}};
     const feed_settings settings = {.id = "org.marotte.test.hand",
@@ -124,9 +124,9 @@ static void slow_window_loses_no_sample(void **state)
                                     .channel_count = 1,
                                     .rate_hz = 150.0};
     const float bent[1] = {0.5f};
-    desk_must(feed_create(&hand, &settings, &err), &err);
-    desk_must(input_create(&in, feed_type(hand), "", "", CLOCK_REAL, d.log, &err), &err);
-    desk_must(live_add_input(d.live, in, "hand", &err), &err);
+    fixture_must(feed_create(&hand, &settings, &err), &err);
+    fixture_must(input_create(&in, feed_type(hand), "", "", CLOCK_REAL, d.log, &err), &err);
+    fixture_must(live_add_input(d.live, in, "hand", &err), &err);
     live_status_of(d.live, &before);
     feed_give(hand, bent, FEED_MOVES);
     int64_t until_ns = clock_now_ns() + 2 * NS_PER_S;
@@ -136,7 +136,7 @@ static void slow_window_loses_no_sample(void **state)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_S / 5);
     }
     feed_give(hand, bent, FEED_RESTS);
-    desk_pass(&d, 0.2);
+    fixture_pass(&d, 0.2);
     live_status_of(d.live, &after);
     health_report health;
     input_health(live_input(d.live, 0), &health);
@@ -145,21 +145,21 @@ static void slow_window_loses_no_sample(void **state)
     count = (uint32_t)(after.sample_count - before.sample_count);
     if (count < health.sample_count - 2)
         fail_msg("%u of %u samples were performed", count, (uint32_t)health.sample_count);
-    desk_stop_live(&d);
+    fixture_stop_live(&d);
     feed_destroy(hand);
     /* and recorded */
     int64_t *tracks;
     size_t track_count;
     uint64_t recorded = 0;
-    desk_must(show_track_ids(d.show, &tracks, &track_count, &err), &err);
+    fixture_must(show_track_ids(d.show, &tracks, &track_count, &err), &err);
     for (size_t i = 0; i < track_count; ++i) {
         show_track track;
         show_reader *reader;
         mrt_sample sample;
-        desk_must(show_track_read(d.show, tracks[i], &track, &err), &err);
+        fixture_must(show_track_read(d.show, tracks[i], &track, &err), &err);
         if (strcmp(track.track.input, "hand") == 0) {
-            desk_must(show_reader_open(&reader, d.show, tracks[i], INT64_MIN, INT64_MAX, &err),
-                      &err);
+            fixture_must(show_reader_open(&reader, d.show, tracks[i], INT64_MIN, INT64_MAX, &err),
+                         &err);
             while (show_reader_next(reader, &sample, &err) == MRT_OK)
                 recorded += 1;
             show_reader_close(reader);
@@ -168,50 +168,52 @@ static void slow_window_loses_no_sample(void **state)
     }
     free(tracks);
     assert_int_equal(recorded, health.sample_count);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void recorded_hand_plays_as_it_was_seen(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    char text[DESK_PATH];
+    char text[FIXTURE_PATH];
     seen *s = calloc(1, sizeof *s);
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     demo_input(text, sizeof text, ",start=2,end=4");
-    desk_must(desk_add_input(&d, text, &err), &err);
-    desk_pass(&d, 0.2); /* it does not begin at rest */
-    desk_must(live_record(d.live, &slate, &err), &err);
+    fixture_must(fixture_add_input(&d, text, &err), &err);
+    fixture_pass(&d, 0.2); /* it does not begin at rest */
+    fixture_must(live_record(d.live, &slate, &err), &err);
     watch(&d, s, 2.2); /* to the end of the record, and a little more */
     int64_t id = record_end(&d);
     uint32_t compared = compare(&d, id, s);
     if (compared < 5)
         fail_msg("only %u faces were compared", compared);
     free(s);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void recorded_drags_play_as_they_were_seen(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     seen *s = calloc(1, sizeof *s);
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    uint32_t left = desk_contact(&d, "mouth.corner.l"), right = desk_contact(&d, "mouth.corner.r");
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    uint32_t left = fixture_contact(&d, "mouth.corner.l"),
+             right = fixture_contact(&d, "mouth.corner.r");
     const vec3 up = {0.0, 6.0, 2.0}, out = {-5.0, 0.0, 3.0};
-    desk_drag(&d, POINTER_PULLS, right, out, true); /* before the take: it does not begin at rest */
-    desk_let_go(&d);
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_drag(&d, POINTER_PULLS, left, up, false);
+    fixture_drag(&d, POINTER_PULLS, right, out,
+                 true); /* before the take: it does not begin at rest */
+    fixture_let_go(&d);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_drag(&d, POINTER_PULLS, left, up, false);
     watch(&d, s, 0.1);
     release(&d);
     watch(&d, s, 0.4);
     knead(&d, s, left, up);
     release(&d);
     watch(&d, s, 0.1);
-    desk_drag(&d, POINTER_PULLS, right, up, true);
+    fixture_drag(&d, POINTER_PULLS, right, up, true);
     watch(&d, s, 0.1);
     release(&d);
     watch(&d, s, 0.2);
@@ -222,109 +224,109 @@ static void recorded_drags_play_as_they_were_seen(void **state)
     if (compared < 5)
         fail_msg("only %u faces were compared", compared);
     free(s);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void still_face_has_a_take_of_its_length(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     take t = {0};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    desk_must(live_record(d.live, &slate, &err), &err);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    fixture_must(live_record(d.live, &slate, &err), &err);
     int64_t begun_ns = clock_now_ns();
-    desk_pass(&d, 0.5);
+    fixture_pass(&d, 0.5);
     int64_t least_ns = clock_now_ns() - begun_ns;
     int64_t id = record_end(&d);
-    desk_pass(&d, 0.1);
-    desk_take(&d, id, &t);
+    fixture_pass(&d, 0.1);
+    fixture_take(&d, id, &t);
     assert_true(t.duration_ns >= least_ns);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void last_seconds_are_kept(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     int64_t id;
     take t = {0};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    uint32_t left = desk_contact(&d, "mouth.corner.l");
-    desk_drag(&d, POINTER_PULLS, left, (vec3){0, 5, 0}, false);
-    desk_let_go(&d);
-    desk_pass(&d, 0.3);
-    desk_must(live_keep(d.live, clock_now_ns() - 30 * NS_PER_S, clock_now_ns(), &slate, &id, &err),
-              &err);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    uint32_t left = fixture_contact(&d, "mouth.corner.l");
+    fixture_drag(&d, POINTER_PULLS, left, (vec3){0, 5, 0}, false);
+    fixture_let_go(&d);
+    fixture_pass(&d, 0.3);
+    fixture_must(
+        live_keep(d.live, clock_now_ns() - 30 * NS_PER_S, clock_now_ns(), &slate, &id, &err), &err);
     assert_true(id > 0);
-    desk_pass(&d, 0.2);
-    desk_take(&d, id, &t);
+    fixture_pass(&d, 0.2);
+    fixture_take(&d, id, &t);
     assert_int_equal(t.layer_count, 1);
     assert_true(t.duration_ns > NS_PER_S / 2);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void take_is_kept_when_the_stage_ends(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
     take t = {0};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_pass(&d, 0.3);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 0.3);
     live_status_of(d.live, &status);
     assert_true(status.is_recording);
-    desk_stop_live(&d);
-    desk_take(&d, status.take, &t);
+    fixture_stop_live(&d);
+    fixture_take(&d, status.take, &t);
     assert_false(t.is_recording);
     assert_true(t.duration_ns >= 3 * NS_PER_S / 10);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void without_a_show_it_says_why_nothing_is_recorded(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
-    desk_start(&d, "puppet", NULL, DESK_NO_SHOW);
+    fixture_start(&d, "puppet", NULL, FIXTURE_NO_SHOW);
     live_status_of(d.live, &status);
     assert_false(status.can_record);
     assert_true(strstr(status.why_not, "no show") != NULL);
     assert_true(live_record(d.live, &slate, &err) < 0);
     assert_true(strstr(err.text, "no show") != NULL);
-    desk_must(show_create(&d.show, d.show_path, &err), &err);
-    desk_must(live_set_show(d.live, d.show, &err), &err);
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_pass(&d, 0.1);
+    fixture_must(show_create(&d.show, d.show_path, &err), &err);
+    fixture_must(live_set_show(d.live, d.show, &err), &err);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 0.1);
     assert_true(record_end(&d) > 0);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void changes_are_refused_while_a_take_is_recorded(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    char text[DESK_PATH];
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
+    char text[FIXTURE_PATH];
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
     demo_input(text, sizeof text, "");
-    desk_must(live_record(d.live, &slate, &err), &err);
-    assert_true(desk_add_input(&d, text, &err) < 0);
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    assert_true(fixture_add_input(&d, text, &err) < 0);
     assert_true(strstr(err.text, "not while a take is recorded") != NULL);
     assert_true(live_set_mapping(d.live, "anchored", &err) < 0);
     assert_true(live_set_face(d.live, &d.face, d.face_path, 0.0, &err) < 0);
     assert_true(live_calibrate(d.live, MRT_LEFT, NULL, &err) < 0);
     assert_true(live_record(d.live, &slate, &err) < 0);
     (void)record_end(&d);
-    desk_must(desk_add_input(&d, text, &err), &err);
-    desk_finish(&d);
+    fixture_must(fixture_add_input(&d, text, &err), &err);
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -1,5 +1,5 @@
 /* A device that goes away, a disk that is full: the stage goes on. */
-#include "window/live_desk.h"
+#include "window/live_fixture.h"
 
 #include "take/show_disk.h"
 
@@ -86,7 +86,7 @@ static const mrt_plugin_type device_type = {.abi = MRT_ABI,
                                             .create = device_create,
                                             .destroy = device_destroy};
 
-static bool is_in_state(live_desk *d, void *data)
+static bool is_in_state(live_fixture *d, void *data)
 {
     const input_state *state = data;
     return input_state_of(live_input(d->live, 0)) == *state;
@@ -95,43 +95,43 @@ static bool is_in_state(live_desk *d, void *data)
 static void device_that_goes_away_holds_the_pose(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     input *in;
     input_state lost = INPUT_LOST, runs = INPUT_RUNNING;
     atomic_store(&is_away, false);
-    desk_start(&d, "puppet", "one_hand", DESK_SHOW);
-    desk_must(input_create(&in, &device_type, "", "", CLOCK_REAL, d.log, &err), &err);
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_SHOW);
+    fixture_must(input_create(&in, &device_type, "", "", CLOCK_REAL, d.log, &err), &err);
     input_set_patience_ns(in, 20 * NS_PER_MS, 20 * NS_PER_MS);
-    desk_must(live_add_input(d.live, in, "device", &err), &err);
-    desk_perform(&d, 1.2);
+    fixture_must(live_add_input(d.live, in, "device", &err), &err);
+    fixture_perform(&d, 1.2);
     size_t size = (size_t)d.view->vertex_count * 3;
-    assert_true(desk_apart_mm(&d, d.first) > 1.0);
-    desk_must(live_record(d.live, &slate, &err), &err);
+    assert_true(fixture_apart_mm(&d, d.first) > 1.0);
+    fixture_must(live_record(d.live, &slate, &err), &err);
     atomic_store(&is_away, true);
-    assert_true(desk_until(&d, is_in_state, &lost));
-    desk_pass(&d, 0.3); /* what was measured before has come */
+    assert_true(fixture_until(&d, is_in_state, &lost));
+    fixture_pass(&d, 0.3); /* what was measured before has come */
     float *held = malloc(size * sizeof *held);
     memcpy(held, d.view->position, size * sizeof *held);
     /* the mouse goes on meanwhile */
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
-    double before_mm = desk_moved_mm(&d, corner);
-    desk_drag(&d, POINTER_PULLS, corner, (vec3){0, 4, 0}, false);
-    assert_true(fabs(desk_moved_mm(&d, corner) - before_mm) > 1.0);
-    desk_let_go(&d);
-    assert_true(desk_apart_mm(&d, held) < 1e-3);
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
+    double before_mm = fixture_moved_mm(&d, corner);
+    fixture_drag(&d, POINTER_PULLS, corner, (vec3){0, 4, 0}, false);
+    assert_true(fabs(fixture_moved_mm(&d, corner) - before_mm) > 1.0);
+    fixture_let_go(&d);
+    assert_true(fixture_apart_mm(&d, held) < 1e-3);
     atomic_store(&is_away, false);
-    assert_true(desk_until(&d, is_in_state, &runs));
-    desk_perform(&d, 0.5);
-    assert_true(desk_apart_mm(&d, held) < 1e-2);
-    desk_must(live_record_end(d.live, &err), &err);
+    assert_true(fixture_until(&d, is_in_state, &runs));
+    fixture_perform(&d, 0.5);
+    assert_true(fixture_apart_mm(&d, held) < 1e-2);
+    fixture_must(live_record_end(d.live, &err), &err);
     free(held);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 /* ---- a disk that is full ---- */
 
-static bool is_waiting(live_desk *d, void *data)
+static bool is_waiting(live_fixture *d, void *data)
 {
     live_status status;
     (void)data;
@@ -139,7 +139,7 @@ static bool is_waiting(live_desk *d, void *data)
     return status.writer.state == WRITER_WAITING && status.problem[0] != '\0';
 }
 
-static bool is_well(live_desk *d, void *data)
+static bool is_well(live_fixture *d, void *data)
 {
     live_status status;
     (void)data;
@@ -150,43 +150,43 @@ static bool is_well(live_desk *d, void *data)
 static void full_disk_stops_nothing_and_loses_nothing(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
     live_status status;
     take t = {0};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    uint32_t corner = desk_contact(&d, "mouth.corner.l");
-    desk_must(live_record(d.live, &slate, &err), &err);
-    desk_pass(&d, 0.2);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    uint32_t corner = fixture_contact(&d, "mouth.corner.l");
+    fixture_must(live_record(d.live, &slate, &err), &err);
+    fixture_pass(&d, 0.2);
     atomic_store(&disk_answer, SQLITE_FULL);
-    desk_drag(&d, POINTER_PULLS, corner, (vec3){0, 4, 0}, false);
-    assert_true(desk_until(&d, is_waiting, NULL));
-    assert_true(fabs(desk_moved_mm(&d, corner) - 4.0) < 0.1);
+    fixture_drag(&d, POINTER_PULLS, corner, (vec3){0, 4, 0}, false);
+    assert_true(fixture_until(&d, is_waiting, NULL));
+    assert_true(fabs(fixture_moved_mm(&d, corner) - 4.0) < 0.1);
     live_status_of(d.live, &status);
     assert_true(status.is_recording);
-    desk_let_go(&d);
-    desk_must(live_record_end(d.live, &err), &err);
+    fixture_let_go(&d);
+    fixture_must(live_record_end(d.live, &err), &err);
     atomic_store(&disk_answer, SQLITE_OK);
-    assert_true(desk_until(&d, is_well, NULL));
+    assert_true(fixture_until(&d, is_well, NULL));
     live_status_of(d.live, &status);
     assert_int_equal(status.writer.lost_count, 0);
-    desk_take(&d, status.take, &t);
+    fixture_take(&d, status.take, &t);
     assert_true(t.duration_ns > NS_PER_S / 5);
     take_finish(&t);
-    desk_finish(&d);
+    fixture_finish(&d);
 }
 
 static void show_is_deleted_while_it_is_recorded_into(void **state)
 {
     (void)state;
-    live_desk d;
+    live_fixture d;
     error err = {""};
-    desk_start(&d, "puppet", NULL, DESK_SHOW);
-    desk_must(live_record(d.live, &slate, &err), &err);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    fixture_must(live_record(d.live, &slate, &err), &err);
     assert_int_equal(unlink(d.show_path), 0);
-    desk_pass(&d, 0.3);
-    desk_must(live_record_end(d.live, &err), &err);
-    desk_finish(&d);
+    fixture_pass(&d, 0.3);
+    fixture_must(live_record_end(d.live, &err), &err);
+    fixture_finish(&d);
 }
 
 int main(void)

@@ -18,13 +18,13 @@
 
 /* ---- a client: it waits with the application going on ---- */
 
-typedef struct desk {
+typedef struct fixture {
     room room;
     uint16_t port;
     int udp, tcp;
     char in[65536];
     size_t size;
-} desk;
+} fixture;
 
 static struct sockaddr_in here(uint16_t port)
 {
@@ -45,11 +45,11 @@ static uint16_t free_port(void)
     return ntohs(at.sin_port);
 }
 
-static void open_desk(desk *d, bool has_hand)
+static void open_fixture(fixture *d, bool has_hand)
 {
     error err = {0};
     char address[16];
-    *d = (desk){.port = free_port(), .udp = -1, .tcp = -1};
+    *d = (fixture){.port = free_port(), .udp = -1, .tcp = -1};
     (void)snprintf(address, sizeof address, "%u", (unsigned)d->port);
     make_room(&d->room);
     const app_options with = {.show_path = d->room.show,
@@ -65,7 +65,7 @@ static void open_desk(desk *d, bool has_hand)
     assert_int_equal(connect(d->udp, (const struct sockaddr *)&at, sizeof at), 0);
 }
 
-static void close_desk(desk *d)
+static void close_fixture(fixture *d)
 {
     if (d->tcp >= 0)
         close(d->tcp);
@@ -74,7 +74,7 @@ static void close_desk(desk *d)
 }
 
 /* More of what came by TCP; false: it was closed, or nothing comes. */
-static bool receive(desk *d)
+static bool receive(fixture *d)
 {
     const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
     while (clock_now_ns() < end_ns) {
@@ -93,7 +93,7 @@ static bool receive(desk *d)
     return false;
 }
 
-static void ask_http(desk *d, const char *host, const char *more)
+static void ask_http(fixture *d, const char *host, const char *more)
 {
     char text[1024];
     const struct sockaddr_in at = here(d->port);
@@ -112,7 +112,7 @@ static void ask_http(desk *d, const char *host, const char *more)
     assert_true(receive(d));
 }
 
-static void join(desk *d)
+static void join(fixture *d)
 {
     char host[32];
     (void)snprintf(host, sizeof host, "127.0.0.1:%u", (unsigned)d->port);
@@ -123,7 +123,7 @@ static void join(desk *d)
 }
 
 /* `length` of the text, which may be a lie in the head. */
-static void say_bytes(desk *d, const char *text, size_t length)
+static void say_bytes(fixture *d, const char *text, size_t length)
 {
     unsigned char bytes[5000] = {0x81};
     size_t head = 2;
@@ -139,14 +139,14 @@ static void say_bytes(desk *d, const char *text, size_t length)
 }
 
 /* The text of the next frames has this; news of the stage may come before. */
-static void hears(desk *d, const char *part)
+static void hears(fixture *d, const char *part)
 {
     while (!d->size || !memmem(d->in, d->size, part, strlen(part)))
         if (!receive(d))
             fail_msg("\"%s\" was not answered", part);
 }
 
-static void says(desk *d, const char *text, const char *answered)
+static void says(fixture *d, const char *text, const char *answered)
 {
     d->size = 0;
     say_bytes(d, text, strlen(text));
@@ -167,7 +167,7 @@ static void take_answer(void *context, const osc_message *message)
     (void)snprintf(out->says, sizeof out->says, "%s", osc_message_text(message, 2));
 }
 
-static heard osc_send(desk *d, osc_builder *builder, const char *address)
+static heard osc_send(fixture *d, osc_builder *builder, const char *address)
 {
     char bytes[1024];
     heard out = {.ok = -1};
@@ -185,7 +185,7 @@ static heard osc_send(desk *d, osc_builder *builder, const char *address)
     return out;
 }
 
-static heard osc(desk *d, const char *address)
+static heard osc(fixture *d, const char *address)
 {
     osc_builder builder = osc_builder_start();
     return osc_send(d, &builder, address);
@@ -221,9 +221,9 @@ static void a_place_that_is_none_is_an_error_of_one_line(void **state)
 
 static void a_take_is_recorded_marked_and_ended_by_osc(void **state)
 {
-    desk d;
+    fixture d;
     (void)state;
-    open_desk(&d, true);
+    open_fixture(&d, true);
     assert_true(until(&d.room, has_samples));
     heard h = osc(&d, "/marotte/remote/record");
     assert_string_equal(h.word, "record");
@@ -244,15 +244,15 @@ static void a_take_is_recorded_marked_and_ended_by_osc(void **state)
     assert_int_equal(h.ok, 1);
     h = osc(&d, "/marotte/remote/quit");
     assert_int_equal(h.ok, 0);
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void a_button_that_is_let_go_does_nothing(void **state)
 {
-    desk d;
+    fixture d;
     char bytes[256];
     (void)state;
-    open_desk(&d, true);
+    open_fixture(&d, true);
     assert_true(until(&d.room, has_samples));
     osc_builder builder = osc_builder_start();
     osc_builder_float(&builder, 0.0f);
@@ -260,16 +260,16 @@ static void a_button_that_is_let_go_does_nothing(void **state)
     assert_int_equal(send(d.udp, bytes, size, 0), (int)size);
     (void)osc(&d, "/marotte/remote/status"); /* answered after it */
     assert_false(app_status(d.room.app)->is_recording);
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 /* ---- WebSocket ---- */
 
 static void a_script_asks_and_is_told_what_happens(void **state)
 {
-    desk d;
+    fixture d;
     (void)state;
-    open_desk(&d, true);
+    open_fixture(&d, true);
     assert_true(until(&d.room, has_samples));
     join(&d);
     says(&d, "{\"do\":\"status\",\"id\":7}", "\"id\":7");
@@ -281,15 +281,15 @@ static void a_script_asks_and_is_told_what_happens(void **state)
     says(&d, "{\"do\":\"stop\"}", "\"ok\":false");
     says(&d, "{\"do\":\"view_side\"}", "\"ok\":true");
     assert_true(app_take_request(d.room.app, ACTION_VIEW_SIDE));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void a_preset_of_the_mapping_is_asked_of_its_panel(void **state)
 {
-    desk d;
+    fixture d;
     char key[PRESET_KEY], taken[64];
     (void)state;
-    open_desk(&d, false);
+    open_fixture(&d, false);
     presets_key(key, live_mapping(app_live(d.room.app))->type, "calm");
     settings_set_text(app_settings(d.room.app), key, "smile=2");
     join(&d);
@@ -299,7 +299,7 @@ static void a_preset_of_the_mapping_is_asked_of_its_panel(void **state)
     assert_true(app_take_preset(d.room.app, taken, sizeof taken));
     assert_string_equal(taken, "calm");
     assert_false(app_take_preset(d.room.app, taken, sizeof taken));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 /* ---- expressions ---- */
@@ -335,9 +335,9 @@ static bool has_expressions(app *of)
 
 static void a_named_pose_fades_in_and_out_and_is_in_the_take(void **state)
 {
-    desk d;
+    fixture d;
     (void)state;
-    open_desk(&d, false);
+    open_fixture(&d, false);
     assert_true(until(&d.room, has_expressions));
     join(&d);
     says(&d, "{\"do\":\"record\"}", "{\"recording\":true}");
@@ -352,31 +352,31 @@ static void a_named_pose_fades_in_and_out_and_is_in_the_take(void **state)
     assert_true(until(&d.room, shows_take));
     assert_true(until(&d.room, is_smiling)); /* the take performs it again */
     says(&d, "{\"do\":\"expression\",\"name\":\"grin of a cat\"}", "the face has no pose");
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void neutral_lets_expressions_go(void **state)
 {
-    desk d;
+    fixture d;
     (void)state;
-    open_desk(&d, false);
+    open_fixture(&d, false);
     assert_true(until(&d.room, has_expressions));
     const heard h = osc(&d, "/marotte/remote/expression/joy");
     assert_int_equal(h.ok, 1);
     assert_true(until(&d.room, is_smiling));
     app_do(d.room.app, ACTION_NEUTRAL);
     assert_true(until(&d.room, is_at_rest));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 /* ---- refused ---- */
 
 static void other_hosts_and_origins_are_turned_away(void **state)
 {
-    desk d;
+    fixture d;
     char own[64], origin[128];
     (void)state;
-    open_desk(&d, false);
+    open_fixture(&d, false);
     app_update(d.room.app, 0.005);
     (void)snprintf(own, sizeof own, "127.0.0.1:%u", (unsigned)d.port);
     ask_http(&d, "evil.example", "");
@@ -391,7 +391,7 @@ static void other_hosts_and_origins_are_turned_away(void **state)
     (void)snprintf(origin, sizeof origin, "Origin: http://%s\r\n", own);
     ask_http(&d, own, origin);
     assert_non_null(strstr(d.in, "101"));
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static void nonsense_is_refused_with_one_line_and_the_rest_goes_on(void **state)
@@ -411,10 +411,10 @@ static void nonsense_is_refused_with_one_line_and_the_rest_goes_on(void **state)
         "{\"do\":\"record\",\"when\":1}",
         "{\"do\":\"record\"} {\"do\":\"stop\"}",
     };
-    desk d;
+    fixture d;
     char large[2000];
     (void)state;
-    open_desk(&d, false);
+    open_fixture(&d, false);
     app_update(d.room.app, 0.005);
     join(&d);
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
@@ -433,7 +433,7 @@ static void nonsense_is_refused_with_one_line_and_the_rest_goes_on(void **state)
     assert_int_equal((unsigned char)d.in[d.size - 2] << 8 | (unsigned char)d.in[d.size - 1], 1009);
     join(&d); /* the next one is heard */
     says(&d, "{\"do\":\"status\"}", "\"ok\":true");
-    close_desk(&d);
+    close_fixture(&d);
 }
 
 static bool is_in_trouble(app *of)

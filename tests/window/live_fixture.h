@@ -1,7 +1,7 @@
 /* A live stage for tests: a face, plugins, a show in a folder of its own; and what a test does with
  * it: waits until something holds, drags the mouse, hashes what is seen. */
-#ifndef MAROTTE_TESTS_LIVE_DESK_H
-#define MAROTTE_TESTS_LIVE_DESK_H
+#ifndef MAROTTE_TESTS_LIVE_FIXTURE_H
+#define MAROTTE_TESTS_LIVE_FIXTURE_H
 /* clang-format off */
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,10 +24,10 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { DESK_PATH = 512 };
+enum { FIXTURE_PATH = 512 };
 
-typedef struct live_desk {
-    char folder[DESK_PATH / 2], show_path[DESK_PATH], face_path[DESK_PATH];
+typedef struct live_fixture {
+    char folder[FIXTURE_PATH / 2], show_path[FIXTURE_PATH], face_path[FIXTURE_PATH];
     plugin_list plugins;
     log_queue *log;
     face_file face;
@@ -35,36 +35,37 @@ typedef struct live_desk {
     live *live;
     const live_view *view; /* the newest that was looked at */
     float *first;          /* the face at rest, as rows */
-} live_desk;
+} live_fixture;
 
-static inline void desk_must(mrt_result result, const error *err)
+static inline void fixture_must(mrt_result result, const error *err)
 {
     if (result < 0)
         fail_msg("%s", err->text);
 }
 
-typedef enum desk_record { DESK_NO_SHOW = 0, DESK_SHOW } desk_record;
+typedef enum fixture_record { FIXTURE_NO_SHOW = 0, FIXTURE_SHOW } fixture_record;
 
-static inline void desk_start_heard(live_desk *d, const char *name, const char *mapping,
-                                    desk_record records, const sound_backend *backend)
+static inline void fixture_start_heard(live_fixture *d, const char *name, const char *mapping,
+                                       fixture_record records, const sound_backend *backend)
 {
     static const char *const libraries[] = {"log", "anchored", "unanchored", "one_hand"};
     const char *temporary = getenv("TMPDIR");
-    char path[DESK_PATH];
+    char path[FIXTURE_PATH];
     error err = {""};
     memset(d, 0, sizeof *d);
     d->log = log_queue_create();
     for (size_t i = 0; i < sizeof libraries / sizeof *libraries; ++i) {
         snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, libraries[i]);
-        desk_must(plugin_list_add(&d->plugins, path, &err), &err);
+        fixture_must(plugin_list_add(&d->plugins, path, &err), &err);
     }
-    snprintf(d->folder, sizeof d->folder, "%s/marotte_desk_XXXXXX", temporary ? temporary : "/tmp");
+    snprintf(d->folder, sizeof d->folder, "%s/marotte_fixture_XXXXXX",
+             temporary ? temporary : "/tmp");
     assert_non_null(mkdtemp(d->folder));
-    snprintf(d->show_path, sizeof d->show_path, "%s/desk.marotte", d->folder);
+    snprintf(d->show_path, sizeof d->show_path, "%s/fixture.marotte", d->folder);
     snprintf(d->face_path, sizeof d->face_path, "%s/rigs/%s/%s.rig.json", SOURCE_DIR, name, name);
-    desk_must(face_file_read(&d->face, d->face_path, NULL, FACE_FILE_USABLE, &err), &err);
-    if (records == DESK_SHOW)
-        desk_must(show_create(&d->show, d->show_path, &err), &err);
+    fixture_must(face_file_read(&d->face, d->face_path, NULL, FACE_FILE_USABLE, &err), &err);
+    if (records == FIXTURE_SHOW)
+        fixture_must(show_create(&d->show, d->show_path, &err), &err);
     const live_settings settings = {.plugins = &d->plugins,
                                     .log = d->log,
                                     .show = d->show,
@@ -72,7 +73,7 @@ static inline void desk_start_heard(live_desk *d, const char *name, const char *
                                     .face_path = d->face_path,
                                     .mapping = mapping,
                                     .sound = backend};
-    desk_must(live_start(&d->live, &settings, &err), &err);
+    fixture_must(live_start(&d->live, &settings, &err), &err);
     assert_true(live_look(d->live, &d->view));
     size_t size = (size_t)d->view->vertex_count * 3 * sizeof *d->first;
     d->first = malloc(size);
@@ -80,25 +81,25 @@ static inline void desk_start_heard(live_desk *d, const char *name, const char *
     memcpy(d->first, d->view->position, size);
 }
 
-static inline void desk_start(live_desk *d, const char *name, const char *mapping,
-                              desk_record records)
+static inline void fixture_start(live_fixture *d, const char *name, const char *mapping,
+                                 fixture_record records)
 {
-    desk_start_heard(d, name, mapping, records, NULL);
+    fixture_start_heard(d, name, mapping, records, NULL);
 }
 
-static inline void desk_stop_live(live_desk *d)
+static inline void fixture_stop_live(live_fixture *d)
 {
     error err = {""};
     if (d->live)
-        desk_must(live_stop(d->live, &err), &err);
+        fixture_must(live_stop(d->live, &err), &err);
     d->live = NULL;
 }
 
-static inline void desk_finish(live_desk *d)
+static inline void fixture_finish(live_fixture *d)
 {
-    char path[DESK_PATH + 8];
+    char path[FIXTURE_PATH + 8];
     static const char *const endings[] = {"", "-wal", "-shm", "-lock", ".lock"};
-    desk_stop_live(d);
+    fixture_stop_live(d);
     show_close(d->show);
     face_file_destroy(&d->face);
     plugin_list_destroy(&d->plugins);
@@ -114,7 +115,7 @@ static inline void desk_finish(live_desk *d)
 /* ---- inputs ---- */
 
 /* Opens it and brings it onto the stage. */
-static inline mrt_result desk_add_input(live_desk *d, const char *text, error *err)
+static inline mrt_result fixture_add_input(live_fixture *d, const char *text, error *err)
 {
     input *made = NULL;
     plugin_spec of;
@@ -133,51 +134,51 @@ static inline mrt_result desk_add_input(live_desk *d, const char *text, error *e
 /* ---- time ---- */
 
 /* A drawn frame of the window. */
-static inline void desk_frame(live_desk *d)
+static inline void fixture_frame(live_fixture *d)
 {
     live_update(d->live);
     (void)live_look(d->live, &d->view);
     clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
 }
 
-typedef bool desk_condition(live_desk *d, void *data);
+typedef bool fixture_condition(live_fixture *d, void *data);
 
 /* Frames until it holds; false: it did not within a minute. */
-static inline bool desk_until(live_desk *d, desk_condition *holds, void *data)
+static inline bool fixture_until(live_fixture *d, fixture_condition *holds, void *data)
 {
     int64_t until_ns = clock_now_ns() + 60 * NS_PER_S;
     while (!holds(d, data)) {
         if (clock_now_ns() > until_ns)
             return false;
-        desk_frame(d);
+        fixture_frame(d);
     }
     return true;
 }
 
-static inline void desk_pass(live_desk *d, double seconds)
+static inline void fixture_pass(live_fixture *d, double seconds)
 {
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
     while (clock_now_ns() < until_ns)
-        desk_frame(d);
+        fixture_frame(d);
 }
 
-static inline bool desk_is_performed(live_desk *d, void *data)
+static inline bool fixture_is_performed(live_fixture *d, void *data)
 {
     const int64_t *until_ns = data;
     return d->view->sample_ns >= *until_ns;
 }
 
 /* Until a sample is seen that was measured so much later than now; something must move. */
-static inline void desk_perform(live_desk *d, double seconds)
+static inline void fixture_perform(live_fixture *d, double seconds)
 {
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
-    if (!desk_until(d, desk_is_performed, &until_ns))
+    if (!fixture_until(d, fixture_is_performed, &until_ns))
         fail_msg("no sample was performed for a minute");
 }
 
 /* ---- the face ---- */
 
-static inline uint32_t desk_contact(const live_desk *d, const char *name)
+static inline uint32_t fixture_contact(const live_fixture *d, const char *name)
 {
     for (uint32_t i = 0; i < d->view->about->contact_count; ++i)
         if (strcmp(d->view->about->contacts[i].name, name) == 0)
@@ -186,20 +187,20 @@ static inline uint32_t desk_contact(const live_desk *d, const char *name)
     return 0;
 }
 
-static inline vec3 desk_rest(const live_desk *d, uint32_t contact)
+static inline vec3 fixture_rest(const live_fixture *d, uint32_t contact)
 {
     mrt_vec3 r = d->view->about->contacts[contact].rest;
     return (vec3){(double)r.x, (double)r.y, (double)r.z};
 }
 
 /* How far a contact is from its rest. */
-static inline double desk_moved_mm(const live_desk *d, uint32_t contact)
+static inline double fixture_moved_mm(const live_fixture *d, uint32_t contact)
 {
-    return vec3_length(vec3_sub(d->view->contact[contact], desk_rest(d, contact)));
+    return vec3_length(vec3_sub(d->view->contact[contact], fixture_rest(d, contact)));
 }
 
 /* How far any vertex is from where it was in `rows`. */
-static inline double desk_apart_mm(const live_desk *d, const float *rows)
+static inline double fixture_apart_mm(const live_fixture *d, const float *rows)
 {
     double most = 0.0;
     for (size_t v = 0; v < d->view->vertex_count; ++v) {
@@ -213,7 +214,7 @@ static inline double desk_apart_mm(const live_desk *d, const float *rows)
     return sqrt(most);
 }
 
-static inline uint64_t desk_hash(const float *rows, size_t count)
+static inline uint64_t fixture_hash(const float *rows, size_t count)
 {
     const unsigned char *bytes = (const unsigned char *)rows;
     uint64_t hash = 1469598103934665603u;
@@ -222,15 +223,15 @@ static inline uint64_t desk_hash(const float *rows, size_t count)
     return hash;
 }
 
-static inline bool desk_is_at_rest(live_desk *d, void *data)
+static inline bool fixture_is_at_rest(live_fixture *d, void *data)
 {
     (void)data;
-    return desk_apart_mm(d, d->first) < 1e-3;
+    return fixture_apart_mm(d, d->first) < 1e-3;
 }
 
 /* ---- the mouse ---- */
 
-static inline void desk_point(live_desk *d, pointer_grip grip, vec3 rest, vec3 at, bool stays)
+static inline void fixture_point(live_fixture *d, pointer_grip grip, vec3 rest, vec3 at, bool stays)
 {
     const float r[3] = {(float)rest.x, (float)rest.y, (float)rest.z};
     const float a[3] = {(float)at.x, (float)at.y, (float)at.z};
@@ -238,34 +239,34 @@ static inline void desk_point(live_desk *d, pointer_grip grip, vec3 rest, vec3 a
 }
 
 /* What springs back has done so. */
-static inline void desk_let_go(live_desk *d)
+static inline void fixture_let_go(live_fixture *d)
 {
     const vec3 nowhere = {0, 0, 0};
-    desk_point(d, POINTER_AWAY, nowhere, nowhere, false);
-    desk_perform(d, 0.3);
+    fixture_point(d, POINTER_AWAY, nowhere, nowhere, false);
+    fixture_perform(d, 0.3);
 }
 
 /* Takes hold of a contact and pulls it so far, in steps. */
-static inline void desk_drag(live_desk *d, pointer_grip grip, uint32_t contact, vec3 way,
-                             bool stays)
+static inline void fixture_drag(live_fixture *d, pointer_grip grip, uint32_t contact, vec3 way,
+                                bool stays)
 {
-    vec3 rest = desk_rest(d, contact), from = d->view->contact[contact];
-    desk_point(d, grip, rest, from, stays);
+    vec3 rest = fixture_rest(d, contact), from = d->view->contact[contact];
+    fixture_point(d, grip, rest, from, stays);
     for (int i = 1; i <= 20; ++i) {
-        desk_frame(d);
-        desk_point(d, grip, rest, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
+        fixture_frame(d);
+        fixture_point(d, grip, rest, vec3_add(from, vec3_scale(way, (double)i / 20.0)), stays);
     }
-    desk_perform(d, 0.0);
+    fixture_perform(d, 0.0);
 }
 
 /* ---- takes ---- */
 
-static inline void desk_take(const live_desk *d, int64_t id, take *out)
+static inline void fixture_take(const live_fixture *d, int64_t id, take *out)
 {
     error err = {""};
     if (d->live && d->live->recorder)
-        desk_must(writer_flush(recorder_writer(d->live->recorder), &err), &err);
-    desk_must(edit_store_take(out, d->show, id, &err), &err);
+        fixture_must(writer_flush(recorder_writer(d->live->recorder), &err), &err);
+    fixture_must(edit_store_take(out, d->show, id, &err), &err);
 }
 
 #endif

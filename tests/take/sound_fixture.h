@@ -1,7 +1,7 @@
 /* What the tests of sound in files share: a show, a file, and sound whose every sample is known
  * from its number. */
-#ifndef MAROTTE_TESTS_SOUND_DESK_H
-#define MAROTTE_TESTS_SOUND_DESK_H
+#ifndef MAROTTE_TESTS_SOUND_FIXTURE_H
+#define MAROTTE_TESTS_SOUND_FIXTURE_H
 #include "show_scene.h"
 #include "take/sound_file.h"
 
@@ -9,16 +9,16 @@
 #include <sndfile.h>
 #include <stdbool.h>
 
-typedef struct desk {
+typedef struct fixture {
     scene scene;
     show *show;
     char file[SCENE_PATH];
-} desk;
+} fixture;
 
-static inline int desk_make(void **state)
+static inline int fixture_make(void **state)
 {
     error err = {""};
-    desk *d = calloc(1, sizeof *d);
+    fixture *d = calloc(1, sizeof *d);
     assert_non_null(d);
     scene_make(&d->scene);
     scene_must(show_create(&d->show, d->scene.path, &err), &err);
@@ -27,9 +27,9 @@ static inline int desk_make(void **state)
     return 0;
 }
 
-static inline int desk_clear(void **state)
+static inline int fixture_clear(void **state)
 {
-    desk *d = *state;
+    fixture *d = *state;
     show_close(d->show);
     scene_remove(&d->scene);
     free(d);
@@ -44,8 +44,8 @@ static inline double sample(int64_t n, int c, int bits)
     return (double)value / (double)range;
 }
 
-static inline void write_sound(const desk *d, int format, int rate_hz, int channels, int64_t frames,
-                               int bits)
+static inline void write_sound(const fixture *d, int format, int rate_hz, int channels,
+                               int64_t frames, int bits)
 {
     SF_INFO info = {.samplerate = rate_hz, .channels = channels, .format = format};
     SNDFILE *file = sf_open(d->file, SFM_WRITE, &info);
@@ -69,7 +69,7 @@ static inline void write_sound(const desk *d, int format, int rate_hz, int chann
     assert_int_equal(sf_close(file), 0);
 }
 
-static inline int64_t import(const desk *d)
+static inline int64_t import(const fixture *d)
 {
     error err = {""};
     int64_t id = 0;
@@ -94,6 +94,6 @@ static inline bool until_count(void *data, double part)
     return --*left > 0;
 }
 
-#define DESK(test) cmocka_unit_test_setup_teardown(test, desk_make, desk_clear)
+#define WITH_FIXTURE(test) cmocka_unit_test_setup_teardown(test, fixture_make, fixture_clear)
 
 #endif
