@@ -32,10 +32,20 @@ cat >window.json <<'END'
  "remote": {"place": "127.0.0.1:39541"}, "click": {"when": 3, "bpm": 140, "bar": 3},
  "record": {"count_in_s": 1, "preroll_s": 1}, "timecode": {"chase": 1}}
 END
+# Where memory is judged, what is made when it is asked for the first time, and kept, is asked for before.
+warm_up() {
+    for panel in devices mapping rig engine log patch output scene; do
+        printf '%s\n' "do panel_$panel" 'frames 10'
+    done
+    printf '%s\n' 'do record' 'wait 4' 'do record' 'wait 1' 'do take_before' 'frames 20' 'do play' 'wait 3' 'do stop' \
+        'do record' 'wait 5' 'do record' 'wait 1' 'do export' 'frames 20' 'key Escape' 'do open' 'frames 20' 'key Escape' \
+        'do output' 'wait 1' 'do output' 'frames 20' 'do live' 'key Escape' 'calm'
+}
+[ "$seconds" -lt "$judged_from_s" ] || warm_up >script.txt
 for ((round = 1; round <= rounds; ++round)); do
     printf '%s\n' "random $((seed * 100 + round)) $(awk "BEGIN { print $seconds / $rounds }")" \
         'key Escape' 'key Escape' 'key Escape' 'calm' 'frames 20' "memory round $round"
-done >script.txt
+done >>script.txt
 ulimit -c 0
 is_sanitized() { # by the address sanitizer, which keeps what was freed
     nm -D "$MAROTTE" 2>/dev/null | grep -q __asan_init
