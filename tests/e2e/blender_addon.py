@@ -160,7 +160,9 @@ head.data.shape_keys.animation_data_clear()
 for key in head.data.shape_keys.key_blocks:
     key.value = 0
 select([head, rig])
-scene.marotte_port = 39540
+with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:  # somebody may send faces to the usual one
+    free.bind(("127.0.0.1", 0))
+    scene.marotte_port = free.getsockname()[1]
 need("it listens", bpy.ops.marotte.live() == {"FINISHED"})
 live = addon.live
 fails(lambda: addon.Live("127.0.0.1", live.address[1], [head]), "cannot listen")
