@@ -16,10 +16,10 @@ typedef struct glove_found {
     uint32_t likeliness; /* 2: calls itself a glove, 1: an adapter that gloves have, 0 */
 } glove_found;
 
-/* USB serial ports, likeliest first, then by place. `root` goes before each path: "" but in tests.
- * Returns how many were written. */
+/* USB serial ports, likeliest first, then by usb_path. `root` goes before each path: "" but in
+ * tests. Returns how many were written. */
 uint32_t glove_find_ports(const char *root, glove_found *out, uint32_t capacity);
-/* The port at this place now. */
+/* The port on this usb_path now. */
 bool glove_find_usb(const char *root, const char *usb_path, glove_found *out);
 /* The port that this path, or a link to it, names now. */
 bool glove_find_path(const char *root, const char *path, glove_found *out);

@@ -41,7 +41,7 @@ struct mrt_plugin {
 
 /* ---- which pad ---- */
 
-/* "" the first, "2" the second, else a place or a node. */
+/* "" the first, "2" the second, else an identity or a node. */
 static bool is_wanted(const mrt_plugin *self, const evdev_seen *seen, uint32_t index)
 {
     char *end;

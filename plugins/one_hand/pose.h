@@ -1,7 +1,7 @@
 /* one_hand/pose.h - a face as this mapping thinks of it, whatever the rig has: a pull at each named
- * place and a value for each named degree of freedom, in face frame, mm of a face whose pupils are
- * 63 mm apart. All zero is the rest face. Leaves out which of them a rig really has (fitting.h).
- * Pure. */
+ * landmark and a value for each named degree of freedom, in face frame, mm of a face whose pupils
+ * are 63 mm apart. All zero is the rest face. Leaves out which of them a rig really has
+ * (fitting.h). Pure. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_POSE_H
 #define MAROTTE_PLUGINS_ONE_HAND_POSE_H
 #include "settings.h"
@@ -44,14 +44,14 @@ extern const char *const pose_landmark_names[LANDMARK_COUNT];
 extern const char *const pose_dof_names[DOF_COUNT];
 
 typedef struct pose {
-    double value[POSE_COUNT]; /* 3 per place, then the degrees of freedom */
+    double value[POSE_COUNT]; /* 3 per landmark, then the degrees of freedom */
 } pose;
 
 /* LAYER_* that a value belongs to. */
 int pose_layer(int index);
 /* Left and right exchanged. */
 void pose_mirror(pose *p);
-/* A place's pull made longer by `amount` times a direction: out to the place's own side, up,
+/* A landmark's pull made longer by `amount` times a direction: out to the landmark's own side, up,
  * front. */
 typedef struct pose_part {
     int landmark; /* of a pair: both sides */

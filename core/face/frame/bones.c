@@ -162,10 +162,10 @@ static void limit_jaw(double out[3], const bones *b, const float *dof)
     out[2] = bones_soft_limit(value_of(dof, 2), 0.0, bones_forward_limit(b, out[0]));
 }
 
-static double limit_turn(const rig_bone *ball, uint32_t rotation, const float *dof)
+static double limit_turn(const rig_bone *ball, uint32_t axis, const float *dof)
 {
-    const rig_turn *t = &ball->turn[rotation];
-    return bones_soft_limit(value_of(dof, rotation), t->min_rad, t->max_rad);
+    const rig_turn *t = &ball->turn[axis];
+    return bones_soft_limit(value_of(dof, axis), t->min_rad, t->max_rad);
 }
 
 void bones_limit(float *out_dof, const bones *b, const float *dof)

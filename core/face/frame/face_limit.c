@@ -71,15 +71,15 @@ typedef struct limit_patch {
 
 /* What is known of them beside. */
 typedef struct limit_group {
-    float steepness;        /* strained and turned at most by so much of a gradient */
-    float of_turn;          /* the greatest of its triangles' */
-    float tilt_cosine;      /* of how far the origin has turned a triangle from rest at most */
-    float rounding;         /* of the origin: what it may turn and stretch a triangle by */
-    float room;             /* room_of_pose; INFINITY: not known in this frame */
-    float room_alone;       /* likewise, where no other bone is near, of every pose; or INFINITY */
-    float strain, rotation; /* at most, strain also the size; INFINITY: not known with this pose */
-    uint32_t main_bone;     /* or STILL */
-    uint32_t bones_around;  /* a bit for each that is the main one of a group beside it */
+    float steepness;         /* strained and turned at most by so much of a gradient */
+    float of_turn;           /* the greatest of its triangles' */
+    float tilt_cosine;       /* of how far the origin has turned a triangle from rest at most */
+    float rounding;          /* of the origin: what it may turn and stretch a triangle by */
+    float room;              /* room_of_pose; INFINITY: not known in this frame */
+    float room_alone;        /* likewise, where no other bone is near, of every pose; or INFINITY */
+    float strain, turn_over; /* at most, strain also the size; INFINITY: not known with this pose */
+    uint32_t main_bone;      /* or STILL */
+    uint32_t bones_around;   /* a bit for each that is the main one of a group beside it */
     uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
     bool is_framed, is_seen;             /* patch.posed and patch.along are those of this pose */
     float centre[3], radius;
@@ -97,7 +97,8 @@ typedef struct limit_carried {
  * bent too far. */
 typedef enum limit_looks { AT_STRAINS = 0, AT_TURNS } limit_looks;
 
-/* How a bone moves relative to another; turn: the length of R - I; < 0: not known in this frame. */
+/* How a bone moves relative to another; rotation: the length of R - I; < 0: not known in this
+ * frame. */
 typedef struct limit_apart {
     rigid motion;
     double rotation;
@@ -133,8 +134,8 @@ static void measure_turns(face *f)
     const double pi = 3.14159265358979323846, least = 0.5 * SURFACE_CREASE_DEG - 1.0;
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
-        double rotation = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
-        f->limit.patch[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(rotation));
+        double angle_rad = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
+        f->limit.patch[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
     }
 }
 
@@ -640,7 +641,7 @@ static void begin_pose(face *f)
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &l->group[group];
         g->room = l->is_at_rest ? 1.0f - g->rounding : g->room_alone;
-        g->strain = g->rotation = INFINITY;
+        g->strain = g->turn_over = INFINITY;
         g->is_framed = g->is_seen = false;
     }
 }
@@ -807,7 +808,7 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
     float change = f->limit.change[group];
     if (!is_too_steep(f, group)) {
         if (change > 0.0f)
-            g->strain = g->rotation = INFINITY;
+            g->strain = g->turn_over = INFINITY;
         return false;
     }
     if (is_shaped(f))
@@ -816,9 +817,9 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
         float more =
             g->room > 0.0f && isfinite(g->room) ? change * g->steepness / g->room : INFINITY;
         g->strain += more;
-        g->rotation += more;
+        g->turn_over += more;
     }
-    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->rotation < 1.0f));
+    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->turn_over < 1.0f));
 }
 
 /* What the columns as weighed do to a block. */
@@ -1045,13 +1046,13 @@ static double measure_group(face *f, size_t group, float stretch)
     if (!g->is_framed)
         frame_group(f, group);
     l->loops->strains(&found, &patch->posed, patch->of_tilt_posed, patch->of_turn_posed, &added);
-    g->strain = g->rotation = 0.0f;
+    g->strain = g->turn_over = 0.0f;
     for (size_t i = 0; i < added.count; ++i) {
-        float strain = found.strain[i], rotation = found.rotation[i], size = found.size[i];
+        float strain = found.strain[i], turn_over = found.turn_over[i], size = found.size[i];
         size_t t = GROUP * group + i;
         float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
         g->strain = larger(g->strain, larger(larger(strain, stretched), size));
-        g->rotation = rotation > g->rotation ? rotation : g->rotation;
+        g->turn_over = turn_over > g->turn_over ? turn_over : g->turn_over;
         if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
             strain = fmaxf(found.alone[i], fminf(strain, turn_over_strain(f, group, i)));
         strain = stretched > strain ? stretched : strain;
@@ -1059,7 +1060,7 @@ static double measure_group(face *f, size_t group, float stretch)
             strain_controls(f, t, fmin((double)strain, strain_most));
             strain_own_shapes(f, group, fmin((double)strain, strain_most));
         }
-        if (rotation > 1.0f)
+        if (turn_over > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
     }

@@ -533,9 +533,9 @@ static void find_turns(face_weights *self)
 {
     const uint32_t bone[3] = {self->head, self->eye[0].bone, self->eye[1].bone};
     for (uint32_t i = 0; i < 3; ++i)
-        for (uint32_t rotation = 0; rotation < (i == 0 ? 3u : 2u); ++rotation)
+        for (uint32_t axis = 0; axis < (i == 0 ? 3u : 2u); ++axis)
             if (bone[i] != RIG_NONE && self->bones.moves[bone[i]])
-                self->source[ARKIT_SHAPES + 3 * i + rotation] = FACE_NAME_BONES;
+                self->source[ARKIT_SHAPES + 3 * i + axis] = FACE_NAME_BONES;
 }
 
 /* How far an eye goes that looks all the way. */
@@ -679,12 +679,12 @@ static bool take_frame(face_weights *self, const float *position, const float *d
 static void read_eye(face_weights *self, int side)
 {
     const eye *e = &self->eye[side];
-    double yaw, pitch, *rotation = self->channels.arkit + ARKIT_SHAPES + 3 + 3 * side;
+    double yaw, pitch, *angle_rad = self->channels.arkit + ARKIT_SHAPES + 3 + 3 * side;
     if (e->bone == RIG_NONE)
         return;
     look_of(&yaw, &pitch, self, e->bone, self->pose);
-    rotation[0] = yaw;
-    rotation[1] = pitch;
+    angle_rad[0] = yaw;
+    angle_rad[1] = pitch;
     double out = side == 0 ? yaw : -yaw;
     const double way[WAYS] = {-out, out, pitch, -pitch};
     for (int i = 0; i < WAYS; ++i) {
@@ -696,14 +696,14 @@ static void read_eye(face_weights *self, int side)
 
 static void read_head(face_weights *self)
 {
-    double *rotation = self->channels.arkit + ARKIT_SHAPES;
+    double *angle_rad = self->channels.arkit + ARKIT_SHAPES;
     if (self->head == RIG_NONE)
         return;
     const rigid *head = &self->pose[self->head];
     vec3 to = rigid_rotate(head, (vec3){0, 0, 1}), left = rigid_rotate(head, (vec3){1, 0, 0});
-    rotation[0] = atan2(to.x, to.z);
-    rotation[1] = asin(fmin(fmax(to.y, -1.0), 1.0));
-    rotation[2] = asin(fmin(fmax(-left.y, -1.0), 1.0));
+    angle_rad[0] = atan2(to.x, to.z);
+    angle_rad[1] = asin(fmin(fmax(to.y, -1.0), 1.0));
+    angle_rad[2] = asin(fmin(fmax(-left.y, -1.0), 1.0));
 }
 
 static void solve_set(shape_set *s, const face_weights *self)

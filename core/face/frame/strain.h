@@ -34,10 +34,10 @@ typedef struct strain_frames {
 } strain_frames;
 
 typedef struct strain_found {
-    float strain[STRAIN_GROUP];   /* squeezed over M, and tilted times of_tilt */
-    float alone[STRAIN_GROUP];    /* the same, if bones had tilted nothing */
-    float rotation[STRAIN_GROUP]; /* squeezed, and tilted times of_turn */
-    float size[STRAIN_GROUP];     /* of the gradient: the root of its sum of squares */
+    float strain[STRAIN_GROUP];    /* squeezed over M, and tilted times of_tilt */
+    float alone[STRAIN_GROUP];     /* the same, if bones had tilted nothing */
+    float turn_over[STRAIN_GROUP]; /* squeezed, and tilted times of_turn */
+    float size[STRAIN_GROUP];      /* of the gradient: the root of its sum of squares */
 } strain_found;
 
 typedef struct strain_folds {
@@ -50,7 +50,7 @@ typedef struct strain_loops {
     void (*add)(float *out, const float *row, float by, size_t count);
     void (*frames)(strain_frames *out, const strain_corners *at);
     /* The cosine of how far the bones have turned each triangle: from `rest`, turned by the rows
-     * of `turn`, to `posed`. */
+     * of `rotation`, to `posed`. */
     void (*turned)(float *out, const strain_frames *rest, const strain_frames *posed,
                    const float rotation[9]);
     /* of_turn, 1 over the tangent of how far each may turn, less of what it has turned already. */
@@ -59,7 +59,8 @@ typedef struct strain_loops {
     float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
     void (*strains)(strain_found *out, const strain_frames *f, const float *of_tilt,
                     const float *of_turn, const strain_corners *displacement);
-    /* out += share times (turn applied to rest), of each; turn: what is added to the identity */
+    /* out += share times (rotation applied to rest), of each; rotation: what is added to the
+     * identity */
     void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
                          const float *share, const float rotation[9]);
     /* Of what `added` does to `posed`, seen along `normal`. */

@@ -121,7 +121,7 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
         squeeze = squeeze > 0.0f ? squeeze : 0.0f;
         out->strain[i] = squeeze * of_squeeze + tilt * of_tilt[i];
         out->alone[i] = squeeze * of_squeeze + tilt * (1.0f / STRAIN_TILT_MOST);
-        out->rotation[i] = squeeze + tilt * of_turn[i];
+        out->turn_over[i] = squeeze + tilt * of_turn[i];
         out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
     }
 }

@@ -264,8 +264,8 @@ void health_board_init(health_board *out)
         atomic_init(&out->word[i], 0);
 }
 
-/* A sequence lock without fences: each word is stored after the odd turn and loaded before the turn
- * is looked at again. */
+/* A sequence lock without fences: each word is stored after the odd number and loaded before the
+ * number is looked at again. */
 void health_post(health_board *board, const health_report *report)
 {
     uint64_t words[HEALTH_BOARD_WORDS] = {0};
