@@ -288,6 +288,14 @@ void points_at(double out[3], const points *p, size_t slot)
     out[2] = (double)p->z[slot];
 }
 
+const float *const *points_streams(const points *p, const float *out[3])
+{
+    out[0] = p->x;
+    out[1] = p->y;
+    out[2] = p->z;
+    return out;
+}
+
 points_bounds points_extent(const points *p)
 {
     points_bounds all = {{0}, {0}};

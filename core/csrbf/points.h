@@ -48,6 +48,8 @@ void points_update_bounds(points *p);
 void points_update_block(points *p, uint32_t block); /* one block of it */
 /* The vertex in a slot. */
 void points_at(double out[3], const points *p, size_t slot);
+/* out := x, y, z; returns it. */
+const float *const *points_streams(const points *p, const float *out[3]);
 /* Bounds of all vertices, from the bounds of the blocks. */
 points_bounds points_extent(const points *p);
 /* True when every coordinate is finite and within POINTS_REACH. */

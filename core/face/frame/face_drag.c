@@ -3,6 +3,9 @@
 #include <math.h>
 #include <string.h>
 
+enum { PARTS = 4 }; /* tries */
+static const surface_limits clay = {.stretch = 0.0, .bend_deg = 89.0, .area = 0.02};
+
 /* The shape shown becomes one that is dragged: bones at rest, no controls. */
 static void let_go(face *f)
 {
@@ -99,6 +102,182 @@ static mrt_result drag_free(face *f, const csrbf_settings *settings, uint32_t co
     return drag_along(&d, settings, &way, f->position, out_step, err);
 }
 
+/* ---- how far it may go ----
+ *
+ * What a step has moved is looked at on the surface itself, against the rest shape, which no field
+ * knows of: its map folds nowhere, and gets finer than the mesh all the same. Tips near which too
+ * much of the room before a limit is used go less far. */
+
+static void note_changed(face *f)
+{
+    const points *a = &f->before, *b = &f->free;
+    for (uint32_t block = 0; block < a->block_count; ++block) {
+        size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
+        f->limit.is_changed[block] = memcmp(a->x + first, b->x + first, size) != 0 ||
+                                     memcmp(a->y + first, b->y + first, size) != 0 ||
+                                     memcmp(a->z + first, b->z + first, size) != 0;
+    }
+}
+
+/* Clay as the skull lets it be seen. */
+static const points *show_clay(const face *f, points *out, const points *from)
+{
+    if (f->projection.block_count == 0)
+        return from;
+    points_copy(out, from);
+    projection_apply_still(&f->projection, out);
+    return out;
+}
+
+static double yield(face *f, const csrbf_settings *settings)
+{
+    const float *before[3], *after[3];
+    surface_limits limits = clay;
+    const points *from = show_clay(f, &f->limit.shown_before, &f->before);
+    const points *to = show_clay(f, &f->limit.shown_after, &f->free);
+    limits.stretch = face_stretch_most(settings);
+    note_changed(f);
+    return (double)surface_meter_yield(f->surface_meter, &limits, points_streams(from, before),
+                                       points_streams(to, after), f->limit.is_changed,
+                                       f->limit.share);
+}
+
+/* How near a place is to a tip: 1 there, 0 from the radius on. */
+static double nearness(const double at[3], const double *tip, double radius)
+{
+    vec3 way = {at[0] - tip[0], at[1] - tip[1], at[2] - tip[2]};
+    double q = vec3_dot(way, way) / (radius * radius);
+    return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
+}
+
+/* Of those, that of the nearest. */
+static double nearest_tip(const face *f, const double at[3], double radius, uint32_t count)
+{
+    double most = 1e-6;
+    for (uint32_t k = 0; k < count; ++k)
+        most = fmax(most, nearness(at, f->from + (size_t)3 * k, radius));
+    return most;
+}
+
+/* Each tip may go as far as what is near it may. */
+static void shorten_tips(face *f, double radius, uint32_t count)
+{
+    face_limit *l = &f->limit;
+    memcpy(l->strain, l->tip_share, count * sizeof *l->strain);
+    for (uint32_t slot = 0; slot < f->before.count; ++slot) {
+        double at[3], share = (double)l->share[slot];
+        if (!(share < 1.0))
+            continue;
+        points_at(at, &f->before, slot);
+        double nearest = nearest_tip(f, at, radius, count);
+        for (uint32_t k = 0; k < count; ++k) {
+            double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
+            double own = l->strain[k] * (1.0 - near * (1.0 - share));
+            l->tip_share[k] = fmin(l->tip_share[k], own);
+        }
+    }
+}
+
+/* The part of the step that is taken at a place: as its tips go, by how near they are. */
+static double part_at(const face *f, const double at[3], double radius, uint32_t count)
+{
+    double part = 1.0, nearest = nearest_tip(f, at, radius, count);
+    for (uint32_t k = 0; k < count; ++k) {
+        double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
+        part = fmin(part, 1.0 - (1.0 - f->limit.tip_share[k]) * near);
+    }
+    return part;
+}
+
+/* f->free := what is taken of the step; all: of the whole of it, beside what tips take. */
+static void take_part(face *f, double radius, uint32_t count, double all)
+{
+    for (uint32_t block = 0; block < f->free.block_count; ++block) {
+        if (!f->limit.is_changed[block])
+            continue;
+        for (size_t slot = (size_t)block * POINTS_BLOCK; slot < (size_t)(block + 1) * POINTS_BLOCK;
+             ++slot) {
+            const float *step = f->limit.step[slot];
+            double at[3];
+            points_at(at, &f->before, slot);
+            float part = (float)(all * part_at(f, at, radius, count));
+            f->free.x[slot] = f->before.x[slot] + part * step[0];
+            f->free.y[slot] = f->before.y[slot] + part * step[1];
+            f->free.z[slot] = f->before.z[slot] + part * step[2];
+        }
+        points_update_block(&f->free, block);
+    }
+}
+
+static void keep_step(face *f)
+{
+    for (size_t slot = 0; slot < f->free.padded_count; ++slot) {
+        float *step = f->limit.step[slot];
+        step[0] = f->free.x[slot] - f->before.x[slot];
+        step[1] = f->free.y[slot] - f->before.y[slot];
+        step[2] = f->free.z[slot] - f->before.z[slot];
+    }
+}
+
+/* share: the least that some vertex may take of the step. */
+static void shorten_step(face *f, const csrbf_settings *settings, uint32_t count, double share)
+{
+    double all = 1.0;
+    keep_step(f);
+    for (int i = 0; i < PARTS && share < 1.0; ++i) {
+        shorten_tips(f, settings->radius, count);
+        take_part(f, settings->radius, count, 1.0);
+        share = yield(f, settings);
+    }
+    for (int i = 0; i < PARTS && share < 1.0; ++i) { /* of what no tip is near enough to */
+        all *= i == 0 ? share : 0.5 * share;
+        take_part(f, settings->radius, count, all);
+        share = yield(f, settings);
+    }
+    if (share < 1.0) {
+        points_copy(&f->free, &f->before);
+        all = 0.0;
+    }
+    for (uint32_t k = 0; k < count; ++k) { /* strain: scratch */
+        double *tip = f->position + (size_t)3 * k, *from = f->from + (size_t)3 * k;
+        f->limit.strain[k] = all * part_at(f, from, settings->radius, count);
+        for (int i = 0; i < 3; ++i)
+            tip[i] = from[i] + f->limit.strain[k] * (tip[i] - from[i]);
+    }
+    memcpy(f->limit.tip_share, f->limit.strain, count * sizeof *f->limit.strain);
+}
+
+static void note_held_tips(face *f, uint32_t count)
+{
+    double most = 0.0;
+    for (uint32_t k = 0; k < count; ++k) {
+        const double *to = f->to + (size_t)3 * k, *at = f->position + (size_t)3 * k;
+        if (f->limit.tip_share[k] < 1.0)
+            most = fmax(most, vec3_length((vec3){to[0] - at[0], to[1] - at[1], to[2] - at[2]}));
+    }
+    f->meter.held_back_mm = most;
+}
+
+/* After f->free has been dragged from f->before along f->from -> f->to: takes back what is too much
+ * of it. f->position: where the tips are; limit.tip_share: 1 where that is where they were to be.
+ */
+static void limit_drag(face *f, const csrbf_settings *settings, uint32_t count,
+                       const shape_step *step)
+{
+    f->meter.held_back_mm = 0.0;
+    for (uint32_t k = 0; k < count; ++k)
+        f->limit.tip_share[k] = 1.0;
+    if (settings->stretch_most < 0.0 || step->substeps == 0)
+        return;
+    double share = yield(f, settings);
+    if (!(share < 1.0))
+        return;
+    shorten_step(f, settings, count, share);
+    note_held_tips(f, count);
+}
+
+/* ---- a sample of it ---- */
+
 mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from, const double *to,
                      uint32_t count, const float *dof, double *out_reached, shape_step *out_step,
                      error *err)
@@ -118,7 +297,7 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     f->control_column_count = f->shape_column_count;
     result = drag_free(f, settings, count, out_step, err);
     if (result >= 0)
-        face_limit_drag(f, settings, count, out_step);
+        limit_drag(f, settings, count, out_step);
     if (result >= 0 && out_step->substeps > 0)
         face_touch_changed(f, &f->free, &f->before);
     if (result < 0) {

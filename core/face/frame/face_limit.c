@@ -1,6 +1,6 @@
 /* No performance folds: near a fold, or a tear, less of a pull is given, and no more than that.
  *
- * Anchored: of each triangle of skin, as the bones alone pose it, the gradient G of what the
+ * Of each triangle of skin, as the bones alone pose it, the gradient G of what the
  * controls add. With m the most that G squeezes it (the least eigenvalue of the symmetric part of G
  * in its plane, negated) and t how steeply G tilts it, the triangle under I + s G keeps its side
  * and its normal turns by less than atan T as long as s (m / M + t / T) <= 1 with M < 1: in its
@@ -16,9 +16,7 @@
  * Without a rig the field is one of space: what lies behind the skin may fold where no triangle
  * tells, so the field is looked at too, and the largest part of the pulls given that leaves room.
  *
- * Unanchored: what a sample has moved is looked at on the surface itself, against the rest shape,
- * which no field knows of: its map folds nowhere, and gets finer than the mesh all the same. Tips
- * near which too much of the room before a limit is used go less far. */
+ * What a drag may fold is looked at where it is dragged: face_drag.c. */
 #include "base/angle.h"
 #include "csrbf/soften.h"
 #include "face/frame/frame.h"
@@ -51,12 +49,11 @@ static const float shaped_steepness = 1.6f; /* less than 1 over it leaves room *
 enum { PARTINGS = 4, HALVINGS = 8 };
 static const double shaped_most = 1.001;
 
-enum { UNBENDINGS = 8, BEND_YIELDS = 3, PARTS = 4, UNFOLDINGS = 16 }; /* tries */
+enum { UNBENDINGS = 8, BEND_YIELDS = 3, UNFOLDINGS = 16 }; /* tries */
 /* Of the field of a face without a rig, at its vertices: how much of the room around them is left
  * at least, and how exactly that is met. */
 static const double determinant_least = 0.05, determinant_rounding = 1e-4;
 static const surface_limits bends = {.stretch = 2.0, .bend_deg = 117.0, .area = 0.02};
-static const surface_limits clay = {.stretch = 0.0, .bend_deg = 89.0, .area = 0.02};
 
 /* GROUP triangles near each other. */
 typedef struct limit_patch {
@@ -277,19 +274,11 @@ void face_limit_destroy(face *f)
     *l = (face_limit){0};
 }
 
-static double stretch_of(const csrbf_settings *settings)
+/* ---- triangles ---- */
+
+double face_stretch_most(const csrbf_settings *settings)
 {
     return settings->stretch_most > 0.0 ? fmax(settings->stretch_most, 1.1) : CSRBF_STRETCH_MOST;
-}
-
-/* ---- anchored: triangles ---- */
-
-static const float *const *streams(const points *p, const float *out[3])
-{
-    out[0] = p->x;
-    out[1] = p->y;
-    out[2] = p->z;
-    return out;
 }
 
 /* Leaves origin + sum in sum. */
@@ -319,7 +308,7 @@ static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
                             .count = group_size(f, group)};
 }
 
-/* ---- anchored: where the skin can be strained at all ----
+/* ---- where the skin can be strained at all ----
  *
  * What the controls add has a gradient no longer than B over the origin: as long as it was when it
  * was measured last, and since then the sum over the columns of how much their weights have changed
@@ -861,7 +850,7 @@ static void add_block(face *f, uint32_t block)
     f->limit.is_added[block] = 1;
 }
 
-/* ---- anchored: how much it is strained ---- */
+/* ---- how much it is strained ---- */
 
 static float length_of(const float *row_a, const float *row_b)
 {
@@ -1072,7 +1061,7 @@ static double measure_group(face *f, size_t group, float stretch)
 static double measure_strain(face *f, limit_looks looks)
 {
     face_limit *l = &f->limit;
-    const float stretch = (float)stretch_of(&f->settings);
+    const float stretch = (float)face_stretch_most(&f->settings);
     double greatest = 0.0;
     size_t wanted = 0, groups = group_count(f);
     memset(l->strain, 0, f->control_count * sizeof *l->strain);
@@ -1105,7 +1094,7 @@ static double measure_strain(face *f, limit_looks looks)
     return greatest;
 }
 
-/* ---- anchored: what is given ---- */
+/* ---- what is given ---- */
 
 /* How much two controls are in the fields of the same bones. */
 static void compare_controls(face *f)
@@ -1305,7 +1294,8 @@ static double bend_of_part(face *f, double part)
     const float *before[3], *after[3];
     place_candidates(f, (float)part);
     return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
-                              streams(&l->shown_before, before), streams(&l->shown_after, after));
+                              points_streams(&l->shown_before, before),
+                              points_streams(&l->shown_after, after));
 }
 
 /* So much of what the controls add bends none of the candidates too far. */
@@ -1335,9 +1325,9 @@ static void yield_to_bends(face *f, double part)
         l->tip_share[k] = 1.0;
     for (uint32_t i = 0; i < l->candidate_count; ++i) {
         double nearest = 1e-6;
-        double bend =
-            surface_meter_bend(f->surface_meter, &bends, l->candidate + i, 1,
-                               streams(&l->shown_before, before), streams(&l->shown_after, after));
+        double bend = surface_meter_bend(f->surface_meter, &bends, l->candidate + i, 1,
+                                         points_streams(&l->shown_before, before),
+                                         points_streams(&l->shown_after, after));
         if (!(bend > 1.0))
             continue;
         for (uint32_t k = 0; k < f->control_count; ++k)
@@ -1451,170 +1441,4 @@ void face_limit_pull(face *f)
     unfold(f);
     if (f->is_held)
         note_held_back(f);
-}
-
-/* ---- unanchored ---- */
-
-static void note_changed(face *f)
-{
-    const points *a = &f->before, *b = &f->free;
-    for (uint32_t block = 0; block < a->block_count; ++block) {
-        size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
-        f->limit.is_changed[block] = memcmp(a->x + first, b->x + first, size) != 0 ||
-                                     memcmp(a->y + first, b->y + first, size) != 0 ||
-                                     memcmp(a->z + first, b->z + first, size) != 0;
-    }
-}
-
-/* Clay as the skull lets it be seen. */
-static const points *show_clay(const face *f, points *out, const points *from)
-{
-    if (f->projection.block_count == 0)
-        return from;
-    points_copy(out, from);
-    projection_apply_still(&f->projection, out);
-    return out;
-}
-
-static double yield(face *f, const csrbf_settings *settings)
-{
-    const float *before[3], *after[3];
-    surface_limits limits = clay;
-    const points *from = show_clay(f, &f->limit.shown_before, &f->before);
-    const points *to = show_clay(f, &f->limit.shown_after, &f->free);
-    limits.stretch = stretch_of(settings);
-    note_changed(f);
-    return (double)surface_meter_yield(f->surface_meter, &limits, streams(from, before),
-                                       streams(to, after), f->limit.is_changed, f->limit.share);
-}
-
-/* How near a place is to a tip: 1 there, 0 from the radius on. */
-static double nearness(const double at[3], const double *tip, double radius)
-{
-    vec3 way = {at[0] - tip[0], at[1] - tip[1], at[2] - tip[2]};
-    double q = vec3_dot(way, way) / (radius * radius);
-    return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
-}
-
-/* Of those, that of the nearest. */
-static double nearest_tip(const face *f, const double at[3], double radius, uint32_t count)
-{
-    double most = 1e-6;
-    for (uint32_t k = 0; k < count; ++k)
-        most = fmax(most, nearness(at, f->from + (size_t)3 * k, radius));
-    return most;
-}
-
-/* Each tip may go as far as what is near it may. */
-static void shorten_tips(face *f, double radius, uint32_t count)
-{
-    face_limit *l = &f->limit;
-    memcpy(l->strain, l->tip_share, count * sizeof *l->strain);
-    for (uint32_t slot = 0; slot < f->before.count; ++slot) {
-        double at[3], share = (double)l->share[slot];
-        if (!(share < 1.0))
-            continue;
-        points_at(at, &f->before, slot);
-        double nearest = nearest_tip(f, at, radius, count);
-        for (uint32_t k = 0; k < count; ++k) {
-            double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
-            double own = l->strain[k] * (1.0 - near * (1.0 - share));
-            l->tip_share[k] = fmin(l->tip_share[k], own);
-        }
-    }
-}
-
-/* The part of the step that is taken at a place: as its tips go, by how near they are. */
-static double part_at(const face *f, const double at[3], double radius, uint32_t count)
-{
-    double part = 1.0, nearest = nearest_tip(f, at, radius, count);
-    for (uint32_t k = 0; k < count; ++k) {
-        double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
-        part = fmin(part, 1.0 - (1.0 - f->limit.tip_share[k]) * near);
-    }
-    return part;
-}
-
-/* f->free := what is taken of the step; all: of the whole of it, beside what tips take. */
-static void take_part(face *f, double radius, uint32_t count, double all)
-{
-    for (uint32_t block = 0; block < f->free.block_count; ++block) {
-        if (!f->limit.is_changed[block])
-            continue;
-        for (size_t slot = (size_t)block * POINTS_BLOCK; slot < (size_t)(block + 1) * POINTS_BLOCK;
-             ++slot) {
-            const float *step = f->limit.step[slot];
-            double at[3];
-            points_at(at, &f->before, slot);
-            float part = (float)(all * part_at(f, at, radius, count));
-            f->free.x[slot] = f->before.x[slot] + part * step[0];
-            f->free.y[slot] = f->before.y[slot] + part * step[1];
-            f->free.z[slot] = f->before.z[slot] + part * step[2];
-        }
-        points_update_block(&f->free, block);
-    }
-}
-
-static void keep_step(face *f)
-{
-    for (size_t slot = 0; slot < f->free.padded_count; ++slot) {
-        float *step = f->limit.step[slot];
-        step[0] = f->free.x[slot] - f->before.x[slot];
-        step[1] = f->free.y[slot] - f->before.y[slot];
-        step[2] = f->free.z[slot] - f->before.z[slot];
-    }
-}
-
-/* share: the least that some vertex may take of the step. */
-static void shorten_step(face *f, const csrbf_settings *settings, uint32_t count, double share)
-{
-    double all = 1.0;
-    keep_step(f);
-    for (int i = 0; i < PARTS && share < 1.0; ++i) {
-        shorten_tips(f, settings->radius, count);
-        take_part(f, settings->radius, count, 1.0);
-        share = yield(f, settings);
-    }
-    for (int i = 0; i < PARTS && share < 1.0; ++i) { /* of what no tip is near enough to */
-        all *= i == 0 ? share : 0.5 * share;
-        take_part(f, settings->radius, count, all);
-        share = yield(f, settings);
-    }
-    if (share < 1.0) {
-        points_copy(&f->free, &f->before);
-        all = 0.0;
-    }
-    for (uint32_t k = 0; k < count; ++k) { /* strain: scratch */
-        double *tip = f->position + (size_t)3 * k, *from = f->from + (size_t)3 * k;
-        f->limit.strain[k] = all * part_at(f, from, settings->radius, count);
-        for (int i = 0; i < 3; ++i)
-            tip[i] = from[i] + f->limit.strain[k] * (tip[i] - from[i]);
-    }
-    memcpy(f->limit.tip_share, f->limit.strain, count * sizeof *f->limit.strain);
-}
-
-static void note_held_tips(face *f, uint32_t count)
-{
-    double most = 0.0;
-    for (uint32_t k = 0; k < count; ++k) {
-        const double *to = f->to + (size_t)3 * k, *at = f->position + (size_t)3 * k;
-        if (f->limit.tip_share[k] < 1.0)
-            most = fmax(most, vec3_length((vec3){to[0] - at[0], to[1] - at[1], to[2] - at[2]}));
-    }
-    f->meter.held_back_mm = most;
-}
-
-void face_limit_drag(face *f, const csrbf_settings *settings, uint32_t count,
-                     const shape_step *step)
-{
-    f->meter.held_back_mm = 0.0;
-    for (uint32_t k = 0; k < count; ++k)
-        f->limit.tip_share[k] = 1.0;
-    if (settings->stretch_most < 0.0 || step->substeps == 0)
-        return;
-    double share = yield(f, settings);
-    if (!(share < 1.0))
-        return;
-    shorten_step(f, settings, count, share);
-    note_held_tips(f, count);
 }

@@ -243,11 +243,8 @@ void face_limit_pull(face *f);
  * the bones add. */
 bool face_limit_knows(const face *f, uint32_t block);
 void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
-/* After a drag has taken f->free from f->before along f->from -> f->to: takes back what is too much
- * of it. f->position: where the tips are; limit.tip_share: 1 where that is where they were to be.
- */
-void face_limit_drag(face *f, const csrbf_settings *settings, uint32_t count,
-                     const shape_step *step);
+/* So many times its length at rest an edge may have. */
+double face_stretch_most(const csrbf_settings *settings);
 
 /* ---- face_shown.c ---- */
 
