@@ -211,7 +211,8 @@ void show_reader_close(show_reader *self); /* NULL is fine */
 /* MRT_OK: a sample; MRT_END: none left now (a track that is being recorded may go on: ask again);
  * < 0: the next chunk is damaged or missing. The call after that goes on behind it. */
 CHECKED mrt_result show_reader_next(show_reader *self, mrt_sample *out, error *err);
-/* The next sample will be the first at or after time_ns, within the reader's span. */
+/* The next sample will be the first of the reader's span at or after time_ns, which is not before
+ * it; behind its end: none. */
 CHECKED mrt_result show_reader_seek(show_reader *self, int64_t time_ns, error *err);
 
 /* ---- audio: interleaved frames in pieces ---- */

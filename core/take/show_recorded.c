@@ -454,11 +454,10 @@ mrt_result show_reader_next(show_reader *self, mrt_sample *out, error *err)
 
 mrt_result show_reader_seek(show_reader *self, int64_t time_ns, error *err)
 {
-    if (time_ns < self->from_ns || time_ns > self->to_ns)
+    if (time_ns < self->from_ns)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "track %lld: %lld ns is outside of what is read, %lld to %lld ns",
-                         (long long)self->track, (long long)time_ns, (long long)self->from_ns,
-                         (long long)self->to_ns);
+                         "track %lld: %lld ns is before what is read, from %lld ns on",
+                         (long long)self->track, (long long)time_ns, (long long)self->from_ns);
     self->skip_until_ns = time_ns;
     self->has_chunk = self->is_over = self->has_told_end = false;
     self->count = self->at = 0;

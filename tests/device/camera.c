@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "bare_hand.h"
 #include "camera_wire.h"
 #include "stage/mapping/services.h"
 
@@ -37,7 +38,7 @@ typedef struct node {
     const mrt_plugin_type *type;
     const mrt_input *input;
     mrt_plugin *plugin;
-    double params[1];
+    double params[BARE_HAND_PARAMS];
 } node;
 
 static services_reader reader;

@@ -210,5 +210,5 @@ perform --size 32x32 --seconds 0.5 --fps 30 --export m/
 few=$(fact 'peak memory' said)
 perform --size 32x32 --seconds 0.5 --fps 300 --export m/
 many=$(fact 'peak memory' said)
-awk -v a="$few" -v b="$many" 'BEGIN { exit !(b - a < 2) }' || fail "memory grows with length: $few to $many MiB"
+[ -n "${SANITIZED:-}" ] || awk -v a="$few" -v b="$many" 'BEGIN { exit !(b - a < 2) }' || fail "memory grows with length: $few to $many MiB"
 finish

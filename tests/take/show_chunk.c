@@ -115,8 +115,9 @@ static void random_chunks_come_back(void **state)
             samples[i] = (mrt_sample){
                 .time_ns = time_ns, .sequence = (uint32_t)(random >> 20), .count = channels};
             for (uint32_t c = 0; c < channels; ++c)
-                samples[i].value[c] = c % 3 ? (float)(int32_t)(random >> (c + 8) & 1023) - 512.0f
-                                            : (float)(random >> c) * 1e-9f;
+                samples[i].value[c] = c % 3
+                                          ? (float)(int32_t)(random >> (c % 48 + 8) & 1023) - 512.0f
+                                          : (float)(random >> c % 48) * 1e-9f;
         }
         expect_round_trip(samples, count);
     }

@@ -419,7 +419,10 @@ static void reading_seeks_and_stays_within_its_span(void **state)
         assert_int_equal(show_reader_next(reader, &got, &err), MRT_OK);
         assert_true(scene_is_same(&got, &expected));
     }
-    assert_int_equal(show_reader_seek(reader, to_ns + 1, &err), MRT_ERR_ARGUMENT);
+    /* a performance that is taken up behind its last sample is over, not wrong */
+    scene_must(show_reader_seek(reader, to_ns + 1, &err), &err);
+    assert_int_equal(show_reader_next(reader, &got, &err), MRT_END);
+    assert_int_equal(show_reader_seek(reader, from_ns - 1, &err), MRT_ERR_ARGUMENT);
     show_reader_close(reader);
     assert_int_equal(show_reader_open(&reader, s, 44, 0, 1, &err), MRT_ERR_ARGUMENT);
     show_close(s);

@@ -89,8 +89,8 @@ static bool is_with_the_code(scene *s, void *data)
     const int64_t at_ns = live_position(app_live(s->app)).at_ns;
     const int64_t code_ns =
         clock_now_ns() - atomic_load(&of->zero_ns) - t->timecode_frame * NS_PER_S / FPS;
-    if (code_ns > t->duration_ns)
-        fail_msg("the take never was where the code was");
+    if (code_ns > t->duration_ns) /* too short for a slow machine: once more */
+        atomic_store(&of->wanted_frame, t->timecode_frame - FPS);
     return live_transport(app_live(s->app))->is_playing && at_ns > 0 && code_ns > 0 &&
            llabs(at_ns - code_ns) < 50 * NS_PER_MS;
 }
@@ -110,7 +110,7 @@ static void a_take_has_the_time_code_and_plays_after_it(void **state)
     static char hand[512], code[300], folder[] = "/tmp/marotte_tape_XXXXXX", path[64];
     static const char *const inputs[] = {hand, code};
     bool is_playing = true;
-    tape t = {.wanted_frame = 3600 * FPS};
+    static tape t = {.wanted_frame = 3600 * FPS}; /* its thread outlives a test that fails */
     assert_non_null(mkdtemp(folder));
     (void)snprintf(path, sizeof path, "%s/pipe", folder);
     assert_int_equal(mkfifo(path, 0600), 0);

@@ -59,6 +59,12 @@ open_window() {
     xdotool windowfocus "$(windows)"
 }
 
+# The driver of OpenGL leaks, and is unloaded by then: its frames have no names. Ours have.
+only_driver_leaks() {
+    [ -n "${SANITIZED:-}" ] && grep -q 'LeakSanitizer: detected' stderr.txt &&
+        ! grep -v '__interceptor' stderr.txt | grep -qE '^ *#[0-9]+ .* in '
+}
+
 # ends CODE: it ends by itself, with that code.
 ends() {
     local code
@@ -67,6 +73,7 @@ ends() {
     wait "$program_pid"
     code=$?
     program_pid=
+    ! only_driver_leaks || code=0
     [ $code -eq "$1" ] || fail "exit $code: $(tail -c 2000 stderr.txt)"
 }
 
