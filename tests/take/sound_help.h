@@ -42,11 +42,13 @@ enum { FAKE_BLOCK = 512, FAKE_CHANNELS = 8, FAKE_RATE = 48000 /* its own */ };
 
 /* A backend with at most one device in each direction. */
 typedef struct fake_device {
-    bool is_there, is_dead; /* dead: it was unplugged while it was open */
-    const char *refusal;    /* it cannot be opened, and says why */
+    bool is_there;
+    _Atomic bool is_dead; /* it was unplugged while it was open */
+    const char *refusal;  /* it cannot be opened, and says why */
     uint32_t rate_hz, channel_count;
     fake_clock clock;
-    bool is_open, is_running, is_broken; /* broken: with the next block */
+    _Atomic bool is_open, is_running; /* what was written before is seen by who finds it running */
+    bool is_broken;                   /* with the next block */
     uint32_t open_count;
     sound_callback *callback;
     void *data;
@@ -78,7 +80,8 @@ static inline mrt_result fake_open(void *self, sound_direction direction,
                                                ? request->channel_count
                                                : device->channel_count,
                           .latency_ns = 20000000};
-    device->clock.rate_hz = out->rate_hz;
+    if (device->clock.rate_hz != out->rate_hz) /* else whoever plays it may look at it already */
+        device->clock.rate_hz = out->rate_hz;
     snprintf(out->name, sizeof out->name, "fake");
     return MRT_OK;
 }

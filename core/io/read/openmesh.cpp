@@ -21,25 +21,13 @@ namespace
 typedef OpenMesh::TriMesh_ArrayKernelT<> half_edges;
 typedef OpenMesh::PolyMesh_ArrayKernelT<> polygons;
 
-/* OpenMesh tells std::cerr about every face that it refuses. */
-class silence
+/* OpenMesh tells std::cerr about every face that it refuses: never again, whichever threads use it.
+ */
+void silence()
 {
-  public:
-    silence() : was_enabled_(omerr().is_enabled())
-    {
-        omerr().disable();
-    }
-    ~silence()
-    {
-        if (was_enabled_)
-            omerr().enable();
-    }
-    silence(const silence &) = delete;
-    silence &operator=(const silence &) = delete;
-
-  private:
-    bool was_enabled_;
-};
+    static const bool is_silent = (omerr().disable(), true);
+    (void)is_silent;
+}
 
 /* Memory that topology_destroy frees. */
 template <class T> T *copied(const std::vector<T> &from)
@@ -234,7 +222,7 @@ mrt_result read_with_openmesh(mesh &out, const char *path, mesh_build &build, er
 /* Runs `work` so that no exception leaves it. */
 template <class Work> mrt_result guarded(error *err, Work work)
 {
-    silence quiet;
+    silence();
     try {
         return work();
     } catch (const std::bad_alloc &) {
