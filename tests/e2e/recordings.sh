@@ -9,7 +9,7 @@ if [ ! -d "$shared/data/hands" ]; then
     exit 77
 fi
 most_mib=300 fps=${MAROTTE_RECORDINGS_FPS:-12}
-grep -q __asan_init "$MAROTTE" && most_mib=1200 # the sanitizer's own
+[ -n "${SANITIZED:-}" ] && most_mib=1200 # the sanitizer's own
 for recording in "$shared"/data/hands/*.txt; do
     records=$(grep -c . "$recording")
     for map in anchored unanchored one_hand; do

@@ -34,7 +34,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { SCENE_PATIENCE_S = 120, SCENE_LET_CUT = 8 };
+enum { SCENE_PATIENCE_S = 600, SCENE_LET_CUT = 8 };
 
 typedef struct scene {
     char folder[64], show[96];

@@ -80,6 +80,25 @@ static const take_audio *voice(scene *s)
     return &app_take(s->app)->audio;
 }
 
+/* Where a time of the take lies across: all of it is seen, however long it became. */
+static float across(scene *s, double time_s)
+{
+    const float left = 398.0f, width = 431.0f;
+    return left + width * (float)(1e9 * time_s / (double)app_take(s->app)->duration_ns);
+}
+
+/* Among the times of the ruler, the lowest that are on the screen. */
+static float ruler_y(scene *s)
+{
+    const ui_word *words;
+    const uint32_t count = ui_words(s->ui, &words);
+    float y = 0.0f;
+    for (uint32_t i = 0; i < count; ++i)
+        if (strncmp(words[i].text, "00:00:", 6) == 0)
+            y = fmaxf(y, words[i].where.y);
+    return y + 8.0f;
+}
+
 static void a_voice_is_read_beside_all_else_trimmed_and_taken_away(void **state)
 {
     (void)state;
@@ -94,9 +113,7 @@ static void a_voice_is_read_beside_all_else_trimmed_and_taken_away(void **state)
     const ui_word *head = scene_word(&s, name);
     assert_non_null(head);
     const float y = head->where.y + 18.0f;
-    /* The take begins 390 points from the left. */
-    const float left = 392.0f;
-    scene_drag(&s, left, y, left + 60.0f, y, 8);
+    scene_drag(&s, across(&s, 0.0), y, across(&s, 0.4), y, 8);
     assert_true(voice(&s)->in_ns > 0 && voice(&s)->out_ns == 0 && voice(&s)->offset_ns == 0);
     scene_look(&s, "voice_trimmed");
     scene_check_words(&s);
@@ -105,22 +122,22 @@ static void a_voice_is_read_beside_all_else_trimmed_and_taken_away(void **state)
     assert_true(voice(&s)->in_ns == 0);
     scene_do(&s, ACTION_REDO);
     assert_true(voice(&s)->in_ns == in_ns);
-    scene_drag(&s, left + 140.0f, y, left + 180.0f, y, 8); /* it takes its trim along */
+    scene_drag(&s, across(&s, 0.55), y, across(&s, 0.7), y, 8); /* it takes its trim along */
     assert_true(voice(&s)->in_ns == in_ns && voice(&s)->offset_ns > 0);
-    scene_click_with(&s, left + 160.0f, y, 1);
+    scene_click_with(&s, across(&s, 0.7), y, 1);
     scene_look(&s, "voice_menu");
     scene_click_word(&s, "Begin with the take");
     assert_true(voice(&s)->offset_ns == 0);
-    scene_click_with(&s, left + 160.0f, y, 1);
+    scene_click_with(&s, across(&s, 0.7), y, 1);
     scene_click_word(&s, "Hear all of it");
     assert_true(voice(&s)->in_ns == 0 && voice(&s)->out_ns == NS_PER_S);
-    scene_click(&s, left + 130.0f, scene_word(&s, "00:00:00:06")->where.y + 8.0f);
+    scene_click(&s, across(&s, 0.5), ruler_y(&s));
     scene_frames(&s, 3);
-    scene_click_with(&s, left + 160.0f, y, 1);
+    scene_click_with(&s, across(&s, 0.7), y, 1);
     scene_click_word(&s, "Trim its end to the play head");
     const int64_t out_ns = voice(&s)->out_ns;
-    assert_true(out_ns > 150 * NS_PER_MS && out_ns < 350 * NS_PER_MS);
-    scene_click_with(&s, left + 30.0f, y, 1);
+    assert_true(out_ns > 350 * NS_PER_MS && out_ns < 650 * NS_PER_MS);
+    scene_click_with(&s, across(&s, 0.2), y, 1);
     scene_click_word(&s, "Take the sound away");
     assert_true(voice(&s)->audio == 0);
     scene_do(&s, ACTION_UNDO);
