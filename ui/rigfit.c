@@ -171,18 +171,6 @@ static mrt_result write_fitted(const fitting *f, error *err)
 
 /* ---- poses ---- */
 
-static void pose_finish(rig_pose *pose)
-{
-    for (uint32_t i = 0; pose->dof_name && i < pose->dof_count; ++i)
-        free(pose->dof_name[i]);
-    free(pose->dof_name);
-    free(pose->dof_value);
-    free(pose->pull_contact);
-    free(pose->pull_mm);
-    free(pose->name);
-    *pose = (rig_pose){0};
-}
-
 /* To what a file needs: 0.01 degrees, 0.01 mm. */
 static double rounded(double value)
 {
@@ -233,7 +221,7 @@ static mrt_result put_pose(rig *r, rig_pose *pose, error *err)
     for (uint32_t i = 0; i < r->pose_count; ++i) {
         if (strcmp(r->pose[i].name, pose->name) != 0)
             continue;
-        pose_finish(&r->pose[i]);
+        rig_pose_finish(&r->pose[i]);
         r->pose[i] = *pose;
         return MRT_OK;
     }
@@ -257,7 +245,7 @@ static mrt_result save_poses(fitting *f, error *err)
                      ? put_pose(r, &pose, err)
                      : error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
         if (result < 0)
-            pose_finish(&pose);
+            rig_pose_finish(&pose);
     }
     return result < 0 ? result : rig_write(r, f->poses_path, err);
 }

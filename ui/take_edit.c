@@ -873,8 +873,7 @@ static mrt_result ask_sound_attach(take_call *call, const take *t, take_change *
     e->offset_ns = llround(offset_s * 1e9);
     e->gain = gain;
     progress_start(&call->shown, "sound");
-    result =
-        sound_file_import(&e->audio, call->show, call->word[2], SOUND_FILE_CUT_REFUSE, &watch, err);
+    result = sound_file_import(&e->audio, call->show, call->word[2], &watch, err);
     progress_end(&call->shown);
     return result;
 }

@@ -8,16 +8,16 @@ typedef struct allowance { /* the floor, and how much more for each byte of the 
 
 static const struct {
     const char *name;
-    allowance bytes, values, work;
+    allowance bytes, work;
 } kinds[BUDGET_KINDS] = {
     /* The floors let every good file pass whatever its size. A step of work is about 10 ns: 200
      * million are 2 s. Selectors are evaluated several times until a face is there. */
-    [BUDGET_SHOW] = {"show", {256u << 20, 20}, {1u << 20, 1}, {200000000, 100}},
-    [BUDGET_SALVAGE] = {"damaged show", {64u << 20, 4}, {1u << 20, 1}, {200000000, 100}},
-    [BUDGET_RIG] = {"rig", {256u << 20, 20}, {1u << 20, 1}, {200000000, 20}},
-    [BUDGET_SELECTORS] = {"rig on a mesh", {64u << 20, 20}, {1u << 20, 1}, {50000000, 20}},
-    [BUDGET_MESH] = {"mesh", {64u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
-    [BUDGET_IMAGE] = {"image", {256u << 20, 20}, {1u << 20, 4}, {200000000, 100}},
+    [BUDGET_SHOW] = {"show", {256u << 20, 20}, {200000000, 100}},
+    [BUDGET_SALVAGE] = {"damaged show", {64u << 20, 4}, {200000000, 100}},
+    [BUDGET_RIG] = {"rig", {256u << 20, 20}, {200000000, 20}},
+    [BUDGET_SELECTORS] = {"rig on a mesh", {64u << 20, 20}, {50000000, 20}},
+    [BUDGET_MESH] = {"mesh", {64u << 20, 20}, {200000000, 100}},
+    [BUDGET_IMAGE] = {"image", {256u << 20, 20}, {200000000, 100}},
 };
 
 static uint64_t allowed(allowance a, uint64_t file_size)
@@ -31,7 +31,6 @@ budget budget_of(budget_kind kind, uint64_t file_size)
     return (budget){.kind = kind,
                     .file_size = file_size,
                     .bytes_left = allowed(kinds[kind].bytes, file_size),
-                    .values_left = allowed(kinds[kind].values, file_size),
                     .work_left = allowed(kinds[kind].work, file_size)};
 }
 
@@ -50,11 +49,6 @@ static mrt_result spend(const budget *b, uint64_t *left, uint64_t amount, allowa
 mrt_result budget_spend_bytes(budget *b, uint64_t bytes, error *err)
 {
     return spend(b, &b->bytes_left, bytes, kinds[b->kind].bytes, "bytes of memory", err);
-}
-
-mrt_result budget_spend_values(budget *b, uint64_t values, error *err)
-{
-    return spend(b, &b->values_left, values, kinds[b->kind].values, "entries", err);
 }
 
 mrt_result budget_spend_work(budget *b, uint64_t steps, error *err)

@@ -1,4 +1,5 @@
 #include "base/log.h"
+#include "base/hash.h"
 #include "base/text.h"
 
 #include <stdarg.h>
@@ -102,18 +103,9 @@ void log_once_reset(log_once *self)
     self->count = 0;
 }
 
-/* FNV-1a */
-static uint64_t hash_of(const char *text)
-{
-    uint64_t hash = 14695981039346656037u;
-    for (; *text; ++text)
-        hash = (hash ^ (unsigned char)*text) * 1099511628211u;
-    return hash;
-}
-
 bool log_once_repeats(log_once *self, const char *text)
 {
-    uint64_t hash = hash_of(text);
+    uint64_t hash = hash_bytes(HASH_START, text, strlen(text));
     for (uint32_t i = 0; i < self->count; ++i)
         if (self->hash[i] == hash)
             return true;

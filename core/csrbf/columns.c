@@ -175,25 +175,22 @@ void columns_add(points *out, const points *base, float sum[3][POINTS_BLOCK], ui
     lanes_of(ISA_GENERIC)->columns_add(out, base, sum, block);
 }
 
-uint32_t columns_move_blocks(const columns *c, points *out, const points *base, uint8_t *moved,
-                             uint32_t first, uint32_t end)
+void columns_move_blocks(const columns *c, points *out, const points *base, uint32_t first,
+                         uint32_t end)
 {
-    return c->lanes->columns_move(c, out, base, moved, first, end);
+    c->lanes->columns_move(c, out, base, first, end);
 }
 
 typedef struct move_work {
     const columns *c;
     points *out;
     const points *base;
-    uint8_t *moved;
-    _Atomic uint32_t written; /* blocks */
 } move_work;
 
 static void move_part(void *data, uint32_t first, uint32_t end)
 {
-    move_work *w = data;
-    uint32_t written = columns_move_blocks(w->c, w->out, w->base, w->moved, first, end);
-    atomic_fetch_add_explicit(&w->written, written, memory_order_relaxed);
+    const move_work *w = data;
+    columns_move_blocks(w->c, w->out, w->base, first, end);
 }
 
 /* Of a frame on one thread. It waits for memory more than it computes: below SHARED_FROM_BLOCKS a
@@ -208,27 +205,14 @@ static double cost_ns(const columns *c)
     return c->block_count < SHARED_FROM_BLOCKS ? 0.0 : each_ns * POINTS_BLOCK * c->block_count;
 }
 
-static uint32_t move_weighed(const columns *c, points *out, const points *base, uint8_t *moved)
+void columns_move(columns *c, points *out, const points *base, const double *weight)
 {
-    move_work w = {.c = c, .out = out, .base = base, .moved = moved};
+    columns_weigh(c, weight, c->count);
+    move_work w = {.c = c, .out = out, .base = base};
     const pool_work work = {.run = move_part,
                             .data = &w,
                             .part_count = c->block_count,
                             .grain = GRAIN,
                             .cost_ns = cost_ns(c)};
     pool_run(&work);
-    return atomic_load(&w.written);
-}
-
-void columns_move(columns *c, points *out, const points *base, const double *weight)
-{
-    columns_weigh(c, weight, c->count);
-    (void)move_weighed(c, out, base, NULL);
-}
-
-uint32_t columns_move_live(columns *c, points *out, const points *base, const double *weight,
-                           uint8_t *moved)
-{
-    columns_weigh(c, weight, c->count);
-    return move_weighed(c, out, base, moved);
 }

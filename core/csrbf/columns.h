@@ -31,13 +31,6 @@ typedef struct columns {
     const struct lanes *lanes;
 } columns;
 
-/* What columns_move_live says of a block. */
-typedef enum columns_block {
-    COLUMNS_STILL = 0,   /* out is base, and was before: not written */
-    COLUMNS_MOVED = 1,   /* written; out may differ from base */
-    COLUMNS_RESTORED = 2 /* written: out is base again */
-} columns_block;
-
 /* Room for `capacity` columns over the points `like`. */
 CHECKED mrt_result columns_create(columns *out, const points *like, uint32_t capacity, error *err);
 void columns_destroy(columns *c);
@@ -53,22 +46,15 @@ void columns_note_groups(columns *c, uint32_t first, uint32_t count, uint32_t gr
 
 /* The frame. weight: count by 3, finite as float. out is not base. */
 void columns_move(columns *c, points *out, const points *base, const double *weight);
-/* The frame where only what moves is written. moved: block_count. In: COLUMNS_MOVED where out may
- * differ from base (everywhere at first, and wherever anything else has written out or base since);
- * out: a columns_block each, so that what is not COLUMNS_STILL has been written by this call.
- * Blocks that are still and that no live column reaches are not touched. Returns how many were
- * written. The result has the bits of columns_move. */
-uint32_t columns_move_live(columns *c, points *out, const points *base, const double *weight,
-                           uint8_t *moved);
 
 /* ---- the same in parts ---- */
 
 /* What a frame begins with. weight: `count` by 3; the columns from `count` on weigh nothing. */
 void columns_weigh(columns *c, const double *weight, uint32_t count);
-/* columns_move_live in the blocks first .. end - 1 with the weights taken last; moved may be NULL:
- * all of them are written. [any] at the same time for parts that share no block. */
-uint32_t columns_move_blocks(const columns *c, points *out, const points *base, uint8_t *moved,
-                             uint32_t first, uint32_t end);
+/* columns_move in the blocks first .. end - 1 with the weights taken last. [any] at the same time
+ * for parts that share no block. */
+void columns_move_blocks(const columns *c, points *out, const points *base, uint32_t first,
+                         uint32_t end);
 /* sum: 3 by POINTS_BLOCK += sum over the columns from `first` on of column_j weight_j in one block,
  * with the weights taken last: of all of them at once it has the same bits as in parts. */
 void columns_sum(const columns *c, float sum[3][POINTS_BLOCK], uint32_t first, uint32_t block);

@@ -30,8 +30,8 @@ typedef struct lanes {
                         uint32_t block);
     void (*columns_add)(points *out, const points *base, float sum[3][POINTS_BLOCK],
                         uint32_t block);
-    uint32_t (*columns_move)(const struct columns *c, points *out, const points *base,
-                             uint8_t *moved, uint32_t first, uint32_t end);
+    void (*columns_move)(const struct columns *c, points *out, const points *base, uint32_t first,
+                         uint32_t end);
     bool (*is_zero)(const float value[POINTS_BLOCK]); /* all over the block */
     /* total += weight times sum, by vertices. */
     void (*add_weighted)(float total[3][POINTS_BLOCK], const float *weight,
@@ -77,9 +77,8 @@ const lanes *lanes_now(void);     /* of isa_now */
                                         uint32_t first, uint32_t block);                           \
     void LANES_OF(columns_add, variant)(points * out, const points *base,                          \
                                         float sum[3][POINTS_BLOCK], uint32_t block);               \
-    uint32_t LANES_OF(columns_move, variant)(const struct columns *c, points *out,                 \
-                                             const points *base, uint8_t *moved, uint32_t first,   \
-                                             uint32_t end);                                        \
+    void LANES_OF(columns_move, variant)(const struct columns *c, points *out, const points *base, \
+                                         uint32_t first, uint32_t end);                            \
     bool LANES_OF(is_zero, variant)(const float value[POINTS_BLOCK]);                              \
     void LANES_OF(add_weighted, variant)(float total[3][POINTS_BLOCK], const float *weight,        \
                                          float sum[3][POINTS_BLOCK]);                              \

@@ -311,30 +311,22 @@ static inline void restore_block(points *out, const points *base, uint32_t block
 }
 
 /* As columns_move_blocks. */
-static inline uint32_t move_blocks(const columns *c, points *out, const points *base,
-                                   uint8_t *moved, uint32_t first, uint32_t end)
+static inline void move_blocks(const columns *c, points *out, const points *base, uint32_t first,
+                               uint32_t end)
 {
-    uint32_t written = 0;
     for (uint32_t block = first, next; block < end; block = next) {
         chosen some;
-        columns_block now = COLUMNS_STILL;
         some.next = 0;
         next = block + 1;
         if (choose_more(&some, &c->weights, marks_of(c, block))) {
             next = end_of_run(c, block, end);
             move_run(c, out, base, &some, block, next);
-            now = COLUMNS_MOVED;
-        } else if (!moved || moved[block] == COLUMNS_MOVED) {
+        } else {
             restore_block(out, base, block, is_far(c));
-            now = COLUMNS_RESTORED;
         }
-        if (moved)
-            memset(moved + block, (int)now, next - block);
-        written += now == COLUMNS_STILL ? 0 : next - block;
     }
     if (is_far(c))
         stream_end();
-    return written;
 }
 
 /* ---- what the room calls ---- */
@@ -350,10 +342,10 @@ void LANES(columns_add)(points *out, const points *base, float sum[3][POINTS_BLO
     add_block(out, base, sum, block);
 }
 
-uint32_t LANES(columns_move)(const columns *c, points *out, const points *base, uint8_t *moved,
-                             uint32_t first, uint32_t end)
+void LANES(columns_move)(const columns *c, points *out, const points *base, uint32_t first,
+                         uint32_t end)
 {
-    return move_blocks(c, out, base, moved, first, end);
+    move_blocks(c, out, base, first, end);
 }
 
 bool LANES(is_zero)(const float value[POINTS_BLOCK])

@@ -159,9 +159,11 @@ CHECKED mrt_result rig_parse(rig *out, const void *data, size_t size, const char
 CHECKED mrt_result rig_write(const rig *r, const char *path, error *err);
 /* Deep; what was read is shared. On error `out` is zeroed. [any] */
 CHECKED mrt_result rig_copy(rig *out, const rig *r, error *err);
-void rig_destroy(rig *r); /* accepts NULL and zeroed; [any] */
+void rig_destroy(rig *r);             /* accepts NULL and zeroed; [any] */
+void rig_pose_finish(rig_pose *pose); /* accepts zeroed; [any] */
 
 uint32_t rig_find_bone(const rig *r, const char *name);                      /* RIG_NONE */
+uint32_t rig_find_jaw(const rig *r);                                         /* RIG_NONE */
 uint32_t rig_find_contact(const rig *r, const char *name);                   /* RIG_NONE */
 const rig_contact_set *rig_find_contact_set(const rig *r, const char *name); /* NULL */
 

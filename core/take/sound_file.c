@@ -174,27 +174,25 @@ static mrt_result check_info(const source *self, error *err)
     return MRT_OK;
 }
 
-static mrt_result check_whole(const source *self, sound_file_cut cut, error *err)
+static mrt_result check_whole(const source *self, error *err)
 {
     int64_t promised, there;
-    if (cut == SOUND_FILE_CUT_KEEP || sound_whole(self->fd, &promised, &there))
+    if (sound_whole(self->fd, &promised, &there))
         return MRT_OK;
     if (promised > 0)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: was cut: %lld of the %lld bytes that it says are there; copy it "
-                         "again, or keep what there is",
+                         "again",
                          self->path, (long long)there, (long long)promised);
-    return error_set(err, MRT_ERR_FORMAT,
-                     "%s: was cut: it has no end; copy it again, or keep what there is",
-                     self->path);
+    return error_set(err, MRT_ERR_FORMAT, "%s: was cut: it has no end; copy it again", self->path);
 }
 
-static mrt_result source_open(source *self, const char *path, sound_file_cut cut, error *err)
+static mrt_result source_open(source *self, const char *path, error *err)
 {
     *self = (source){.path = path, .fd = -1};
     mrt_result result = open_regular(self, err);
     if (result >= 0)
-        result = check_whole(self, cut, err);
+        result = check_whole(self, err);
     if (result < 0)
         return result;
     self->file = sf_open_fd(self->fd, SFM_READ, &self->info, SF_FALSE);
@@ -215,7 +213,7 @@ static mrt_result source_open(source *self, const char *path, sound_file_cut cut
 }
 
 /* The frames that come next, into the block; 0: there are none. */
-static mrt_result source_next(source *self, sound_file_cut cut, size_t *out_frames, error *err)
+static mrt_result source_next(source *self, size_t *out_frames, error *err)
 {
     sf_count_t got = sf_readf_double(self->file, self->block, (sf_count_t)self->block_frames);
     *out_frames = got > 0 ? (size_t)got : 0;
@@ -224,10 +222,10 @@ static mrt_result source_next(source *self, sound_file_cut cut, size_t *out_fram
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is longer than 24 h; cut it", self->path);
     bool is_short = *out_frames < self->block_frames && self->info.frames != SF_COUNT_MAX &&
                     self->frame < self->info.frames;
-    if ((is_short || sf_error(self->file) != SF_ERR_NO_ERROR) && cut == SOUND_FILE_CUT_REFUSE)
+    if (is_short || sf_error(self->file) != SF_ERR_NO_ERROR)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: was cut or is damaged: %.3f of the %.3f s that it says can be read; "
-                         "copy it again, or keep what there is",
+                         "copy it again",
                          self->path, (double)self->frame / self->info.samplerate,
                          (double)self->info.frames / self->info.samplerate);
     return MRT_OK;
@@ -254,15 +252,15 @@ static mrt_result sample_refused(const source *self, size_t frames, size_t at, e
 /* ---- in ---- */
 
 /* Looks at every sample: what keeps them all? */
-static mrt_result find_format(sound_pcm *out, const char *path, sound_file_cut cut,
-                              const sound_file_watch *watch, error *err)
+static mrt_result find_format(sound_pcm *out, const char *path, const sound_file_watch *watch,
+                              error *err)
 {
     source in;
     size_t frames = 0, at;
     *out = SOUND_PCM_S16;
-    mrt_result result = source_open(&in, path, cut, err);
+    mrt_result result = source_open(&in, path, err);
     while (result == MRT_OK) {
-        result = source_next(&in, cut, &frames, err);
+        result = source_next(&in, &frames, err);
         if (result < 0 || frames == 0)
             break;
         sound_pcm format =
@@ -301,11 +299,11 @@ static mrt_result keep_block(source *in, size_t frames, show *s, int64_t audio, 
 }
 
 static mrt_result keep_frames(source *in, show *s, int64_t audio, sound_pcm format,
-                              sound_file_cut cut, const sound_file_watch *watch, error *err)
+                              const sound_file_watch *watch, error *err)
 {
     for (;;) {
         size_t frames;
-        mrt_result result = source_next(in, cut, &frames, err);
+        mrt_result result = source_next(in, &frames, err);
         if (result < 0 || frames == 0)
             return result;
         result = keep_block(in, frames, s, audio, format, err);
@@ -345,7 +343,7 @@ static void name_of(char *out, size_t capacity, const char *path)
     out[length] = '\0';
 }
 
-mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path, sound_file_cut cut,
+mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
                              const sound_file_watch *watch, error *err)
 {
     source in = {.fd = -1};
@@ -354,10 +352,10 @@ mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path, soun
     *out_audio = 0;
     mrt_result result = show_check_writable(s, err);
     if (result >= 0)
-        result = find_format(&format, path, cut, watch, err);
+        result = find_format(&format, path, watch, err);
     if (result != MRT_OK)
         return result;
-    result = source_open(&in, path, cut, err);
+    result = source_open(&in, path, err);
     if (result < 0)
         goto done;
     audio.rate_hz = (uint32_t)in.info.samplerate;
@@ -367,7 +365,7 @@ mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path, soun
     result = show_audio_create(s, &audio, &audio.id, err);
     if (result < 0)
         goto done;
-    result = keep_frames(&in, s, audio.id, format, cut, watch, err);
+    result = keep_frames(&in, s, audio.id, format, watch, err);
     if (result == MRT_OK)
         *out_audio = audio.id;
     else

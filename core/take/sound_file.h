@@ -13,15 +13,11 @@ typedef struct sound_file_watch {
     void *data;
 } sound_file_watch;
 
-typedef enum sound_file_cut {
-    SOUND_FILE_CUT_REFUSE = 0, /* a file that ends early is refused */
-    SOUND_FILE_CUT_KEEP        /* what is there of it is taken */
-} sound_file_cut;
-
 /* Into the narrowest of s16, s24 and f32 that keeps every sample; a file that none of them keeps is
- * refused. MRT_END: given up; then, and on failure, nothing of it stays in the show. */
+ * refused, and one that ends early. MRT_END: given up; then, and on failure, nothing of it stays in
+ * the show. */
 CHECKED mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
-                                     sound_file_cut cut, const sound_file_watch *watch, error *err);
+                                     const sound_file_watch *watch, error *err);
 
 typedef struct sound_file_export {
     const take *take;       /* its audio, start and time code */

@@ -152,9 +152,3 @@ void sheet_mark(sheet *s, int32_t first_point, sheet_bone bone)
     for (int32_t i = first_point; i < s->point_count; ++i)
         s->bone[i] = (uint8_t)bone;
 }
-
-void sheet_mark_ring(sheet *s, const ring *r, sheet_bone bone)
-{
-    for (int32_t i = 0; i < r->count; ++i)
-        s->bone[r->at[i]] = (uint8_t)bone;
-}

@@ -60,6 +60,5 @@ int32_t sheet_close(sheet *s, const ring *outer, int32_t column_count, int32_t r
 int32_t sheet_close_back(sheet *s, const ring *first, int32_t column_count, int32_t row_count,
                          int32_t part, int hold);
 void sheet_mark(sheet *s, int32_t first_point, sheet_bone bone);
-void sheet_mark_ring(sheet *s, const ring *r, sheet_bone bone);
 
 #endif

@@ -119,7 +119,7 @@ static void refuses(const fixture *d, const char *words)
 {
     error err = {""};
     int64_t id = 77;
-    assert_true(sound_file_import(&id, d->show, d->file, SOUND_FILE_CUT_REFUSE, NULL, &err) < 0);
+    assert_true(sound_file_import(&id, d->show, d->file, NULL, &err) < 0);
     assert_int_equal(id, 0);
     if (!strstr(err.text, d->file) || !strstr(err.text, words) || strchr(err.text, '\n'))
         fail_msg("'%s' instead of '%s'", err.text, words);
@@ -179,7 +179,7 @@ static void a_sound_of_more_than_a_day_is_refused(void **state)
     refuses(d, "at most 24 h");
 }
 
-static void a_cut_file_is_refused_unless_it_is_asked_to_be_kept(void **state)
+static void a_cut_file_is_refused(void **state)
 {
     static const struct kind {
         int format;
@@ -190,18 +190,11 @@ static void a_cut_file_is_refused_unless_it_is_asked_to_be_kept(void **state)
                  {SF_FORMAT_OGG | SF_FORMAT_VORBIS, "has no end"}};
     fixture *d = *state;
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
-        error err = {""};
         struct stat status;
-        int64_t id;
         write_sound(d, kinds[k].format, 48000, 1, 240000, 16);
         assert_int_equal(stat(d->file, &status), 0);
         assert_int_equal(truncate(d->file, status.st_size / 2 + 1), 0);
         refuses(d, kinds[k].words);
-        scene_must(sound_file_import(&id, d->show, d->file, SOUND_FILE_CUT_KEEP, NULL, &err), &err);
-        show_audio info;
-        scene_must(show_audio_info(d->show, id, &info, &err), &err);
-        assert_true(info.frame_count > 1000);
-        assert_true(info.frame_count < 240000);
         fixture_clear(state);
         fixture_make(state);
         d = *state;
@@ -234,8 +227,7 @@ static void giving_up_leaves_nothing_behind(void **state)
         int left = when;
         int64_t id = 5;
         sound_file_watch watch = {until_count, &left};
-        assert_int_equal(
-            sound_file_import(&id, d->show, d->file, SOUND_FILE_CUT_REFUSE, &watch, &err), MRT_END);
+        assert_int_equal(sound_file_import(&id, d->show, d->file, &watch, &err), MRT_END);
         assert_int_equal(id, 0);
         expect_sounds(d, 0);
     }
@@ -261,8 +253,7 @@ static void damaged_files_do_no_harm(void **state)
             long reach = k < 3 && status.st_size > 100 ? 100 : (long)status.st_size;
             patch(d, (long)(random % (uint64_t)reach), &byte, 1);
         }
-        mrt_result result =
-            sound_file_import(&id, d->show, d->file, SOUND_FILE_CUT_REFUSE, NULL, &err);
+        mrt_result result = sound_file_import(&id, d->show, d->file, NULL, &err);
         taken += result == MRT_OK;
         refused += result < 0;
         assert_true(result == MRT_OK || (result < 0 && err.text[0]));
@@ -280,7 +271,7 @@ int main(void)
         WITH_FIXTURE(what_is_no_sound_is_refused_with_a_reason),
         WITH_FIXTURE(absurd_headers_are_refused),
         WITH_FIXTURE(a_sound_of_more_than_a_day_is_refused),
-        WITH_FIXTURE(a_cut_file_is_refused_unless_it_is_asked_to_be_kept),
+        WITH_FIXTURE(a_cut_file_is_refused),
         WITH_FIXTURE(samples_that_no_format_keeps_are_refused),
         WITH_FIXTURE(giving_up_leaves_nothing_behind),
         WITH_FIXTURE(damaged_files_do_no_harm),

@@ -73,7 +73,7 @@ static inline int64_t import(const fixture *d)
 {
     error err = {""};
     int64_t id = 0;
-    scene_must(sound_file_import(&id, d->show, d->file, SOUND_FILE_CUT_REFUSE, NULL, &err), &err);
+    scene_must(sound_file_import(&id, d->show, d->file, NULL, &err), &err);
     assert_true(id > 0);
     return id;
 }

@@ -1,4 +1,4 @@
-/* Anchored frames: the sum that they are, what of it is written, and what is not even read. */
+/* Anchored frames: the sum that they are, and what is not even read. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -21,7 +21,6 @@ typedef struct stand {
     points base, out, expected;
     columns columns;
     double weight[MANY][3];
-    uint8_t moved[BLOCKS];
 } stand;
 
 static uint32_t next(uint32_t *seed)
@@ -66,7 +65,6 @@ static void raise_stand(stand *s, uint32_t count)
         }
     }
     columns_note(&s->columns, count);
-    memset(s->moved, COLUMNS_MOVED, sizeof s->moved);
 }
 
 static void strike_stand(stand *s)
@@ -113,14 +111,6 @@ static void expect_same_bits(const points *a, const points *b)
     assert_memory_equal(a->y, b->y, size);
     assert_memory_equal(a->z, b->z, size);
     assert_memory_equal(a->block, b->block, a->block_count * sizeof *a->block);
-}
-
-static bool differs(const points *a, const points *b, uint32_t block)
-{
-    size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
-    return memcmp(a->x + first, b->x + first, size) != 0 ||
-           memcmp(a->y + first, b->y + first, size) != 0 ||
-           memcmp(a->z + first, b->z + first, size) != 0;
 }
 
 /* From none to all of them, and back, in an order of their own. */
@@ -198,61 +188,6 @@ static void what_a_frame_moves_is_known_in_bytes(void **state)
     strike_stand(&s);
 }
 
-static void a_live_frame_writes_what_moves_and_restores_what_did(void **state)
-{
-    (void)state;
-    for (int which = 0; which < ISA_COUNT; ++which) {
-        stand s;
-        uint32_t seed = 5, seen[3] = {0};
-        if (!isa_is_here((isa)which))
-            continue;
-        use((isa)which);
-        raise_stand(&s, MANY);
-        for (int frame = 0; frame < FRAMES; ++frame) {
-            uint8_t before[BLOCKS];
-            memcpy(before, s.moved, sizeof before);
-            draw_weights(&s, live_counts[frame], &seed);
-            sum_plainly(&s.expected, &s);
-            uint32_t written = columns_move_live(&s.columns, &s.out, &s.base, s.weight[0], s.moved);
-            expect_same_bits(&s.out, &s.expected);
-            for (uint32_t block = 0; block < BLOCKS; ++block) {
-                ++seen[s.moved[block]];
-                written -= s.moved[block] != COLUMNS_STILL;
-                if (differs(&s.out, &s.base, block))
-                    assert_int_equal(s.moved[block], COLUMNS_MOVED);
-                else if (s.moved[block] != COLUMNS_MOVED)
-                    assert_int_equal(s.moved[block], before[block] == COLUMNS_MOVED
-                                                         ? COLUMNS_RESTORED
-                                                         : COLUMNS_STILL);
-            }
-            assert_int_equal(written, 0);
-        }
-        assert_true(seen[COLUMNS_STILL] > 20 && seen[COLUMNS_MOVED] > 20);
-        assert_true(seen[COLUMNS_RESTORED] > 20);
-        strike_stand(&s);
-    }
-}
-
-static void still_blocks_are_not_touched(void **state)
-{
-    (void)state;
-    stand s;
-    uint32_t seed = 9, still = 0;
-    raise_stand(&s, 20);
-    memset(s.moved, COLUMNS_STILL, sizeof s.moved);
-    for (uint32_t v = 0; v < s.out.padded_count; ++v)
-        s.out.x[v] = (float)NAN;
-    draw_weights(&s, 2, &seed);
-    (void)columns_move_live(&s.columns, &s.out, &s.base, s.weight[0], s.moved);
-    for (uint32_t block = 0; block < BLOCKS; ++block) {
-        bool kept = isnan(s.out.x[(size_t)block * POINTS_BLOCK]);
-        assert_int_equal(kept, s.moved[block] == COLUMNS_STILL);
-        still += kept;
-    }
-    assert_true(still > 3 && still < BLOCKS);
-    strike_stand(&s);
-}
-
 /* Not even read: what is in them cannot be seen in the result. */
 static void columns_without_weight_are_left_out(void **state)
 {
@@ -278,20 +213,15 @@ static void parts_are_the_whole(void **state)
 {
     (void)state;
     stand s;
-    uint32_t seed = 8, written = 0;
+    uint32_t seed = 8;
     raise_stand(&s, MANY);
     for (int frame = 0; frame < FRAMES; ++frame) {
-        uint8_t whole[BLOCKS];
-        memcpy(whole, s.moved, sizeof whole);
         draw_weights(&s, live_counts[frame], &seed);
-        written = columns_move_live(&s.columns, &s.expected, &s.base, s.weight[0], whole);
+        columns_move(&s.columns, &s.expected, &s.base, s.weight[0]);
         columns_weigh(&s.columns, s.weight[0], MANY);
-        for (uint32_t first = 0; first < BLOCKS; first += 5) {
-            uint32_t end = first + 5 < BLOCKS ? first + 5 : BLOCKS;
-            written -= columns_move_blocks(&s.columns, &s.out, &s.base, s.moved, first, end);
-        }
-        assert_int_equal(written, 0);
-        assert_memory_equal(s.moved, whole, sizeof whole);
+        for (uint32_t first = 0; first < BLOCKS; first += 5)
+            columns_move_blocks(&s.columns, &s.out, &s.base, first,
+                                first + 5 < BLOCKS ? first + 5 : BLOCKS);
         expect_same_bits(&s.out, &s.expected);
     }
     strike_stand(&s);
@@ -306,7 +236,7 @@ static void columns_beyond_the_weights_given_weigh_nothing(void **state)
     draw_weights(&s, 10 * MANY, &seed);
     columns_weigh(&s.columns, s.weight[0], MANY);
     columns_weigh(&s.columns, s.weight[0], 70);
-    (void)columns_move_blocks(&s.columns, &s.out, &s.base, NULL, 0, BLOCKS);
+    columns_move_blocks(&s.columns, &s.out, &s.base, 0, BLOCKS);
     memset(s.weight[70], 0, sizeof s.weight - 70 * sizeof *s.weight);
     sum_plainly(&s.expected, &s);
     expect_same_bits(&s.out, &s.expected);
@@ -319,9 +249,8 @@ static void no_columns_are_the_base(void **state)
     stand s;
     raise_stand(&s, 3);
     columns_note(&s.columns, 0);
-    assert_int_equal(columns_move_live(&s.columns, &s.out, &s.base, NULL, s.moved), BLOCKS);
+    columns_move(&s.columns, &s.out, &s.base, NULL);
     expect_same_bits(&s.out, &s.base);
-    assert_int_equal(columns_move_live(&s.columns, &s.out, &s.base, NULL, s.moved), 0);
     strike_stand(&s);
 }
 
@@ -333,7 +262,6 @@ static void one_vertex_and_room_for_none_are_columns_too(void **state)
     points_order order;
     points base, out;
     columns c;
-    uint8_t moved = COLUMNS_MOVED;
     const double weight[3] = {0.5, 0.0, -1.0};
     for (uint32_t capacity = 0; capacity < 2; ++capacity) {
         assert_int_equal(points_order_create(&order, alone, 1, &err), MRT_OK);
@@ -343,15 +271,13 @@ static void one_vertex_and_room_for_none_are_columns_too(void **state)
         for (uint32_t i = 0; i < capacity * POINTS_BLOCK; ++i)
             columns_row(&c, 0)[i] = 2.0f;
         columns_note(&c, capacity);
-        assert_int_equal(columns_move_live(&c, &out, &base, weight, &moved), 1);
-        assert_int_equal(moved, capacity > 0 ? COLUMNS_MOVED : COLUMNS_RESTORED);
+        columns_move(&c, &out, &base, weight);
         assert_true(out.x[0] == 1.0f + 1.0f * (float)capacity && out.y[0] == 2.0f);
         assert_true(out.z[0] == 3.0f - 2.0f * (float)capacity);
         columns_destroy(&c);
         points_destroy(&out);
         points_destroy(&base);
         points_order_destroy(&order);
-        moved = COLUMNS_MOVED;
     }
 }
 
@@ -381,8 +307,6 @@ int main(void)
         cmocka_unit_test_teardown(frames_are_the_plain_sum_on_every_instruction_set, restore),
         cmocka_unit_test_teardown(frames_that_are_far_have_the_same_bits, restore),
         cmocka_unit_test(what_a_frame_moves_is_known_in_bytes),
-        cmocka_unit_test_teardown(a_live_frame_writes_what_moves_and_restores_what_did, restore),
-        cmocka_unit_test(still_blocks_are_not_touched),
         cmocka_unit_test(columns_without_weight_are_left_out),
         cmocka_unit_test(parts_are_the_whole),
         cmocka_unit_test(columns_beyond_the_weights_given_weigh_nothing),

@@ -73,17 +73,8 @@ static void a_very_large_mesh_is_performed(void **state)
         fail_msg("%s", err.text);
     assert_true(off_by(&s) < 3e-5); /* mm */
 
-    uint8_t *moved = malloc(s.shown.block_count);
-    assert_non_null(moved);
-    memset(moved, COLUMNS_MOVED, s.shown.block_count);
-    (void)columns_move_live(&s.response, &s.shown, &s.base, pull[0], moved);
-    uint32_t written = columns_move_live(&s.response, &s.shown, &s.base, pull[0], moved);
-    assert_true(written > 1000 && written < s.shown.block_count / 4); /* two discs of the sheet */
+    assert_true(csrbf_move(s.solver, &s.shown, &s.base) > 1000);
     assert_true(off_by(&s) < 3e-5);
-
-    assert_true(csrbf_move(s.solver, &s.shown, &s.base) >= written);
-    assert_true(off_by(&s) < 3e-5);
-    free(moved);
     shape_destroy(&s);
     free(row);
 }

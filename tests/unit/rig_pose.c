@@ -130,7 +130,7 @@ static void a_shape_becomes_a_pose_that_gives_the_shape(void **state)
     assert_true(made.pull_count >= 1 && made.pull_contact[0] == 0);
     const vec3 meant = p.rig.pose[TURNED].pull_mm[0];
     assert_true(vec3_length(vec3_sub(made.pull_mm[0], meant)) < 0.01);
-    rig_poses_finish(&made);
+    rig_pose_finish(&made);
     close_plane(&p);
 }
 

@@ -28,9 +28,9 @@ cd "$scratch" || exit 1
 program_pid=
 trap '[ -z "$program_pid" ] || kill -9 "$program_pid" 2>/dev/null; rm -rf "$scratch"' EXIT
 
-# until SECONDS COMMAND...: asks ten times a second until it is so.
+# until_true SECONDS COMMAND...: asks ten times a second until it is so; a sanitized program may take its time.
 until_true() {
-    local ends=$((SECONDS + $1))
+    local ends=$((SECONDS + $1 * (${SANITIZED:+9} + 1)))
     shift
     while ! "$@" >/dev/null 2>&1; do
         [ $SECONDS -lt $ends ] || return 1

@@ -1,5 +1,6 @@
 #include "check/child/actor.h"
 
+#include "base/hash.h"
 #include "check/child/tell.h"
 #include "check/child/trap.h"
 
@@ -171,14 +172,6 @@ static void pull_judge_hold(const mrt_pull *before, const mrt_pull *now, double 
 
 /* ---- the same ---- */
 
-static uint64_t sum_on(uint64_t sum, const void *bytes, size_t size)
-{
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < size; ++i)
-        sum = (sum ^ at[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
-
 /* NaNs are all alike: not driven. */
 static float plain(float dof)
 {
@@ -187,13 +180,13 @@ static float plain(float dof)
 
 static uint64_t pull_sum(const mrt_pull *pull)
 {
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    uint64_t sum = HASH_START;
     uint32_t count = pull->count < MRT_MAX_VECTORS ? pull->count : MRT_MAX_VECTORS;
-    sum = sum_on(sum, pull, offsetof(mrt_pull, vector));
-    sum = sum_on(sum, pull->vector, count * sizeof *pull->vector);
+    sum = hash_bytes(sum, pull, offsetof(mrt_pull, vector));
+    sum = hash_bytes(sum, pull->vector, count * sizeof *pull->vector);
     for (int i = 0; i < MRT_MAX_DOFS; ++i) {
         float dof = plain(pull->dof[i]);
-        sum = sum_on(sum, &dof, sizeof dof);
+        sum = hash_bytes(sum, &dof, sizeof dof);
     }
     return sum;
 }

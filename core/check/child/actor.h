@@ -2,7 +2,6 @@
  * do on the frame thread, what a pull may not hold, what it may not write to. Findings are told. */
 #ifndef MAROTTE_CHECK_CHILD_ACTOR_H
 #define MAROTTE_CHECK_CHILD_ACTOR_H
-#include "check/child/actor.h"
 #include "check/child/cases.h"
 #include "check/child/fixture.h"
 #include "check/rules.h"

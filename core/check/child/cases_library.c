@@ -1,5 +1,6 @@
 /* What can be seen of a library without running anything. */
 #include "check/child/cases.h"
+#include "base/hash.h"
 #include "check/child/tell.h"
 #include "check/child/trap.h"
 #include "check/rules.h"
@@ -100,27 +101,19 @@ static uint32_t types_concerns(const mrt_plugin_type *type)
 
 /* ---- the tables as a number ---- */
 
-static uint64_t sum_on(uint64_t sum, const void *bytes, size_t size)
-{
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < size; ++i)
-        sum = (sum ^ at[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
-
 static uint64_t sum_words(uint64_t sum, const char *words)
 {
-    return words ? sum_on(sum, words, strlen(words) + 1) : sum_on(sum, "", 1);
+    return words ? hash_bytes(sum, words, strlen(words) + 1) : hash_bytes(sum, "", 1);
 }
 
 static uint64_t sum_param(uint64_t sum, const mrt_param *p)
 {
-    sum = sum_on(sum, &p->id, sizeof p->id);
-    sum = sum_on(sum, &p->flags, sizeof p->flags);
+    sum = hash_bytes(sum, &p->id, sizeof p->id);
+    sum = hash_bytes(sum, &p->flags, sizeof p->flags);
     sum = sum_words(sum_words(sum, p->name), p->group);
     sum = sum_words(sum_words(sum, p->unit), p->help);
     const double range[3] = {p->min, p->max, p->initial};
-    sum = sum_on(sum, range, sizeof range);
+    sum = hash_bytes(sum, range, sizeof range);
     for (size_t i = 0; p->labels && p->labels[i]; ++i)
         sum = sum_words(sum, p->labels[i]);
     return sum;
@@ -128,15 +121,15 @@ static uint64_t sum_param(uint64_t sum, const mrt_param *p)
 
 uint64_t types_sum(const mrt_plugin_type *type)
 {
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    sum = sum_on(sum, type, sizeof *type);
+    uint64_t sum = HASH_START;
+    sum = hash_bytes(sum, type, sizeof *type);
     sum = sum_words(sum_words(sum, type->id), type->name);
     sum = sum_words(sum_words(sum, type->version), type->about);
     for (uint32_t i = 0; i < type->param_count; ++i)
         sum = sum_param(sum, &type->params[i]);
     for (int i = 0; type->interfaces && type->interfaces[i].id; ++i) {
         sum = sum_words(sum, type->interfaces[i].id);
-        sum = sum_on(sum, &type->interfaces[i], sizeof type->interfaces[i]);
+        sum = hash_bytes(sum, &type->interfaces[i], sizeof type->interfaces[i]);
     }
     return sum;
 }

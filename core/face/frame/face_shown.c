@@ -179,7 +179,7 @@ static uint32_t write_run(face *f, uint32_t first)
     uint32_t end = first + 1;
     while (end < f->rest.block_count && is_due(f, end) && !face_limit_knows(f, end))
         ++end;
-    (void)columns_move_blocks(&f->columns, &f->shown, f->origin, NULL, first, end);
+    columns_move_blocks(&f->columns, &f->shown, f->origin, first, end);
     for (uint32_t block = first; block < end; ++block)
         end_block(f, block);
     return end;

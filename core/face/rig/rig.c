@@ -69,7 +69,7 @@ static void free_bones(rig *r)
     free(r->bone);
 }
 
-static void free_pose(rig_pose *pose)
+void rig_pose_finish(rig_pose *pose)
 {
     for (uint32_t i = 0; pose->dof_name && i < pose->dof_count; ++i)
         free(pose->dof_name[i]);
@@ -78,6 +78,7 @@ static void free_pose(rig_pose *pose)
     free(pose->pull_contact);
     free(pose->pull_mm);
     free(pose->name);
+    *pose = (rig_pose){0};
 }
 
 void rig_destroy(rig *r)
@@ -92,7 +93,7 @@ void rig_destroy(rig *r)
     for (uint32_t i = 0; r->contact && i < r->contact_count; ++i)
         free(r->contact[i].name);
     for (uint32_t i = 0; r->pose && i < r->pose_count; ++i)
-        free_pose(&r->pose[i]);
+        rig_pose_finish(&r->pose[i]);
     for (uint32_t i = 0; r->contact_set && i < r->contact_set_count; ++i) {
         free(r->contact_set[i].name);
         free(r->contact_set[i].contact);
@@ -109,6 +110,14 @@ void rig_destroy(rig *r)
     free(r->mesh_path);
     free(r->note);
     *r = (rig){0};
+}
+
+uint32_t rig_find_jaw(const rig *r)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        if (r->bone[i].kind == BONE_JAW)
+            return i;
+    return RIG_NONE;
 }
 
 uint32_t rig_find_bone(const rig *r, const char *name)

@@ -627,17 +627,9 @@ static void check_contacts(checking *c)
 
 static const double degree_per_radian = 57.29577951308232;
 
-static uint32_t find_jaw(const rig *r)
-{
-    for (uint32_t i = 0; i < r->bone_count; ++i)
-        if (r->bone[i].kind == BONE_JAW)
-            return i;
-    return RIG_NONE;
-}
-
 static mrt_result check_hinge(const rig *r, error *err)
 {
-    uint32_t jaw = find_jaw(r);
+    uint32_t jaw = rig_find_jaw(r);
     if (jaw == RIG_NONE || r->bone[jaw].hinge_left.x > r->bone[jaw].hinge_right.x)
         return MRT_OK;
     rig_location location = rig_location_of(r, RIG_BONES, jaw);
@@ -712,7 +704,7 @@ static void check_opening(checking *c, uint32_t jaw, const rig_location *locatio
 
 static void check_jaw(checking *c)
 {
-    uint32_t jaw = find_jaw(c->r);
+    uint32_t jaw = rig_find_jaw(c->r);
     if (jaw == RIG_NONE) {
         report(c, RIG_NOTE, "$.bones", "no bone has a hinge: the mouth does not open");
         return;

@@ -126,11 +126,10 @@ static void set_region_paths(rig *r)
 
 /* ---- regions ---- */
 
-static mrt_result check_region_index(const rig *r, uint32_t index, error *err)
+static mrt_result check_index(uint32_t index, uint32_t count, const char *what, error *err)
 {
-    return index < r->region_count
-               ? MRT_OK
-               : error_set(err, MRT_ERR_ARGUMENT, "there is no region %u", index);
+    return index < count ? MRT_OK
+                         : error_set(err, MRT_ERR_ARGUMENT, "there is no %s %u", what, index);
 }
 
 static bool is_share(double value)
@@ -211,7 +210,7 @@ mrt_result rig_edit_add_region(rig *r, const char *name, const rig_edit_says *sa
 
 mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_region_index(r, index, err);
+    mrt_result result = check_index(index, r->region_count, "region", err);
     if (result < 0)
         return result;
     rig_select_finish(&r->region[index].select);
@@ -225,9 +224,9 @@ mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err)
 
 mrt_result rig_edit_move_region(rig *r, uint32_t index, uint32_t to, error *err)
 {
-    mrt_result result = check_region_index(r, index, err);
+    mrt_result result = check_index(index, r->region_count, "region", err);
     if (result >= 0)
-        result = check_region_index(r, to, err);
+        result = check_index(to, r->region_count, "region", err);
     if (result < 0)
         return result;
     rig_region moved = r->region[index];
@@ -243,7 +242,7 @@ mrt_result rig_edit_move_region(rig *r, uint32_t index, uint32_t to, error *err)
 mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error *err)
 {
     bool has_name = name && name[0];
-    mrt_result result = check_region_index(r, index, err);
+    mrt_result result = check_index(index, r->region_count, "region", err);
     if (result >= 0 && has_name)
         result = check_region_name(r, index, name, err);
     if (result < 0)
@@ -258,7 +257,7 @@ mrt_result rig_edit_name_region(rig *r, uint32_t index, const char *name, error 
 
 mrt_result rig_edit_set_region(rig *r, uint32_t index, const rig_edit_says *says, error *err)
 {
-    mrt_result result = check_region_index(r, index, err);
+    mrt_result result = check_index(index, r->region_count, "region", err);
     if (result >= 0)
         result = check_says(r, says, err);
     if (result >= 0)
@@ -332,7 +331,7 @@ mrt_result rig_edit_paint(rig *r, uint32_t index, const uint8_t *value, uint32_t
                           error *err)
 {
     char name[RIG_NAME_MAX + 1];
-    mrt_result result = check_region_index(r, index, err);
+    mrt_result result = check_index(index, r->region_count, "region", err);
     rig_select made = {.kind = SELECT_VERTICES};
     if (result >= 0)
         result = rig_paint_set(&made, value, vertex_count, err);
@@ -429,12 +428,6 @@ enum { BONE_NAME_MAX = RIG_NAME_MAX - 8 }; /* with ".lateral" behind it a name o
 static const double least_half_mm = 1.0, most_half_mm = 1e6;
 static const double up_and_down_rad = 25.0 * ANGLE_PI / 180.0,
                     to_the_sides_rad = 35.0 * ANGLE_PI / 180.0;
-
-static mrt_result check_bone(const rig *r, uint32_t index, error *err)
-{
-    return index < r->bone_count ? MRT_OK
-                                 : error_set(err, MRT_ERR_ARGUMENT, "there is no bone %u", index);
-}
 
 static mrt_result check_bone_name(const rig *r, uint32_t index, const char *name, error *err)
 {
@@ -582,7 +575,7 @@ static void take_bone_out_of_pose(rig_pose *pose, const char *bone)
 
 static mrt_result check_stays(const rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_bone(r, index, err);
+    mrt_result result = check_index(index, r->bone_count, "bone", err);
     if (result >= 0 && (index == 0 || strcmp(r->bone[index].name, "skull") == 0))
         return error_set(err, MRT_ERR_UNSUPPORTED, "the bone \"%s\" carries the face: it stays",
                          r->bone[index].name);
@@ -688,7 +681,7 @@ mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *e
 
 mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double radius_mm, error *err)
 {
-    mrt_result result = check_bone(r, index, err);
+    mrt_result result = check_index(index, r->bone_count, "bone", err);
     if (result < 0)
         return result;
     if (r->bone[index].kind != BONE_BALL)
@@ -722,7 +715,7 @@ static const double least_axis = 1e-6, farthest_rad = ANGLE_PI;
 
 static mrt_result check_ball(const rig *r, uint32_t bone, error *err)
 {
-    mrt_result result = check_bone(r, bone, err);
+    mrt_result result = check_index(bone, r->bone_count, "bone", err);
     if (result >= 0 && r->bone[bone].kind != BONE_BALL)
         return error_set(err, MRT_ERR_ARGUMENT, "the bone \"%s\" is no ball", r->bone[bone].name);
     return result;
@@ -929,13 +922,6 @@ mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_tur
 
 /* ---- contacts ---- */
 
-static mrt_result check_contact_index(const rig *r, uint32_t index, error *err)
-{
-    return index < r->contact_count
-               ? MRT_OK
-               : error_set(err, MRT_ERR_ARGUMENT, "there is no contact %u", index);
-}
-
 static mrt_result check_contact_name(const rig *r, uint32_t index, const char *name, error *err)
 {
     mrt_result result = check_name(name, err);
@@ -1003,7 +989,7 @@ static void take_contact_out_of_pose(rig_pose *pose, uint32_t removed)
 
 mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_contact_index(r, index, err);
+    mrt_result result = check_index(index, r->contact_count, "contact", err);
     if (result < 0)
         return result;
     free(r->contact[index].name);
@@ -1026,7 +1012,7 @@ mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
 
 mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error *err)
 {
-    mrt_result result = check_contact_index(r, index, err);
+    mrt_result result = check_index(index, r->contact_count, "contact", err);
     if (result >= 0)
         result = check_contact_name(r, index, name, err);
     return result < 0 ? result : replace_name(&r->contact[index].name, name, err);
@@ -1034,7 +1020,7 @@ mrt_result rig_edit_name_contact(rig *r, uint32_t index, const char *name, error
 
 mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error *err)
 {
-    mrt_result result = check_contact_index(r, index, err);
+    mrt_result result = check_index(index, r->contact_count, "contact", err);
     if (result >= 0)
         r->contact[index].vertex = vertex;
     return result;
@@ -1042,7 +1028,7 @@ mrt_result rig_edit_move_contact(rig *r, uint32_t index, uint32_t vertex, error 
 
 mrt_result rig_edit_ride(rig *r, uint32_t index, uint32_t bone, error *err)
 {
-    mrt_result result = check_contact_index(r, index, err);
+    mrt_result result = check_index(index, r->contact_count, "contact", err);
     if (result < 0)
         return result;
     if (bone != RIG_NONE && bone >= r->bone_count)
@@ -1085,7 +1071,7 @@ static uint32_t mirrored_bone(const rig *r, uint32_t bone)
 mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, error *err)
 {
     char name[RIG_NAME_MAX + 1];
-    mrt_result result = check_contact_index(r, index, err);
+    mrt_result result = check_index(index, r->contact_count, "contact", err);
     if (result < 0)
         return result;
     uint32_t other = r->contact[index].mirror;
@@ -1110,13 +1096,6 @@ mrt_result rig_edit_mirror_contact(rig *r, uint32_t index, uint32_t vertex, erro
 }
 
 /* ---- ellipsoids of the skull ---- */
-
-static mrt_result check_proxy_index(const rig *r, uint32_t index, error *err)
-{
-    return index < r->proxy_count
-               ? MRT_OK
-               : error_set(err, MRT_ERR_ARGUMENT, "there is no ellipsoid %u", index);
-}
 
 static mrt_result check_proxy(const rig *r, const rig_proxy *proxy, error *err)
 {
@@ -1166,7 +1145,7 @@ mrt_result rig_edit_add_proxy(rig *r, const rig_proxy *proxy, uint32_t *out_inde
 
 mrt_result rig_edit_remove_proxy(rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_proxy_index(r, index, err);
+    mrt_result result = check_index(index, r->proxy_count, "ellipsoid", err);
     if (result < 0)
         return result;
     memmove(&r->proxy[index], &r->proxy[index + 1],
@@ -1177,7 +1156,7 @@ mrt_result rig_edit_remove_proxy(rig *r, uint32_t index, error *err)
 
 mrt_result rig_edit_set_proxy(rig *r, uint32_t index, const rig_proxy *proxy, error *err)
 {
-    mrt_result result = check_proxy_index(r, index, err);
+    mrt_result result = check_index(index, r->proxy_count, "ellipsoid", err);
     if (result >= 0)
         result = check_proxy(r, proxy, err);
     if (result < 0)
@@ -1187,12 +1166,6 @@ mrt_result rig_edit_set_proxy(rig *r, uint32_t index, const rig_proxy *proxy, er
 }
 
 /* ---- poses ---- */
-
-static mrt_result check_pose_index(const rig *r, uint32_t index, error *err)
-{
-    return index < r->pose_count ? MRT_OK
-                                 : error_set(err, MRT_ERR_ARGUMENT, "there is no pose %u", index);
-}
 
 static mrt_result check_pose_name(const rig *r, uint32_t index, const char *name, error *err)
 {
@@ -1220,18 +1193,6 @@ static mrt_result check_pose(const rig *r, const rig_pose *pose, error *err)
         if (pose->pull_contact[i] >= r->contact_count || !is_position(pose->pull_mm[i]))
             return error_set(err, MRT_ERR_ARGUMENT, "the pose pulls at what is not there");
     return MRT_OK;
-}
-
-static void finish_pose(rig_pose *pose)
-{
-    free(pose->name);
-    for (uint32_t i = 0; i < pose->dof_count; ++i)
-        free(pose->dof_name[i]);
-    free(pose->dof_name);
-    free(pose->dof_value);
-    free(pose->pull_contact);
-    free(pose->pull_mm);
-    *pose = (rig_pose){0};
 }
 
 static double rounded_dof(const rig *r, const char *dof, double value)
@@ -1277,7 +1238,7 @@ mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, 
         return no_memory(err);
     r->pose = grown;
     if (!copy_pose(&made, pose, r)) {
-        finish_pose(&made);
+        rig_pose_finish(&made);
         return no_memory(err);
     }
     r->pose[r->pose_count] = made;
@@ -1288,10 +1249,10 @@ mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out_index, 
 
 mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err)
 {
-    mrt_result result = check_pose_index(r, index, err);
+    mrt_result result = check_index(index, r->pose_count, "pose", err);
     if (result < 0)
         return result;
-    finish_pose(&r->pose[index]);
+    rig_pose_finish(&r->pose[index]);
     memmove(&r->pose[index], &r->pose[index + 1], (r->pose_count - index - 1) * sizeof *r->pose);
     r->pose_count -= 1;
     return MRT_OK;
@@ -1299,7 +1260,7 @@ mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err)
 
 mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *err)
 {
-    mrt_result result = check_pose_index(r, index, err);
+    mrt_result result = check_index(index, r->pose_count, "pose", err);
     if (result >= 0)
         result = check_pose_name(r, index, name, err);
     return result < 0 ? result : replace_name(&r->pose[index].name, name, err);

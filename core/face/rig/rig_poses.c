@@ -175,18 +175,6 @@ mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err)
 
 static const double least_way_mm = 0.25, least_dof = 1e-3;
 
-void rig_poses_finish(rig_pose *pose)
-{
-    free(pose->name);
-    for (uint32_t i = 0; i < pose->dof_count; ++i)
-        free(pose->dof_name[i]);
-    free(pose->dof_name);
-    free(pose->dof_value);
-    free(pose->pull_contact);
-    free(pose->pull_mm);
-    *pose = (rig_pose){0};
-}
-
 static bool allocate_pose(rig_pose *out, const char *name, uint32_t dofs, uint32_t contacts)
 {
     *out = (rig_pose){.name = strdup(name),
@@ -251,7 +239,7 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
     }
     face_reset(f);
     if (result < 0)
-        rig_poses_finish(out);
+        rig_pose_finish(out);
     return result;
 }
 
@@ -413,7 +401,7 @@ mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *
         if (carry_pose(&r->pose[r->pose_count], pose, &c))
             r->pose_count += 1;
         else
-            rig_poses_finish(&r->pose[r->pose_count]);
+            rig_pose_finish(&r->pose[r->pose_count]);
     }
     return MRT_OK;
 }

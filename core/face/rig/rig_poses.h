@@ -53,6 +53,5 @@ CHECKED mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, cons
 /* Pulls of the poses from `first` on are made shorter where they fold the skin. */
 CHECKED mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t,
                                   error *err);
-void rig_poses_finish(rig_pose *pose); /* zeroed is fine */
 
 #endif

@@ -235,7 +235,7 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
     const uint32_t first = out->pose_count;
     if (carry_poses(out, m, &why) < 0 || rig_poses_ease(out, first, m, t, &why) < 0)
         while (out->pose_count > first)
-            rig_poses_finish(&out->pose[--out->pose_count]);
+            rig_pose_finish(&out->pose[--out->pose_count]);
     if (why.text[0])
         result = add_line(out_confirm, "poses: ", why.text, err);
     if (result < 0) {

@@ -28,8 +28,7 @@ static void *import(void *data)
 {
     voice_import *self = data;
     const sound_file_watch watch = {goes_on, self};
-    self->result = sound_file_import(&self->audio, self->into, self->path, SOUND_FILE_CUT_REFUSE,
-                                     &watch, &self->err);
+    self->result = sound_file_import(&self->audio, self->into, self->path, &watch, &self->err);
     atomic_store(&self->has_ended, true);
     return NULL;
 }

@@ -242,7 +242,7 @@ void rig_panel_put_jaw(rig_panel *self)
     self->jawing.is_changing = false;
     if (!r)
         return;
-    mrt_result result = rig_edit_set_jaw(r, rig_panel_jaw(r), &self->jawing.jaw, &err);
+    mrt_result result = rig_edit_set_jaw(r, rig_find_jaw(r), &self->jawing.jaw, &err);
     (void)rig_panel_finish(self, result, &err, "change the jaw");
 }
 
@@ -277,7 +277,7 @@ static void turn_jaw(rig_panel *self, viewport *view)
     const rig *r = rig_model_rig(self->model);
     const viewport_stroke *s = viewport_stroke_now(view);
     rig_jawing *jawing = &self->jawing;
-    uint32_t jaw = rig_panel_jaw(r);
+    uint32_t jaw = rig_find_jaw(r);
     rig_ray ray = ray_of(s);
     viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
     if (jaw == RIG_NONE)
@@ -470,7 +470,7 @@ static double tried_open(float *dof, const bones *b, const rig *r, const rig_jaw
                              jawing->forward_mm};
     for (int i = 0; i < 3; ++i) {
         char name[80];
-        (void)snprintf(name, sizeof name, "%.60s.%s", r->bone[rig_panel_jaw(r)].name, motion[i]);
+        (void)snprintf(name, sizeof name, "%.60s.%s", r->bone[rig_find_jaw(r)].name, motion[i]);
         set_dof(dof, b, name, value[i]);
     }
     return way_of_teeth(b, dof);
@@ -500,7 +500,7 @@ static bool pose_face(rig_panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
     const bool is_jaw = self->tab == RIG_TAB_JAW;
-    if (!work || !work->face || (is_jaw && rig_panel_jaw(&work->rig) == RIG_NONE))
+    if (!work || !work->face || (is_jaw && rig_find_jaw(&work->rig) == RIG_NONE))
         return false;
     const bones *b = face_bones(work->face);
     float dof[MRT_MAX_DOFS] = {0.0f};
@@ -573,7 +573,7 @@ static void tell_items(const rig_panel *self, viewport *view)
     uint32_t count = 0;
     if (self->tab == RIG_TAB_CONTACTS)
         count = add_contacts(self, item);
-    if (self->tab == RIG_TAB_JAW && rig_panel_jaw(rig_model_rig(self->model)) != RIG_NONE)
+    if (self->tab == RIG_TAB_JAW && rig_find_jaw(rig_model_rig(self->model)) != RIG_NONE)
         count = rig_gizmo_draw(item, &self->jawing.jaw, self->jawing.held);
     if (self->tab == RIG_TAB_PARTS)
         count = rig_panel_part_items(self, item, ITEMS_MAX);

@@ -856,14 +856,6 @@ void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index)
     self->shown.is_tint_new = true;
 }
 
-uint32_t rig_panel_jaw(const rig *r)
-{
-    for (uint32_t i = 0; i < r->bone_count; ++i)
-        if (r->bone[i].kind == BONE_JAW)
-            return i;
-    return RIG_NONE;
-}
-
 /* ---- which face ---- */
 
 static void forget_face(rig_panel *self)

@@ -112,7 +112,6 @@ rig *rig_panel_begin(rig_panel *self); /* NULL: it is said why */
 bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, const char *words);
 void rig_panel_say(rig_panel *self, const char *trouble);            /* "": nothing */
 void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index); /* a region, a contact */
-uint32_t rig_panel_jaw(const rig *r);                                /* the bone; RIG_NONE */
 
 /* ---- on the face (on_face.c) ---- */
 

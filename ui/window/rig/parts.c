@@ -299,7 +299,7 @@ static void add_pose(rig_panel *self)
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(self, rig_edit_add_pose(r, &made, &index, &err), &err, "add a pose"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, index);
-    rig_poses_finish(&made);
+    rig_pose_finish(&made);
 }
 
 static void remove_pose(rig_panel *self)
@@ -894,7 +894,7 @@ static void draw_jaw_try(rig_panel *self, ui *on)
 void rig_panel_draw_jaw(rig_panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
-    uint32_t jaw = rig_panel_jaw(r);
+    uint32_t jaw = rig_find_jaw(r);
     if (jaw == RIG_NONE) {
         ui_text_wrapped(on, UI_STYLE_DIM, "This rig has no jaw: no bone of it has a hinge.");
         return;

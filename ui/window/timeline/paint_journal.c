@@ -2,6 +2,7 @@
 #include "window/timeline/timeline.h"
 
 #include "base/clock.h"
+#include "base/hash.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -115,10 +116,8 @@ static void paint_takes(panel *self, ui *on, const strip *s)
 /* The text says which device; of two alike the place in memory tells them apart. */
 uint64_t timeline_journal_input(live *stage, uint32_t index)
 {
-    uint64_t hash = (uint64_t)(uintptr_t)live_input(stage, index);
-    for (const char *c = live_input_text(stage, index); c && *c; ++c)
-        hash = (hash ^ (unsigned char)*c) * 1099511628211u; /* FNV-1a */
-    return hash;
+    const char *text = live_input_text(stage, index);
+    return hash_bytes((uint64_t)(uintptr_t)live_input(stage, index), text, text ? strlen(text) : 0);
 }
 
 /* In whole columns of whole bins, so that what is past stands still in its shape. */

@@ -1,4 +1,5 @@
 #include "window/viewport/viewport.h"
+#include "base/hash.h"
 #include "window/app/kept_scenery.h"
 #include "draw/overlay.h"
 #include "window/gui/theme.h"
@@ -604,17 +605,9 @@ static bool is_same_face(const viewport_face *a, const viewport_face *b)
            a->triangle == b->triangle && a->vertex_count == b->vertex_count;
 }
 
-static uint64_t hash_bytes(uint64_t hash, const void *data, size_t size)
-{
-    const unsigned char *at = data;
-    for (size_t i = 0; i < size; ++i)
-        hash = (hash ^ at[i]) * 1099511628211u; /* FNV-1a */
-    return hash;
-}
-
 static uint64_t surface_of(const mesh *m)
 {
-    uint64_t hash = 14695981039346656037u;
+    uint64_t hash = HASH_START;
     size_t places = (size_t)m->vertex_count * 3, corners = (size_t)m->triangle_count * 3;
     hash = hash_bytes(hash, m->position, places * sizeof *m->position);
     hash = hash_bytes(hash, m->triangle, corners * sizeof *m->triangle);
