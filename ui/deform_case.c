@@ -1,75 +1,44 @@
 #include "deform_case.h"
 
 #include "base/json.h"
-#include "base/text.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { PATH_TEXT = 96 };
+/* ---- reading ---- */
 
-typedef struct json_path {
-    char text[PATH_TEXT]; /* "$.frames[2][0]" */
-} json_path;
-
-static json_path json_path_at(const json_path *parent, size_t index)
+static mrt_result read_number(double *out, const json_node *at, error *err)
 {
-    json_path out;
-    (void)snprintf(out.text, sizeof out.text, "%.60s[%zu]", parent->text, index);
-    return out;
-}
-
-static json_path json_path_of(const json_path *parent, const char *key)
-{
-    json_path out;
-    (void)snprintf(out.text, sizeof out.text, "%.40s.%.40s", parent->text, key);
-    return out;
-}
-
-static const json_path root = {"$"};
-
-static mrt_result unexpected(error *err, const json_path *at, const char *expected,
-                             const json_t *found)
-{
-    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->text, expected,
-                     json_describe(found).text);
-}
-
-static mrt_result read_number(double *out, const json_t *value, const json_path *at, error *err)
-{
-    if (!json_is_number(value) || !(fabs(json_number_value(value)) <= (double)POINTS_REACH))
-        return unexpected(err, at, "a number within +-1e15", value);
-    *out = json_number_value(value);
+    if (!json_is_number(at->value) || !(fabs(json_number_value(at->value)) <= (double)POINTS_REACH))
+        return json_node_unexpected(err, at, "a number within +-1e15");
+    *out = json_number_value(at->value);
     return MRT_OK;
 }
 
 /* out: 3. */
-static mrt_result read_row(double *out, const json_t *value, const json_path *at, error *err)
+static mrt_result read_row(double *out, const json_node *at, error *err)
 {
-    if (!json_is_array(value) || json_array_size(value) != 3)
-        return unexpected(err, at, "three numbers [x, y, z]", value);
-    for (size_t axis = 0; axis < 3; ++axis) {
-        json_path here = json_path_at(at, axis);
-        mrt_result result = read_number(out + axis, json_array_get(value, axis), &here, err);
-        if (result < 0)
-            return result;
+    if (!json_is_array(at->value) || json_array_size(at->value) != 3)
+        return json_node_unexpected(err, at, "three numbers [x, y, z]");
+    mrt_result result = MRT_OK;
+    for (size_t axis = 0; axis < 3 && result >= 0; ++axis) {
+        json_node here = json_node_item(at, axis);
+        result = read_number(out + axis, &here, err);
     }
-    return MRT_OK;
+    return result;
 }
 
-/* out: as many rows as value has. */
-static mrt_result read_rows_into(double *out, const json_t *value, const json_path *at, error *err)
+/* out: as many rows as the array has. */
+static mrt_result read_rows_into(double *out, const json_node *at, error *err)
 {
-    for (size_t i = 0; i < json_array_size(value); ++i) {
-        json_path here = json_path_at(at, i);
-        mrt_result result = read_row(out + 3 * i, json_array_get(value, i), &here, err);
-        if (result < 0)
-            return result;
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < json_array_size(at->value) && result >= 0; ++i) {
+        json_node here = json_node_item(at, i);
+        result = read_row(out + 3 * i, &here, err);
     }
-    return MRT_OK;
+    return result;
 }
 
 static mrt_result allocate(double **out, size_t count, error *err)
@@ -79,80 +48,69 @@ static mrt_result allocate(double **out, size_t count, error *err)
 }
 
 /* Rows of three at `key` of the object, at most row_cap of them. */
-static mrt_result read_rows(double **out, uint32_t *out_count, const json_t *object,
-                            const json_path *parent, const char *key, uint32_t row_cap, error *err)
+static mrt_result read_rows(double **out, uint32_t *out_count, const json_node *object,
+                            const char *key, uint32_t row_cap, error *err)
 {
-    json_path at = json_path_of(parent, key);
-    const json_t *value = json_object_get(object, key);
-    if (!json_is_array(value))
-        return unexpected(err, &at, "an array of points [x, y, z]", value);
-    if (json_array_size(value) > row_cap)
+    json_node at = json_node_member(object, key);
+    if (!json_is_array(at.value))
+        return json_node_unexpected(err, &at, "an array of points [x, y, z]");
+    if (json_array_size(at.value) > row_cap)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu points are too many, at most %u",
-                         at.text, json_array_size(value), row_cap);
-    *out_count = (uint32_t)json_array_size(value);
+                         at.path.text, json_array_size(at.value), row_cap);
+    *out_count = (uint32_t)json_array_size(at.value);
     mrt_result result = allocate(out, (size_t)3 * *out_count, err);
-    return result < 0 ? result : read_rows_into(*out, value, &at, err);
+    return result < 0 ? result : read_rows_into(*out, &at, err);
 }
 
-static mrt_result read_frames(deform_case *c, const json_t *object, error *err)
+static mrt_result read_frames(deform_case *c, const json_node *root, error *err)
 {
-    json_path at = json_path_of(&root, "frames");
-    const json_t *frames = json_object_get(object, "frames");
-    if (!json_is_array(frames) || json_array_size(frames) == 0)
-        return unexpected(err, &at, "an array of at least one frame", frames);
-    size_t count = json_array_size(frames), numbers = (size_t)3 * c->tip_count;
+    json_node at = json_node_member(root, "frames");
+    if (!json_is_array(at.value) || json_array_size(at.value) == 0)
+        return json_node_unexpected(err, &at, "an array of at least one frame");
+    size_t count = json_array_size(at.value), numbers = (size_t)3 * c->tip_count;
     if (count > DEFORM_NUMBER_CAP / (numbers + 3))
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu frames are too many", at.text, count);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu frames are too many", at.path.text,
+                         count);
     c->frame_count = (uint32_t)count;
     mrt_result result = allocate(&c->tip, count * numbers, err);
     for (size_t f = 0; result >= 0 && f < count; ++f) {
-        const json_t *frame = json_array_get(frames, f);
-        json_path here = json_path_at(&at, f);
-        if (!json_is_array(frame) || json_array_size(frame) != c->tip_count) {
+        json_node frame = json_node_item(&at, f);
+        if (!json_is_array(frame.value) || json_array_size(frame.value) != c->tip_count) {
             char expected[64];
             (void)snprintf(expected, sizeof expected, "an array of %u points, as $.starts has",
                            c->tip_count);
-            return unexpected(err, &here, expected, frame);
+            return json_node_unexpected(err, &frame, expected);
         }
-        result = read_rows_into(c->tip + f * numbers, frame, &here, err);
+        result = read_rows_into(c->tip + f * numbers, &frame, err);
     }
     return result;
 }
 
 /* Notes keys of the object that are not in the NULL-ended list. */
-static void note_unknown(deform_case *c, const json_t *object, const json_path *parent,
-                         const char *const *known)
+static void note_unknown(deform_case *c, const json_node *object, const char *const *known)
 {
-    void *place_in = json_object_iter((json_t *)(uintptr_t)object);
-    for (; place_in; place_in = json_object_iter_next((json_t *)(uintptr_t)object, place_in)) {
-        const char *key = json_object_iter_key(place_in);
-        const char *const *entry = known;
-        while (*entry && strcmp(*entry, key) != 0)
-            ++entry;
-        if (*entry)
-            continue;
-        char word[40];
-        text_copy(word, sizeof word, text_view_of(key, strlen(key)));
+    void *at = NULL;
+    for (const char *key; (key = json_node_unknown(object, known, &at)) != NULL;) {
         size_t used = strlen(c->unknown);
-        (void)snprintf(c->unknown + used, sizeof c->unknown - used, "%s%s.%s", used ? ", " : "",
-                       parent->text, word);
+        (void)snprintf(c->unknown + used, sizeof c->unknown - used, "%s%s", used ? ", " : "",
+                       json_node_member(object, key).path.text);
     }
 }
 
-static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, const json_path *at,
-                            vec3 point, vec3 axis, error *err)
+static mrt_result read_pose(deform_case *c, size_t frame, const json_node *at, vec3 point,
+                            vec3 axis, error *err)
 {
     static const char *const known[] = {"angle", "translation", NULL};
-    if (!json_is_object(value))
-        return unexpected(err, at, "an object with angle and translation", value);
-    note_unknown(c, value, at, known);
     double angle = 0.0, translation[3] = {0.0};
-    json_path here = json_path_of(at, "angle");
-    mrt_result result = read_number(&angle, json_object_get(value, "angle"), &here, err);
+    mrt_result result = json_node_object(at, "an object with angle and translation", err);
     if (result < 0)
         return result;
-    here = json_path_of(at, "translation");
-    result = read_row(translation, json_object_get(value, "translation"), &here, err);
+    note_unknown(c, at, known);
+    json_node angle_at = json_node_member(at, "angle");
+    json_node translation_at = json_node_member(at, "translation");
+    result = read_number(&angle, &angle_at, err);
+    if (result >= 0)
+        result = read_row(translation, &translation_at, err);
     if (result < 0)
         return result;
     c->pose[frame] = rigid_turn(point, axis, angle);
@@ -161,125 +119,113 @@ static mrt_result read_pose(deform_case *c, size_t frame, const json_t *value, c
     return MRT_OK;
 }
 
-static mrt_result read_axis(vec3 *out_point, vec3 *out_direction, const json_t *jaw,
-                            const json_path *parent, error *err)
+static mrt_result read_axis(vec3 *out_point, vec3 *out_direction, const json_node *jaw, error *err)
 {
     double point[3] = {0.0}, direction[3] = {0.0};
-    json_path at = json_path_of(parent, "axis_point");
-    mrt_result result = read_row(point, json_object_get(jaw, "axis_point"), &at, err);
-    if (result < 0)
-        return result;
-    at = json_path_of(parent, "axis_dir");
-    result = read_row(direction, json_object_get(jaw, "axis_dir"), &at, err);
+    json_node point_at = json_node_member(jaw, "axis_point");
+    json_node direction_at = json_node_member(jaw, "axis_dir");
+    mrt_result result = read_row(point, &point_at, err);
+    if (result >= 0)
+        result = read_row(direction, &direction_at, err);
     if (result < 0)
         return result;
     vec3 none = {0.0, 0.0, 0.0};
     *out_point = (vec3){point[0], point[1], point[2]};
     *out_direction = vec3_normalised((vec3){direction[0], direction[1], direction[2]}, none);
     if (vec3_dot(*out_direction, *out_direction) == 0.0)
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found no length", at.text);
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found no length",
+                         direction_at.path.text);
     return MRT_OK;
 }
 
-static mrt_result read_jaw(deform_case *c, const json_t *object, error *err)
+static mrt_result read_jaw(deform_case *c, const json_node *root, error *err)
 {
     static const char *const known[] = {"centres", "axis_point", "axis_dir", "poses", NULL};
-    const json_t *jaw = json_object_get(object, "jaw");
-    json_path at = json_path_of(&root, "jaw");
-    if (!jaw)
-        return MRT_OK;
-    if (!json_is_object(jaw))
-        return unexpected(err, &at, "an object with centres, axis and poses", jaw);
-    note_unknown(c, jaw, &at, known);
+    json_node jaw = json_node_member(root, "jaw");
     vec3 point, direction;
-    mrt_result result =
-        read_rows(&c->jaw, &c->jaw_count, jaw, &at, "centres", DEFORM_CENTRE_CAP, err);
-    if (result >= 0)
-        result = read_axis(&point, &direction, jaw, &at, err);
+    if (!jaw.value)
+        return MRT_OK;
+    mrt_result result = json_node_object(&jaw, "an object with centres, axis and poses", err);
     if (result < 0)
         return result;
-    const json_t *poses = json_object_get(jaw, "poses");
-    json_path here = json_path_of(&at, "poses");
-    if (!json_is_array(poses) || json_array_size(poses) != c->frame_count) {
+    note_unknown(c, &jaw, known);
+    result = read_rows(&c->jaw, &c->jaw_count, &jaw, "centres", DEFORM_CENTRE_CAP, err);
+    if (result >= 0)
+        result = read_axis(&point, &direction, &jaw, err);
+    if (result < 0)
+        return result;
+    json_node poses = json_node_member(&jaw, "poses");
+    if (!json_is_array(poses.value) || json_array_size(poses.value) != c->frame_count) {
         char expected[64];
         (void)snprintf(expected, sizeof expected, "an array of %u poses, one per frame",
                        c->frame_count);
-        return unexpected(err, &here, expected, poses);
+        return json_node_unexpected(err, &poses, expected);
     }
     c->pose = calloc(c->frame_count, sizeof *c->pose);
     if (!c->pose)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u poses", c->frame_count);
     for (size_t f = 0; result >= 0 && f < c->frame_count; ++f) {
-        json_path pose_at = json_path_at(&here, f);
-        result = read_pose(c, f, json_array_get(poses, f), &pose_at, point, direction, err);
+        json_node pose = json_node_item(&poses, f);
+        result = read_pose(c, f, &pose, point, direction, err);
     }
     return result;
 }
 
-static const char *word_at(const json_t *object, const char *key)
+/* The word at `at`; "": it is no word. */
+static const char *word_at(const json_node *at)
 {
-    const char *word = json_string_value(json_object_get(object, key));
+    const char *word = json_string_value(at->value);
     return word ? word : "";
 }
 
-static mrt_result read_settings(deform_case *c, const json_t *object, error *err)
+static mrt_result read_settings(deform_case *c, const json_node *root, error *err)
 {
-    json_path at = json_path_of(&root, "kernel");
-    if (!csrbf_kernel_named(word_at(object, "kernel"), &c->settings.kernel))
-        return unexpected(err, &at,
-                          "\"wendland_c2\", \"wendland_c0\", \"wendland_c4\" or \"wendland_c6\"",
-                          json_object_get(object, "kernel"));
-    at = json_path_of(&root, "polynomial");
-    if (!csrbf_polynomial_named(word_at(object, "polynomial"), &c->settings.polynomial))
-        return unexpected(err, &at, "\"none\", \"constant\", \"linear\" or \"windowed\"",
-                          json_object_get(object, "polynomial"));
-    at = json_path_of(&root, "mode");
-    const char *mode = word_at(object, "mode");
-    if (strcmp(mode, "anchored") != 0 && strcmp(mode, "unanchored") != 0)
-        return unexpected(err, &at, "\"anchored\" or \"unanchored\"",
-                          json_object_get(object, "mode"));
-    c->mode = strcmp(mode, "anchored") == 0 ? DEFORM_ANCHORED : DEFORM_UNANCHORED;
-    at = json_path_of(&root, "radius");
-    const json_t *radius = json_object_get(object, "radius");
-    c->settings.radius = json_number_value(radius);
+    json_node kernel = json_node_member(root, "kernel"), mode = json_node_member(root, "mode");
+    json_node polynomial = json_node_member(root, "polynomial");
+    json_node radius = json_node_member(root, "radius");
+    if (!csrbf_kernel_named(word_at(&kernel), &c->settings.kernel))
+        return json_node_unexpected(
+            err, &kernel, "\"wendland_c2\", \"wendland_c0\", \"wendland_c4\" or \"wendland_c6\"");
+    if (!csrbf_polynomial_named(word_at(&polynomial), &c->settings.polynomial))
+        return json_node_unexpected(err, &polynomial,
+                                    "\"none\", \"constant\", \"linear\" or \"windowed\"");
+    c->mode = strcmp(word_at(&mode), "anchored") == 0 ? DEFORM_ANCHORED : DEFORM_UNANCHORED;
+    if (c->mode == DEFORM_UNANCHORED && strcmp(word_at(&mode), "unanchored") != 0)
+        return json_node_unexpected(err, &mode, "\"anchored\" or \"unanchored\"");
+    c->settings.radius = json_number_value(radius.value);
     if (!(c->settings.radius >= 1e-14 && c->settings.radius <= 1e14))
-        return unexpected(err, &at, "a number > 0, from 1e-14 to 1e14", radius);
+        return json_node_unexpected(err, &radius, "a number > 0, from 1e-14 to 1e14");
     return MRT_OK;
 }
 
-static mrt_result read_points(deform_case *c, const json_t *object, error *err)
+static mrt_result read_skull(deform_case *c, const json_node *root, error *err)
 {
-    uint32_t cap = DEFORM_NUMBER_CAP / 3 / c->frame_count;
-    return read_rows(&c->point, &c->point_count, object, &root, "points", cap, err);
-}
-
-static mrt_result read_skull(deform_case *c, const json_t *object, error *err)
-{
-    if (!json_object_get(object, "skull"))
+    if (!json_object_get(root->value, "skull"))
         return MRT_OK;
-    return read_rows(&c->skull, &c->skull_count, object, &root, "skull", DEFORM_CENTRE_CAP, err);
+    return read_rows(&c->skull, &c->skull_count, root, "skull", DEFORM_CENTRE_CAP, err);
 }
 
-static mrt_result read_object(deform_case *c, const json_t *object, error *err)
+static mrt_result read_case(deform_case *c, const json_node *root, error *err)
 {
     static const char *const known[] = {
         "name",  "comment", "kernel", "radius",   "polynomial", "mode",    "starts",  "frames",
         "skull", "jaw",     "points", "expected", "info",       "tol_f64", "tol_f32", NULL};
-    if (!json_is_object(object))
-        return unexpected(err, &root, "an object", object);
-    note_unknown(c, object, &root, known);
-    mrt_result result = read_settings(c, object, err);
+    mrt_result result = json_node_object(root, "an object", err);
+    if (result < 0)
+        return result;
+    note_unknown(c, root, known);
+    result = read_settings(c, root, err);
     if (result >= 0)
-        result =
-            read_rows(&c->start, &c->tip_count, object, &root, "starts", DEFORM_CENTRE_CAP, err);
+        result = read_rows(&c->start, &c->tip_count, root, "starts", DEFORM_CENTRE_CAP, err);
     if (result >= 0)
-        result = read_frames(c, object, err);
+        result = read_frames(c, root, err);
     if (result >= 0)
-        result = read_skull(c, object, err);
+        result = read_skull(c, root, err);
     if (result >= 0)
-        result = read_jaw(c, object, err);
+        result = read_jaw(c, root, err);
     if (result >= 0)
-        result = read_points(c, object, err);
+        result = read_rows(&c->point, &c->point_count, root, "points",
+                           DEFORM_NUMBER_CAP / 3 / c->frame_count, err);
     if (result >= 0 && c->tip_count + c->skull_count + c->jaw_count > DEFORM_CENTRE_CAP)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
                            "$: %u tips, %u skull and %u jaw centres are too many, at most %d",
@@ -290,17 +236,14 @@ static mrt_result read_object(deform_case *c, const json_t *object, error *err)
 mrt_result deform_case_read(deform_case *out, const void *bytes, size_t size, const char *name,
                             error *err)
 {
-    json_error_t why;
+    json_t *value;
     *out = (deform_case){.unknown = ""};
-    json_t *object = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &why);
-    if (!object) {
-        char text[JSON_ERROR_TEXT_LENGTH];
-        text_copy(text, sizeof text, text_view_of(why.text, strlen(why.text)));
-        return error_set(err, MRT_ERR_FORMAT, "%s: line %d, column %d: %s", name, why.line,
-                         why.column, text);
+    mrt_result result = json_parse(&value, bytes, size, err);
+    if (result >= 0) {
+        json_node root = json_node_root(value, NULL);
+        result = read_case(out, &root, err);
+        json_decref(value);
     }
-    mrt_result result = read_object(out, object, err);
-    json_decref(object);
     if (result < 0) {
         error_prefix(err, name);
         deform_case_destroy(out);
@@ -451,8 +394,9 @@ mrt_result deform_case_run(const deform_case *c, deform_precision precision, dou
             result = check_points(out + frame * numbers, c->point_count, err);
         }
         if (result < 0) {
-            json_path at = json_path_of(&root, "frames");
-            error_prefix(err, json_path_at(&at, frame).text);
+            char path[32];
+            (void)snprintf(path, sizeof path, "$.frames[%u]", frame);
+            error_prefix(err, path);
         }
     }
     run_destroy(&r);

@@ -13,94 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { JSON_PATH_TEXT = 320 };
+enum { EXPECTED_TEXT = 256 };
 
-typedef struct json_node {
-    const json_t *value;       /* NULL: there is none here */
-    char path[JSON_PATH_TEXT]; /* "FILE: $.sensors[3]" */
-} json_node;
-
-/* ---- values and where they stand ---- */
-
-enum { WORD_TEXT = 64, EXPECTED_TEXT = 256 };
-
-/* Bytes from somebody else, for a message. */
-typedef struct word {
-    char text[WORD_TEXT];
-} word;
-
-static word word_of(const char *text)
-{
-    word out;
-    text_copy(out.text, sizeof out.text, text_view_of(text, strlen(text)));
-    return out;
-}
-
-static json_node json_node_root(const json_t *value, const char *name)
-{
-    json_node out = {.value = value};
-    (void)snprintf(out.path, sizeof out.path, "%.120s: $", name);
-    return out;
-}
-
-/* Sensor names have a dot in them, so such keys are quoted. */
-static json_node json_node_member(const json_node *of, const char *key)
-{
-    json_node out = {.value = json_object_get(of->value, key)};
-    word shown = word_of(key);
-    bool is_quoted = strchr(key, '.') != NULL;
-    (void)snprintf(out.path, sizeof out.path, "%.240s%s%s%s", of->path, is_quoted ? "[\"" : ".",
-                   shown.text, is_quoted ? "\"]" : "");
-    return out;
-}
-
-static json_node json_node_item(const json_node *of, size_t index)
-{
-    json_node out = {.value = json_array_get(of->value, index)};
-    (void)snprintf(out.path, sizeof out.path, "%.290s[%zu]", of->path, index);
-    return out;
-}
-
-/* "PLACE: expected EXPECTED, found ..."; always MRT_ERR_FORMAT. */
-static mrt_result json_node_unexpected(error *err, const json_node *at, const char *expected)
-{
-    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->path, expected,
-                     json_describe(at->value).text);
-}
-
-static mrt_result json_node_object(const json_node *at, const char *expected, error *err)
-{
-    return json_is_object(at->value) ? MRT_OK : json_node_unexpected(err, at, expected);
-}
-
-static mrt_result json_node_number(double *out, const json_node *at, double low, double high,
-                                   error *err)
-{
-    double value = json_number_value(at->value);
-    if (!json_is_number(at->value) || !(value >= low && value <= high)) {
-        char expected[EXPECTED_TEXT];
-        (void)snprintf(expected, sizeof expected, "a number from %g to %g", low, high);
-        return json_node_unexpected(err, at, expected);
-    }
-    *out = value;
-    return MRT_OK;
-}
-
-static mrt_result json_node_pair(double out[2], const json_node *at, double low, double high,
-                                 error *err)
-{
-    if (!json_is_array(at->value) || json_array_size(at->value) != 2)
-        return json_node_unexpected(err, at, "two numbers [a, b]");
-    mrt_result result = MRT_OK;
-    for (size_t i = 0; i < 2 && result >= 0; ++i) {
-        json_node item = json_node_item(at, i);
-        result = json_node_number(&out[i], &item, low, high, err);
-    }
-    return result;
-}
+/* ---- reading values ---- */
 
 /* At most capacity - 1 bytes that can be shown. */
-static mrt_result json_node_text(char *out, size_t capacity, const json_node *at, error *err)
+static mrt_result read_text(char *out, size_t capacity, const json_node *at, error *err)
 {
     const char *text = json_string_value(at->value);
     size_t length = json_string_length(at->value);
@@ -115,8 +33,8 @@ static mrt_result json_node_text(char *out, size_t capacity, const json_node *at
 }
 
 /* One of `count` words; out: which. */
-static mrt_result json_node_choice(uint32_t *out, const json_node *at, const char *const *words,
-                                   uint32_t count, error *err)
+static mrt_result read_choice(uint32_t *out, const json_node *at, const char *const *words,
+                              uint32_t count, error *err)
 {
     const char *text = json_string_value(at->value);
     for (uint32_t i = 0; text && i < count; ++i) {
@@ -140,6 +58,7 @@ static mrt_result json_node_choice(uint32_t *out, const json_node *at, const cha
 const char *const calibration_source_name[CALIBRATION_SOURCES] = {"shipped", "zeroed", "measured",
                                                                   "imported"};
 static const char *const side_name[2] = {"left", "right"};
+static const char pair_expected[] = "two numbers [a, b]";
 static const double raw_cap = 1e6, cross_talk_cap = 1e3;
 
 void calibration_file_init(calibration_file *out, uint32_t side)
@@ -172,18 +91,10 @@ void calibration_file_note(calibration_file *file, const char *format, ...)
 
 static void note_unknown(calibration_file *file, const json_node *object, const char *const *known)
 {
-    json_t *value = (json_t *)(uintptr_t)object->value;
-    for (void *at = json_object_iter(value); at; at = json_object_iter_next(value, at)) {
-        const char *key = json_object_iter_key(at);
-        const char *const *entry = known;
-        while (*entry && strcmp(*entry, key) != 0)
-            ++entry;
-        if (*entry)
-            continue;
-        json_node member = json_node_member(object, key);
+    void *at = NULL;
+    for (const char *key; (key = json_node_unknown(object, known, &at)) != NULL;)
         calibration_file_note(file, "%s: a key that this version does not know; it is kept",
-                              member.path);
-    }
+                              json_node_member(object, key).path.text);
 }
 
 /* Not there: `out` stays. */
@@ -203,7 +114,8 @@ static mrt_result read_points(hand_table *out, const json_node *at, error *err)
     for (size_t i = 0; i < count; ++i) {
         json_node item = json_node_item(at, i);
         double point[2];
-        mrt_result result = json_node_pair(point, &item, -raw_cap, raw_cap, err);
+        mrt_result result =
+            json_node_numbers(point, 2, &item, -raw_cap, raw_cap, pair_expected, err);
         if (result < 0)
             return result;
         json_node rad = json_node_item(&item, 1);
@@ -215,7 +127,7 @@ static mrt_result read_points(hand_table *out, const json_node *at, error *err)
         if (i > 0 && !(out->raw[i] > out->raw[i - 1]))
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: expected a raw value above the one before it, %.9g, found %.9g",
-                             item.path, (double)out->raw[i - 1], point[0]);
+                             item.path.text, (double)out->raw[i - 1], point[0]);
     }
     out->count = (uint32_t)count;
     return MRT_OK;
@@ -227,7 +139,8 @@ static mrt_result read_range(float out[2], bool *out_has, const json_node *of, c
     double pair[2] = {0, 0};
     json_node at = json_node_member(of, key);
     *out_has = at.value != NULL;
-    mrt_result result = at.value ? json_node_pair(pair, &at, -cap, cap, err) : MRT_OK;
+    mrt_result result =
+        at.value ? json_node_numbers(pair, 2, &at, -cap, cap, pair_expected, err) : MRT_OK;
     out[0] = (float)pair[0];
     out[1] = (float)pair[1];
     return result;
@@ -263,7 +176,7 @@ static mrt_result read_cross_talk(calibration_sensor *out, const json_node *of, 
         if (sensor < 0)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: there is no sensor of that name, as in \"index.mpj\"",
-                             member.path);
+                             member.path.text);
         double share = 0;
         result = json_node_number(&share, &member, -cross_talk_cap, cross_talk_cap, err);
         if (result < 0)
@@ -286,7 +199,7 @@ static mrt_result read_sensor(calibration_file *file, int sensor, const json_nod
     uint32_t choice = 0;
     double neutral = (double)sensor_table[sensor].neutral_rad, residual = 0;
     bool has_neutral = false;
-    result = json_node_choice(&choice, &source, calibration_source_name, CALIBRATION_SOURCES, err);
+    result = read_choice(&choice, &source, calibration_source_name, CALIBRATION_SOURCES, err);
     if (result >= 0)
         result = read_points(&out->table, &points, err);
     if (result >= 0)
@@ -320,7 +233,7 @@ static mrt_result read_sensors(calibration_file *out, const json_node *root, err
         if (sensor < 0)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: there is no sensor of that name, as in \"index.mpj\"",
-                             member.path);
+                             member.path.text);
         result = read_sensor(out, sensor, &member, err);
         if (result < 0)
             return result;
@@ -331,7 +244,7 @@ static mrt_result read_sensors(calibration_file *out, const json_node *root, err
     if (result >= 0 && (uint32_t)count != calibration_file_sensor_count(out))
         result =
             error_set(err, MRT_ERR_FORMAT, "%s: expected %u, as many as $.sensors has, found %g",
-                      count_at.path, calibration_file_sensor_count(out), count);
+                      count_at.path.text, calibration_file_sensor_count(out), count);
     return result;
 }
 
@@ -350,13 +263,13 @@ static mrt_result read_root(calibration_file *out, const json_node *root, error 
     if (!json_is_integer(version_at.value) || json_integer_value(version_at.value) != 1)
         return json_node_unexpected(err, &version_at, "1, the version of the file");
     if (name_at.value)
-        result = json_node_text(out->name, sizeof out->name, &name_at, err);
+        result = read_text(out->name, sizeof out->name, &name_at, err);
     if (result >= 0 && date_at.value)
-        result = json_node_text(out->date, sizeof out->date, &date_at, err);
+        result = read_text(out->date, sizeof out->date, &date_at, err);
     if (result >= 0)
-        result = json_node_choice(&out->side, &hand_at, side_name, 2, err);
+        result = read_choice(&out->side, &hand_at, side_name, 2, err);
     if (result >= 0 && input_at.value)
-        result = json_node_text(out->input, sizeof out->input, &input_at, err);
+        result = read_text(out->input, sizeof out->input, &input_at, err);
     bool has_length = false;
     if (result >= 0)
         result = read_optional(&out->hand_length_mm, &has_length, root, "hand_length_mm",
@@ -372,17 +285,15 @@ mrt_result calibration_file_parse(calibration_file *out, const void *bytes, size
                                   const char *name, error *err)
 {
     calibration_file_init(out, MRT_LEFT);
-    json_error_t reason;
-    json_t *value = json_loadb(bytes, size, JSON_REJECT_DUPLICATES, &reason);
-    if (!value) {
-        char said[JSON_ERROR_TEXT_LENGTH];
-        text_copy(said, sizeof said, text_view_of(reason.text, strlen(reason.text)));
-        return error_set(err, MRT_ERR_FORMAT, "%.120s: line %d, column %d: not JSON: %s", name,
-                         reason.line, reason.column, said);
+    json_t *value;
+    mrt_result result = json_parse(&value, bytes, size, err);
+    if (result < 0) {
+        error_prefix(err, name);
+        return result;
     }
     json_node root = json_node_root(value, name);
     out->document = value;
-    mrt_result result = read_root(out, &root, err);
+    result = read_root(out, &root, err);
     if (result < 0) {
         calibration_file_finish(out);
         calibration_file_init(out, MRT_LEFT);

@@ -99,7 +99,7 @@ bad 'smooth_s: is not within 0 and 10' '{"from": {"channel": "x"}, "to": {"dof":
 bad 'to: expected one of' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open", "pose": "joy"}}'
 bad 'in: is not two ascending' '{"from": {"channel": "x"}, "to": {"dof": "jaw.open"}, "in": [1, 0]}'
 bad 'is not record, stop or mark' '{"from": {"channel": "x"}, "to": {"action": "explode"}}'
-bad 'no JSON' '{{{'
+bad 'not JSON' '{{{'
 refused 1 'waldo' "$MAROTTE" perform --face "$puppet" --input log:faders.csv --map one_hand --patch waldo
 refused 1 'bad.json' "$MAROTTE" take remap "$show" 1 --patch bad.json
 exit $((failures > 0))

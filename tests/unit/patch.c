@@ -220,17 +220,17 @@ static void what_makes_no_sense_is_refused_with_its_place(void **state)
     static const struct {
         const char *text, *words;
     } cases[] = {
-        {"", "no JSON"},
+        {"", "not JSON"},
         {"[]", "expected an object, found an array"},
         {"{}", "$.marotte_patch: expected 1, found nothing"},
         {"{'marotte_patch':2,'connections':[]}", "$.marotte_patch: expected 1, found 2"},
         {"{'marotte_patch':1}", "$.connections: expected an array of at most 64"},
-        {"{'marotte_patch':1,'marotte_patch':1,'connections':[]}", "no JSON: duplicate"},
+        {"{'marotte_patch':1,'marotte_patch':1,'connections':[]}", "not JSON: duplicate"},
         {"{'marotte_patch':1,'connections':[],'more':1}", "$: \"more\" is not known here"},
         {ONE("3"), "$.connections[0]: expected an object, found 3"},
         {ONE("{" TO_JAW "}"), "$.connections[0].from: expected an object, found nothing"},
         {ONE("{" TO_JAW ",'from':{'channel':''}}"), "from.channel: expected a text of 1 to 63"},
-        {ONE("{" TO_JAW ",'from':{'channel':'a\\u0000b'}}"), "no JSON"},
+        {ONE("{" TO_JAW ",'from':{'channel':'a\\u0000b'}}"), "not JSON"},
         {ONE("{" TO_JAW ",'from':{'channel':'\\u001b[2J'}}"), "from.channel: expected a text"},
         {ONE("{" TO_JAW ",'from':{'channel':'a'},'in':[0]}"), "in: expected two numbers"},
         {ONE("{" TO_JAW ",'from':{'channel':'a'},'in':[1,1]}"), "in: is not two ascending"},

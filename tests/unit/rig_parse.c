@@ -205,7 +205,7 @@ static void wrong_contacts_are_refused(void **state)
     assert_refused("\"poses\": [{\"name\": \"p\", \"pulls\": {\"a\": [0,0,0]}}]",
                    "$.poses[0].pulls.a", "no contact \"a\"");
     assert_refused("\"poses\": [{\"name\": \"p\", \"dofs\": {\"jaw.open\": 3}}]",
-                   "$.poses[0].dofs.jaw.open", "no such degree of freedom");
+                   "$.poses[0].dofs[\"jaw.open\"]", "no such degree of freedom");
 }
 
 static void wrong_settings_are_refused(void **state)

@@ -508,12 +508,12 @@ static mrt_result check_seams(const rig *r, const mesh *m, const bind_marks *mar
             if (b ? !weights_differ(b, v, contact->vertex)
                   : !marks_differ(marks, r, m, v, contact->vertex))
                 continue;
-            rig_location location = rig_location_of(r, RIG_CONTACTS, i);
+            json_path path = rig_entry_path(r, RIG_CONTACTS, i);
             return error_set(err, MRT_ERR_ARGUMENT,
                              "%s.vertex: the contact \"%s\" is on a seam: vertices %u and %u are "
                              "at one place and ride on different bones; choose a vertex away from "
                              "the seam, or name its bone",
-                             location.text, contact->name, contact->vertex, v);
+                             path.text, contact->name, contact->vertex, v);
         }
     }
     return MRT_OK;
@@ -521,7 +521,7 @@ static mrt_result check_seams(const rig *r, const mesh *m, const bind_marks *mar
 
 /* ---- mirrors ---- */
 
-static void check_side(checking *c, uint32_t index, const rig_location *location)
+static void check_side(checking *c, uint32_t index, const json_path *path)
 {
     const rig_contact *contact = &c->r->contact[index];
     size_t length = strlen(contact->name);
@@ -530,14 +530,14 @@ static void check_side(checking *c, uint32_t index, const rig_location *location
     x -= c->head ? c->head->middle_x : 0.0;
     bool is_left = strcmp(end, ".l") == 0, is_right = strcmp(end, ".r") == 0;
     if ((is_left && x < 0.0) || (is_right && x > 0.0))
-        report(c, RIG_WARNING, location->text,
+        report(c, RIG_WARNING, path->text,
                "\"%s\" lies at x = %.1f mm, on the other side: +x is the subject's left",
                contact->name, x);
     if ((is_left || is_right) && contact->mirror == RIG_NONE)
-        report(c, RIG_NOTE, location->text, "\"%s\" has no mirror", contact->name);
+        report(c, RIG_NOTE, path->text, "\"%s\" has no mirror", contact->name);
 }
 
-static void check_mirror(checking *c, uint32_t index, const rig_location *location)
+static void check_mirror(checking *c, uint32_t index, const json_path *path)
 {
     const rig_contact *contact = &c->r->contact[index];
     if (contact->mirror == RIG_NONE || contact->mirror < index)
@@ -550,19 +550,19 @@ static void check_mirror(checking *c, uint32_t index, const rig_location *locati
     if (off_mm <= mirror_reach_mm)
         return;
     uint32_t better = rig_mirror_of(c->m, NULL, contact->vertex, middle_x, &distance_mm);
-    report(c, RIG_WARNING, location->text,
+    report(c, RIG_WARNING, path->text,
            "\"%s\" and \"%s\" are %.1f mm from being mirror images; vertex %u is %.1f mm from it",
            contact->name, other->name, off_mm, better, distance_mm);
 }
 
 /* ---- reach ---- */
 
-static void check_mobility(checking *c, uint32_t index, const rig_location *location)
+static void check_mobility(checking *c, uint32_t index, const json_path *path)
 {
     const rig_contact *contact = &c->r->contact[index];
     uint32_t rigid_bone = c->marks->rigid_bone[contact->vertex];
     if (rigid_bone != RIG_NONE) {
-        report(c, RIG_WARNING, location->text,
+        report(c, RIG_WARNING, path->text,
                "\"%s\" cannot be pulled: vertex %u is rigid on \"%s\"; choose one on the skin",
                contact->name, contact->vertex, c->r->bone[rigid_bone].name);
         return;
@@ -570,7 +570,7 @@ static void check_mobility(checking *c, uint32_t index, const rig_location *loca
     float mobility =
         c->binding ? c->binding->mobility[contact->vertex] : c->marks->mobility[contact->vertex];
     if ((double)mobility < still)
-        report(c, RIG_WARNING, location->text,
+        report(c, RIG_WARNING, path->text,
                "\"%s\" can hardly be pulled: the mobility of vertex %u is %.3f; choose one "
                "further from what is rigid",
                contact->name, contact->vertex, (double)mobility);
@@ -595,8 +595,8 @@ static void check_spacing(checking *c)
             nearest = fmin(nearest, mm);
             if (j < i || mm >= 1e-3 * c->radius_mm)
                 continue;
-            rig_location location = rig_location_of(c->r, RIG_CONTACTS, j);
-            report(c, RIG_WARNING, location.text,
+            json_path path = rig_entry_path(c->r, RIG_CONTACTS, j);
+            report(c, RIG_WARNING, path.text,
                    "\"%s\" is %.3g mm from \"%s\": below 1/1000 of the radius they count as one",
                    c->r->contact[j].name, mm, c->r->contact[i].name);
         }
@@ -613,10 +613,10 @@ static void check_spacing(checking *c)
 static void check_contacts(checking *c)
 {
     for (uint32_t i = 0; i < c->r->contact_count; ++i) {
-        rig_location location = rig_location_of(c->r, RIG_CONTACTS, i);
-        check_side(c, i, &location);
-        check_mirror(c, i, &location);
-        check_mobility(c, i, &location);
+        json_path path = rig_entry_path(c->r, RIG_CONTACTS, i);
+        check_side(c, i, &path);
+        check_mirror(c, i, &path);
+        check_mobility(c, i, &path);
     }
     check_spacing(c);
     if (c->r->contact_count == 0)
@@ -632,30 +632,30 @@ static mrt_result check_hinge(const rig *r, error *err)
     uint32_t jaw = rig_find_jaw(r);
     if (jaw == RIG_NONE || r->bone[jaw].hinge_left.x > r->bone[jaw].hinge_right.x)
         return MRT_OK;
-    rig_location location = rig_location_of(r, RIG_BONES, jaw);
+    json_path path = rig_entry_path(r, RIG_BONES, jaw);
     return error_set(err, MRT_ERR_ARGUMENT,
                      "%s.hinge: left lies at x = %.1f mm and right at %.1f mm; exchange them: +x "
                      "is the subject's left",
-                     location.text, r->bone[jaw].hinge_left.x, r->bone[jaw].hinge_right.x);
+                     path.text, r->bone[jaw].hinge_left.x, r->bone[jaw].hinge_right.x);
 }
 
 /* Where heads have it (theory 4.2), with room for puppets: as shares of chin to top above the chin,
  * and of back to front before the back. */
-static void check_axis(checking *c, const rig_bone *jaw, const rig_location *location)
+static void check_axis(checking *c, const rig_bone *jaw, const json_path *path)
 {
     const rig_head *head = c->head;
     vec3 middle = vec3_scale(vec3_add(jaw->hinge_left, jaw->hinge_right), 0.5);
     double up = (middle.y - head->chin.y) / (head->top_y - head->chin.y);
     double forward = (middle.z - head->back_z) / (head->nose.z - head->back_z);
     bool is_usual = up > 0.22 && up < 0.55 && forward > 0.35 && forward < 0.68;
-    report(c, is_usual ? RIG_NOTE : RIG_WARNING, location->text,
+    report(c, is_usual ? RIG_NOTE : RIG_WARNING, path->text,
            "the axis lies at %.2f of the way from chin to top and %.2f of the way from back to "
            "front%s",
            up, forward,
            is_usual ? "" : "; 0.25 to 0.45 and 0.45 to 0.6 are usual: just before the ears");
     double aside = middle.x - head->middle_x;
     if (fabs(aside) > 2.0)
-        report(c, RIG_WARNING, location->text,
+        report(c, RIG_WARNING, path->text,
                "the middle of the axis is %.1f mm aside of the symmetry plane", aside);
 }
 
@@ -674,19 +674,19 @@ static bool find_incisor(vec3 *out, const checking *c, uint32_t jaw)
     return found;
 }
 
-static void check_opening(checking *c, uint32_t jaw, const rig_location *location)
+static void check_opening(checking *c, uint32_t jaw, const json_path *path)
 {
     vec3 incisor;
     bones b;
     error err = {""};
     if (!find_incisor(&incisor, c, jaw)) {
-        report(c, RIG_NOTE, location->text,
+        report(c, RIG_NOTE, path->text,
                "no vertex is rigid on the jaw and no \"incisor\" is given: millimetres of motion "
                "are measured at a guess");
         return;
     }
     if (bones_init(&b, c->r, incisor, &err) < 0) {
-        report(c, RIG_ERROR, location->text, "%s", err.text);
+        report(c, RIG_ERROR, path->text, "%s", err.text);
         return;
     }
     const rig_bone *bone = &c->r->bone[jaw];
@@ -695,7 +695,7 @@ static void check_opening(checking *c, uint32_t jaw, const rig_location *locatio
     double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
     double usual_mm = 50.0 * head_mm / 225.0;
     bool is_usual = gap_mm > 0.6 * usual_mm && gap_mm < 1.5 * usual_mm;
-    report(c, is_usual ? RIG_NOTE : RIG_WARNING, location->text,
+    report(c, is_usual ? RIG_NOTE : RIG_WARNING, path->text,
            "fully open (%.0f degrees) the incisors are %.1f mm apart%s%.0f mm would be usual for a "
            "head of %.0f mm",
            bone->open_max_rad * degree_per_radian, gap_mm, is_usual ? "; about " : "; ", usual_mm,
@@ -709,15 +709,15 @@ static void check_jaw(checking *c)
         report(c, RIG_NOTE, "$.bones", "no bone has a hinge: the mouth does not open");
         return;
     }
-    rig_location location = rig_location_of(c->r, RIG_BONES, jaw);
+    json_path path = rig_entry_path(c->r, RIG_BONES, jaw);
     if (c->head)
-        check_axis(c, &c->r->bone[jaw], &location);
-    check_opening(c, jaw, &location);
+        check_axis(c, &c->r->bone[jaw], &path);
+    check_opening(c, jaw, &path);
 }
 
 /* ---- poses ---- */
 
-static void check_pulls(checking *c, const rig_pose *pose, const char *location, double head_mm)
+static void check_pulls(checking *c, const rig_pose *pose, const char *path, double head_mm)
 {
     double longest = 0.0;
     uint32_t which = 0;
@@ -729,13 +729,13 @@ static void check_pulls(checking *c, const rig_pose *pose, const char *location,
         which = pose->pull_contact[i];
     }
     if (longest > head_mm)
-        report(c, RIG_WARNING, location,
+        report(c, RIG_WARNING, path,
                "\"%s\" is pulled by %.0f mm, further than the head is high (%.0f mm): pulls are in "
                "mm, whatever the unit of the rig",
                c->r->contact[which].name, longest, head_mm);
     else if (pose->pull_count > 0 && longest < 1e-3 * head_mm)
         report(
-            c, RIG_WARNING, location,
+            c, RIG_WARNING, path,
             "nothing is pulled by more than %.2g mm: are these metres? Pulls are in mm, whatever "
             "the unit of the rig",
             longest);
@@ -763,13 +763,13 @@ static double furthest_turn_deg(const rig *r, const rig_pose *pose)
 }
 
 /* Small turns beside large ones of other poses are meant. */
-static void check_turns(checking *c, const rig_pose *pose, const char *location)
+static void check_turns(checking *c, const rig_pose *pose, const char *path)
 {
     double most_deg = furthest_turn_deg(c->r, pose), of_all_deg = 0.0;
     for (uint32_t i = 0; i < c->r->pose_count; ++i)
         of_all_deg = fmax(of_all_deg, furthest_turn_deg(c->r, &c->r->pose[i]));
     if (most_deg > 0.0 && of_all_deg < 1.6)
-        report(c, RIG_WARNING, location,
+        report(c, RIG_WARNING, path,
                "no bone turns by more than %.2g degrees: are these radians? Degrees are meant",
                most_deg);
 }
@@ -778,9 +778,9 @@ static void check_poses(checking *c)
 {
     double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
     for (uint32_t i = 0; i < c->r->pose_count; ++i) {
-        rig_location location = rig_location_of(c->r, RIG_POSES, i);
-        check_pulls(c, &c->r->pose[i], location.text, head_mm);
-        check_turns(c, &c->r->pose[i], location.text);
+        json_path path = rig_entry_path(c->r, RIG_POSES, i);
+        check_pulls(c, &c->r->pose[i], path.text, head_mm);
+        check_turns(c, &c->r->pose[i], path.text);
     }
 }
 

@@ -16,13 +16,6 @@
 enum { NOTE_CAP = 8192, LINE_TEXT = 512 };
 static const double coordinate_cap = 1e6;
 
-rig_word rig_word_of(const char *text)
-{
-    rig_word out;
-    text_copy(out.text, sizeof out.text, text_view_of(text, strlen(text)));
-    return out;
-}
-
 /* About how many bytes the values of a text take once they are parsed. */
 static size_t rig_json_memory(const void *data, size_t size)
 {
@@ -44,132 +37,61 @@ static size_t rig_json_memory(const void *data, size_t size)
     return out;
 }
 
-rig_node rig_json_member(const rig_node *of, const char *key)
-{
-    rig_node out = {.value = json_object_get(of->value, key)};
-    rig_word word = rig_word_of(key);
-    (void)snprintf(out.location.text, sizeof out.location.text, "%.190s.%s", of->location.text,
-                   word.text);
-    return out;
-}
-
-rig_node rig_json_item(const rig_node *of, size_t index)
-{
-    rig_node out = {.value = json_array_get(of->value, index)};
-    (void)snprintf(out.location.text, sizeof out.location.text, "%.230s[%zu]", of->location.text,
-                   index);
-    return out;
-}
-
-mrt_result rig_json_unexpected(error *err, const rig_node *at, const char *expected)
-{
-    return error_set(err, MRT_ERR_FORMAT, "%s: expected %s, found %s", at->location.text, expected,
-                     json_describe(at->value).text);
-}
-
-mrt_result rig_json_object(const rig_node *at, const char *expected, error *err)
-{
-    return json_is_object(at->value) ? MRT_OK : rig_json_unexpected(err, at, expected);
-}
-
-mrt_result rig_json_array(const rig_node *at, const char *expected, size_t item_cap, error *err)
-{
-    if (!json_is_array(at->value))
-        return rig_json_unexpected(err, at, expected);
-    if (json_array_size(at->value) > item_cap)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: %zu entries are too many, at most %zu",
-                         at->location.text, json_array_size(at->value), item_cap);
-    return MRT_OK;
-}
-
-mrt_result rig_json_number(double *out, const rig_node *at, double low, double high, error *err)
-{
-    double value = json_number_value(at->value);
-    if (!json_is_number(at->value) || !(value >= low && value <= high)) {
-        char expected[LINE_TEXT];
-        (void)snprintf(expected, sizeof expected, "a number from %g to %g", low, high);
-        return rig_json_unexpected(err, at, expected);
-    }
-    *out = value;
-    return MRT_OK;
-}
-
-mrt_result rig_json_flag(bool *out, const rig_node *at, error *err)
-{
-    if (!json_is_boolean(at->value))
-        return rig_json_unexpected(err, at, "true or false");
-    *out = json_is_true(at->value);
-    return MRT_OK;
-}
-
-mrt_result rig_json_index(uint32_t *out, const rig_node *at, error *err)
+mrt_result rig_json_index(uint32_t *out, const json_node *at, error *err)
 {
     json_int_t value = json_integer_value(at->value);
     if (!json_is_integer(at->value) || value < 0 || value >= INT32_MAX)
-        return rig_json_unexpected(err, at, "a vertex number of the mesh file, from 0");
+        return json_node_unexpected(err, at, "a vertex number of the mesh file, from 0");
     *out = (uint32_t)value;
     return MRT_OK;
 }
 
-mrt_result rig_json_point(vec3 *out, const rig_node *at, double scale, error *err)
+mrt_result rig_json_point(vec3 *out, const json_node *at, double scale, error *err)
 {
-    double *axis[3] = {&out->x, &out->y, &out->z};
-    if (!json_is_array(at->value) || json_array_size(at->value) != 3)
-        return rig_json_unexpected(err, at, "three numbers [x, y, z]");
-    for (size_t i = 0; i < 3; ++i) {
-        rig_node item = rig_json_item(at, i);
-        mrt_result result = rig_json_number(axis[i], &item, -coordinate_cap, coordinate_cap, err);
-        if (result < 0)
-            return result;
-        *axis[i] *= scale;
-    }
-    return MRT_OK;
+    double point[3];
+    mrt_result result = json_node_numbers(point, 3, at, -coordinate_cap, coordinate_cap,
+                                          "three numbers [x, y, z]", err);
+    if (result >= 0)
+        *out = (vec3){point[0] * scale, point[1] * scale, point[2] * scale};
+    return result;
 }
 
-mrt_result rig_json_text(char **out, const rig_node *at, const char *expected, size_t length_max,
+mrt_result rig_json_text(char **out, const json_node *at, const char *expected, size_t length_max,
                          error *err)
 {
     const char *text = json_string_value(at->value);
     size_t length = json_string_length(at->value);
     if (!text || length == 0)
-        return rig_json_unexpected(err, at, expected);
+        return json_node_unexpected(err, at, expected);
     if (length > length_max || !text_is_printable(text_view_of(text, length)))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected at most %zu letters and no control characters",
-                         at->location.text, length_max);
+                         at->path.text, length_max);
     *out = strdup(text);
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
 }
 
-mrt_result rig_json_optional_number(double *out, const rig_node *of, const char *key, double low,
+mrt_result rig_json_optional_number(double *out, const json_node *of, const char *key, double low,
                                     double high, error *err)
 {
-    rig_node at = rig_json_member(of, key);
-    return at.value ? rig_json_number(out, &at, low, high, err) : MRT_OK;
+    json_node at = json_node_member(of, key);
+    return at.value ? json_node_number(out, &at, low, high, err) : MRT_OK;
 }
 
-mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const rig_node *of, const char *key,
+mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const json_node *of, const char *key,
                                    double scale, error *err)
 {
-    rig_node at = rig_json_member(of, key);
+    json_node at = json_node_member(of, key);
     *out_has = at.value != NULL;
     return at.value ? rig_json_point(out, &at, scale, err) : MRT_OK;
 }
 
-void rig_json_note_unknown(char **note, const rig_node *object, const char *const *known)
+void rig_json_note_unknown(char **note, const json_node *object, const char *const *known)
 {
-    json_t *value = (json_t *)(uintptr_t)object->value;
-    for (void *at = json_object_iter(value); at; at = json_object_iter_next(value, at)) {
-        const char *key = json_object_iter_key(at);
-        const char *const *entry = known;
-        while (*entry && strcmp(*entry, key) != 0)
-            ++entry;
-        if (*entry)
-            continue;
-        rig_node member = rig_json_member(object, key);
+    void *at = NULL;
+    for (const char *key; (key = json_node_unknown(object, known, &at)) != NULL;)
         rig_note(note, "%s: a key that this version does not know; it is kept",
-                 member.location.text);
-    }
+                 json_node_member(object, key).path.text);
 }
 
 void rig_note(char **note, const char *format, ...)
@@ -214,40 +136,32 @@ static mrt_result no_memory(error *err)
 
 static mrt_result parse_root(json_t **out, const void *data, size_t size, budget *b, error *err)
 {
-    json_error_t reason;
     mrt_result result = budget_spend_bytes(b, size + rig_json_memory(data, size), err);
-    if (result < 0)
-        return result;
-    *out = json_loadb(data, size, JSON_REJECT_DUPLICATES, &reason);
-    if (*out)
-        return MRT_OK;
-    rig_word word = rig_word_of(reason.text);
-    return error_set(err, MRT_ERR_FORMAT, "line %d, column %d: is not JSON: %s", reason.line,
-                     reason.column, word.text);
+    return result < 0 ? result : json_parse(out, data, size, err);
 }
 
-static mrt_result check_version(const rig_node *root, error *err)
+static mrt_result check_version(const json_node *root, error *err)
 {
-    mrt_result result = rig_json_object(root, "an object with \"marotte_rig\": 1", err);
+    mrt_result result = json_node_object(root, "an object with \"marotte_rig\": 1", err);
     if (result < 0)
         return result;
-    rig_node version = rig_json_member(root, "marotte_rig");
+    json_node version = json_node_member(root, "marotte_rig");
     if (!version.value)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected the version of the format, 1; this is no rig file",
-                         version.location.text);
+                         version.path.text);
     if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
-        return rig_json_unexpected(err, &version, "1, the version that this program reads");
+        return json_node_unexpected(err, &version, "1, the version that this program reads");
     return MRT_OK;
 }
 
-static mrt_result read_unit(rig_file *file, const rig_node *root, error *err)
+static mrt_result read_unit(rig_file *file, const json_node *root, error *err)
 {
     static const struct {
         const char *name;
         double mm;
     } units[] = {{"mm", 1.0}, {"cm", 10.0}, {"m", 1000.0}};
-    rig_node unit = rig_json_member(root, "unit");
+    json_node unit = json_node_member(root, "unit");
     if (!unit.value)
         return MRT_OK;
     const char *name = json_string_value(unit.value);
@@ -255,7 +169,7 @@ static mrt_result read_unit(rig_file *file, const rig_node *root, error *err)
         if (strcmp(units[i].name, name) == 0)
             file->mm_per_unit = units[i].mm;
     return file->mm_per_unit > 0.0 ? MRT_OK
-                                   : rig_json_unexpected(err, &unit, "\"mm\", \"cm\" or \"m\"");
+                                   : json_node_unexpected(err, &unit, "\"mm\", \"cm\" or \"m\"");
 }
 
 /* Takes `root` over, whatever it returns. `shown` names an included file in messages; NULL: the
@@ -264,16 +178,12 @@ static mrt_result add_file(rig_document *d, const char *path, const char *real_p
                            const char *shown, error *err)
 {
     rig_file *file = &d->file[d->file_count];
-    *file = (rig_file){.root = root, .path = strdup(path), .location = {"$"}};
+    json_node node = json_node_root(root, shown);
+    *file = (rig_file){.root = root, .path = strdup(path), .root_path = node.path};
     d->file_count += 1;
     file->real_path = real_path ? strdup(real_path) : NULL;
     if (!file->path || (real_path && !file->real_path))
         return no_memory(err);
-    if (shown) {
-        rig_word word = rig_word_of(shown);
-        (void)snprintf(file->location.text, sizeof file->location.text, "%s: $", word.text);
-    }
-    rig_node node = {root, file->location};
     mrt_result result = check_version(&node, err);
     return result < 0 ? result : read_unit(file, &node, err);
 }
@@ -289,7 +199,7 @@ static mrt_result refuse_chain(const loading *l, const char *last, const char *w
         size_t used = strlen(chain);
         const char *path = i < l->depth ? l->path[i] : last;
         const char *slash = strrchr(path, '/');
-        rig_word word = rig_word_of(slash ? slash + 1 : path);
+        json_words word = json_shown(slash ? slash + 1 : path);
         (void)snprintf(chain + used, sizeof chain - used, "%s%s", i ? " includes " : "", word.text);
     }
     return error_set(err, MRT_ERR_FORMAT, "$.include: %s: %s", why, chain);
@@ -304,7 +214,7 @@ static char *join_path(const char *directory, const char *name)
     return path;
 }
 
-static mrt_result include_one(loading *l, const rig_node *at, const char *directory, error *err)
+static mrt_result include_one(loading *l, const json_node *at, const char *directory, error *err)
 {
     char *name = NULL;
     mrt_result result = rig_json_text(&name, at, "the name of a rig file", 1024, err);
@@ -315,7 +225,7 @@ static mrt_result include_one(loading *l, const rig_node *at, const char *direct
     if (result >= 0 && l->folder)
         result = file_check_below(l->folder, path, err);
     if (result < 0)
-        error_prefix(err, at->location.text);
+        error_prefix(err, at->path.text);
     else
         result = load_file(l, path, name, err);
     free(path);
@@ -323,9 +233,9 @@ static mrt_result include_one(loading *l, const rig_node *at, const char *direct
     return result;
 }
 
-static mrt_result include_all(loading *l, const rig_node *root, const char *path, error *err)
+static mrt_result include_all(loading *l, const json_node *root, const char *path, error *err)
 {
-    rig_node include = rig_json_member(root, "include");
+    json_node include = json_node_member(root, "include");
     if (!include.value)
         return MRT_OK;
     char *directory = file_directory(path);
@@ -335,10 +245,10 @@ static mrt_result include_all(loading *l, const rig_node *root, const char *path
     if (json_is_string(include.value))
         result = include_one(l, &include, directory, err);
     else
-        result = rig_json_array(&include, "the name of a rig file, or a list of names",
-                                RIG_FILES_MAX, err);
+        result = json_node_array(&include, "the name of a rig file, or a list of names",
+                                 RIG_FILES_MAX, err);
     for (size_t i = 0; result >= 0 && i < json_array_size(include.value); ++i) {
-        rig_node item = rig_json_item(&include, i);
+        json_node item = json_node_item(&include, i);
         result = include_one(l, &item, directory, err);
     }
     free(directory);
@@ -383,7 +293,7 @@ static mrt_result load_chained(loading *l, const char *path, const char *shown, 
         error_prefix(err, "$.include");
     if (result < 0)
         return result;
-    rig_node node = {root, {"$"}};
+    json_node node = json_node_root(root, NULL);
     result = include_all(l, &node, path, err);
     if (result < 0) {
         json_decref(root);
@@ -430,29 +340,29 @@ static mrt_result add_entry(rig_document *d, rig_section section, const rig_entr
         if (strcmp(all[i].name, entry->name) != 0)
             continue;
         if (all[i].file == entry->file) {
-            rig_word word = rig_word_of(entry->name);
+            json_words word = json_shown(entry->name);
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: the name \"%s\" is taken by %s; choose another",
-                             entry->node.location.text, word.text, all[i].node.location.text);
+                             entry->node.path.text, word.text, all[i].node.path.text);
         }
         all[i] = *entry;
         return MRT_OK;
     }
     if (count >= section_cap[section])
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: more than %u are too many",
-                         entry->node.location.text, section_cap[section]);
+                         entry->node.path.text, section_cap[section]);
     all[count] = *entry;
     d->entry_count[section] = count + 1;
     return MRT_OK;
 }
 
-static mrt_result add_list(rig_document *d, rig_section section, const rig_node *list,
+static mrt_result add_list(rig_document *d, rig_section section, const json_node *list,
                            uint32_t file, error *err)
 {
-    mrt_result result = rig_json_array(list, "an array", section_cap[section], err);
+    mrt_result result = json_node_array(list, "an array", section_cap[section], err);
     for (size_t i = 0; result >= 0 && i < json_array_size(list->value); ++i) {
-        rig_entry entry = {.node = rig_json_item(list, i), .name = "", .file = file};
-        result = rig_json_object(&entry.node, "an object", err);
+        rig_entry entry = {.node = json_node_item(list, i), .name = "", .file = file};
+        result = json_node_object(&entry.node, "an object", err);
         const char *name = json_string_value(json_object_get(entry.node.value, "name"));
         if (name)
             entry.name = name;
@@ -462,20 +372,20 @@ static mrt_result add_list(rig_document *d, rig_section section, const rig_node 
     return result;
 }
 
-static mrt_result add_members(rig_document *d, rig_section section, const rig_node *object,
+static mrt_result add_members(rig_document *d, rig_section section, const json_node *object,
                               uint32_t file, error *err)
 {
-    mrt_result result = rig_json_object(object, "an object of lists of contacts", err);
+    mrt_result result = json_node_object(object, "an object of lists of contacts", err);
     json_t *value = result < 0 ? NULL : (json_t *)(uintptr_t)object->value;
     for (void *at = json_object_iter(value); result >= 0 && at;
          at = json_object_iter_next(value, at)) {
         const char *key = json_object_iter_key(at);
-        rig_entry entry = {.node = rig_json_member(object, key), .name = key, .file = file};
+        rig_entry entry = {.node = json_node_member(object, key), .name = key, .file = file};
         if (key[0] == '\0' || strlen(key) > RIG_NAME_MAX ||
             !text_is_printable(text_view_of(key, strlen(key))))
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: expected a name of 1 to %d letters as the key",
-                             entry.node.location.text, RIG_NAME_MAX);
+                             entry.node.path.text, RIG_NAME_MAX);
         result = add_entry(d, section, &entry, err);
     }
     return result;
@@ -488,8 +398,8 @@ static mrt_result collect_section(rig_document *d, rig_section section, error *e
         return no_memory(err);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < d->file_count; ++i) {
-        rig_node root = {d->file[i].root, d->file[i].location};
-        rig_node list = rig_json_member(&root, rig_section_key[section]);
+        json_node root = {d->file[i].root, d->file[i].root_path};
+        json_node list = json_node_member(&root, rig_section_key[section]);
         if (!list.value)
             continue;
         result = section == RIG_SETS ? add_members(d, section, &list, i, err)
@@ -580,29 +490,29 @@ void rig_document_destroy(rig_document *d)
     free(d);
 }
 
-rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file)
+json_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file)
 {
     for (uint32_t i = d->file_count; i-- > 0;) {
-        rig_node root = {d->file[i].root, d->file[i].location};
-        rig_node member = rig_json_member(&root, key);
+        json_node root = {d->file[i].root, d->file[i].root_path};
+        json_node member = json_node_member(&root, key);
         *out_file = i;
         if (member.value)
             return member;
     }
-    return (rig_node){NULL, {"$"}};
+    return (json_node){NULL, {"$"}};
 }
 
-rig_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file)
+json_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file)
 {
     for (uint32_t i = d->file_count; i-- > 0;) {
-        rig_node root = {d->file[i].root, d->file[i].location};
-        rig_node paints = rig_json_member(&root, "paints");
-        rig_node paint = rig_json_member(&paints, name);
+        json_node root = {d->file[i].root, d->file[i].root_path};
+        json_node paints = json_node_member(&root, "paints");
+        json_node paint = json_node_member(&paints, name);
         *out_file = i;
         if (paint.value)
             return paint;
     }
-    return (rig_node){NULL, {"$.paints"}};
+    return (json_node){NULL, {"$.paints"}};
 }
 
 /* ---- which entry is which ---- */
@@ -641,14 +551,14 @@ const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index)
     return NULL;
 }
 
-rig_location rig_location_of(const rig *r, rig_section section, uint32_t index)
+json_path rig_entry_path(const rig *r, rig_section section, uint32_t index)
 {
     const rig_document *d = r->document;
     const rig_entry *source = rig_source(r, section, index);
     bool may_have_moved = section != RIG_SETS;
     if (source && (!may_have_moved || d->file_count > 1))
-        return source->node.location;
-    rig_location out;
+        return source->node.path;
+    json_path out;
     (void)snprintf(out.text, sizeof out.text, "$.%s[%u]", rig_section_key[section], index);
     return out;
 }

@@ -5,60 +5,30 @@
 #ifndef MAROTTE_FACE_RIG_DOCUMENT_H
 #define MAROTTE_FACE_RIG_DOCUMENT_H
 #include "base/budget.h"
+#include "base/json.h"
 #include "face/rig.h"
 
-#include <jansson.h>
+/* ---- values: what base/json.h leaves out ---- */
 
-/* ---- values, with their place in the file: every message can say "$.contacts[3].vertex" ---- */
+enum { RIG_NAME_MAX = 63 };
 
-enum { RIG_LOCATION_TEXT = 256, RIG_NAME_MAX = 63, RIG_WORD_TEXT = 64 };
-
-typedef struct rig_location {
-    char text[RIG_LOCATION_TEXT]; /* "$.bones[2].hinge", or "base.rig.json: $.bones[2].hinge" */
-} rig_location;
-
-typedef struct rig_node {
-    const json_t *value; /* NULL: there is none at this place */
-    rig_location location;
-} rig_node;
-
-rig_node rig_json_member(const rig_node *of, const char *key);
-rig_node rig_json_item(const rig_node *of, size_t index);
-
-/* "PLACE: expected EXPECTED, found ..."; always MRT_ERR_FORMAT. */
-mrt_result rig_json_unexpected(error *err, const rig_node *at, const char *expected);
-
-CHECKED mrt_result rig_json_object(const rig_node *at, const char *expected, error *err);
-/* An array of at most item_cap. */
-CHECKED mrt_result rig_json_array(const rig_node *at, const char *expected, size_t item_cap,
-                                  error *err);
-/* low <= value <= high. */
-CHECKED mrt_result rig_json_number(double *out, const rig_node *at, double low, double high,
-                                   error *err);
-CHECKED mrt_result rig_json_flag(bool *out, const rig_node *at, error *err);
-CHECKED mrt_result rig_json_index(uint32_t *out, const rig_node *at, error *err);
+CHECKED mrt_result rig_json_index(uint32_t *out, const json_node *at, error *err);
 /* Three numbers within +-1e6, times `scale`. */
-CHECKED mrt_result rig_json_point(vec3 *out, const rig_node *at, double scale, error *err);
+CHECKED mrt_result rig_json_point(vec3 *out, const json_node *at, double scale, error *err);
 /* 1..length_max bytes that can be shown (text_is_printable); a copy to be freed. */
-CHECKED mrt_result rig_json_text(char **out, const rig_node *at, const char *expected,
+CHECKED mrt_result rig_json_text(char **out, const json_node *at, const char *expected,
                                  size_t length_max, error *err);
 
 /* As above for what may be absent: `out` keeps its value then. */
-CHECKED mrt_result rig_json_optional_number(double *out, const rig_node *of, const char *key,
+CHECKED mrt_result rig_json_optional_number(double *out, const json_node *of, const char *key,
                                             double low, double high, error *err);
-CHECKED mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const rig_node *of,
+CHECKED mrt_result rig_json_optional_point(vec3 *out, bool *out_has, const json_node *of,
                                            const char *key, double scale, error *err);
 
 /* Appends a line "PLACE.key: ..." to the note for every key that is not in the NULL-ended list. */
-void rig_json_note_unknown(char **note, const rig_node *object, const char *const *known);
+void rig_json_note_unknown(char **note, const json_node *object, const char *const *known);
 /* Appends one line; beyond 8 KiB nothing more. */
 __attribute__((format(printf, 2, 3))) void rig_note(char **note, const char *format, ...);
-
-/* Bytes from somebody else, for a message: what does not print becomes '?'. */
-typedef struct rig_word {
-    char text[RIG_WORD_TEXT];
-} rig_word;
-rig_word rig_word_of(const char *text);
 
 /* ---- files ---- */
 
@@ -74,7 +44,7 @@ typedef enum rig_section {
 extern const char *const rig_section_key[RIG_SECTIONS]; /* "bones" ... */
 
 typedef struct rig_entry {
-    rig_node node;
+    json_node node;
     const char *name; /* "" where it has none; of the JSON */
     uint32_t file;
 } rig_entry;
@@ -83,8 +53,8 @@ typedef struct rig_file {
     char *path;
     char *real_path; /* links followed; NULL: from bytes */
     json_t *root;
-    rig_location location; /* "$", or "base.rig.json: $" for an included one */
-    double mm_per_unit;    /* of its coordinates */
+    json_path root_path; /* "$", or "base.rig.json: $" for an included one */
+    double mm_per_unit;  /* of its coordinates */
 } rig_file;
 
 enum { RIG_FILES_MAX = 64, RIG_INCLUDE_DEPTH_MAX = 8 };
@@ -110,16 +80,16 @@ void rig_document_hold(rig_document *d);    /* one more rig_document_destroy to 
 void rig_document_destroy(rig_document *d); /* [any] */
 
 /* The member `key` of the last file that has it (own win over included); value NULL: none has. */
-rig_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file);
+json_node rig_document_scalar(const rig_document *d, const char *key, uint32_t *out_file);
 
 /* The paint of that name: of the last file that has it; value NULL: none has. */
-rig_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file);
+json_node rig_document_paint(const rig_document *d, const char *name, uint32_t *out_file);
 
 /* Which entry of the file an entry of the rig is; NULL: it is new. */
 const rig_entry *rig_source(const rig *r, rig_section section, uint32_t index);
 /* Where entry `index` of a rig's section is, for messages: also of rigs without a document; as it
  * will be written where it was changed. */
-rig_location rig_location_of(const rig *r, rig_section section, uint32_t index);
+json_path rig_entry_path(const rig *r, rig_section section, uint32_t index);
 
 /* ---- what reading, writing and changing share ---- */
 
@@ -127,7 +97,7 @@ rig_location rig_location_of(const rig *r, rig_section section, uint32_t index);
 CHECKED mrt_result rig_fill(rig *r, rig_document *d, error *err);
 extern const rig_bone rig_adult_jaw; /* the limits of one, where a file says none */
 /* A selector alone, to be finished also on error; of what is painted only the name. */
-CHECKED mrt_result rig_select_parse(rig_select *out, const rig_node *at, double mm_per_unit,
+CHECKED mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_unit,
                                     error *err);
 void rig_select_finish(rig_select *select);
 json_t *rig_number_to_json(double value); /* a whole number without a point */

@@ -117,9 +117,9 @@ static void set_select_path(rig_select *select, const char *path)
 static void set_region_paths(rig *r)
 {
     for (uint32_t i = 0; i < r->region_count; ++i) {
-        rig_location location = rig_location_of(r, RIG_REGIONS, i);
+        json_path region = rig_entry_path(r, RIG_REGIONS, i);
         char path[PATH_TEXT];
-        (void)snprintf(path, sizeof path, "%s.select", location.text);
+        (void)snprintf(path, sizeof path, "%s.select", region.text);
         set_select_path(&r->region[i].select, path);
     }
 }
@@ -1364,10 +1364,10 @@ void rig_edit_describe(const rig_select *select, char *out, size_t capacity)
 /* ---- from a place in the file ---- */
 
 /* "$.regions[1]" is said by "$.regions[1].select", not by "$.regions[12]". */
-static bool is_below(const char *path, const rig_location *location)
+static bool is_below(const char *path, const json_path *entry)
 {
-    size_t length = strlen(location->text);
-    return strncmp(path, location->text, length) == 0 &&
+    size_t length = strlen(entry->text);
+    return strncmp(path, entry->text, length) == 0 &&
            (path[length] == '\0' || path[length] == '.' || path[length] == '[');
 }
 
@@ -1375,9 +1375,9 @@ static bool find_in(const rig *r, rig_section section, uint32_t count, const cha
                     uint32_t *out_index)
 {
     for (uint32_t i = 0; i < count; ++i) {
-        rig_location location = rig_location_of(r, section, i);
+        json_path entry = rig_entry_path(r, section, i);
         *out_index = i;
-        if (is_below(path, &location))
+        if (is_below(path, &entry))
             return true;
     }
     return false;

@@ -150,20 +150,20 @@ static bool add_line(rig_select *out, const paint_line *line)
     return true;
 }
 
-static mrt_result pay(budget *b, size_t range_count, const rig_node *at, error *err)
+static mrt_result pay(budget *b, size_t range_count, const json_node *at, error *err)
 {
     enum { RANGE_BYTES = 9 };
     mrt_result result = budget_spend_work(b, range_count, err);
     if (result >= 0)
         result = budget_spend_bytes(b, range_count * RANGE_BYTES, err);
     if (result < 0)
-        error_prefix(err, at->location.text);
+        error_prefix(err, at->path.text);
     return result;
 }
 
-mrt_result rig_paint_parse(rig_select *out, const rig_node *at, budget *b, error *err)
+mrt_result rig_paint_parse(rig_select *out, const json_node *at, budget *b, error *err)
 {
-    mrt_result result = rig_json_array(at, "a list of vertices and values", UINT32_MAX / 2, err);
+    mrt_result result = json_node_array(at, "a list of vertices and values", UINT32_MAX / 2, err);
     if (result < 0)
         return result;
     size_t most = most_ranges(at->value);
@@ -173,11 +173,11 @@ mrt_result rig_paint_parse(rig_select *out, const rig_node *at, budget *b, error
         result = allocate(out, most, err);
     int64_t last = -1;
     for (size_t i = 0; result >= 0 && i < json_array_size(at->value); ++i) {
-        rig_node item = rig_json_item(at, i);
+        json_node item = json_node_item(at, i);
         paint_line line = {0};
         if (!read_line(&line, json_string_value(item.value)) || (int64_t)line.first <= last ||
             !add_line(out, &line))
-            return rig_json_unexpected(err, &item, expected_text);
+            return json_node_unexpected(err, &item, expected_text);
         last = line.last;
     }
     return result;

@@ -9,7 +9,7 @@
 
 /* Out of the budget (NULL: it was read before) fills first, last, value, range_count; neighbours of
  * one value are one range, 0 is left away. */
-CHECKED mrt_result rig_paint_parse(rig_select *out, const rig_node *at, budget *b, error *err);
+CHECKED mrt_result rig_paint_parse(rig_select *out, const json_node *at, budget *b, error *err);
 json_t *rig_paint_to_json(const rig_select *select); /* NULL: no memory */
 bool rig_paint_equals(const rig_select *a, const rig_select *b);
 /* Of a dense array; what was there is freed. */

@@ -22,7 +22,7 @@ typedef struct selecting {
     budget *budget;
 } selecting;
 
-static mrt_result parse_select(rig_select *out, const rig_node *at, selecting *s, error *err);
+static mrt_result parse_select(rig_select *out, const json_node *at, selecting *s, error *err);
 
 enum {
     DEPTH_MAX = 12,
@@ -60,7 +60,7 @@ static mrt_result no_memory(error *err)
 
 /* ---- vertices ---- */
 
-static mrt_result parse_range(uint32_t *first, uint32_t *last, const rig_node *at, error *err)
+static mrt_result parse_range(uint32_t *first, uint32_t *last, const json_node *at, error *err)
 {
     if (!json_is_string(at->value)) {
         mrt_result result = rig_json_index(first, at, err);
@@ -74,16 +74,16 @@ static mrt_result parse_range(uint32_t *first, uint32_t *last, const rig_node *a
                     text_next_field(&rest, '-', &word[1]) && !text_next_field(&rest, '-', &more) &&
                     text_int(word[0], &number[0]) && text_int(word[1], &number[1]);
     if (!is_range || number[0] < 0 || number[1] < number[0] || number[1] >= INT32_MAX)
-        return rig_json_unexpected(err, at, "a vertex number, or a range like \"120-180\"");
+        return json_node_unexpected(err, at, "a vertex number, or a range like \"120-180\"");
     *first = (uint32_t)number[0];
     *last = (uint32_t)number[1];
     return MRT_OK;
 }
 
-static mrt_result parse_vertices(rig_select *out, const rig_node *at, error *err)
+static mrt_result parse_vertices(rig_select *out, const json_node *at, error *err)
 {
     mrt_result result =
-        rig_json_array(at, "a list of vertices like [204, \"120-180\"]", RANGES_MAX, err);
+        json_node_array(at, "a list of vertices like [204, \"120-180\"]", RANGES_MAX, err);
     if (result < 0)
         return result;
     size_t count = json_array_size(at->value);
@@ -93,7 +93,7 @@ static mrt_result parse_vertices(rig_select *out, const rig_node *at, error *err
         return no_memory(err);
     out->range_count = (uint32_t)count;
     for (size_t i = 0; result >= 0 && i < count; ++i) {
-        rig_node item = rig_json_item(at, i);
+        json_node item = json_node_item(at, i);
         result = parse_range(&out->first[i], &out->last[i], &item, err);
     }
     return result;
@@ -101,13 +101,13 @@ static mrt_result parse_vertices(rig_select *out, const rig_node *at, error *err
 
 /* ---- shapes ---- */
 
-static mrt_result parse_two_points(rig_select *out, const rig_node *at, const char *first,
+static mrt_result parse_two_points(rig_select *out, const json_node *at, const char *first,
                                    const char *second, const selecting *s, error *err)
 {
-    mrt_result result = rig_json_object(at, "an object", err);
+    mrt_result result = json_node_object(at, "an object", err);
     if (result < 0)
         return result;
-    rig_node a = rig_json_member(at, first), b = rig_json_member(at, second);
+    json_node a = json_node_member(at, first), b = json_node_member(at, second);
     const char *const known[] = {first, second, NULL};
     rig_json_note_unknown(s->note, at, known);
     result = rig_json_point(&out->a, &a, s->mm_per_unit, err);
@@ -115,7 +115,7 @@ static mrt_result parse_two_points(rig_select *out, const rig_node *at, const ch
     return result < 0 ? result : rig_json_point(&out->b, &b, scale, err);
 }
 
-static mrt_result parse_box(rig_select *out, const rig_node *at, const selecting *s, error *err)
+static mrt_result parse_box(rig_select *out, const json_node *at, const selecting *s, error *err)
 {
     mrt_result result = parse_two_points(out, at, "low", "high", s, err);
     if (result < 0)
@@ -123,11 +123,11 @@ static mrt_result parse_box(rig_select *out, const rig_node *at, const selecting
     if (out->a.x > out->b.x || out->a.y > out->b.y || out->a.z > out->b.z)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: low must not be above high in x, y or z; exchange them",
-                         at->location.text);
+                         at->path.text);
     return MRT_OK;
 }
 
-static mrt_result parse_ellipsoid(rig_select *out, const rig_node *at, const selecting *s,
+static mrt_result parse_ellipsoid(rig_select *out, const json_node *at, const selecting *s,
                                   error *err)
 {
     mrt_result result = parse_two_points(out, at, "centre", "radii", s, err);
@@ -135,11 +135,11 @@ static mrt_result parse_ellipsoid(rig_select *out, const rig_node *at, const sel
         return result;
     if (!(out->b.x > 0.0 && out->b.y > 0.0 && out->b.z > 0.0))
         return error_set(err, MRT_ERR_FORMAT, "%s.radii: expected three radii above 0",
-                         at->location.text);
+                         at->path.text);
     return MRT_OK;
 }
 
-static mrt_result parse_half_space(rig_select *out, const rig_node *at, const selecting *s,
+static mrt_result parse_half_space(rig_select *out, const json_node *at, const selecting *s,
                                    error *err)
 {
     mrt_result result = parse_two_points(out, at, "point", "normal", s, err);
@@ -147,45 +147,44 @@ static mrt_result parse_half_space(rig_select *out, const rig_node *at, const se
         return result;
     if (!(vec3_length(out->b) > 1e-9))
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.normal: expected a direction, found one of length 0",
-                         at->location.text);
+                         "%s.normal: expected a direction, found one of length 0", at->path.text);
     return MRT_OK;
 }
 
-static mrt_result parse_within(rig_select *out, const rig_node *at, const selecting *s, error *err)
+static mrt_result parse_within(rig_select *out, const json_node *at, const selecting *s, error *err)
 {
     static const char *const known[] = {"mm", "of", NULL};
-    mrt_result result = rig_json_object(at, "an object like {\"mm\": 12, \"of\": 4275}", err);
+    mrt_result result = json_node_object(at, "an object like {\"mm\": 12, \"of\": 4275}", err);
     if (result < 0)
         return result;
-    rig_node mm = rig_json_member(at, "mm"), of = rig_json_member(at, "of");
+    json_node mm = json_node_member(at, "mm"), of = json_node_member(at, "of");
     rig_json_note_unknown(s->note, at, known);
-    result = rig_json_number(&out->within_mm, &mm, 0.0, 1e6, err);
+    result = json_node_number(&out->within_mm, &mm, 0.0, 1e6, err);
     return result < 0 ? result : rig_json_index(&out->vertex, &of, err);
 }
 
 /* ---- joined ---- */
 
-static mrt_result parse_children(rig_select *out, const rig_node *at, selecting *s, error *err)
+static mrt_result parse_children(rig_select *out, const json_node *at, selecting *s, error *err)
 {
-    mrt_result result = rig_json_array(at, "a list of selectors", CHILDREN_MAX, err);
+    mrt_result result = json_node_array(at, "a list of selectors", CHILDREN_MAX, err);
     if (result < 0)
         return result;
     size_t count = json_array_size(at->value);
     if (count == 0)
-        return rig_json_unexpected(err, at, "at least one selector");
+        return json_node_unexpected(err, at, "at least one selector");
     out->child = calloc(count, sizeof *out->child);
     if (!out->child)
         return no_memory(err);
     out->child_count = (uint32_t)count;
     for (size_t i = 0; result >= 0 && i < count; ++i) {
-        rig_node item = rig_json_item(at, i);
+        json_node item = json_node_item(at, i);
         result = parse_select(&out->child[i], &item, s, err);
     }
     return result;
 }
 
-static mrt_result parse_inner(rig_select *out, const rig_node *at, selecting *s, error *err)
+static mrt_result parse_inner(rig_select *out, const json_node *at, selecting *s, error *err)
 {
     out->child = calloc(1, sizeof *out->child);
     if (!out->child)
@@ -196,23 +195,23 @@ static mrt_result parse_inner(rig_select *out, const rig_node *at, selecting *s,
 
 /* ---- painted ---- */
 
-static mrt_result parse_painted(rig_select *out, const rig_node *at, selecting *s, error *err)
+static mrt_result parse_painted(rig_select *out, const json_node *at, selecting *s, error *err)
 {
     mrt_result result = rig_json_text(&out->name, at, "the name of a paint", RIG_NAME_MAX, err);
     if (result < 0 || !s->document)
         return result;
     uint32_t file;
-    rig_node paint = rig_document_paint(s->document, out->name, &file);
+    json_node paint = rig_document_paint(s->document, out->name, &file);
     if (paint.value)
         return rig_paint_parse(out, &paint, s->budget, err);
-    rig_word word = rig_word_of(out->name);
+    json_words word = json_shown(out->name);
     return error_set(err, MRT_ERR_FORMAT, "%s: there is no paint \"%s\"; add it to $.paints",
-                     at->location.text, word.text);
+                     at->path.text, word.text);
 }
 
 /* ---- any of them ---- */
 
-static mrt_result parse_select_kind(rig_select *out, const rig_node *at, selecting *s, error *err)
+static mrt_result parse_select_kind(rig_select *out, const json_node *at, selecting *s, error *err)
 {
     switch (out->kind) {
     case SELECT_VERTICES:
@@ -245,14 +244,14 @@ static mrt_result parse_select_kind(rig_select *out, const rig_node *at, selecti
     case SELECT_NOTHING:
         break;
     }
-    return rig_json_unexpected(err, at, kind_list);
+    return json_node_unexpected(err, at, kind_list);
 }
 
-static mrt_result find_select_kind(rig_select *out, const char **out_key, const rig_node *at,
+static mrt_result find_select_kind(rig_select *out, const char **out_key, const json_node *at,
                                    const selecting *s, error *err)
 {
     const char *known[KIND_COUNT + 1] = {NULL};
-    mrt_result result = rig_json_object(at, "an object", err);
+    mrt_result result = json_node_object(at, "an object", err);
     if (result < 0)
         return result;
     for (size_t i = 0; i < KIND_COUNT; ++i) {
@@ -262,39 +261,39 @@ static mrt_result find_select_kind(rig_select *out, const char **out_key, const 
         if (out->kind != SELECT_NOTHING)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: says both %s and %s; join them with \"all\" or \"any\"",
-                             at->location.text, *out_key, kinds[i].key);
+                             at->path.text, *out_key, kinds[i].key);
         out->kind = kinds[i].kind;
         *out_key = kinds[i].key;
     }
     if (out->kind == SELECT_NOTHING)
-        return rig_json_unexpected(err, at, kind_list);
+        return json_node_unexpected(err, at, kind_list);
     rig_json_note_unknown(s->note, at, known);
     return MRT_OK;
 }
 
-static mrt_result parse_select(rig_select *out, const rig_node *at, selecting *s, error *err)
+static mrt_result parse_select(rig_select *out, const json_node *at, selecting *s, error *err)
 {
     *out = (rig_select){0};
     if (s->depth >= DEPTH_MAX || s->node_count >= NODES_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s: selectors may be %d deep and %d in all; use groups or attributes",
-                         at->location.text, DEPTH_MAX, NODES_MAX);
+                         at->path.text, DEPTH_MAX, NODES_MAX);
     s->node_count += 1;
     const char *key = "";
     mrt_result result = find_select_kind(out, &key, at, s, err);
     if (result < 0)
         return result;
-    out->path = strdup(at->location.text);
+    out->path = strdup(at->path.text);
     if (!out->path)
         return no_memory(err);
-    rig_node value = rig_json_member(at, key);
+    json_node value = json_node_member(at, key);
     s->depth += 1;
     result = parse_select_kind(out, &value, s, err);
     s->depth -= 1;
     return result;
 }
 
-mrt_result rig_select_parse(rig_select *out, const rig_node *at, double mm_per_unit, error *err)
+mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_unit, error *err)
 {
     char *note = NULL;
     selecting s = {.mm_per_unit = mm_per_unit, .note = &note};
@@ -335,31 +334,31 @@ const rig_bone rig_adult_jaw = {.open_max_rad = 32.0 * ANGLE_PI / 180.0,
 
 typedef struct reading {
     rig *r;
-    rig_node node; /* of the bone */
+    json_node node; /* of the bone */
     double mm_per_unit;
 } reading;
 
 /* [least, greatest], in degrees, around the rest at 0. */
-static mrt_result read_range(double *out_min_rad, double *out_max_rad, const rig_node *at,
+static mrt_result read_range(double *out_min_rad, double *out_max_rad, const json_node *at,
                              double reach_deg, error *err)
 {
     double deg[2];
     if (!json_is_array(at->value) || json_array_size(at->value) != 2)
-        return rig_json_unexpected(err, at, "two angles [least, greatest] in degrees");
+        return json_node_unexpected(err, at, "two angles [least, greatest] in degrees");
     for (size_t i = 0; i < 2; ++i) {
-        rig_node item = rig_json_item(at, i);
-        mrt_result result = rig_json_number(&deg[i], &item, -reach_deg, reach_deg, err);
+        json_node item = json_node_item(at, i);
+        mrt_result result = json_node_number(&deg[i], &item, -reach_deg, reach_deg, err);
         if (result < 0)
             return result;
     }
     if (deg[0] >= deg[1])
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: [%g, %g] is reversed or empty; write the smaller angle first",
-                         at->location.text, deg[0], deg[1]);
+                         at->path.text, deg[0], deg[1]);
     if (deg[0] > 0.0 || deg[1] < 0.0)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: [%g, %g] leaves out 0, which is the pose of the mesh; widen it",
-                         at->location.text, deg[0], deg[1]);
+                         at->path.text, deg[0], deg[1]);
     *out_min_rad = deg[0] * radian_per_degree;
     *out_max_rad = deg[1] * radian_per_degree;
     return MRT_OK;
@@ -370,12 +369,12 @@ static mrt_result read_range(double *out_min_rad, double *out_max_rad, const rig
 static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
 {
     static const char *const known[] = {"left", "right", NULL};
-    rig_node hinge = rig_json_member(&in->node, "hinge");
+    json_node hinge = json_node_member(&in->node, "hinge");
     mrt_result result =
-        rig_json_object(&hinge, "an object {\"left\": [x,y,z], \"right\": [x,y,z]}", err);
+        json_node_object(&hinge, "an object {\"left\": [x,y,z], \"right\": [x,y,z]}", err);
     if (result < 0)
         return result;
-    rig_node left = rig_json_member(&hinge, "left"), right = rig_json_member(&hinge, "right");
+    json_node left = json_node_member(&hinge, "left"), right = json_node_member(&hinge, "right");
     result = rig_json_point(&bone->hinge_left, &left, in->mm_per_unit, err);
     if (result >= 0)
         result = rig_json_point(&bone->hinge_right, &right, in->mm_per_unit, err);
@@ -387,7 +386,7 @@ static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: left and right are %.3g mm apart, so there is no axis; they are the "
                          "two jaw joints, just before the ears",
-                         hinge.location.text, length_mm);
+                         hinge.path.text, length_mm);
     return MRT_OK;
 }
 
@@ -399,7 +398,7 @@ static mrt_result read_jaw(rig_bone *bone, const reading *in, error *err)
     bone->forward_mm = rig_adult_jaw.forward_mm;
     bone->slide_mm = rig_adult_jaw.slide_mm;
     mrt_result result = read_hinge(bone, in, err);
-    rig_node open = rig_json_member(&in->node, "open_deg");
+    json_node open = json_node_member(&in->node, "open_deg");
     if (result >= 0 && open.value)
         result = read_range(&bone->open_min_rad, &bone->open_max_rad, &open, 90.0, err);
     if (result >= 0)
@@ -418,32 +417,32 @@ static mrt_result read_jaw(rig_bone *bone, const reading *in, error *err)
 
 /* ---- ball ---- */
 
-static mrt_result check_turn_name(const rig_bone *bone, uint32_t index, const rig_node *at,
+static mrt_result check_turn_name(const rig_bone *bone, uint32_t index, const json_node *at,
                                   error *err)
 {
     const char *name = bone->turn[index].name;
     if (strlen(bone->name) + 1 + strlen(name) > RIG_NAME_MAX)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s.name: \"%s.%s\" is longer than %d letters; shorten it",
-                         at->location.text, bone->name, name, RIG_NAME_MAX);
+                         "%s.name: \"%s.%s\" is longer than %d letters; shorten it", at->path.text,
+                         bone->name, name, RIG_NAME_MAX);
     for (uint32_t i = 0; i < index; ++i)
         if (strcmp(bone->turn[i].name, name) == 0)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s.name: there is already a turn \"%s\"; choose another name",
-                             at->location.text, name);
+                             at->path.text, name);
     return MRT_OK;
 }
 
-static mrt_result read_turn(rig_bone *bone, const rig_node *at, rig *r, error *err)
+static mrt_result read_turn(rig_bone *bone, const json_node *at, rig *r, error *err)
 {
     static const char *const known[] = {"name", "axis", "deg", NULL};
     uint32_t index = bone->turn_count;
     rig_turn *turn = &bone->turn[index];
-    mrt_result result = rig_json_object(at, "an object with name, axis and deg", err);
+    mrt_result result = json_node_object(at, "an object with name, axis and deg", err);
     if (result < 0)
         return result;
     rig_json_note_unknown(&r->note, at, known);
-    rig_node name = rig_json_member(at, "name"), axis = rig_json_member(at, "axis");
+    json_node name = json_node_member(at, "name"), axis = json_node_member(at, "axis");
     result = rig_json_text(&turn->name, &name, "a name like \"yaw\"", RIG_NAME_MAX, err);
     if (result < 0)
         return result;
@@ -455,9 +454,9 @@ static mrt_result read_turn(rig_bone *bone, const rig_node *at, rig *r, error *e
         return result;
     if (!(vec3_length(turn->axis) > 1e-9))
         return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found one of length 0",
-                         axis.location.text);
+                         axis.path.text);
     turn->axis = vec3_normalised(turn->axis, (vec3){1.0, 0.0, 0.0});
-    rig_node deg = rig_json_member(at, "deg");
+    json_node deg = json_node_member(at, "deg");
     return read_range(&turn->min_rad, &turn->max_rad, &deg, 180.0, err);
 }
 
@@ -465,22 +464,22 @@ static mrt_result read_ball(rig_bone *bone, const reading *in, error *err)
 {
     static const char *const known[] = {"centre", "radius_mm", NULL};
     bone->kind = BONE_BALL;
-    rig_node ball = rig_json_member(&in->node, "ball");
-    rig_node turns = rig_json_member(&in->node, "turns");
-    mrt_result result = rig_json_object(&ball, "an object {\"centre\": [x,y,z]}", err);
+    json_node ball = json_node_member(&in->node, "ball");
+    json_node turns = json_node_member(&in->node, "turns");
+    mrt_result result = json_node_object(&ball, "an object {\"centre\": [x,y,z]}", err);
     if (result < 0)
         return result;
     rig_json_note_unknown(&in->r->note, &ball, known);
-    rig_node centre = rig_json_member(&ball, "centre");
+    json_node centre = json_node_member(&ball, "centre");
     result = rig_json_point(&bone->centre, &centre, in->mm_per_unit, err);
     if (result >= 0)
         result = rig_json_optional_number(&bone->radius_mm, &ball, "radius_mm", 0.0, 1e6, err);
     if (result >= 0)
-        result = rig_json_array(&turns, "a list of one to three turns", RIG_TURNS_MAX, err);
+        result = json_node_array(&turns, "a list of one to three turns", RIG_TURNS_MAX, err);
     if (result >= 0 && json_array_size(turns.value) == 0)
-        result = rig_json_unexpected(err, &turns, "a list of one to three turns");
+        result = json_node_unexpected(err, &turns, "a list of one to three turns");
     for (size_t i = 0; result >= 0 && i < json_array_size(turns.value); ++i) {
-        rig_node item = rig_json_item(&turns, i);
+        json_node item = json_node_item(&turns, i);
         result = read_turn(bone, &item, in->r, err);
     }
     return result;
@@ -500,7 +499,7 @@ static mrt_result read_kind(rig_bone *bone, const reading *in, error *err)
     if (has_hinge && has_ball)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: has both a hinge and a ball; a bone moves in one way",
-                         in->node.location.text);
+                         in->node.path.text);
     const char *const *keys = has_hinge ? jaw_keys : has_ball ? ball_keys : fixed_keys;
     rig_json_note_unknown(&in->r->note, &in->node, keys);
     return has_hinge ? read_jaw(bone, in, err) : has_ball ? read_ball(bone, in, err) : MRT_OK;
@@ -508,19 +507,19 @@ static mrt_result read_kind(rig_bone *bone, const reading *in, error *err)
 
 static mrt_result read_parent(rig_bone *bone, const reading *in, error *err)
 {
-    rig_node parent = rig_json_member(&in->node, "parent");
+    json_node parent = json_node_member(&in->node, "parent");
     const char *name = parent.value ? json_string_value(parent.value) : "skull";
     bone->parent = RIG_NONE;
     if (json_is_null(parent.value))
         return MRT_OK;
     if (!name)
-        return rig_json_unexpected(err, &parent, "the name of a bone, or null for none");
+        return json_node_unexpected(err, &parent, "the name of a bone, or null for none");
     bone->parent = rig_find_bone(in->r, name); /* only among those read so far */
     if (parent.value && bone->parent == RIG_NONE) {
-        rig_word word = rig_word_of(name);
+        json_words word = json_shown(name);
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: there is no bone \"%s\" before this one; list parents first",
-                         parent.location.text, word.text);
+                         parent.path.text, word.text);
     }
     return MRT_OK;
 }
@@ -531,7 +530,7 @@ static mrt_result read_bone(rig_bone *bone, const reading *in, error *err)
     return result < 0 ? result : read_kind(bone, in, err);
 }
 
-static mrt_result check_dofs(const rig *r, const rig_node *last, error *err)
+static mrt_result check_dofs(const rig *r, const json_node *last, error *err)
 {
     uint32_t dof_count = 0, jaw_count = 0;
     for (uint32_t i = 0; i < r->bone_count; ++i) {
@@ -540,10 +539,10 @@ static mrt_result check_dofs(const rig *r, const rig_node *last, error *err)
     }
     if (jaw_count > 1)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: a second bone with a hinge; a face has one jaw", last->location.text);
+                         "%s: a second bone with a hinge; a face has one jaw", last->path.text);
     if (dof_count > MRT_MAX_DOFS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: %u degrees of freedom are too many, at most %d", last->location.text,
+                         "%s: %u degrees of freedom are too many, at most %d", last->path.text,
                          dof_count, MRT_MAX_DOFS);
     return MRT_OK;
 }
@@ -562,7 +561,7 @@ static mrt_result fill_bones(rig *r, rig_document *d, error *err)
     for (uint32_t i = 0; result >= 0 && i < count; ++i) {
         const rig_entry *entry = &d->entry[RIG_BONES][i];
         reading in = {r, entry->node, d->file[entry->file].mm_per_unit};
-        rig_node name = rig_json_member(&in.node, "name");
+        json_node name = json_node_member(&in.node, "name");
         rig_bone *bone = &r->bone[i];
         bone->parent = RIG_NONE;
         result = rig_json_text(&bone->name, &name, "a name like \"jaw\"", RIG_NAME_MAX - 8, err);
@@ -601,21 +600,21 @@ rig_dof_unit rig_dof_unit_of(const rig *r, const char *name)
 enum { PULLS_MAX = 1024 };
 
 /* The contact called `name`, which the value or key at `at` says. */
-static mrt_result find_contact(uint32_t *out, const rig *r, const char *name, const rig_node *at,
+static mrt_result find_contact(uint32_t *out, const rig *r, const char *name, const json_node *at,
                                error *err)
 {
     *out = rig_find_contact(r, name);
     if (*out != RIG_NONE)
         return MRT_OK;
-    rig_word word = rig_word_of(name);
+    json_words word = json_shown(name);
     return error_set(err, MRT_ERR_FORMAT,
                      "%s: there is no contact \"%s\"; add it to $.contacts or take it out here",
-                     at->location.text, word.text);
+                     at->path.text, word.text);
 }
 
 /* ---- degrees of freedom: degrees or mm in the file ---- */
 
-static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const rig_node *at,
+static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const json_node *at,
                           error *err)
 {
     rig_dof_unit unit = rig_dof_unit_of(r, name);
@@ -623,9 +622,9 @@ static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const 
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: there is no such degree of freedom; a hinge has open, lateral and "
                          "forward (\"jaw.open\"), a ball has its turns (\"eye.l.yaw\")",
-                         at->location.text);
+                         at->path.text);
     double value = 0.0;
-    mrt_result result = rig_json_number(&value, at, -1e4, 1e4, err);
+    mrt_result result = json_node_number(&value, at, -1e4, 1e4, err);
     if (result < 0)
         return result;
     uint32_t index = pose->dof_count;
@@ -635,17 +634,16 @@ static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const 
     return pose->dof_name[index] ? MRT_OK : no_memory(err);
 }
 
-static mrt_result read_dofs(rig_pose *pose, const rig *r, const rig_node *dofs, error *err)
+static mrt_result read_dofs(rig_pose *pose, const rig *r, const json_node *dofs, error *err)
 {
     if (!dofs->value)
         return MRT_OK;
-    mrt_result result = rig_json_object(dofs, "an object like {\"jaw.open\": 20}", err);
+    mrt_result result = json_node_object(dofs, "an object like {\"jaw.open\": 20}", err);
     if (result < 0)
         return result;
     size_t count = json_object_size(dofs->value);
     if (count > MRT_MAX_DOFS)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", dofs->location.text,
-                         MRT_MAX_DOFS);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", dofs->path.text, MRT_MAX_DOFS);
     pose->dof_name = calloc(count + 1, sizeof *pose->dof_name);
     pose->dof_value = calloc(count + 1, sizeof *pose->dof_value);
     if (!pose->dof_name || !pose->dof_value)
@@ -653,7 +651,7 @@ static mrt_result read_dofs(rig_pose *pose, const rig *r, const rig_node *dofs, 
     json_t *value = (json_t *)(uintptr_t)dofs->value;
     for (void *at = json_object_iter(value); result >= 0 && at;
          at = json_object_iter_next(value, at)) {
-        rig_node member = rig_json_member(dofs, json_object_iter_key(at));
+        json_node member = json_node_member(dofs, json_object_iter_key(at));
         result = add_dof(pose, r, json_object_iter_key(at), &member, err);
     }
     return result;
@@ -661,18 +659,17 @@ static mrt_result read_dofs(rig_pose *pose, const rig *r, const rig_node *dofs, 
 
 /* ---- pulls ---- */
 
-static mrt_result read_pulls(rig_pose *pose, const rig *r, const rig_node *pulls,
+static mrt_result read_pulls(rig_pose *pose, const rig *r, const json_node *pulls,
                              double mm_per_unit, error *err)
 {
     if (!pulls->value)
         return MRT_OK;
-    mrt_result result = rig_json_object(pulls, "an object like {\"chin\": [0, -4, 1]}", err);
+    mrt_result result = json_node_object(pulls, "an object like {\"chin\": [0, -4, 1]}", err);
     if (result < 0)
         return result;
     size_t count = json_object_size(pulls->value);
     if (count > PULLS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", pulls->location.text,
-                         PULLS_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: at most %d", pulls->path.text, PULLS_MAX);
     pose->pull_contact = calloc(count + 1, sizeof *pose->pull_contact);
     pose->pull_mm = calloc(count + 1, sizeof *pose->pull_mm);
     if (!pose->pull_contact || !pose->pull_mm)
@@ -681,7 +678,7 @@ static mrt_result read_pulls(rig_pose *pose, const rig *r, const rig_node *pulls
     for (void *at = json_object_iter(value); result >= 0 && at;
          at = json_object_iter_next(value, at)) {
         const char *name = json_object_iter_key(at);
-        rig_node member = rig_json_member(pulls, name);
+        json_node member = json_node_member(pulls, name);
         uint32_t index = pose->pull_count;
         pose->pull_count += 1;
         result = find_contact(&pose->pull_contact[index], r, name, &member, err);
@@ -691,13 +688,13 @@ static mrt_result read_pulls(rig_pose *pose, const rig *r, const rig_node *pulls
     return result;
 }
 
-static mrt_result read_pose(rig *r, rig_pose *pose, const rig_node *at, double mm_per_unit,
+static mrt_result read_pose(rig *r, rig_pose *pose, const json_node *at, double mm_per_unit,
                             error *err)
 {
     static const char *const known[] = {"name", "dofs", "pulls", NULL};
     rig_json_note_unknown(&r->note, at, known);
-    rig_node name = rig_json_member(at, "name"), dofs = rig_json_member(at, "dofs");
-    rig_node pulls = rig_json_member(at, "pulls");
+    json_node name = json_node_member(at, "name"), dofs = json_node_member(at, "dofs");
+    json_node pulls = json_node_member(at, "pulls");
     mrt_result result = rig_json_text(&pose->name, &name, "a name", RIG_NAME_MAX, err);
     if (result >= 0)
         result = read_dofs(pose, r, &dofs, err);
@@ -725,17 +722,17 @@ static mrt_result fill_poses(rig *r, rig_document *d, error *err)
 
 /* ---- contact sets ---- */
 
-static mrt_result add_to_set(rig_contact_set *set, const rig *r, const rig_node *item, error *err)
+static mrt_result add_to_set(rig_contact_set *set, const rig *r, const json_node *item, error *err)
 {
     const char *name = json_string_value(item->value);
     if (!name)
-        return rig_json_unexpected(err, item, "the name of a contact");
+        return json_node_unexpected(err, item, "the name of a contact");
     uint32_t contact = RIG_NONE;
     mrt_result result = find_contact(&contact, r, name, item, err);
     for (uint32_t i = 0; result >= 0 && i < set->contact_count; ++i)
         if (set->contact[i] == contact)
             return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is in this set already; take it out",
-                             item->location.text, r->contact[contact].name);
+                             item->path.text, r->contact[contact].name);
     if (result >= 0)
         set->contact[set->contact_count++] = contact;
     return result;
@@ -746,7 +743,7 @@ static mrt_result read_set(rig_contact_set *set, const rig *r, const rig_entry *
     set->name = strdup(entry->name);
     if (!set->name)
         return no_memory(err);
-    mrt_result result = rig_json_array(&entry->node, "a list of contacts", PULLS_MAX, err);
+    mrt_result result = json_node_array(&entry->node, "a list of contacts", PULLS_MAX, err);
     if (result < 0)
         return result;
     size_t count = json_array_size(entry->node.value);
@@ -754,7 +751,7 @@ static mrt_result read_set(rig_contact_set *set, const rig *r, const rig_entry *
     if (!set->contact)
         return no_memory(err);
     for (size_t i = 0; result >= 0 && i < count; ++i) {
-        rig_node item = rig_json_item(&entry->node, i);
+        json_node item = json_node_item(&entry->node, i);
         result = add_to_set(set, r, &item, err);
     }
     return result;
@@ -800,7 +797,7 @@ static char *name_from_path(const char *path)
 static mrt_result fill_name(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
-    rig_node name = rig_document_scalar(d, "name", &file);
+    json_node name = rig_document_scalar(d, "name", &file);
     if (name.value)
         return rig_json_text(&r->name, &name, "a name", RIG_NAME_MAX, err);
     r->name = name_from_path(r->path);
@@ -819,7 +816,7 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
 {
     uint32_t file;
     char *name = NULL;
-    rig_node named = rig_document_scalar(d, "mesh", &file);
+    json_node named = rig_document_scalar(d, "mesh", &file);
     if (!named.value)
         return error_set(err, MRT_ERR_FORMAT,
                          "$.mesh: expected the name of the mesh's file, found nothing; write "
@@ -840,15 +837,15 @@ static mrt_result fill_mesh_path(rig *r, const rig_document *d, error *err)
     if (!d->is_trusted)
         result = check_name(r, err);
     if (result < 0)
-        error_prefix(err, named.location.text);
+        error_prefix(err, named.path.text);
     return result;
 }
 
-static mrt_result fill_hash(rig *r, const rig_node *at, error *err)
+static mrt_result fill_hash(rig *r, const json_node *at, error *err)
 {
     const char *text = json_string_value(at->value);
     if (!text || strlen(text) != HASH_DIGITS || strspn(text, "0123456789abcdef") != HASH_DIGITS)
-        return rig_json_unexpected(err, at, "16 digits 0-9a-f as marotte rig new writes them");
+        return json_node_unexpected(err, at, "16 digits 0-9a-f as marotte rig new writes them");
     r->mesh_hash = strtoull(text, NULL, 16);
     return MRT_OK;
 }
@@ -857,37 +854,37 @@ static mrt_result fill_mesh(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
     mrt_result result = fill_mesh_path(r, d, err);
-    rig_node count = rig_document_scalar(d, "mesh_vertices", &file);
+    json_node count = rig_document_scalar(d, "mesh_vertices", &file);
     if (result >= 0 && count.value)
         result = rig_json_index(&r->mesh_vertex_count, &count, err);
-    rig_node hash = rig_document_scalar(d, "mesh_hash", &file);
+    json_node hash = rig_document_scalar(d, "mesh_hash", &file);
     if (result >= 0 && hash.value)
         result = fill_hash(r, &hash, err);
     return result;
 }
 
-static mrt_result fill_solver_word(rig *r, const rig_node *solver, const char *key, error *err)
+static mrt_result fill_solver_word(rig *r, const json_node *solver, const char *key, error *err)
 {
-    rig_node at = rig_json_member(solver, key);
+    json_node at = json_node_member(solver, key);
     const char *word = json_string_value(at.value);
     bool is_kernel = strcmp(key, "kernel") == 0;
     if (!at.value || (word && (is_kernel ? csrbf_kernel_named(word, &r->solver.kernel)
                                          : csrbf_polynomial_named(word, &r->solver.polynomial))))
         return MRT_OK;
-    return rig_json_unexpected(err, &at,
-                               is_kernel
-                                   ? "one of wendland_c2, wendland_c0, wendland_c4, wendland_c6"
-                                   : "one of none, constant, linear, windowed");
+    return json_node_unexpected(err, &at,
+                                is_kernel
+                                    ? "one of wendland_c2, wendland_c0, wendland_c4, wendland_c6"
+                                    : "one of none, constant, linear, windowed");
 }
 
 static mrt_result fill_solver(rig *r, rig_document *d, error *err)
 {
     static const char *const known[] = {"kernel", "polynomial", "radius_mm", "ridge", NULL};
     uint32_t file;
-    rig_node solver = rig_document_scalar(d, "solver", &file);
+    json_node solver = rig_document_scalar(d, "solver", &file);
     if (!solver.value)
         return MRT_OK;
-    mrt_result result = rig_json_object(&solver, "an object with kernel and radius_mm", err);
+    mrt_result result = json_node_object(&solver, "an object with kernel and radius_mm", err);
     if (result < 0)
         return result;
     rig_json_note_unknown(&r->note, &solver, known);
@@ -904,54 +901,54 @@ static mrt_result fill_solver(rig *r, rig_document *d, error *err)
 static mrt_result fill_shapes(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
-    rig_node shapes = rig_document_scalar(d, "shapes", &file);
+    json_node shapes = rig_document_scalar(d, "shapes", &file);
     r->shapes = 1.0;
-    return shapes.value ? rig_json_number(&r->shapes, &shapes, 0.0, 1.0, err) : MRT_OK;
+    return shapes.value ? json_node_number(&r->shapes, &shapes, 0.0, 1.0, err) : MRT_OK;
 }
 
 /* ---- regions ---- */
 
-static mrt_result find_bone(uint32_t *out, const rig *r, const rig_node *at, error *err)
+static mrt_result find_bone(uint32_t *out, const rig *r, const json_node *at, error *err)
 {
     const char *name = json_string_value(at->value);
     if (!name)
-        return rig_json_unexpected(err, at, "the name of a bone");
+        return json_node_unexpected(err, at, "the name of a bone");
     *out = rig_find_bone(r, name);
     if (*out != RIG_NONE)
         return MRT_OK;
-    rig_word word = rig_word_of(name);
+    json_words word = json_shown(name);
     return error_set(err, MRT_ERR_FORMAT, "%s: there is no bone \"%s\"; add it to $.bones",
-                     at->location.text, word.text);
+                     at->path.text, word.text);
 }
 
-static mrt_result check_region(const rig_region *region, const rig_node *at, error *err)
+static mrt_result check_region(const rig_region *region, const json_node *at, error *err)
 {
     bool has_weight = !isnan(region->weight), has_mobility = !isnan(region->mobility);
     if (region->is_rigid && (has_weight || has_mobility))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: rigid means weight 1 and mobility 0; leave weight and mobility away",
-                         at->location.text);
+                         at->path.text);
     if (!region->is_rigid && !has_weight && !has_mobility)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: expected \"rigid\": true, \"weight\" or \"mobility\": this region "
                          "says nothing",
-                         at->location.text);
+                         at->path.text);
     if (region->bone == RIG_NONE && (region->is_rigid || has_weight))
         return error_set(err, MRT_ERR_FORMAT,
                          "%s.bone: expected the name of the bone that these vertices ride on",
-                         at->location.text);
+                         at->path.text);
     return MRT_OK;
 }
 
 /* A name is for people: one that is none of ours to show is kept in the file. */
-static void fill_region_name(rig_region *region, const rig_node *at)
+static void fill_region_name(rig_region *region, const json_node *at)
 {
-    rig_node name = rig_json_member(at, "name");
+    json_node name = json_node_member(at, "name");
     if (name.value && rig_json_text(&region->name, &name, "a name", RIG_NAME_MAX, NULL) < 0)
         region->name = NULL;
 }
 
-static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, selecting *s,
+static mrt_result fill_region(rig *r, rig_region *region, const json_node *at, selecting *s,
                               error *err)
 {
     static const char *const known[] = {"name",     "bone",   "rigid", "weight",
@@ -959,17 +956,17 @@ static mrt_result fill_region(rig *r, rig_region *region, const rig_node *at, se
     *region = (rig_region){.bone = RIG_NONE, .weight = (double)NAN, .mobility = (double)NAN};
     rig_json_note_unknown(&r->note, at, known);
     fill_region_name(region, at);
-    rig_node bone = rig_json_member(at, "bone"), is_rigid = rig_json_member(at, "rigid");
+    json_node bone = json_node_member(at, "bone"), is_rigid = json_node_member(at, "rigid");
     mrt_result result = bone.value ? find_bone(&region->bone, r, &bone, err) : MRT_OK;
     if (result >= 0 && is_rigid.value)
-        result = rig_json_flag(&region->is_rigid, &is_rigid, err);
+        result = json_node_flag(&region->is_rigid, &is_rigid, err);
     if (result >= 0)
         result = rig_json_optional_number(&region->weight, at, "weight", 0.0, 1.0, err);
     if (result >= 0)
         result = rig_json_optional_number(&region->mobility, at, "mobility", 0.0, 1.0, err);
     if (result >= 0)
         result = check_region(region, at, err);
-    rig_node select = rig_json_member(at, "select");
+    json_node select = json_node_member(at, "select");
     return result < 0 ? result : parse_select(&region->select, &select, s, err);
 }
 
@@ -989,13 +986,13 @@ static mrt_result fill_regions(rig *r, rig_document *d, error *err)
 
 /* ---- contacts ---- */
 
-static mrt_result fill_contact(rig *r, rig_contact *contact, const rig_node *at, error *err)
+static mrt_result fill_contact(rig *r, rig_contact *contact, const json_node *at, error *err)
 {
     static const char *const known[] = {"name", "bone", "vertex", "mirror", NULL};
     *contact = (rig_contact){.bone = RIG_NONE, .mirror = RIG_NONE};
     rig_json_note_unknown(&r->note, at, known);
-    rig_node name = rig_json_member(at, "name"), bone = rig_json_member(at, "bone");
-    rig_node vertex = rig_json_member(at, "vertex");
+    json_node name = json_node_member(at, "name"), bone = json_node_member(at, "bone");
+    json_node vertex = json_node_member(at, "vertex");
     mrt_result result =
         rig_json_text(&contact->name, &name, "a name like \"chin\"", RIG_NAME_MAX, err);
     if (result >= 0)
@@ -1005,22 +1002,22 @@ static mrt_result fill_contact(rig *r, rig_contact *contact, const rig_node *at,
     return result < 0 || is_auto ? result : find_bone(&contact->bone, r, &bone, err);
 }
 
-static mrt_result find_mirror(rig *r, uint32_t index, const rig_node *contact, error *err)
+static mrt_result find_mirror(rig *r, uint32_t index, const json_node *contact, error *err)
 {
-    rig_node at = rig_json_member(contact, "mirror");
+    json_node at = json_node_member(contact, "mirror");
     if (!at.value)
         return MRT_OK;
     const char *name = json_string_value(at.value);
     if (!name)
-        return rig_json_unexpected(err, &at, "the name of a contact");
+        return json_node_unexpected(err, &at, "the name of a contact");
     r->contact[index].mirror = rig_find_contact(r, name);
     if (r->contact[index].mirror != RIG_NONE)
         return MRT_OK;
-    rig_word word = rig_word_of(name);
+    json_words word = json_shown(name);
     return error_set(err, MRT_ERR_FORMAT,
                      "%s: there is no contact \"%s\"; add it to $.contacts or leave the mirror "
                      "away",
-                     at.location.text, word.text);
+                     at.path.text, word.text);
 }
 
 static mrt_result check_mirrors(const rig *r, error *err)
@@ -1029,12 +1026,11 @@ static mrt_result check_mirrors(const rig *r, error *err)
         uint32_t other = r->contact[i].mirror;
         if (other == RIG_NONE || r->contact[other].mirror == i)
             continue;
-        rig_location location = rig_location_of(r, RIG_CONTACTS, i);
-        rig_location other_location = rig_location_of(r, RIG_CONTACTS, other);
+        json_path path = rig_entry_path(r, RIG_CONTACTS, i);
+        json_path other_path = rig_entry_path(r, RIG_CONTACTS, other);
         return error_set(err, MRT_ERR_FORMAT,
                          "%s.mirror: \"%s\" does not point back; write \"mirror\": \"%s\" at %s",
-                         location.text, r->contact[other].name, r->contact[i].name,
-                         other_location.text);
+                         path.text, r->contact[other].name, r->contact[i].name, other_path.text);
     }
     return MRT_OK;
 }
@@ -1056,28 +1052,27 @@ static mrt_result fill_contacts(rig *r, rig_document *d, error *err)
 
 /* ---- skull proxy ---- */
 
-static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const rig_node *at, double mm_per_unit,
+static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const json_node *at, double mm_per_unit,
                              error *err)
 {
     static const char *const known[] = {"ellipsoid", NULL};
     static const char *const known_inside[] = {"centre", "radii", "bone", NULL};
-    rig_node ellipsoid = rig_json_member(at, "ellipsoid");
-    mrt_result result = rig_json_object(&ellipsoid, "an object with centre, radii and bone", err);
+    json_node ellipsoid = json_node_member(at, "ellipsoid");
+    mrt_result result = json_node_object(&ellipsoid, "an object with centre, radii and bone", err);
     if (result < 0)
         return result;
     rig_json_note_unknown(&r->note, at, known);
     rig_json_note_unknown(&r->note, &ellipsoid, known_inside);
-    rig_node centre = rig_json_member(&ellipsoid, "centre");
-    rig_node radii = rig_json_member(&ellipsoid, "radii");
-    rig_node bone = rig_json_member(&ellipsoid, "bone");
+    json_node centre = json_node_member(&ellipsoid, "centre");
+    json_node radii = json_node_member(&ellipsoid, "radii");
+    json_node bone = json_node_member(&ellipsoid, "bone");
     result = rig_json_point(&proxy->centre, &centre, mm_per_unit, err);
     if (result >= 0)
         result = rig_json_point(&proxy->radii, &radii, mm_per_unit, err);
     if (result < 0)
         return result;
     if (!(proxy->radii.x > 0.0 && proxy->radii.y > 0.0 && proxy->radii.z > 0.0))
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected three radii above 0",
-                         radii.location.text);
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected three radii above 0", radii.path.text);
     return find_bone(&proxy->bone, r, &bone, err);
 }
 
@@ -1098,23 +1093,23 @@ static mrt_result fill_proxies(rig *r, rig_document *d, error *err)
 static mrt_result fill_axis(mesh_axis *out, rig_document *d, const char *key, error *err)
 {
     uint32_t file;
-    rig_node node = rig_document_scalar(d, key, &file);
+    json_node node = rig_document_scalar(d, key, &file);
     const char *word = json_string_value(node.value);
     if (!node.value || (word && mesh_axis_parse(out, word)))
         return MRT_OK;
-    return rig_json_unexpected(err, &node, "\"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"");
+    return json_node_unexpected(err, &node, "\"x\", \"y\", \"z\", \"-x\", \"-y\" or \"-z\"");
 }
 
 static mrt_result fill_frame(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
-    rig_node unit = rig_document_scalar(d, "mesh_unit", &file);
+    json_node unit = rig_document_scalar(d, "mesh_unit", &file);
     const char *word = json_string_value(unit.value);
     if (json_is_number(unit.value))
         r->frame.mm_per_unit = json_number_value(unit.value);
     if (unit.value && !(word ? mesh_unit_parse(&r->frame.mm_per_unit, word)
                              : r->frame.mm_per_unit >= 1e-9 && r->frame.mm_per_unit <= 1e9))
-        return rig_json_unexpected(err, &unit, "\"mm\", \"cm\", \"m\" or a number of mm");
+        return json_node_unexpected(err, &unit, "\"mm\", \"cm\", \"m\" or a number of mm");
     mrt_result result = fill_axis(&r->frame.up, d, "mesh_up", err);
     return result < 0 ? result : fill_axis(&r->frame.forward, d, "mesh_forward", err);
 }
@@ -1122,18 +1117,18 @@ static mrt_result fill_frame(rig *r, rig_document *d, error *err)
 static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
 {
     uint32_t file;
-    rig_node list = rig_document_scalar(d, "cut_mouth", &file);
+    json_node list = rig_document_scalar(d, "cut_mouth", &file);
     size_t count = json_array_size(list.value);
     if (!list.value)
         return MRT_OK;
     if (count < 4 || count > MESH_CUT_MAX)
-        return rig_json_unexpected(err, &list,
-                                   "a list of 4 vertices or more, as marotte rig new "
-                                   "--cut-mouth writes it");
+        return json_node_unexpected(err, &list,
+                                    "a list of 4 vertices or more, as marotte rig new "
+                                    "--cut-mouth writes it");
     r->cut_mouth = malloc(count * sizeof *r->cut_mouth);
     mrt_result result = r->cut_mouth ? MRT_OK : no_memory(err);
     for (size_t i = 0; result >= 0 && i < count; ++i) {
-        rig_node vertex = rig_json_item(&list, i);
+        json_node vertex = json_node_item(&list, i);
         result = rig_json_index(&r->cut_mouth[i], &vertex, err);
         r->cut_mouth_count += 1;
     }
@@ -1156,7 +1151,7 @@ static mrt_result allocate(rig *r, rig_document *d, error *err)
 static void note_unknown_roots(rig *r, const rig_document *d)
 {
     for (uint32_t i = 0; i < d->file_count; ++i) {
-        rig_node root = {d->file[i].root, d->file[i].location};
+        json_node root = {d->file[i].root, d->file[i].root_path};
         rig_json_note_unknown(&r->note, &root, root_keys);
     }
 }

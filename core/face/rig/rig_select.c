@@ -587,8 +587,8 @@ static void mark_weight(const marking *k, uint32_t vertex, uint32_t bone, float 
 static mrt_result refuse_overlap(const marking *k, uint32_t region, uint32_t vertex, error *err)
 {
     uint32_t first = k->rigid_region[vertex];
-    rig_location a = rig_location_of(k->r, RIG_REGIONS, first),
-                 b = rig_location_of(k->r, RIG_REGIONS, region);
+    json_path a = rig_entry_path(k->r, RIG_REGIONS, first),
+              b = rig_entry_path(k->r, RIG_REGIONS, region);
     return error_set(err, MRT_ERR_ARGUMENT,
                      "%s: overlaps %s: vertex %u would be rigid on \"%s\" and on \"%s\"; take it "
                      "out of one of them",
@@ -650,11 +650,11 @@ static mrt_result check_bones_have_vertices(const marking *k, error *err)
             found = *weight_at(k, b, v) > 0.0f;
         if (found)
             continue;
-        rig_location location = rig_location_of(k->r, RIG_BONES, b);
+        json_path path = rig_entry_path(k->r, RIG_BONES, b);
         return error_set(err, MRT_ERR_ARGUMENT,
                          "%s: no vertex belongs to the bone \"%s\"; add a region for it to "
                          "$.regions, or take the bone out",
-                         location.text, k->r->bone[b].name);
+                         path.text, k->r->bone[b].name);
     }
     return MRT_OK;
 }
@@ -669,10 +669,10 @@ static mrt_result check_vertices(const rig *r, const mesh *m, error *err)
     for (uint32_t i = 0; i < r->contact_count; ++i) {
         if (r->contact[i].vertex < m->vertex_count)
             continue;
-        rig_location location = rig_location_of(r, RIG_CONTACTS, i);
+        json_path path = rig_entry_path(r, RIG_CONTACTS, i);
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s.vertex: vertex %u of a mesh of %u vertices; choose again",
-                         location.text, r->contact[i].vertex, m->vertex_count);
+                         "%s.vertex: vertex %u of a mesh of %u vertices; choose again", path.text,
+                         r->contact[i].vertex, m->vertex_count);
     }
     return MRT_OK;
 }

@@ -350,7 +350,7 @@ static bool source_selects_the_same(const json_t *source, const rig_select *sele
 {
     if (!source || !is_same(w->source_mm_per_unit, w->mm_per_unit))
         return false;
-    rig_node node = {source, {"$"}};
+    json_node node = {source, {"$"}};
     rig_select before;
     bool same = rig_select_parse(&before, &node, w->source_mm_per_unit, NULL) >= 0 &&
                 select_equals(&before, select);
@@ -360,7 +360,7 @@ static bool source_selects_the_same(const json_t *source, const rig_select *sele
 
 static void write_region_name(json_t *out, const rig_region *region)
 {
-    rig_node at = {out, {"$"}}, name = rig_json_member(&at, "name");
+    json_node at = {out, {"$"}}, name = json_node_member(&at, "name");
     char *before = NULL;
     if (region->name)
         set_text(out, "name", region->name);
@@ -551,7 +551,7 @@ static bool file_names(const rig_document *d, const char *name)
 
 /* ---- the table of paints ---- */
 
-static bool says_the_same(const rig_node *paint, const rig_select *select)
+static bool says_the_same(const json_node *paint, const rig_select *select)
 {
     rig_select before = {0};
     bool same =
@@ -564,7 +564,7 @@ static void put_paint(painting *p, const rig_select *select)
 {
     const rig_document *d = p->r->document;
     uint32_t file = 0;
-    rig_node before = {0};
+    json_node before = {0};
     if (d)
         before = rig_document_paint(d, select->name, &file);
     if (before.value && says_the_same(&before, select)) {
@@ -783,7 +783,7 @@ static void update_solver(json_t *solver, const csrbf_settings *settings)
 static mrt_result put_solver(json_t *root, const rig *r, error *err)
 {
     uint32_t file;
-    rig_node before = {0};
+    json_node before = {0};
     if (r->document)
         before = rig_document_scalar(r->document, "solver", &file);
     json_t *solver = before.value ? json_deep_copy(before.value) : json_object();

@@ -9,226 +9,176 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { JSON_PATH_LENGTH = 96 };
-
 /* ---- read ---- */
 
-static mrt_result unexpected(error *err, const char *json_path, const char *key,
-                             const char *expected, const json_t *found)
-{
-    return error_set(err, MRT_ERR_FORMAT, "%s.%s: expected %s, found %s", json_path, key, expected,
-                     json_describe(found).text);
-}
+static const double number_cap = 1e300; /* finite */
 
 /* An object that has none but these keys. */
-static mrt_result check_keys(const json_t *object, const char *json_path, const char *const *keys,
-                             error *err)
+static mrt_result check_keys(const json_node *object, const char *const *keys, error *err)
 {
-    const char *key;
-    json_t *value;
-    json_object_foreach((json_t *)(uintptr_t)object, key, value)
-    {
-        const char *const *known = keys;
-        while (*known && strcmp(*known, key) != 0)
-            ++known;
-        char shown[48];
-        text_copy(shown, sizeof shown, text_view_of(key, strlen(key)));
-        if (!*known)
-            return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is not known here", json_path, shown);
-    }
-    return MRT_OK;
+    void *at = NULL;
+    const char *key = json_node_unknown(object, keys, &at);
+    return key ? error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" is not known here", object->path.text,
+                           json_shown(key).text)
+               : MRT_OK;
 }
 
 /* What is left out leaves *out as it is. */
-static mrt_result read_text(const json_t *object, const char *json_path, const char *key,
-                            char out[PATCH_NAME], error *err)
+static mrt_result read_text(const json_node *object, const char *key, char out[PATCH_NAME],
+                            error *err)
 {
-    const json_t *value = json_object_get(object, key);
-    const char *text = json_string_value(value);
-    size_t length = json_string_length(value);
-    if (!value)
+    json_node at = json_node_member(object, key);
+    const char *text = json_string_value(at.value);
+    size_t length = json_string_length(at.value);
+    if (!at.value)
         return MRT_OK;
-    if (!text || length == 0 || length >= PATCH_NAME || strlen(text) != length ||
+    if (!text || length == 0 || length >= PATCH_NAME ||
         !text_is_printable(text_view_of(text, length)))
-        return unexpected(err, json_path, key, "a text of 1 to 63 bytes", value);
+        return json_node_unexpected(err, &at, "a text of 1 to 63 bytes");
     memcpy(out, text, length + 1);
     return MRT_OK;
 }
 
-static mrt_result read_number(const json_t *object, const char *json_path, const char *key,
-                              double *out, error *err)
+static mrt_result read_number(const json_node *object, const char *key, double *out, error *err)
 {
-    const json_t *value = json_object_get(object, key);
-    if (!value)
-        return MRT_OK;
-    if (!json_is_number(value) || !isfinite(json_number_value(value)))
-        return unexpected(err, json_path, key, "a number", value);
-    *out = json_number_value(value);
-    return MRT_OK;
+    json_node at = json_node_member(object, key);
+    return at.value ? json_node_number(out, &at, -number_cap, number_cap, err) : MRT_OK;
 }
 
-static mrt_result read_numbers(const json_t *object, const char *json_path, const char *key,
-                               double *out, size_t count, error *err)
+static mrt_result read_numbers(const json_node *object, const char *key, double *out, size_t count,
+                               error *err)
 {
-    const json_t *value = json_object_get(object, key);
-    if (!value)
-        return MRT_OK;
-    bool is_good = json_array_size(value) == count;
-    for (size_t i = 0; i < count && is_good; ++i) {
-        const json_t *item = json_array_get(value, i);
-        is_good = json_is_number(item) && isfinite(json_number_value(item));
-        out[i] = json_number_value(item);
-    }
-    return is_good ? MRT_OK
-                   : unexpected(err, json_path, key, count == 2 ? "two numbers" : "three numbers",
-                                value);
+    json_node at = json_node_member(object, key);
+    return at.value ? json_node_numbers(out, count, &at, -number_cap, number_cap,
+                                        count == 2 ? "two numbers" : "three numbers", err)
+                    : MRT_OK;
 }
 
-static mrt_result read_flag(const json_t *object, const char *json_path, const char *key, bool *out,
-                            error *err)
+static mrt_result read_flag(const json_node *object, const char *key, bool *out, error *err)
 {
-    const json_t *value = json_object_get(object, key);
-    if (value && !json_is_boolean(value))
-        return unexpected(err, json_path, key, "true or false", value);
-    if (value)
-        *out = json_is_true(value);
-    return MRT_OK;
+    json_node at = json_node_member(object, key);
+    return at.value ? json_node_flag(out, &at, err) : MRT_OK;
 }
 
-static mrt_result read_from(patch_connection *out, const json_t *item, const char *json_path,
-                            error *err)
+static mrt_result read_from(patch_connection *out, const json_node *item, error *err)
 {
     static const char *const keys[] = {"input", "channel", NULL};
-    const json_t *from = json_object_get(item, "from");
-    char inside[JSON_PATH_LENGTH + 8];
-    if (!json_is_object(from))
-        return unexpected(err, json_path, "from", "an object", from);
-    (void)snprintf(inside, sizeof inside, "%s.from", json_path);
-    mrt_result result = check_keys(from, inside, keys, err);
+    json_node from = json_node_member(item, "from");
+    mrt_result result = json_node_object(&from, "an object", err);
     if (result >= 0)
-        result = read_text(from, inside, "input", out->input, err);
-    return result < 0 ? result : read_text(from, inside, "channel", out->channel, err);
+        result = check_keys(&from, keys, err);
+    if (result >= 0)
+        result = read_text(&from, "input", out->input, err);
+    return result < 0 ? result : read_text(&from, "channel", out->channel, err);
 }
 
 /* A direction of any length. */
-static mrt_result read_way(patch_connection *out, const json_t *to, const char *json_path,
-                           error *err)
+static mrt_result read_way(patch_connection *out, const json_node *to, error *err)
 {
     double way[3] = {0.0, 1.0, 0.0};
-    mrt_result result = read_numbers(to, json_path, "way", way, 3, err);
+    json_node at = json_node_member(to, "way");
+    mrt_result result = read_numbers(to, "way", way, 3, err);
     double length = sqrt(way[0] * way[0] + way[1] * way[1] + way[2] * way[2]);
     if (result >= 0 && !(length > 1e-6 && length < 1e6))
-        return unexpected(err, json_path, "way", "a direction", json_object_get(to, "way"));
+        return json_node_unexpected(err, &at, "a direction");
     double unit = fabs(length - 1.0) < 1e-6 ? 1.0 : 1.0 / length; /* one that was written stays */
     for (int axis = 0; axis < 3 && result >= 0; ++axis)
         out->way[axis] = (float)(way[axis] * unit);
     return result;
 }
 
-static mrt_result read_to(patch_connection *out, const json_t *item, const char *json_path,
-                          error *err)
+static mrt_result read_to(patch_connection *out, const json_node *item, error *err)
 {
     static const char *const keys[] = {"param",  "dof",   "contact", "pose",
                                        "action", "shape", "way",     NULL};
-    const json_t *to = json_object_get(item, "to");
-    char inside[JSON_PATH_LENGTH + 8];
-    if (!json_is_object(to))
-        return unexpected(err, json_path, "to", "an object", to);
-    (void)snprintf(inside, sizeof inside, "%s.to", json_path);
-    mrt_result result = check_keys(to, inside, keys, err);
+    json_node to = json_node_member(item, "to"), way = json_node_member(&to, "way");
+    mrt_result result = json_node_object(&to, "an object", err);
+    if (result >= 0)
+        result = check_keys(&to, keys, err);
     uint32_t kind_count = 0;
     for (int kind = PATCH_PARAM; kind < PATCH_KINDS && result >= 0; ++kind) {
-        if (!json_object_get(to, patch_kind_names[kind]))
+        if (!json_object_get(to.value, patch_kind_names[kind]))
             continue;
         kind_count += 1;
         *out = patch_connection_of((patch_kind)kind);
-        result = read_text(to, inside, patch_kind_names[kind], out->target, err);
+        result = read_text(&to, patch_kind_names[kind], out->target, err);
     }
     if (result >= 0 && kind_count != 1)
-        return unexpected(err, json_path, "to",
-                          "one of param, dof, contact, pose, shape and action", to);
+        return json_node_unexpected(err, &to, "one of param, dof, contact, pose, shape and action");
     if (result < 0 || out->kind == PATCH_CONTACT)
-        return result < 0 ? result : read_way(out, to, inside, err);
-    return json_object_get(to, "way") ? unexpected(err, inside, "way", "it with a contact alone",
-                                                   json_object_get(to, "way"))
-                                      : MRT_OK;
+        return result < 0 ? result : read_way(out, &to, err);
+    return way.value ? json_node_unexpected(err, &way, "it with a contact alone") : MRT_OK;
 }
 
-static mrt_result read_mode(patch_connection *out, const json_t *item, const char *json_path,
-                            error *err)
+static mrt_result read_mode(patch_connection *out, const json_node *item, error *err)
 {
-    const json_t *mode = json_object_get(item, "mode");
-    const char *text = json_string_value(mode);
-    if (!mode)
+    json_node mode = json_node_member(item, "mode");
+    const char *text = json_string_value(mode.value);
+    if (!mode.value)
         return MRT_OK;
     out->adds = text && strcmp(text, "add") == 0;
     return out->adds || (text && strcmp(text, "instead") == 0)
                ? MRT_OK
-               : unexpected(err, json_path, "mode", "\"add\" or \"instead\"", mode);
+               : json_node_unexpected(err, &mode, "\"add\" or \"instead\"");
 }
 
-static mrt_result read_connection(patch_connection *out, const json_t *item, const char *json_path,
-                                  error *err)
+static mrt_result read_connection(patch_connection *out, const json_node *item, error *err)
 {
     static const char *const keys[] = {"from",     "to",   "in",     "out",   "bend", "ease",
                                        "smooth_s", "mode", "pickup", "muted", NULL};
-    if (!json_is_object(item))
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected an object, found %s", json_path,
-                         json_describe(item).text);
-    mrt_result result = check_keys(item, json_path, keys, err);
+    mrt_result result = json_node_object(item, "an object", err);
     if (result >= 0)
-        result = read_to(out, item, json_path, err); /* first: it sets the usual values */
+        result = check_keys(item, keys, err);
     if (result >= 0)
-        result = read_from(out, item, json_path, err);
+        result = read_to(out, item, err); /* first: it sets the usual values */
     if (result >= 0)
-        result = read_numbers(item, json_path, "in", out->in, 2, err);
+        result = read_from(out, item, err);
     if (result >= 0)
-        result = read_numbers(item, json_path, "out", out->out, 2, err);
+        result = read_numbers(item, "in", out->in, 2, err);
     if (result >= 0)
-        result = read_number(item, json_path, "bend", &out->bend, err);
+        result = read_numbers(item, "out", out->out, 2, err);
     if (result >= 0)
-        result = read_number(item, json_path, "ease", &out->ease, err);
+        result = read_number(item, "bend", &out->bend, err);
     if (result >= 0)
-        result = read_number(item, json_path, "smooth_s", &out->smooth_s, err);
+        result = read_number(item, "ease", &out->ease, err);
     if (result >= 0)
-        result = read_mode(out, item, json_path, err);
+        result = read_number(item, "smooth_s", &out->smooth_s, err);
     if (result >= 0)
-        result = read_flag(item, json_path, "pickup", &out->picks_up, err);
-    return result < 0 ? result : read_flag(item, json_path, "muted", &out->is_muted, err);
+        result = read_mode(out, item, err);
+    if (result >= 0)
+        result = read_flag(item, "pickup", &out->picks_up, err);
+    return result < 0 ? result : read_flag(item, "muted", &out->is_muted, err);
 }
 
-static mrt_result read_connections(patch *out, const json_t *root, error *err)
+static mrt_result read_connections(patch *out, const json_node *root, error *err)
 {
-    const json_t *list = json_object_get(root, "connections");
-    if (!json_is_array(list) || json_array_size(list) > PATCH_CONNECTIONS_MAX)
-        return unexpected(err, "$", "connections", "an array of at most 64", list);
-    out->count = (uint32_t)json_array_size(list);
-    for (uint32_t i = 0; i < out->count; ++i) {
-        char json_path[JSON_PATH_LENGTH];
-        (void)snprintf(json_path, sizeof json_path, "$.connections[%u]", i);
-        mrt_result result =
-            read_connection(&out->connection[i], json_array_get(list, i), json_path, err);
-        if (result < 0)
-            return result;
+    json_node list = json_node_member(root, "connections");
+    if (!json_is_array(list.value) || json_array_size(list.value) > PATCH_CONNECTIONS_MAX)
+        return json_node_unexpected(err, &list, "an array of at most 64");
+    out->count = (uint32_t)json_array_size(list.value);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < out->count && result >= 0; ++i) {
+        json_node item = json_node_item(&list, i);
+        result = read_connection(&out->connection[i], &item, err);
     }
-    return MRT_OK;
+    return result;
 }
 
-static mrt_result read_patch(patch *out, const json_t *root, error *err)
+static mrt_result read_patch(patch *out, const json_node *root, error *err)
 {
     static const char *const keys[] = {"marotte_patch", "name", "about", "connections", NULL};
-    if (!json_is_object(root))
-        return error_set(err, MRT_ERR_FORMAT, "$: expected an object, found %s",
-                         json_describe(root).text);
-    const json_t *version = json_object_get(root, "marotte_patch");
-    if (!json_is_integer(version) || json_integer_value(version) != 1)
-        return unexpected(err, "$", "marotte_patch", "1", version);
-    mrt_result result = check_keys(root, "$", keys, err);
-    const json_t *about = json_object_get(root, "about");
-    if (result >= 0 && about && !json_is_string(about))
-        return unexpected(err, "$", "about", "a text", about);
+    json_node version = json_node_member(root, "marotte_patch");
+    json_node about = json_node_member(root, "about");
+    mrt_result result = json_node_object(root, "an object", err);
+    if (result < 0)
+        return result;
+    if (!json_is_integer(version.value) || json_integer_value(version.value) != 1)
+        return json_node_unexpected(err, &version, "1");
+    result = check_keys(root, keys, err);
+    if (result >= 0 && about.value && !json_is_string(about.value))
+        return json_node_unexpected(err, &about, "a text");
     if (result >= 0)
-        result = read_text(root, "$", "name", out->name, err);
+        result = read_text(root, "name", out->name, err);
     if (result >= 0)
         result = read_connections(out, root, err);
     return result < 0 ? result : patch_check(out, err);
@@ -236,19 +186,16 @@ static mrt_result read_patch(patch *out, const json_t *root, error *err)
 
 mrt_result patch_file_parse(patch *out, const char *text, size_t size, const char *name, error *err)
 {
-    json_error_t reason;
+    json_t *value;
     *out = (patch){.name = ""};
     if (size > PATCH_FILE_BYTES_MAX)
         return error_set(err, MRT_ERR_FORMAT, "%s: is larger than a patch can be", name);
-    json_t *root = json_loadb(text, size, JSON_REJECT_DUPLICATES, &reason);
-    if (!root) {
-        char why[JSON_ERROR_TEXT_LENGTH];
-        text_copy(why, sizeof why, text_view_of(reason.text, strlen(reason.text)));
-        return error_set(err, MRT_ERR_FORMAT, "%s:%d:%d: no JSON: %s", name, reason.line,
-                         reason.column, why);
+    mrt_result result = json_parse(&value, text, size, err);
+    if (result >= 0) {
+        json_node root = json_node_root(value, NULL);
+        result = read_patch(out, &root, err);
+        json_decref(value);
     }
-    mrt_result result = read_patch(out, root, err);
-    json_decref(root);
     if (result < 0) {
         error_prefix(err, name);
         *out = (patch){.name = ""};
