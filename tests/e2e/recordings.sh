@@ -8,9 +8,12 @@ if [ ! -d "$shared/data/hands" ]; then
     echo "SKIPPED: no recordings in $shared/data/hands (set MAROTTE_SHARED)"
     exit 77
 fi
-most_mib=300 fps=${MAROTTE_RECORDINGS_FPS:-12}
-[ -n "${SANITIZED:-}" ] && most_mib=1200 # the sanitizer's own
-for recording in "$shared"/data/hands/*.txt; do
+most_mib=300 fps=${MAROTTE_RECORDINGS_FPS:-12} recordings=("$shared"/data/hands/*.txt)
+if [ -n "${SANITIZED:-}" ]; then
+    most_mib=1200                  # the sanitizer's own
+    recordings=("${recordings[-1]}") # the same code, ten times slower
+fi
+for recording in "${recordings[@]}"; do
     records=$(grep -c . "$recording")
     for map in anchored unanchored one_hand; do
         facts=$scratch/facts.txt
