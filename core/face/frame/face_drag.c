@@ -183,6 +183,8 @@ static double part_at(const face *f, const double at[3], double radius, uint32_t
 {
     double part = 1.0, nearest = nearest_tip(f, at, radius, count);
     for (uint32_t k = 0; k < count; ++k) {
+        if (!(f->limit.tip_share[k] < 1.0))
+            continue;
         double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
         part = fmin(part, 1.0 - (1.0 - f->limit.tip_share[k]) * near);
     }
@@ -199,6 +201,8 @@ static void take_part(face *f, double radius, uint32_t count, double all)
              ++slot) {
             const float *step = f->limit.step[slot];
             double at[3];
+            if (step[0] == 0.0f && step[1] == 0.0f && step[2] == 0.0f)
+                continue; /* no field reaches it */
             points_at(at, &f->before, slot);
             float part = (float)(all * part_at(f, at, radius, count));
             f->free.x[slot] = f->before.x[slot] + part * step[0];
