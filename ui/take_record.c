@@ -114,7 +114,7 @@ static mrt_result read_count(take_call *call, take_option option, double most, u
     return result;
 }
 
-static mrt_result read_times(performing *self, overdub_settings *out, error *err)
+static mrt_result read_times(performing *self, overdub_plan *out, error *err)
 {
     take_call *call = self->call;
     double fade_s = 0.25, preroll_s = 0.0, count_in_s = 0.0;
@@ -148,14 +148,14 @@ static mrt_result read_place(performing *self, overdub_settings *out, error *err
     mrt_result result =
         read_count(call, TAKE_REZERO_PEDAL, MRT_MAX_PEDALS, &out->rezero_pedal, err);
     if (result >= 0 && call->text[TAKE_LAYER])
-        result = take_find_layer(call, &self->take, &out->into_layer, err);
+        result = take_find_layer(call, &self->take, &out->plan.into_layer, err);
     if (result >= 0 && call->text[TAKE_OWN])
         result = take_read_own(call, call->text[TAKE_OWN], &self->own, err);
     if (result >= 0 && call->text[TAKE_LAYER] && call->text[TAKE_OWN])
         result = take_misused(call, err, "--layer has what it moves already: no --own");
-    out->own = self->own.own;
-    out->own_count = self->own.own_count;
-    snprintf(out->name, sizeof out->name, "%s",
+    out->plan.own = self->own.own;
+    out->plan.own_count = self->own.own_count;
+    snprintf(out->plan.name, sizeof out->plan.name, "%s",
              call->text[TAKE_NAME_OPTION] ? call->text[TAKE_NAME_OPTION] : "");
     return result;
 }
@@ -176,7 +176,7 @@ static mrt_result prepare(performing *self, error *err)
     if (result >= 0)
         result = take_read(call, call->word[1], &self->take, err);
     if (result >= 0)
-        result = read_times(self, &settings, err);
+        result = read_times(self, &settings.plan, err);
     if (result >= 0)
         result = read_place(self, &settings, err);
     if (result >= 0)
@@ -326,7 +326,7 @@ static mrt_result perform(performing *self, error *err)
     return result < 0 ? result : check_mappings(self, err);
 }
 
-static void tell(performing *self, const overdub_result *made)
+static void tell(performing *self, const overdub_made *made)
 {
     facts *told = self->call->told;
     char text[64];
@@ -345,7 +345,7 @@ static void tell(performing *self, const overdub_result *made)
 /* However it ended: what was performed until then becomes a part of the take. */
 static mrt_result keep(performing *self, mrt_result performed, error *err)
 {
-    overdub_result made;
+    overdub_made made;
     error later = {""};
     mrt_result result = overdub_finish(self->overdub, &made, &later);
     self->call->is_told = result >= 0;

@@ -215,27 +215,33 @@ static mrt_result see_frame(void *data, uint32_t index, double time_s, int64_t w
     return MRT_OK;
 }
 
-static overdub_result perform_over(show *s, int64_t take_id, overdub_settings settings,
-                                   const char *params, seen *out_live)
+static overdub_settings settings_of(show *s, int64_t take_id, hand *h, overdub_plan plan)
+{
+    return (overdub_settings){.show = s,
+                              .plugins = &the.plugins,
+                              .log = the.log,
+                              .take = take_id,
+                              .face = &the.face,
+                              .face_path = puppet,
+                              .clock = CLOCK_VIRTUAL,
+                              .inputs = &h->input,
+                              .input_text = h->texts,
+                              .input_count = 1,
+                              .mapping = &h->mapping,
+                              .plan = plan};
+}
+
+static overdub_made perform_over(show *s, int64_t take_id, overdub_plan plan, const char *params,
+                                 seen *out_live)
 {
     error err = {""};
     hand h;
     hand_open(&h, params);
-    settings.show = s;
-    settings.plugins = &the.plugins;
-    settings.log = the.log;
-    settings.take = take_id;
-    settings.face = &the.face;
-    settings.face_path = puppet;
-    settings.clock = CLOCK_VIRTUAL;
-    settings.inputs = &h.input;
-    settings.input_text = h.texts;
-    settings.input_count = 1;
-    settings.mapping = &h.mapping;
-    if (settings.passes == 0)
-        settings.passes = 1;
-    if (!(settings.speed > 0))
-        settings.speed = 1.0;
+    if (plan.passes == 0)
+        plan.passes = 1;
+    if (!(plan.speed > 0))
+        plan.speed = 1.0;
+    const overdub_settings settings = settings_of(s, take_id, &h, plan);
     over o = {.seen = out_live};
     if (out_live)
         *out_live = (seen){0};
@@ -245,7 +251,7 @@ static overdub_result perform_over(show *s, int64_t take_id, overdub_settings se
     player_events events = {.frame = see_frame, .data = &o};
     player_report report;
     must(player_run_stage(&stage, &h.input, 1, &playing, &events, &report, &err), &err);
-    overdub_result result;
+    overdub_made result;
     must(overdub_finish(o.overdub, &result, &err), &err);
     overdub_destroy(o.overdub);
     hand_close(&h);
@@ -261,8 +267,8 @@ static void a_layer_is_added_and_plays_as_it_was_performed(void **state)
          *after = malloc(sizeof *after);
     char own[1][TAKE_NAME] = {"brow.*"};
     play(before, s, id);
-    overdub_settings settings = {.own = own, .own_count = 1};
-    overdub_result result = perform_over(s, id, settings, "start=6,end=9.9", live);
+    overdub_plan plan = {.own = own, .own_count = 1};
+    overdub_made result = perform_over(s, id, plan, "start=6,end=9.9", live);
     assert_int_equal(result.layer_count, 1);
     play(after, s, id);
     error err = {""};
@@ -297,13 +303,13 @@ static void a_punch_changes_nothing_outside_in_and_out(void **state)
     take t;
     play(before, s, id);
     must(edit_store_take(&t, s, id, &err), &err);
-    overdub_settings settings = {.into_layer = t.layer[0].id,
-                                 .in_ns = S,
-                                 .out_ns = 5 * S / 2,
-                                 .fade_ns = S / 5,
-                                 .preroll_ns = S / 2};
+    overdub_plan plan = {.into_layer = t.layer[0].id,
+                         .in_ns = S,
+                         .out_ns = 5 * S / 2,
+                         .fade_ns = S / 5,
+                         .preroll_ns = S / 2};
     take_finish(&t);
-    overdub_result result = perform_over(s, id, settings, "start=10,end=16", NULL);
+    overdub_made result = perform_over(s, id, plan, "start=10,end=16", NULL);
     assert_int_equal(result.layer_count, 1);
     play(after, s, id);
     assert_int_equal(before->count, after->count);
@@ -331,9 +337,9 @@ static void a_loop_stacks_layers_of_which_the_last_is_heard(void **state)
     size_t count;
     show_take *takes;
     show *s = record_base("loop", &id);
-    overdub_settings settings = {
+    overdub_plan plan = {
         .in_ns = S, .out_ns = 2 * S, .passes = 3, .preroll_ns = S / 2, .count_in_ns = S};
-    overdub_result result = perform_over(s, id, settings, "start=0,end=20", NULL);
+    overdub_made result = perform_over(s, id, plan, "start=0,end=20", NULL);
     assert_int_equal(result.layer_count, 3);
     take t;
     must(edit_store_take(&t, s, id, &err), &err);
@@ -368,8 +374,8 @@ static void a_loop_that_is_left_in_a_pass_keeps_the_last_whole_one_heard(void **
     error err = {""};
     take t;
     show *s = record_base("left", &id);
-    overdub_settings settings = {.in_ns = S, .out_ns = 2 * S, .passes = 3, .fade_ns = S / 4};
-    overdub_result result = perform_over(s, id, settings, "start=0,end=1.2", NULL);
+    overdub_plan plan = {.in_ns = S, .out_ns = 2 * S, .passes = 3, .fade_ns = S / 4};
+    overdub_made result = perform_over(s, id, plan, "start=0,end=1.2", NULL);
     assert_int_equal(result.layer_count, 2);
     must(edit_store_take(&t, s, id, &err), &err);
     assert_int_equal(t.layer_count, 3);
@@ -394,10 +400,10 @@ static void a_punch_that_is_left_early_fades_as_far_as_it_goes(void **state)
     take t;
     show *s = record_base("early", &id);
     must(edit_store_take(&t, s, id, &err), &err);
-    overdub_settings settings = {
+    overdub_plan plan = {
         .into_layer = t.layer[0].id, .in_ns = S / 2, .out_ns = 3 * S, .fade_ns = S};
     take_finish(&t);
-    overdub_result result = perform_over(s, id, settings, "start=0,end=1", NULL);
+    overdub_made result = perform_over(s, id, plan, "start=0,end=1", NULL);
     assert_int_equal(result.layer_count, 1);
     assert_int_equal(result.edit_count, 1);
     must(edit_store_take(&t, s, id, &err), &err);
@@ -415,8 +421,8 @@ static void at_half_speed_twice_as_much_is_performed(void **state)
     error err = {""};
     take t;
     show *s = record_base("slow", &id);
-    overdub_settings settings = {.in_ns = S, .out_ns = 3 * S, .speed = 0.5};
-    perform_over(s, id, settings, "start=0,end=20", NULL);
+    overdub_plan plan = {.in_ns = S, .out_ns = 3 * S, .speed = 0.5};
+    perform_over(s, id, plan, "start=0,end=20", NULL);
     must(edit_store_take(&t, s, id, &err), &err);
     const take_clip *clip = &t.layer[1].clip[0];
     int64_t shown = take_warp_to_source(clip, clip->end_ns) - take_warp_to_source(clip, S);
@@ -432,31 +438,19 @@ static void what_makes_no_sense_is_refused(void **state)
     show *s = record_base("refused", &id);
     hand h;
     hand_open(&h, "end=1");
-    const overdub_settings good = {.show = s,
-                                   .plugins = &the.plugins,
-                                   .log = the.log,
-                                   .take = id,
-                                   .face = &the.face,
-                                   .face_path = puppet,
-                                   .clock = CLOCK_VIRTUAL,
-                                   .inputs = &h.input,
-                                   .input_text = h.texts,
-                                   .input_count = 1,
-                                   .mapping = &h.mapping,
-                                   .passes = 1,
-                                   .speed = 1.0};
+    const overdub_settings good = settings_of(s, id, &h, (overdub_plan){.passes = 1, .speed = 1.0});
     char nobody[1][TAKE_NAME] = {"nosuch.*"};
     overdub_settings bad[8];
     for (int i = 0; i < 8; ++i)
         bad[i] = good;
-    bad[0].in_ns = 3 * S, bad[0].out_ns = 2 * S;
-    bad[1].in_ns = 100 * S;
-    bad[2].passes = 2; /* of what? */
-    bad[3].into_layer = 77, bad[3].out_ns = S;
-    bad[4].fade_ns = S, bad[4].out_ns = S;
-    bad[5].speed = 9;
+    bad[0].plan.in_ns = 3 * S, bad[0].plan.out_ns = 2 * S;
+    bad[1].plan.in_ns = 100 * S;
+    bad[2].plan.passes = 2; /* of what? */
+    bad[3].plan.into_layer = 77, bad[3].plan.out_ns = S;
+    bad[4].plan.fade_ns = S, bad[4].plan.out_ns = S;
+    bad[5].plan.speed = 9;
     bad[6].take = 99;
-    bad[7].own = nobody, bad[7].own_count = 1;
+    bad[7].plan.own = nobody, bad[7].plan.own_count = 1;
     for (int i = 0; i < 8; ++i) {
         overdub *o;
         error err = {""};

@@ -302,7 +302,7 @@ static void what_is_performed_over_plays_as_it_was_seen(void **state)
     fixture_let_go(&d);
     show_take_on(&d, id, &t);
     ease(&d);
-    const live_over over = {.passes = 1};
+    const overdub_plan over = {.passes = 1};
     fixture_must(live_record_over(d.live, &over, &err), &err);
     uint32_t right = fixture_contact(&d, "mouth.corner.r");
     vec3 rest = fixture_rest(&d, right);
@@ -577,10 +577,10 @@ static void plugins_are_called_on_threads_that_may_and_one_at_a_time(void **stat
     const take *over_which[] = {&t, &mosaic};
     for (int i = 0; i < 2; ++i) {
         fixture_must(live_show_take(d.live, over_which[i], &err), &err);
-        const live_over over = {.in_ns = over_which[i]->duration_ns / 5,
-                                .out_ns = over_which[i]->duration_ns * 4 / 5,
-                                .passes = 2,
-                                .name = "again"};
+        const overdub_plan over = {.in_ns = over_which[i]->duration_ns / 5,
+                                   .out_ns = over_which[i]->duration_ns * 4 / 5,
+                                   .passes = 2,
+                                   .name = "again"};
         fixture_must(live_record_over(d.live, &over, &err), &err);
         int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
         do {
@@ -615,7 +615,7 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
     fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     int64_t id = record_a_drag(&d, "mouth.corner.l", (vec3){0, 6, 2});
     show_take_on(&d, id, &t);
-    const live_over over = {
+    const overdub_plan over = {
         .in_ns = 200 * NS_PER_MS, .out_ns = 600 * NS_PER_MS, .passes = 2, .name = "again"};
     fixture_must(live_record_over(d.live, &over, &err), &err);
     uint32_t right = fixture_contact(&d, "mouth.corner.r");
@@ -698,7 +698,7 @@ static void what_was_taught_stays_with_the_take_and_the_show(void **state)
     assert_string_equal(after_reset, taught);
     show_take_on(&d, id, &t);
     ease(&d);
-    const live_over over = {.passes = 1};
+    const overdub_plan over = {.passes = 1};
     fixture_must(live_record_over(d.live, &over, &err), &err);
     int64_t until_ns = clock_now_ns() + 1000 * NS_PER_MS;
     while (clock_now_ns() < until_ns || frames < 10) {

@@ -219,16 +219,9 @@ void live_set_speed(live *self, double speed);
 void live_set_loop(live *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
 void live_step_frames(live *self, int64_t frames);
 
-/* Over the take that is shown, from where in_ns says; see overdub.h for each. */
-typedef struct live_over {
-    char name[TAKE_NAME];
-    char (*own)[TAKE_NAME]; /* copied */
-    uint32_t own_count;
-    uint32_t into_layer;
-    int64_t in_ns, out_ns, fade_ns, count_in_ns, preroll_ns;
-    uint32_t passes; /* 0: until it is ended */
-} live_over;
-CHECKED mrt_result live_record_over(live *self, const live_over *over, error *err);
+/* Over the take that is shown, from where in_ns says. The patterns are copied; passes 0: until it
+ * is ended; the speed is the transport's, whatever the plan says. */
+CHECKED mrt_result live_record_over(live *self, const overdub_plan *plan, error *err);
 /* Once after it has ended (by live_record_end or by itself): the edits to make of the take, which
  * [main] makes (they are one step of undo). False: nothing to take. */
 bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *err);

@@ -487,18 +487,11 @@ static void live_over_forget(live *self)
     free(b.owned);
 }
 
-static mrt_result plan_over(const live *self, const live_over *over, overdub_plan *out, error *err)
+static mrt_result plan_over(const live *self, const overdub_plan *over, overdub_plan *out,
+                            error *err)
 {
-    *out = (overdub_plan){.own_count = over->own_count,
-                          .into_layer = over->into_layer,
-                          .in_ns = over->in_ns,
-                          .out_ns = over->out_ns,
-                          .fade_ns = over->fade_ns,
-                          .count_in_ns = over->count_in_ns,
-                          .preroll_ns = over->preroll_ns,
-                          .passes = over->passes,
-                          .speed = self->transport.speed};
-    snprintf(out->name, sizeof out->name, "%s", over->name);
+    *out = *over;
+    out->speed = self->transport.speed;
     if (over->passes == 0)
         out->passes = over->out_ns > 0 ? OVERDUB_PASSES_MAX : 1;
     out->own = calloc((size_t)over->own_count + 1, sizeof *out->own);
@@ -543,7 +536,7 @@ static mrt_result stand_at_start(live *self, const beginning *b, error *err)
     return result;
 }
 
-mrt_result live_record_over(live *self, const live_over *over, error *err)
+mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
 {
     overdub_plan plan;
     beginning b = {0};
@@ -615,7 +608,9 @@ bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *er
     const instance *mapping = live_mapping(self);
     if (result >= 0)
         result = overdub_run_edits(b.run, &self->shown, mapping ? mapping->type->name : "Pointer",
-                                   out_edits, out_count, &made, err);
+                                   out_edits, &made, err);
+    if (result >= 0)
+        *out_count = made.edit_count;
     if (b.run)
         free(b.run->plan.own);
     free(b.run);

@@ -421,11 +421,10 @@ static void overdub_edits_destroy(edit *edits, uint32_t count)
 }
 
 mrt_result overdub_run_edits(const overdub_run *self, const take *before, const char *name,
-                             edit **out, uint32_t *out_count, overdub_made *out_made, error *err)
+                             edit **out, overdub_made *out_made, error *err)
 {
     making m = {.run = self, .name = name};
     *out = NULL;
-    *out_count = 0;
     *out_made = (overdub_made){0};
     m.edits = calloc((size_t)(self->pass_now + 1) * EDITS_OF_PASS, sizeof *m.edits);
     if (!m.edits)
@@ -439,7 +438,7 @@ mrt_result overdub_run_edits(const overdub_run *self, const take *before, const 
         return result;
     }
     *out = m.edits;
-    *out_count = m.count;
+    out_made->edit_count = m.count;
     return MRT_OK;
 }
 
@@ -454,22 +453,6 @@ struct overdub {
 };
 
 /* ---- made and unmade ---- */
-
-static overdub_plan plan_of(const overdub_settings *s)
-{
-    overdub_plan out = {.own = s->own,
-                        .own_count = s->own_count,
-                        .into_layer = s->into_layer,
-                        .in_ns = s->in_ns,
-                        .out_ns = s->out_ns,
-                        .fade_ns = s->fade_ns,
-                        .count_in_ns = s->count_in_ns,
-                        .preroll_ns = s->preroll_ns,
-                        .passes = s->passes,
-                        .speed = s->speed};
-    memcpy(out.name, s->name, sizeof out.name);
-    return out;
-}
 
 /* The layer that performs, over the take's own. */
 static mrt_result create_live(overdub *self, error *err)
@@ -489,7 +472,7 @@ static mrt_result create_live(overdub *self, error *err)
     if (!self->owned)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
     const take_layer *over = overdub_punched(&self->run.plan, &self->take);
-    take_layer own = {.own_count = s->own_count, .own = s->own};
+    take_layer own = {.own_count = s->plan.own_count, .own = s->plan.own};
     sequencer_mark_owned(performer_composer(shown), over ? over : &own, self->owned);
     result = overdub_check_owned(about, over ? over : &own, err);
     if (result < 0)
@@ -530,12 +513,11 @@ static mrt_result create(overdub *self, error *err)
 {
     const overdub_settings *s = &self->settings;
     mrt_result result = edit_store_take(&self->take, s->show, s->take, err);
-    const overdub_plan plan = plan_of(s);
     if (result >= 0)
-        result = overdub_plan_check(&plan, &self->take, err);
+        result = overdub_plan_check(&s->plan, &self->take, err);
     if (result < 0)
         return result;
-    overdub_run_init(&self->run, &plan, &self->take);
+    overdub_run_init(&self->run, &s->plan, &self->take);
     sequencer_settings playing = {
         .show = s->show, .plugins = s->plugins, .log = s->log, .face = s->face};
     result = sequencer_create(&self->sequencer, &playing, &self->take, err);
@@ -611,30 +593,22 @@ player_stage overdub_stage(overdub *self)
 
 /* ---- it becomes a part of the take ---- */
 
-static mrt_result make_edits(const overdub *self, history *h, overdub_result *out, error *err)
+static mrt_result make_edits(const overdub *self, history *h, overdub_made *out, error *err)
 {
     edit *edits;
-    uint32_t count;
-    overdub_made made;
-    mrt_result result =
-        overdub_run_edits(&self->run, history_take(h), self->settings.mapping->type->name, &edits,
-                          &count, &made, err);
+    mrt_result result = overdub_run_edits(&self->run, history_take(h),
+                                          self->settings.mapping->type->name, &edits, out, err);
     if (result < 0)
         return result;
-    for (uint32_t i = 0; i < count && result >= 0; ++i)
+    for (uint32_t i = 0; i < out->edit_count && result >= 0; ++i)
         result = history_do(h, &edits[i], err);
-    overdub_edits_destroy(edits, count);
-    out->layer_count = made.layer_count;
-    out->last_layer = made.last_layer;
-    out->raw_take = made.raw_take;
-    out->from_ns = made.from_ns;
-    out->to_ns = made.to_ns;
+    overdub_edits_destroy(edits, out->edit_count);
     return result;
 }
 
-mrt_result overdub_finish(overdub *self, overdub_result *out, error *err)
+mrt_result overdub_finish(overdub *self, overdub_made *out, error *err)
 {
-    *out = (overdub_result){0};
+    *out = (overdub_made){0};
     mrt_result result = overdub_run_end(&self->run, self->recorder, err);
     if (result >= 0 && recorder_problem(self->recorder)[0])
         result = error_set(err, MRT_ERR_IO, "%s", recorder_problem(self->recorder));
@@ -650,10 +624,8 @@ mrt_result overdub_finish(overdub *self, overdub_result *out, error *err)
         return result;
     history_store list = edit_store_list(store);
     result = history_open(&h, edit_store_bare(store), &list, err);
-    int64_t head = result >= 0 ? history_head(h) : 0;
     if (result >= 0)
         result = make_edits(self, h, out, err);
-    out->edit_count = h ? (uint32_t)(history_head(h) - head) : 0;
     history_close(h);
     edit_store_close(store);
     return result;

@@ -19,14 +19,18 @@
 
 enum { OVERDUB_PASSES_MAX = 99 };
 
-typedef struct overdub_plan { /* overdub_settings says what each is */
-    char name[TAKE_NAME];
-    char (*own)[TAKE_NAME];
+typedef struct overdub_plan {
+    char name[TAKE_NAME];   /* of the layer; "": of the mapping */
+    char (*own)[TAKE_NAME]; /* the caller's: what the layer moves; own_count 0: everything */
     uint32_t own_count;
-    uint32_t into_layer;
-    int64_t in_ns, out_ns, fade_ns, count_in_ns, preroll_ns;
-    uint32_t passes;
-    double speed;
+    uint32_t into_layer;   /* punch: its id; 0: a new layer */
+    int64_t in_ns, out_ns; /* of the timeline; out 0: until it is ended */
+    int64_t fade_ns;       /* at both ends; as much as fits of what was ended early */
+    int64_t count_in_ns;   /* the take stands still at its start for that long */
+    int64_t preroll_ns;    /* it plays so much before `in` */
+    uint32_t passes;       /* 1; more: in..out is played again and again, a layer each; the last
+                              that was performed to its end is heard, the others are muted */
+    double speed;          /* of the timeline, 0.1..4; 1 */
 } overdub_plan;
 
 typedef struct overdub_pass { /* what was performed in one */
@@ -38,7 +42,7 @@ typedef struct overdub_pass { /* what was performed in one */
 } overdub_pass;
 
 typedef struct overdub_run {
-    overdub_plan plan; /* its patterns are the caller's */
+    overdub_plan plan;
     char scene[TAKE_NAME], shot[TAKE_NAME];
     int64_t take; /* that is performed over */
     transport transport;
@@ -80,12 +84,12 @@ typedef struct overdub_made {
     uint32_t last_layer;    /* that is heard: its id */
     int64_t raw_take;       /* of the pass that is heard, by itself */
     int64_t from_ns, to_ns; /* of the timeline */
+    uint32_t edit_count;    /* of the take's list: so many steps of undo take all of it back */
 } overdub_made;
-/* The edits that make of the take what was performed: *out is one of them each, to be finished and
- * freed. name: of the layer when the plan has none. */
+/* The edits that make of the take what was performed: *out is out_made->edit_count of them, each to
+ * be finished, and to be freed. name: of the layer when the plan has none. */
 CHECKED mrt_result overdub_run_edits(const overdub_run *self, const take *before, const char *name,
-                                     edit **out, uint32_t *out_count, overdub_made *out_made,
-                                     error *err);
+                                     edit **out, overdub_made *out_made, error *err);
 
 /* ---- without a window ---- */
 
@@ -109,25 +113,14 @@ typedef struct overdub_settings {
     double hand_length_mm, side_length_mm[2];
     uint32_t rezero_pedal;
     const patch *patch; /* NULL: none */
-    /* what is made of it */
-    char name[TAKE_NAME];   /* of the layer; "": of the mapping */
-    char (*own)[TAKE_NAME]; /* what the layer moves; own_count 0: everything */
-    uint32_t own_count;
-    uint32_t into_layer;   /* punch: its id; 0: a new layer */
-    int64_t in_ns, out_ns; /* of the timeline; out 0: until it is ended */
-    int64_t fade_ns;       /* at both ends; as much as fits of what was ended early */
-    int64_t count_in_ns;   /* the take stands still at its start for that long */
-    int64_t preroll_ns;    /* it plays so much before `in` */
-    uint32_t passes;       /* 1; more: in..out is played again and again, a layer each; the last
-                              that was performed to its end is heard, the others are muted */
-    double speed;          /* of the timeline, 0.1..4; 1 */
+    overdub_plan plan;  /* what is made of it */
 } overdub_settings;
 
 /* The face rests on the instant at which it will start. */
 CHECKED mrt_result overdub_create(overdub **out, const overdub_settings *settings, error *err);
 void overdub_destroy(overdub *self); /* NULL is fine; what was recorded stays */
 
-/* For player_run. It ends by itself at the end of the last pass. */
+/* For player_run_stage. It ends by itself at the end of the last pass. */
 player_stage overdub_stage(overdub *self);
 performer *overdub_performer(overdub *self);
 recorder *overdub_recorder(overdub *self);
@@ -140,14 +133,7 @@ const transport *overdub_transport(const overdub *self);
 CHECKED mrt_result overdub_check(const overdub *self, error *err);
 const take *overdub_take(const overdub *self); /* that is performed over, as it was before */
 
-typedef struct overdub_result {
-    uint32_t layer_count;   /* made or punched */
-    uint32_t last_layer;    /* that is heard: its id */
-    uint32_t edit_count;    /* of the take's list: so many steps of undo take all of it back */
-    int64_t raw_take;       /* of the pass that is heard, by itself */
-    int64_t from_ns, to_ns; /* of the timeline */
-} overdub_result;
 /* After the player: what was performed becomes a part of the take. */
-CHECKED mrt_result overdub_finish(overdub *self, overdub_result *out, error *err);
+CHECKED mrt_result overdub_finish(overdub *self, overdub_made *out, error *err);
 
 #endif

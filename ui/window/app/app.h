@@ -280,8 +280,8 @@ typedef struct app_choice {
     uint32_t layer, clip; /* ids; 0: none */
     int32_t marker;       /* -1: none */
     bool is_take;         /* the take itself, in the list: for remove */
-    uint32_t armed;       /* layer that recording over the take goes into (live_over.into_layer); 0:
-                             a new one */
+    uint32_t armed;       /* layer that recording over the take goes into
+                             (overdub_plan.into_layer); 0: a new one */
 } app_choice;
 app_choice *app_chosen(app *self);
 

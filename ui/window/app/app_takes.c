@@ -904,7 +904,7 @@ static void begin_over(app *self)
     error err = {0};
     const transport *t = live_transport(self->live);
     const take *chosen = app_take(self);
-    live_over over = {
+    overdub_plan over = {
         .in_ns = live_position(self->live).at_ns, .passes = 1, .fade_ns = OVER_FADE_NS};
     if (t->is_looping) {
         over.in_ns = t->loop_in_ns;
