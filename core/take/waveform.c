@@ -4,26 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Level 0 has pairs of 2^finest_bits frames, each further one of twice as many; when it would have
- * too many it is let go. */
-enum {
-    FINEST_BITS = 8,
-    LEVELS = 21,
-    PAIRS_MAX = 1 << 20,
-    READ_SAMPLES = 32768,
-    SKIPPED_FRAMES = 256
-};
-
-typedef struct level {
-    waveform_pair *pair;
-    size_t count, room;
-} level;
+/* Pairs of 2^bits frames are kept; once there would be too many, pairs of twice as many frames. */
+enum { FINEST_BITS = 8, PAIRS_MAX = 1 << 20, READ_SAMPLES = 32768, SKIPPED_FRAMES = 256 };
 
 struct waveform {
     show_audio audio;
     sound_pcm format;
-    uint32_t bits; /* of level 0 */
-    level levels[LEVELS];
+    uint32_t bits;
+    waveform_pair *pair;
+    size_t count, room;
     int64_t known;
     size_t pairs_max, read_frames;
     unsigned char *bytes;
@@ -48,68 +37,46 @@ static waveform_pair pair_of(const float *samples, size_t count)
     return pair;
 }
 
-static void put(level *of, size_t at, const waveform_pair *pair)
+/* Into a list that is filled from its start. */
+static void put(waveform_pair *list, size_t *count, size_t at, const waveform_pair *pair)
 {
-    if (at < of->count) {
-        widen(&of->pair[at], pair);
+    if (at < *count) {
+        widen(&list[at], pair);
     } else {
-        of->pair[at] = *pair;
-        of->count = at + 1;
+        list[at] = *pair;
+        *count = at + 1;
     }
 }
 
-static mrt_result make_room(level *of, size_t count, error *err)
+static void coarsen(waveform *self)
 {
-    if (count <= of->room)
-        return MRT_OK;
-    size_t room = of->room ? 2 * of->room : 64;
-    while (room < count)
-        room *= 2;
-    waveform_pair *larger = realloc(of->pair, room * sizeof *larger);
-    if (!larger)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the outline of a sound");
-    of->pair = larger;
-    of->room = room;
-    return MRT_OK;
-}
-
-static void let_go_of_finest(waveform *self)
-{
-    free(self->levels[0].pair);
-    memmove(self->levels, self->levels + 1, (LEVELS - 1) * sizeof *self->levels);
-    self->levels[LEVELS - 1] = (level){0};
+    size_t count = 0;
+    for (size_t i = 0; i < self->count; ++i)
+        put(self->pair, &count, i / 2, &self->pair[i]);
+    self->count = count;
     self->bits += 1;
-}
-
-/* The coarsest level of what the one below it has. */
-static void build_top(waveform *self)
-{
-    const level *below = &self->levels[LEVELS - 2];
-    for (size_t i = 0; i < below->count; ++i)
-        put(&self->levels[LEVELS - 1], i / 2, &below->pair[i]);
 }
 
 static mrt_result fit(waveform *self, int64_t frames, error *err)
 {
-    while ((frames >> self->bits) >= (int64_t)self->pairs_max) {
-        let_go_of_finest(self);
-        mrt_result result = make_room(&self->levels[LEVELS - 1], 2, err);
-        if (result < 0)
-            return result;
-        build_top(self);
-    }
-    for (uint32_t l = 0; l < LEVELS; ++l) {
-        size_t count = (size_t)((frames - 1) >> (self->bits + l)) + 1;
-        mrt_result result = make_room(&self->levels[l], count, err);
-        if (result < 0)
-            return result;
-    }
+    while ((frames >> self->bits) >= (int64_t)self->pairs_max)
+        coarsen(self);
+    size_t count = (size_t)((frames - 1) >> self->bits) + 1;
+    if (count <= self->room)
+        return MRT_OK;
+    size_t room = self->room ? 2 * self->room : 64;
+    while (room < count)
+        room *= 2;
+    waveform_pair *larger = realloc(self->pair, room * sizeof *larger);
+    if (!larger)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the outline of a sound");
+    self->pair = larger;
+    self->room = room;
     return MRT_OK;
 }
 
 /* ---- growing ---- */
 
-/* Each level takes up what is new, so that the last pairs are right at any moment. */
 static void add(waveform *self, const float *samples, size_t frames)
 {
     size_t channels = self->audio.channel_count;
@@ -119,8 +86,7 @@ static void add(waveform *self, const float *samples, size_t frames)
         size_t count = (size_t)(step - frame % step);
         count = count < frames - at ? count : frames - at;
         waveform_pair pair = pair_of(samples + at * channels, count * channels);
-        for (uint32_t l = 0; l < LEVELS; ++l)
-            put(&self->levels[l], (size_t)(frame >> (self->bits + l)), &pair);
+        put(self->pair, &self->count, (size_t)(frame >> self->bits), &pair);
         at += count;
     }
     self->known += (int64_t)frames;
@@ -193,12 +159,14 @@ static uint32_t bits_for(int64_t from, int64_t to, size_t pairs_max)
     return bits;
 }
 
-/* Finest level's bits <= bits <= coarsest one's, which has one pair of everything. */
+/* Of pairs that are kept, and of as many or fewer frames than the ones asked for. */
 static void read_kept(const waveform *self, uint32_t bits, int64_t to, waveform_view *out)
 {
-    size_t first = (size_t)(out->first_frame >> bits), end = (size_t)((to - 1) >> bits) + 1;
-    out->count = end - first;
-    memcpy(out->pair, self->levels[bits - self->bits].pair + first, out->count * sizeof *out->pair);
+    uint32_t further = bits - self->bits;
+    size_t first = (size_t)(out->first_frame >> self->bits);
+    size_t end = (size_t)(((to - 1) >> bits) + 1) << further;
+    for (size_t i = first; i < end && i < self->count; ++i)
+        put(out->pair, &out->count, (i - first) >> further, &self->pair[i]);
 }
 
 static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to, waveform_view *out,
@@ -220,11 +188,8 @@ static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to,
                              (long long)self->audio.id, (long long)at);
         for (size_t i = 0; i < got; ++i) {
             waveform_pair pair = pair_of(self->samples + i * channels, channels);
-            size_t into = (size_t)((at + (int64_t)i - out->first_frame) >> bits);
-            if (into == out->count)
-                out->pair[out->count++] = pair;
-            else
-                widen(&out->pair[into], &pair);
+            put(out->pair, &out->count, (size_t)((at + (int64_t)i - out->first_frame) >> bits),
+                &pair);
         }
         at += (int64_t)got;
     }
@@ -292,8 +257,7 @@ void waveform_destroy(waveform *self)
 {
     if (!self)
         return;
-    for (uint32_t l = 0; l < LEVELS; ++l)
-        free(self->levels[l].pair);
+    free(self->pair);
     free(self->bytes);
     free(self->samples);
     free(self);

@@ -1,6 +1,6 @@
 /* take/waveform.h - the outline of a sound: the least and the greatest sample of each stretch, over
  * all channels, at every zoom from at most 4096 of them. It is computed in pieces, beside other
- * work, and goes on when the sound does. What it gives is exact. At most 32 MiB whatever the
+ * work, and goes on when the sound does. What it gives is exact. At most 8 MiB whatever the
  * length; at zooms finer than it keeps it reads the sound itself. One thread at a time, any that
  * may read the show. */
 #ifndef MAROTTE_TAKE_WAVEFORM_H
@@ -15,9 +15,8 @@ typedef struct waveform_pair {
 
 CHECKED mrt_result waveform_create(waveform **out, show *s, int64_t audio, error *err);
 void waveform_destroy(waveform *self); /* NULL is fine */
-/* Before the first step: how many pairs the finest level may have, 2 MiB in all for 2^17; 2^20 is
- * the most, and what it is unless this is said. Those of fewer are read from the sound more often.
- */
+/* Before the first step: how many pairs are kept; 2^20 is the most, and what it is unless a test
+ * says fewer. */
 void waveform_limit(waveform *self, size_t pairs_max);
 
 /* Looks at up to so many further frames. MRT_OK: there are more; MRT_END: all that is recorded by

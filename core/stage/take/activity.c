@@ -5,11 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    BINS = 8192, /* of the finest level; a power of two */
-    LEVELS = 14, /* each of half as many; the last is one bin */
-    ALL = OWN_REGION_COUNT
-};
+enum { BINS = 8192, ALL = OWN_REGION_COUNT };
 static const int64_t first_bin_ns = 4 * NS_PER_MS;
 /* A drag of clay counts as the way that it goes in so long. */
 static const double drag_span_s = 0.1;
@@ -20,9 +16,9 @@ typedef struct packed_bin {
 } packed_bin;
 static const float bin_steps = 4096.0f;
 
-typedef struct tower { /* of a lane: the finest level, and above it each bin covers two */
-    packed_bin bin[2 * BINS];
-} tower;
+typedef struct lane_bins {
+    packed_bin bin[BINS];
+} lane_bins;
 
 struct activity {
     replay_world world;
@@ -31,7 +27,7 @@ struct activity {
     bool has_failed;  /* to open */
     int64_t known_ns; /* source time */
     int64_t bin_ns;
-    tower *lane;                                 /* ACTIVITY_LANES */
+    lane_bins *lane;                             /* ACTIVITY_LANES */
     uint32_t *region_of_contact, *region_of_dof; /* bits */
     double unit_mm;                              /* a tenth of the face's height */
     float held[ACTIVITY_LANES];                  /* since the last sample */
@@ -39,12 +35,7 @@ struct activity {
     size_t state_size, state_capacity;           /* size 0: it cannot be had */
 };
 
-/* ---- towers ---- */
-
-static size_t level_start(uint32_t level)
-{
-    return level == 0 ? 0 : 2 * (size_t)BINS - (2 * (size_t)BINS >> level);
-}
+/* ---- bins ---- */
 
 static activity_bin unknown(void)
 {
@@ -69,27 +60,19 @@ static packed_bin join(packed_bin a, packed_bin b)
                         a.greatest > b.greatest ? a.greatest : b.greatest};
 }
 
-static void add(tower *t, size_t bin, float value)
+static void add(lane_bins *of, size_t bin, float value)
 {
     const packed_bin one = {packed(value), packed(value)};
-    for (uint32_t level = 0; level < LEVELS; ++level, bin /= 2) {
-        packed_bin *b = &t->bin[level_start(level) + bin];
-        *b = join(*b, one);
-    }
+    of->bin[bin] = join(of->bin[bin], one);
 }
 
 /* Every bin covers twice as much. */
-static void coarsen(tower *t)
+static void coarsen(lane_bins *of)
 {
-    packed_bin *b = t->bin;
+    packed_bin *b = of->bin;
     for (size_t i = 0; i < BINS / 2; ++i)
         b[i] = join(b[2 * i], b[2 * i + 1]);
     memset(b + BINS / 2, 0, BINS / 2 * sizeof *b);
-    for (uint32_t level = 1; level < LEVELS; ++level) {
-        size_t below = level_start(level - 1), at = level_start(level);
-        for (size_t i = 0; i < (size_t)BINS >> level; ++i)
-            b[at + i] = join(b[below + 2 * i], b[below + 2 * i + 1]);
-    }
 }
 
 /* What was held until this instant fills the bins up to it; from here on it is `value`. */
@@ -348,20 +331,16 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
 
 /* ---- read ---- */
 
-static activity_bin read_bin(const activity *self, const tower *t, int64_t from_ns, int64_t to_ns)
+static activity_bin read_bin(const activity *self, const lane_bins *of, int64_t from_ns,
+                             int64_t to_ns)
 {
     packed_bin out = {0, 0};
-    uint32_t level = 0;
     if (to_ns <= 0 || from_ns > self->known_ns)
         return unknown();
-    while (level + 1 < LEVELS && (self->bin_ns << (level + 1)) <= (to_ns - from_ns) / 2)
-        level += 1;
-    int64_t size_ns = self->bin_ns << level;
-    int64_t count = (int64_t)BINS >> level;
-    int64_t first = from_ns > 0 ? from_ns / size_ns : 0, last = (to_ns - 1) / size_ns;
+    int64_t first = from_ns > 0 ? from_ns / self->bin_ns : 0, last = (to_ns - 1) / self->bin_ns;
     last = last < first ? first : last;
-    for (int64_t i = first; i <= last && i < count; ++i)
-        out = join(out, t->bin[level_start(level) + (size_t)i]);
+    for (int64_t i = first; i <= last && i < BINS; ++i)
+        out = join(out, of->bin[i]);
     return out.greatest == 0 ? unknown()
                              : (activity_bin){unpacked(out.least), unpacked(out.greatest)};
 }
