@@ -661,49 +661,46 @@ mrt_result edit_parse(edit *out, const char *text, size_t size, error *err)
 
 /* ---- writing ---- */
 
-static json_t *number_array(const uint32_t *number, uint32_t count)
+/* The array with the item in it; NULL: the item or the array is none. */
+static json_t *with_item(json_t *array, json_t *item)
+{
+    if (json_array_append_new(array, item) == 0)
+        return array;
+    json_decref(array);
+    return NULL;
+}
+
+static json_t *layer_array(const edit *e)
 {
     json_t *array = json_array();
-    for (uint32_t i = 0; array && i < count; ++i)
-        if (json_array_append_new(array, json_integer(number[i])) < 0) {
-            json_decref(array);
-            return NULL;
-        }
+    for (uint32_t i = 0; i < e->layer_count; ++i)
+        array = with_item(array, json_integer(e->layers[i]));
     return array;
 }
 
 static json_t *own_array(const edit *e)
 {
     json_t *array = json_array();
-    for (uint32_t i = 0; array && i < e->own_count; ++i)
-        if (json_array_append_new(array, json_string(e->own[i])) < 0) {
-            json_decref(array);
-            return NULL;
-        }
+    for (uint32_t i = 0; i < e->own_count; ++i)
+        array = with_item(array, json_string(e->own[i]));
     return array;
 }
 
 static json_t *region_array(const edit *e)
 {
     json_t *array = json_array();
-    for (uint32_t i = 0; array && i < OWN_REGION_COUNT; ++i)
-        if ((e->regions & 1u << i) &&
-            json_array_append_new(array, json_string(own_part_of((own_region)i)->name)) < 0) {
-            json_decref(array);
-            return NULL;
-        }
+    for (uint32_t i = 0; i < OWN_REGION_COUNT; ++i)
+        if (e->regions & 1u << i)
+            array = with_item(array, json_string(own_part_of((own_region)i)->name));
     return array;
 }
 
 static json_t *warp_array(const edit *e)
 {
     json_t *array = json_array();
-    for (uint32_t i = 0; array && i < e->warp_count; ++i)
-        if (json_array_append_new(array, json_pack("[I,I]", (json_int_t)e->warp[i].at_ns,
-                                                   (json_int_t)e->warp[i].source_ns)) < 0) {
-            json_decref(array);
-            return NULL;
-        }
+    for (uint32_t i = 0; i < e->warp_count; ++i)
+        array = with_item(array, json_pack("[I,I]", (json_int_t)e->warp[i].at_ns,
+                                           (json_int_t)e->warp[i].source_ns));
     return array;
 }
 
@@ -733,7 +730,7 @@ static json_t *written(const edit *e, const edit_argument *argument)
     case EDIT_OWN:
         return own_array(e);
     case EDIT_LAYERS:
-        return number_array(e->layers, e->layer_count);
+        return layer_array(e);
     case EDIT_REGIONS:
         return region_array(e);
     case EDIT_WARP:

@@ -4,9 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps back that need no folding from the start. */
-enum { KEPT = 32 };
-
 /* Of work, as base/budget.h counts it: after each edit the whole take is checked. */
 enum { STEPS_AN_EDIT = 200, STEPS_AN_ITEM = 12 };
 
@@ -18,9 +15,6 @@ struct history {
     history_store store;
     history_extent extent;
     take bare, now;
-    take kept[KEPT]; /* after edit n at n % KEPT, where kept_is_set */
-    int64_t kept_n[KEPT];
-    bool kept_is_set[KEPT];
     description *descriptions; /* of edit n at n - 1 */
     size_t description_capacity;
 };
@@ -139,67 +133,6 @@ mrt_result history_fold(take *out, const take *bare, const history_store *store,
     return result;
 }
 
-/* ---- takes on the way, for undo ---- */
-
-/* Takes t over. */
-static void keep(history *self, int64_t n, take t)
-{
-    size_t slot = (size_t)(n % KEPT);
-    take_finish(&self->kept[slot]);
-    self->kept[slot] = t;
-    self->kept_n[slot] = n;
-    self->kept_is_set[slot] = true;
-}
-
-static void drop_after(history *self, int64_t n)
-{
-    for (size_t slot = 0; slot < KEPT; ++slot) {
-        if (self->kept_n[slot] <= n)
-            continue;
-        take_finish(&self->kept[slot]);
-        self->kept_is_set[slot] = false;
-    }
-}
-
-static const take *kept_at(const history *self, int64_t n)
-{
-    size_t slot = (size_t)(n % KEPT);
-    if (n == self->extent.head)
-        return &self->now;
-    return self->kept_is_set[slot] && self->kept_n[slot] == n ? &self->kept[slot] : NULL;
-}
-
-/* Edits from..until onto t, whose last ones are kept: people undo step by step. */
-static mrt_result advance(history *self, take *t, int64_t from, int64_t until, error *err)
-{
-    mrt_result result = MRT_OK;
-    for (int64_t n = from; result >= 0 && n <= until; ++n) {
-        take copy;
-        int64_t reached;
-        if (n > 1 && n > until - KEPT && take_copy(&copy, t, NULL) >= 0)
-            keep(self, n - 1, copy);
-        result = apply_edits(t, &self->store, n, n, &reached, NULL, err);
-    }
-    return result;
-}
-
-/* From the nearest take that is there, or from the start. */
-static mrt_result reach(take *out, history *self, int64_t head, error *err)
-{
-    int64_t reached, start = head > KEPT ? head - KEPT : 0;
-    const take *near = NULL;
-    *out = (take){0};
-    if (head >= self->extent.head)
-        start = self->extent.head;
-    for (int64_t n = head; !near && n >= start; --n)
-        if ((near = kept_at(self, n)))
-            start = n;
-    mrt_result result =
-        near ? take_copy(out, near, err)
-             : fold(out, &self->bare, &self->store, self->extent.first, start, &reached, NULL, err);
-    return result < 0 ? result : advance(self, out, start + 1, head, err);
-}
-
 /* ---- an open history ---- */
 
 static mrt_result make_room(history *self, int64_t count, error *err)
@@ -276,8 +209,6 @@ void history_close(history *self)
         return;
     take_finish(&self->bare);
     take_finish(&self->now);
-    for (size_t slot = 0; slot < KEPT; ++slot)
-        take_finish(&self->kept[slot]);
     free(self->descriptions);
     free(self);
 }
@@ -333,8 +264,7 @@ mrt_result history_do(history *self, const edit *e, error *err)
         return result;
     }
     edit_describe(self->descriptions[self->extent.head].text, e, &self->now);
-    drop_after(self, self->extent.head);
-    keep(self, self->extent.head, self->now);
+    take_finish(&self->now);
     self->now = changed;
     self->extent.last = ++self->extent.head;
     return MRT_OK;
@@ -343,17 +273,19 @@ mrt_result history_do(history *self, const edit *e, error *err)
 mrt_result history_go(history *self, int64_t head, error *err)
 {
     take then;
+    int64_t reached;
     if (head < 0 || head > self->extent.last)
         return error_set(err, MRT_ERR_ARGUMENT, "edit %lld: the take has edits 0 .. %lld",
                          (long long)head, (long long)self->extent.last);
-    mrt_result result = reach(&then, self, head, err);
+    mrt_result result =
+        fold(&then, &self->bare, &self->store, self->extent.first, head, &reached, NULL, err);
     if (result >= 0)
         result = self->store.set_head(self->store.self, head, err);
     if (result < 0) {
         take_finish(&then);
         return result;
     }
-    keep(self, self->extent.head, self->now);
+    take_finish(&self->now);
     self->now = then;
     self->extent.head = head;
     return MRT_OK;

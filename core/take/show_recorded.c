@@ -2,6 +2,7 @@
 #include "take/chunk.h"
 #include "take/hash.h"
 #include "take/show_file.h"
+#include "take/sound_pcm.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -847,24 +848,12 @@ void show_checkpoint_finish(show_checkpoint *checkpoint)
 
 enum { RATE_MAX = 768000, CHANNELS_MAX = 64, PIECE_BYTES_MAX = 1024 * 1024 };
 
-/* 0: no such format. */
-static uint32_t sample_bytes(const char *format)
-{
-    static const struct format {
-        const char *name;
-        uint32_t bytes;
-    } formats[] = {{"s16", 2}, {"s24", 3}, {"f32", 4}};
-    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; ++i)
-        if (strcmp(format, formats[i].name) == 0)
-            return formats[i].bytes;
-    return 0;
-}
-
 /* *out_frame_bytes is not 0 when it is sound. */
 static mrt_result check(const show_audio *audio, uint32_t *out_frame_bytes, mrt_result code,
                         error *err)
 {
-    *out_frame_bytes = sample_bytes(audio->format) * (audio->channel_count % (CHANNELS_MAX + 1));
+    *out_frame_bytes =
+        sound_pcm_bytes(sound_pcm_of(audio->format)) * (audio->channel_count % (CHANNELS_MAX + 1));
     if (audio->rate_hz == 0 || audio->rate_hz > RATE_MAX || audio->channel_count > CHANNELS_MAX ||
         *out_frame_bytes == 0)
         return error_set(err, code, "audio '%s': %u Hz, %u channels of '%s' cannot be kept",

@@ -281,23 +281,13 @@ static bool is_whole_edit(recovery *self, sqlite_statement *row)
                          sqlite_exact_text(row, 5)) == sqlite_int(row, 4);
 }
 
-static bool has_crc(sqlite_statement *row, int crc_column, int bytes_column)
+/* Of a checkpoint or a piece of audio. */
+static bool is_whole_blob(recovery *self, sqlite_statement *row)
 {
     size_t size;
-    const uint8_t *bytes = sqlite_blob(row, bytes_column, &size);
-    return (int64_t)crc32_z(0, bytes, size) == sqlite_int(row, crc_column);
-}
-
-static bool is_whole_checkpoint(recovery *self, sqlite_statement *row)
-{
+    const uint8_t *bytes = sqlite_blob(row, 6, &size);
     (void)self;
-    return has_crc(row, 5, 6);
-}
-
-static bool is_whole_audio(recovery *self, sqlite_statement *row)
-{
-    (void)self;
-    return has_crc(row, 5, 6);
+    return (int64_t)crc32_z(0, bytes, size) == sqlite_int(row, 5);
 }
 
 /* What else proves a row of that table to be whole; NULL: nothing. */
@@ -308,8 +298,8 @@ static bool (*proof_of(const char *table))(recovery *self, sqlite_statement *row
         bool (*is_whole)(recovery *self, sqlite_statement *row);
     } proofs[] = {{"edit", is_whole_edit},
                   {"chunk", is_whole_chunk},
-                  {"checkpoint", is_whole_checkpoint},
-                  {"audio_chunk", is_whole_audio}};
+                  {"checkpoint", is_whole_blob},
+                  {"audio_chunk", is_whole_blob}};
     for (size_t i = 0; i < sizeof proofs / sizeof proofs[0]; ++i)
         if (strcmp(proofs[i].table, table) == 0)
             return proofs[i].is_whole;

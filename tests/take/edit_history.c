@@ -95,7 +95,6 @@ static void undo_and_redo_move_the_head(void **state)
     help_list_finish(&list);
 }
 
-/* More than are kept at hand: some steps are folded from the start. */
 static void every_step_of_a_long_undo_is_the_fold_up_to_there(void **state)
 {
     (void)state;
