@@ -7,7 +7,7 @@
 struct ring {
     size_t record_size;
     uint32_t mask;
-    _Atomic uint32_t written, read, dropped;
+    _Atomic uint32_t written, read;
     unsigned char records[];
 };
 
@@ -32,10 +32,8 @@ void ring_destroy(ring *self)
 bool ring_push(ring *self, const void *record)
 {
     uint32_t written = atomic_load_explicit(&self->written, memory_order_relaxed);
-    if (written - atomic_load_explicit(&self->read, memory_order_acquire) > self->mask) {
-        atomic_fetch_add_explicit(&self->dropped, 1, memory_order_relaxed);
+    if (written - atomic_load_explicit(&self->read, memory_order_acquire) > self->mask)
         return false;
-    }
     memcpy(self->records + (written & self->mask) * self->record_size, record, self->record_size);
     atomic_store_explicit(&self->written, written + 1, memory_order_release);
     return true;
@@ -57,9 +55,4 @@ bool ring_pop(ring *self, void *out_record)
     uint32_t read = atomic_load_explicit(&self->read, memory_order_relaxed);
     atomic_store_explicit(&self->read, read + 1, memory_order_release);
     return true;
-}
-
-uint32_t ring_drop_count(const ring *self)
-{
-    return atomic_load_explicit(&self->dropped, memory_order_relaxed);
 }

@@ -267,35 +267,6 @@ const sound_knot *sound_map_knot_at(const sound_map *map, double time_ns)
     return &map->knot[low];
 }
 
-double sound_map_time_ns(const sound_map *map, int64_t frame)
-{
-    size_t low = 0, high = map->knot_count;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (map->knot[middle].frame <= frame)
-            low = middle;
-        else
-            high = middle;
-    }
-    const sound_knot *knot = &map->knot[low];
-    return knot->time_ns + (double)(frame - knot->frame) * knot->ns_per_frame;
-}
-
-/* Over all pieces, weighed by their frames. */
-double sound_map_drift_ppm(const sound_map *map)
-{
-    double frames = 0, time_ns = 0;
-    for (size_t i = 0; i < map->knot_count; ++i) {
-        const sound_knot *knot = &map->knot[i];
-        int64_t end = i + 1 < map->knot_count && map->knot[i + 1].frame < knot->piece_end
-                          ? map->knot[i + 1].frame
-                          : knot->piece_end;
-        frames += (double)(end - knot->frame);
-        time_ns += (double)(end - knot->frame) * knot->ns_per_frame;
-    }
-    return time_ns > 0.0 ? (frames * nominal_of(map->rate_hz) / time_ns - 1.0) * 1e6 : 0.0;
-}
-
 /* ---- the sound on the timeline ---- */
 
 enum { HELD_FRAMES = 8192, BEHIND_FRAMES = 1024, CHANNELS_MAX = 64 };

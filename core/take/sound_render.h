@@ -38,9 +38,6 @@ void sound_map_finish(sound_map *map); /* accepts zeroed */
 bool sound_map_is_plain(const sound_map *map);
 /* The knot that holds for a time, the first one before it. */
 const sound_knot *sound_map_knot_at(const sound_map *map, double time_ns);
-double sound_map_time_ns(const sound_map *map, int64_t frame);
-/* How much faster than it says its device ran, on the whole; 0 when not known. */
-double sound_map_drift_ppm(const sound_map *map);
 
 /* ---- the sound on the timeline ---- */
 

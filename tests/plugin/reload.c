@@ -244,7 +244,7 @@ static void a_state_with_a_leaving_pull_is_kept(void **state)
     build(LATER);
     until_taken(&w);
     steps(&w, 5); /* amid the fade */
-    assert_true(layer_is_between(performer_layer(w.stand.performer)));
+    assert_true(layer_is_fading(performer_layer(w.stand.performer)));
     assert_non_null(layer_leaving(performer_layer(w.stand.performer)));
     size_t size = performer_save(w.stand.performer, NULL, 0);
     unsigned char *bytes = malloc(size);

@@ -124,7 +124,9 @@ static double listen(stage *s, int64_t audio, int64_t *out_silent)
     scene_must(show_audio_info(s->show, audio, &info, &err), &err);
     scene_must(sound_render_create(&render, s->show, &what, 0, &err), &err);
     const sound_map *map = sound_render_map(render);
-    int64_t count = (int64_t)(sound_map_time_ns(map, info.frame_count) / 1e9 * RATE) - 2 * EDGE;
+    const sound_knot *last = &map->knot[map->knot_count - 1];
+    double end_ns = last->time_ns + (double)(info.frame_count - last->frame) * last->ns_per_frame;
+    int64_t count = (int64_t)(end_ns / 1e9 * RATE) - 2 * EDGE;
     assert_true(count > 0 && count <= ALL);
     scene_must(sound_render_frames(render, EDGE, all, (size_t)count, &err), &err);
     *out_silent = 0;

@@ -98,20 +98,6 @@ static void a_loop_goes_back_exactly_and_counts_its_passes(void **state)
     assert_int_equal(transport_at(&t, 13 * S).pass, 4);
 }
 
-static void when_is_the_inverse_of_at(void **state)
-{
-    (void)state;
-    transport t;
-    transport_init(&t, 100 * S);
-    transport_seek(&t, 5 * S, 20 * S);
-    assert_int_equal(transport_when(&t, 30 * S), INT64_MAX);
-    transport_play(&t, 5 * S);
-    transport_set_speed(&t, 5 * S, 2.5);
-    int64_t when = transport_when(&t, 30 * S);
-    assert_int_equal(when, 9 * S);
-    assert_int_equal(transport_at(&t, when).at_ns, 30 * S);
-}
-
 static void steps_stop_on_the_starts_of_frames(void **state)
 {
     (void)state;
@@ -140,7 +126,6 @@ int main(void)
         cmocka_unit_test(speeds_outside_a_tenth_to_four_are_refused),
         cmocka_unit_test(a_loop_goes_back_exactly_and_counts_its_passes),
         cmocka_unit_test(a_loop_that_is_played_from_its_end_begins_at_its_start),
-        cmocka_unit_test(when_is_the_inverse_of_at),
         cmocka_unit_test(steps_stop_on_the_starts_of_frames),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -442,7 +442,6 @@ void live_frame_pulse(live_stage *stage)
     now->mode = stage->mode;
     if (!stage->timeline || live_time_is_here(stage))
         now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;
-    now->is_taking = stage->recorder && recorder_is_taking(stage->recorder);
     now->take = stage->recorder ? recorder_take(stage->recorder) : 0;
     now->code = stage->recorder ? recorder_code_heard(stage->recorder) : (recorder_code){0};
     stage->pulse[slot_back(&stage->pulse_slot)] = *now;

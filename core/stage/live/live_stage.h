@@ -74,7 +74,6 @@ typedef struct live_pulse { /* how the frame thread does */
     float lag_ms[LIVE_LAGS];                                           /* a ring */
     int64_t last_ns; /* host clock: of the newest sample performed */
     live_mode mode;
-    bool is_taking; /* a take is recorded */
     int64_t take;
     recorder_code code;
     uint64_t overs;    /* how often a take was performed over */

@@ -237,11 +237,6 @@ instance *layer_replace(layer *self, instance *mapping, layer_room *room, const 
     return old;
 }
 
-bool layer_is_between(const layer *self)
-{
-    return self->crossfade.is_waiting || self->crossfade.is_fading;
-}
-
 bool layer_is_fading(const layer *self)
 {
     return self->crossfade.is_fading;

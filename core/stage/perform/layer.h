@@ -65,9 +65,8 @@ instance *layer_switch(layer *self, instance *mapping, layer_room *room);
  * freedom as the bones are now. Where the new one says nothing of what the old one drove, the face
  * first eases to rest. */
 instance *layer_replace(layer *self, instance *mapping, layer_room *room, const float *posed);
-bool layer_is_between(const layer *self);
-/* The new one comes while the old one leaves; between but not fading: its first pull is awaited,
- * and another may be switched to. */
+/* The new one comes while the old one leaves; until its first pull it does not fade yet, and
+ * another may be switched to. */
 bool layer_is_fading(const layer *self);
 
 /* What is seen of layer_pull: 0..1, below 1 while it comes. And what leaves, with what is left of

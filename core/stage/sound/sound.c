@@ -282,7 +282,6 @@ void sound_play_look(sound *self, sound_play_status *out)
     if (self->voice) {
         sound_count *count = &self->voice->follow.count;
         out->is_heard = out->device.state == SOUND_DEVICE_RUNNING && atomic_load(&count->is_heard);
-        out->off_ms = (double)atomic_load(&count->off_ns) / 1e6;
         out->drift_ppm = (double)atomic_load(&count->drift_ppb) / 1000.0;
         out->spliced_count = atomic_load(&count->spliced);
         out->jumped_count = atomic_load(&count->jumped);

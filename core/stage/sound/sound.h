@@ -49,11 +49,10 @@ int64_t sound_lead_ns(sound *self);
 typedef struct sound_play_status {
     sound_device_status device;
     bool is_loaded, is_heard;
-    double off_ms;          /* what is heard is so far behind (+) the timeline, as far as known */
-    double drift_ppm;       /* of the device: + it runs fast */
-    uint64_t click_count;   /* beats that were heard */
-    uint64_t spliced_count; /* single frames left out or repeated */
-    uint32_t jumped_count;  /* corrections of more than 5 ms at once */
+    double drift_ppm;                     /* of the device: + it runs fast */
+    uint64_t click_count;                 /* beats that were heard */
+    uint64_t spliced_count;               /* single frames left out or repeated */
+    uint32_t jumped_count;                /* corrections of more than 5 ms at once */
     uint32_t starved_count, broken_count; /* gaps: the disk was late; the device ran dry */
     char text[256]; /* why it is silent though something is loaded, or what is damaged; or "" */
 } sound_play_status;

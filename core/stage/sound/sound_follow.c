@@ -289,12 +289,8 @@ static void play_frame(sound_follow *self, float *out, uint32_t out_channels, do
 
 static void tell(sound_follow *self, double target)
 {
-    double off_ns =
-        self->is_sounding ? (target - (double)self->cursor) * 1e9 / (double)self->rate_hz : 0.0;
     atomic_store_explicit(&self->wanted, (int64_t)floor(target), memory_order_relaxed);
     atomic_store_explicit(&self->wanted_key, sound_follow_key(&self->motion), memory_order_release);
-    atomic_store_explicit(&self->count.off_ns, (int32_t)fmax(-2e9, fmin(2e9, off_ns)),
-                          memory_order_relaxed);
     atomic_store_explicit(&self->count.drift_ppb,
                           (int32_t)(sound_clock_drift_ppm(&self->clock) * 1000.0),
                           memory_order_relaxed);

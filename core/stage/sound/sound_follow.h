@@ -62,7 +62,6 @@ typedef struct sound_count {   /* [any] since it was made */
     _Atomic uint32_t jumped;   /* over 5 ms at once */
     _Atomic uint32_t starved;  /* times that frames came too late: a gap was heard */
     _Atomic uint32_t broken;   /* times that the device said that it ran dry */
-    _Atomic int32_t off_ns;    /* how far behind (+) or ahead what is heard is, as far as known */
     _Atomic int32_t drift_ppb; /* of the device's clock: + it runs fast */
     _Atomic uint32_t is_heard; /* the last block had sound in it */
 } sound_count;

@@ -458,11 +458,6 @@ int64_t recorder_show_ns(const recorder *self, int64_t time_ns)
     return writer_show_ns(self->writer, time_ns);
 }
 
-bool recorder_is_taking(const recorder *self)
-{
-    return self->is_take_open || self->is_take_wanted;
-}
-
 const char *recorder_problem(const recorder *self)
 {
     return atomic_load(&self->problem_state) == PROBLEM_STANDS ? self->problem.text : "";

@@ -85,7 +85,6 @@ int64_t recorder_take(const recorder *self); /* that is being, or was last, reco
 int64_t recorder_performance(const recorder *self); /* that goes on; 0: before the first sample */
 bool recorder_take_is_open(const recorder *self);   /* a sample of it was recorded */
 int64_t recorder_show_ns(const recorder *self, int64_t time_ns);
-bool recorder_is_taking(const recorder *self); /* a take is open, or is to begin */
 /* [any] The first thing that went wrong since the start, in one line; "" nothing did. */
 const char *recorder_problem(const recorder *self);
 writer *recorder_writer(recorder *self); /* for marks, sound and its status */

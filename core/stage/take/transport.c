@@ -46,14 +46,6 @@ transport_position transport_at(const transport *self, int64_t clock_ns)
     return out;
 }
 
-int64_t transport_when(const transport *self, int64_t at_ns)
-{
-    if (!self->is_playing || at_ns < self->at_ns ||
-        (loops_from(self, self->at_ns) && at_ns >= self->loop_out_ns))
-        return INT64_MAX;
-    return self->clock_ns + (int64_t)ceil((double)(at_ns - self->at_ns) / self->speed);
-}
-
 /* From here on counted anew. */
 static void hold(transport *self, int64_t clock_ns)
 {

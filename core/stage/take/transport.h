@@ -27,8 +27,6 @@ typedef struct transport_position {
 } transport_position;
 /* clock_ns: not before the last change; earlier counts as then. */
 transport_position transport_at(const transport *self, int64_t clock_ns);
-/* When the clock will be at a later position of this pass; INT64_MAX: never. */
-int64_t transport_when(const transport *self, int64_t at_ns);
 
 /* At the end: from the start; behind a loop: from the loop's. */
 void transport_play(transport *self, int64_t clock_ns);
