@@ -1,6 +1,7 @@
 #include "stage/mapping/isolate.h"
 #include "base/clock.h"
 #include "stage/mapping/guard.h"
+#include "stage/mapping/isolate_output.h"
 #include "stage/mapping/isolate_process.h"
 #include "stage/mapping/isolate_report.h"
 #include "stage/mapping/plugins.h"
@@ -92,11 +93,8 @@ struct mrt_plugin {
 };
 
 struct isolate {
-    mrt_plugin_type type; /* first: types are found by it */
-    const mrt_plugin_type *inner;
-    char *library;
+    isolate_outer outer; /* first: types are found by it */
     isolate_settings settings;
-    mrt_interface interfaces[5];
 };
 
 static const isolate *isolate_of(const mrt_plugin_type *type)
@@ -127,12 +125,6 @@ static mrt_result ask_with(isolate_process *link, uint32_t kind, const void *byt
     return isolate_process_call(link, kind, start_patience_ns);
 }
 
-static bool is_same_table(const mrt_plugin *self, const isolate_block *block)
-{
-    return block->param_count == self->inner->param_count &&
-           block->param_sum == isolate_param_sum(self->inner);
-}
-
 /* The plugin's words, or how its process went. */
 static mrt_result explain_start(mrt_plugin *self, error *err)
 {
@@ -157,7 +149,7 @@ static mrt_result start(mrt_plugin *self, error *err)
     if (result < 0)
         return explain_start(self, err);
     isolate_process_drain(&self->link, self->host);
-    if (is_same_table(self, self->link.block)) {
+    if (isolate_is_table_of(self->link.block, self->inner)) {
         atomic_store(&self->pid, (int32_t)self->link.pid);
         return MRT_OK;
     }
@@ -759,15 +751,15 @@ static mrt_plugin *create(const mrt_host *host)
         return NULL;
     }
     self->host = host;
-    self->inner = of->inner;
-    self->library = of->library;
+    self->inner = of->outer.inner;
+    self->library = of->outer.library;
     self->writes_reports = of->settings.writes_reports;
     self->is_virtual = of->settings.clock == CLOCK_VIRTUAL;
     self->deadline_ns = self->is_virtual               ? virtual_deadline_ns
                         : of->settings.deadline_ns > 0 ? of->settings.deadline_ns
                                                        : deadline_default_ns;
-    self->param_count = of->inner->param_count;
-    self->can_resume = plugin_interface(of->inner, MRT_RESUME) != NULL;
+    self->param_count = of->outer.inner->param_count;
+    self->can_resume = plugin_interface(of->outer.inner, MRT_RESUME) != NULL;
     self->resume = resume;
     self->state = state;
     if (supervisor_start(self) >= 0)
@@ -826,7 +818,7 @@ int32_t isolate_pid(const mrt_plugin *self)
 
 static const mrt_plugin_type *inner_of(const mrt_plugin_type *outer)
 {
-    return isolate_of(outer)->inner;
+    return isolate_of(outer)->outer.inner;
 }
 
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
@@ -838,6 +830,26 @@ const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type)
 {
     const isolate_takeover *s = plugin_interface(type, ISOLATE_TAKEOVER);
     return s ? s->inner(type) : type;
+}
+
+static void become_output(isolate *self)
+{
+    self->outer.interfaces[0] = (mrt_interface){MRT_FACE_OUTPUT, &isolate_output_functions};
+    self->outer.type.create = isolate_output_make;
+    self->outer.type.destroy = isolate_output_unmake;
+}
+
+static void become_mapping(isolate *self)
+{
+    mrt_interface *next = self->outer.interfaces;
+    *next++ = (mrt_interface){MRT_MAPPING, &mapping};
+    *next++ = (mrt_interface){ISOLATE_TAKEOVER, &takeover};
+    if (plugin_interface(self->outer.inner, MRT_STATE))
+        *next++ = (mrt_interface){MRT_STATE, &state};
+    if (plugin_interface(self->outer.inner, MRT_RESUME))
+        *next++ = (mrt_interface){MRT_RESUME, &resume};
+    self->outer.type.create = create;
+    self->outer.type.destroy = destroy;
 }
 
 mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const char *library,
@@ -853,20 +865,16 @@ mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const cha
         free(path);
         return error_set(err, MRT_ERR_MEMORY, "no memory to isolate %s", inner->id);
     }
-    self->inner = inner;
-    self->library = path;
-    self->settings = *settings;
-    mrt_interface *next = self->interfaces;
-    *next++ = (mrt_interface){MRT_MAPPING, &mapping};
-    *next++ = (mrt_interface){ISOLATE_TAKEOVER, &takeover};
-    if (plugin_interface(inner, MRT_STATE))
-        *next++ = (mrt_interface){MRT_STATE, &state};
-    if (plugin_interface(inner, MRT_RESUME))
-        *next++ = (mrt_interface){MRT_RESUME, &resume};
-    self->type = *inner;
-    self->type.interfaces = self->interfaces;
-    self->type.create = create;
-    self->type.destroy = destroy;
+    self->outer.inner = inner;
+    self->outer.library = path;
+    self->outer.type = *inner;
+    self->outer.type.interfaces = self->outer.interfaces;
+    if (settings) {
+        self->settings = *settings;
+        become_mapping(self);
+    } else {
+        become_output(self);
+    }
     *out = self;
     return MRT_OK;
 }
@@ -875,11 +883,11 @@ void isolate_destroy(isolate *self)
 {
     if (!self)
         return;
-    free(self->library);
+    free(self->outer.library);
     free(self);
 }
 
 const mrt_plugin_type *isolate_type(const isolate *self)
 {
-    return &self->type;
+    return &self->outer.type;
 }

@@ -1,9 +1,10 @@
-/* stage/mapping/isolate.h - a mapping in a process of its own, as a type like any other: whoever
- * uses it sees no difference, and the same bits. While an answer is late, calls give MRT_HOLD, and
- * it goes on from there when it comes. When it crashes, gives nonsense or hangs (owes an answer for
- * a second, or for three if its process had no turn), the face is held, what it saw is written
- * down (isolate_report.h), and a new process takes over once (ISOLATE_TAKEOVER). A second failure
- * within a minute: the face stays held. */
+/* stage/mapping/isolate.h - a mapping or a face output in a process of its own, as a type like any
+ * other: whoever uses it sees no difference, and the same bits. Of outputs isolate_output.h says
+ * more. While the answer of a mapping is late, calls give MRT_HOLD, and it goes on from there when
+ * it comes. When it crashes, gives nonsense or hangs (owes an answer for a second, or for three if
+ * its process had no turn), the face is held, what it saw is written down (isolate_report.h), and a
+ * new process takes over once (ISOLATE_TAKEOVER). A second failure within a minute: the face stays
+ * held. */
 #ifndef MAROTTE_STAGE_ISOLATE_H
 #define MAROTTE_STAGE_ISOLATE_H
 #include "stage/mapping/instance.h"
@@ -16,8 +17,9 @@ typedef struct isolate_settings {
     bool writes_reports;
 } isolate_settings;
 
-/* [main] library: from which `inner` was loaded; the child loads it again. Only instances made by
- * instance_create can be of the type that comes out. */
+/* [main] library: from which `inner` was loaded; the child loads it again. settings: of a mapping;
+ * NULL: it is a face output. Only instances made by instance_create can be of the type that comes
+ * out. */
 CHECKED mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const char *library,
                                   const isolate_settings *settings, error *err);
 void isolate_destroy(isolate *self); /* after its instances; NULL is fine */
@@ -43,7 +45,7 @@ typedef struct isolate_counts {
     uint32_t late;              /* frames that were held because it had not answered */
     bool is_away;               /* no process answers now: the face is held */
 } isolate_counts;
-/* [any] Of an instance of such a type. */
+/* [any] Of an instance of such a type, a mapping. */
 isolate_counts isolate_counted(const mrt_plugin *self);
 /* [any] Why it failed first, "gave a radius that is not a length"; "": it has not. */
 const char *isolate_first_reason(const mrt_plugin *self);

@@ -1,5 +1,6 @@
 #include "stage/mapping/isolate_output.h"
 #include "base/clock.h"
+#include "stage/mapping/instance.h"
 #include "stage/mapping/isolate_process.h"
 
 #include <stdio.h>
@@ -9,16 +10,9 @@
 static const int64_t start_patience_ns = 5 * NS_PER_S, hang_ns = NS_PER_S;
 enum { DEATH_MS = 20 };
 
-struct isolate_output {
-    mrt_plugin_type type; /* first: types are found by it */
-    const mrt_plugin_type *inner;
-    char *library;
-    mrt_interface interfaces[2];
-};
-
 struct mrt_plugin {
     const mrt_host *host;
-    const isolate_output *of;
+    const isolate_outer *of;
     isolate_process link; /* block NULL: there is none */
     isolate_names names;  /* as the process has been told them */
     bool is_told_large;
@@ -48,13 +42,6 @@ static mrt_result call(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
     return result;
 }
 
-static bool is_same_table(const mrt_plugin *self)
-{
-    const mrt_plugin_type *inner = self->of->inner;
-    return self->link.block->param_count == inner->param_count &&
-           self->link.block->param_sum == isolate_param_sum(inner);
-}
-
 static void put_params(mrt_plugin *self, const double *params)
 {
     memcpy(self->link.block->params, params,
@@ -71,7 +58,7 @@ static mrt_result start(mrt_plugin *self)
         return result;
     }
     result = call(self, ISOLATE_CREATE, start_patience_ns);
-    if (result < 0 || is_same_table(self))
+    if (result < 0 || isolate_is_table_of(self->link.block, self->of->inner))
         return result;
     self->host->log(self->host, MRT_LOG_ERROR,
                     "its library has changed: its parameters are others; open it anew");
@@ -148,19 +135,19 @@ static void close(mrt_plugin *self)
 
 /* ---- made and unmade ---- */
 
-static mrt_plugin *create(const mrt_host *host)
+mrt_plugin *isolate_output_make(const mrt_host *host)
 {
     const instance *made = host->data; /* this host is always ours */
     mrt_plugin *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
     self->host = host;
-    self->of = (const isolate_output *)(const void *)made->type;
+    self->of = (const isolate_outer *)(const void *)made->type;
     self->link.pidfd = -1;
     return self;
 }
 
-static void destroy(mrt_plugin *self)
+void isolate_output_unmake(mrt_plugin *self)
 {
     if (!self)
         return;
@@ -168,41 +155,4 @@ static void destroy(mrt_plugin *self)
     free(self);
 }
 
-static const mrt_face_output functions = {open, begin, send, close};
-
-mrt_result isolate_output_create(isolate_output **out, const mrt_plugin_type *inner,
-                                 const char *library, error *err)
-{
-    *out = NULL;
-    if (inner->param_count > ISOLATE_PARAMS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s has too many parameters", inner->id);
-    isolate_output *self = calloc(1, sizeof *self);
-    char *path = strdup(library);
-    if (!self || !path) {
-        free(self);
-        free(path);
-        return error_set(err, MRT_ERR_MEMORY, "no memory to isolate %s", inner->id);
-    }
-    self->inner = inner;
-    self->library = path;
-    self->interfaces[0] = (mrt_interface){MRT_FACE_OUTPUT, &functions};
-    self->type = *inner;
-    self->type.interfaces = self->interfaces;
-    self->type.create = create;
-    self->type.destroy = destroy;
-    *out = self;
-    return MRT_OK;
-}
-
-void isolate_output_destroy(isolate_output *self)
-{
-    if (!self)
-        return;
-    free(self->library);
-    free(self);
-}
-
-const mrt_plugin_type *isolate_output_type(const isolate_output *self)
-{
-    return &self->type;
-}
+const mrt_face_output isolate_output_functions = {open, begin, send, close};

@@ -8,6 +8,14 @@
 #include <sys/types.h>
 #include <time.h>
 
+/* A type whose instances run in processes of their own. */
+typedef struct isolate_outer {
+    mrt_plugin_type type; /* first: types are found by it */
+    const mrt_plugin_type *inner;
+    char *library;
+    mrt_interface interfaces[5];
+} isolate_outer;
+
 typedef struct isolate_process {
     isolate_block *block; /* NULL: none was started */
     pid_t pid;            /* 0: none runs */

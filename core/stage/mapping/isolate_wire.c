@@ -33,6 +33,11 @@ uint32_t isolate_param_sum(const mrt_plugin_type *type)
     return sum;
 }
 
+bool isolate_is_table_of(const isolate_block *block, const mrt_plugin_type *type)
+{
+    return block->param_count == type->param_count && block->param_sum == isolate_param_sum(type);
+}
+
 /* ---- the inputs of a frame ---- */
 
 static void put_text(char *out, size_t capacity, const char *text)

@@ -74,6 +74,8 @@ void isolate_sleep_until_ns(const _Atomic uint32_t *word, uint32_t seen, int64_t
 void isolate_wake(const _Atomic uint32_t *word);
 /* Of the ids in their order. */
 uint32_t isolate_param_sum(const mrt_plugin_type *type);
+/* The child has the parameters that the program knows: its library is the same. */
+bool isolate_is_table_of(const isolate_block *block, const mrt_plugin_type *type);
 
 /* ---- the inputs of a frame ---- */
 

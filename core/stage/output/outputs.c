@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "stage/input/spec.h"
 #include "stage/input/wake.h"
-#include "stage/mapping/isolate_output.h"
+#include "stage/mapping/isolate.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -31,7 +31,7 @@ typedef struct library_stamp {
 typedef struct output { /* its thread's, but for what is marked */
     outputs *of;
     instance plugin;
-    isolate_output *isolated; /* NULL: it runs here */
+    isolate *isolated; /* NULL: it runs here */
     const mrt_face_output *functions;
     plugin_spec spec;
     char *text;
@@ -382,7 +382,7 @@ static bool is_to_be_isolated(const outputs *self, const char *library)
 static void free_output(output *self)
 {
     instance_destroy(&self->plugin);
-    isolate_output_destroy(self->isolated);
+    isolate_destroy(self->isolated);
     face_board_drop(self->begun);
     spec_finish(&self->spec);
     pthread_mutex_destroy(&self->mutex);
@@ -401,10 +401,10 @@ static mrt_result prepare(output *self, error *err)
         return result;
     self->library = plugin_list_path_of(of->settings.plugins, type);
     if (is_to_be_isolated(of, self->library)) {
-        result = isolate_output_create(&self->isolated, type, self->library, err);
+        result = isolate_create(&self->isolated, type, self->library, NULL, err);
         if (result < 0)
             return result;
-        type = isolate_output_type(self->isolated);
+        type = isolate_type(self->isolated);
     }
     self->functions = plugin_interface(type, MRT_FACE_OUTPUT);
     result = instance_create(&self->plugin, type, CLOCK_REAL, of->settings.log, err);
