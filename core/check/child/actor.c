@@ -247,7 +247,7 @@ enum { CANARY = 0xa5 };
 void actor_frame_enter(void)
 {
     watch_frame_enter();
-    trap_enter(TRAP_ALL);
+    (void)trap_set(TRAP_ALL);
 }
 
 void actor_frame_leave(const char *function)
@@ -261,7 +261,7 @@ void actor_frame_leave(const char *function)
                                                  [TRAP_PROCESS] = RULE_FRAME_PROCESS,
                                                  [TRAP_HOST] = RULE_FRAME_HOST};
     char caught[320];
-    trap_leave();
+    (void)trap_set(0);
     watch_frame_leave();
     for (int kind = 0; kind < TRAP_KINDS; ++kind)
         if (trap_caught((trap_kind)kind, caught, sizeof caught))
@@ -441,7 +441,7 @@ void actor_step(actor *self)
     int64_t began_ns = self->is_measured ? thread_cpu_ns() : 0;
     actor_frame_enter();
     self->result = self->functions->process(self->self, &self->frame, &self->room.pull);
-    trap_leave();
+    (void)trap_set(0);
     self->cpu_ns = self->is_measured ? thread_cpu_ns() - began_ns : 0;
     actor_frame_leave("process()");
 

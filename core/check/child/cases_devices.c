@@ -1,4 +1,4 @@
-/* Inputs, outputs, and lists of devices. */
+/* Inputs, outputs, face outputs, and lists of devices. */
 #include "base/clock.h"
 #include "check/child/cases.h"
 #include "check/child/fixture.h"
@@ -10,6 +10,43 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+
+/* ---- what all that opens an address has in common ---- */
+
+/* Returns how many errors were logged before. */
+static uint32_t begin_open(const host *of, const char *address)
+{
+    tell_doing(RULE_COUNT, "open(\"%s\")", address);
+    watch_next();
+    return of->error_count;
+}
+
+static mrt_result judge_open(const host *of, const char *address, uint32_t errors_before,
+                             mrt_result result)
+{
+    if (result < 0 && of->error_count == errors_before)
+        tell_failed(RULE_RUN_EXPLAINED, "open(\"%s\") returned %d, and logged no error", address,
+                    result);
+    return result;
+}
+
+/* Letters with a blank among them: more than a code. */
+static bool is_sentence(const char *words)
+{
+    return strlen(words) >= 12 && strchr(words, ' ');
+}
+
+/* What open() made of an address at which nothing is. */
+static void judge_absent(check_rule rule, const host *of, const char *address, mrt_result result)
+{
+    if (result >= 0)
+        tell_skipped(rule, "it opens any address, \"%s\" too", address);
+    else if (!is_sentence(of->last_log))
+        tell_failed(rule, "open(\"%s\") says \"%s\": no sentence that helps", address,
+                    of->last_log);
+    else
+        tell_ok(rule, "\"%s\"", of->last_log);
+}
 
 /* ---- inputs, as far as they can be opened here: what is not there, channels, samples, waiting
  * ---- */
@@ -58,14 +95,9 @@ static void finish(reader *self)
 
 static mrt_result open_at(reader *self, const char *address)
 {
-    tell_doing(RULE_COUNT, "open(\"%s\")", address);
-    uint32_t before = self->host.error_count;
-    watch_next();
+    uint32_t before = begin_open(&self->host, address);
     mrt_result result = self->functions->open(self->self, address, self->param);
-    if (result < 0 && self->host.error_count == before)
-        tell_failed(RULE_RUN_EXPLAINED, "open(\"%s\") returned %d, and logged no error", address,
-                    result);
-    return result;
+    return judge_open(&self->host, address, before, result);
 }
 
 static void close_input(reader *self)
@@ -80,29 +112,15 @@ static mrt_result open_named(reader *self)
     return open_at(self, self->e->input_address ? self->e->input_address : "");
 }
 
-/* ---- what is not there ---- */
-
-/* Letters with a blank among them: more than a code. */
-static bool is_sentence(const char *words)
-{
-    return strlen(words) >= 12 && strchr(words, ' ');
-}
-
 void cases_absent(const examination *e)
 {
     reader input;
     if (!make(&input, e, HOST_REAL, 0))
         return;
     mrt_result result = open_at(&input, nowhere);
-    if (result >= 0) {
-        tell_skipped(RULE_INPUT_ABSENT, "it opens any address, \"%s\" too", nowhere);
+    judge_absent(RULE_INPUT_ABSENT, &input.host, nowhere, result);
+    if (result >= 0)
         close_input(&input);
-    } else if (!is_sentence(input.host.last_log)) {
-        tell_failed(RULE_INPUT_ABSENT, "open(\"%s\") says \"%s\": no sentence that helps", nowhere,
-                    input.host.last_log);
-    } else {
-        tell_ok(RULE_INPUT_ABSENT, "\"%s\"", input.host.last_log);
-    }
     finish(&input);
 }
 
@@ -404,10 +422,10 @@ static mrt_result read_on(reader *self, mrt_sample *out, char *caught, size_t ca
     mrt_result result = MRT_TIMEOUT;
     for (int i = 0; i < 100000 && result == MRT_TIMEOUT; ++i) {
         watch_next();
-        trap_enter(1u << TRAP_SLEEP | 1u << TRAP_CLOCK);
+        (void)trap_set(1u << TRAP_SLEEP | 1u << TRAP_CLOCK);
         result =
             self->functions->read(self->self, self->param, host_now_ns(&self->host) + span_ns, out);
-        trap_leave();
+        (void)trap_set(0);
         if (trap_caught(TRAP_SLEEP, caught, capacity) || trap_caught(TRAP_CLOCK, caught, capacity))
             tell_failed(RULE_INPUT_RECORDED, "read() called %s", caught);
     }
@@ -482,15 +500,13 @@ void cases_stop(const examination *e)
     finish(&input);
 }
 
-/* ---- lists of devices, and outputs ---- */
-
 enum { DEVICES_MAX = 32, GUARD_BYTE = 0x7b, SAMPLES = 200, OUTPUT_ROUNDS = 20 };
 static const char no_receiver[] = "no place to send to";
 
 static double params[TYPES_PARAMS_MAX];
 static host with;
 
-static mrt_plugin *make_output(const examination *e)
+static mrt_plugin *make_plugin(const examination *e)
 {
     for (uint32_t i = 0; i < e->type->param_count; ++i)
         params[i] = e->type->params[i].initial;
@@ -553,7 +569,7 @@ void cases_devices(const examination *e)
 {
     const mrt_devices *functions = types_interface(e->type, MRT_DEVICES);
     mrt_device current;
-    mrt_plugin *self = make_output(e);
+    mrt_plugin *self = make_plugin(e);
     if (!self)
         return;
     judge_list(functions, self);
@@ -568,36 +584,56 @@ void cases_devices(const examination *e)
 
 /* ---- outputs ---- */
 
-static mrt_result open_output_at(const mrt_output *functions, mrt_plugin *self, const char *address)
+typedef struct output {
+    const mrt_output *plain; /* NULL: a face output */
+    const mrt_face_output *face;
+    mrt_plugin *self;
+    mrt_face_wants wants; /* of a face output */
+} output;
+
+static mrt_result open_output(output *self, const char *address)
 {
-    tell_doing(RULE_COUNT, "open(\"%s\")", address);
-    uint32_t before = with.error_count;
-    watch_next();
-    mrt_result result = functions->open(self, address, params);
-    if (result < 0 && with.error_count == before)
-        tell_failed(RULE_RUN_EXPLAINED, "open(\"%s\") returned %d, and logged no error", address,
-                    result);
-    return result;
+    uint32_t before = begin_open(&with, address);
+    self->wants = (mrt_face_wants){0};
+    mrt_result result = self->plain ? self->plain->open(self->self, address, params)
+                                    : self->face->open(self->self, address, params, &self->wants);
+    return judge_open(&with, address, before, result);
 }
 
-static void close_output(const mrt_output *functions, mrt_plugin *self)
+static void close_output(output *self)
 {
     tell_doing(RULE_COUNT, "close()");
     watch_next();
-    functions->close(self);
+    if (self->plain)
+        self->plain->close(self->self);
+    else
+        self->face->close(self->self);
 }
 
-static void judge_absent(const mrt_output *functions, mrt_plugin *self)
+static void judge_output_reopening(output *self, const char *address, check_rule rule)
 {
-    if (open_output_at(functions, self, no_receiver) >= 0) {
-        tell_skipped(RULE_OUTPUT_ABSENT, "it opens any address, \"%s\" too", no_receiver);
-        close_output(functions, self);
-    } else if (strlen(with.last_log) < 12 || !strchr(with.last_log, ' ')) {
-        tell_failed(RULE_OUTPUT_ABSENT, "open(\"%s\") says \"%s\": no sentence that helps",
-                    no_receiver, with.last_log);
-    } else {
-        tell_ok(RULE_OUTPUT_ABSENT, "\"%s\"", with.last_log);
+    size_t before = 0;
+    for (int i = 0; i < OUTPUT_ROUNDS; ++i) {
+        close_output(self);
+        if (open_output(self, address) < 0) {
+            tell_failed(rule, "closed and opened again it says: %s", with.last_log);
+            return;
+        }
+        if (i == 1)
+            before = trap_heap_bytes();
     }
+    long heap = (long)trap_heap_bytes() - (long)before;
+    if (heap > 64 * OUTPUT_ROUNDS)
+        tell_failed(rule, "each open() and close() leaves %ld bytes", heap / (OUTPUT_ROUNDS - 2));
+    tell_ok(rule, "%d times", OUTPUT_ROUNDS);
+}
+
+static void skip_output(const check_rule *rules, size_t count)
+{
+    for (size_t i = 0; i < count; ++i)
+        tell_skipped(rules[i],
+                     "nothing could be opened (%.300s): name a place with --output ADDRESS",
+                     with.last_log);
 }
 
 static void write_samples(const mrt_output *functions, mrt_plugin *self)
@@ -612,9 +648,9 @@ static void write_samples(const mrt_output *functions, mrt_plugin *self)
         mrt_sample sample = {.time_ns = (int64_t)(i + 1) * 10000000, .sequence = i, .count = 3};
         sample.value[0] = 0.001f * (float)i;
         watch_next();
-        trap_enter(1u << TRAP_SLEEP | 1u << TRAP_HOST);
+        (void)trap_set(1u << TRAP_SLEEP | 1u << TRAP_HOST);
         mrt_result result = functions->write(self, "check", channels, &sample);
-        trap_leave();
+        (void)trap_set(0);
         if (trap_caught(TRAP_SLEEP, caught, sizeof caught))
             tell_failed(RULE_OUTPUT_WAIT, "write() called %s", caught);
         if (result < 0)
@@ -625,46 +661,144 @@ static void write_samples(const mrt_output *functions, mrt_plugin *self)
     tell_ok(RULE_OUTPUT_WRITE, "%d samples", SAMPLES);
 }
 
-static void judge_output_reopening(const mrt_output *functions, mrt_plugin *self,
-                                   const char *address)
-{
-    size_t before = 0;
-    for (int i = 0; i < OUTPUT_ROUNDS; ++i) {
-        close_output(functions, self);
-        if (open_output_at(functions, self, address) < 0) {
-            tell_failed(RULE_OUTPUT_REOPEN, "closed and opened again it says: %s", with.last_log);
-            return;
-        }
-        if (i == 1)
-            before = trap_heap_bytes();
-    }
-    long heap = (long)trap_heap_bytes() - (long)before;
-    if (heap > 64 * OUTPUT_ROUNDS)
-        tell_failed(RULE_OUTPUT_REOPEN, "each open() and close() leaves %ld bytes",
-                    heap / (OUTPUT_ROUNDS - 2));
-    tell_ok(RULE_OUTPUT_REOPEN, "%d times", OUTPUT_ROUNDS);
-}
-
 void cases_output(const examination *e)
 {
     static const check_rule rules[] = {RULE_OUTPUT_WRITE, RULE_OUTPUT_WAIT, RULE_OUTPUT_REOPEN};
-    const mrt_output *functions = types_interface(e->type, MRT_OUTPUT);
     const char *address = e->output_address ? e->output_address : "";
-    mrt_plugin *self = make_output(e);
-    if (!self)
+    output self = {.plain = types_interface(e->type, MRT_OUTPUT), .self = make_plugin(e)};
+    if (!self.self)
         return;
-    judge_absent(functions, self);
-    if (open_output_at(functions, self, address) < 0) {
-        for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
-            tell_skipped(rules[i],
-                         "nothing could be opened (%.300s): name a place with --output "
-                         "ADDRESS",
-                         with.last_log);
+    mrt_result absent = open_output(&self, no_receiver);
+    judge_absent(RULE_OUTPUT_ABSENT, &with, no_receiver, absent);
+    if (absent >= 0)
+        close_output(&self);
+    if (open_output(&self, address) < 0) {
+        skip_output(rules, sizeof rules / sizeof *rules);
     } else {
-        write_samples(functions, self);
-        judge_output_reopening(functions, self, address);
-        close_output(functions, self);
+        write_samples(self.plain, self.self);
+        judge_output_reopening(&self, address, RULE_OUTPUT_REOPEN);
+        close_output(&self);
     }
     tell_doing(RULE_COUNT, "destroy()");
-    e->type->destroy(self);
+    e->type->destroy(self.self);
+}
+
+/* ---- face outputs ---- */
+
+enum { BONES = 4, SHAPES = 3, WEIGHTS = 95, VERTICES = 12, CONTACTS_MAX = 64 };
+static const int64_t usual_ns = 20 * NS_PER_MS; /* of send(), on a quiet machine at most */
+
+static const char *const bone_name[BONES] = {"skull", "jaw", "eye.l", "eye.r"};
+static const int32_t parent[BONES] = {-1, 0, 0, 0};
+static const mrt_vec3 pivot[BONES] = {{0, -100, 0}, {0, -20, 0}, {30, 60, 60}, {-30, 60, 60}};
+static const char *const shape_name[SHAPES] = {"jawOpen", "a shape with blanks", "\xc3\xa4"};
+static char weight_text[WEIGHTS][16];
+static const char *weight_name[WEIGHTS];
+
+static mrt_face_names names_of(face_kind kind)
+{
+    bool is_bare = kind == FACE_BARE;
+    for (int i = 0; i < WEIGHTS; ++i) {
+        memcpy(weight_text[i], "Weight00", 9);
+        weight_text[i][6] = (char)('0' + i / 10);
+        weight_text[i][7] = (char)('0' + i % 10);
+        weight_name[i] = weight_text[i];
+    }
+    return (mrt_face_names){.face = faces_of(kind),
+                            .bones = bone_name,
+                            .parents = parent,
+                            .pivots = pivot,
+                            .shapes = shape_name,
+                            .weights = weight_name,
+                            .bone_count = is_bare ? 0 : BONES,
+                            .shape_count = is_bare ? 0 : SHAPES,
+                            .weight_count = is_bare ? 0 : WEIGHTS,
+                            .vertex_count = VERTICES};
+}
+
+static mrt_face_sample sample_of(uint32_t index, const mrt_face_wants *wants)
+{
+    static mrt_bone_pose bone[BONES];
+    static float dof[MRT_MAX_DOFS], shape[SHAPES], weight[WEIGHTS];
+    static mrt_vec3 contact[CONTACTS_MAX], vertex[VERTICES];
+    float part = (float)(index % 100) / 99.0f;
+    for (int i = 0; i < BONES; ++i)
+        bone[i] = (mrt_bone_pose){{0.6f * part, 0, 0, 0.8f}, {part, 0, 0}};
+    for (int i = 0; i < MRT_MAX_DOFS; ++i)
+        dof[i] = 0.2f * part;
+    for (int i = 0; i < SHAPES; ++i)
+        shape[i] = part;
+    for (int i = 0; i < WEIGHTS; ++i)
+        weight[i] = part;
+    for (int i = 0; i < CONTACTS_MAX; ++i)
+        contact[i] = (mrt_vec3){part, -part, 0};
+    return (mrt_face_sample){.time_ns = host_now_ns(&with),
+                             .take_ns = index % 2 ? -1 : (int64_t)index * 10000000,
+                             .number = index / 2 + 1, /* each of them is said twice */
+                             .bones = bone,
+                             .dofs = dof,
+                             .contacts = contact,
+                             .shapes = shape,
+                             .weights = weight,
+                             .vertices = wants->vertices ? vertex : NULL};
+}
+
+static int by_size(const void *a, const void *b)
+{
+    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return (x > y) - (x < y);
+}
+
+static void send_samples(output *self, face_kind kind)
+{
+    static mrt_face_names names;
+    int64_t took_ns[SAMPLES];
+    names = names_of(kind);
+    tell_doing(RULE_FACE_OUTPUT_FACES, "begin() of %s", faces_name(kind));
+    watch_next();
+    mrt_result result = self->face->begin(self->self, &names);
+    if (result < 0)
+        tell_failed(RULE_FACE_OUTPUT_FACES, "begin() of %s returned %d: %s", faces_name(kind),
+                    result, with.last_log);
+    tell_doing(RULE_COUNT, "send() of %s", faces_name(kind));
+    for (uint32_t i = 0; i < SAMPLES; ++i) {
+        const mrt_face_sample sample = sample_of(i, &self->wants);
+        int64_t before_ns = host_now_ns(&with);
+        watch_next();
+        result = self->face->send(self->self, params, &sample);
+        took_ns[i] = host_now_ns(&with) - before_ns;
+        if (result != MRT_OK && result != MRT_TIMEOUT)
+            tell_failed(RULE_FACE_OUTPUT_SEND, "send() returned %d for sample %u: %s", result, i,
+                        with.last_log);
+    }
+    qsort(took_ns, SAMPLES, sizeof *took_ns, by_size);
+    if (took_ns[SAMPLES / 2] > usual_ns)
+        tell_failed(RULE_FACE_OUTPUT_TIME, "send() takes %.1f ms, half of the time or more often",
+                    (double)took_ns[SAMPLES / 2] / 1e6);
+}
+
+void cases_face_output(const examination *e)
+{
+    static const check_rule rules[] = {RULE_FACE_OUTPUT_FACES, RULE_FACE_OUTPUT_SEND,
+                                       RULE_FACE_OUTPUT_TIME, RULE_FACE_OUTPUT_REOPEN};
+    const char *address = e->output_address ? e->output_address : "";
+    output self = {.face = types_interface(e->type, MRT_FACE_OUTPUT), .self = make_plugin(e)};
+    if (!self.self)
+        return;
+    judge_absent(RULE_FACE_OUTPUT_ABSENT, &with, no_receiver, open_output(&self, no_receiver));
+    close_output(&self);
+    bool is_open = open_output(&self, address) >= 0;
+    if (!is_open)
+        skip_output(rules, sizeof rules / sizeof *rules);
+    for (int kind = 0; kind < FACE_KINDS && is_open && !tell_has_failed_any(); ++kind)
+        send_samples(&self, (face_kind)kind);
+    if (is_open) {
+        judge_output_reopening(&self, address, RULE_FACE_OUTPUT_REOPEN);
+        tell_ok(RULE_FACE_OUTPUT_FACES, "%d faces", FACE_KINDS);
+        tell_ok(RULE_FACE_OUTPUT_SEND, "%d samples", SAMPLES * FACE_KINDS);
+        tell_ok(RULE_FACE_OUTPUT_TIME, "%d samples", SAMPLES * FACE_KINDS);
+    }
+    close_output(&self);
+    tell_doing(RULE_COUNT, "destroy()");
+    e->type->destroy(self.self);
 }

@@ -58,10 +58,10 @@ static void host_log(const mrt_host *plugin, int32_t level, const char *text)
     host *self = plugin->data;
     if (level < MRT_LOG_WARNING || !text)
         return;
-    uint32_t kinds = trap_pause();
+    uint32_t kinds = trap_set(0);
     self->error_count += 1;
     (void)snprintf(self->last_log, sizeof self->last_log, "%s", text);
-    trap_resume(kinds);
+    (void)trap_set(kinds);
 }
 
 int64_t host_now_ns(const host *self)
@@ -72,9 +72,9 @@ int64_t host_now_ns(const host *self)
 static int64_t plugin_now_ns(const mrt_host *plugin)
 {
     trap_note(TRAP_HOST, "host->now_ns");
-    uint32_t kinds = trap_pause();
+    uint32_t kinds = trap_set(0);
     int64_t now_ns = host_now_ns(plugin->data);
-    trap_resume(kinds);
+    (void)trap_set(kinds);
     return now_ns;
 }
 
@@ -82,7 +82,7 @@ static int64_t plugin_wait_until_ns(const mrt_host *plugin, int64_t time_ns)
 {
     host *self = plugin->data;
     trap_note(TRAP_HOST, "host->wait_until_ns");
-    uint32_t kinds = trap_pause();
+    uint32_t kinds = trap_set(0);
     self->wait_count += 1;
     if (time_ns > self->latest_ask_ns)
         self->latest_ask_ns = time_ns;
@@ -93,7 +93,7 @@ static int64_t plugin_wait_until_ns(const mrt_host *plugin, int64_t time_ns)
     if (self->clock == HOST_LATE && time_ns > self->now_ns)
         self->now_ns = time_ns > INT64_MAX - overshoot_ns ? time_ns : time_ns + overshoot_ns;
     int64_t now_ns = host_now_ns(self);
-    trap_resume(kinds);
+    (void)trap_set(kinds);
     return now_ns;
 }
 
@@ -109,7 +109,7 @@ static void read_landmarks(const mrt_host *plugin, const mrt_landmarks *seen,
     static hand_skeleton *skeleton[2];
     (void)plugin;
     trap_note(TRAP_HOST, "landmark reader");
-    uint32_t kinds = trap_pause();
+    uint32_t kinds = trap_set(0);
     reading->confidence = 0.0f;
     hand_reading now = {.confidence = 0.0};
     if (seen->side <= MRT_RIGHT && !skeleton[seen->side])
@@ -125,7 +125,7 @@ static void read_landmarks(const mrt_host *plugin, const mrt_landmarks *seen,
         reading->size = (float)now.size;
         reading->confidence = (float)now.confidence;
     }
-    trap_resume(kinds);
+    (void)trap_set(kinds);
 }
 
 static const void *plugin_service(const mrt_host *plugin, const char *id)

@@ -1,13 +1,13 @@
 #include "check/child/trap.h"
 
 #include "base/file.h"
+#include "base/memory.h"
 #include "base/program.h"
 #include "check/child/tell.h"
 
 #include <execinfo.h>
 #include <limits.h>
 #include <link.h>
-#include <malloc.h>
 #include <marotte/plugin.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -165,42 +165,26 @@ typedef struct trap_hit {
 static trap_hit hits[TRAP_KINDS];
 static _Thread_local uint32_t trapped;
 
-void trap_enter(uint32_t kinds)
+uint32_t trap_set(uint32_t kinds)
 {
+    uint32_t before = trapped;
     trapped = kinds;
-}
-
-void trap_leave(void)
-{
-    trapped = 0;
-}
-
-uint32_t trap_pause(void)
-{
-    uint32_t kinds = trapped;
-    trapped = 0;
-    return kinds;
-}
-
-void trap_resume(uint32_t kinds)
-{
-    trapped = kinds;
-}
-
-void trap_note(trap_kind kind, const char *function)
-{
-    uint32_t kinds = trapped;
-    if (!(kinds & (1u << kind)) || hits[kind].function)
-        return;
-    trapped = 0; /* looking at the stack is not the plugin's doing */
-    hits[kind].function = function;
-    call_stack_take(&hits[kind].where);
-    trapped = kinds;
+    return before;
 }
 
 bool trap_catches(trap_kind kind)
 {
     return trapped & (1u << kind);
+}
+
+void trap_note(trap_kind kind, const char *function)
+{
+    if (!trap_catches(kind) || hits[kind].function)
+        return;
+    uint32_t kinds = trap_set(0); /* looking at the stack is not the plugin's doing */
+    hits[kind].function = function;
+    call_stack_take(&hits[kind].where);
+    (void)trap_set(kinds);
 }
 
 bool trap_caught(trap_kind kind, char *out, size_t capacity)
@@ -223,8 +207,7 @@ size_t trap_heap_bytes(void)
 #else
 size_t trap_heap_bytes(void)
 {
-    struct mallinfo2 use = mallinfo2();
-    return use.uordblks + use.hblkhd;
+    return (size_t)memory_in_use();
 }
 #endif
 
@@ -242,7 +225,7 @@ static void go_down(check_rule rule, const char *how)
 {
     char where[256], text[512];
     call_stack at;
-    trap_leave();
+    (void)trap_set(0);
     call_stack_take(&at);
     (void)call_stack_name(&at, where, sizeof where);
     (void)snprintf(text, sizeof text, "%s in %s", how, where);

@@ -32,12 +32,10 @@ typedef enum trap_kind {
 } trap_kind;
 enum { TRAP_ALL = (1 << TRAP_KINDS) - 1 };
 
-/* From now on, on this thread, kinds (1 << TRAP_*) are caught. What would wait does not. */
-void trap_enter(uint32_t kinds);
-void trap_leave(void);
-/* What the host does for the plugin is not the plugin's doing: returns what trap_resume wants. */
-uint32_t trap_pause(void);
-void trap_resume(uint32_t kinds);
+/* From now on, on this thread, kinds (1 << TRAP_*; 0: none) are caught, and what would wait does
+ * not. Returns those that were caught before, for what the host does for the plugin and is not the
+ * plugin's doing. */
+uint32_t trap_set(uint32_t kinds);
 
 /* A function of that kind is being called: trap_libc.c, host.c. */
 void trap_note(trap_kind kind, const char *function);

@@ -206,40 +206,27 @@ static mode_t mode_of(int flags, va_list arguments)
     return flags & (O_CREAT | nameless) ? (mode_t)va_arg(arguments, int) : 0;
 }
 
-#define CATCH_OPEN(name)                                                                           \
-    MRT_EXPORT int name(const char *path, int flags, ...)                                          \
+#define CATCH_OPEN(name, params, arguments)                                                        \
+    MRT_EXPORT int name params                                                                     \
     {                                                                                              \
-        REAL(int, name, (const char *, int, ...));                                                 \
-        va_list arguments;                                                                         \
-        va_start(arguments, flags);                                                                \
-        mode_t mode = mode_of(flags, arguments);                                                   \
-        va_end(arguments);                                                                         \
+        REAL(int, name, params);                                                                   \
+        va_list last;                                                                              \
+        va_start(last, flags);                                                                     \
+        mode_t mode = mode_of(flags, last);                                                        \
+        va_end(last);                                                                              \
         trap_note(TRAP_FILE, #name);                                                               \
-        return real(path, flags, mode);                                                            \
+        return real arguments;                                                                     \
     }                                                                                              \
-    extern int name(const char *path, int flags, ...)
-
-#define CATCH_OPENAT(name)                                                                         \
-    MRT_EXPORT int name(int folder, const char *path, int flags, ...)                              \
-    {                                                                                              \
-        REAL(int, name, (int, const char *, int, ...));                                            \
-        va_list arguments;                                                                         \
-        va_start(arguments, flags);                                                                \
-        mode_t mode = mode_of(flags, arguments);                                                   \
-        va_end(arguments);                                                                         \
-        trap_note(TRAP_FILE, #name);                                                               \
-        return real(folder, path, flags, mode);                                                    \
-    }                                                                                              \
-    extern int name(int folder, const char *path, int flags, ...)
+    extern int name params
 
 /* Programs built for large files call these. */
 int open64(const char *path, int flags, ...);
 int openat64(int folder, const char *path, int flags, ...);
 FILE *fopen64(const char *path, const char *mode);
-CATCH_OPEN(open);
-CATCH_OPEN(open64);
-CATCH_OPENAT(openat);
-CATCH_OPENAT(openat64);
+CATCH_OPEN(open, (const char *path, int flags, ...), (path, flags, mode));
+CATCH_OPEN(open64, (const char *path, int flags, ...), (path, flags, mode));
+CATCH_OPEN(openat, (int folder, const char *path, int flags, ...), (folder, path, flags, mode));
+CATCH_OPEN(openat64, (int folder, const char *path, int flags, ...), (folder, path, flags, mode));
 CATCH(TRAP_FILE, FILE *, fopen, (const char *restrict path, const char *restrict mode),
       (path, mode));
 CATCH(TRAP_FILE, FILE *, fopen64, (const char *path, const char *mode), (path, mode));
