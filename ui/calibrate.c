@@ -495,97 +495,50 @@ typedef struct calibrate_options {
 
 /* ---- options ---- */
 
-enum {
-    OPTION_INPUT = 256,
-    OPTION_OUT,
-    OPTION_NAME,
-    OPTION_HAND,
-    OPTION_SHOW,
-    OPTION_VIRTUALHAND,
-    OPTION_HAND_LENGTH,
-    OPTION_TIMEOUT,
-    OPTION_JSON
-};
-
-static const struct option option_table[] = {
-    {"input", required_argument, NULL, OPTION_INPUT},
-    {"out", required_argument, NULL, OPTION_OUT},
-    {"name", required_argument, NULL, OPTION_NAME},
-    {"hand", required_argument, NULL, OPTION_HAND},
-    {"show", required_argument, NULL, OPTION_SHOW},
-    {"from-virtualhand", required_argument, NULL, OPTION_VIRTUALHAND},
-    {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
-    {"timeout", required_argument, NULL, OPTION_TIMEOUT},
-    {"json", no_argument, NULL, OPTION_JSON},
-    {NULL, 0, NULL, 0},
-};
-
-static int read_number(const char *option, const char *text, double min, double max, double *out)
-{
-    if (text_double(text_view_of(text, strlen(text)), out) && *out >= min && *out <= max)
-        return COMMAND_DONE;
-    return command_usage(&command_calibrate, "--%s \"%s\" is not a number from %g to %g", option,
-                         text, min, max);
-}
-
-static int read_side(calibrate_options *out, const char *text)
+static int read_side(void *to, const command *self, const char *name, const char *text)
 {
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         if (strcmp(text, side_name[side]) != 0)
             continue;
-        out->side = side;
+        *(uint32_t *)to = side;
         return COMMAND_DONE;
     }
-    return command_usage(&command_calibrate, "--hand \"%s\" is not left or right", text);
+    return command_usage(self, "--%s \"%s\" is not left or right", name, text);
 }
 
-static int set_input(calibrate_options *out, const char *text)
+static int read_name(void *to, const command *self, const char *name, const char *text)
 {
+    *(const char **)to = text;
+    return strlen(text) < CALIBRATION_NAME
+               ? COMMAND_DONE
+               : command_usage(self, "--%s has more than %d bytes", name, CALIBRATION_NAME - 1);
+}
+
+static int set_input(void *to, const command *self, const char *name, const char *text)
+{
+    calibrate_options *out = to;
     if (out->has_input)
-        return command_usage(&command_calibrate, "one --input is possible");
+        return command_usage(self, "one --%s is possible", name);
     out->has_input = true;
     if (spec_read(&out->input, text))
         return COMMAND_DONE;
-    return command_usage(&command_calibrate, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
-                         text);
+    return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
 }
 
-static int read_option(void *data, const command *self, int option, const char *text)
-{
-    calibrate_options *out = data;
-    (void)self;
-    switch (option) {
-    case OPTION_INPUT:
-        return set_input(out, text);
-    case OPTION_OUT:
-        out->out = text;
-        return COMMAND_DONE;
-    case OPTION_NAME:
-        out->name = text;
-        return strlen(text) < CALIBRATION_NAME
-                   ? COMMAND_DONE
-                   : command_usage(&command_calibrate, "--name has more than %d bytes",
-                                   CALIBRATION_NAME - 1);
-    case OPTION_HAND:
-        return read_side(out, text);
-    case OPTION_SHOW:
-        out->show = text;
-        return COMMAND_DONE;
-    case OPTION_VIRTUALHAND:
-        out->virtualhand = text;
-        return COMMAND_DONE;
-    case OPTION_HAND_LENGTH:
-        return read_number("hand-length", text, HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM,
-                           &out->hand_length_mm);
-    case OPTION_TIMEOUT:
-        return read_number("timeout", text, 1, 86400, &out->timeout_s);
-    case OPTION_JSON:
-        out->is_json = true;
-        return COMMAND_DONE;
-    default:
-        return COMMAND_USAGE;
-    }
-}
+#define AT(member) .offset = offsetof(calibrate_options, member)
+static const command_option option_table[] = {
+    {"input", COMMAND_READ, .read = set_input},
+    {"out", COMMAND_TEXT, AT(out)},
+    {"name", COMMAND_READ, AT(name), .read = read_name},
+    {"hand", COMMAND_READ, AT(side), .read = read_side},
+    {"show", COMMAND_TEXT, AT(show)},
+    {"from-virtualhand", COMMAND_TEXT, AT(virtualhand)},
+    {"hand-length", COMMAND_NUMBER, AT(hand_length_mm), .least = HAND_LENGTH_MIN_MM,
+     .most = HAND_LENGTH_MAX_MM},
+    {"timeout", COMMAND_NUMBER, AT(timeout_s), .least = 1, .most = 86400},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
 
 static int check_options(const calibrate_options *options)
 {
@@ -602,7 +555,7 @@ static int check_options(const calibrate_options *options)
 static int read_options(calibrate_options *out, int argc, char **argv)
 {
     *out = (calibrate_options){.side = MRT_NO_HAND};
-    int code = command_options(&command_calibrate, argc, argv, option_table, read_option, out);
+    int code = command_options(out, &command_calibrate, option_table, argc, argv);
     return code == COMMAND_DONE ? check_options(out) : code;
 }
 

@@ -10,7 +10,6 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
-#include <getopt.h>
 #include <netinet/in.h>
 #include <nettle/sha2.h>
 #include <spawn.h>
@@ -21,13 +20,6 @@
 #include <unistd.h>
 
 extern char **environ;
-
-enum { OPTION_SETUP = 1, OPTION_SHOW, OPTION_PORT, OPTION_JSON };
-static const struct option option_table[] = {{"setup", no_argument, NULL, OPTION_SETUP},
-                                             {"show", no_argument, NULL, OPTION_SHOW},
-                                             {"port", required_argument, NULL, OPTION_PORT},
-                                             {"json", no_argument, NULL, OPTION_JSON},
-                                             {NULL, 0, NULL, 0}};
 
 typedef struct camera_options {
     bool is_setup, is_show, is_json;
@@ -195,36 +187,30 @@ static mrt_result tell(const camera_options *options, facts *told, error *err)
 
 /* ---- the command ---- */
 
-static int read_option(void *data, const command *self, int option, const char *text)
+static int read_port(void *to, const command *self, const char *name, const char *text)
 {
-    camera_options *out = data;
     double port;
-    switch (option) {
-    case OPTION_SETUP:
-        out->is_setup = true;
-        return COMMAND_DONE;
-    case OPTION_SHOW:
-        out->is_show = true;
-        return COMMAND_DONE;
-    case OPTION_JSON:
-        out->is_json = true;
-        return COMMAND_DONE;
-    case OPTION_PORT:
-        if (!text_double(text_view_of(text, strlen(text)), &port) || !(port >= 1) ||
-            !(port <= 65535) || port != (double)(uint16_t)port)
-            return command_usage(self, "--port \"%s\" is not a number from 1 to 65535", text);
-        out->port = (uint16_t)port;
-        return COMMAND_DONE;
-    default:
-        return COMMAND_USAGE;
-    }
+    if (!text_double(text_view_of(text, strlen(text)), &port) || !(port >= 1) || !(port <= 65535) ||
+        port != (double)(uint16_t)port)
+        return command_usage(self, "--%s \"%s\" is not a number from 1 to 65535", name, text);
+    *(uint16_t *)to = (uint16_t)port;
+    return COMMAND_DONE;
 }
+
+#define AT(member) .offset = offsetof(camera_options, member)
+static const command_option option_table[] = {
+    {"setup", COMMAND_FLAG, AT(is_setup)},
+    {"show", COMMAND_FLAG, AT(is_show)},
+    {"port", COMMAND_READ, AT(port), .read = read_port},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
 
 static int run(int argc, char **argv)
 {
     camera_options options = {.port = CAMERA_PAGE_PORT};
     error err = {""};
-    int code = command_options(&command_camera, argc, argv, option_table, read_option, &options);
+    int code = command_options(&options, &command_camera, option_table, argc, argv);
     if (code != COMMAND_DONE)
         return code;
     facts *told = facts_create(options.is_json);

@@ -3,6 +3,7 @@
 #include "base/program.h"
 #include "base/text.h"
 
+#include <assert.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -78,19 +79,69 @@ int command_failed(const command *self, const error *err)
     return COMMAND_FAILED;
 }
 
-int command_options(const command *self, int argc, char **argv, const struct option *table,
-                    command_read_option *read, void *data)
+void command_options_list(struct option out[COMMAND_OPTIONS_MAX], const command_option *table)
 {
+    int count = 0;
+    for (; table[count].name; ++count) {
+        assert(count < COMMAND_OPTIONS_MAX - 1);
+        int has_value = table[count].kind == COMMAND_FLAG ? no_argument : required_argument;
+        out[count] =
+            (struct option){table[count].name, has_value, NULL, COMMAND_OPTION_FIRST + count};
+    }
+    out[count] = (struct option){NULL, 0, NULL, 0};
+}
+
+static int read_number(const command *self, const command_option *which, const char *text,
+                       double *out)
+{
+    if (text_double(text_view_of(text, strlen(text)), out) && *out >= which->least &&
+        *out <= which->most)
+        return COMMAND_DONE;
+    return command_usage(self, "--%s \"%s\" is not a number from %g to %g", which->name, text,
+                         which->least, which->most);
+}
+
+int command_option_put(void *options, const command *self, const command_option *which,
+                       const char *text)
+{
+    void *to = (char *)options + which->offset;
+    double number = 0.0;
+    int code = COMMAND_DONE;
+    switch (which->kind) {
+    case COMMAND_FLAG:
+        *(bool *)to = true;
+        break;
+    case COMMAND_TEXT:
+        *(const char **)to = text;
+        break;
+    case COMMAND_NUMBER:
+        return read_number(self, which, text, to);
+    case COMMAND_WHOLE:
+        code = read_number(self, which, text, &number);
+        if (code == COMMAND_DONE)
+            *(uint32_t *)to = (uint32_t)number;
+        break;
+    case COMMAND_READ:
+        return which->read(to, self, which->name, text);
+    }
+    return code;
+}
+
+int command_options(void *options, const command *self, const command_option *table, int argc,
+                    char **argv)
+{
+    struct option known[COMMAND_OPTIONS_MAX];
     int code = COMMAND_DONE, option;
+    command_options_list(known, table);
     opterr = 0;
     optind = 1;
-    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, ":", table, NULL)) != -1) {
+    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, ":", known, NULL)) != -1) {
         if (option == ':')
             code = command_usage(self, "%s needs a value", argv[optind - 1]);
         else if (option == '?')
             code = command_usage(self, "there is no option \"%s\"", argv[optind - 1]);
         else
-            code = read(data, self, option, optarg);
+            code = command_option_put(options, self, &table[option - COMMAND_OPTION_FIRST], optarg);
     }
     if (code == COMMAND_DONE && optind < argc)
         code = command_usage(self, "\"%s\" is not expected here", argv[optind]);

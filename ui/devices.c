@@ -615,73 +615,55 @@ static void wake_up(void)
     wake_signal(&stop_wake);
 }
 
-enum { OPTION_JSON = 1, OPTION_WATCH, OPTION_INPUT, OPTION_SECONDS, OPTION_FORWARD, OPTION_LEARN };
-static const struct option option_table[] = {
-    {"json", no_argument, NULL, OPTION_JSON},
-    {"watch", no_argument, NULL, OPTION_WATCH},
-    {"input", required_argument, NULL, OPTION_INPUT},
-    {"seconds", required_argument, NULL, OPTION_SECONDS},
-    {"forward", required_argument, NULL, OPTION_FORWARD},
-    {"learn", required_argument, NULL, OPTION_LEARN},
-    {NULL, 0, NULL, 0},
-};
-
-static int add_input(devices_options *out, const char *text)
+static int add_input(void *to, const command *self, const char *name, const char *text)
 {
+    devices_options *out = to;
     if (out->input_count == DEVICES_INPUTS_MAX)
-        return command_usage(&command_devices, "at most %d inputs are possible",
-                             DEVICES_INPUTS_MAX);
+        return command_usage(self, "at most %d inputs are possible", DEVICES_INPUTS_MAX);
     if (!spec_read(&out->input[out->input_count++], text))
-        return command_usage(&command_devices, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
-                             text);
+        return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
     return COMMAND_DONE;
 }
 
-static int set_learn(devices_options *out, const char *text)
+static int set_learn(void *to, const command *self, const char *name, const char *text)
 {
+    devices_options *out = to;
     if (out->is_learn)
-        return command_usage(&command_devices, "one --learn is possible");
+        return command_usage(self, "one --%s is possible", name);
     out->is_learn = true;
     if (!spec_read(&out->learn, text))
-        return command_usage(&command_devices, "--learn \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
-                             text);
+        return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
     return COMMAND_DONE;
 }
 
-static int set_seconds(devices_options *out, const char *text)
+static int set_seconds(void *to, const command *self, const char *name, const char *text)
 {
-    if (text_double(text_view_of(text, strlen(text)), &out->seconds) && out->seconds >= 0.001 &&
-        out->seconds <= 1e6)
+    double *seconds = to;
+    if (text_double(text_view_of(text, strlen(text)), seconds) && *seconds >= 0.001 &&
+        *seconds <= 1e6)
         return COMMAND_DONE;
-    return command_usage(&command_devices, "--seconds \"%s\" is not a number from 0.001 to 1e6",
-                         text);
+    return command_usage(self, "--%s \"%s\" is not a number from 0.001 to 1e6", name, text);
 }
 
-static int read_option(void *data, const command *self, int option, const char *text)
+static int set_forward(void *to, const command *self, const char *name, const char *text)
 {
-    devices_options *out = data;
-    (void)self;
-    switch (option) {
-    case OPTION_JSON:
-        out->is_json = true;
-        return COMMAND_DONE;
-    case OPTION_WATCH:
-        out->is_watch = true;
-        return COMMAND_DONE;
-    case OPTION_INPUT:
-        return add_input(out, text);
-    case OPTION_SECONDS:
-        return set_seconds(out, text);
-    case OPTION_FORWARD:
-        out->forward = text;
-        out->is_watch = true;
-        return COMMAND_DONE;
-    case OPTION_LEARN:
-        return set_learn(out, text);
-    default:
-        return COMMAND_USAGE;
-    }
+    devices_options *out = to;
+    (void)self, (void)name;
+    out->forward = text;
+    out->is_watch = true;
+    return COMMAND_DONE;
 }
+
+#define AT(member) .offset = offsetof(devices_options, member)
+static const command_option option_table[] = {
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {"watch", COMMAND_FLAG, AT(is_watch)},
+    {"input", COMMAND_READ, .read = add_input},
+    {"seconds", COMMAND_READ, AT(seconds), .read = set_seconds},
+    {"forward", COMMAND_READ, .read = set_forward},
+    {"learn", COMMAND_READ, .read = set_learn},
+    {.name = NULL},
+};
 
 static int check_options(const devices_options *options)
 {
@@ -696,7 +678,7 @@ static int check_options(const devices_options *options)
 
 static int read_options(devices_options *out, int argc, char **argv)
 {
-    int code = command_options(&command_devices, argc, argv, option_table, read_option, out);
+    int code = command_options(out, &command_devices, option_table, argc, argv);
     return code == COMMAND_DONE ? check_options(out) : code;
 }
 

@@ -1,6 +1,5 @@
 /* The program: finds the command and runs it. */
 #include "command.h"
-#include "stage.h"
 
 #include "base/isa.h"
 #include "base/memory.h"

@@ -7,79 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    OPTION_FACE = 256,
-    OPTION_UNIT,
-    OPTION_UP,
-    OPTION_FORWARD,
-    OPTION_INPUT,
-    OPTION_MAP,
-    OPTION_OUTPUT,
-    OPTION_CURVES,
-    OPTION_EXPORT,
-    OPTION_FPS,
-    OPTION_SECONDS,
-    OPTION_SIZE,
-    OPTION_VIEW,
-    OPTION_MIRROR,
-    OPTION_BACKGROUND,
-    OPTION_LOOK,
-    OPTION_TOLERANCE,
-    OPTION_MAX_TARGETS,
-    OPTION_BARE,
-    OPTION_EXPORT_UNIT,
-    OPTION_BY_PART,
-    OPTION_HAND_LENGTH,
-    OPTION_CALIBRATION,
-    OPTION_REZERO_PEDAL,
-    OPTION_PATCH,
-    OPTION_RECORD,
-    OPTION_SCENE,
-    OPTION_SHOT,
-    OPTION_SOUND,
-    OPTION_ISOLATE,
-    OPTION_WATCH_PLUGINS,
-    OPTION_REALTIME,
-    OPTION_JSON
-};
-
-static const struct option option_table[] = {
-    {"face", required_argument, NULL, OPTION_FACE},
-    {"unit", required_argument, NULL, OPTION_UNIT},
-    {"up", required_argument, NULL, OPTION_UP},
-    {"forward", required_argument, NULL, OPTION_FORWARD},
-    {"input", required_argument, NULL, OPTION_INPUT},
-    {"map", required_argument, NULL, OPTION_MAP},
-    {"output", required_argument, NULL, OPTION_OUTPUT},
-    {"curves", required_argument, NULL, OPTION_CURVES},
-    {"export", required_argument, NULL, OPTION_EXPORT},
-    {"fps", required_argument, NULL, OPTION_FPS},
-    {"seconds", required_argument, NULL, OPTION_SECONDS},
-    {"size", required_argument, NULL, OPTION_SIZE},
-    {"view", required_argument, NULL, OPTION_VIEW},
-    {"mirror", no_argument, NULL, OPTION_MIRROR},
-    {"background", required_argument, NULL, OPTION_BACKGROUND},
-    {"look", required_argument, NULL, OPTION_LOOK},
-    {"tolerance", required_argument, NULL, OPTION_TOLERANCE},
-    {"max-targets", required_argument, NULL, OPTION_MAX_TARGETS},
-    {"bare", no_argument, NULL, OPTION_BARE},
-    {"export-unit", required_argument, NULL, OPTION_EXPORT_UNIT},
-    {"by-part", no_argument, NULL, OPTION_BY_PART},
-    {"hand-length", required_argument, NULL, OPTION_HAND_LENGTH},
-    {"calibration", required_argument, NULL, OPTION_CALIBRATION},
-    {"rezero-pedal", required_argument, NULL, OPTION_REZERO_PEDAL},
-    {"patch", required_argument, NULL, OPTION_PATCH},
-    {"record", required_argument, NULL, OPTION_RECORD},
-    {"scene", required_argument, NULL, OPTION_SCENE},
-    {"shot", required_argument, NULL, OPTION_SHOT},
-    {"sound", no_argument, NULL, OPTION_SOUND},
-    {"isolate", required_argument, NULL, OPTION_ISOLATE},
-    {"watch-plugins", no_argument, NULL, OPTION_WATCH_PLUGINS},
-    {"realtime", no_argument, NULL, OPTION_REALTIME},
-    {"json", no_argument, NULL, OPTION_JSON},
-    {NULL, 0, NULL, 0},
-};
-
 void perform_options_finish(perform_options *options)
 {
     for (uint32_t i = 0; i < options->input_count; ++i)
@@ -88,87 +15,86 @@ void perform_options_finish(perform_options *options)
     free(options->face);
 }
 
-static int read_number(const command *self, const char *option, const char *text, double min,
-                       double max, double *out)
+static int read_name(void *to, const command *self, const char *name, const char *text)
 {
-    if (text_double(text_view_of(text, strlen(text)), out) && *out >= min && *out <= max)
-        return COMMAND_DONE;
-    return command_usage(self, "--%s \"%s\" is not a number from %g to %g", option, text, min, max);
-}
-
-static int read_name(const command *self, const char *option, const char *text, const char **out)
-{
-    *out = text;
+    *(const char **)to = text;
     if (strlen(text) < TAKE_NAME)
         return COMMAND_DONE;
-    return command_usage(self, "--%s: at most %d letters are possible", option, TAKE_NAME - 1);
+    return command_usage(self, "--%s: at most %d letters are possible", name, TAKE_NAME - 1);
 }
 
-static int add_export(perform_options *out, const command *self, const char *path)
+static int add_export(void *to, const command *self, const char *name, const char *path)
 {
+    perform_options *out = to;
     if (out->export_count == EXPORTS_MAX)
         return command_usage(self, "at most %d exports are possible", EXPORTS_MAX);
     exports_file file = {path, exports_format_of(path)};
     if (file.format == EXPORTS_NONE)
-        return command_usage(self, "--export %s: the name must end in %s", path, exports_names);
+        return command_usage(self, "--%s %s: the name must end in %s", name, path, exports_names);
     out->exports[out->export_count++] = file;
     return COMMAND_DONE;
 }
 
-static int read_unit(double *out_mm, const command *self, const char *option, const char *text)
+static int read_unit(void *to_mm, const command *self, const char *name, const char *text)
 {
-    return mesh_unit_parse(out_mm, text)
+    return mesh_unit_parse(to_mm, text)
                ? COMMAND_DONE
-               : command_usage(self, "--%s \"%s\" is not mm, cm, m or a number of mm", option,
-                               text);
+               : command_usage(self, "--%s \"%s\" is not mm, cm, m or a number of mm", name, text);
 }
 
-static int read_axis(const command *self, const char *option, const char *text, mesh_axis *out)
+static int read_axis(void *to, const command *self, const char *name, const char *text)
 {
-    return mesh_axis_parse(out, text)
+    return mesh_axis_parse(to, text)
                ? COMMAND_DONE
-               : command_usage(self, "--%s \"%s\" is not x, y, z, -x, -y or -z", option, text);
+               : command_usage(self, "--%s \"%s\" is not x, y, z, -x, -y or -z", name, text);
 }
 
-static int add_input(perform_options *out, const command *self, const char *text)
+static int add_input(void *to, const command *self, const char *name, const char *text)
 {
+    perform_options *out = to;
     if (out->input_count == PERFORM_INPUTS_MAX)
         return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
     if (!spec_read(&out->input[out->input_count++], text))
-        return command_usage(self, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]", text);
+        return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
     return COMMAND_DONE;
 }
 
-static int add_output(perform_options *out, const command *self, const char *text)
+static int add_output(void *to, const command *self, const char *name, const char *text)
 {
+    perform_options *out = to;
+    (void)name;
     if (out->output_count == PERFORM_OUTPUTS_MAX)
         return command_usage(self, "at most %d outputs are possible", PERFORM_OUTPUTS_MAX);
     out->output[out->output_count++] = text;
     return COMMAND_DONE;
 }
 
-static int set_map(perform_options *out, const command *self, const char *text)
+static int set_map(void *to, const command *self, const char *name, const char *text)
 {
-    if (out->map.plugin)
+    plugin_spec *map = to;
+    if (map->plugin)
         return command_usage(self, "one --map is possible");
-    if (!spec_read(&out->map, text) || out->map.address[0])
-        return command_usage(self, "--map \"%s\" is not PLUGIN[,key=value]", text);
+    if (!spec_read(map, text) || map->address[0])
+        return command_usage(self, "--%s \"%s\" is not PLUGIN[,key=value]", name, text);
     return COMMAND_DONE;
 }
 
-static int set_face(perform_options *out, const command *self, const char *text)
+static int set_face(void *to, const command *self, const char *name, const char *text)
 {
-    if (out->face)
-        return command_usage(self, "one --face is possible");
-    out->face = installed_face(text);
-    if (out->face)
+    char **path = to;
+    if (*path)
+        return command_usage(self, "one --%s is possible", name);
+    *path = installed_face(text);
+    if (*path)
         return COMMAND_DONE;
     const error no_memory = {"no memory"};
     return command_failed(self, &no_memory);
 }
 
-static int add_calibration(perform_options *out, const command *self, const char *path)
+static int add_calibration(void *to, const command *self, const char *name, const char *path)
 {
+    perform_options *out = to;
+    (void)name;
     if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
         return command_usage(self, "at most %d calibrations are possible, one per hand",
                              PERFORM_CALIBRATIONS_MAX);
@@ -176,47 +102,87 @@ static int add_calibration(perform_options *out, const command *self, const char
     return COMMAND_DONE;
 }
 
-static int read_isolation(perform_options *out, const command *self, const char *text)
+static int read_isolation(void *to, const command *self, const char *name, const char *text)
 {
-    static const char *const names[] = {"auto", "on", "off"};
-    static const perform_isolation kinds[] = {PERFORM_ISOLATE_AUTO, PERFORM_ISOLATE_ON,
-                                              PERFORM_ISOLATE_OFF};
+    static const char *const names[] = {[PERFORM_ISOLATE_AUTO] = "auto",
+                                        [PERFORM_ISOLATE_ON] = "on",
+                                        [PERFORM_ISOLATE_OFF] = "off"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         if (strcmp(names[i], text) != 0)
             continue;
-        out->isolation = kinds[i];
+        *(perform_isolation *)to = (perform_isolation)i;
         return COMMAND_DONE;
     }
-    return command_usage(self, "--isolate \"%s\" is not auto, on or off", text);
+    return command_usage(self, "--%s \"%s\" is not auto, on or off", name, text);
 }
 
-static int read_look(perform_options *out, const command *self, int option, const char *text)
+static int not_possible(const command *self, const char *name, const char *text,
+                        const char *possible)
 {
-    bool is_understood = true;
-    const char *name = "mirror", *possible = "";
-    switch (option) {
-    case OPTION_SIZE:
-        name = "size", possible = video_look_sizes;
-        is_understood = video_look_size(&out->look, text);
-        break;
-    case OPTION_VIEW:
-        name = "view", possible = video_look_views;
-        is_understood = video_look_view(&out->look, text);
-        break;
-    case OPTION_BACKGROUND:
-        name = "background", possible = video_look_grounds;
-        is_understood = video_look_ground(&out->look, text);
-        break;
-    case OPTION_LOOK:
-        name = "look", possible = video_look_scenes;
-        is_understood = video_look_scene(&out->look, text);
-        break;
-    default:
-        out->look.is_mirrored = true;
-    }
-    return is_understood ? COMMAND_DONE
-                         : command_usage(self, "--%s \"%s\" is not %s", name, text, possible);
+    return command_usage(self, "--%s \"%s\" is not %s", name, text, possible);
 }
+
+static int read_size(void *to, const command *self, const char *name, const char *text)
+{
+    return video_look_size(to, text) ? COMMAND_DONE
+                                     : not_possible(self, name, text, video_look_sizes);
+}
+
+static int read_view(void *to, const command *self, const char *name, const char *text)
+{
+    return video_look_view(to, text) ? COMMAND_DONE
+                                     : not_possible(self, name, text, video_look_views);
+}
+
+static int read_ground(void *to, const command *self, const char *name, const char *text)
+{
+    return video_look_ground(to, text) ? COMMAND_DONE
+                                       : not_possible(self, name, text, video_look_grounds);
+}
+
+static int read_scene(void *to, const command *self, const char *name, const char *text)
+{
+    return video_look_scene(to, text) ? COMMAND_DONE
+                                      : not_possible(self, name, text, video_look_scenes);
+}
+
+#define AT(member) .offset = offsetof(perform_options, member)
+static const command_option option_table[] = {
+    {"face", COMMAND_READ, AT(face), .read = set_face},
+    {"unit", COMMAND_READ, AT(frame.mm_per_unit), .read = read_unit},
+    {"up", COMMAND_READ, AT(frame.up), .read = read_axis},
+    {"forward", COMMAND_READ, AT(frame.forward), .read = read_axis},
+    {"input", COMMAND_READ, .read = add_input},
+    {"map", COMMAND_READ, AT(map), .read = set_map},
+    {"output", COMMAND_READ, .read = add_output},
+    {"curves", COMMAND_TEXT, AT(curves)},
+    {"export", COMMAND_READ, .read = add_export},
+    {"fps", COMMAND_NUMBER, AT(fps), .least = 1, .most = 1000},
+    {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.001, .most = 1e6},
+    {"size", COMMAND_READ, AT(look), .read = read_size},
+    {"view", COMMAND_READ, AT(look), .read = read_view},
+    {"mirror", COMMAND_FLAG, AT(look.is_mirrored)},
+    {"background", COMMAND_READ, AT(look), .read = read_ground},
+    {"look", COMMAND_READ, AT(look), .read = read_scene},
+    {"tolerance", COMMAND_NUMBER, AT(tolerance_mm), .least = 1e-6, .most = 1e3},
+    {"max-targets", COMMAND_WHOLE, AT(max_targets), .least = 1, .most = 10000},
+    {"bare", COMMAND_FLAG, AT(is_bare)},
+    {"export-unit", COMMAND_READ, AT(export_mm_per_unit), .read = read_unit},
+    {"by-part", COMMAND_FLAG, AT(is_by_part)},
+    {"hand-length", COMMAND_NUMBER, AT(hand_length_mm), .least = 50, .most = 400},
+    {"calibration", COMMAND_READ, .read = add_calibration},
+    {"rezero-pedal", COMMAND_WHOLE, AT(rezero_pedal), .least = 1, .most = MRT_MAX_PEDALS},
+    {"patch", COMMAND_TEXT, AT(patch)},
+    {"record", COMMAND_TEXT, AT(record)},
+    {"scene", COMMAND_READ, AT(scene), .read = read_name},
+    {"shot", COMMAND_READ, AT(shot), .read = read_name},
+    {"sound", COMMAND_FLAG, AT(has_sound)},
+    {"isolate", COMMAND_READ, AT(isolation), .read = read_isolation},
+    {"watch-plugins", COMMAND_FLAG, AT(watches_plugins)},
+    {"realtime", COMMAND_FLAG, AT(is_realtime)},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
 
 /* What the look cannot be of. */
 static int check_look(const perform_options *out, const command *self)
@@ -229,96 +195,10 @@ static int check_look(const perform_options *out, const command *self)
     return COMMAND_DONE;
 }
 
-static int read_option(void *data, const command *self, int option, const char *text)
-{
-    perform_options *out = data;
-    double number = 0;
-    int code;
-    switch (option) {
-    case OPTION_FACE:
-        return set_face(out, self, text);
-    case OPTION_UNIT:
-        return read_unit(&out->frame.mm_per_unit, self, "unit", text);
-    case OPTION_UP:
-        return read_axis(self, "up", text, &out->frame.up);
-    case OPTION_FORWARD:
-        return read_axis(self, "forward", text, &out->frame.forward);
-    case OPTION_INPUT:
-        return add_input(out, self, text);
-    case OPTION_MAP:
-        return set_map(out, self, text);
-    case OPTION_OUTPUT:
-        return add_output(out, self, text);
-    case OPTION_CURVES:
-        out->curves = text;
-        return COMMAND_DONE;
-    case OPTION_EXPORT:
-        return add_export(out, self, text);
-    case OPTION_FPS:
-        return read_number(self, "fps", text, 1, 1000, &out->fps);
-    case OPTION_SECONDS:
-        return read_number(self, "seconds", text, 0.001, 1e6, &out->seconds);
-    case OPTION_SIZE:
-    case OPTION_VIEW:
-    case OPTION_MIRROR:
-    case OPTION_BACKGROUND:
-    case OPTION_LOOK:
-        return read_look(out, self, option, text);
-    case OPTION_TOLERANCE:
-        return read_number(self, "tolerance", text, 1e-6, 1e3, &out->tolerance_mm);
-    case OPTION_HAND_LENGTH:
-        return read_number(self, "hand-length", text, 50, 400, &out->hand_length_mm);
-    case OPTION_MAX_TARGETS:
-        code = read_number(self, "max-targets", text, 1, 10000, &number);
-        out->max_targets = (uint32_t)number;
-        return code;
-    case OPTION_BARE:
-        out->is_bare = true;
-        return COMMAND_DONE;
-    case OPTION_EXPORT_UNIT:
-        return read_unit(&out->export_mm_per_unit, self, "export-unit", text);
-    case OPTION_BY_PART:
-        out->is_by_part = true;
-        return COMMAND_DONE;
-    case OPTION_CALIBRATION:
-        return add_calibration(out, self, text);
-    case OPTION_REZERO_PEDAL:
-        code = read_number(self, "rezero-pedal", text, 1, MRT_MAX_PEDALS, &number);
-        out->rezero_pedal = (uint32_t)number;
-        return code;
-    case OPTION_PATCH:
-        out->patch = text;
-        return COMMAND_DONE;
-    case OPTION_RECORD:
-        out->record = text;
-        return COMMAND_DONE;
-    case OPTION_SCENE:
-        return read_name(self, "scene", text, &out->scene);
-    case OPTION_SHOT:
-        return read_name(self, "shot", text, &out->shot);
-    case OPTION_SOUND:
-        out->has_sound = true;
-        return COMMAND_DONE;
-    case OPTION_ISOLATE:
-        return read_isolation(out, self, text);
-    case OPTION_WATCH_PLUGINS:
-        out->watches_plugins = true;
-        return COMMAND_DONE;
-    case OPTION_REALTIME:
-        out->is_realtime = true;
-        return COMMAND_DONE;
-    case OPTION_JSON:
-        out->is_json = true;
-        return COMMAND_DONE;
-    default:
-        return COMMAND_USAGE;
-    }
-}
-
 int perform_options_read(perform_options *out, const command *self, int argc, char **argv)
 {
     *out = (perform_options){.scene = "", .shot = "", .look = video_look_usual()};
-    int code = command_options(self, argc, argv, option_table, read_option, out);
+    int code = command_options(out, self, option_table, argc, argv);
     if (code == COMMAND_DONE && !out->face)
         code = command_usage(self, "--face is missing");
     if (code == COMMAND_DONE && out->curves &&

@@ -1,5 +1,5 @@
 /* marotte: the stage, in a window or without one. */
-#include "stage.h"
+#include "command.h"
 
 #include "base/cancel.h"
 #include "base/memory.h"
@@ -12,7 +12,6 @@
 #include "window/script.h"
 
 #include <errno.h>
-#include <getopt.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,42 +46,6 @@ typedef struct stage {
 
 /* ---- options ---- */
 
-enum {
-    OPTION_FACE = 256,
-    OPTION_MAP,
-    OPTION_INPUT,
-    OPTION_REMOTE,
-    OPTION_STREAM,
-    OPTION_STREAM_LOOK,
-    OPTION_BACKGROUND,
-    OPTION_SIZE,
-    OPTION_SCALE,
-    OPTION_HIDDEN,
-    OPTION_SCRIPT,
-    OPTION_PICTURE,
-    OPTION_SECONDS,
-    OPTION_SETTINGS,
-    OPTION_JSON
-};
-
-static const struct option long_options[] = {
-    {"face", required_argument, NULL, OPTION_FACE},
-    {"map", required_argument, NULL, OPTION_MAP},
-    {"input", required_argument, NULL, OPTION_INPUT},
-    {"remote", required_argument, NULL, OPTION_REMOTE},
-    {"stream", required_argument, NULL, OPTION_STREAM},
-    {"stream-look", required_argument, NULL, OPTION_STREAM_LOOK},
-    {"background", required_argument, NULL, OPTION_BACKGROUND},
-    {"size", required_argument, NULL, OPTION_SIZE},
-    {"scale", required_argument, NULL, OPTION_SCALE},
-    {"hidden", no_argument, NULL, OPTION_HIDDEN},
-    {"script", required_argument, NULL, OPTION_SCRIPT},
-    {"picture", required_argument, NULL, OPTION_PICTURE},
-    {"seconds", required_argument, NULL, OPTION_SECONDS},
-    {"settings", required_argument, NULL, OPTION_SETTINGS},
-    {"json", no_argument, NULL, OPTION_JSON},
-    {NULL, 0, NULL, 0}};
-
 static bool read_number(const char *text, double least, double most, double *out)
 {
     char *end;
@@ -91,117 +54,123 @@ static bool read_number(const char *text, double least, double most, double *out
     return end != text && *end == '\0' && isfinite(*out) && *out >= least && *out <= most;
 }
 
-static bool read_size(const char *text, stage_options *out)
+static int read_scale(void *to, const command *self, const char *name, const char *text)
 {
-    char *end;
+    return read_number(text, 0.5, 4.0, to)
+               ? COMMAND_DONE
+               : command_usage(self, "--%s %s: expected 0.5 to 4", name, text);
+}
+
+static int read_seconds(void *to, const command *self, const char *name, const char *text)
+{
+    return read_number(text, 0.0, 1e6, to)
+               ? COMMAND_DONE
+               : command_usage(self, "--%s %s: expected 0 to 1000000", name, text);
+}
+
+static int read_size(void *to, const command *self, const char *name, const char *text)
+{
+    stage_options *out = to;
+    char *end, *second = NULL;
     const unsigned long width = strtoul(text, &end, 10);
-    if (end == text || *end != 'x')
-        return false;
-    const char *second = end + 1;
-    const unsigned long height = strtoul(second, &end, 10);
-    if (end == second || *end || width < 320 || width > 8192 || height < 240 || height > 8192)
-        return false;
+    const bool has_two = end != text && *end == 'x';
+    const unsigned long height = has_two ? strtoul(end + 1, &second, 10) : 0;
+    if (!has_two || second == end + 1 || *second || width < 320 || width > 8192 || height < 240 ||
+        height > 8192)
+        return command_usage(self, "--%s %s: expected WIDTHxHEIGHT in points, such as 1280x720",
+                             name, text);
     out->width = (uint32_t)width;
     out->height = (uint32_t)height;
-    return true;
+    return COMMAND_DONE;
 }
 
-/* What is not said of it is as usual, not as last time. */
-static int read_picture(stage_options *out, int option, const char *value)
+static int add_input(void *to, const command *self, const char *name, const char *text)
 {
-    app_picture *to = &out->streamed;
+    stage_options *out = to;
+    (void)name;
+    if (out->app.input_count == INPUTS_MAX)
+        return command_usage(self, "at most %d inputs", INPUTS_MAX);
+    out->input[out->app.input_count++] = text;
+    out->app.inputs = out->input;
+    return COMMAND_DONE;
+}
+
+/* ---- the picture for other programs: what is not said of it is as usual, not as last time ---- */
+
+static int read_ground(void *to, const command *self, const char *name, const char *text)
+{
+    stage_options *out = to;
     float ground[4];
+    out->has_picture = true;
+    if (strlen(text) >= sizeof out->streamed.background || !streams_ground(text, ground))
+        return command_usage(self,
+                             "--%s %s: expected transparent, or a colour such as #00b140 (a "
+                             "picture: the Scene panel)",
+                             name, text);
+    (void)snprintf(out->streamed.background, sizeof out->streamed.background, "%s", text);
+    return COMMAND_DONE;
+}
+
+static int add_stream(void *to, const command *self, const char *name, const char *text)
+{
+    stage_options *out = to;
+    char *targets = out->streamed.targets;
+    const size_t used = strlen(targets), room = sizeof out->streamed.targets - used;
+    out->has_picture = true;
+    if (strchr(text, ' ') || strlen(text) + 2 > room)
+        return command_usage(self, "--%s %s: too long, or has a blank", name, text);
+    (void)snprintf(targets + used, room, "%s%s", used ? " " : "", text);
+    return COMMAND_DONE;
+}
+
+static int read_stream_look(void *to, const command *self, const char *name, const char *text)
+{
+    stage_options *out = to;
+    app_picture *look = &out->streamed;
     char end;
     out->has_picture = true;
-    if (option == OPTION_BACKGROUND) {
-        if (strlen(value) >= sizeof to->background || !streams_ground(value, ground))
-            return command_usage(&command_stage,
-                                 "--background %s: expected transparent, or a colour such as "
-                                 "#00b140 (a picture: the Scene panel)",
-                                 value);
-        (void)snprintf(to->background, sizeof to->background, "%s", value);
-        return COMMAND_DONE;
-    }
-    if (option == OPTION_STREAM) {
-        const size_t used = strlen(to->targets);
-        if (strchr(value, ' ') || used + strlen(value) + 2 > sizeof to->targets)
-            return command_usage(&command_stage, "--stream %s: too long, or has a blank", value);
-        (void)snprintf(to->targets + used, sizeof to->targets - used, "%s%s", used ? " " : "",
-                       value);
-        return COMMAND_DONE;
-    }
-    const int got = sscanf(value, "%4ux%4u@%3u%c", &to->width, &to->height, &to->fps, &end);
-    const bool is_good = got == 3 && to->width >= 64 && to->width <= 4096 && to->height >= 64 &&
-                         to->height <= 4096 && to->fps >= 1 && to->fps <= 120;
-    return is_good ? COMMAND_DONE
-                   : command_usage(&command_stage,
-                                   "--stream-look %s: expected WxH@RATE, as in 1280x720@30", value);
+    const int got = sscanf(text, "%4ux%4u@%3u%c", &look->width, &look->height, &look->fps, &end);
+    const bool is_good = got == 3 && look->width >= 64 && look->width <= 4096 &&
+                         look->height >= 64 && look->height <= 4096 && look->fps >= 1 &&
+                         look->fps <= 120;
+    return is_good
+               ? COMMAND_DONE
+               : command_usage(self, "--%s %s: expected WxH@RATE, as in 1280x720@30", name, text);
 }
 
-static int read_option(stage_options *out, int option, const char *value)
-{
-    switch (option) {
-    case OPTION_FACE:
-        out->app.face_path = value;
-        return COMMAND_DONE;
-    case OPTION_MAP:
-        out->app.mapping = value;
-        return COMMAND_DONE;
-    case OPTION_INPUT:
-        if (out->app.input_count == INPUTS_MAX)
-            return command_usage(&command_stage, "at most %d inputs", INPUTS_MAX);
-        out->input[out->app.input_count++] = value;
-        out->app.inputs = out->input;
-        return COMMAND_DONE;
-    case OPTION_REMOTE:
-        out->app.remote = value;
-        return COMMAND_DONE;
-    case OPTION_STREAM:
-    case OPTION_STREAM_LOOK:
-    case OPTION_BACKGROUND:
-        return read_picture(out, option, value);
-    case OPTION_SIZE:
-        return read_size(value, out) ? COMMAND_DONE
-                                     : command_usage(&command_stage,
-                                                     "--size %s: expected WIDTHxHEIGHT in points, "
-                                                     "such as 1280x720",
-                                                     value);
-    case OPTION_SCALE:
-        return read_number(value, 0.5, 4.0, &out->scale)
-                   ? COMMAND_DONE
-                   : command_usage(&command_stage, "--scale %s: expected 0.5 to 4", value);
-    case OPTION_SECONDS:
-        return read_number(value, 0.0, 1e6, &out->seconds)
-                   ? COMMAND_DONE
-                   : command_usage(&command_stage, "--seconds %s: expected 0 to 1000000", value);
-    case OPTION_HIDDEN:
-        out->is_hidden = true;
-        return COMMAND_DONE;
-    case OPTION_SCRIPT:
-        out->script = value;
-        return COMMAND_DONE;
-    case OPTION_PICTURE:
-        out->picture = value;
-        return COMMAND_DONE;
-    case OPTION_SETTINGS:
-        out->app.settings_path = value;
-        return COMMAND_DONE;
-    case OPTION_JSON:
-        out->is_json = true;
-        return COMMAND_DONE;
-    default:
-        return command_usage(&command_stage, "an option is not known, or lacks its value");
-    }
-}
+#define AT(member) .offset = offsetof(stage_options, member)
+static const command_option option_table[] = {
+    {"face", COMMAND_TEXT, AT(app.face_path)},
+    {"map", COMMAND_TEXT, AT(app.mapping)},
+    {"input", COMMAND_READ, .read = add_input},
+    {"remote", COMMAND_TEXT, AT(app.remote)},
+    {"stream", COMMAND_READ, .read = add_stream},
+    {"stream-look", COMMAND_READ, .read = read_stream_look},
+    {"background", COMMAND_READ, .read = read_ground},
+    {"size", COMMAND_READ, .read = read_size},
+    {"scale", COMMAND_READ, AT(scale), .read = read_scale},
+    {"hidden", COMMAND_FLAG, AT(is_hidden)},
+    {"script", COMMAND_TEXT, AT(script)},
+    {"picture", COMMAND_TEXT, AT(picture)},
+    {"seconds", COMMAND_READ, AT(seconds), .read = read_seconds},
+    {"settings", COMMAND_TEXT, AT(app.settings_path)},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
 
 static int read_options(stage_options *out, int argc, char **argv)
 {
+    struct option known[COMMAND_OPTIONS_MAX];
     int option, code = COMMAND_DONE;
     *out = (stage_options){.scale = 1.0};
+    command_options_list(known, option_table);
     opterr = 0;
     optind = 1;
-    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, "", long_options, NULL)) != -1)
-        code = read_option(out, option, optarg);
+    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, "", known, NULL)) != -1)
+        code = option == '?'
+                   ? command_usage(&command_stage, "an option is not known, or lacks its value")
+                   : command_option_put(out, &command_stage,
+                                        &option_table[option - COMMAND_OPTION_FIRST], optarg);
     if (code != COMMAND_DONE)
         return code;
     if (optind + 1 < argc)
@@ -399,7 +368,7 @@ bool stage_is_meant(const char *first)
         return true;
     if (strncmp(first, "--", 2) != 0)
         return false;
-    for (const struct option *o = long_options; o->name; ++o)
+    for (const command_option *o = option_table; o->name; ++o)
         if (strncmp(first + 2, o->name, strcspn(first + 2, "=")) == 0 && first[2])
             return true;
     return false;

@@ -522,7 +522,7 @@ static const take_verb play_verbs[] = {
      "  --face FILE    on this face (that which it was performed on)\n",
      "plays a take into outputs",
      TAKE_BIT(TAKE_OUTPUT) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE),
-     TAKE_READS, take_play_run},
+     TAKE_READS, .run = take_play_run},
     {"record", "SHOW TAKE",
      "  --input SPEC, --map SPEC   who performs, as in marotte perform\n"
      "  --own NAMES    what the new layer moves (all): patterns or regions, see layer own\n"
@@ -544,7 +544,7 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) | TAKE_BIT(TAKE_SPEED) |
          TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) | TAKE_BIT(TAKE_REALTIME) |
          TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
-     TAKE_RECORDS, take_record_run},
+     TAKE_RECORDS, .run = take_record_run},
     {"export", "SHOW [TAKE]",
      "  --export FILE  may be given many times; by the end of its name:\n" EXPORTS_HELP
      "                     .wav   its sound\n"
@@ -572,7 +572,7 @@ static const take_verb play_verbs[] = {
          TAKE_BIT(TAKE_BY_PART) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
          TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND) | TAKE_BIT(TAKE_LOOK) |
          TAKE_BIT(TAKE_FRAMES) | TAKE_BIT(TAKE_ALL) | TAKE_BIT(TAKE_JOBS),
-     TAKE_READS, take_export_run},
+     TAKE_READS, .run = take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"
      "  --patch FILE      other connections of the channels: none: without\n"
@@ -586,7 +586,7 @@ static const take_verb play_verbs[] = {
      TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_PATCH) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CALIBRATION) |
          TAKE_BIT(TAKE_HAND_LENGTH) | TAKE_BIT(TAKE_FILTER) | TAKE_BIT(TAKE_SCENE) |
          TAKE_BIT(TAKE_SHOT),
-     TAKE_WRITES, take_remap_run},
+     TAKE_WRITES, .run = take_remap_run},
     {"diff", "SHOW TAKE TAKE",
      "  --region R,R   only these: mouth, jaw, brows, lids, eyes, cheeks, nose, head\n"
      "  --fps RATE     frames that are compared (the first take's, or 30)\n"
@@ -597,13 +597,13 @@ static const take_verb play_verbs[] = {
      "how far apart two takes move the face",
      TAKE_BIT(TAKE_REGION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) |
          TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CSV),
-     TAKE_READS, take_diff_run},
+     TAKE_READS, .run = take_diff_run},
     {"log", "SHOW TAKE",
      "  --track N      which one (marotte take show); not needed where there is one\n"
      "  --out FILE.csv\n"
      "The table is that of plugins/log/README.md: --input log:FILE.csv performs it.\n",
      "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
-     take_log_run},
+     .run = take_log_run},
 };
 static const take_verbs take_play_verbs = {"Play, perform over, perform anew, compare, export",
                                            play_verbs, sizeof play_verbs / sizeof play_verbs[0]};
@@ -686,7 +686,9 @@ static mrt_result work(take_call *call, error *err)
     cancel_on_signals(call->verb->use == TAKE_RECORDS ? CANCEL_WAITS : CANCEL_A_SECOND, NULL);
     if (call->verb->use != TAKE_OPENS_ITSELF)
         result = take_open_show(call, err);
-    return result < 0 ? result : call->verb->run(call, err);
+    if (result < 0)
+        return result;
+    return call->verb->ask ? take_change_run(call, err) : call->verb->run(call, err);
 }
 
 static int run_call(take_call *call)

@@ -79,6 +79,12 @@ typedef enum take_option {
 
 enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2, TAKE_INPUTS_MAX = 8, TAKE_OUTPUTS_MAX = 8 };
 
+enum { TAKE_CHANGE_MAX = 4 };
+typedef struct take_change { /* edits that a subcommand asks for */
+    edit edit[TAKE_CHANGE_MAX];
+    uint32_t count;
+} take_change;
+
 struct take_verb;
 typedef struct take_call { /* one run of a subcommand */
     const struct take_verb *verb;
@@ -115,6 +121,8 @@ typedef struct take_verb {
     uint64_t options; /* bits; --json goes without saying */
     take_use use;
     CHECKED mrt_result (*run)(take_call *call, error *err);
+    /* In place of run: the edits to be done to the take that the call names. */
+    CHECKED mrt_result (*ask)(take_call *call, const take *t, take_change *out, error *err);
 } take_verb;
 
 typedef struct take_verbs {
@@ -160,6 +168,15 @@ CHECKED mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns,
                                   error *err);
 /* By --layer, an id or a name; else the only one. */
 CHECKED mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error *err);
+
+/* ---- take_edit.c ---- */
+
+/* Asks the verb for edits, and does them to the take. */
+CHECKED mrt_result take_change_run(take_call *call, error *err);
+/* Comma-separated patterns, or names of regions: into own of the edit. */
+CHECKED mrt_result take_read_own(take_call *call, const char *text, edit *out, error *err);
+/* Comma-separated names of regions: bits by own_region. */
+CHECKED mrt_result take_read_regions(take_call *call, const char *text, uint32_t *out, error *err);
 
 /* ---- subcommands of take.c's own table ---- */
 

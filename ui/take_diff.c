@@ -1,7 +1,7 @@
 /* marotte take diff: two takes performed side by side. */
 #include "base/file.h"
 #include "stage/take/diff.h"
-#include "take_edit.h"
+#include "take.h"
 #include "take_stage.h"
 
 #include <stdio.h>

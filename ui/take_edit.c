@@ -1,7 +1,8 @@
-#include "take_edit.h"
+#include "take.h"
 
 #include "base/clock.h"
 #include "base/text.h"
+#include "take/edit_store.h"
 #include "take/own.h"
 #include "take/sound_file.h"
 
@@ -96,11 +97,21 @@ static mrt_result do_all(take_call *call, history *of, const take_change *change
     return MRT_OK;
 }
 
-/* Opens the take that the call names, asks `ask` what to do, and does it. */
-static mrt_result take_change_run(take_call *call,
-                                  mrt_result (*ask)(take_call *call, const take *t,
-                                                    take_change *out, error *err),
-                                  error *err)
+static mrt_result change(take_call *call, history *of, error *err)
+{
+    take_change wanted = {.count = 0};
+    mrt_result result = call->verb->ask(call, history_take(of), &wanted, err);
+    if (result >= 0)
+        result = do_all(call, of, &wanted, err);
+    for (uint32_t i = 0; i < wanted.count; ++i)
+        edit_finish(&wanted.edit[i]);
+    return result;
+}
+
+/* Opens the take that the call names, and works on its history. */
+static mrt_result with_history(take_call *call,
+                               mrt_result (*work)(take_call *call, history *of, error *err),
+                               error *err)
 {
     int64_t id;
     edit_store *store;
@@ -113,19 +124,28 @@ static mrt_result take_change_run(take_call *call,
     history_store list = edit_store_list(store);
     result = history_open(&of, edit_store_bare(store), &list, err);
     if (result >= 0) {
-        take_change change = {.count = 0};
-        result = ask(call, history_take(of), &change, err);
-        if (result >= 0)
-            result = do_all(call, of, &change, err);
-        for (uint32_t i = 0; i < change.count; ++i)
-            edit_finish(&change.edit[i]);
+        result = work(call, of, err);
         history_close(of);
     }
     edit_store_close(store);
     return result;
 }
 
-/* ---- what a take shows and when, and what is written on it ---- */
+mrt_result take_change_run(take_call *call, error *err)
+{
+    return with_history(call, change, err);
+}
+
+/* --in and --out, both of which are needed. */
+static mrt_result read_in_out(take_call *call, const take *t, edit *e, error *err)
+{
+    mrt_result result = take_need(call, TAKE_IN, err);
+    if (result >= 0)
+        result = take_need(call, TAKE_OUT, err);
+    if (result >= 0)
+        result = take_time(call, TAKE_IN, t, &e->in_ns, err);
+    return result < 0 ? result : take_time(call, TAKE_OUT, t, &e->out_ns, err);
+}
 
 /* ---- clips ---- */
 
@@ -265,13 +285,7 @@ static mrt_result ask_fade(take_call *call, const take *t, take_change *out, err
 static mrt_result ask_cut(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_RANGE_CUT);
-    mrt_result result = take_need(call, TAKE_IN, err);
-    if (result >= 0)
-        result = take_need(call, TAKE_OUT, err);
-    if (result >= 0)
-        result = take_time(call, TAKE_IN, t, &e->in_ns, err);
-    if (result >= 0)
-        result = take_time(call, TAKE_OUT, t, &e->out_ns, err);
+    mrt_result result = read_in_out(call, t, e, err);
     e->is_ripple = call->text[TAKE_RIPPLE] != NULL;
     if (result >= 0 && call->text[TAKE_LAYER]) {
         e->layer_count = 1;
@@ -399,31 +413,6 @@ static mrt_result ask_edit(take_call *call, const take *t, take_change *out, err
     return result;
 }
 
-#define RUN(name)                                                                                  \
-    static mrt_result run_##name(take_call *call, error *err)                                      \
-    {                                                                                              \
-        return take_change_run(call, ask_##name, err);                                             \
-    }
-RUN(trim)
-RUN(split)
-RUN(move)
-RUN(retime)
-RUN(smooth)
-RUN(mute)
-RUN(gain)
-RUN(fade)
-RUN(cut)
-RUN(insert)
-RUN(delete)
-RUN(restore)
-RUN(rename)
-RUN(slate)
-RUN(note)
-RUN(rate)
-RUN(mark)
-RUN(timecode)
-RUN(edit)
-
 #define CLIP_HELP  "  --clip N     which clip (marotte take show); not needed where there is one\n"
 #define LAYER_HELP "  --layer L    of a whole layer, by its number or name\n"
 #define FPS_HELP   "  --fps RATE   of time code, where the take has no frame rate\n"
@@ -434,23 +423,23 @@ static const take_verb edit_verbs[] = {
      "  --clip N     trims that clip, not the take\n" FPS_HELP,
      "keeps a range of a take",
      TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS), TAKE_WRITES,
-     run_trim},
+     .ask = ask_trim},
     {"cut", "SHOW TAKE",
      "  --in T --out T   the range\n  --ripple     what is later moves up\n" LAYER_HELP FPS_HELP,
      "takes a range out",
      TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_RIPPLE) | TAKE_BIT(TAKE_LAYER) |
          TAKE_BIT(TAKE_FPS),
-     TAKE_WRITES, run_cut},
+     TAKE_WRITES, .ask = ask_cut},
     {"insert", "SHOW TAKE", "  --at T       where\n  --length S   seconds\n" FPS_HELP,
      "opens a gap", TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_LENGTH) | TAKE_BIT(TAKE_FPS), TAKE_WRITES,
-     run_insert},
+     .ask = ask_insert},
     {"split", "SHOW TAKE", "  --at T       where\n" CLIP_HELP FPS_HELP, "splits a clip",
-     TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS), TAKE_WRITES, run_split},
+     TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS), TAKE_WRITES, .ask = ask_split},
     {"move", "SHOW TAKE",
      "  --to T       its new start\n  --layer L    another layer\n" CLIP_HELP FPS_HELP,
      "moves a clip",
      TAKE_BIT(TAKE_TO) | TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_FPS),
-     TAKE_WRITES, run_move},
+     TAKE_WRITES, .ask = ask_move},
     {"retime", "SHOW TAKE",
      "  --speed F    so many times as fast\n  --at T       about this instant (its start)\n"
      "  --points A:S,A:S...   or a curve: at A s of the timeline it shows its own S s\n" CLIP_HELP
@@ -458,36 +447,38 @@ static const take_verb edit_verbs[] = {
      "plays a clip faster, slower, or along a curve",
      TAKE_BIT(TAKE_SPEED) | TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_POINTS) | TAKE_BIT(TAKE_CLIP) |
          TAKE_BIT(TAKE_FPS),
-     TAKE_WRITES, run_retime},
+     TAKE_WRITES, .ask = ask_retime},
     {"smooth", "SHOW TAKE SECONDS", CLIP_HELP, "smooths a clip; 0 ends it", TAKE_BIT(TAKE_CLIP),
-     TAKE_WRITES, run_smooth},
+     TAKE_WRITES, .ask = ask_smooth},
     {"mute", "SHOW TAKE", "  --off        is heard again\n" CLIP_HELP LAYER_HELP,
      "mutes a clip or a layer", TAKE_BIT(TAKE_OFF) | TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_LAYER),
-     TAKE_WRITES, run_mute},
+     TAKE_WRITES, .ask = ask_mute},
     {"gain", "SHOW TAKE GAIN", CLIP_HELP LAYER_HELP, "how much of a clip or a layer: 0 to 10",
-     TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_LAYER), TAKE_WRITES, run_gain},
+     TAKE_BIT(TAKE_CLIP) | TAKE_BIT(TAKE_LAYER), TAKE_WRITES, .ask = ask_gain},
     {"fade", "SHOW TAKE", "  --fade-in S, --fade-out S   seconds\n" CLIP_HELP,
      "fades a clip in or out",
-     TAKE_BIT(TAKE_FADE_IN) | TAKE_BIT(TAKE_FADE_OUT) | TAKE_BIT(TAKE_CLIP), TAKE_WRITES, run_fade},
+     TAKE_BIT(TAKE_FADE_IN) | TAKE_BIT(TAKE_FADE_OUT) | TAKE_BIT(TAKE_CLIP), TAKE_WRITES,
+     .ask = ask_fade},
     {"delete", "SHOW TAKE", "  --clip N     that clip, not the take\n",
-     "puts a take away: restore brings it back", TAKE_BIT(TAKE_CLIP), TAKE_WRITES, run_delete},
-    {"restore", "SHOW TAKE", "", "brings a deleted take back", 0, TAKE_WRITES, run_restore},
-    {"rename", "SHOW TAKE NAME", "", "names a take", 0, TAKE_WRITES, run_rename},
+     "puts a take away: restore brings it back", TAKE_BIT(TAKE_CLIP), TAKE_WRITES,
+     .ask = ask_delete},
+    {"restore", "SHOW TAKE", "", "brings a deleted take back", 0, TAKE_WRITES, .ask = ask_restore},
+    {"rename", "SHOW TAKE NAME", "", "names a take", 0, TAKE_WRITES, .ask = ask_rename},
     {"slate", "SHOW TAKE", "  --scene S, --shot S, --number N   what is left out stays\n",
      "changes a take's slate", TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT) | TAKE_BIT(TAKE_NUMBER),
-     TAKE_WRITES, run_slate},
-    {"note", "SHOW TAKE TEXT", "", "writes a note on a take", 0, TAKE_WRITES, run_note},
-    {"rate", "SHOW TAKE STARS", "", "0 to 5 stars", 0, TAKE_WRITES, run_rate},
+     TAKE_WRITES, .ask = ask_slate},
+    {"note", "SHOW TAKE TEXT", "", "writes a note on a take", 0, TAKE_WRITES, .ask = ask_note},
+    {"rate", "SHOW TAKE STARS", "", "0 to 5 stars", 0, TAKE_WRITES, .ask = ask_rate},
     {"mark", "SHOW TAKE TEXT", "  --at T       where\n" FPS_HELP, "marks an instant",
-     TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_FPS), TAKE_WRITES, run_mark},
+     TAKE_BIT(TAKE_AT) | TAKE_BIT(TAKE_FPS), TAKE_WRITES, .ask = ask_mark},
     {"timecode", "SHOW TAKE",
      "  --fps RATE   24, 25, 29.97, 30000/1001 ...\n"
      "  --start TC   time code of its first frame: 01:00:00:00, drop-frame 01:00:00;00\n",
      "gives a take a frame rate and time code", TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_START),
-     TAKE_WRITES, run_timecode},
+     TAKE_WRITES, .ask = ask_timecode},
     {"edit", "SHOW TAKE JSON",
      "  JSON: any edit as it is stored: {\"op\":\"clip.trim\",\"clip\":2,\"start_ns\":0}\n",
-     "does any edit", 0, TAKE_WRITES, run_edit},
+     "does any edit", 0, TAKE_WRITES, .ask = ask_edit},
 };
 const take_verbs take_edit_verbs = {"Edit", edit_verbs, sizeof edit_verbs / sizeof edit_verbs[0]};
 
@@ -678,13 +669,7 @@ static mrt_result read_material(take_call *call, edit *e, error *err)
 static mrt_result read_span(take_call *call, const take *t, edit *e, error *err)
 {
     double fade_s = 0.1;
-    mrt_result result = take_need(call, TAKE_IN, err);
-    if (result >= 0)
-        result = take_need(call, TAKE_OUT, err);
-    if (result >= 0)
-        result = take_time(call, TAKE_IN, t, &e->in_ns, err);
-    if (result >= 0)
-        result = take_time(call, TAKE_OUT, t, &e->out_ns, err);
+    mrt_result result = read_in_out(call, t, e, err);
     if (result >= 0)
         result = take_number(call, TAKE_FADE, 0.0, 1e6, &fade_s, err);
     e->fade_ns = llround(fade_s * 1e9);
@@ -715,6 +700,13 @@ static mrt_result ask_layer_punch(take_call *call, const take *t, take_change *o
 
 /* ---- back and forth ---- */
 
+static mrt_result tell_count(take_call *call, const history *of)
+{
+    facts_number(call->told, "edits_in_force", "edits in force", (double)history_head(of), 0, "");
+    facts_number(call->told, "edit_count", "of", (double)history_last(of), 0, "");
+    return MRT_OK;
+}
+
 static mrt_result step(take_call *call, history *of, bool is_undo, error *err)
 {
     double wanted = 1.0;
@@ -728,78 +720,49 @@ static mrt_result step(take_call *call, history *of, bool is_undo, error *err)
             return error_set(err, MRT_ERR_ARGUMENT, "there is nothing to %s",
                              is_undo ? "undo" : "redo");
         if (result == MRT_END)
-            return MRT_OK;
+            break;
         if (result >= 0)
             facts_list(call->told, "edits", is_undo ? "undone" : "done again", words);
     }
-    return result;
+    return result < 0 ? result : tell_count(call, of);
 }
 
-static void tell_history(take_call *call, const history *of)
+static mrt_result undo(take_call *call, history *of, error *err)
 {
+    return step(call, of, true, err);
+}
+
+static mrt_result redo(take_call *call, history *of, error *err)
+{
+    return step(call, of, false, err);
+}
+
+static mrt_result tell_history(take_call *call, history *of, error *err)
+{
+    (void)err;
     for (int64_t n = 1; n <= history_last(of); ++n) {
         char label[32];
         bool is_undone = n > history_head(of);
         (void)snprintf(label, sizeof label, "%lld%s", (long long)n, is_undone ? " (undone)" : "");
         facts_list(call->told, is_undone ? "undone" : "edits", label, history_words(of, n));
     }
-}
-
-static mrt_result with_history(take_call *call, int what, error *err)
-{
-    int64_t id;
-    edit_store *store;
-    history *of;
-    mrt_result result = take_find(call, call->word[1], &id, err);
-    if (result >= 0)
-        result = edit_store_open(&store, call->show, id, clock_utc_ms, err);
-    if (result < 0)
-        return result;
-    history_store list = edit_store_list(store);
-    result = history_open(&of, edit_store_bare(store), &list, err);
-    if (result >= 0) {
-        if (what == 0)
-            tell_history(call, of);
-        else
-            result = step(call, of, what < 0, err);
-        if (result >= 0) {
-            facts_number(call->told, "edits_in_force", "edits in force", (double)history_head(of),
-                         0, "");
-            facts_number(call->told, "edit_count", "of", (double)history_last(of), 0, "");
-        }
-        history_close(of);
-    }
-    edit_store_close(store);
-    return result;
+    return tell_count(call, of);
 }
 
 static mrt_result run_undo(take_call *call, error *err)
 {
-    return with_history(call, -1, err);
+    return with_history(call, undo, err);
 }
 
 static mrt_result run_redo(take_call *call, error *err)
 {
-    return with_history(call, 1, err);
+    return with_history(call, redo, err);
 }
 
 static mrt_result run_history(take_call *call, error *err)
 {
-    return with_history(call, 0, err);
+    return with_history(call, tell_history, err);
 }
-
-RUN(layer_add)
-RUN(layer_remove)
-RUN(layer_name)
-RUN(layer_own)
-RUN(layer_mute)
-RUN(layer_solo)
-RUN(layer_additive)
-RUN(layer_gain)
-RUN(layer_offset)
-RUN(layer_order)
-RUN(layer_comp)
-RUN(layer_punch)
 
 #define OFF_HELP "  --off        no longer\n"
 #define OWN_HELP                                                                                   \
@@ -818,35 +781,37 @@ static const take_verb layer_verbs[] = {
     {"layer add", "SHOW TAKE NAME",
      "  --own NAMES  what it moves (all):\n" OWN_HELP
      "  --place N    from the bottom, 0 (on top)\n",
-     "adds a layer", TAKE_BIT(TAKE_OWN) | TAKE_BIT(TAKE_PLACE), TAKE_WRITES, run_layer_add},
-    {"layer remove", "SHOW TAKE LAYER", "", "removes a layer", 0, TAKE_WRITES, run_layer_remove},
-    {"layer rename", "SHOW TAKE LAYER NAME", "", "names a layer", 0, TAKE_WRITES, run_layer_name},
+     "adds a layer", TAKE_BIT(TAKE_OWN) | TAKE_BIT(TAKE_PLACE), TAKE_WRITES, .ask = ask_layer_add},
+    {"layer remove", "SHOW TAKE LAYER", "", "removes a layer", 0, TAKE_WRITES,
+     .ask = ask_layer_remove},
+    {"layer rename", "SHOW TAKE LAYER NAME", "", "names a layer", 0, TAKE_WRITES,
+     .ask = ask_layer_name},
     {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES: all, or\n" OWN_HELP, "what a layer moves", 0,
-     TAKE_WRITES, run_layer_own},
+     TAKE_WRITES, .ask = ask_layer_own},
     {"layer mute", "SHOW TAKE LAYER", OFF_HELP, "mutes a layer", TAKE_BIT(TAKE_OFF), TAKE_WRITES,
-     run_layer_mute},
+     .ask = ask_layer_mute},
     {"layer solo", "SHOW TAKE LAYER", OFF_HELP, "only solo layers are heard", TAKE_BIT(TAKE_OFF),
-     TAKE_WRITES, run_layer_solo},
+     TAKE_WRITES, .ask = ask_layer_solo},
     {"layer additive", "SHOW TAKE LAYER", OFF_HELP, "adds to the layers below", TAKE_BIT(TAKE_OFF),
-     TAKE_WRITES, run_layer_additive},
+     TAKE_WRITES, .ask = ask_layer_additive},
     {"layer gain", "SHOW TAKE LAYER GAIN", "", "how much of a layer: 0 to 10", 0, TAKE_WRITES,
-     run_layer_gain},
+     .ask = ask_layer_gain},
     {"layer offset", "SHOW TAKE LAYER SECONDS", "", "shows a layer later, or earlier", 0,
-     TAKE_WRITES, run_layer_offset},
+     TAKE_WRITES, .ask = ask_layer_offset},
     {"layer order", "SHOW TAKE LAYER PLACE", "", "moves a layer to a place from the bottom, 0", 0,
-     TAKE_WRITES, run_layer_order},
+     TAKE_WRITES, .ask = ask_layer_order},
     {"comp", "SHOW TAKE",
      "  --region R,R or --own NAMES   which parts of the face:\n" OWN_HELP SPAN_HELP,
      "takes parts of the face from another take",
-     SPAN_BITS | TAKE_BIT(TAKE_REGION) | TAKE_BIT(TAKE_OWN), TAKE_WRITES, run_layer_comp},
+     SPAN_BITS | TAKE_BIT(TAKE_REGION) | TAKE_BIT(TAKE_OWN), TAKE_WRITES, .ask = ask_layer_comp},
     {"punch", "SHOW TAKE", "  --layer L    which layer, by its number or name\n" SPAN_HELP,
      "a layer shows a span of another take", SPAN_BITS | TAKE_BIT(TAKE_LAYER), TAKE_WRITES,
-     run_layer_punch},
+     .ask = ask_layer_punch},
     {"undo", "SHOW TAKE", "  --steps N    so many edits (1)\n", "undoes the last edit",
-     TAKE_BIT(TAKE_STEPS), TAKE_WRITES, run_undo},
+     TAKE_BIT(TAKE_STEPS), TAKE_WRITES, .run = run_undo},
     {"redo", "SHOW TAKE", "  --steps N    so many edits (1)\n", "does again what was undone",
-     TAKE_BIT(TAKE_STEPS), TAKE_WRITES, run_redo},
-    {"history", "SHOW TAKE", "", "all edits in words", 0, TAKE_READS, run_history},
+     TAKE_BIT(TAKE_STEPS), TAKE_WRITES, .run = run_redo},
+    {"history", "SHOW TAKE", "", "all edits in words", 0, TAKE_READS, .run = run_history},
 };
 const take_verbs take_layer_verbs = {"Layers, other takes, undo", layer_verbs,
                                      sizeof layer_verbs / sizeof layer_verbs[0]};
@@ -911,26 +876,23 @@ static mrt_result ask_sound_detach(take_call *call, const take *t, take_change *
     return MRT_OK;
 }
 
-RUN(sound_attach)
-RUN(sound_offset)
-RUN(sound_trim)
-RUN(sound_gain)
-RUN(sound_detach)
-
 static const take_verb audio_verbs[] = {
     {"audio attach", "SHOW TAKE FILE",
      "  --offset S   where it starts on the take's timeline, seconds (0)\n"
      "  --gain G     0 to 10 (1)\n"
      "WAV, FLAC, Ogg, AIFF and others; it is kept in the show, sample by sample.\n",
      "gives a take a sound", TAKE_BIT(TAKE_OFFSET) | TAKE_BIT(TAKE_GAIN), TAKE_WRITES,
-     run_sound_attach},
-    {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", 0, TAKE_WRITES, run_sound_offset},
+     .ask = ask_sound_attach},
+    {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", 0, TAKE_WRITES,
+     .ask = ask_sound_offset},
     {"audio trim", "SHOW TAKE",
      "  --in T, --out T   of the take's timeline: what of it is heard\n" FPS_HELP,
      "shortens its sound", TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FPS), TAKE_WRITES,
-     run_sound_trim},
-    {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", 0, TAKE_WRITES, run_sound_gain},
-    {"audio detach", "SHOW TAKE", "", "takes its sound away", 0, TAKE_WRITES, run_sound_detach},
+     .ask = ask_sound_trim},
+    {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", 0, TAKE_WRITES,
+     .ask = ask_sound_gain},
+    {"audio detach", "SHOW TAKE", "", "takes its sound away", 0, TAKE_WRITES,
+     .ask = ask_sound_detach},
 };
 const take_verbs take_audio_verbs = {"Sound", audio_verbs,
                                      sizeof audio_verbs / sizeof audio_verbs[0]};

@@ -21,7 +21,6 @@ typedef struct stream_way {
     mrt_result (*give)(void *self, const uint8_t *rgba, error *err);
     void (*close)(void *self);
 } stream_way;
-extern const stream_way stream_v4l2, stream_ffmpeg; /* "/dev/video10"; "srt://...", "udp://..." */
 #ifdef MAROTTE_HAS_PIPEWIRE
 extern const stream_way stream_pipewire; /* "pipewire", or "pipewire:NAME" */
 #endif
