@@ -225,15 +225,12 @@ static mrt_result open_glove(guiding *self, error *err)
 
 static void print_log(guiding *self)
 {
-    static const char *const levels[] = {"debug", "note", "warning", "error"};
     log_record record;
     while (self->log && log_pop(self->log, &record)) {
-        if (record.level <= MRT_LOG_DEBUG || record.level > MRT_LOG_ERROR)
-            continue;
-        if (self->screen.is_terminal)
+        if (!self->screen.is_terminal)
+            news_print_record(&record);
+        else if (record.level > MRT_LOG_DEBUG && record.level <= MRT_LOG_ERROR)
             calibrate_screen_news(&self->screen, "%s: %s", record.source, record.text);
-        else
-            fprintf(stderr, "%s: %s: %s\n", levels[record.level], record.source, record.text);
     }
 }
 
@@ -667,15 +664,6 @@ static void report(const calibration_file *file, const guide_judgement *judgemen
             report_sensor(file, i, told);
 }
 
-static void print_note(const char *note)
-{
-    for (const char *line = note; *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(stderr, "note: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-}
-
 /* ---- making one ---- */
 
 static mrt_result import(calibration_file *out, guide_judgement *out_judgement,
@@ -703,8 +691,8 @@ static mrt_result make_and_write(const calibrate_options *options, guiding *guid
     }
     if (result >= 0) {
         calibration_keep_sign(made, old, options->name, options->hand_length_mm);
-        print_note(old->note);
-        print_note(made->note);
+        news_print_notes(old->note);
+        news_print_notes(made->note);
         result = calibration_keep_write(made, old, path, err);
     }
     if (result >= 0) {
@@ -752,7 +740,7 @@ static mrt_result show(const char *path, facts *told, error *err)
     if (result >= 0) {
         guide_judgement judgement;
         guide_judge(&judgement, NULL, file);
-        print_note(file->note);
+        news_print_notes(file->note);
         report(file, &judgement, path, told);
         calibration_file_finish(file);
     }

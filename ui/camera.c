@@ -9,17 +9,13 @@
 
 #include <arpa/inet.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <netinet/in.h>
 #include <nettle/sha2.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 typedef struct camera_options {
     bool is_setup, is_show, is_json;
@@ -96,7 +92,6 @@ static mrt_result run_npm(const char *folder, error *err)
                                        "--save-exact", "--prefix"};
     enum { WORDS = sizeof word / sizeof word[0] };
     char *arguments[WORDS + 3];
-    posix_spawn_file_actions_t actions;
     pid_t pid = 0;
     int status = 0;
     for (size_t i = 0; i < WORDS; ++i)
@@ -104,13 +99,12 @@ static mrt_result run_npm(const char *folder, error *err)
     arguments[WORDS] = program_argument(folder);
     arguments[WORDS + 1] = program_argument(what);
     arguments[WORDS + 2] = NULL;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (!failed) {
-        failed = posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-        if (!failed)
-            failed = posix_spawnp(&pid, arguments[0], &actions, NULL, arguments, environ);
-        (void)posix_spawn_file_actions_destroy(&actions);
-    }
+    const program_start how = {.program = arguments[0],
+                               .words = arguments,
+                               .in = STDIN_FILENO,
+                               .out = STDERR_FILENO, /* what it says is no fact */
+                               .err = STDERR_FILENO};
+    const int failed = program_spawn(&pid, &how);
     if (failed)
         return error_set(err, MRT_ERR_IO, "npm cannot be run (%s): install it (apt install npm)",
                          strerror(failed));

@@ -44,15 +44,6 @@ typedef struct performance {
     progress progress;
 } performance;
 
-static void print_note(const char *note)
-{
-    for (const char *line = note; line && *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(stderr, "note: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-}
-
 static mrt_result find_inputs(performance *self, const mrt_plugin_type **out_types, error *err)
 {
     bool is_real = self->options->is_realtime || self->options->output_count > 0;
@@ -125,7 +116,7 @@ static mrt_result prepare(performance *self, error *err)
         result = exports_check_face(options->exports, options->export_count, &self->face.mesh, err);
     if (result < 0)
         return result;
-    print_note(self->face.note);
+    news_print_notes(self->face.note);
     result = open_inputs(self, err);
     const perform_mapping_settings apart = {&self->plugins, self->log, self->clock,
                                             options->isolation};

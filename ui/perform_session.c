@@ -56,15 +56,6 @@ static void write_address(char *out, size_t capacity, const perform_options *opt
                            options->input[i].address[0] ? ":" : "", options->input[i].address);
 }
 
-static void print_lines(const char *text)
-{
-    for (const char *line = text; *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(stderr, "note: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-}
-
 /* Takes what is needed of the file, and finishes it; path: taken over. */
 static void put_on(perform_hands *self, calibration_file *file, char *path)
 {
@@ -72,7 +63,7 @@ static void put_on(perform_hands *self, calibration_file *file, char *path)
     self->path[side] = path;
     self->length_mm[side] = file->hand_length_mm;
     calibration_file_use(file, &self->use[side]);
-    print_lines(file->note);
+    news_print_notes(file->note);
     calibration_file_finish(file);
 }
 
@@ -528,11 +519,7 @@ static void perform_sound_finish(perform_sound *self)
 void perform_patch_tell(const layer *of)
 {
     const patch_plan *plan = layer_bay(of)->plan;
-    for (const char *line = plan ? patch_plan_note(plan) : ""; *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(stderr, "note: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
+    news_print_notes(plan ? patch_plan_note(plan) : NULL);
 }
 
 /* ---- recording ---- */

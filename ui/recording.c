@@ -52,13 +52,8 @@ static void pull_finish(clip_pull *pull)
     *pull = (clip_pull){0};
 }
 
-void recording_destroy(recording *self)
+static void free_columns(recording *self)
 {
-    if (!self)
-        return;
-    clip_destroy(self->clip);
-    face_weights_destroy(self->weights);
-    free(self->rows);
     free(self->column);
     free(self->scale);
     free(self->vector);
@@ -68,6 +63,17 @@ void recording_destroy(recording *self)
         pull_finish(&self->pull[k]);
     free(self->pull);
     free(self->main);
+    self->column_capacity = 0;
+}
+
+void recording_destroy(recording *self)
+{
+    if (!self)
+        return;
+    clip_destroy(self->clip);
+    face_weights_destroy(self->weights);
+    free(self->rows);
+    free_columns(self);
     free(self->value);
     free(self->work_ms);
     *self = (recording){0};
@@ -91,16 +97,7 @@ static mrt_result make_room(recording *self, uint32_t count, error *err)
 {
     if (count <= self->column_capacity)
         return MRT_OK;
-    free(self->column);
-    free(self->scale);
-    free(self->vector);
-    free(self->name);
-    free(self->names);
-    for (uint32_t k = 0; k < self->column_capacity; ++k)
-        pull_finish(&self->pull[k]);
-    free(self->pull);
-    free(self->main);
-    self->column_capacity = 0;
+    free_columns(self);
     self->column = malloc((size_t)count * self->mesh->vertex_count * sizeof *self->column);
     self->scale = calloc(count, sizeof *self->scale);
     self->vector = calloc((size_t)count * 3, sizeof *self->vector);

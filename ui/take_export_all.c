@@ -18,17 +18,13 @@
 #include <jansson.h>
 
 #include <errno.h>
-#include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 enum { JOBS_MAX = 64, FILES_MAX = EXPORTS_MAX + 1, LIST_BYTES_MAX = 64 << 20 };
 static const char list_name[] = "marotte_exports.json";
@@ -340,36 +336,6 @@ static void list_words(words *out, const all *self, const job *of)
     add(out, of->id);
 }
 
-/* In a group of its own: the terminal asks this process, and this one asks once. */
-static int spawn(job *of, words *with)
-{
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed)
-        return failed;
-    failed = posix_spawnattr_init(&attributes);
-    if (!failed) {
-        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        if (!failed)
-            failed =
-                posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-        if (!failed)
-            failed =
-                posix_spawn_file_actions_adddup2(&actions, fileno(of->child_stderr), STDERR_FILENO);
-        if (!failed)
-            failed = posix_spawnattr_setpgroup(&attributes, 0);
-        if (!failed)
-            failed = posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-        if (!failed)
-            failed =
-                posix_spawn(&of->pid, "/proc/self/exe", &actions, &attributes, with->word, environ);
-        (void)posix_spawnattr_destroy(&attributes);
-    }
-    (void)posix_spawn_file_actions_destroy(&actions);
-    return failed;
-}
-
 static mrt_result start(all *self, job *of, error *err)
 {
     words with;
@@ -380,7 +346,14 @@ static mrt_result start(all *self, job *of, error *err)
         return result;
     list_words(&with, self, of);
     of->child_stderr = tmpfile();
-    const int failed = of->child_stderr ? spawn(of, &with) : errno;
+    const program_start how = {.program = "/proc/self/exe",
+                               .words = with.word,
+                               .in = -1,
+                               .out = -1,
+                               .err = of->child_stderr ? fileno(of->child_stderr) : -1,
+                               /* The terminal asks this process, and this one asks once. */
+                               .signals = PROGRAM_OWN_GROUP};
+    const int failed = of->child_stderr ? program_spawn(&of->pid, &how) : errno;
     if (failed) {
         of->pid = 0;
         return error_set(err, MRT_ERR_IO, "take %s: no process for it: %s", of->id,

@@ -560,7 +560,6 @@ typedef struct checking {
     take_call *call;
     uint32_t problem_count;
     uint64_t sample_count;
-    uint64_t audio_frames;
     char rig[TAKE_HASH], mesh[TAKE_HASH]; /* of the packed face that was looked at last */
     uint32_t packed_count;
 } checking;
@@ -691,7 +690,6 @@ static void check_sound(checking *self, int64_t id, void *piece)
         if (result < 0 || size < width || width == 0)
             break;
         frame += (int64_t)(size / width);
-        self->audio_frames += size / width;
     }
     if (result < 0)
         note(self, &problem);

@@ -17,15 +17,6 @@
 
 enum { RIG_BYTES_MAX = 16 << 20 };
 
-static void print_lines(const char *text)
-{
-    for (const char *line = text; line && *line;) {
-        size_t length = strcspn(line, "\n");
-        fprintf(stderr, "note: %.*s\n", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-}
-
 /* ---- the face that it was performed on ---- */
 
 static mrt_result hash_rig(char out[TAKE_HASH], const char *path, error *err)
@@ -167,7 +158,7 @@ mrt_result take_stage_open(take_stage *out, take_call *call, const char *text, c
         result = take_face_read(&out->face, &out->face_path, call, &out->take, other, err);
     if (result < 0)
         return result;
-    print_lines(out->face.note);
+    news_print_notes(out->face.note);
     const sequencer_settings settings = {
         .show = call->show, .plugins = &out->plugins, .log = out->log, .face = &out->face};
     return sequencer_create(&out->sequencer, &settings, &out->take, err);
@@ -189,7 +180,7 @@ void take_stage_finish(take_stage *self)
 void take_stage_tell(take_stage *self)
 {
     news_print(self->log);
-    print_lines(sequencer_note(self->sequencer));
+    news_print_notes(sequencer_note(self->sequencer));
 }
 
 /* ---- frames ---- */

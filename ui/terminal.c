@@ -56,6 +56,15 @@ void news_print_record(const log_record *record)
         fprintf(stderr, "%s: %s: %s\n", levels[record->level], record->source, record->text);
 }
 
+void news_print_notes(const char *lines)
+{
+    for (const char *line = lines; line && *line;) {
+        size_t length = strcspn(line, "\n");
+        fprintf(stderr, "note: %.*s\n", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
 /* Every layer of a take says the same of its mapping. */
 static bool is_said_again(const log_record *record, const log_record *last)
 {

@@ -20,6 +20,8 @@ void terminal_print_quoted(const char *word);
 /* Prints and drains the log; debug lines are left out. NULL is fine. */
 void news_print(log_queue *log);
 void news_print_record(const log_record *record);
+/* Each line of the text as a note; NULL is fine. */
+void news_print_notes(const char *lines);
 
 /* ---- a progress line ---- */
 

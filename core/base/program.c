@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -178,4 +179,63 @@ void program_quote(char *out, size_t capacity, const char *word)
         put_letter(&to, (unsigned char)*c, is_escaped);
     put(&to, is_plain ? "" : "'");
     out[to.used < capacity ? to.used : 0] = '\0';
+}
+
+/* ---- started ---- */
+
+extern char **environ;
+
+static int set_streams(posix_spawn_file_actions_t *actions, const program_start *how)
+{
+    const int from[3] = {how->in, how->out, how->err};
+    int failed = 0;
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO && !failed; ++fd)
+        failed = from[fd] >= 0
+                     ? posix_spawn_file_actions_adddup2(actions, from[fd], fd)
+                     : posix_spawn_file_actions_addopen(
+                           actions, fd, "/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY, 0);
+    return failed;
+}
+
+static int set_signals(posix_spawnattr_t *attributes, program_signals signals)
+{
+    sigset_t none, usual;
+    sigemptyset(&none);
+    sigemptyset(&usual);
+    sigaddset(&usual, SIGPIPE);
+    sigaddset(&usual, SIGINT);
+    sigaddset(&usual, SIGTERM);
+    if (signals == PROGRAM_SHARES_SIGNALS)
+        return 0;
+    int failed = posix_spawnattr_setpgroup(attributes, 0);
+    if (failed || signals == PROGRAM_OWN_GROUP)
+        return failed ? failed : posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETPGROUP);
+    failed = posix_spawnattr_setsigmask(attributes, &none);
+    if (!failed)
+        failed = posix_spawnattr_setsigdefault(attributes, &usual);
+    return failed ? failed
+                  : posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK |
+                                                             POSIX_SPAWN_SETSIGDEF |
+                                                             POSIX_SPAWN_SETPGROUP);
+}
+
+int program_spawn(pid_t *out, const program_start *how)
+{
+    posix_spawn_file_actions_t actions;
+    posix_spawnattr_t attributes;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed)
+        return failed;
+    failed = posix_spawnattr_init(&attributes);
+    if (!failed) {
+        failed = set_streams(&actions, how);
+        if (!failed)
+            failed = set_signals(&attributes, how->signals);
+        if (!failed)
+            failed = posix_spawnp(out, how->program, &actions, &attributes, how->words,
+                                  how->environment ? how->environment : environ);
+        (void)posix_spawnattr_destroy(&attributes);
+    }
+    (void)posix_spawn_file_actions_destroy(&actions);
+    return failed;
 }

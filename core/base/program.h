@@ -1,6 +1,6 @@
 /* base/program.h - programs that marotte starts beside itself: where they lie, pipes to them, their
- * end, and words of theirs as a shell reads them. Leaves out starting them. [main], or any thread
- * that may block. */
+ * start and end, and words of theirs as a shell reads them. [main], or any thread that may block.
+ */
 #ifndef MAROTTE_BASE_PROGRAM_H
 #define MAROTTE_BASE_PROGRAM_H
 #include "base/error.h"
@@ -36,6 +36,23 @@ void program_limit(int resource, rlim_t soft, rlim_t hard);
 /* The word as an argument of posix_spawn, which does not write to what it is given: it is only
  * declared so. */
 char *program_argument(const char *word);
+
+/* How a program is started: what becomes its standard input, output and error (-1: /dev/null), and
+ * whether Ctrl-C and signals that are ignored or blocked here reach it. */
+typedef enum program_signals {
+    PROGRAM_SHARES_SIGNALS = 0,
+    PROGRAM_OWN_GROUP,    /* Ctrl-C in the terminal is not for it */
+    PROGRAM_USUAL_SIGNALS /* the same, and it has signals as if it were started from a shell */
+} program_signals;
+typedef struct program_start {
+    const char *program; /* without a '/' one of $PATH */
+    char *const *words;  /* as for posix_spawn, the program first, NULL at the end */
+    int in, out, err;
+    program_signals signals;
+    char *const *environment; /* NULL: that of this process */
+} program_start;
+/* 0, or the number of the error. */
+CHECKED int program_spawn(pid_t *out, const program_start *how);
 
 /* Waits for the child's end for at most so long; then it is killed. False: it has not ended of its
  * own will in time, and out_status is 0 if not even then (a disk that hangs holds it): nobody waits

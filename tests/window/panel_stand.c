@@ -118,9 +118,9 @@ bool app_take_preset(app *self, char *out, size_t capacity)
     return out[0] != '\0';
 }
 
-bool app_take_camera(app *self)
+bool app_take_wish(app *self, app_wish of)
 {
-    (void)self;
+    (void)self, (void)of;
     return false;
 }
 

@@ -58,9 +58,9 @@ void app_note_rig_pending(app *self, bool is_pending)
     (void)is_pending;
 }
 
-bool app_take_draft(app *self)
+bool app_take_wish(app *self, app_wish of)
 {
-    (void)self;
+    (void)self, (void)of;
     return false;
 }
 

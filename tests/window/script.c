@@ -80,7 +80,7 @@ static void keys_have_the_names_that_the_help_shows(void **state)
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
         char name[KEY_WORDS];
         const action_entry *entry = action_of((action)i);
-        key_map_words(&brought, entry->id, name);
+        key_map_words(&brought, (action)i, name);
         if (!entry->key)
             continue;
         if (!key_chord_parse(&chord, name))

@@ -11,6 +11,20 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What is drawn lies over the face, in the target's pixels. */
+static void begin_over(gl_state *before, draw_target *target, GLuint program, GLint target_size)
+{
+    gl_state_enter(before);
+    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
+    glViewport(0, 0, (GLsizei)(target->width * target->side),
+               (GLsizei)(target->height * target->side));
+    glEnable(GL_BLEND);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    glUseProgram(program);
+    glUniform2f(target_size, (GLfloat)target->width, (GLfloat)target->height);
+    target->stale = true;
+}
+
 /* ---- words ---- */
 
 enum {
@@ -312,20 +326,12 @@ void letters_draw(letters *self, draw_target *target, const char *words, float x
     if (!self->face || !(fabsf(x) < 1e6f) || !(fabsf(y) < 1e6f))
         return;
     gl_state before;
-    gl_state_enter(&before);
-    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(0, 0, (GLsizei)(target->width * target->side),
-               (GLsizei)(target->height * target->side));
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    glUseProgram(self->program);
-    glUniform2f(self->target_size, (GLfloat)target->width, (GLfloat)target->height);
+    begin_over(&before, target, self->program, self->target_size);
     glUniform4fv(self->ink, 1, rgba);
     glBindVertexArray(self->vertex_array);
     glBindTexture(GL_TEXTURE_2D, self->atlas);
     write_line(self, words, x, y, size_px);
     flush(self);
-    target->stale = true;
     gl_state_leave(&before);
 }
 
@@ -389,18 +395,10 @@ void strokes_draw(strokes *self, draw_target *target, const draw_stroke *stroke,
     if (count == 0)
         return;
     gl_state before;
-    gl_state_enter(&before);
-    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(0, 0, (GLsizei)(target->width * target->side),
-               (GLsizei)(target->height * target->side));
-    glEnable(GL_BLEND);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
-    glUseProgram(self->program);
-    glUniform2f(self->target_size, (GLfloat)target->width, (GLfloat)target->height);
+    begin_over(&before, target, self->program, self->target_size);
     glBindVertexArray(self->vertex_array);
     glBindBuffer(GL_ARRAY_BUFFER, self->vertex_buffer);
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(count * sizeof *stroke), stroke, GL_STREAM_DRAW);
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)count);
-    target->stale = true;
     gl_state_leave(&before);
 }

@@ -8,18 +8,14 @@
 #include "stage/mapping/plugins.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <jansson.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 /* From the end of what it says to its own. */
 static const int64_t goodbye_ns = 5 * NS_PER_S;
@@ -37,16 +33,12 @@ typedef struct child_output { /* what it prints */
 /* posix_spawn does not write to the words: it is only declared so. */
 static bool start(pid_t *out, const char *program, const char *const *word, int out_fd, int err_fd)
 {
-    posix_spawn_file_actions_t actions;
-    if (posix_spawn_file_actions_init(&actions) != 0)
-        return false;
-    bool is_started =
-        posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0) == 0 &&
-        posix_spawn_file_actions_adddup2(&actions, out_fd, STDOUT_FILENO) == 0 &&
-        posix_spawn_file_actions_adddup2(&actions, err_fd, STDERR_FILENO) == 0 &&
-        posix_spawn(out, program, &actions, NULL, (char *const *)(uintptr_t)word, environ) == 0;
-    (void)posix_spawn_file_actions_destroy(&actions);
-    return is_started;
+    const program_start how = {.program = program,
+                               .words = (char *const *)(uintptr_t)word,
+                               .in = -1,
+                               .out = out_fd,
+                               .err = err_fd};
+    return program_spawn(out, &how) == 0;
 }
 
 /* What it says beyond the room is read and dropped: it must not wait for us. */

@@ -16,7 +16,6 @@
 #include <limits.h>
 #include <pthread.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -507,8 +506,6 @@ void video_folder_abandon(video_folder *self)
 
 /* ---- the ffmpeg program ---- */
 
-extern char **environ;
-
 /* For what is left to encode and to write when the last picture was given. */
 static const int64_t patience_ns = 600 * NS_PER_S;
 
@@ -669,56 +666,6 @@ static void describe_sound(words *w, const char *program, const char *pictures, 
 
 /* ---- started ---- */
 
-static int set_actions(posix_spawn_file_actions_t *actions, int in_fd, int stderr_fd)
-{
-    int failed = in_fd >= 0 ? posix_spawn_file_actions_adddup2(actions, in_fd, STDIN_FILENO)
-                            : posix_spawn_file_actions_addopen(actions, STDIN_FILENO, "/dev/null",
-                                                               O_RDONLY, 0);
-    if (!failed)
-        failed = posix_spawn_file_actions_addopen(actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    return failed ? failed : posix_spawn_file_actions_adddup2(actions, stderr_fd, STDERR_FILENO);
-}
-
-/* Signals as usual; a group of its own, which Ctrl-C does not reach. */
-static int set_attributes(posix_spawnattr_t *attributes)
-{
-    sigset_t none, usual;
-    sigemptyset(&none);
-    sigemptyset(&usual);
-    sigaddset(&usual, SIGPIPE);
-    sigaddset(&usual, SIGINT);
-    sigaddset(&usual, SIGTERM);
-    int failed = posix_spawnattr_setsigmask(attributes, &none);
-    if (!failed)
-        failed = posix_spawnattr_setsigdefault(attributes, &usual);
-    if (!failed)
-        failed = posix_spawnattr_setpgroup(attributes, 0);
-    return failed ? failed
-                  : posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGMASK |
-                                                             POSIX_SPAWN_SETSIGDEF |
-                                                             POSIX_SPAWN_SETPGROUP);
-}
-
-static int spawn(pid_t *out_pid, words *w, int in_fd, int stderr_fd)
-{
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed)
-        return failed;
-    failed = posix_spawnattr_init(&attributes);
-    if (!failed) {
-        failed = set_actions(&actions, in_fd, stderr_fd);
-        if (!failed)
-            failed = set_attributes(&attributes);
-        if (!failed)
-            failed = posix_spawn(out_pid, w->word[0], &actions, &attributes, w->word, environ);
-        (void)posix_spawnattr_destroy(&attributes);
-    }
-    (void)posix_spawn_file_actions_destroy(&actions);
-    return failed;
-}
-
 static mrt_result run_ffmpeg(video_ffmpeg *self, words *w, int in_fd, error *err)
 {
     self->child_stderr = tmpfile();
@@ -726,7 +673,13 @@ static mrt_result run_ffmpeg(video_ffmpeg *self, words *w, int in_fd, error *err
         return error_set(err, MRT_ERR_IO, "%s: no temporary file: %s", self->file.path,
                          strerror(errno));
     (void)fcntl(fileno(self->child_stderr), F_SETFD, FD_CLOEXEC);
-    int failed = spawn(&self->pid, w, in_fd, fileno(self->child_stderr));
+    const program_start how = {.program = w->word[0],
+                               .words = w->word,
+                               .in = in_fd,
+                               .out = -1,
+                               .err = fileno(self->child_stderr),
+                               .signals = PROGRAM_USUAL_SIGNALS};
+    int failed = program_spawn(&self->pid, &how);
     if (!failed)
         return MRT_OK;
     self->pid = 0;

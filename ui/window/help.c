@@ -149,15 +149,16 @@ static void put_actions(sheet *s, action_group group)
     const key_map *keys = &s->looks->keys;
     const bool as_one = !has_own_ratings(keys);
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
-        const action_entry *entry = action_of((action)i);
+        const action of = (action)i;
+        const action_entry *entry = action_of(of);
         char words[KEY_WORDS];
-        if (entry->group != group || (as_one && is_rating(entry->id) && i != ACTION_RATE_0))
+        if (entry->group != group || (as_one && is_rating(of) && of != ACTION_RATE_0))
             continue;
-        key_map_words(keys, entry->id, words);
-        if (as_one && is_rating(entry->id))
+        key_map_words(keys, of, words);
+        if (as_one && is_rating(of))
             put_line(s, ACTION_NONE, "0 .. 5", "Stars of the chosen take");
         else
-            put_line(s, entry->id, words[0] ? words : "\u2013", entry->title);
+            put_line(s, of, words[0] ? words : "\u2013", entry->title);
     }
 }
 

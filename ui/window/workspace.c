@@ -481,31 +481,23 @@ typedef struct state_words {
     uint32_t ink;
 } state_words;
 
-static const char *title_of(app *of, int64_t id)
+static const app_take_line *line_of(app *of, int64_t id)
 {
+    static const app_take_line none;
     const app_take_line *line;
     const uint32_t count = app_takes(of, &line);
     for (uint32_t i = 0; i < count; ++i)
         if (line[i].id == id)
-            return line[i].title;
-    return "";
-}
-
-static bool is_deleted(app *of, int64_t id)
-{
-    const app_take_line *line;
-    const uint32_t count = app_takes(of, &line);
-    for (uint32_t i = 0; i < count; ++i)
-        if (line[i].id == id)
-            return line[i].is_deleted;
-    return false;
+            return &line[i];
+    return &none;
 }
 
 static state_words state_of(app *of)
 {
     const live_status *status = app_status(of);
     const live_view *view = app_view(of);
-    const char *shown = title_of(of, live_shown_take(app_live(of)));
+    const app_take_line *line = line_of(of, live_shown_take(app_live(of)));
+    const char *shown = line->title;
     char keys[KEY_WORDS];
     state_words out = {.large = "Live", .ink = THEME_TEXT};
     const double leads_in_s = app_leads_in_s(of);
@@ -526,13 +518,13 @@ static state_words state_of(app *of)
     } else if (status->is_recording) {
         write_time(out.large, sizeof out.large, status->recorded_ns);
         (void)snprintf(out.small, sizeof out.small, "Recording take %.150s",
-                       title_of(of, status->take));
+                       line_of(of, status->take)->title);
         out.ink = THEME_RECORD;
     } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->has_timeline) {
         (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
         key_map_words(&app_looks_of(of)->keys, ACTION_LIVE, keys);
         (void)snprintf(out.small, sizeof out.small, "%s%s: back to the live hands",
-                       is_deleted(of, live_shown_take(app_live(of))) ? "Deleted. " : "",
+                       line->is_deleted ? "Deleted. " : "",
                        keys[0] ? keys : action_of(ACTION_LIVE)->title);
     } else if (view->mode == LIVE_SHOWS) {
         write_time(out.large, sizeof out.large, live_position(app_live(of)).at_ns);
@@ -971,7 +963,7 @@ static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
         dialogs_ask_open(&self->dialogs, OPEN_ANY);
-    if (app_take_picture(self->app))
+    if (app_take_wish(self->app, APP_WISH_PICTURE))
         dialogs_ask_open(&self->dialogs, OPEN_PICTURE);
     for (const char *path; (path = window_take_drop(self->window)) != NULL;)
         dialogs_drop(&self->dialogs, path);

@@ -96,7 +96,6 @@ typedef enum action_group {
 extern const char *const action_group_name[ACTION_GROUPS];
 
 typedef struct action_entry {
-    action id;
     action_group group;
     const char *name;        /* "record": for scripts */
     const char *title;       /* "Record" */

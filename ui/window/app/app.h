@@ -13,6 +13,9 @@
 #include "window/app/input_opener.h"
 #include "window/gui/theme.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 typedef struct app app;
 
 /* The picture for other programs: what is behind the face in the output window and in streams, how
@@ -171,13 +174,17 @@ bool app_press(app *self, patch_action of);
 /* A preset of the mapping that performs, for the mapping panel, which takes it: true once. */
 void app_ask_preset(app *self, const char *name);
 bool app_take_preset(app *self, char *out, size_t capacity);
-/* The camera and its page, for the devices panel, which takes it: true once. */
-void app_ask_camera(app *self);
-bool app_take_camera(app *self);
-/* A first rig for the face, which has none, for the rig panel, which takes it: true once. A mapping
- * that rests, or else the one of a new stage, performs on it. */
+/* What one part of the window asks of another, which takes it: true once. */
+typedef enum app_wish {
+    APP_WISH_CAMERA = 0, /* the camera and its page, of the devices panel */
+    APP_WISH_PICTURE,    /* the dialog that opens a picture behind the face */
+    APP_WISH_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
+    APP_WISHES
+} app_wish;
+void app_ask(app *self, app_wish of);
+bool app_take_wish(app *self, app_wish of);
+/* A mapping that rests, or else the one of a new stage, performs on the draft. */
 void app_ask_draft(app *self);
-bool app_take_draft(app *self);
 void app_note_drafting(app *self, bool is_drafting); /* [rig panel] */
 bool app_is_drafting(const app *self);
 /* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the
@@ -190,9 +197,6 @@ void app_note_mouth_asked(app *self, bool is_asked); /* [rig panel] */
 bool app_is_mouth_asked(const app *self);
 void app_answer_mouth(app *self, app_mouth answer);
 app_mouth app_take_mouth(app *self);
-/* The dialog that opens a picture behind the face: true once. */
-void app_ask_picture(app *self);
-bool app_take_picture(app *self);
 
 /* ---- the take that is chosen ---- */
 
@@ -251,6 +255,17 @@ typedef struct app_step {
 /* Takes step->data over, and forgets it when the step can be neither undone nor redone any more:
  * another one is done after it was undone, or APP_UNDO_MAX steps or APP_UNDO_BYTES after it. */
 void app_did(app *self, const app_step *step);
+/* Both ways with a copy of the data. Without memory for that it is done, but cannot be undone. */
+static inline void app_did_with(app *self, app_step *step, const void *data, size_t bytes)
+{
+    step->data = malloc(bytes);
+    step->bytes = bytes;
+    step->forget = free;
+    if (!step->data)
+        return;
+    memcpy(step->data, data, bytes);
+    app_did(self, step);
+}
 size_t app_undo_bytes(const app *self); /* of all steps that are kept */
 void app_forget_steps(app *self, const void *owner);
 

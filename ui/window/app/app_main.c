@@ -6,6 +6,7 @@
 
 #include <limits.h>
 #include <stdarg.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -141,22 +142,15 @@ bool app_take_preset(app *self, char *out, size_t capacity)
     return out[0] != '\0';
 }
 
-void app_ask_camera(app *self)
+void app_ask(app *self, app_wish of)
 {
-    self->camera_asked = true;
+    self->wish[of] = true;
 }
 
-bool app_take_camera(app *self)
+bool app_take_wish(app *self, app_wish of)
 {
-    const bool was_asked = self->camera_asked;
-    self->camera_asked = false;
-    return was_asked;
-}
-
-bool app_take_draft(app *self)
-{
-    const bool was_asked = self->draft_asked;
-    self->draft_asked = false;
+    const bool was_asked = self->wish[of];
+    self->wish[of] = false;
     return was_asked;
 }
 
@@ -190,18 +184,6 @@ app_mouth app_take_mouth(app *self)
     const app_mouth answer = self->mouth_answer;
     self->mouth_answer = APP_MOUTH_UNANSWERED;
     return answer;
-}
-
-void app_ask_picture(app *self)
-{
-    self->picture_asked = true;
-}
-
-bool app_take_picture(app *self)
-{
-    const bool was_asked = self->picture_asked;
-    self->picture_asked = false;
-    return was_asked;
 }
 
 app_remote_status app_remote_now(const app *self)
@@ -357,11 +339,10 @@ static mrt_result make_parts(app *self, const app_options *options, error *err)
     self->exports = exporter_create();
     self->expressions = expressions_create(self);
     self->remote = remote_create(self);
-    self->pulls = pulls_create(self);
     self->scenery = kept_scenery_create(self);
     self->inputs = self->log ? input_opener_create(&self->plugins, self->log) : NULL;
     if (!self->log || !self->news || !self->exports || !self->inputs || !self->expressions ||
-        !self->remote || !self->pulls || !self->scenery)
+        !self->remote || !self->scenery)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     if (note[0])
         app_say(self, MRT_LOG_WARNING, "%s", note);
@@ -419,12 +400,12 @@ void app_destroy(app *self)
         app_keep_settings_now(self);
     remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
-    show_copier_destroy(self->copier);
+    app_drop_copy(self);
     app_drop_voice(self);
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
-    pulls_destroy(self->pulls);
+    app_forget_pulls(self);
     kept_scenery_destroy(self->scenery);
     end_live(self);
     expressions_destroy(self->expressions);
@@ -661,6 +642,112 @@ void app_cancel_export(app *self, uint32_t index)
     exporter_cancel(self->exports, index);
 }
 
+/* ---- what the pointer left on the live face, as steps of undo: a pull with Shift, clay, and what
+ * cleared them; their owner is the application ---- */
+
+static void finish_pulled(app_pulled *one)
+{
+    free(one->bytes);
+    *one = (app_pulled){.is_held = false};
+}
+
+static void forget_pulled(void *data)
+{
+    finish_pulled(data);
+    free(data);
+}
+
+/* To the other side of a step; back is the same. */
+static void cross_pull(void *owner, void *data)
+{
+    app *self = owner;
+    app_pulled *there = data;
+    error err = {0};
+    app_pulled here = {.is_held = self->is_held};
+    mrt_result result = live_save_pulled(self->live, &here.bytes, &here.size, &err);
+    if (result >= 0)
+        result = live_load_pulled(self->live, there->bytes, there->size, &err);
+    if (app_report(self, result, &err) < 0) {
+        finish_pulled(&here);
+        return;
+    }
+    self->is_held = there->is_held;
+    finish_pulled(there);
+    *there = here;
+}
+
+static void begin_pull(app *self)
+{
+    error err = {0};
+    finish_pulled(&self->begun);
+    self->begun.is_held = self->is_held;
+    if (live_save_pulled(self->live, &self->begun.bytes, &self->begun.size, &err) < 0)
+        app_say(self, MRT_LOG_WARNING, "%s", err.text);
+}
+
+static void did_pull(app *self, const char *words)
+{
+    app_pulled *made = self->begun.bytes ? malloc(sizeof *made) : NULL;
+    if (!made)
+        return;
+    *made = self->begun;
+    self->begun = (app_pulled){.is_held = false};
+    app_step step = {.owner = self,
+                     .undo = cross_pull,
+                     .redo = cross_pull,
+                     .data = made,
+                     .bytes = sizeof *made + made->size,
+                     .forget = forget_pulled};
+    (void)snprintf(step.words, sizeof step.words, "%s", words);
+    app_did(self, &step);
+}
+
+/* Neutral. */
+static void clear_pulls(app *self)
+{
+    if (self->is_held)
+        begin_pull(self);
+    live_neutral(self->live);
+    if (self->is_held)
+        did_pull(self, "clearing what was held");
+    self->is_held = false;
+}
+
+void app_forget_pulls(app *self)
+{
+    app_forget_steps(self, self);
+    finish_pulled(&self->begun);
+    self->is_held = false;
+}
+
+bool app_is_held(const app *self)
+{
+    return self->is_held;
+}
+
+bool app_has_pulled(const app *self)
+{
+    return self->has_pulled;
+}
+
+void app_begin_pull(app *self)
+{
+    self->has_pulled = true;
+    begin_pull(self);
+}
+
+void app_hold(app *self, const char *words)
+{
+    did_pull(self, words);
+    self->is_held = true;
+}
+
+void app_clear_pulls(app *self)
+{
+    if (self->is_held)
+        clear_pulls(self);
+}
+
 /* ---- actions: whether each can be done now, and who does it ---- */
 
 static const char *why_no_record(const app *self)
@@ -761,7 +848,7 @@ static void do_performance(app *self, action of)
         break;
     case ACTION_NEUTRAL:
         expressions_release(self->expressions, NEUTRAL_FADE_S);
-        pulls_clear(self->pulls);
+        clear_pulls(self);
         break;
     case ACTION_REZERO:
         live_rezero(self->live);
@@ -780,37 +867,32 @@ static void do_performance(app *self, action of)
     }
 }
 
-/* The switch of the looks that an action is; NULL: it is none. */
+/* The switch of the looks that an action is. */
+static const struct {
+    action of;
+    size_t offset;
+} switches[] = {
+    {ACTION_VIEW_MIRROR, offsetof(app_looks, is_mirrored)},
+    {ACTION_VIEW_TURNTABLE, offsetof(app_looks, is_turning)},
+    {ACTION_SHOW_HANDS, offsetof(app_looks, shows_hands)},
+    {ACTION_SHOW_VECTORS, offsetof(app_looks, shows_vectors)},
+    {ACTION_SHOW_SUPPORTS, offsetof(app_looks, shows_supports)},
+    {ACTION_SHOW_CONTACTS, offsetof(app_looks, shows_contacts)},
+    {ACTION_SHOW_JAW, offsetof(app_looks, shows_jaw)},
+    {ACTION_OUTPUT, offsetof(app_looks, has_output)},
+    {ACTION_OUTPUT_MIRROR, offsetof(app_looks, is_output_mirrored)},
+    {ACTION_FACE_ONLY, offsetof(app_looks, is_face_only)},
+    {ACTION_TIMELINE, offsetof(app_looks, has_timeline)},
+    {ACTION_HELP, offsetof(app_looks, is_helping)},
+};
+
+/* NULL: it is none. */
 static bool *switch_of(app_looks *looks, action of)
 {
-    switch (of) {
-    case ACTION_VIEW_MIRROR:
-        return &looks->is_mirrored;
-    case ACTION_VIEW_TURNTABLE:
-        return &looks->is_turning;
-    case ACTION_SHOW_HANDS:
-        return &looks->shows_hands;
-    case ACTION_SHOW_VECTORS:
-        return &looks->shows_vectors;
-    case ACTION_SHOW_SUPPORTS:
-        return &looks->shows_supports;
-    case ACTION_SHOW_CONTACTS:
-        return &looks->shows_contacts;
-    case ACTION_SHOW_JAW:
-        return &looks->shows_jaw;
-    case ACTION_OUTPUT:
-        return &looks->has_output;
-    case ACTION_OUTPUT_MIRROR:
-        return &looks->is_output_mirrored;
-    case ACTION_FACE_ONLY:
-        return &looks->is_face_only;
-    case ACTION_TIMELINE:
-        return &looks->has_timeline;
-    case ACTION_HELP:
-        return &looks->is_helping;
-    default:
-        return NULL;
-    }
+    for (size_t i = 0; i < sizeof switches / sizeof switches[0]; ++i)
+        if (switches[i].of == of)
+            return (bool *)((char *)looks + switches[i].offset);
+    return NULL;
 }
 
 static void do_look(app *self, action of)
@@ -876,33 +958,6 @@ bool app_wants_to_quit(const app *self)
 void app_stay(app *self)
 {
     self->wants_to_quit = false;
-}
-
-bool app_is_held(const app *self)
-{
-    return pulls_is_held(self->pulls);
-}
-
-void app_begin_pull(app *self)
-{
-    self->has_pulled = true;
-    pulls_begin(self->pulls);
-}
-
-bool app_has_pulled(const app *self)
-{
-    return self->has_pulled;
-}
-
-void app_hold(app *self, const char *words)
-{
-    pulls_did(self->pulls, words);
-}
-
-void app_clear_pulls(app *self)
-{
-    if (pulls_is_held(self->pulls))
-        pulls_clear(self->pulls);
 }
 
 void app_note_rig_pending(app *self, bool is_pending)

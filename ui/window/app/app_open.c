@@ -9,11 +9,13 @@
 #include "base/text.h"
 #include "stage/take/kept_solver.h"
 #include "take/pack.h"
+#include "take/sound_file.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <pthread.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,7 +77,6 @@ void app_looks_read(app *self)
     const double text_size = settings_number(from, "looks.text_size", 1.0);
     looks->text_size = text_size >= 0.8 && text_size <= 2.0 ? (float)text_size : 1.0f;
     key_map_read(&looks->keys, from);
-    self->looks_kept = *looks;
 }
 
 app_looks *app_looks_of(app *self)
@@ -94,7 +95,6 @@ static void keep_looks(app *self)
     settings_set_number(to, "looks.dock_width", (double)looks->dock_width);
     key_map_keep(&looks->keys, to);
     settings_set_number(to, "looks.text_size", (double)looks->text_size);
-    self->looks_kept = *looks;
 }
 
 /* What performs, for live_set_mapping; "": none. */
@@ -332,6 +332,87 @@ mrt_result app_open_show(app *self, const char *path)
 
 /* ---- under another name ---- */
 
+/* A whole copy, with the faces that are packed beside it, made on a thread of its own while the
+ * show goes on. */
+typedef struct show_copier {
+    char *from, *to;
+    pthread_t thread;
+    atomic_bool has_ended;
+    mrt_result result; /* once it has ended, as the error */
+    error err;
+} show_copier;
+
+static mrt_result copy_faces(show *of, const char *to, error *err)
+{
+    int64_t *id = NULL;
+    size_t count = 0;
+    mrt_result result = show_performance_ids(of, &id, &count, err);
+    for (size_t i = 0; i < count && result >= 0; ++i) {
+        show_performance one = {0};
+        result = show_performance_read(of, id[i], &one, err);
+        if (result >= 0)
+            result = pack_copy(show_path(of), to, &one.performance, err);
+        show_performance_finish(&one);
+    }
+    free(id);
+    return result < 0 ? result : MRT_OK;
+}
+
+static void *copy(void *data)
+{
+    show_copier *self = data;
+    show *of = NULL;
+    mrt_result result = show_open(&of, self->from, SHOW_READ, &self->err);
+    if (result >= 0)
+        result = show_rescue(of, self->to, &self->err);
+    if (result >= 0) {
+        result = copy_faces(of, self->to, &self->err);
+        if (result < 0)
+            (void)unlink(self->to);
+    }
+    show_close(of);
+    self->result = result;
+    atomic_store(&self->has_ended, true);
+    return NULL;
+}
+
+/* Of what is committed now. */
+static mrt_result show_copier_begin(show_copier **out, const char *from, const char *to, error *err)
+{
+    *out = NULL;
+    if (access(to, F_OK) == 0)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s is there already: a show is never written over, choose another name",
+                         to);
+    show_copier *self = calloc(1, sizeof *self);
+    if (self) {
+        self->from = strdup(from);
+        self->to = strdup(to);
+    }
+    if (self && self->from && self->to && pthread_create(&self->thread, NULL, copy, self) == 0) {
+        *out = self;
+        return MRT_OK;
+    }
+    if (self) {
+        free(self->from);
+        free(self->to);
+    }
+    free(self);
+    return error_set(err, MRT_ERR_MEMORY, "no memory to copy the show");
+}
+
+void app_drop_copy(app *self)
+{
+    show_copier *copier = self->copier;
+    if (!copier)
+        return;
+    (void)pthread_join(copier->thread, NULL);
+    free(copier->from);
+    free(copier->to);
+    free(copier);
+    self->copier = NULL;
+}
+
 mrt_result app_save_show_as(app *self, const char *path, error *err)
 {
     if (!self->show)
@@ -347,21 +428,125 @@ mrt_result app_save_show_as(app *self, const char *path, error *err)
  * its end first. */
 void app_follow_copy(app *self)
 {
-    error err = {0};
     char path[APP_PATH];
-    if (!self->copier || self->status.is_recording || self->awaited)
+    show_copier *copier = self->copier;
+    if (!copier || self->status.is_recording || self->awaited || !atomic_load(&copier->has_ended))
         return;
-    mrt_result result = show_copier_look(self->copier, &err);
-    if (result == MRT_END)
-        return;
-    (void)snprintf(path, sizeof path, "%s", show_copier_path(self->copier));
-    show_copier_destroy(self->copier);
-    self->copier = NULL;
+    (void)snprintf(path, sizeof path, "%s", copier->to);
     const int64_t chosen = self->chosen;
-    if (app_report(self, result, &err) >= 0)
+    mrt_result result = app_report(self, copier->result, &copier->err);
+    app_drop_copy(self);
+    if (result >= 0)
         result = app_open_show(self, path);
     if (result >= 0 && chosen)
         app_reported(app_select_take(self, chosen));
+}
+
+/* ---- a voice from a file ---- */
+
+/* The sound of a file into the show that is open, on a thread of its own while the show goes on. */
+typedef struct voice_import {
+    show *into; /* its own */
+    char *path;
+    pthread_t thread;
+    _Atomic bool is_given_up, has_ended;
+    _Atomic uint32_t thousandths;
+    int64_t audio; /* once it has ended, as the result and the error */
+    mrt_result result;
+    error err;
+} voice_import;
+
+static bool goes_on(void *data, double part)
+{
+    voice_import *self = data;
+    atomic_store(&self->thousandths, (uint32_t)(part * 1000.0));
+    return !atomic_load(&self->is_given_up);
+}
+
+static void *import(void *data)
+{
+    voice_import *self = data;
+    const sound_file_watch watch = {goes_on, self};
+    self->result = sound_file_import(&self->audio, self->into, self->path, &watch, &self->err);
+    atomic_store(&self->has_ended, true);
+    return NULL;
+}
+
+static void voice_import_free(voice_import *self)
+{
+    show_close(self->into);
+    free(self->path);
+    free(self);
+}
+
+static mrt_result voice_import_begin(voice_import **out, show *into, const char *path, error *err)
+{
+    *out = NULL;
+    voice_import *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to read %s", path);
+    self->path = strdup(path);
+    mrt_result result = show_join(&self->into, into, err);
+    if (result >= 0 && (!self->path || pthread_create(&self->thread, NULL, import, self) != 0))
+        result = error_set(err, MRT_ERR_MEMORY, "no memory to read %s", path);
+    if (result < 0) {
+        voice_import_free(self);
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+mrt_result app_attach_voice(app *self, const char *path)
+{
+    error err = {0};
+    mrt_result result = MRT_OK;
+    if (!app_take(self) || !show_is_writable(self->show))
+        result = error_set(&err, MRT_ERR_ARGUMENT,
+                           "choose the take that the voice belongs to, then open it again");
+    else if (self->voice)
+        result = error_set(&err, MRT_ERR_ARGUMENT,
+                           "a voice is being read: wait until it is in its take");
+    if (result >= 0)
+        result = voice_import_begin(&self->voice, self->show, path, &err);
+    self->voice_take = self->chosen;
+    return app_report(self, result, &err);
+}
+
+double app_voice_part(const app *self)
+{
+    return self->voice ? 1e-3 * (double)atomic_load(&self->voice->thousandths) : -1.0;
+}
+
+/* What has not ended is given up, with nothing of it left in the show. */
+void app_drop_voice(app *self)
+{
+    voice_import *voice = self->voice;
+    if (!voice)
+        return;
+    atomic_store(&voice->is_given_up, true);
+    (void)pthread_join(voice->thread, NULL);
+    voice_import_free(voice);
+    self->voice = NULL;
+}
+
+/* What is recorded or played meanwhile is not disturbed. */
+void app_follow_voice(app *self)
+{
+    edit e;
+    if (!self->voice || self->status.is_recording || self->over_take || self->awaited ||
+        !atomic_load(&self->voice->has_ended))
+        return;
+    edit_init(&e, EDIT_AUDIO_ATTACH);
+    e.audio = self->voice->audio;
+    const mrt_result result = app_report(self, self->voice->result, &self->voice->err);
+    app_drop_voice(self);
+    if (result < 0)
+        return;
+    if (self->chosen != self->voice_take && app_pick_take(self, self->voice_take) < 0)
+        return;
+    app_reported(app_edit(self, &e));
+    edit_finish(&e);
 }
 
 void app_set_rig_saver(app *self, const app_rig_saver *saver)
@@ -436,7 +621,7 @@ static void perform_again(app *self)
 
 void app_ask_draft(app *self)
 {
-    self->draft_asked = true;
+    app_ask(self, APP_WISH_DRAFT);
     if (!self->resting[0]) /* none has performed: what a new stage performs with */
         (void)snprintf(self->resting, sizeof self->resting, "%s", DEFAULT_MAPPING);
 }
@@ -493,7 +678,7 @@ mrt_result app_open_face(app *self, const char *given)
     else
         result = put_face(self, made, path ? path : given, 0.0);
     if (result >= 0) {
-        pulls_forget(self->pulls);
+        app_forget_pulls(self);
         tell_face(self);
     }
     free(found);

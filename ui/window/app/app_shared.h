@@ -8,10 +8,7 @@
 #include "window/app/expressions.h"
 #include "window/app/kept_scenery.h"
 #include "window/app/presets.h"
-#include "window/app/pulls.h"
 #include "window/app/remote.h"
-#include "window/app/show_copier.h"
-#include "window/app/voice_import.h"
 
 #include "take/edit_store.h"
 
@@ -25,6 +22,13 @@ typedef struct app_done {
     int64_t in_front;    /* the take that was chosen as it was done */
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
 } app_done;
+
+/* The face on the other side of a pull's step: before it, or after it once undone. */
+typedef struct app_pulled {
+    void *bytes; /* NULL: nothing has been pulled, or it was too much to keep */
+    size_t size;
+    bool is_held;
+} app_pulled;
 
 /* What a take looked like when its line was made: it is folded again when that is no more so. */
 typedef struct app_take_key {
@@ -63,7 +67,8 @@ struct app {
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
-    bool camera_asked, picture_asked, draft_asked, is_drafting, is_mouth_asked, has_pulled;
+    bool wish[APP_WISHES];
+    bool is_drafting, is_mouth_asked, has_pulled;
     app_mouth mouth_answer;
     char preset_asked[PRESET_NAME]; /* ""; none */
 
@@ -100,21 +105,22 @@ struct app {
     int64_t played_from_ns;
 
     /* ---- looks and requests ---- */
-    app_looks looks, looks_kept;
+    app_looks looks;
     bool asked[ACTION_COUNT];
     bool wants_to_quit, has_hand_keys, keeps_settings;
-    pulls *pulls;
-    int64_t ranged; /* the take whose range of the last run has been looked for */
+    app_pulled begun; /* before the pull that goes on */
+    bool is_held;     /* something was pulled that is there to be cleared */
+    int64_t ranged;   /* the take whose range of the last run has been looked for */
     struct viewport *viewport;
     app_figures figures;
     app_unsaved unsaved;
     bool has_unsaved;
     app_rig_saver rig_saver;
-    show_copier *copier; /* of the show, which is being saved under another name; NULL: none */
-    voice_import *voice; /* that is being read into the show; NULL: none */
-    int64_t voice_take;  /* whose it becomes */
-    bool is_chasing;     /* the time code from outside has set the take going */
-    int64_t chased_ns;   /* host clock: when it was laid on it last */
+    struct show_copier *copier; /* of the show, being saved under another name; NULL: none */
+    struct voice_import *voice; /* that is being read into the show; NULL: none */
+    int64_t voice_take;         /* whose it becomes */
+    bool is_chasing;            /* the time code from outside has set the take going */
+    int64_t chased_ns;          /* host clock: when it was laid on it last */
     double settings_wait_s;
     bool settings_failed; /* it was said */
 
@@ -137,6 +143,9 @@ static inline void app_reported(mrt_result result)
     (void)result;
 }
 
+/* Another face: there is nothing to go back to of what was pulled. */
+void app_forget_pulls(app *self);
+
 /* ---- app_open.c ---- */
 
 void app_looks_read(app *self); /* from the settings */
@@ -147,6 +156,7 @@ void app_keep_settings_now(app *self);
 CHECKED mrt_result app_open_first(app *self, const app_options *options, error *err);
 /* A copy of the show that is whole is the open show: once a frame. */
 void app_follow_copy(app *self);
+void app_drop_copy(app *self);    /* waits for it */
 void app_follow_voice(app *self); /* a voice that has been read becomes its take's */
 void app_chase(app *self);        /* the time code from outside */
 void app_drop_voice(app *self);   /* that is being read */
@@ -154,6 +164,7 @@ void app_drop_voice(app *self);   /* that is being read */
 /* ---- app_takes.c ---- */
 
 void app_takes_update(app *self, double dt_s);
+CHECKED mrt_result app_pick_take(app *self, int64_t id); /* in the list alone */
 void app_keep_range(app *self); /* of the take on the stage, in the settings */
 void app_drop_take(app *self);  /* none is chosen */
 CHECKED mrt_result app_undo(app *self);

@@ -184,7 +184,7 @@ static bool is_behind_rig(const app *self)
 /* A pull of the live face, which is not seen while a take is, nor changed while one is recorded. */
 static const char *why_not_pulled(const app *self, const app_done *step)
 {
-    if (step->take || !pulls_is_step(self->pulls, &step->step))
+    if (step->take || step->step.owner != self)
         return NULL;
     if (self->is_rig_pending)
         return "what comes next is a pull, and the rig is still being laid on the face";
@@ -441,7 +441,6 @@ static bool is_whole(const app *self, int64_t id)
 }
 
 /* In the list alone: the stage stays what it is. */
-static mrt_result app_pick_take(app *self, int64_t id);
 
 /* It is in the show. */
 static void app_tell_kept(app *self, int64_t id);
@@ -542,7 +541,7 @@ void app_drop_take(app *self)
     self->edition += 1;
 }
 
-static mrt_result app_pick_take(app *self, int64_t id)
+mrt_result app_pick_take(app *self, int64_t id)
 {
     error err = {0};
     if (id == self->chosen)
@@ -770,55 +769,6 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
     if (app_pick_take(self, before) >= 0)
         self->choice = choice;
     return result;
-}
-
-/* ---- a voice from a file ---- */
-
-mrt_result app_attach_voice(app *self, const char *path)
-{
-    error err = {0};
-    mrt_result result = MRT_OK;
-    if (!app_take(self) || !show_is_writable(self->show))
-        result = error_set(&err, MRT_ERR_ARGUMENT,
-                           "choose the take that the voice belongs to, then open it again");
-    else if (self->voice)
-        result = error_set(&err, MRT_ERR_ARGUMENT,
-                           "a voice is being read: wait until it is in its take");
-    if (result >= 0)
-        result = voice_import_begin(&self->voice, self->show, path, &err);
-    self->voice_take = self->chosen;
-    return app_report(self, result, &err);
-}
-
-double app_voice_part(const app *self)
-{
-    return self->voice ? voice_import_part(self->voice) : -1.0;
-}
-
-void app_drop_voice(app *self)
-{
-    voice_import_destroy(self->voice);
-    self->voice = NULL;
-}
-
-/* What is recorded or played meanwhile is not disturbed. */
-void app_follow_voice(app *self)
-{
-    error err = {0};
-    edit e;
-    if (!self->voice || self->status.is_recording || self->over_take || self->awaited)
-        return;
-    edit_init(&e, EDIT_AUDIO_ATTACH);
-    const mrt_result result = voice_import_look(self->voice, &e.audio, &err);
-    if (result == MRT_END)
-        return;
-    app_drop_voice(self);
-    if (app_report(self, result, &err) < 0)
-        return;
-    if (self->chosen != self->voice_take && app_pick_take(self, self->voice_take) < 0)
-        return;
-    app_reported(app_edit(self, &e));
-    edit_finish(&e);
 }
 
 /* ---- recording, and what becomes of what was performed over a take ---- */

@@ -4,14 +4,10 @@
 #include "base/program.h"
 #include "stage/mapping/services.h"
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-extern char **environ;
 
 enum { TOKEN = 32, LONGEST_TOKEN = 256 };
 static const int64_t patience_ns = 2000000000;
@@ -57,18 +53,11 @@ mrt_result camera_page_show(uint16_t port, error *err)
     mrt_result result = camera_page_address(address, port, err);
     if (result < 0)
         return result;
-    posix_spawn_file_actions_t actions;
     pid_t pid = 0;
-    int status = 0, failed = posix_spawn_file_actions_init(&actions);
-    if (!failed) {
-        char *const arguments[] = {program_argument(program), address, NULL};
-        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        for (int fd = STDOUT_FILENO; fd <= STDERR_FILENO && !failed; ++fd)
-            failed = posix_spawn_file_actions_addopen(&actions, fd, "/dev/null", O_WRONLY, 0);
-        if (!failed)
-            failed = posix_spawnp(&pid, program, &actions, NULL, arguments, environ);
-        (void)posix_spawn_file_actions_destroy(&actions);
-    }
+    int status = 0;
+    char *const words[] = {program_argument(program), address, NULL};
+    const program_start how = {.program = program, .words = words, .in = -1, .out = -1, .err = -1};
+    const int failed = program_spawn(&pid, &how);
     if (failed)
         return error_set(err, MRT_ERR_IO, "%s cannot be run (%s): open %s in a browser yourself",
                          program, strerror(failed), address);

@@ -7,7 +7,6 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -153,26 +152,18 @@ static char **environment_with_progress(void)
 
 static int spawn(pid_t *out_pid, const call *what, int stderr_fd)
 {
-    posix_spawn_file_actions_t actions;
     union { /* posix_spawn does not write to its arguments: they are only declared so */
         const char *const *texts;
         char *const *arguments;
     } cast = {.texts = what->argument};
     char **environment = environment_with_progress();
-    int failed = environment ? posix_spawn_file_actions_init(&actions) : ENOMEM;
-    if (failed) {
-        free(environment);
-        return failed;
-    }
-    failed = posix_spawn_file_actions_adddup2(&actions, stderr_fd, STDERR_FILENO);
-    if (!failed)
-        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    if (!failed)
-        failed =
-            posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    if (!failed)
-        failed = posix_spawn(out_pid, what->program, &actions, NULL, cast.arguments, environment);
-    (void)posix_spawn_file_actions_destroy(&actions);
+    const program_start how = {.program = what->program,
+                               .words = cast.arguments,
+                               .in = -1,
+                               .out = -1,
+                               .err = stderr_fd,
+                               .environment = environment};
+    const int failed = environment ? program_spawn(out_pid, &how) : ENOMEM;
     free(environment);
     if (!failed)
         (void)setpriority(PRIO_PROCESS, (id_t)*out_pid, NICENESS);

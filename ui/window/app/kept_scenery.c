@@ -70,18 +70,9 @@ void kept_scenery_keep(kept_scenery *self)
 {
     if (memcmp(&self->now, &self->kept, sizeof self->now) == 0)
         return;
-    scenery *before = malloc(sizeof *before);
-    app_step step = {.owner = self,
-                     .undo = cross,
-                     .redo = cross,
-                     .data = before,
-                     .bytes = sizeof *before,
-                     .forget = free};
+    app_step step = {.owner = self, .undo = cross, .redo = cross};
     (void)snprintf(step.words, sizeof step.words, "%s", words_of(&self->now, &self->kept));
-    if (before) { /* else it is done, but cannot be undone */
-        *before = self->kept;
-        app_did(self->of, &step);
-    }
+    app_did_with(self->of, &step, &self->kept, sizeof self->kept);
     write_scene(self);
 }
 

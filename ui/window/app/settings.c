@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <jansson.h>
+#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,12 +34,10 @@ static char *joined(const char *a, const char *b)
 
 static char *default_path(void)
 {
-    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
-    if (config && config[0] == '/')
-        return joined(config, "/marotte/window.json");
-    if (home && home[0] == '/')
-        return joined(home, "/.config/marotte/window.json");
-    return strdup("");
+    char path[PATH_MAX];
+    error ignored; /* "": nothing is kept */
+    (void)!file_home_path(path, sizeof path, FILE_HOME_CONFIG, "window.json", &ignored);
+    return strdup(path);
 }
 
 static mrt_result make_folders(const char *path, error *err)

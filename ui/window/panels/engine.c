@@ -191,24 +191,15 @@ static void redo(void *owner, void *data)
     (void)set_solver(owner, &((const solver_step *)data)->after);
 }
 
-/* Without memory it is done, but cannot be undone. */
 static void choose(panel *self, const csrbf_settings *solver, const char *words)
 {
     const solver_choice before = choice_now(self), after = {true, *solver};
     if (!set_solver(self, &after))
         return;
-    solver_step *made = malloc(sizeof *made);
-    if (!made)
-        return;
-    *made = (solver_step){before, after};
-    app_step step = {.owner = self,
-                     .undo = undo,
-                     .redo = redo,
-                     .data = made,
-                     .bytes = sizeof *made,
-                     .forget = free};
+    const solver_step made = {before, after};
+    app_step step = {.owner = self, .undo = undo, .redo = redo};
     (void)snprintf(step.words, sizeof step.words, "engine: %.120s", words);
-    app_did(self->app, &step);
+    app_did_with(self->app, &step, &made, sizeof made);
 }
 
 static void draw_radius(panel *self, ui *on, const live_view *view)

@@ -56,19 +56,11 @@ static void commit(panel *self)
 {
     if (patch_equal(&self->work, app_patch(self->app)))
         return;
-    patch_step *made = malloc(sizeof *made);
-    if (made)
-        *made = (patch_step){*app_patch(self->app), self->work};
+    const patch_step made = {*app_patch(self->app), self->work};
     app_set_patch(self->app, &self->work);
-    app_step told = {.owner = self,
-                     .undo = undo,
-                     .redo = redo,
-                     .data = made,
-                     .bytes = sizeof *made,
-                     .forget = free};
+    app_step told = {.owner = self, .undo = undo, .redo = redo};
     (void)snprintf(told.words, sizeof told.words, "patch: %.120s", self->words);
-    if (made) /* else it is done, but cannot be undone */
-        app_did(self->app, &told);
+    app_did_with(self->app, &told, &made, sizeof made);
 }
 
 static void change(panel *self, const char *words)

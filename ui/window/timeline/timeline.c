@@ -100,19 +100,11 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
     const int64_t after_ns = timeline_comp_later_ns(self, index);
     if (after_ns == before_ns)
         return;
-    slide_step *made = malloc(sizeof *made);
-    if (!made)
-        return;
-    *made = (slide_step){{self->comps->of, other->id, after_ns}, before_ns};
-    app_step step = {.owner = self,
-                     .undo = undo,
-                     .redo = redo,
-                     .data = made,
-                     .bytes = sizeof *made,
-                     .forget = free};
+    const slide_step made = {{self->comps->of, other->id, after_ns}, before_ns};
+    app_step step = {.owner = self, .undo = undo, .redo = redo};
     (void)snprintf(step.words, sizeof step.words, "take %u laid at %+.2f s", other->number,
                    1e-9 * (double)after_ns);
-    app_did(self->app, &step);
+    app_did_with(self->app, &step, &made, sizeof made);
 }
 
 /* ---- whose takes they are ---- */

@@ -34,7 +34,6 @@ typedef struct worker_reader { /* [thread] */
     waveform *wave;
     int64_t wave_of;
     show_audio about;
-    bool is_wave_done;
     int64_t comps_of;
     uint64_t comps_edition, spans_edition;
     uint32_t span_count;
@@ -203,7 +202,6 @@ static void begin_wave(worker_reader *self, int64_t audio)
     waveform_destroy(self->wave);
     self->wave = NULL;
     self->wave_of = audio;
-    self->is_wave_done = false;
     self->about = (show_audio){0};
     if (!audio)
         return;
