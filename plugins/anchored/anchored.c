@@ -2,8 +2,10 @@
  * from then on each pulls its place by as much as it has moved since. */
 #include "clutch.h"
 #include "manner.h"
+#include "mapping.h"
 #include "memory.h"
 #include "placement.h"
+#include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -50,11 +52,6 @@ static mrt_plugin *create(const mrt_host *host)
     if (self)
         self->host = host;
     return self;
-}
-
-static void destroy(mrt_plugin *self)
-{
-    free(self);
 }
 
 static mrt_vec3 difference(mrt_vec3 a, mrt_vec3 b)
@@ -168,7 +165,7 @@ static void probe(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point,
 /* The reference follows the hand with time constant leak_s: a held pull eases away. */
 static void leak(mrt_plugin *self, const mrt_vec3 *point, double leak_s, double dt_s)
 {
-    float part = (float)(dt_s / (leak_s + dt_s));
+    float part = (float)posture_share(dt_s, leak_s);
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 d = difference(point[i], self->reference[i]);
         self->reference[i].x += part * d.x;
@@ -207,8 +204,8 @@ static void let_go(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pul
 static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     self->spring_s += frame->dt_s;
-    double t = fmin(self->spring_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME], 1.0);
-    float rest = (float)(1.0 - t * t * t * (10.0 - 15.0 * t + 6.0 * t * t));
+    double t = self->spring_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME];
+    float rest = (float)(1.0 - posture_ease(t));
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 d = self->let_go[i];
         set_displacement(&pull->vector[i], (mrt_vec3){rest * d.x, rest * d.y, rest * d.z});
@@ -222,11 +219,6 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     self->face = face;
     placement_activate(&self->placement, face);
     return MRT_OK;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 static void reset(mrt_plugin *self)
@@ -296,19 +288,7 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t save(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
-
-static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
-
-static const char *const off_on[] = {"Off", "On", NULL};
+MEMORY_RESUME(memory_of);
 
 /* clang-format off */
 #define CONTACT_PARAM(id, hand, finger)                                                            \
@@ -326,7 +306,7 @@ static const mrt_param params[PARAM_COUNT] = {
      "Where a pull is softly stopped, in per cent of the radius: beyond 47 a surface folds.",
      1, 100, 30, NULL},
     {15, MRT_PARAM_STEPPED, "Gate", "Pull", "",
-     "Take hold only when a point is within its radius of the face.", 0, 1, 1, off_on},
+     "Take hold only when a point is within its radius of the face.", 0, 1, 1, placement_off_on_labels},
     {16, 0, "Leak", "Pull", "s",
      "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
     MANNER_PARAMS,
@@ -344,8 +324,7 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_resume resume = {save, load};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type anchored = {
@@ -358,6 +337,6 @@ static const mrt_plugin_type anchored = {
     "1.0",
     "Fingertips take hold of the face and pull it from where they took hold.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&anchored, NULL};

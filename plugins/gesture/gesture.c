@@ -1,6 +1,7 @@
 /* Four hand gestures, shown once each, set off what a face can do: a blink, a nod, a smile. The
  * nearest of the taught ones is recognised when the hand has held it for a moment. */
 #include "acts.h"
+#include "mapping.h"
 #include "memory.h"
 #include "posture.h"
 #include "recogniser.h"
@@ -56,19 +57,9 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-static void destroy(mrt_plugin *self)
-{
-    free(self);
-}
-
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     return acts_find(&self->acts, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 /* ---- teaching ---- */
@@ -197,17 +188,7 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t save(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
-
-static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
+MEMORY_RESUME(memory_of);
 
 static const char *const off_on[] = {"Off", "On", NULL};
 static const char *const action_labels[ACT_COUNT + 1] = {
@@ -256,9 +237,8 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_state state = {save_taught, load_taught};
-static const mrt_resume resume = {save, load};
 static const mrt_taught_poses taught_poses = {pose};
 static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
                                            {MRT_STATE, &state},
@@ -275,6 +255,6 @@ static const mrt_plugin_type type = {
     "1.0",
     "Taught gestures of the hand set off a blink, a nod, a smile.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

@@ -1,4 +1,5 @@
 #include "acts.h"
+#include "mapping.h"
 
 #include <math.h>
 #include <string.h>
@@ -197,23 +198,15 @@ static float turn_of(const acts *self, const double part[ACT_COUNT], uint32_t sl
 
 void acts_write(const acts *self, const double part[ACT_COUNT], mrt_pull *pull)
 {
-    bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->contact_count;
+    mrt_vector vector[ACTS_CONTACTS_MAX];
     for (uint32_t i = 0; i < self->contact_count; ++i) {
-        mrt_vector *v = &pull->vector[i];
         mrt_vec3 rest = self->rest[i], way = way_of(self, part, i);
-        is_new = is_new || v->contact != 1 + self->contact[i] ||
-                 memcmp(&v->start, &rest, sizeof rest) != 0;
-        *v = (mrt_vector){
+        vector[i] = (mrt_vector){
             rest, {rest.x + way.x, rest.y + way.y, rest.z + way.z}, 1 + self->contact[i]};
     }
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         pull->dof[i] = NAN;
     for (uint32_t i = 0; i < self->dof_count; ++i)
         pull->dof[self->dof[i]] = turn_of(self, part, i);
-    pull->mode = MRT_ANCHORED;
-    pull->count = self->contact_count;
-    pull->gate = 0;
-    pull->radius_mm = 0.0f;
-    pull->leak_per_s = 0.0f;
-    pull->anchor += is_new;
+    mapping_pull(pull, vector, self->contact_count, 0.0f);
 }

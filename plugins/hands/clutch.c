@@ -41,3 +41,8 @@ bool clutch_springs_back(const double *params)
 {
     return params[CLUTCH_ON_RELEASE] > 0.5;
 }
+
+float clutch_release_rate(const double *params)
+{
+    return (float)(3.0 / params[CLUTCH_RELEASE_TIME]);
+}

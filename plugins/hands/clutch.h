@@ -60,5 +60,7 @@ void clutch_reset(clutch *self);
 clutch_events clutch_step(clutch *self, const mrt_frame *frame, const double *params);
 
 bool clutch_springs_back(const double *params);
+/* The rate at which it does, 1/s: after the release time e^-3 = 5 % of the way are left. */
+float clutch_release_rate(const double *params);
 
 #endif

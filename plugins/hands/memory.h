@@ -43,4 +43,18 @@ size_t memory_save(const memory_list *list, void *out, size_t capacity);
 /* False: not bytes of such a list, or a value that it may not hold; nothing is changed. */
 bool memory_load(const memory_list *list, const void *bytes, size_t size);
 
+/* MRT_RESUME of a mapping, called `resume`: `list_of(self)` names all that it remembers. */
+#define MEMORY_RESUME(list_of)                                                                     \
+    static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)                        \
+    {                                                                                              \
+        const memory_list list = list_of(self);                                                    \
+        return memory_save(&list, out, capacity);                                                  \
+    }                                                                                              \
+    static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)                \
+    {                                                                                              \
+        const memory_list list = list_of(self);                                                    \
+        return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;                          \
+    }                                                                                              \
+    static const mrt_resume resume = {resume_save, resume_load}
+
 #endif

@@ -1,12 +1,12 @@
 /* One large field over the face: bending the fingers charges a magnet that draws the skin out or
  * drives it in; the wrist moves it about. What the hand does counts from its pose at engage. */
 #include "clutch.h"
+#include "mapping.h"
 #include "memory.h"
 #include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 enum {
     HAND,
@@ -52,11 +52,6 @@ static mrt_plugin *create(const mrt_host *host)
     return calloc(1, sizeof(mrt_plugin));
 }
 
-static void destroy(mrt_plugin *self)
-{
-    free(self);
-}
-
 /* ---- where the field is known ---- */
 
 /* On the front of an ellipsoid that fills the bounds. */
@@ -87,11 +82,6 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     if (self->count == 0)
         lay_grid(self);
     return MRT_OK;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 static void reset(mrt_plugin *self)
@@ -154,21 +144,13 @@ static mrt_vec3 drawn(const mrt_plugin *self, mrt_vec3 at, const double *params)
 
 static void write_field(const mrt_plugin *self, const double *params, mrt_pull *pull)
 {
-    bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->count;
+    mrt_vector vector[POINTS_MAX];
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 start = self->point[i], way = drawn(self, start, params);
-        mrt_vector *v = &pull->vector[i];
-        is_new = is_new || v->contact != self->contact[i] ||
-                 memcmp(&v->start, &start, sizeof start) != 0;
-        *v = (mrt_vector){
+        vector[i] = (mrt_vector){
             start, {start.x + way.x, start.y + way.y, start.z + way.z}, self->contact[i]};
     }
-    pull->mode = MRT_ANCHORED;
-    pull->anchor += is_new;
-    pull->count = self->count;
-    pull->radius_mm = (float)(0.01 * params[RADIUS] * height_of(self));
-    pull->gate = 0;
-    pull->leak_per_s = 0.0f;
+    mapping_pull(pull, vector, self->count, (float)(0.01 * params[RADIUS] * height_of(self)));
 }
 
 /* ---- the mapping ---- */
@@ -236,17 +218,7 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t save(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
-
-static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
+MEMORY_RESUME(memory_of);
 
 static const char *const fist_labels[] = {"Draws out", "Drives in", NULL};
 
@@ -281,8 +253,7 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_resume resume = {save, load};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type type = {
@@ -295,6 +266,6 @@ static const mrt_plugin_type type = {
     "1.0",
     "Bending the fingers charges one large field that draws the face out or in.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

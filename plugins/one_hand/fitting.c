@@ -1,6 +1,7 @@
 #include "fitting.h"
 
-#include "curve.h"
+#include "mapping.h"
+#include "posture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -207,7 +208,7 @@ static const struct carried {
 
 static double dof_value(const fitting *self, const pose *p, int dof)
 {
-    return curve_clamp(p->value[POSE_DOFS + dof], self->low[dof], self->high[dof]);
+    return posture_clamp(p->value[POSE_DOFS + dof], self->low[dof], self->high[dof]);
 }
 
 static void carry(pose *p, int axis, double mm)
@@ -252,16 +253,11 @@ static void write_dofs(const fitting *self, const pose *p, double closure, doubl
             double share = i >= DOF_LID_LOWER ? 0.01 * params[SET_LOWER_LID] : 1.0;
             value = (1.0 - (1.0 - value) * (1.0 - share * closure)) * self->closed[i];
         } else if (is_length(i)) {
-            value =
-                curve_clamp(value * size, self->low[i] * self->scale, self->high[i] * self->scale);
+            value = posture_clamp(value * size, self->low[i] * self->scale,
+                                  self->high[i] * self->scale);
         }
         pull->dof[self->dof[i]] = (float)(value + 0.0); /* never -0 */
     }
-}
-
-static bool is_same(mrt_vec3 a, mrt_vec3 b)
-{
-    return memcmp(&a, &b, sizeof a) == 0;
 }
 
 void fitting_write(const fitting *self, const pose *shown, double closure, const double *params,
@@ -271,25 +267,17 @@ void fitting_write(const fitting *self, const pose *shown, double closure, const
     double size = self->scale * 0.01 * params[SET_SIZE];
     limit_pulls(&p, params[SET_REACH]);
     stand_in(self, &p, params[SET_LEVER]);
-    bool is_new = pull->mode != MRT_ANCHORED || pull->count != self->contact_count;
+    mrt_vector vector[LANDMARK_COUNT];
     uint32_t count = 0;
     for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
         if (self->contact[landmark] == FITTING_NONE)
             continue;
         const double *v = p.value + 3 * landmark;
         mrt_vec3 start = self->start[landmark];
-        mrt_vector *vector = &pull->vector[count++];
-        is_new = is_new || vector->contact != 1 + self->contact[landmark] ||
-                 !is_same(vector->start, start);
-        *vector = (mrt_vector){.start = start, .contact = 1 + self->contact[landmark]};
-        vector->end = (mrt_vec3){start.x + (float)(size * v[0]), start.y + (float)(size * v[1]),
-                                 start.z + (float)(size * v[2])};
+        mrt_vec3 end = {start.x + (float)(size * v[0]), start.y + (float)(size * v[1]),
+                        start.z + (float)(size * v[2])};
+        vector[count++] = (mrt_vector){start, end, 1 + self->contact[landmark]};
     }
     write_dofs(self, &p, closure, size, params, pull);
-    pull->mode = MRT_ANCHORED;
-    pull->count = count;
-    pull->gate = 0;
-    pull->radius_mm = 0.0f;
-    pull->leak_per_s = 0.0f;
-    pull->anchor += is_new;
+    mapping_pull(pull, vector, count, 0.0f);
 }

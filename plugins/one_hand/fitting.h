@@ -3,7 +3,7 @@
  * fitting_report, [frame] fitting_write. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_FITTING_H
 #define MAROTTE_PLUGINS_ONE_HAND_FITTING_H
-#include "pose.h"
+#include "maps.h"
 
 #define FITTING_NONE UINT32_MAX
 

@@ -1,17 +1,475 @@
 /* One hand performs a face: joint angles move its jaw, brows, lids, mouth and head, by the names of
  * the rig's contacts and degrees of freedom. A vector's start is the contact's rest; end = start
- * says that the contact only rides along with the bones that carry it. */
-#include "attach.h"
-#include "blink.h"
-#include "curve.h"
+ * says that the contact only rides along with the bones that carry it. Everything in time depends
+ * on dt_s alone. */
 #include "fitting.h"
+#include "mapping.h"
 #include "maps.h"
 #include "memory.h"
-#include "pedals.h"
-#include "stored.h"
+#include "posture.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- what the feet and the buttons ask for: immediate, nothing waits to see whether a second tap
+ * follows ---- */
+
+enum { PEDAL_ANCHOR = 0, PEDAL_HOLD, PEDAL_LAYER, PEDAL_COUNT };
+
+typedef struct pedal {
+    bool is_down;
+    double since_press_s; /* at most a minute */
+} pedal;
+
+typedef struct pedals {
+    pedal pedal[PEDAL_COUNT];
+    bool is_latched;     /* the hold goes on without a foot */
+    bool is_hold_spent;  /* this press of the hold pedal was part of a chord */
+    bool is_layer_spent; /* this press of the layer pedal has locked the layer */
+    bool can_revert;     /* the next tap of the anchor pedal may be the second of two */
+    double intensity;    /* of the intensity pedal, smoothed; 1 without one */
+    bool has_intensity;
+} pedals;
+
+/* For a list of memory.h. */
+#define PEDAL_MEMORY(pedal) MEMORY_BOOLS((pedal).is_down), MEMORY_DOUBLES((pedal).since_press_s)
+#define PEDALS_MEMORY(pedals)                                                                      \
+    PEDAL_MEMORY((pedals).pedal[PEDAL_ANCHOR]), PEDAL_MEMORY((pedals).pedal[PEDAL_HOLD]),          \
+        PEDAL_MEMORY((pedals).pedal[PEDAL_LAYER]), MEMORY_BOOLS((pedals).is_latched),              \
+        MEMORY_BOOLS((pedals).is_hold_spent), MEMORY_BOOLS((pedals).is_layer_spent),               \
+        MEMORY_BOOLS((pedals).can_revert), MEMORY_DOUBLES((pedals).intensity),                     \
+        MEMORY_BOOLS((pedals).has_intensity)
+
+typedef struct pedals_events {
+    bool anchor, revert, to_neutral; /* in this frame; at most one */
+    bool lock_layer;                 /* in this frame */
+    bool hold, other_layer;          /* as long as it lasts */
+} pedals_events;
+
+static const double long_ago_s = 60.0;
+static const double single_hold_s = 0.3;     /* one pedal for both: longer than a tap */
+static const double intensity_time_s = 0.06; /* a foot's step becomes a way */
+static const double intensity_most = 1.5;
+
+static void pedals_reset(pedals *self)
+{
+    *self = (pedals){.intensity = 1.0};
+    for (int i = 0; i < PEDAL_COUNT; ++i)
+        self->pedal[i].since_press_s = long_ago_s;
+}
+
+static bool has_pedal(const mrt_frame *frame, int set)
+{
+    int number = (int)frame->params[set];
+    return number >= 1 && number <= MRT_MAX_PEDALS;
+}
+
+/* 0 up .. 1 down; 0 without a pedal. */
+static double position(const mrt_frame *frame, int set)
+{
+    if (!has_pedal(frame, set))
+        return 0.0;
+    double value = (double)frame->pedal[(int)frame->params[set] - 1];
+    return value > 0.0 ? (value < 1.0 ? value : 1.0) : 0.0;
+}
+
+/* True in the frame of the press. A pedal that was half down stays what it was. */
+static bool step_pedal(pedal *p, double position, double dt_s)
+{
+    bool was_down = p->is_down;
+    p->is_down = position > (was_down ? 0.4 : 0.6);
+    p->since_press_s += dt_s;
+    if (p->since_press_s > long_ago_s)
+        p->since_press_s = long_ago_s;
+    return p->is_down && !was_down;
+}
+
+static void step_intensity(pedals *self, const mrt_frame *frame, double dt_s)
+{
+    bool has = has_pedal(frame, SET_INTENSITY_PEDAL);
+    double wanted = has ? intensity_most * position(frame, SET_INTENSITY_PEDAL) : 1.0;
+    if (has && !self->has_intensity && dt_s <= 0.0)
+        self->intensity = wanted; /* how it is found in the first frame */
+    self->has_intensity = has;
+    self->intensity += dt_s / (dt_s + intensity_time_s) * (wanted - self->intensity);
+}
+
+/* A pedal's press with what came before it; the time of the press before is in since_s. */
+typedef struct press {
+    bool is_now;
+    double since_s;
+} press;
+
+static void step_anchor(pedals *self, press anchor, double tap_s, pedals_events *out)
+{
+    if (!anchor.is_now)
+        return;
+    out->revert = self->can_revert && anchor.since_s <= tap_s;
+    out->anchor = !out->revert;
+    self->can_revert = out->anchor;
+}
+
+static void step_hold(pedals *self, press hold, double tap_s)
+{
+    if (!hold.is_now)
+        return;
+    self->is_latched = !self->is_latched && !self->is_hold_spent && hold.since_s <= tap_s;
+    self->is_hold_spent = false;
+}
+
+static void step_layer(pedals *self, press layer, double tap_s, pedals_events *out)
+{
+    if (!layer.is_now)
+        return;
+    out->lock_layer = !self->is_layer_spent && layer.since_s <= tap_s;
+    self->is_layer_spent = out->lock_layer;
+}
+
+/* Both go down within a tap's time, in either order. */
+static bool is_chord(const pedals *self, press anchor, press hold, double tap_s)
+{
+    const pedal *p = self->pedal;
+    return (anchor.is_now || hold.is_now) && p[PEDAL_ANCHOR].is_down && p[PEDAL_HOLD].is_down &&
+           p[PEDAL_ANCHOR].since_press_s <= tap_s && p[PEDAL_HOLD].since_press_s <= tap_s;
+}
+
+static void use_buttons(const mrt_frame *frame, pedals_events *out)
+{
+    const double *params = frame->params;
+    out->lock_layer = out->lock_layer || params[SET_NEXT_LAYER] > 0.5;
+    out->to_neutral = out->to_neutral || params[SET_TO_NEUTRAL] > 0.5;
+    out->revert = !out->to_neutral && (out->revert || params[SET_REVERT] > 0.5);
+    out->anchor = !out->to_neutral && !out->revert && (out->anchor || params[SET_ANCHOR] > 0.5);
+}
+
+static pedals_events pedals_step(pedals *self, const mrt_frame *frame, double dt_s)
+{
+    static const int sets[PEDAL_COUNT] = {SET_ANCHOR_PEDAL, SET_HOLD_PEDAL, SET_LAYER_PEDAL};
+    const double *params = frame->params;
+    double tap_s = params[SET_DOUBLE_TAP];
+    bool is_single = has_pedal(frame, SET_HOLD_PEDAL) &&
+                     (int)params[SET_ANCHOR_PEDAL] == (int)params[SET_HOLD_PEDAL];
+    press presses[PEDAL_COUNT];
+    pedals_events out = {0};
+    for (int i = 0; i < PEDAL_COUNT; ++i) {
+        pedal *p = &self->pedal[i];
+        presses[i].is_now = step_pedal(p, position(frame, sets[i]), dt_s);
+        presses[i].since_s = p->since_press_s;
+        if (presses[i].is_now)
+            p->since_press_s = 0.0;
+    }
+    step_intensity(self, frame, dt_s);
+    step_anchor(self, presses[PEDAL_ANCHOR], tap_s, &out);
+    step_layer(self, presses[PEDAL_LAYER], tap_s, &out);
+    const pedal *hold = &self->pedal[PEDAL_HOLD];
+    if (is_single) {
+        out.hold = hold->is_down && hold->since_press_s > single_hold_s;
+    } else {
+        step_hold(self, presses[PEDAL_HOLD], tap_s);
+        if (is_chord(self, presses[PEDAL_ANCHOR], presses[PEDAL_HOLD], tap_s)) {
+            out.to_neutral = true;
+            self->is_hold_spent = true;
+            self->is_latched = self->can_revert = false;
+        }
+        out.hold = self->is_latched || (hold->is_down && !self->is_hold_spent);
+    }
+    out.hold = out.hold || params[SET_HOLD] > 0.5;
+    out.other_layer = self->pedal[PEDAL_LAYER].is_down && !self->is_layer_spent;
+    use_buttons(frame, &out);
+    return out;
+}
+
+/* ---- lids in time: a quick bend of the middle finger blinks, a slow one droops ---- */
+
+typedef enum blink_phase { BLINK_NONE = 0, BLINK_CLOSING, BLINK_OPENING } blink_phase;
+
+typedef struct blink {
+    blink_phase phase;
+    double time_s;  /* in the phase */
+    double from;    /* closure at its begin */
+    double closure; /* 0 .. 1 */
+    double droop;   /* follows what is asked */
+
+    bool has_bend, is_spent; /* spent: this stroke has blinked */
+    double bend_deg, speed_deg_s;
+    double stroke_from_deg;
+} blink;
+
+/* For a list of memory.h. */
+#define BLINK_MEMORY(blink)                                                                        \
+    MEMORY_WHOLES((blink).phase, BLINK_OPENING), MEMORY_DOUBLES((blink).time_s),                   \
+        MEMORY_DOUBLES((blink).from), MEMORY_DOUBLES((blink).closure),                             \
+        MEMORY_DOUBLES((blink).droop), MEMORY_BOOLS((blink).has_bend),                             \
+        MEMORY_BOOLS((blink).is_spent), MEMORY_DOUBLES((blink).bend_deg),                          \
+        MEMORY_DOUBLES((blink).speed_deg_s), MEMORY_DOUBLES((blink).stroke_from_deg)
+
+static const double speed_time_s = 0.015; /* smoothing of the finger's speed */
+static const double arrived = 1e-5; /* of the droop: then lids are exactly where they should be */
+static const double gap_s = 0.1;    /* the longest dt_s there is: who knows how long it was */
+
+static void blink_reset(blink *self)
+{
+    *self = (blink){0};
+}
+
+/* The hand is another one or was away: what it did before says nothing of its speed. */
+static void blink_forget_hand(blink *self)
+{
+    self->has_bend = false;
+}
+
+/* bend_deg: of the middle finger's knuckle, whatever is neutral. True when it was quick enough. */
+static bool blink_is_struck(blink *self, double bend_deg, double dt_s, const double *params)
+{
+    if (!self->has_bend || dt_s >= gap_s) {
+        self->has_bend = true;
+        self->is_spent = false;
+        self->bend_deg = self->stroke_from_deg = bend_deg;
+        self->speed_deg_s = 0.0;
+        return false;
+    }
+    if (!(dt_s > 0.0))
+        return false;
+    double speed = (bend_deg - self->bend_deg) / dt_s, least = params[SET_BLINK_SPEED];
+    double before_deg = self->bend_deg;
+    self->bend_deg = bend_deg;
+    self->speed_deg_s += dt_s / (dt_s + speed_time_s) * (speed - self->speed_deg_s);
+    if (self->speed_deg_s < 0.5 * least) { /* the stroke begins where it becomes fast */
+        self->stroke_from_deg = speed < 0.5 * least ? bend_deg : before_deg;
+        self->is_spent = false;
+        return false;
+    }
+    bool is_struck = !self->is_spent && self->speed_deg_s > least &&
+                     bend_deg - self->stroke_from_deg >= params[SET_BLINK_STROKE];
+    self->is_spent = self->is_spent || is_struck;
+    return is_struck;
+}
+
+static void blink_start(blink *self)
+{
+    if (self->phase == BLINK_CLOSING)
+        return;
+    self->phase = BLINK_CLOSING;
+    self->time_s = 0.0;
+    self->from = self->closure;
+}
+
+/* The rest of a step that ends a phase counts for the next one: no frame rate changes a blink. */
+static void move_lids(blink *self, double dt_s, const double *params)
+{
+    double close_s = 0.001 * params[SET_BLINK_CLOSE], open_s = 0.001 * params[SET_BLINK_OPEN];
+    self->time_s += dt_s;
+    if (self->phase == BLINK_CLOSING && self->time_s >= close_s) {
+        self->phase = BLINK_OPENING;
+        self->time_s -= close_s;
+    }
+    if (self->phase == BLINK_OPENING && self->time_s >= open_s)
+        self->phase = BLINK_NONE;
+    if (self->phase == BLINK_CLOSING)
+        self->closure = self->from + (1.0 - self->from) * posture_ease(self->time_s / close_s);
+    else if (self->phase == BLINK_OPENING)
+        self->closure = 1.0 - posture_ease(self->time_s / open_s);
+    else
+        self->closure = 0.0;
+}
+
+/* droop: what the hand asks for now; it waits while a blink is under way. */
+static void blink_step(blink *self, double droop, double dt_s, const double *params)
+{
+    if (self->phase != BLINK_NONE) {
+        move_lids(self, dt_s, params);
+        return;
+    }
+    double time_s = params[SET_DROOP_TIME];
+    double part = time_s > 0.0 ? dt_s / (dt_s + time_s) : 1.0;
+    self->droop += part * (droop - self->droop);
+    double left = droop - self->droop;
+    if (left > -arrived && left < arrived)
+        self->droop = droop;
+}
+
+/* ---- the face shown, hanging on the hand: live, held, or easing from one to the other. No change
+ * of what it hangs on makes it jump: the difference at that moment fades away ---- */
+
+/* Why a layer does not follow the hand; 0: it does. */
+enum { HELD_BY_LAYER = 1, HELD_BY_PEDAL = 2, HELD_BY_ABSENCE = 4 };
+
+typedef struct attach {
+    pose shown;  /* what is to be seen, before limits */
+    pose offset; /* what an anchor has kept: added to what the hand says */
+    pose held;   /* of layers that do not follow */
+    pose rest;   /* what was shown less what should have been, at the last change */
+    unsigned held_by[LAYER_COUNT];
+    bool has_changed; /* the next step starts a way anew */
+    double time_s, duration_s;
+} attach;
+
+/* For a list of memory.h. */
+#define ATTACH_MEMORY(attach)                                                                      \
+    MEMORY_DOUBLES((attach).shown), MEMORY_DOUBLES((attach).offset),                               \
+        MEMORY_DOUBLES((attach).held), MEMORY_DOUBLES((attach).rest),                              \
+        MEMORY_WHOLES((attach).held_by, HELD_BY_LAYER | HELD_BY_PEDAL | HELD_BY_ABSENCE),          \
+        MEMORY_BOOLS((attach).has_changed), MEMORY_DOUBLES((attach).time_s),                       \
+        MEMORY_DOUBLES((attach).duration_s)
+
+static void attach_reset(attach *self)
+{
+    memset(self, 0, sizeof *self);
+}
+
+/* From the next step on something else is followed: ease to it. */
+static void attach_change(attach *self, double duration_s)
+{
+    self->has_changed = true;
+    self->duration_s = duration_s;
+}
+
+static void shorten(double v[3], double most)
+{
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (length <= most)
+        return;
+    for (int axis = 0; axis < 3; ++axis)
+        v[axis] *= most / length;
+}
+
+/* What is shown stays as it is when the hand's target falls to zero in the next step. most_mm, low,
+ * high (DOF_COUNT): beyond them nothing is seen, so nothing is kept. */
+static void attach_keep(attach *self, double most_mm, const double *low, const double *high)
+{
+    self->offset = self->shown;
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark)
+        shorten(self->offset.value + 3 * landmark, most_mm);
+    double *dof = self->offset.value + POSE_DOFS;
+    for (int i = 0; i < DOF_COUNT; ++i)
+        dof[i] = posture_clamp(dof[i], low[i], high[i]);
+}
+
+/* Everything eases to rest, but for what the hand says. */
+static void attach_forget(attach *self, double duration_s)
+{
+    memset(&self->offset, 0, sizeof self->offset);
+    memset(&self->held, 0, sizeof self->held);
+    attach_change(self, duration_s);
+}
+
+/* A layer that stops following, or is stopped by one reason more, stays where it is seen. */
+static void take_holds(attach *self, const unsigned held_by[LAYER_COUNT], double reattach_s)
+{
+    bool is_stopped[LAYER_COUNT];
+    bool is_other = false;
+    for (int layer = 0; layer < LAYER_COUNT; ++layer) {
+        unsigned added = held_by[layer] & ~self->held_by[layer];
+        bool follows = self->held_by[layer] == 0;
+        is_stopped[layer] = (added & (HELD_BY_PEDAL | HELD_BY_ABSENCE)) || (added && follows);
+        is_other = is_other || held_by[layer] != self->held_by[layer];
+        self->held_by[layer] = held_by[layer];
+    }
+    for (int i = 0; i < POSE_COUNT; ++i)
+        if (is_stopped[pose_layer(i)])
+            self->held.value[i] = self->shown.value[i];
+    if (is_other && !self->has_changed)
+        attach_change(self, reattach_s);
+}
+
+/* held_by: per layer. reattach_s: the way back after a hold. */
+static void attach_step(attach *self, const pose *target, const unsigned held_by[LAYER_COUNT],
+                        double reattach_s, double dt_s)
+{
+    take_holds(self, held_by, reattach_s);
+    self->time_s = self->has_changed ? 0.0 : self->time_s + dt_s;
+    double left =
+        self->time_s < self->duration_s ? 1.0 - posture_ease(self->time_s / self->duration_s) : 0.0;
+    for (int i = 0; i < POSE_COUNT; ++i) {
+        double goal = self->held_by[pose_layer(i)] ? self->held.value[i]
+                                                   : target->value[i] + self->offset.value[i];
+        if (self->has_changed)
+            self->rest.value[i] = self->shown.value[i] - goal;
+        self->shown.value[i] = left > 0.0 ? goal + left * self->rest.value[i] : goal;
+    }
+    self->has_changed = false;
+}
+
+/* ---- neutral poses as bytes, for presets and takes: little-endian, with a sum; whatever else
+ * comes is refused ---- */
+
+typedef struct neutral {
+    bool is_known;
+    reading pose;
+} neutral;
+
+/* "MRT1HAND", a version, which hands are known (bit per side), two poses, FNV-1a of all that. */
+static const unsigned char magic[8] = {'M', 'R', 'T', '1', 'H', 'A', 'N', 'D'};
+enum { VERSION = 1, HEAD = 16, BODY = HEAD + 2 * READING_COUNT * 8, SIZE = BODY + 8 };
+
+static void put(unsigned char *out, uint64_t value, int bytes)
+{
+    for (int i = 0; i < bytes; ++i)
+        out[i] = (unsigned char)(value >> (8 * i));
+}
+
+static uint64_t get(const unsigned char *in, int bytes)
+{
+    uint64_t value = 0;
+    for (int i = 0; i < bytes; ++i)
+        value |= (uint64_t)in[i] << (8 * i);
+    return value;
+}
+
+static uint64_t sum_of(const unsigned char *bytes, size_t size)
+{
+    uint64_t sum = UINT64_C(0xcbf29ce484222325);
+    for (size_t i = 0; i < size; ++i)
+        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+    return sum;
+}
+
+/* out may be NULL: the size it takes. Writes nothing when capacity is less. */
+static size_t stored_write(void *out, size_t capacity, const neutral hands[2])
+{
+    if (!out || capacity < SIZE)
+        return SIZE;
+    unsigned char *bytes = out;
+    memcpy(bytes, magic, sizeof magic);
+    put(bytes + 8, VERSION, 4);
+    put(bytes + 12, (hands[0].is_known ? 1u : 0u) | (hands[1].is_known ? 2u : 0u), 4);
+    unsigned char *at = bytes + HEAD;
+    for (int side = 0; side < 2; ++side)
+        for (int i = 0; i < READING_COUNT; ++i, at += 8) {
+            double value = hands[side].is_known ? hands[side].pose.value[i] : 0.0;
+            uint64_t bits;
+            memcpy(&bits, &value, sizeof bits);
+            put(at, bits, 8);
+        }
+    put(bytes + BODY, sum_of(bytes, BODY), 8);
+    return SIZE;
+}
+
+/* False: not bytes of stored_write; hands are untouched. */
+static bool stored_read(neutral hands[2], const void *in, size_t size)
+{
+    const unsigned char *bytes = in;
+    if (!bytes || size != SIZE || memcmp(bytes, magic, sizeof magic) != 0 ||
+        get(bytes + 8, 4) != VERSION || get(bytes + 12, 4) > 3 ||
+        get(bytes + BODY, 8) != sum_of(bytes, BODY))
+        return false;
+    neutral read[2];
+    const unsigned char *at = bytes + HEAD;
+    for (int side = 0; side < 2; ++side) {
+        read[side].is_known = get(bytes + 12, 4) >> side & 1;
+        for (int i = 0; i < READING_COUNT; ++i, at += 8) {
+            uint64_t bits = get(at, 8);
+            memcpy(&read[side].pose.value[i], &bits, sizeof bits);
+        }
+        if (!reading_is_plausible(&read[side].pose))
+            return false;
+    }
+    memcpy(hands, read, sizeof read);
+    return true;
+}
+
+/* ---- the instance ---- */
 
 static const double dt_max_s = 0.1;
 
@@ -48,11 +506,6 @@ static mrt_plugin *create(const mrt_host *host)
     if (self)
         self->host = host;
     return self;
-}
-
-static void destroy(mrt_plugin *self)
-{
-    free(self);
 }
 
 /* ---- whose hand, and what is neutral for it ---- */
@@ -248,11 +701,6 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     return MRT_OK;
 }
 
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
-}
-
 static void reset(mrt_plugin *self)
 {
     self->has_performed = self->has_told_no_neutral = false;
@@ -271,7 +719,7 @@ static void reset(mrt_plugin *self)
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     const double *params = frame->params;
-    double dt_s = curve_clamp(frame->dt_s > 0.0 ? frame->dt_s : 0.0, 0.0, dt_max_s);
+    double dt_s = posture_clamp(frame->dt_s > 0.0 ? frame->dt_s : 0.0, 0.0, dt_max_s);
     reading now;
     uint32_t side = take_reading(&now, frame);
     bool is_present = side != MRT_NO_HAND;
@@ -354,21 +802,10 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t remember(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
+MEMORY_RESUME(memory_of);
 
-static mrt_result recall(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
-
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_state state = {save, load};
-static const mrt_resume resume = {remember, recall};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type one_hand = {
@@ -381,6 +818,6 @@ static const mrt_plugin_type one_hand = {
     "1.0",
     "One hand performs a whole face: jaw, brows, lids, mouth and head.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&one_hand, NULL};

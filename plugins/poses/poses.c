@@ -1,6 +1,7 @@
 /* Hand poses that were shown once or a few times stand for poses of the face; between them the face
  * is in between. Shipped ones until others are taught. */
 #include "acts.h"
+#include "mapping.h"
 #include "memory.h"
 #include "posture.h"
 #include "space.h"
@@ -77,19 +78,9 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-static void destroy(mrt_plugin *self)
-{
-    free(self);
-}
-
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     return acts_find(&self->acts, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 /* ---- lessons ---- */
@@ -290,7 +281,7 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_state state = {save_lessons, load_lessons};
 static const mrt_resume resume = {save, load};
 static const mrt_taught_poses taught_poses = {pose};
@@ -309,6 +300,6 @@ static const mrt_plugin_type type = {
     "1.0",
     "Hand poses that were shown to it stand for poses of the face.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

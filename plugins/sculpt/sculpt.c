@@ -1,6 +1,7 @@
 /* The paper's palm that covers a face, as tools for clay: fingertips and palm push, pull, smooth or
  * grab what they are near, each sample on the shape that the last one left. */
 #include "clutch.h"
+#include "mapping.h"
 #include "memory.h"
 #include "placement.h"
 #include "posture.h"
@@ -19,8 +20,6 @@ enum {
 };
 typedef enum tool { TOOL_PUSH = 0, TOOL_PULL, TOOL_SMOOTH, TOOL_GRAB, TOOL_COUNT } tool;
 
-/* In so many times the release time a spring back has come e^-3 = 5 % near its end. */
-static const double release_rate = 3.0;
 /* A hand that smooths as fast as it can eases the shape back at this rate; at this speed it is half
  * of that. */
 static const double smooth_per_s = 8.0, smooth_heights_per_s = 0.3;
@@ -45,11 +44,6 @@ static mrt_plugin *create(const mrt_host *host)
     return calloc(1, sizeof(mrt_plugin));
 }
 
-static void destroy(mrt_plugin *self)
-{
-    free(self);
-}
-
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     placement_activate(&self->placement, face);
@@ -61,11 +55,6 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
         (mrt_vec3){fmaxf(0.5f * (high.x - low.x), least), fmaxf(0.5f * (high.y - low.y), least),
                    fmaxf(0.5f * (high.z - low.z), least)};
     return MRT_OK;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 static void reset(mrt_plugin *self)
@@ -174,7 +163,7 @@ static float leak_of(const mrt_plugin *self, const mrt_frame *frame, double spee
 {
     const double *params = frame->params;
     if (!self->is_touching && clutch_springs_back(params + CLUTCH))
-        return (float)(release_rate / params[CLUTCH + CLUTCH_RELEASE_TIME]);
+        return clutch_release_rate(params + CLUTCH);
     double leak = params[LEAK] > 0.0 ? 1.0 / params[LEAK] : 0.0;
     if (self->with == TOOL_SMOOTH && frame->near)
         leak += 0.01 * params[STRENGTH] * smooth_per_s * speed / (speed + smooth_heights_per_s);
@@ -232,17 +221,7 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t save(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
-
-static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
+MEMORY_RESUME(memory_of);
 
 static const char *const tool_labels[] = {"Push", "Pull", "Smooth", "Grab", NULL};
 
@@ -266,8 +245,7 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_resume resume = {save, load};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type sculpt = {
@@ -280,6 +258,6 @@ static const mrt_plugin_type sculpt = {
     "1.0",
     "Palm and fingertips push, pull, smooth or grab the face like clay.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&sculpt, NULL};

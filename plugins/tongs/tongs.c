@@ -1,6 +1,7 @@
 /* Thumb and index finger are tongs: closed they grip the face where they are; moving them takes it
  * along, opening them a little stretches it, opening them wide lets it go. */
 #include "clutch.h"
+#include "mapping.h"
 #include "memory.h"
 #include "placement.h"
 #include "posture.h"
@@ -66,20 +67,10 @@ static mrt_plugin *create(const mrt_host *host)
     return calloc(1, sizeof(mrt_plugin));
 }
 
-static void destroy(mrt_plugin *self)
-{
-    free(self);
-}
-
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     placement_activate(&self->placement, face);
     return MRT_OK;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 static void reset(mrt_plugin *self)
@@ -284,17 +275,7 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t save(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
-
-static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
+MEMORY_RESUME(memory_of);
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
@@ -318,8 +299,7 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_resume resume = {save, load};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type type = {
@@ -332,6 +312,6 @@ static const mrt_plugin_type type = {
     "1.0",
     "Thumb and index finger grip the face, pull and stretch it, and let it go.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

@@ -2,6 +2,7 @@
  * each sample from where they were to where they are. What they do stays, as in clay. */
 #include "clutch.h"
 #include "manner.h"
+#include "mapping.h"
 #include "memory.h"
 #include "placement.h"
 
@@ -17,9 +18,6 @@ enum {
     CLUTCH = MANNER + MANNER_COUNT,
     PARAM_COUNT = CLUTCH + CLUTCH_COUNT
 };
-
-/* In so many times the release time a spring back has come e^-3 = 5 % near its end. */
-static const double release_rate = 3.0;
 
 /* Points nearer to each other than this part of the radius share their place. */
 static const float least_apart = 0.15f;
@@ -43,20 +41,10 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-static void destroy(mrt_plugin *self)
-{
-    free(self);
-}
-
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     placement_activate(&self->placement, face);
     return MRT_OK;
-}
-
-static void deactivate(mrt_plugin *self)
-{
-    (void)self;
 }
 
 static void reset(mrt_plugin *self)
@@ -104,7 +92,6 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     const double *params = frame->params;
     uint32_t count = placement_points(&self->placement, frame, point);
     clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
-    bool springs = clutch_springs_back(params + CLUTCH);
     pull->mode = MRT_UNANCHORED;
     pull->gate = params[GATE] > 0.5;
     manner_set(pull, params + MANNER,
@@ -123,8 +110,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
 
     pull->count = self->is_touching && count > 0 ? self->count : 0;
     pull->leak_per_s = params[LEAK] > 0.0 ? (float)(1.0 / params[LEAK]) : 0.0f;
-    if (!self->is_touching && springs)
-        pull->leak_per_s = (float)(release_rate / params[CLUTCH + CLUTCH_RELEASE_TIME]);
+    if (!self->is_touching && clutch_springs_back(params + CLUTCH))
+        pull->leak_per_s = clutch_release_rate(params + CLUTCH);
     return MRT_OK;
 }
 
@@ -146,19 +133,7 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-static size_t save(mrt_plugin *self, void *out, size_t capacity)
-{
-    const memory_list list = memory_of(self);
-    return memory_save(&list, out, capacity);
-}
-
-static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
-{
-    const memory_list list = memory_of(self);
-    return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;
-}
-
-static const char *const off_on[] = {"Off", "On", NULL};
+MEMORY_RESUME(memory_of);
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
@@ -168,7 +143,7 @@ static const mrt_param params[PARAM_COUNT] = {
     {13, 0, "Radius", "Pull", "%",
      "Support radius of each point, in per cent of the face's height.", 2, 200, 25, NULL},
     {14, MRT_PARAM_STEPPED, "Gate", "Pull", "",
-     "Move the face only while a point is within its radius of it.", 0, 1, 1, off_on},
+     "Move the face only while a point is within its radius of it.", 0, 1, 1, placement_off_on_labels},
     {15, 0, "Leak", "Pull", "s",
      "Time in which the shape eases back to its base; 0: never, as clay.", 0, 60, 0, NULL},
     MANNER_PARAMS,
@@ -176,8 +151,7 @@ static const mrt_param params[PARAM_COUNT] = {
 };
 /* clang-format on */
 
-static const mrt_mapping mapping = {activate, deactivate, reset, process};
-static const mrt_resume resume = {save, load};
+static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_interface interfaces[] = {
     {MRT_MAPPING, &mapping}, {MRT_RESUME, &resume}, {NULL, NULL}};
 static const mrt_plugin_type unanchored = {
@@ -190,6 +164,6 @@ static const mrt_plugin_type unanchored = {
     "1.0",
     "Fingertips move whatever they are near, and it stays: clay.",
     create,
-    destroy,
+    mapping_destroy,
 };
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&unanchored, NULL};
