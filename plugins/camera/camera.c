@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const int64_t ns_per_ms = 1000000, read_max_ns = 1000000000;
+static const int64_t ns_per_ms = 1000000;
 /* A hand that was seen in two pictures has moved evenly between them: who takes few pictures a
  * second would else be a hand that goes and comes, which is eased and never arrives. */
 static const int64_t between_ns = 100000000, slowest_ns = 1000000000;
@@ -252,11 +252,8 @@ static bool take_seen(mrt_plugin *self, const camera_seen *seen)
         seen->time_ns - self->shown_ns < BARE_HAND_CHANGE_NS)
         return false;
     was_steady &= self->has_shown && side == self->shown_side;
-    int64_t now_ns = self->host->now_ns(self->host);
-    int64_t time_ns = seen->time_ns + self->host_offset_ns;
-    time_ns = time_ns < now_ns ? time_ns : now_ns;
-    self->from_ns = self->last_ns;
-    self->to_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
+    self->from_ns = self->to_ns = self->last_ns;
+    (void)device_sample_ns(self->host, seen->time_ns + self->host_offset_ns, &self->to_ns);
     memcpy(self->from, from, sizeof from);
     int64_t gap_ns = self->to_ns - self->from_ns;
     self->step = 0;
@@ -292,9 +289,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
     if (!self->port)
         return MRT_ERR_IO;
     bare_hand_follow(&self->hand, self->host, params);
-    int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
-    left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
-    int64_t until_ns = device_clock_ns() + left_ns;
+    int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
     for (bool has_waited = false;; has_waited = true) {
         camera_seen seen;
         while (self->step == self->step_count &&

@@ -2,6 +2,7 @@
  * a serial port or the network. Raw values: what they mean is calibration's. */
 #include <marotte/plugin.h>
 
+#include "device_io.h"
 #include "glove_open.h"
 
 #include <math.h>
@@ -169,7 +170,7 @@ static mrt_result plugin_open(mrt_plugin *self, const char *address, const doubl
     trace_open(&self->drive.trace, self->host, "cyberglove");
     mrt_result result = glove_open(&self->drive, address ? address : "", "", &self->memory, &why);
     if (result < 0) {
-        trace_note(&self->drive.trace, glove_port_now_ns(), why.text);
+        trace_note(&self->drive.trace, device_clock_ns(), why.text);
         trace_close(&self->drive.trace);
         self->host->log(self->host, MRT_LOG_ERROR, why.text);
         return result;

@@ -1,5 +1,5 @@
 #include "glove_drive.h"
-#include "glove_talk.h"
+#include "device_io.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -50,18 +50,18 @@ void glove_drive_begin(glove_drive *self)
     self->bytes_since_good = 0;
     self->status = 0;
     self->doubtful_status = 0;
-    self->good_ns = glove_port_now_ns();
+    self->good_ns = device_clock_ns();
 }
 
 /* The port's old settings may echo: what is still coming would go back to the glove as orders. */
 static void let_fall_silent(glove_drive *self)
 {
     unsigned char ignored[256];
-    int64_t now_ns = glove_port_now_ns();
+    int64_t now_ns = device_clock_ns();
     int64_t limit_ns = now_ns + silence_limit_ms * NS_PER_MS;
     while (now_ns < limit_ns && glove_port_read(&self->port, ignored, sizeof ignored,
                                                 now_ns + silence_ms * NS_PER_MS) > 0)
-        now_ns = glove_port_now_ns();
+        now_ns = device_clock_ns();
 }
 
 void glove_drive_end(glove_drive *self)
@@ -129,7 +129,7 @@ static bool accept(glove_drive *self, glove_record *record, int64_t *out_time_ns
     self->skipped = 0;
     self->bytes_since_good = 0;
     self->has_restarted = false;
-    self->good_ns = glove_port_now_ns();
+    self->good_ns = device_clock_ns();
     return true;
 }
 
@@ -171,7 +171,7 @@ static void skip_stale(glove_drive *self)
         while (glove_parse_next(&self->parse, &ignored))
             believe_status(self, ignored.status);
     }
-    self->good_ns = glove_port_now_ns();
+    self->good_ns = device_clock_ns();
     self->bytes_since_good = 0;
 }
 
@@ -179,7 +179,7 @@ static void nap(const glove_drive *self, int64_t until_ns)
 {
     size_t missing = glove_parse_missing(&self->parse);
     int64_t nap_ns = glove_port_wire_ns(&self->port, missing) * 7 / 10;
-    int64_t left_ns = until_ns - glove_port_now_ns();
+    int64_t left_ns = until_ns - device_clock_ns();
     if (missing == 0 || nap_ns < nap_least_ns || nap_ns > left_ns || nap_ns >= NS_PER_S)
         return;
     const struct timespec wait = {.tv_nsec = (long)nap_ns};
@@ -192,7 +192,7 @@ static mrt_result lose(glove_drive *self, const char *reason)
 {
     self->is_lost = true;
     glove_why_set(&self->loss, MRT_ERR_IO, "%.160s: %s", self->port.name, reason);
-    trace_note(&self->trace, glove_port_now_ns(), self->loss.text);
+    trace_note(&self->trace, device_clock_ns(), self->loss.text);
     return MRT_ERR_IO;
 }
 
@@ -289,7 +289,7 @@ static int64_t port_deadline_ns(const glove_drive *self, int64_t deadline_ns)
 {
     int64_t now_ns = self->host->now_ns(self->host);
     int64_t left_ns = deadline_ns > now_ns ? deadline_ns - now_ns : 0;
-    return glove_port_now_ns() + (left_ns < 60 * NS_PER_S ? left_ns : 60 * NS_PER_S);
+    return device_clock_ns() + (left_ns < 60 * NS_PER_S ? left_ns : 60 * NS_PER_S);
 }
 
 static int64_t earliest(int64_t a, int64_t b)
@@ -303,7 +303,7 @@ static mrt_result read_until(glove_drive *self, int64_t deadline_ns, glove_recor
     for (;;) {
         if (next_record(self, out_record, out_time_ns))
             return MRT_OK;
-        int64_t now_ns = glove_port_now_ns();
+        int64_t now_ns = device_clock_ns();
         mrt_result result = ask(self, now_ns);
         if (result < 0)
             return result;
@@ -315,7 +315,7 @@ static mrt_result read_until(glove_drive *self, int64_t deadline_ns, glove_recor
             return lose(self, "the glove was unplugged, or its adapter");
         if (got > 0 && next_record(self, out_record, out_time_ns))
             return MRT_OK;
-        now_ns = glove_port_now_ns();
+        now_ns = device_clock_ns();
         result = check_silence(self, now_ns);
         if (result < 0)
             return result;

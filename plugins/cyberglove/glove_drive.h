@@ -32,7 +32,7 @@ typedef struct glove_drive {
     uint32_t skipped;   /* records not worth giving, since the last one given */
     uint32_t unplugged; /* records in a row that say: not plugged into the box */
     int64_t arrival_ns; /* host's clock */
-    int64_t good_ns, restarted_ns, resume_ns, asked_ns; /* glove_port_now_ns */
+    int64_t good_ns, restarted_ns, resume_ns, asked_ns; /* device_clock_ns */
     size_t bytes_since_good;
     uint8_t status, doubtful_status; /* as believed; as seen once */
 } glove_drive;

@@ -1,4 +1,5 @@
 #include "glove_open.h"
+#include "device_io.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -40,7 +41,7 @@ static mrt_result start(const attempt *by)
 static mrt_result open_path(const attempt *by, const char *path)
 {
     glove_drive *drive = by->drive;
-    trace_note(&drive->trace, glove_port_now_ns(), path);
+    trace_note(&drive->trace, device_clock_ns(), path);
     mrt_result result =
         glove_port_open_serial(&drive->port, path, drive->settings.baud, &drive->trace, by->why);
     return result < 0 ? result : start(by);
@@ -50,7 +51,7 @@ static mrt_result open_tcp(const attempt *by, const char *address)
 {
     glove_drive *drive = by->drive;
     int64_t limit_ns = (int64_t)((double)(connect_limit_ms * 1000000) * drive->settings.patience);
-    mrt_result result = glove_port_open_tcp(&drive->port, address, glove_port_now_ns() + limit_ns,
+    mrt_result result = glove_port_open_tcp(&drive->port, address, device_clock_ns() + limit_ns,
                                             &drive->trace, by->why);
     return result < 0 ? result : start(by);
 }

@@ -1,4 +1,5 @@
 #include "glove_parse.h"
+#include "device_io.h"
 
 #include <assert.h>
 #include <stdbool.h>
@@ -408,16 +409,10 @@ glove_reply glove_reply_done(const unsigned char *bytes, size_t count, char lett
 
 enum { MASK_BITS = 24, INDEX_ABDUCTION_BIT = 7, WRIST_YAW_BIT = 22 };
 
-static const char *const sensor_name[MRT_ANGLES] = {
-    "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
-    "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
-    "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
-    "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
-
 const char *glove_sensor_name(uint32_t semantic)
 {
     bool is_angle = semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES;
-    return is_angle ? sensor_name[semantic - MRT_CH_ANGLE] : "extra";
+    return is_angle ? device_sensor_name[semantic - MRT_CH_ANGLE] : "extra";
 }
 
 /* Bits are in the order of the sensors; the index finger has no abduction of its own. */

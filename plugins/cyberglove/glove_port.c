@@ -1,5 +1,6 @@
 #include "glove_port.h"
 
+#include "device_io.h"
 #include "glove_find.h"
 
 #include <errno.h>
@@ -45,13 +46,6 @@ static const int64_t NS_PER_S = 1000000000, NS_PER_MS = 1000000;
 static const int64_t write_limit_ns = 250000000, drain_limit_ns = 100000000;
 static const size_t flush_limit = 65536;
 
-int64_t glove_port_now_ns(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (int64_t)now.tv_sec * NS_PER_S + now.tv_nsec;
-}
-
 /* Rounded up, so that a wait that is over is over; a minute at most. */
 static int poll_ms(int64_t wait_ns)
 {
@@ -67,13 +61,13 @@ static int wait_for(const glove_port *self, short events, int64_t deadline_ns)
 {
     for (;;) {
         struct pollfd wanted = {.fd = self->file, .events = events};
-        int64_t now_ns = glove_port_now_ns();
+        int64_t now_ns = device_clock_ns();
         int ready = poll(&wanted, 1, poll_ms(deadline_ns - now_ns));
         if (ready > 0)
             return wanted.revents;
         if (ready < 0 && errno != EINTR)
             return -1;
-        if (glove_port_now_ns() >= deadline_ns)
+        if (device_clock_ns() >= deadline_ns)
             return 0;
     }
 }
@@ -105,7 +99,7 @@ int glove_port_read(glove_port *self, unsigned char *out, size_t capacity, int64
     if (got <= 0)
         return without_bytes(self, got, ready);
     self->empty_reads = 0;
-    trace_received(self->trace, glove_port_now_ns(), out, (size_t)got);
+    trace_received(self->trace, device_clock_ns(), out, (size_t)got);
     return (int)got;
 }
 
@@ -121,8 +115,8 @@ bool glove_port_write(glove_port *self, const void *bytes, size_t size)
     if (self->file < 0)
         return false;
     const unsigned char *from = bytes;
-    trace_sent(self->trace, glove_port_now_ns(), bytes, size);
-    int64_t deadline_ns = glove_port_now_ns() + write_limit_ns;
+    trace_sent(self->trace, device_clock_ns(), bytes, size);
+    int64_t deadline_ns = device_clock_ns() + write_limit_ns;
     while (size > 0) {
         int ready = wait_for(self, POLLOUT, deadline_ns);
         if (ready <= 0 || !(ready & POLLOUT))
@@ -133,7 +127,7 @@ bool glove_port_write(glove_port *self, const void *bytes, size_t size)
         if (sent > 0) {
             from += sent;
             size -= (size_t)sent;
-        } else if (glove_port_now_ns() >= deadline_ns) {
+        } else if (device_clock_ns() >= deadline_ns) {
             return false;
         }
     }
@@ -161,10 +155,10 @@ void glove_port_drain(const glove_port *self)
 {
     if (self->file < 0 || self->baud == 0)
         return;
-    int64_t deadline_ns = glove_port_now_ns() + drain_limit_ns;
+    int64_t deadline_ns = device_clock_ns() + drain_limit_ns;
     int waiting = 0;
     while (ioctl(self->file, TIOCOUTQ, &waiting) == 0 && waiting > 0 &&
-           glove_port_now_ns() < deadline_ns) {
+           device_clock_ns() < deadline_ns) {
         const struct timespec moment = {.tv_nsec = NS_PER_MS};
         nanosleep(&moment, NULL);
     }
@@ -402,7 +396,7 @@ static int connect_by(int file, const struct addrinfo *to, int64_t deadline_ns)
         return 0;
     if (errno != EINPROGRESS)
         return errno;
-    int64_t wait_ns = deadline_ns - glove_port_now_ns();
+    int64_t wait_ns = deadline_ns - device_clock_ns();
     struct pollfd wanted = {.fd = file, .events = POLLOUT};
     if (poll(&wanted, 1, wait_ns > 0 ? (int)(wait_ns / 1000000) + 1 : 0) <= 0)
         return ETIMEDOUT;

@@ -36,8 +36,6 @@ typedef struct glove_port {
     uint32_t latency_ms;   /* there; 0: it does not, or nobody knows */
 } glove_port;
 
-int64_t glove_port_now_ns(void);
-
 /* traced: open, or off; must outlive the port. */
 mrt_result glove_port_open_serial(glove_port *self, const char *path, uint32_t baud, trace *traced,
                                   glove_why *why);

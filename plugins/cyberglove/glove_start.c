@@ -1,8 +1,157 @@
 #include "glove_start.h"
-#include "glove_talk.h"
+#include "device_io.h"
 
 #include <stdio.h>
 #include <string.h>
+
+/* ---- questions and orders, each with a limit of its own and all with one in common; given up
+ * early when the host stops ---- */
+
+enum { HEARD_MAX = 1024 };
+
+typedef struct glove_talk {
+    glove_port *port;
+    const mrt_host *host;
+    double patience;     /* all limits, times this */
+    int64_t deadline_ns; /* of the whole talk; device_clock_ns */
+    bool is_gone, is_stopping;
+    unsigned char heard[HEARD_MAX]; /* since the last question; the newest when it is full */
+    size_t heard_count, heard_ever;
+} glove_talk;
+
+static const int64_t NS_PER_MS = 1000000;
+/* How long a wait may take before the host is asked whether it is stopping. */
+static const int64_t slice_ns = 50000000;
+static const int64_t settle_quiet_ms = 40, settle_most_ms = 200;
+
+static int64_t talk_until(const glove_talk *self, int64_t limit_ms)
+{
+    int64_t limit_ns = (int64_t)((double)(limit_ms * NS_PER_MS) * self->patience);
+    int64_t until_ns = device_clock_ns() + limit_ns;
+    return until_ns < self->deadline_ns ? until_ns : self->deadline_ns;
+}
+
+static void talk_init(glove_talk *self, glove_port *port, const mrt_host *host, double patience,
+                      int64_t limit_ms)
+{
+    *self = (glove_talk){.port = port, .host = host, .patience = patience};
+    self->deadline_ns = INT64_MAX;
+    self->deadline_ns = talk_until(self, limit_ms);
+}
+
+/* Whether it makes sense to go on: neither gone, nor stopping, nor out of time. */
+static bool talk_goes_on(const glove_talk *self)
+{
+    return !self->is_gone && !self->is_stopping && device_clock_ns() < self->deadline_ns;
+}
+
+static void talk_say(glove_talk *self, const void *bytes, size_t size)
+{
+    if (!self->is_gone && !glove_port_write(self->port, bytes, size))
+        self->is_gone = true;
+}
+
+/* A host that stops returns before the time is up. */
+static void look_for_stop(glove_talk *self)
+{
+    int64_t soon_ns = self->host->now_ns(self->host) + NS_PER_MS;
+    if (self->host->wait_until_ns(self->host, soon_ns) < soon_ns)
+        self->is_stopping = true;
+}
+
+static void remember(glove_talk *self, const unsigned char *bytes, size_t count)
+{
+    size_t room = HEARD_MAX - self->heard_count;
+    if (count > room) {
+        size_t dropped = count - room;
+        memmove(self->heard, self->heard + dropped, self->heard_count - dropped);
+        self->heard_count -= dropped;
+    }
+    memcpy(self->heard + self->heard_count, bytes, count);
+    self->heard_count += count;
+    self->heard_ever += count;
+}
+
+/* Listens until bytes have come or the limit is over; how many came. */
+static size_t talk_hear(glove_talk *self, int64_t until_ns)
+{
+    unsigned char bytes[256];
+    while (!self->is_gone && !self->is_stopping) {
+        int64_t now_ns = device_clock_ns();
+        bool is_last = until_ns - now_ns <= slice_ns;
+        int got = glove_port_read(self->port, bytes, sizeof bytes,
+                                  is_last ? until_ns : now_ns + slice_ns);
+        if (got < 0)
+            self->is_gone = true;
+        if (got > 0) {
+            remember(self, bytes, (size_t)got);
+            return (size_t)got;
+        }
+        if (device_clock_ns() >= until_ns)
+            return 0;
+        look_for_stop(self);
+    }
+    return 0;
+}
+
+/* Listens for so long; false: the talk is over. */
+static bool talk_listen(glove_talk *self, int64_t limit_ms)
+{
+    int64_t until_ns = talk_until(self, limit_ms);
+    while (talk_goes_on(self) && device_clock_ns() < until_ns)
+        talk_hear(self, until_ns);
+    return talk_goes_on(self);
+}
+
+/* Listens until nothing has come for 40 ms, 200 ms at most, and forgets what was heard. */
+static void talk_settle(glove_talk *self)
+{
+    int64_t most_ns = talk_until(self, settle_most_ms);
+    while (talk_goes_on(self) && device_clock_ns() < most_ns)
+        if (talk_hear(self, talk_until(self, settle_quiet_ms)) == 0)
+            break;
+    self->heard_count = 0;
+}
+
+/* Each byte of an order that the glove does not know may be refused on its own. */
+static glove_reply conclude(glove_talk *self, glove_reply reply)
+{
+    if (reply == GLOVE_REFUSED)
+        talk_settle(self);
+    return reply;
+}
+
+/* "?LETTER". A refusal is waited out. */
+static glove_reply talk_ask(glove_talk *self, char letter, unsigned char *out_value,
+                            size_t value_size, int64_t limit_ms)
+{
+    int64_t until_ns = talk_until(self, limit_ms);
+    const char question[2] = {'?', letter};
+    self->heard_count = 0;
+    talk_say(self, question, sizeof question);
+    glove_reply reply = GLOVE_SILENT;
+    while (reply == GLOVE_SILENT && talk_goes_on(self) && device_clock_ns() < until_ns)
+        if (talk_hear(self, until_ns) > 0)
+            reply =
+                glove_reply_value(self->heard, self->heard_count, letter, out_value, value_size);
+    return conclude(self, reply);
+}
+
+/* The bytes of an order that is answered with its letter. */
+static glove_reply talk_order(glove_talk *self, const void *bytes, size_t size, char letter,
+                              int64_t limit_ms)
+{
+    int64_t until_ns = talk_until(self, limit_ms);
+    self->heard_count = 0;
+    talk_say(self, bytes, size);
+    glove_reply reply = GLOVE_SILENT;
+    while (reply == GLOVE_SILENT && talk_goes_on(self) && device_clock_ns() < until_ns)
+        if (talk_hear(self, until_ns) > 0)
+            reply = glove_reply_done(self->heard, self->heard_count, letter);
+    return conclude(self, reply);
+}
+
+/* ---- the start ---- */
 
 enum { ASK_TRIES = 4, RATE_MOST_HZ = 1000 };
 static const int64_t whole_ms = 6000, ask_ms = 500, order_ms = 300, pause_ms = 50;
@@ -50,7 +199,7 @@ static mrt_result end_of(const glove_talk *talk, glove_why *why)
     if (talk->is_gone)
         return glove_why_set(why, MRT_ERR_IO, "%s went away while it was asked: was it unplugged?",
                              talk->port->name);
-    if (!glove_talk_goes_on(talk))
+    if (!talk_goes_on(talk))
         return glove_why_set(why, MRT_ERR_IO,
                              "%s answers so slowly that it was given up; if it is a CyberGlove, "
                              "switch it off and on",
@@ -62,8 +211,8 @@ static mrt_result end_of(const glove_talk *talk, glove_why *why)
 static void hush(glove_talk *talk)
 {
     const char stop = GLOVE_CTRL_C;
-    glove_talk_say(talk, &stop, 1);
-    glove_talk_listen(talk, pause_ms);
+    talk_say(talk, &stop, 1);
+    talk_listen(talk, pause_ms);
     if (!talk->is_gone)
         glove_port_flush(talk->port);
     talk->heard_count = 0;
@@ -76,9 +225,9 @@ typedef struct first_words {
 
 static bool is_ready(glove_talk *talk, int tries, uint32_t *out, first_words *heard)
 {
-    for (int i = 0; i < tries && glove_talk_goes_on(talk); ++i) {
+    for (int i = 0; i < tries && talk_goes_on(talk); ++i) {
         unsigned char value = 0;
-        glove_reply reply = glove_talk_ask(talk, 'G', &value, 1, ask_ms);
+        glove_reply reply = talk_ask(talk, 'G', &value, 1, ask_ms);
         *out = value;
         if (reply == GLOVE_ANSWERED)
             return true;
@@ -95,10 +244,10 @@ static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *ou
 {
     first_words heard = {.count = 0};
     bool ready = is_ready(talk, effort == GLOVE_MAY_RESTART ? ASK_TRIES : 2, out_readiness, &heard);
-    if (!ready && effort == GLOVE_MAY_RESTART && glove_talk_goes_on(talk)) {
+    if (!ready && effort == GLOVE_MAY_RESTART && talk_goes_on(talk)) {
         const char restart = GLOVE_CTRL_R;
-        glove_talk_say(talk, &restart, 1);
-        if (glove_talk_listen(talk, restart_ms))
+        talk_say(talk, &restart, 1);
+        if (talk_listen(talk, restart_ms))
             ready = is_ready(talk, 1, out_readiness, &heard);
     }
     if (ready)
@@ -112,7 +261,7 @@ static mrt_result find_glove(glove_talk *talk, glove_effort effort, uint32_t *ou
 static uint32_t ask_mask(glove_talk *talk, char letter, int64_t limit_ms)
 {
     unsigned char b[3];
-    if (glove_talk_ask(talk, letter, b, sizeof b, limit_ms) != GLOVE_ANSWERED)
+    if (talk_ask(talk, letter, b, sizeof b, limit_ms) != GLOVE_ANSWERED)
         return 0;
     return (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
 }
@@ -120,7 +269,7 @@ static uint32_t ask_mask(glove_talk *talk, char letter, int64_t limit_ms)
 static uint32_t ask_byte(glove_talk *talk, char letter, int64_t limit_ms)
 {
     unsigned char value = 0;
-    return glove_talk_ask(talk, letter, &value, 1, limit_ms) == GLOVE_ANSWERED ? value : 0;
+    return talk_ask(talk, letter, &value, 1, limit_ms) == GLOVE_ANSWERED ? value : 0;
 }
 
 static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why)
@@ -149,7 +298,7 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
 static void find_hand(glove_talk *talk, const glove_settings *settings, glove_unit *out)
 {
     unsigned char is_right = 1;
-    out->said_hand = glove_talk_ask(talk, 'R', &is_right, 1, ask_ms) == GLOVE_ANSWERED;
+    out->said_hand = talk_ask(talk, 'R', &is_right, 1, ask_ms) == GLOVE_ANSWERED;
     out->hand = is_right ? MRT_RIGHT : MRT_LEFT;
     if (settings->hand == GLOVE_HAND_LEFT)
         out->hand = MRT_LEFT;
@@ -170,7 +319,7 @@ static void note_refusal(glove_unit *unit, char letter)
 static bool give_flag(glove_talk *talk, glove_unit *unit, char letter, bool on)
 {
     const char order[2] = {letter, on ? 1 : 0};
-    glove_reply reply = glove_talk_order(talk, order, sizeof order, letter, order_ms);
+    glove_reply reply = talk_order(talk, order, sizeof order, letter, order_ms);
     if (reply == GLOVE_ANSWERED)
         return true;
     if (on)
@@ -206,7 +355,7 @@ static int64_t ask_period_ns(glove_talk *talk, uint32_t asked_ticks)
 {
     unsigned char value[4];
     uint32_t ticks = asked_ticks;
-    if (glove_talk_ask(talk, 'T', value, sizeof value, order_ms) == GLOVE_ANSWERED)
+    if (talk_ask(talk, 'T', value, sizeof value, order_ms) == GLOVE_ANSWERED)
         ticks = period_ticks(value, asked_ticks);
     return (int64_t)((double)ticks * 1e9 / ticks_per_s);
 }
@@ -222,7 +371,7 @@ static void give_rate(glove_talk *talk, const glove_settings *settings, glove_un
     uint32_t factor = ticks > 65535 ? 2 : 1;
     char order[32];
     int length = snprintf(order, sizeof order, "t %u %u\r", ticks / factor, factor);
-    if (glove_talk_order(talk, order, (size_t)length, 't', order_ms) == GLOVE_ANSWERED) {
+    if (talk_order(talk, order, (size_t)length, 't', order_ms) == GLOVE_ANSWERED) {
         unit->period_ns = ask_period_ns(talk, ticks / factor * factor);
         return;
     }
@@ -240,7 +389,7 @@ static mrt_result set_up(glove_talk *talk, const glove_settings *settings, glove
     if (settings->filter != GLOVE_FILTER_AS_IT_IS)
         give_flag(talk, out, 'F', settings->filter == GLOVE_FILTER_ON);
     give_rate(talk, settings, out);
-    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && glove_talk_goes_on(talk))
+    if (settings->stamps == GLOVE_STAMPS_ON && !out->layout.has_time && talk_goes_on(talk))
         return glove_why_set(why, MRT_ERR_UNSUPPORTED,
                              "%s has no time stamps, as most CyberGlove II and III: leave "
                              "time_stamps=auto",
@@ -334,11 +483,11 @@ static mrt_result have_record(glove_talk *talk, glove_unit *unit, glove_parse *p
     talk->heard_count = 0;
     if (!glove_start_sending(talk->port, unit))
         talk->is_gone = true;
-    int64_t until_ns = glove_talk_until(talk, first_limit_ms(unit));
+    int64_t until_ns = talk_until(talk, first_limit_ms(unit));
     heard_records found = HEARD_NONE;
-    while (glove_talk_goes_on(talk) && glove_port_now_ns() < until_ns) {
-        int64_t try_ns = unit->is_polled ? glove_talk_until(talk, poll_again_ms) : until_ns;
-        size_t count = glove_talk_hear(talk, try_ns < until_ns ? try_ns : until_ns);
+    while (talk_goes_on(talk) && device_clock_ns() < until_ns) {
+        int64_t try_ns = unit->is_polled ? talk_until(talk, poll_again_ms) : until_ns;
+        size_t count = talk_hear(talk, try_ns < until_ns ? try_ns : until_ns);
         bool asks_again = unit->is_polled && !talk->is_gone;
         heard_records now = take_heard(talk, count, parse);
         glove_layout other = unit->layout;
@@ -364,7 +513,7 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_setti
 {
     glove_talk talk;
     *out = (glove_unit){.layout = {.form = settings->form}};
-    glove_talk_init(&talk, port, host, settings->patience, whole_ms);
+    talk_init(&talk, port, host, settings->patience, whole_ms);
     hush(&talk);
     mrt_result result = find_glove(&talk, effort, &out->readiness, why);
     if (result < 0)
@@ -377,10 +526,10 @@ mrt_result glove_start(glove_port *port, const mrt_host *host, const glove_setti
     if (settings->form == GLOVE_BYTES)
         result = set_up(&talk, settings, out, why);
     else /* lets it send over USB; what it answers is not known */
-        glove_talk_order(&talk, "1eu", 3, '1', order_ms);
+        talk_order(&talk, "1eu", 3, '1', order_ms);
     if (result < 0)
         return result;
     choose_mode(settings, out);
-    glove_talk_settle(&talk);
+    talk_settle(&talk);
     return have_record(&talk, out, parse, why);
 }

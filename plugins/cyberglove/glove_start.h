@@ -6,6 +6,7 @@
 #include "glove_parse.h"
 #include "glove_port.h"
 
+enum { GLOVE_CTRL_C = 0x03, GLOVE_CTRL_R = 0x12 };
 enum { GLOVE_MODE_AUTO = 0, GLOVE_MODE_STREAM, GLOVE_MODE_POLLED };
 enum { GLOVE_STAMPS_AUTO = 0, GLOVE_STAMPS_ON, GLOVE_STAMPS_OFF };
 enum { GLOVE_HAND_AUTO = 0, GLOVE_HAND_LEFT, GLOVE_HAND_RIGHT };

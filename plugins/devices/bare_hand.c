@@ -1,4 +1,5 @@
 #include "bare_hand.h"
+#include "device_io.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,17 +28,12 @@ static uint32_t wanted_of(const double *params)
 
 void bare_hand_begin(bare_hand *out, const double *params)
 {
-    static const char *const sensor[MRT_ANGLES] = {
-        "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
-        "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
-        "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
-        "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
     memset(out, 0, sizeof *out);
     out->wanted = wanted_of(params);
     const uint32_t side = out->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
     for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
         (void)snprintf(out->name[i], sizeof out->name[i], "%s.%s",
-                       side == MRT_LEFT ? "left" : "right", sensor[i]);
+                       side == MRT_LEFT ? "left" : "right", device_sensor_name[i]);
         out->channel[i] = (mrt_channel){out->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
     }
 }

@@ -8,6 +8,12 @@
 
 static const int64_t ns_per_s = 1000000000;
 
+const char *const device_sensor_name[MRT_ANGLES] = {
+    "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
+    "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
+    "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
+    "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
+
 void device_say(const mrt_host *host, int32_t level, const char *format, ...)
 {
     char text[512];
@@ -39,6 +45,19 @@ int64_t device_clock_host_offset_ns(const mrt_host *host)
         }
     }
     return offset_ns;
+}
+
+int64_t device_deadline_ns(const mrt_host *host, int64_t deadline_ns)
+{
+    int64_t left_ns = deadline_ns - host->now_ns(host);
+    return device_clock_ns() + (left_ns < 0 ? 0 : left_ns < ns_per_s ? left_ns : ns_per_s);
+}
+
+int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns)
+{
+    int64_t now_ns = host->now_ns(host);
+    time_ns = time_ns < now_ns ? time_ns : now_ns;
+    return *last_ns = time_ns > *last_ns ? time_ns : *last_ns;
 }
 
 int device_wait(int descriptor, int64_t span_ns)

@@ -1,8 +1,11 @@
 /* plugins/devices/device_io.h - what every input that waits for a device does: say a sentence, tell
- * the time, wait for bytes. Shared by input plugins. */
+ * the time, wait for bytes, call the sensors of a hand by their names. Shared by input plugins. */
 #ifndef MAROTTE_DEVICES_DEVICE_IO_H
 #define MAROTTE_DEVICES_DEVICE_IO_H
 #include <marotte/plugin.h>
+
+/* What the angles of a hand are called, in sensor order: "thumb.roll" ... "wrist.yaw". */
+extern const char *const device_sensor_name[MRT_ANGLES];
 
 /* One line for the person, cut at 511 bytes. Any thread. */
 __attribute__((format(printf, 3, 4))) void device_say(const mrt_host *host, int32_t level,
@@ -13,6 +16,12 @@ __attribute__((format(printf, 3, 4))) void device_say(const mrt_host *host, int3
 int64_t device_clock_ns(void);
 /* The host's clock less that one. [main] [input] */
 int64_t device_clock_host_offset_ns(const mrt_host *host);
+/* The deadline of a read by that clock; a second from now at most, also for a host whose clock
+ * waits for this input. [input] */
+int64_t device_deadline_ns(const mrt_host *host, int64_t deadline_ns);
+/* The host's time for a sample that was measured at time_ns: never in the future, never before
+ * *last_ns, which it becomes. [main] [input] */
+int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns);
 
 /* Waits until the descriptor has something to read (or is gone), or span_ns have passed, never
  * longer: 1, 0, or -1 and errno. A span below 0 is 0. A signal ends it early with 0. */

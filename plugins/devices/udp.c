@@ -248,3 +248,115 @@ int udp_send_to(int socket, const char *host, uint16_t port, const void *bytes, 
     freeaddrinfo(address);
     return error == ECONNREFUSED ? 0 : error;
 }
+
+/* ---- who may send ---- */
+
+static const int64_t silence_ns = 1000000000;
+
+bool udp_owner_is(const udp_owner *owner, const udp_peer *peer)
+{
+    return owner->known && udp_peer_equals(&owner->peer, peer);
+}
+
+void udp_owner_release(udp_owner *owner)
+{
+    *owner = (udp_owner){0};
+}
+
+static bool is_silent(int64_t heard_ns, int64_t now_ns)
+{
+    return now_ns - heard_ns > silence_ns;
+}
+
+bool udp_owner_admits(udp_owner *owner, const udp_peer *peer, int64_t now_ns)
+{
+    if (!udp_owner_is(owner, peer)) {
+        if (owner->known && !is_silent(owner->heard_ns, now_ns))
+            return false;
+        *owner = (udp_owner){.known = true, .established = true, .peer = *peer};
+    }
+    owner->heard_ns = now_ns;
+    return true;
+}
+
+static bool is_back(const udp_owner *owner, const udp_peer *peer, int64_t now_ns)
+{
+    return owner->former_known && udp_peer_equals(&owner->former, peer) &&
+           !is_silent(owner->former_heard_ns, now_ns);
+}
+
+bool udp_owner_admits_single(udp_owner *owner, const udp_peer *peer, int64_t now_ns)
+{
+    bool holds = owner->known && !is_silent(owner->heard_ns, now_ns);
+    if (udp_owner_is(owner, peer)) {
+        owner->established = holds;
+        owner->heard_ns = now_ns;
+        return true;
+    }
+    if (holds && owner->established)
+        return false;
+    *owner = (udp_owner){.known = true,
+                         .established = is_back(owner, peer, now_ns),
+                         .former_known = holds,
+                         .peer = *peer,
+                         .former = owner->peer,
+                         .heard_ns = now_ns,
+                         .former_heard_ns = owner->heard_ns};
+    return true;
+}
+
+/* ---- datagrams to one place ---- */
+
+static const int64_t unheard_ns = 1000000000;
+
+void udp_sender_init(udp_sender *self, const mrt_host *host)
+{
+    *self = (udp_sender){.host = host, .socket = -1, .trace = {.file = -1}};
+}
+
+mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port, const char *source)
+{
+    char reason[UDP_REASON];
+    udp_sender_close(self);
+    (void)snprintf(self->host_name, sizeof self->host_name, "127.0.0.1");
+    self->port = port;
+    self->refused_ns = 0;
+    if (address[0] && !udp_address_parse(self->host_name, &self->port, address, strlen(address))) {
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%u",
+                   address, (unsigned)port);
+        return MRT_ERR_ARGUMENT;
+    }
+    self->socket = udp_connect(self->host_name, self->port, reason);
+    if (self->socket < 0) {
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    trace_open(&self->trace, self->host, source);
+    return MRT_OK;
+}
+
+mrt_result udp_sender_send(udp_sender *self, const void *bytes, size_t size)
+{
+    if (self->socket < 0)
+        return MRT_ERR_IO;
+    int64_t now_ns = device_clock_ns();
+    trace_sent(&self->trace, now_ns, bytes, size);
+    int error = udp_send(self->socket, bytes, size);
+    if (error == ECONNREFUSED)
+        self->refused_ns = now_ns;
+    if (error == 0 || is_passing(error) || error == ENOBUFS) /* no room now, or nobody listens */
+        return self->refused_ns && now_ns - self->refused_ns < unheard_ns ? MRT_TIMEOUT : MRT_OK;
+    device_say(self->host, MRT_LOG_ERROR, "nothing reaches %s port %u: %s", self->host_name,
+               (unsigned)self->port, strerror(error));
+    return MRT_ERR_IO;
+}
+
+void udp_sender_close(udp_sender *self)
+{
+    if (self->socket < 0)
+        return;
+    trace_close(&self->trace);
+    udp_close(self->socket);
+    self->socket = -1;
+}

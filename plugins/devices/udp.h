@@ -1,7 +1,10 @@
-/* plugins/devices/udp.h - UDP sockets that never wait longer than they are told. Sockets are the
- * system's file numbers; -1 is none. Any thread. Shared by input plugins. */
+/* plugins/devices/udp.h - UDP sockets that never wait longer than they are told; who of several
+ * senders counts; datagrams to one place. Sockets are the system's file numbers; -1 is none. Any
+ * thread, but one at a time for one owner or sender. Shared by inputs and face outputs. */
 #ifndef MAROTTE_DEVICES_UDP_H
 #define MAROTTE_DEVICES_UDP_H
+#include "trace.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -38,5 +41,44 @@ int64_t udp_receive(int socket, void *out, size_t capacity, udp_peer *out_peer,
 int udp_send(int socket, const void *bytes, size_t size);
 /* The same from a socket that receives, to an address in numbers. */
 int udp_send_to(int socket, const char *host, uint16_t port, const void *bytes, size_t size);
+
+/* ---- who may send one thing (a face, the angles of a hand, the pedals): of two senders at a time
+ * the first, until it has been silent for a second; pure ---- */
+
+typedef struct udp_owner {
+    bool known, established, former_known;
+    udp_peer peer, former;
+    int64_t heard_ns, former_heard_ns;
+} udp_owner;
+
+/* Whether what the peer sends now counts; if so it has been heard. */
+bool udp_owner_admits(udp_owner *owner, const udp_peer *peer, int64_t now_ns);
+/* As above, but a program that sends once and is gone, as `oscsend` does, holds nothing: a sender
+ * is established when it has sent twice within the second. */
+bool udp_owner_admits_single(udp_owner *owner, const udp_peer *peer, int64_t now_ns);
+/* Whether the peer is the one that counts, without hearing it. */
+bool udp_owner_is(const udp_owner *owner, const udp_peer *peer);
+void udp_owner_release(udp_owner *owner);
+
+/* ---- datagrams to one place, for face outputs: opened, sent without waiting, and what that tells
+ * about the other side ---- */
+
+typedef struct udp_sender {
+    const mrt_host *host;
+    int socket; /* -1: closed */
+    char host_name[UDP_HOST];
+    uint16_t port;
+    int64_t refused_ns; /* when nobody listened last; 0: never */
+    trace trace;
+} udp_sender;
+
+void udp_sender_init(udp_sender *self, const mrt_host *host);
+/* address: [HOST:]PORT; "": that port of this computer. source: for MAROTTE_TRACE. Says why not. */
+mrt_result udp_sender_open(udp_sender *self, const char *address, uint16_t port,
+                           const char *source);
+/* MRT_OK; MRT_TIMEOUT: sent, but in the last second that computer has said that nobody listens;
+ * MRT_ERR_IO, said: the network is gone. */
+mrt_result udp_sender_send(udp_sender *self, const void *bytes, size_t size);
+void udp_sender_close(udp_sender *self); /* again is fine */
 
 #endif

@@ -1,17 +1,183 @@
 /* gamepad.c - the plugin "org.marotte.gamepad": sticks, triggers and buttons of a pad as named
- * channels (pad.h), whichever window has the focus, any number of pads (evdev.h). The guide is
+ * channels (pad.h), whichever window has the focus, any number of pads. The guide is
  * plugins/devices/README.md. */
 #include "device_io.h"
-#include "evdev.h"
+#include "pad.h"
 #include "trace.h"
 
 #include <marotte/plugin.h>
 
+#include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <linux/input.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
+#include <time.h>
 #include <unistd.h>
+
+/* ---- Linux' input devices: which pads are plugged in, as /sys says without opening one, and one
+ * of them opened for its events ---- */
+
+enum { EVDEV_SEEN = 16, EVDEV_NAME = 64, EVDEV_IDENTITY = 96 };
+
+typedef struct evdev_seen {
+    uint32_t number; /* of /dev/input/eventN */
+    char node[32], name[EVDEV_NAME];
+    /* Where it is plugged in, or the address of its radio: stays when it comes again. */
+    char identity[EVDEV_IDENTITY];
+    pad_model model; /* without the ends of axes */
+} evdev_seen;
+
+enum { PATH = 96, LINE = 512, FOLDER_CAP = 4096 };
+static const char folder[] = "/sys/class/input";
+
+/* One line without its end; control characters, which a device may well have in its name, and the
+ * ',' that begins parameters are blanks. "" if there is none. */
+static void read_line(uint32_t number, const char *file, char *out, size_t capacity)
+{
+    char path[PATH];
+    out[0] = '\0';
+    (void)snprintf(path, sizeof path, "%s/event%u/device/%s", folder, number, file);
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0)
+        return;
+    ssize_t size = read(descriptor, out, capacity - 1);
+    close(descriptor);
+    out[size > 0 ? size : 0] = '\0';
+    out[strcspn(out, "\n")] = '\0';
+    for (char *c = out; *c; ++c)
+        if ((unsigned char)*c < ' ' || *c == 0x7f || *c == ',')
+            *c = ' ';
+}
+
+/* "7cdb000000000000 0 0 0 0": words of a long each, the lowest last. */
+static void read_bits(uint32_t number, const char *file, uint8_t *out, size_t size)
+{
+    char line[LINE];
+    uint32_t word_count = 0;
+    memset(out, 0, size);
+    read_line(number, file, line, sizeof line);
+    for (char *end = line + strlen(line); end > line; ++word_count) {
+        char *begin = end;
+        while (begin > line && begin[-1] != ' ')
+            --begin;
+        const unsigned long word = strtoul(begin, NULL, 16);
+        for (size_t i = 0; i < sizeof word && word_count * sizeof word + i < size; ++i)
+            out[word_count * sizeof word + i] = (uint8_t)(word >> (8 * i));
+        end = begin > line ? begin - 1 : begin;
+        *end = '\0';
+    }
+}
+
+static void find_identity(evdev_seen *out)
+{
+    read_line(out->number, "uniq", out->identity, sizeof out->identity);
+    if (out->identity[0] == '\0')
+        read_line(out->number, "phys", out->identity, sizeof out->identity);
+    if (out->identity[0] == '\0')
+        (void)snprintf(out->identity, sizeof out->identity, "event%u", out->number);
+    for (char *c = out->identity; *c; ++c)
+        if (*c == '/')
+            *c = '.';
+}
+
+static bool see(evdev_seen *out, uint32_t number)
+{
+    char vendor[16];
+    uint8_t axes[PAD_AXES / 8];
+    *out = (evdev_seen){.number = number};
+    read_bits(number, "capabilities/key", out->model.key, sizeof out->model.key);
+    read_bits(number, "capabilities/abs", axes, sizeof axes);
+    for (uint16_t i = 0; i < PAD_AXES; ++i)
+        out->model.axis[i].is_there = axes[i / 8] >> i % 8 & 1;
+    if (!pad_is_pad(&out->model))
+        return false;
+    read_line(number, "id/vendor", vendor, sizeof vendor);
+    out->model.vendor = (uint16_t)strtoul(vendor, NULL, 16);
+    read_line(number, "name", out->name, sizeof out->name);
+    (void)snprintf(out->node, sizeof out->node, "/dev/input/event%u", number);
+    find_identity(out);
+    return true;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Pads in the order in which they came, at most EVDEV_SEEN; returns how many. */
+static uint32_t evdev_look(evdev_seen out[EVDEV_SEEN])
+{
+    enum { NUMBERS = 256 };
+    uint32_t number[NUMBERS], number_count = 0, count = 0;
+    DIR *listing = opendir(folder);
+    if (!listing)
+        return 0;
+    const struct dirent *entry;
+    for (int i = 0; i < FOLDER_CAP && number_count < NUMBERS && (entry = readdir(listing)); ++i)
+        if (sscanf(entry->d_name, "event%9u", &number[number_count]) == 1)
+            number_count += 1;
+    closedir(listing);
+    qsort(number, number_count, sizeof *number, compare_numbers);
+    for (uint32_t i = 0; i < number_count && count < EVDEV_SEEN; ++i)
+        count += see(&out[count], number[i]);
+    return count;
+}
+
+/* ---- one that is open ---- */
+
+/* Where everything stands, as after lost events. False: the device is gone. */
+static bool evdev_read_state(int descriptor, const pad_model *model, pad_state *out)
+{
+    memset(out, 0, sizeof *out);
+    for (uint32_t i = 0; i < PAD_AXES; ++i) {
+        struct input_absinfo about = {0};
+        if (!model->axis[i].is_there)
+            continue;
+        if (ioctl(descriptor, EVIOCGABS(i), &about) < 0)
+            return false;
+        pad_set_axis(out, (uint16_t)i, about.value);
+    }
+    return ioctl(descriptor, EVIOCGKEY(sizeof out->key), out->key) >= 0;
+}
+
+/* Completes the model, reads where everything stands. -1 and errno. Events are stamped by the
+ * monotonic clock. Several programs may have a pad open. */
+static int evdev_open(evdev_seen *seen, pad_state *out_state)
+{
+    const int clock = CLOCK_MONOTONIC;
+    int descriptor = open(seen->node, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (descriptor < 0)
+        return -1;
+    for (uint32_t i = 0; i < PAD_AXES; ++i) {
+        struct input_absinfo about = {0};
+        pad_axis *axis = &seen->model.axis[i];
+        if (axis->is_there && ioctl(descriptor, EVIOCGABS(i), &about) >= 0)
+            *axis = (pad_axis){true, about.minimum, about.maximum};
+    }
+    if (ioctl(descriptor, EVIOCSCLOCKID, &clock) >= 0 &&
+        evdev_read_state(descriptor, &seen->model, out_state))
+        return descriptor;
+    int error = errno;
+    close(descriptor);
+    errno = error;
+    return -1;
+}
+
+/* How many events have come: 0 none; -1: the device is gone. */
+static int evdev_read(int descriptor, struct input_event *out, uint32_t capacity)
+{
+    ssize_t size = read(descriptor, out, capacity * sizeof *out);
+    if (size >= (ssize_t)sizeof *out)
+        return (int)((size_t)size / sizeof *out);
+    return size < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : -1;
+}
+
+/* ---- the input ---- */
 
 enum { PARAM_DEAD, PARAM_COUNT };
 enum { EVENTS = 64 };
@@ -66,7 +232,7 @@ static void input_close(mrt_plugin *self)
 {
     if (self->descriptor < 0)
         return;
-    evdev_close(self->descriptor);
+    close(self->descriptor);
     trace_close(&self->trace);
     self->descriptor = -1;
 }
@@ -133,11 +299,9 @@ static float dead_of(const double *params)
 
 static mrt_result give(mrt_plugin *self, const double *params, int64_t time_ns, mrt_sample *out)
 {
-    const int64_t now_ns = self->host->now_ns(self->host);
-    time_ns = time_ns < now_ns ? time_ns : now_ns;
     memset(out, 0, sizeof *out);
-    self->last_ns = out->time_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
-    self->repeat_due_ns = now_ns + repeat_ns;
+    out->time_ns = device_sample_ns(self->host, time_ns, &self->last_ns);
+    self->repeat_due_ns = self->host->now_ns(self->host) + repeat_ns;
     self->is_due = false;
     out->sequence = self->sequence++;
     out->count = PAD_CHANNELS;
@@ -156,8 +320,7 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
     }
     if (is_any_down) {
         memset(out, 0, sizeof *out);
-        const int64_t now_ns = self->host->now_ns(self->host);
-        self->last_ns = out->time_ns = now_ns > self->last_ns ? now_ns : self->last_ns;
+        out->time_ns = device_sample_ns(self->host, self->host->now_ns(self->host), &self->last_ns);
         out->sequence = self->sequence++;
         out->count = PAD_CHANNELS;
         memcpy(out->value, self->given, sizeof self->given);

@@ -1,4 +1,5 @@
 #include "log_parse.h"
+#include "device_io.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -8,47 +9,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* What the two formats share: the record being read, and how a line is refused. */
-
-typedef struct log_record {
-    int64_t time_ns; /* of the file's own clock */
-    float value[MRT_MAX_CHANNELS];
-} log_record;
-
-/* Radians beyond a whole turn are no joint's angle. */
-#define LOG_ANGLE_MAX 6.2831853071795865
-
-/* Adds a channel; `name` and `unit` are copied. */
-static void log_add_channel(log_data *data, const char *name, const char *unit, uint32_t semantic,
-                            uint32_t hand);
-
-/* Writes the reason and returns MRT_ERR_FORMAT. */
-__attribute__((format(printf, 2, 3))) static mrt_result log_refuse(char *out_reason,
-                                                                   const char *format, ...);
-
-typedef struct log_table {
-    bool time_in_ns;
-    double scale[MRT_MAX_CHANNELS]; /* from the file's unit to the channel's */
-    double limit[MRT_MAX_CHANNELS]; /* largest magnitude, in the channel's unit */
-    bool may_have_units;            /* no record has been seen yet */
-} log_table;
-static mrt_result log_table_header(log_table *table, log_data *data, log_text line,
-                                   char *out_reason);
-/* A line that says the units. 0: it does not, it is a record. > 0: it did. < 0: refused. */
-static mrt_result log_table_units(log_table *table, log_data *data, log_text line,
-                                  char *out_reason);
-static mrt_result log_table_record(log_table *table, const log_data *data, log_text line,
-                                   log_record *out, char *out_reason);
-
-static void log_recording_channels(log_data *data, uint32_t hand);
-static mrt_result log_recording_record(log_text line, log_record *out, char *out_reason);
-
-static const char *const log_sensor_name[MRT_ANGLES] = {
-    "thumb.roll", "thumb.mpj",  "thumb.ij",    "thumb.abd",  "index.mpj",  "index.pij",
-    "index.dij",  "middle.mpj", "middle.pij",  "middle.dij", "middle.abd", "ring.mpj",
-    "ring.pij",   "ring.dij",   "ring.abd",    "little.mpj", "little.pij", "little.dij",
-    "little.abd", "palm.arch",  "wrist.pitch", "wrist.yaw"};
 
 /* ---- texts ---- */
 
@@ -80,7 +40,8 @@ static log_text taken(log_text *rest, char separator)
     return trimmed(piece);
 }
 
-bool log_text_line(log_text *rest, log_text *out_line)
+/* Takes the next line off `rest`, trimmed of blanks and of its \r\n or \n; false at the end. */
+static bool next_line(log_text *rest, log_text *out_line)
 {
     if (!rest->at || rest->at == rest->end)
         return false;
@@ -88,7 +49,9 @@ bool log_text_line(log_text *rest, log_text *out_line)
     return true;
 }
 
-bool log_text_field(log_text *rest, log_text *out_field)
+/* Takes what is before the next comma (or the rest) off `rest`, trimmed of blanks; false once the
+ * rest is used up. "a,,b" gives "a", "", "b". */
+static bool next_field(log_text *rest, log_text *out_field)
 {
     if (!rest->at)
         return false;
@@ -96,7 +59,8 @@ bool log_text_field(log_text *rest, log_text *out_field)
     return true;
 }
 
-bool log_text_word(log_text *rest, log_text *out_word)
+/* Takes the next run of non-blank bytes off `rest`; false when only blanks are left. */
+static bool next_word(log_text *rest, log_text *out_word)
 {
     while (rest->at < rest->end && is_blank(*rest->at))
         rest->at += 1;
@@ -109,18 +73,20 @@ bool log_text_word(log_text *rest, log_text *out_word)
     return true;
 }
 
-bool log_text_starts_number(log_text text)
+/* With a digit, sign or point. */
+static bool starts_number(log_text text)
 {
     return text.at < text.end && (is_digit(*text.at) || strchr("+-.", *text.at));
 }
 
-bool log_text_is(log_text text, const char *word)
+static bool text_is(log_text text, const char *word)
 {
     size_t length = strlen(word);
     return (size_t)(text.end - text.at) == length && memcmp(text.at, word, length) == 0;
 }
 
-void log_text_copy(char *out, size_t capacity, log_text text)
+/* Copies into a 0-ended buffer, cut to fit; bytes that do not print become '?'. */
+static void text_copy(char *out, size_t capacity, log_text text)
 {
     size_t length = (size_t)(text.end - text.at);
     if (length > capacity - 1)
@@ -212,7 +178,9 @@ bool log_text_number(log_text text, double *out)
     return true;
 }
 
-bool log_text_integer(log_text text, int64_t *out)
+#define LOG_INTEGER_MAX INT64_C(4000000000000000000)
+/* Within +-LOG_INTEGER_MAX: the difference of any two is an int64_t. */
+static bool read_integer(log_text text, int64_t *out)
 {
     bool negative = take_sign(&text);
     int64_t value = 0;
@@ -225,6 +193,60 @@ bool log_text_integer(log_text text, int64_t *out)
     }
     *out = negative ? -value : value;
     return text.at == text.end && text.at > first;
+}
+
+/* ---- what the two formats share: the record being read, how a line is refused, channels ---- */
+
+typedef struct log_record {
+    int64_t time_ns; /* of the file's own clock */
+    float value[MRT_MAX_CHANNELS];
+} log_record;
+
+/* Radians beyond a whole turn are no joint's angle. */
+#define LOG_ANGLE_MAX 6.2831853071795865
+
+/* Writes the reason and returns MRT_ERR_FORMAT. */
+__attribute__((format(printf, 2, 3))) static mrt_result log_refuse(char *out_reason,
+                                                                   const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(out_reason, LOG_REASON, format, arguments);
+    va_end(arguments);
+    return MRT_ERR_FORMAT;
+}
+
+/* What the values of a channel may reach, for gauges. */
+static float channel_max(uint32_t semantic, const char *unit)
+{
+    if (strcmp(unit, "rad") == 0)
+        return 3.1415927f;
+    if (strcmp(unit, "count") == 0)
+        return 255.0f;
+    if (strcmp(unit, "mm") == 0)
+        return 2000.0f;
+    return semantic == MRT_CH_OTHER ? 1e6f : 1.0f;
+}
+
+static bool is_never_negative(uint32_t semantic, const char *unit)
+{
+    return strcmp(unit, "count") == 0 || semantic >= MRT_CH_PEDAL;
+}
+
+/* Adds a channel; `name` and `unit` are copied. */
+static void log_add_channel(log_data *data, const char *name, const char *unit, uint32_t semantic,
+                            uint32_t hand)
+{
+    uint32_t i = data->channel_count++;
+    snprintf(data->name[i], LOG_NAME, "%s", name);
+    snprintf(data->unit[i], LOG_NAME, "%s", unit);
+    float max = channel_max(semantic, data->unit[i]);
+    data->channel[i] = (mrt_channel){data->name[i],
+                                     data->unit[i],
+                                     semantic,
+                                     hand,
+                                     is_never_negative(semantic, data->unit[i]) ? 0.0f : -max,
+                                     max};
 }
 
 /* ---- recordings of others ---- */
@@ -252,7 +274,7 @@ static void log_recording_channels(log_data *data, uint32_t hand)
     for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
         char name[LOG_NAME];
         snprintf(name, sizeof name, "%s.%s", hand == MRT_LEFT ? "left" : "right",
-                 log_sensor_name[i]);
+                 device_sensor_name[i]);
         log_add_channel(data, name, "rad", MRT_CH_ANGLE + i, hand);
     }
 }
@@ -290,10 +312,10 @@ static mrt_result read_words(log_text line, double *out, char *out_reason)
 {
     log_text word;
     int count = 0;
-    while (log_text_word(&line, &word)) {
+    while (next_word(&line, &word)) {
         if (count < WORDS && !log_text_number(word, &out[count])) {
             char text[LOG_NAME];
-            log_text_copy(text, sizeof text, word);
+            text_copy(text, sizeof text, word);
             return log_refuse(out_reason, "word %d is no number: \"%s\"", count + 1, text);
         }
         count += 1;
@@ -334,6 +356,13 @@ static const double RADIANS_PER_DEGREE = 0.017453292519943295;
 static const double OTHER_MAX = 1e6, COUNT_MAX = 65535;
 static const double TIME_MAX_S = 1e8;
 
+typedef struct log_table {
+    bool time_in_ns;
+    double scale[MRT_MAX_CHANNELS]; /* from the file's unit to the channel's */
+    double limit[MRT_MAX_CHANNELS]; /* largest magnitude, in the channel's unit */
+    bool may_have_units;            /* no record has been seen yet */
+} log_table;
+
 /* ---- the header ---- */
 
 typedef struct meaning {
@@ -362,7 +391,7 @@ static meaning meaning_of(const char *name)
         return (meaning){MRT_CH_OTHER, MRT_NO_HAND, ""};
     const char *sensor = strchr(name, '.') + 1;
     for (uint32_t i = 0; i < MRT_ANGLES; ++i)
-        if (strcmp(sensor, log_sensor_name[i]) == 0)
+        if (strcmp(sensor, device_sensor_name[i]) == 0)
             return (meaning){MRT_CH_ANGLE + i, hand, "rad"};
     for (uint32_t i = 0; i < 7; ++i)
         if (strcmp(sensor, wrist_name[i]) == 0)
@@ -374,7 +403,7 @@ static mrt_result add_column(log_table *table, log_data *data, log_text field, c
 {
     uint32_t i = data->channel_count;
     char name[LOG_NAME];
-    log_text_copy(name, sizeof name, field);
+    text_copy(name, sizeof name, field);
     if (i == MRT_MAX_CHANNELS)
         return log_refuse(out_reason,
                           "more than %d columns beside the time, from \"%s\" on: split the file",
@@ -397,17 +426,17 @@ static mrt_result log_table_header(log_table *table, log_data *data, log_text li
 {
     log_text field;
     *table = (log_table){.may_have_units = true};
-    log_text_field(&line, &field);
-    table->time_in_ns = log_text_is(field, "time_ns");
-    if (!table->time_in_ns && !log_text_is(field, "time_s")) {
+    next_field(&line, &field);
+    table->time_in_ns = text_is(field, "time_ns");
+    if (!table->time_in_ns && !text_is(field, "time_s")) {
         char text[LOG_NAME];
-        log_text_copy(text, sizeof text, field);
+        text_copy(text, sizeof text, field);
         return log_refuse(out_reason,
                           "expected a log: a header row whose first column is time_s or time_ns, "
                           "not \"%s\"",
                           text);
     }
-    while (log_text_field(&line, &field)) {
+    while (next_field(&line, &field)) {
         mrt_result result = add_column(table, data, field, out_reason);
         if (result < 0)
             return result;
@@ -422,13 +451,13 @@ static mrt_result log_table_header(log_table *table, log_data *data, log_text li
 static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, log_text unit,
                                  char *out_reason)
 {
-    if (log_text_is(unit, "rad"))
+    if (text_is(unit, "rad"))
         return MRT_OK;
-    if (log_text_is(unit, "deg")) {
+    if (text_is(unit, "deg")) {
         table->scale[i] = RADIANS_PER_DEGREE;
         return MRT_OK;
     }
-    if (!log_text_is(unit, "count"))
+    if (!text_is(unit, "count"))
         return log_refuse(out_reason, "the unit of \"%s\" is not rad, deg or count", data->name[i]);
     table->limit[i] = COUNT_MAX;
     strcpy(data->unit[i], "count");
@@ -464,10 +493,10 @@ static mrt_result set_unit(log_table *table, log_data *data, uint32_t i, log_tex
     if (data->channel[i].semantic == MRT_CH_OTHER && set_range(&data->channel[i], unit))
         return MRT_OK;
     if (data->channel[i].semantic == MRT_CH_OTHER) {
-        log_text_copy(data->unit[i], LOG_NAME, unit);
+        text_copy(data->unit[i], LOG_NAME, unit);
         return MRT_OK;
     }
-    if (unit.at == unit.end || log_text_is(unit, data->unit[i]))
+    if (unit.at == unit.end || text_is(unit, data->unit[i]))
         return MRT_OK;
     return log_refuse(out_reason, "the unit of \"%s\" is %s", data->name[i], data->unit[i]);
 }
@@ -489,14 +518,15 @@ static mrt_result check_hands(const log_data *data, char *out_reason)
     return MRT_OK;
 }
 
+/* A line that says the units. 0: it does not, it is a record. > 0: it did. < 0: refused. */
 static mrt_result log_table_units(log_table *table, log_data *data, log_text line, char *out_reason)
 {
     log_text unit;
-    log_text_field(&line, &unit);
-    if (!log_text_is(unit, "unit"))
+    next_field(&line, &unit);
+    if (!text_is(unit, "unit"))
         return MRT_OK;
     uint32_t count = 0;
-    while (log_text_field(&line, &unit)) {
+    while (next_field(&line, &unit)) {
         if (count == data->channel_count)
             return log_refuse(out_reason, "there are more units than columns");
         mrt_result result = set_unit(table, data, count++, unit, out_reason);
@@ -517,7 +547,7 @@ static mrt_result read_time(const log_table *table, log_text field, int64_t *out
 {
     double seconds;
     if (table->time_in_ns) {
-        if (log_text_integer(field, out_ns))
+        if (read_integer(field, out_ns))
             return MRT_OK;
         return log_refuse(out_reason, "its time_ns is no whole number within +-4e18");
     }
@@ -545,10 +575,10 @@ static mrt_result log_table_record(log_table *table, const log_data *data, log_t
                                    log_record *out, char *out_reason)
 {
     log_text field;
-    log_text_field(&line, &field);
+    next_field(&line, &field);
     mrt_result result = read_time(table, field, &out->time_ns, out_reason);
     uint32_t count = 0;
-    while (result >= 0 && log_text_field(&line, &field)) {
+    while (result >= 0 && next_field(&line, &field)) {
         if (count < data->channel_count)
             result = read_value(table, data, count, field, &out->value[count], out_reason);
         count += 1;
@@ -563,47 +593,6 @@ static mrt_result log_table_record(log_table *table, const log_data *data, log_t
 
 /* Eleven days: no performance lasts longer, and sums of such times stay far from overflow. */
 static const int64_t LENGTH_MAX_NS = INT64_C(1000000) * 1000000000;
-
-static mrt_result log_refuse(char *out_reason, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(out_reason, LOG_REASON, format, arguments);
-    va_end(arguments);
-    return MRT_ERR_FORMAT;
-}
-
-/* What the values of a channel may reach, for gauges. */
-static float channel_max(uint32_t semantic, const char *unit)
-{
-    if (strcmp(unit, "rad") == 0)
-        return 3.1415927f;
-    if (strcmp(unit, "count") == 0)
-        return 255.0f;
-    if (strcmp(unit, "mm") == 0)
-        return 2000.0f;
-    return semantic == MRT_CH_OTHER ? 1e6f : 1.0f;
-}
-
-static bool is_never_negative(uint32_t semantic, const char *unit)
-{
-    return strcmp(unit, "count") == 0 || semantic >= MRT_CH_PEDAL;
-}
-
-static void log_add_channel(log_data *data, const char *name, const char *unit, uint32_t semantic,
-                            uint32_t hand)
-{
-    uint32_t i = data->channel_count++;
-    snprintf(data->name[i], LOG_NAME, "%s", name);
-    snprintf(data->unit[i], LOG_NAME, "%s", unit);
-    float max = channel_max(semantic, data->unit[i]);
-    data->channel[i] = (mrt_channel){data->name[i],
-                                     data->unit[i],
-                                     semantic,
-                                     hand,
-                                     is_never_negative(semantic, data->unit[i]) ? 0.0f : -max,
-                                     max};
-}
 
 /* ---- records ---- */
 
@@ -683,7 +672,7 @@ static void count_damage(reader *self)
 /* The first line that says anything decides what the file is. */
 static mrt_result begin(reader *self, log_text line, uint32_t hand)
 {
-    if (log_text_starts_number(line)) {
+    if (starts_number(line)) {
         if (memchr(line.at, ',', (size_t)(line.end - line.at)))
             return log_refuse(self->reason,
                               "line %zu: expected a header row that names the "
@@ -730,7 +719,7 @@ static mrt_result read_line(reader *self, log_text line, uint32_t hand)
 static mrt_result read_lines(reader *self, log_text text, uint32_t hand)
 {
     log_text line;
-    while (log_text_line(&text, &line)) {
+    while (next_line(&text, &line)) {
         self->line_number += 1;
         mrt_result result = read_line(self, line, hand);
         if (result < 0)

@@ -1,9 +1,8 @@
 /* midi.c - the plugin "org.marotte.midi": faders, knobs, pads and keys of a MIDI device or program
- * as named channels (midi_table.h), from the kernel's devices, a pipe (midi_raw.h) or ALSA's
- * sequencer (midi_seq.h). Motor faders get their value back. README.md says how it is used. */
+ * as named channels (midi_table.h), from a port, a device or a pipe (midi_port.h). Motor faders get
+ * their value back. README.md says how it is used. */
 #include "device_io.h"
-#include "midi_raw.h"
-#include "midi_seq.h"
+#include "midi_port.h"
 #include "midi_table.h"
 #include "trace.h"
 
@@ -36,9 +35,8 @@ struct mrt_plugin {
     char address[ADDRESS];       /* as opened */
     char found[MIDI_PORT_NAME];  /* whom "" has meant; "" while nobody */
     char name[MIDI_PORT_NAME];   /* the device's; "" of a pipe */
-    int descriptor;              /* of the raw device, or -1 */
-    midi_seq *seq;               /* or NULL */
-    bool can_write, is_lost, has_told_loss;
+    midi_port port;
+    bool is_lost, has_told_loss;
     trace trace;
 
     midi_parser parser;
@@ -122,11 +120,8 @@ static void save_table(mrt_plugin *self)
 
 static void close_port(mrt_plugin *self)
 {
-    midi_raw_close(self->descriptor);
-    midi_seq_close(self->seq);
+    midi_port_close(&self->port);
     trace_close(&self->trace);
-    self->descriptor = -1;
-    self->seq = NULL;
 }
 
 static void input_close(mrt_plugin *self)
@@ -135,29 +130,6 @@ static void input_close(mrt_plugin *self)
     if (!self->is_restarting)
         close_port(self);
     self->is_open = false;
-}
-
-/* A device of the kernel alone where there is no sequencer. */
-static bool open_port(mrt_plugin *self, const char *wanted, char *reason)
-{
-    char path[32];
-    if (!strchr(wanted, '/') && midi_seq_is_there()) {
-        self->seq = midi_seq_open(wanted, self->name, reason);
-        self->can_write = self->seq != NULL;
-        return self->seq != NULL;
-    }
-    if (wanted[0] == '\0' && midi_raw_find(0, path))
-        wanted = path;
-    if (!strchr(wanted, '/')) {
-        (void)snprintf(reason, MIDI_REASON,
-                       "%s%.100s%s: this system has no MIDI sequencer (/dev/snd/seq): name a "
-                       "device or a pipe, as in midi:/dev/snd/midiC1D0",
-                       wanted[0] ? "\"" : "no MIDI device is plugged in", wanted,
-                       wanted[0] ? "\"" : "");
-        return false;
-    }
-    self->descriptor = midi_raw_open(wanted, self->name, &self->can_write, reason);
-    return self->descriptor >= 0;
 }
 
 static int heard_at(const mrt_plugin *self, midi_control control)
@@ -200,7 +172,7 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
         self->found[0] = '\0';
     (void)snprintf(self->address, sizeof self->address, "%s", address);
     trace_open(&self->trace, self->host, "midi");
-    if (!open_port(self, address[0] ? address : self->found, reason)) {
+    if (!midi_port_open(&self->port, address[0] ? address : self->found, self->name, reason)) {
         close_port(self);
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
@@ -211,7 +183,7 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
         forget(self);
         load_table(self);
     }
-    if (self->seq && self->name[0] == '\0')
+    if (self->port.seq && self->name[0] == '\0')
         device_say(self->host, MRT_LOG_INFO,
                    "no MIDI device is plugged in: plug one in, or connect a program to the port "
                    "\"marotte\"");
@@ -223,8 +195,8 @@ static mrt_result open_afresh(mrt_plugin *self, const char *address)
 
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
-    const bool goes_on = self->is_restarting && strcmp(self->address, address) == 0 &&
-                         (self->descriptor >= 0 || self->seq);
+    const bool goes_on =
+        self->is_restarting && strcmp(self->address, address) == 0 && self->port.descriptor >= 0;
     self->is_restarting = false;
     self->opened_fine = self->parser.is_fine = params[PARAM_FINE] > 0.5;
     self->opened_pedals = params[PARAM_PEDALS] > 0.5;
@@ -432,7 +404,7 @@ static size_t write_message(midi_control control, float value, bool is_fine, uin
  * back unchanged is not sent once more, so that two programs do not answer each other for ever. */
 static void drive_motors(mrt_plugin *self, int64_t now_ns)
 {
-    if (!self->can_write || now_ns < self->motor_due_ns)
+    if (!self->port.can_write || now_ns < self->motor_due_ns)
         return;
     self->motor_due_ns = now_ns + motor_ns;
     for (uint32_t i = 0; i < self->table.heard_count; ++i) {
@@ -442,8 +414,7 @@ static void drive_motors(mrt_plugin *self, int64_t now_ns)
         if (self->heard_value[i] != self->sent_value[i]) {
             size_t size = write_message(self->table.heard[i], self->heard_value[i],
                                         self->opened_fine, message);
-            if (!(self->seq ? midi_seq_write(self->seq, message, size)
-                            : midi_raw_write(self->descriptor, message, size)))
+            if (!midi_port_write(&self->port, message, size))
                 return; /* it is not ready: later */
             trace_sent(&self->trace, now_ns, message, size);
             self->sent_value[i] = self->heard_value[i];
@@ -454,7 +425,7 @@ static void drive_motors(mrt_plugin *self, int64_t now_ns)
 
 static bool has_motor_due(const mrt_plugin *self, const double *params)
 {
-    if (params[PARAM_MOTOR] < 0.5 || !self->can_write)
+    if (params[PARAM_MOTOR] < 0.5 || !self->port.can_write)
         return false;
     for (uint32_t i = 0; i < self->table.heard_count; ++i)
         if (self->is_owed[i])
@@ -481,8 +452,7 @@ static mrt_result lose(mrt_plugin *self, mrt_sample *out)
 /* False: the device is gone. */
 static bool receive(mrt_plugin *self)
 {
-    int size = self->seq ? midi_seq_read(self->seq, self->chunk, sizeof self->chunk)
-                         : midi_raw_read(self->descriptor, self->chunk, sizeof self->chunk);
+    int size = midi_port_read(&self->port, self->chunk, sizeof self->chunk);
     self->chunk_at = 0;
     self->chunk_size = size > 0 ? (size_t)size : 0;
     if (size <= 0)
@@ -573,8 +543,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
         if (now_ns >= deadline_ns)
             return MRT_TIMEOUT;
         const int64_t until_ns = sooner(deadline_ns, next_due_ns(self, params));
-        if (device_wait(self->seq ? midi_seq_descriptor(self->seq) : self->descriptor,
-                        sooner(until_ns - now_ns, repeat_ns)) < 0)
+        if (device_wait(self->port.descriptor, sooner(until_ns - now_ns, repeat_ns)) < 0)
             self->is_lost = true;
     }
 }
@@ -584,7 +553,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
     (void)self;
-    return midi_seq_is_there() ? midi_seq_list(out, capacity) : midi_raw_list(out, capacity);
+    return midi_port_list(out, capacity);
 }
 
 static bool current_device(mrt_plugin *self, mrt_device *out)
@@ -606,7 +575,7 @@ static mrt_plugin *create(const mrt_host *host)
     if (!self)
         return NULL;
     self->host = host;
-    self->descriptor = -1;
+    midi_port_init(&self->port);
     self->trace.file = -1;
     return self;
 }

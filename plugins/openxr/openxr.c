@@ -12,8 +12,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static const int64_t read_max_ns = 1000000000;
-
 struct mrt_plugin {
     const mrt_host *host;
     const mrt_landmark_reader *reader; /* NULL: this host reads no landmarks */
@@ -134,15 +132,12 @@ static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
 
 static void give(mrt_plugin *self, const openxr_frame *frame, mrt_sample *out)
 {
-    int64_t now_ns = self->host->now_ns(self->host);
-    int64_t time_ns = frame->time_ns + self->host_offset_ns;
-    time_ns = time_ns < now_ns ? time_ns : now_ns;
-    self->last_ns = time_ns > self->last_ns ? time_ns : self->last_ns;
     self->sequence += self->lost + self->has_given;
     self->lost = 0;
     self->has_given = true;
     memset(out, 0, sizeof *out);
-    out->time_ns = self->last_ns;
+    out->time_ns =
+        device_sample_ns(self->host, frame->time_ns + self->host_offset_ns, &self->last_ns);
     out->sequence = self->sequence;
     out->count = MRT_ANGLES;
     memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
@@ -154,9 +149,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
     if (!self->is_open)
         return MRT_ERR_IO;
     bare_hand_follow(&self->hand, self->host, params);
-    int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
-    left_ns = left_ns < 0 ? 0 : left_ns > read_max_ns ? read_max_ns : left_ns;
-    int64_t until_ns = device_clock_ns() + left_ns;
+    int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
     for (;;) {
         openxr_frame frame;
         char text[OPENXR_REASON];

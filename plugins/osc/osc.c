@@ -1,90 +1,706 @@
 /* osc.c - the plugin "org.marotte.osc": hands and pedals from the network (input), and what inputs
  * measure to another marotte (output). README.md documents every message. */
-#include "osc_input.h"
-#include "osc_output.h"
+#include "device_io.h"
+#include "osc_port.h"
+#include "trace.h"
 
+#include <errno.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { PARAM_HAND, PARAM_CONTENT, PARAM_SILENCE, PARAM_COUNT };
+
+static const int64_t ns_per_s = 1000000000;
+/* How long open() waits for the channels of a forwarded source. */
+static const int64_t open_wait_ns = 2000000000;
+/* How long it waits for a sign of a sender that went away: the host tries again. */
+static const int64_t return_wait_ns = 500000000;
+/* open() looks this often whether the host is stopping. */
+static const int64_t look_ns = 5000000;
+/* Silence after which an input is lost, in silences after which its pedals go up. */
+enum { LOST_SILENCES = 3 };
+
+/* MRT_INPUT: hands, pedals and forwarded sources that others send. Says what is heard as samples,
+ * notices when a sender is silent, lets its pedals up. */
+typedef struct osc_input {
+    const mrt_host *host;
+    osc_port *port; /* NULL: not listening */
+    osc_address address;
+    osc_listener listener; /* joined while port is there: under the port's lock */
+    osc_table table;       /* what channels() gives while open */
+    bool is_open;
+    bool is_lost; /* the sender went away: the port stays open, so that nothing is missed when it
+                     comes back */
+    bool has_asked_to_restart;
+    int64_t host_offset_ns; /* host clock less ours */
+    int64_t opened_ns;      /* ours */
+    int64_t last_time_ns;   /* of the sample given last, host clock */
+    uint32_t sequence;      /* of the sample given last */
+    float value[MRT_MAX_CHANNELS];
+    bool has_given;
+} osc_input;
+
+enum { SOURCES_MAX = 16, PACKET_BYTES = 8192 };
+static const int64_t repeat_ns = 250000000, announce_ns = 500000000;
+
+typedef struct forwarded {
+    osc_table table; /* of what was written last; source "": unused */
+    mrt_sample last;
+    int64_t sent_ns, told_ns; /* when the last sample and the channels were sent, our clock */
+} forwarded;
+
+/* MRT_OUTPUT: forwards samples of inputs to another marotte without loss of a bit. A thread of its
+ * own tells the channels every 500 ms and says the last sample again after 250 ms without a newer
+ * one, so that who listens can join late, hears that the sender is there, and gets a pedal's
+ * release even if its datagram was lost. */
+typedef struct osc_output {
+    const mrt_host *host;
+    bool is_open;
+    int socket;
+    trace trace;
+    osc_address address;
+    int64_t host_offset_ns; /* host clock less ours */
+    pthread_t thread;
+    pthread_mutex_t mutex; /* guards what follows; held for a send at most, which never waits */
+    pthread_cond_t wake;
+    bool is_stopping;
+    forwarded source[SOURCES_MAX];
+    uint32_t failed_count;
+    bool has_said_failure, has_said_source;
+    unsigned char packet[PACKET_BYTES];
+} osc_output;
 
 struct mrt_plugin {
-    osc_input *input;
-    osc_output *output;
+    osc_input input;
+    osc_output output;
 };
 
-static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
+/* ---- the input: what it listens to ---- */
+
+static void stop_listening(osc_input *self)
 {
-    return osc_input_open(self->input, address, params);
+    if (!self->port)
+        return;
+    char summary[160];
+    osc_port_summary(self->port, summary, sizeof summary);
+    if (summary[0] != '\0')
+        device_say(self->host, MRT_LOG_INFO, "%s", summary);
+    osc_port_leave(self->port, &self->listener);
+    osc_port_close(self->port);
+    self->port = NULL;
 }
 
-static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
+/* ---- the input: opening ---- */
+
+static uint32_t side_of(const double *params)
 {
-    return osc_input_channels(self->input, out_count);
+    return (uint32_t)(params[PARAM_HAND] < 0.5 ? MRT_LEFT : MRT_RIGHT);
 }
 
-static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
+static osc_content content_of(const double *params)
+{
+    double content = params[PARAM_CONTENT];
+    if (content < 0.5)
+        return OSC_CONTENT_PEDALS;
+    if (content < 1.5)
+        return OSC_CONTENT_WRIST;
+    return content < 2.5 ? OSC_CONTENT_PEDALS_ONLY : OSC_CONTENT_CONTROLS;
+}
+
+/* One that was lost listens on to what it had, if that is what is asked for. */
+static bool goes_on(const osc_input *self, const osc_address *address, const double *params)
+{
+    if (!self->port || !self->is_lost || self->address.port != address->port ||
+        strcmp(self->address.host, address->host) != 0 ||
+        self->address.has_source != address->has_source ||
+        strcmp(self->address.source, address->source) != 0)
+        return false;
+    return address->has_source ||
+           (self->listener.side == side_of(params) && self->listener.content == content_of(params));
+}
+
+static mrt_result start_listening(osc_input *self, const osc_address *address, const double *params)
+{
+    char reason[UDP_REASON];
+    stop_listening(self);
+    self->is_lost = false;
+    self->address = *address;
+    self->port = osc_port_open(address, self->host, reason);
+    if (!self->port) {
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    if (address->has_source)
+        osc_listener_start_forwarded(&self->listener, address->source);
+    else
+        osc_listener_start_simple(&self->listener, side_of(params), content_of(params));
+    osc_port_join(self->port, &self->listener);
+    return MRT_OK;
+}
+
+/* Whether there is what open() waits for: channels, and, of a sender that went away, a sign. */
+static bool is_there(osc_input *self)
+{
+    osc_port_lock(self->port);
+    const osc_listener *listener = &self->listener;
+    bool found = listener->table.count > 0 && (!self->is_lost || listener->has_heard);
+    osc_port_unlock(self->port);
+    return found;
+}
+
+/* Receives until it is there. MRT_TIMEOUT: it was not in time, or the host is stopping. */
+static mrt_result wait_until_there(osc_input *self, int64_t wait_ns)
+{
+    int64_t until_ns = device_clock_ns() + wait_ns;
+    while (!is_there(self)) {
+        if (device_clock_ns() >= until_ns)
+            return MRT_TIMEOUT;
+        if (!osc_port_wait(self->port, &self->listener, device_clock_ns() + look_ns, self->host))
+            return MRT_ERR_IO;
+        int64_t look_again_ns = self->host->now_ns(self->host) + look_ns;
+        if (!is_there(self) && self->host->wait_until_ns(self->host, look_again_ns) < look_again_ns)
+            return MRT_TIMEOUT;
+    }
+    return MRT_OK;
+}
+
+/* The socket is of no use any more: the next open() makes a new one. */
+static mrt_result say_network_failed(osc_input *self)
+{
+    device_say(self->host, MRT_LOG_ERROR,
+               "port %u: the network failed: is the connection still there?",
+               (unsigned)self->address.port);
+    self->is_lost = false;
+    return MRT_ERR_IO;
+}
+
+static mrt_result say_nobody(osc_input *self)
+{
+    const osc_address *address = &self->address;
+    if (self->is_lost) { /* said when it went */
+        device_say(self->host, MRT_LOG_DEBUG, "port %u: nothing yet", (unsigned)address->port);
+        return MRT_ERR_IO;
+    }
+    char there[256];
+    osc_port_name_sources(self->port, there, sizeof there);
+    if (there[0] != '\0')
+        device_say(self->host, MRT_LOG_ERROR,
+                   "port %u: \"%s\" is not forwarded to it, but %s: choose one of these",
+                   (unsigned)address->port, address->source, there);
+    else
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "%s port %u: no marotte forwards \"%s\" to it: start `marotte devices --forward "
+            "ADDRESS:%u` on the other computer, and let both firewalls pass UDP; to hear another "
+            "computer write 0.0.0.0:%u/%s here",
+            address->host, (unsigned)address->port, address->source, (unsigned)address->port,
+            (unsigned)address->port, address->source);
+    return MRT_ERR_IO;
+}
+
+static void begin(osc_input *self)
+{
+    osc_port_lock(self->port);
+    osc_table_copy(&self->table, &self->listener.table);
+    osc_port_unlock(self->port);
+    if (!self->is_lost)
+        self->has_given = false; /* the sequence of one that was lost goes on */
+    self->is_open = true;
+    self->is_lost = false;
+    self->has_asked_to_restart = false;
+    self->host_offset_ns = device_clock_host_offset_ns(self->host);
+    self->opened_ns = device_clock_ns();
+    self->last_time_ns = INT64_MIN;
+}
+
+static void input_close(mrt_plugin *plugin)
+{
+    osc_input *self = &plugin->input;
+    self->is_open = false;
+    if (!self->is_lost)
+        stop_listening(self);
+}
+
+static mrt_result input_open(mrt_plugin *plugin, const char *address, const double *params)
+{
+    osc_input *self = &plugin->input;
+    osc_address parsed;
+    input_close(plugin);
+    if (!osc_address_parse(&parsed, address)) {
+        device_say(
+            self->host, MRT_LOG_ERROR,
+            "\"%.100s\" is no address: expected [HOST:]PORT, and /SOURCE for what another marotte "
+            "forwards, as in 9105 or 0.0.0.0:9105/cyberglove",
+            address);
+        return MRT_ERR_ARGUMENT;
+    }
+    if (!goes_on(self, &parsed, params)) {
+        mrt_result result = start_listening(self, &parsed, params);
+        if (result < 0)
+            return result;
+    }
+    mrt_result result = wait_until_there(self, self->is_lost ? return_wait_ns : open_wait_ns);
+    if (result == MRT_OK) {
+        begin(self);
+        return MRT_OK;
+    }
+    result = result < 0 ? say_network_failed(self) : say_nobody(self);
+    if (!self->is_lost)
+        stop_listening(self);
+    return result;
+}
+
+static const mrt_channel *input_channels(mrt_plugin *plugin, uint32_t *out_count)
+{
+    const osc_input *self = &plugin->input;
+    *out_count = self->is_open ? self->table.count : 0;
+    return self->table.channel;
+}
+
+/* ---- the input: reading ---- */
+
+/* Channels are fixed while it is open, so another hand needs it opened again. */
+static void follow_params(osc_input *self, const double *params)
+{
+    const osc_listener *listener = &self->listener;
+    if (self->address.has_source || self->has_asked_to_restart ||
+        (listener->side == side_of(params) && listener->content == content_of(params)))
+        return;
+    self->has_asked_to_restart = true;
+    self->host->request_restart(self->host);
+}
+
+static void give(osc_input *self, int64_t time_ns, uint32_t step, mrt_sample *out)
+{
+    int64_t measured_ns = time_ns > self->opened_ns ? time_ns : self->opened_ns;
+    self->sequence = self->has_given ? self->sequence + step : 0;
+    self->has_given = true;
+    memset(out, 0, sizeof *out);
+    out->time_ns =
+        device_sample_ns(self->host, measured_ns + self->host_offset_ns, &self->last_time_ns);
+    out->sequence = self->sequence;
+    out->count = self->table.count;
+    memcpy(out->value, self->value, out->count * sizeof *out->value);
+}
+
+static bool is_pedal(const mrt_channel *channel)
+{
+    return channel->semantic >= MRT_CH_PEDAL && channel->semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
+}
+
+static bool has_pedal_down(const osc_input *self)
+{
+    for (uint32_t i = 0; self->has_given && i < self->table.count; ++i)
+        if (is_pedal(&self->table.channel[i]) && self->value[i] > 0)
+            return true;
+    return false;
+}
+
+static void give_release(osc_input *self, int64_t time_ns, mrt_sample *out)
+{
+    for (uint32_t i = 0; i < self->table.count; ++i)
+        if (is_pedal(&self->table.channel[i]))
+            self->value[i] = 0;
+    give(self, time_ns, 1, out);
+}
+
+/* The next thing in the queue that is a sample. */
+static bool give_heard(osc_input *self, mrt_sample *out)
+{
+    osc_item item;
+    for (;;) {
+        osc_port_lock(self->port);
+        osc_listener_close_frame_if_due(&self->listener, device_clock_ns());
+        bool found = osc_listener_pop(&self->listener, &item);
+        osc_port_unlock(self->port);
+        if (!found)
+            return false;
+        if (item.step == 0 && !has_pedal_down(self))
+            continue;
+        if (item.step == 0) {
+            give_release(self, item.time_ns, out);
+            return true;
+        }
+        memcpy(self->value, item.value, sizeof self->value);
+        give(self, item.time_ns, item.step, out);
+        return true;
+    }
+}
+
+/* When the sender's silence will mean something, our clock; INT64_MAX: not as things are. */
+typedef struct silence {
+    const char *loss; /* why the sender counts as gone; NULL: it does not */
+    int64_t release_ns, lost_ns;
+    int64_t frame_ns; /* when the bones that have come are a frame */
+} silence;
+
+static const char *loss_of(const osc_listener *listener)
+{
+    if (listener->has_ended)
+        return "its sender has stopped: waiting for it";
+    if (listener->has_other_channels)
+        return "its sender has other channels now: opening it again";
+    return NULL;
+}
+
+static silence silence_of(osc_input *self, const double *params)
+{
+    silence out = {NULL, INT64_MAX, INT64_MAX, INT64_MAX};
+    double silence_s = params[PARAM_SILENCE];
+    bool matters = silence_s > 0 && silence_s <= 1e6;
+    int64_t silence_ns = matters ? (int64_t)(silence_s * (double)ns_per_s) : 0;
+    osc_port_lock(self->port);
+    const osc_listener *listener = &self->listener;
+    out.loss = loss_of(listener);
+    out.frame_ns = osc_listener_frame_due_ns(listener);
+    if (matters && has_pedal_down(self))
+        out.release_ns = listener->pedal_heard_ns + silence_ns;
+    if (matters && listener->has_heard)
+        out.lost_ns = listener->heard_ns + LOST_SILENCES * silence_ns;
+    osc_port_unlock(self->port);
+    if (!out.loss && out.lost_ns <= device_clock_ns())
+        out.loss = "silent: waiting for its sender";
+    return out;
+}
+
+/* From now on the host closes and opens, and this listens for the sender's return. */
+static mrt_result lose(osc_input *self, const char *why)
+{
+    char bound[OSC_SOURCE_LENGTH];
+    osc_port_leave(self->port, &self->listener);
+    snprintf(bound, sizeof bound, "%s", self->listener.bound);
+    osc_listener_rearm(&self->listener);
+    osc_port_join(self->port, &self->listener);
+    device_say(self->host, MRT_LOG_ERROR, "port %u%s%s: %s", (unsigned)self->address.port,
+               bound[0] ? ": " : "", bound, why);
+    self->is_lost = true;
+    return MRT_ERR_IO;
+}
+
+static void release_pedals(osc_input *self, mrt_sample *out)
+{
+    osc_port_lock(self->port);
+    osc_listener_release_pedals(&self->listener);
+    osc_port_unlock(self->port);
+    device_say(
+        self->host, MRT_LOG_WARNING,
+        "port %u: nothing heard of the pedals: they count as up (silence=0 if their sender speaks "
+        "only when one moves)",
+        (unsigned)self->address.port);
+    give_release(self, device_clock_ns(), out);
+}
+
+static int64_t sooner(int64_t a_ns, int64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
+static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t deadline_ns,
                              mrt_sample *out_sample)
 {
-    return osc_input_read(self->input, params, deadline_ns, out_sample);
+    osc_input *self = &plugin->input;
+    if (!self->is_open || self->is_lost)
+        return MRT_ERR_IO;
+    follow_params(self, params);
+    int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
+    bool has_waited = false, works = true;
+    for (;;) {
+        if (give_heard(self, out_sample))
+            return MRT_OK;
+        silence quiet = silence_of(self, params);
+        int64_t now_ns = device_clock_ns();
+        if (has_pedal_down(self) && (quiet.loss || !works || quiet.release_ns <= now_ns)) {
+            release_pedals(self, out_sample);
+            return MRT_OK;
+        }
+        if (!works)
+            return say_network_failed(self);
+        if (quiet.loss)
+            return lose(self, quiet.loss);
+        if (has_waited && until_ns - now_ns < OSC_PORT_WAIT_LEAST_NS)
+            return MRT_TIMEOUT;
+        int64_t wake_ns =
+            sooner(sooner(until_ns, quiet.frame_ns), sooner(quiet.release_ns, quiet.lost_ns));
+        works = osc_port_wait(self->port, &self->listener, wake_ns, self->host);
+        has_waited = true;
+    }
 }
 
-static void input_close(mrt_plugin *self)
+/* ---- the output: sending, with the mutex held ---- */
+
+static const char *advice_for_send(int error)
 {
-    osc_input_close(self->input);
+    if (error == ECONNREFUSED)
+        return "nobody listens there yet: start marotte on that computer with "
+               "--input osc:0.0.0.0:PORT/SOURCE";
+    if (error == EACCES || error == EPERM)
+        return "a firewall or this computer's settings forbid it";
+    if (error == EAGAIN || error == ENOBUFS)
+        return "the network is slower than the samples";
+    return "is the network connected?";
 }
 
-static mrt_result output_open(mrt_plugin *self, const char *address, const double *params)
+static void send_packet(osc_output *self, size_t size)
 {
+    trace_sent(&self->trace, device_clock_ns(), self->packet, size);
+    int error = size > 0 ? udp_send(self->socket, self->packet, size) : ENOMEM;
+    if (error == 0)
+        return;
+    self->failed_count += 1;
+    if (self->has_said_failure)
+        return;
+    self->has_said_failure = true;
+    device_say(self->host, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
+               self->address.host, (unsigned)self->address.port, strerror(error),
+               advice_for_send(error));
+}
+
+static void send_channels(osc_output *self, forwarded *from, int64_t now_ns)
+{
+    send_packet(self, osc_table_write(&from->table, self->packet, sizeof self->packet));
+    from->told_ns = now_ns;
+}
+
+static void send_sample(osc_output *self, forwarded *from, int64_t now_ns)
+{
+    int64_t sent_ns = now_ns + self->host_offset_ns;
+    if (sent_ns < from->last.time_ns)
+        sent_ns = from->last.time_ns;
+    send_packet(self, osc_table_write_sample(&from->table, &from->last, sent_ns, self->packet,
+                                             sizeof self->packet));
+    from->sent_ns = now_ns;
+}
+
+/* ---- the output: the thread that repeats ---- */
+
+static void repeat(osc_output *self, int64_t now_ns)
+{
+    for (int i = 0; i < SOURCES_MAX; ++i) {
+        forwarded *from = &self->source[i];
+        if (from->table.count == 0)
+            continue;
+        if (now_ns - from->told_ns >= announce_ns)
+            send_channels(self, from, now_ns);
+        if (now_ns - from->sent_ns >= repeat_ns)
+            send_sample(self, from, now_ns);
+    }
+}
+
+static void *repeat_thread(void *data)
+{
+    osc_output *self = data;
+    pthread_mutex_lock(&self->mutex);
+    while (!self->is_stopping) {
+        int64_t next_ns = device_clock_ns() + repeat_ns / 2;
+        struct timespec until = {.tv_sec = (time_t)(next_ns / 1000000000),
+                                 .tv_nsec = (long)(next_ns % 1000000000)};
+        (void)pthread_cond_timedwait(&self->wake, &self->mutex, &until);
+        if (!self->is_stopping)
+            repeat(self, device_clock_ns());
+    }
+    pthread_mutex_unlock(&self->mutex);
+    return NULL;
+}
+
+/* ---- the output: opening and closing ---- */
+
+static mrt_result start_thread(osc_output *self)
+{
+    pthread_condattr_t attributes;
+    self->is_stopping = false;
+    pthread_mutex_init(&self->mutex, NULL);
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(&self->wake, &attributes);
+    pthread_condattr_destroy(&attributes);
+    if (pthread_create(&self->thread, NULL, repeat_thread, self) == 0)
+        return MRT_OK;
+    pthread_cond_destroy(&self->wake);
+    pthread_mutex_destroy(&self->mutex);
+    device_say(self->host, MRT_LOG_ERROR, "the thread that repeats could not be started");
+    return MRT_ERR_MEMORY;
+}
+
+static void say_end(osc_output *self)
+{
+    for (int i = 0; i < SOURCES_MAX; ++i)
+        if (self->source[i].table.count > 0)
+            send_packet(self, osc_table_write_end(&self->source[i].table, self->packet,
+                                                  sizeof self->packet));
+}
+
+static void output_close(mrt_plugin *plugin)
+{
+    osc_output *self = &plugin->output;
+    if (!self->is_open)
+        return;
+    self->is_open = false;
+    pthread_mutex_lock(&self->mutex);
+    self->is_stopping = true;
+    pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->mutex);
+    pthread_join(self->thread, NULL);
+    say_end(self);
+    if (self->failed_count > 0)
+        device_say(self->host, MRT_LOG_INFO, "%u datagrams did not reach %s port %u",
+                   self->failed_count, self->address.host, (unsigned)self->address.port);
+    pthread_cond_destroy(&self->wake);
+    pthread_mutex_destroy(&self->mutex);
+    trace_close(&self->trace);
+    udp_close(self->socket);
+}
+
+static mrt_result output_open(mrt_plugin *plugin, const char *address, const double *params)
+{
+    osc_output *self = &plugin->output;
+    char reason[UDP_REASON];
     (void)params;
-    return osc_output_open(self->output, address);
+    output_close(plugin);
+    if (!address || address[0] == '\0' || !osc_address_parse(&self->address, address) ||
+        self->address.has_source) {
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.100s\" is no address to send to: expected HOST:PORT, as in 192.168.1.20:%d",
+                   address ? address : "", OSC_PORT);
+        return MRT_ERR_ARGUMENT;
+    }
+    self->socket = udp_connect(self->address.host, self->address.port, reason);
+    if (self->socket < 0) {
+        device_say(self->host, MRT_LOG_ERROR, "%s", reason);
+        return MRT_ERR_IO;
+    }
+    memset(self->source, 0, sizeof self->source);
+    self->failed_count = 0;
+    self->has_said_failure = self->has_said_source = false;
+    self->host_offset_ns = device_clock_host_offset_ns(self->host);
+    trace_open(&self->trace, self->host, "osc");
+    mrt_result result = start_thread(self);
+    if (result < 0) {
+        trace_close(&self->trace);
+        udp_close(self->socket);
+        return result;
+    }
+    self->is_open = true;
+    return MRT_OK;
 }
 
-static mrt_result output_write(mrt_plugin *self, const char *source, const mrt_channel *channels,
+/* ---- the output: writing ---- */
+
+static bool is_sample(const mrt_sample *sample)
+{
+    if (sample->count == 0 || sample->count > MRT_MAX_CHANNELS)
+        return false;
+    for (uint32_t i = 0; i < sample->count; ++i)
+        if (!isfinite(sample->value[i]))
+            return false;
+    return true;
+}
+
+/* The place of the source, or a free one; NULL: there is none. */
+static forwarded *find(osc_output *self, const char *source)
+{
+    for (int i = 0; i < SOURCES_MAX; ++i)
+        if (self->source[i].table.count > 0 && strcmp(self->source[i].table.source, source) == 0)
+            return &self->source[i];
+    for (int i = 0; i < SOURCES_MAX; ++i)
+        if (self->source[i].table.count == 0)
+            return &self->source[i];
+    return NULL;
+}
+
+/* A new version for new channels, and for a source that counts its samples anew. */
+static bool is_told(const forwarded *from, const mrt_channel *channels, const mrt_sample *sample)
+{
+    uint32_t ahead = sample->sequence - from->last.sequence;
+    return from->table.count > 0 && osc_table_has(&from->table, channels, sample->count) &&
+           ahead > 0 && ahead < UINT32_MAX / 2;
+}
+
+static mrt_result refuse(osc_output *self, mrt_result result, const char *source, const char *why)
+{
+    if (!self->has_said_source)
+        device_say(self->host, MRT_LOG_ERROR, "%.95s cannot be forwarded: %s", source, why);
+    self->has_said_source = true;
+    return result;
+}
+
+static mrt_result forward(osc_output *self, const char *source, const mrt_channel *channels,
+                          const mrt_sample *sample)
+{
+    forwarded *to = find(self, source);
+    if (!to)
+        return refuse(self, MRT_ERR_UNSUPPORTED, source,
+                      "16 sources are forwarded already: open a second output");
+    int64_t now_ns = device_clock_ns();
+    bool was_told = is_told(to, channels, sample);
+    if (!was_told &&
+        !osc_table_set(&to->table, source, to->table.version + 1, channels, sample->count))
+        return refuse(self, MRT_ERR_UNSUPPORTED, source,
+                      "a name is longer than 95 (source), 63 (channel) or 15 (unit) letters, "
+                      "or a channel is not described");
+    if (!was_told)
+        send_channels(self, to, now_ns);
+    to->last = *sample;
+    send_sample(self, to, now_ns);
+    return MRT_OK;
+}
+
+/* A network that fails for a while is said once and is no error: the next sample may pass. */
+static mrt_result output_write(mrt_plugin *plugin, const char *source, const mrt_channel *channels,
                                const mrt_sample *sample)
 {
-    return osc_output_write(self->output, source, channels, sample);
+    osc_output *self = &plugin->output;
+    if (!self->is_open)
+        return MRT_ERR_IO;
+    if (!source || !channels || !is_sample(sample))
+        return refuse(self, MRT_ERR_ARGUMENT, source ? source : "a source",
+                      "expected a name, channels and finite values");
+    pthread_mutex_lock(&self->mutex);
+    mrt_result result = forward(self, source, channels, sample);
+    pthread_mutex_unlock(&self->mutex);
+    return result;
 }
 
-static void output_close(mrt_plugin *self)
-{
-    osc_output_close(self->output);
-}
+/* ---- the type ---- */
 
-static void osc_destroy(mrt_plugin *self)
-{
-    if (!self)
-        return;
-    osc_input_destroy(self->input);
-    osc_output_destroy(self->output);
-    free(self);
-}
-
-static mrt_plugin *osc_create(const mrt_host *host)
+static mrt_plugin *create(const mrt_host *host)
 {
     mrt_plugin *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    self->input = osc_input_create(host);
-    self->output = osc_output_create(host);
-    if (self->input && self->output)
-        return self;
-    osc_destroy(self);
-    return NULL;
+    self->input.host = self->output.host = host;
+    self->output.socket = -1;
+    return self;
+}
+
+static void destroy(mrt_plugin *self)
+{
+    if (!self)
+        return;
+    self->input.is_lost = false;
+    input_close(self);
+    output_close(self);
+    free(self);
 }
 
 static const char *const hand_label[] = {"left", "right", NULL};
 static const char *const content_label[] = {"hand and pedals", "hand and wrist", "pedals",
                                             "controls", NULL};
 
-static const mrt_param params[OSC_PARAM_COUNT] = {
-    [OSC_PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Network", "",
-                        "Whose hand the messages of other software are taken for", MRT_LEFT,
-                        MRT_RIGHT, MRT_RIGHT, hand_label},
-    [OSC_PARAM_CONTENT] = {2, MRT_PARAM_STEPPED, "content", "Network", "",
-                           "Which channels the messages of other software give", 0, 3, 0,
-                           content_label},
-    [OSC_PARAM_SILENCE] = {3, 0, "silence", "Network", "s",
-                           "Pedals go up after this silence, and after three the sender is lost; 0 "
-                           "if it speaks only when something changes",
-                           0, 60, 1, NULL},
+static const mrt_param params[PARAM_COUNT] = {
+    [PARAM_HAND] = {1, MRT_PARAM_STEPPED, "hand", "Network", "",
+                    "Whose hand the messages of other software are taken for", MRT_LEFT, MRT_RIGHT,
+                    MRT_RIGHT, hand_label},
+    [PARAM_CONTENT] = {2, MRT_PARAM_STEPPED, "content", "Network", "",
+                       "Which channels the messages of other software give", 0, 3, 0,
+                       content_label},
+    [PARAM_SILENCE] = {3, 0, "silence", "Network", "s",
+                       "Pedals go up after this silence, and after three the sender is lost; 0 "
+                       "if it speaks only when something changes",
+                       0, 60, 1, NULL},
 };
 
 static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
@@ -95,15 +711,15 @@ static const mrt_interface interfaces[] = {
 
 static const mrt_plugin_type type = {
     MRT_ABI,
-    OSC_PARAM_COUNT,
+    PARAM_COUNT,
     params,
     interfaces,
     "org.marotte.osc",
     "Network",
     MAROTTE_VERSION,
     "Hands and pedals over the network: from trackers that speak OSC or VMC, and between marottes",
-    osc_create,
-    osc_destroy,
+    create,
+    destroy,
 };
 
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

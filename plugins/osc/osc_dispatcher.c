@@ -1,12 +1,412 @@
 #include "osc_dispatcher.h"
+#include "device_io.h"
 
 #include <stdio.h>
 #include <string.h>
 
+/* ---- sources: what is known of them ---- */
+
+/* A sample that is older by less is a late datagram; by more, the sender counts anew. */
+enum { LATE_MAX = 1000, GAP_MAX = 1000000 };
+
+static void forget(osc_source *source)
+{
+    source->has_table = false;
+    source->started = false;
+    clock_map_reset(&source->clock);
+}
+
+/* Whether this peer may speak for the source; a new one starts it afresh. */
+static bool source_admits(osc_source *source, const udp_peer *peer, int64_t now_ns)
+{
+    bool is_new = !udp_owner_is(&source->owner, peer);
+    if (!udp_owner_admits(&source->owner, peer, now_ns))
+        return false;
+    if (is_new)
+        forget(source);
+    source->heard_ns = now_ns;
+    return true;
+}
+
+static void source_take_table(osc_source *source, const osc_table *table)
+{
+    if (source->has_table && source->table.version == table->version &&
+        osc_table_has(&source->table, table->channel, table->count))
+        return;
+    source->started = false;
+    source->has_table = true;
+    osc_table_copy(&source->table, table);
+}
+
+/* The sender's delay before sending is known exactly; only the way here is mapped. */
+static int64_t measured_ns(osc_source *source, const osc_event *event, int64_t arrival_ns)
+{
+    int64_t sent_ns = clock_map_to_host(&source->clock, event->sent_ns, arrival_ns);
+    int64_t time_ns = sent_ns - (event->sent_ns - event->time_ns);
+    if (source->started && time_ns < source->time_ns)
+        time_ns = source->time_ns;
+    return time_ns;
+}
+
+typedef enum source_news {
+    SOURCE_NEXT = 0, /* a newer sample */
+    SOURCE_LATE,     /* older than one that came */
+    SOURCE_DOUBLE,   /* the newest once more */
+    SOURCE_UNTOLD,   /* its channels have not been told yet */
+    SOURCE_MISSHAPEN /* another number of values than channels */
+} source_news;
+
+/* Where the sample stands among those that came. out_step: by how much its sequence is ahead (1:
+ * none was lost); out_time_ns: when it was measured, our clock. Both for SOURCE_NEXT; for
+ * _DOUBLE out_time_ns alone. */
+static source_news source_take_sample(osc_source *source, const osc_event *event,
+                                      int64_t arrival_ns, uint32_t *out_step, int64_t *out_time_ns)
+{
+    if (!source->has_table || source->table.version != event->version)
+        return SOURCE_UNTOLD;
+    if (source->table.count != event->count)
+        return SOURCE_MISSHAPEN;
+    uint32_t ahead = event->sequence - source->sequence, behind = 0u - ahead;
+    *out_step = 1;
+    *out_time_ns = source->time_ns;
+    if (source->started && ahead == 0)
+        return SOURCE_DOUBLE;
+    if (source->started && behind <= LATE_MAX)
+        return SOURCE_LATE;
+    if (source->started && ahead <= GAP_MAX)
+        *out_step = ahead;
+    source->time_ns = *out_time_ns = measured_ns(source, event, arrival_ns);
+    source->sequence = event->sequence;
+    source->started = true;
+    return SOURCE_NEXT;
+}
+
+/* The sender said that it stops. */
+static void source_end(osc_source *source)
+{
+    udp_owner_release(&source->owner);
+    forget(source);
+}
+
+static const float angle_max_rad = 6.2831855f, distance_max_mm = 100000;
+
+/* ---- channels of simple messages, by the names of the log ---- */
+
+static const char *const wrist_name[7] = {"wrist.x",  "wrist.y",  "wrist.z", "wrist.qx",
+                                          "wrist.qy", "wrist.qz", "wrist.qw"};
+
+static void add_channel(osc_table *table, const char *name, const char *unit, uint32_t semantic,
+                        uint32_t hand, float low, float high)
+{
+    uint32_t i = table->count++;
+    static const char *const prefix[] = {"left.", "right.", ""};
+    snprintf(table->name[i], OSC_NAME_LENGTH, "%s%s", prefix[hand], name);
+    snprintf(table->unit[i], OSC_UNIT_LENGTH, "%s", unit);
+    table->channel[i] = (mrt_channel){table->name[i], table->unit[i], semantic, hand, low, high};
+}
+
+static void describe_controls(osc_table *table)
+{
+    for (uint32_t i = 0; i < OSC_CONTROLS; ++i) {
+        char name[16];
+        if (i < OSC_CONTROLLERS)
+            snprintf(name, sizeof name, "cc.%u", i);
+        else
+            snprintf(name, sizeof name, "key.%c", 'a' + (int)(i - OSC_CONTROLLERS));
+        add_channel(table, name, "", i < OSC_CONTROLLERS ? MRT_CH_OTHER : MRT_CH_BUTTON,
+                    MRT_NO_HAND, 0, 1);
+    }
+}
+
+static bool is_of_hand(osc_content content)
+{
+    return content == OSC_CONTENT_PEDALS || content == OSC_CONTENT_WRIST;
+}
+
+static void describe(osc_table *table, uint32_t side, osc_content content)
+{
+    memset(table, 0, sizeof *table);
+    if (content == OSC_CONTENT_CONTROLS) {
+        describe_controls(table);
+        return;
+    }
+    for (uint32_t i = 0; is_of_hand(content) && i < MRT_ANGLES; ++i)
+        add_channel(table, device_sensor_name[i], "rad", MRT_CH_ANGLE + i, side, -angle_max_rad,
+                    angle_max_rad);
+    for (uint32_t i = 0; content == OSC_CONTENT_WRIST && i < 7; ++i)
+        add_channel(table, wrist_name[i], i < 3 ? "mm" : "1", MRT_CH_WRIST + i, side,
+                    i < 3 ? -distance_max_mm : -2, i < 3 ? distance_max_mm : 2);
+    for (uint32_t i = 0; content != OSC_CONTENT_WRIST && i < MRT_MAX_PEDALS; ++i) {
+        char name[16];
+        snprintf(name, sizeof name, "pedal.%u", i + 1);
+        add_channel(table, name, "1", MRT_CH_PEDAL + i, MRT_NO_HAND, 0, 1);
+    }
+}
+
+void osc_listener_start_simple(osc_listener *self, uint32_t side, osc_content content)
+{
+    memset(self, 0, sizeof *self);
+    self->side = side;
+    self->content = content;
+    self->wrist[6] = 1; /* no turn */
+    describe(&self->table, side, content);
+}
+
+void osc_listener_start_forwarded(osc_listener *self, const char *wanted)
+{
+    memset(self, 0, sizeof *self);
+    self->is_forwarded = true;
+    snprintf(self->wanted, sizeof self->wanted, "%s", wanted);
+}
+
+void osc_listener_rearm(osc_listener *self)
+{
+    self->first = self->count = self->frame_bones = 0;
+    self->has_heard = self->has_sample = false;
+    self->has_ended = false;
+    if (self->has_other_channels)
+        self->table.count = 0;
+    self->has_other_channels = false;
+    clock_map_reset(&self->clock);
+    osc_listener_release_pedals(self);
+}
+
+/* ---- the queue ---- */
+
+static void push(osc_listener *self, const osc_item *item)
+{
+    uint32_t step = 0;
+    if (self->count == OSC_QUEUE_ITEMS) {
+        step = self->item[self->first].step;
+        self->first = (self->first + 1) % OSC_QUEUE_ITEMS;
+        self->count -= 1;
+        if (self->item[self->first].step > 0) /* a release loses nothing */
+            self->item[self->first].step += step;
+    }
+    self->item[(self->first + self->count++) % OSC_QUEUE_ITEMS] = *item;
+    self->has_sample = true;
+}
+
+bool osc_listener_pop(osc_listener *self, osc_item *out)
+{
+    if (self->count == 0)
+        return false;
+    *out = self->item[self->first];
+    self->first = (self->first + 1) % OSC_QUEUE_ITEMS;
+    self->count -= 1;
+    return true;
+}
+
+static void hear(osc_listener *self, int64_t now_ns)
+{
+    self->has_heard = true;
+    self->heard_ns = now_ns;
+}
+
+/* ---- simple messages ---- */
+
+static bool has_angles(const osc_listener *self, uint32_t side)
+{
+    return is_of_hand(self->content) && side == self->side;
+}
+
+static bool has_pedals(const osc_listener *self)
+{
+    return self->content == OSC_CONTENT_PEDALS || self->content == OSC_CONTENT_PEDALS_ONLY;
+}
+
+/* Whose message this must be to count; NULL: it is of no use here. */
+static udp_owner *owner_of(osc_listener *self, const osc_event *event)
+{
+    switch (event->kind) {
+    case OSC_EVENT_ANGLES:
+    case OSC_EVENT_BONE:
+        return has_angles(self, event->side) ? &self->angle_owner : NULL;
+    case OSC_EVENT_WRIST:
+        return self->content == OSC_CONTENT_WRIST && event->side == self->side ? &self->wrist_owner
+                                                                               : NULL;
+    case OSC_EVENT_PEDAL:
+        return has_pedals(self) ? &self->pedal_owner : NULL;
+    case OSC_EVENT_CONTROL:
+        return self->content == OSC_CONTENT_CONTROLS ? &self->control_owner : NULL;
+    default:
+        return NULL;
+    }
+}
+
+static void apply(osc_listener *self, const osc_event *event)
+{
+    size_t size = event->count * sizeof *event->value;
+    if (event->kind == OSC_EVENT_ANGLES)
+        memcpy(self->angle + event->first, event->value, size);
+    else if (event->kind == OSC_EVENT_WRIST)
+        memcpy(self->wrist, event->value, sizeof self->wrist);
+    else if (event->kind == OSC_EVENT_PEDAL)
+        self->pedal[event->first] = event->value[0];
+    else if (event->kind == OSC_EVENT_CONTROL)
+        self->control[event->first] = event->value[0];
+}
+
+static void put_values(const osc_listener *self, float *out)
+{
+    if (self->content == OSC_CONTENT_CONTROLS) {
+        memcpy(out, self->control, sizeof self->control);
+        return;
+    }
+    uint32_t count = 0;
+    if (is_of_hand(self->content)) {
+        memcpy(out, self->angle, sizeof self->angle);
+        count = MRT_ANGLES;
+    }
+    if (has_pedals(self))
+        memcpy(out + count, self->pedal, sizeof self->pedal);
+    else
+        memcpy(out + count, self->wrist, sizeof self->wrist);
+}
+
+static void push_values(osc_listener *self, int64_t tag_ns, int64_t now_ns)
+{
+    osc_item item = {.time_ns = now_ns, .step = 1};
+    if (tag_ns >= -OSC_TIME_MAX_NS && tag_ns <= OSC_TIME_MAX_NS)
+        item.time_ns = clock_map_to_host(&self->clock, tag_ns, now_ns);
+    put_values(self, item.value);
+    push(self, &item);
+}
+
+/* ---- frames of bones ---- */
+
+static const int64_t frame_span_ns = 4000000;
+
+static void close_frame(osc_listener *self)
+{
+    if (self->frame_bones == 0)
+        return;
+    self->frame_bones = 0;
+    push_values(self, self->frame_tag_ns, self->frame_ns);
+}
+
+static void take_bone(osc_listener *self, const osc_event *event, int64_t now_ns)
+{
+    osc_vmc_bone bone = event->bone;
+    osc_vmc_settle(&self->pose, &bone);
+    const uint32_t bit = 1u << (bone.finger * 3 + bone.joint);
+    if (self->frame_bones & bit)
+        close_frame(self);
+    if (self->frame_bones == 0)
+        self->frame_due_ns = now_ns + frame_span_ns;
+    self->frame_bones |= bit;
+    self->frame_ns = now_ns;
+    self->frame_tag_ns = event->tag_ns;
+    osc_vmc_apply(&self->pose, &bone, event->value, self->angle);
+}
+
+int64_t osc_listener_frame_due_ns(const osc_listener *self)
+{
+    return self->frame_bones == 0 ? INT64_MAX : self->frame_due_ns;
+}
+
+void osc_listener_close_frame_if_due(osc_listener *self, int64_t now_ns)
+{
+    if (osc_listener_frame_due_ns(self) <= now_ns)
+        close_frame(self);
+}
+
+/* ---- messages to a listener ---- */
+
+/* One call an event, then listener_end_packet. False: another sender has this. */
+static bool listener_take(osc_listener *self, const osc_event *event, const udp_peer *peer,
+                          int64_t now_ns)
+{
+    if (self->is_forwarded)
+        return true;
+    udp_owner *owner = owner_of(self, event);
+    if (owner && !udp_owner_admits_single(owner, peer, now_ns))
+        return false;
+    /* Whatever the pedals' sender says shows that it is there. */
+    if (udp_owner_is(&self->pedal_owner, peer)) {
+        self->pedal_heard_ns = now_ns;
+        hear(self, now_ns);
+    }
+    if (event->kind == OSC_EVENT_FRAME && udp_owner_is(&self->angle_owner, peer))
+        close_frame(self);
+    if (!owner)
+        return true;
+    hear(self, now_ns);
+    if (event->kind == OSC_EVENT_BONE) {
+        take_bone(self, event, now_ns);
+        return true;
+    }
+    apply(self, event);
+    self->is_touched = true;
+    self->tag_ns = event->tag_ns;
+    return true;
+}
+
+static void listener_end_packet(osc_listener *self, int64_t now_ns)
+{
+    osc_listener_close_frame_if_due(self, now_ns);
+    if (!self->is_touched)
+        return;
+    self->is_touched = false;
+    push_values(self, self->tag_ns, now_ns);
+}
+
+void osc_listener_release_pedals(osc_listener *self)
+{
+    memset(self->pedal, 0, sizeof self->pedal);
+}
+
+/* ---- a forwarded source ---- */
+
+bool osc_listener_wants(const osc_listener *self, const char *source)
+{
+    if (!self->is_forwarded)
+        return false;
+    if (self->bound[0] != '\0')
+        return strcmp(self->bound, source) == 0;
+    size_t length = strlen(self->wanted);
+    return strncmp(self->wanted, source, length) == 0 &&
+           (length == 0 || source[length] == '\0' || source[length] == ' ');
+}
+
+static void listener_take_table(osc_listener *self, const osc_source *source)
+{
+    if (self->table.count == 0)
+        osc_table_copy(&self->table, &source->table);
+    self->has_other_channels =
+        !osc_table_has(&self->table, source->table.channel, source->table.count);
+    snprintf(self->bound, sizeof self->bound, "%s", source->name);
+    hear(self, source->heard_ns);
+}
+
+static void listener_take_sign_of_life(osc_listener *self, int64_t now_ns)
+{
+    hear(self, now_ns);
+    self->pedal_heard_ns = now_ns;
+}
+
+static void listener_take_sample(osc_listener *self, const osc_event *event, uint32_t step,
+                                 int64_t time_ns, int64_t now_ns)
+{
+    if (self->table.count != event->count || self->has_other_channels)
+        return;
+    osc_item item = {.time_ns = time_ns, .step = step};
+    memcpy(item.value, event->value, event->count * sizeof *event->value);
+    push(self, &item);
+    self->has_ended = false;
+    listener_take_sign_of_life(self, now_ns);
+}
+
+static void listener_take_end(osc_listener *self, int64_t now_ns)
+{
+    push(self, &(osc_item){.time_ns = now_ns, .step = 0});
+    self->has_ended = true;
+}
+
+/* ---- the dispatcher: faults ---- */
+
 /* As long as a source counts as there, and keeps its place, though it is silent. */
 static const int64_t alive_ns = 1000000000;
-
-/* ---- faults ---- */
 
 static void printable(char *out, size_t capacity, const char *text)
 {
@@ -51,7 +451,7 @@ static void complain_of_sender(osc_dispatcher *self, const char *what, const udp
     complain(self, OSC_FAULT_SENDER, what, text);
 }
 
-/* ---- sources ---- */
+/* ---- the dispatcher: sources ---- */
 
 static osc_source *find_source(osc_dispatcher *self, const char *name)
 {
@@ -95,7 +495,7 @@ static osc_source *place_of_source(osc_dispatcher *self, const char *name)
 
 static bool admits(osc_dispatcher *self, osc_source *source)
 {
-    if (osc_source_admits(source, self->peer, self->now_ns))
+    if (source_admits(source, self->peer, self->now_ns))
         return true;
     complain_of_sender(self, source->name, &source->owner);
     return false;
@@ -111,23 +511,23 @@ static void take_channels(osc_dispatcher *self)
     }
     if (!admits(self, source))
         return;
-    osc_source_take_table(source, &self->event.table);
+    source_take_table(source, &self->event.table);
     for (osc_listener *l = self->listeners; l; l = l->next)
         if (osc_listener_wants(l, source->name))
-            osc_listener_take_table(l, source);
+            listener_take_table(l, source);
 }
 
 /* Who has heard nothing yet takes also a sample that others have had. */
-static void tell_sample(osc_dispatcher *self, const osc_source *source, osc_source_news news,
+static void tell_sample(osc_dispatcher *self, const osc_source *source, source_news news,
                         uint32_t step, int64_t time_ns)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
         if (!l->is_forwarded || strcmp(l->bound, source->name) != 0)
             continue;
-        if (news == OSC_SOURCE_NEXT || (news == OSC_SOURCE_DOUBLE && !l->has_sample))
-            osc_listener_take_sample(l, &self->event, step, time_ns, self->now_ns);
+        if (news == SOURCE_NEXT || (news == SOURCE_DOUBLE && !l->has_sample))
+            listener_take_sample(l, &self->event, step, time_ns, self->now_ns);
         else
-            osc_listener_take_sign_of_life(l, self->now_ns);
+            listener_take_sign_of_life(l, self->now_ns);
     }
 }
 
@@ -142,14 +542,13 @@ static void take_sample(osc_dispatcher *self)
         return;
     uint32_t step = 1;
     int64_t time_ns = 0;
-    osc_source_news news =
-        osc_source_take_sample(source, &self->event, self->now_ns, &step, &time_ns);
-    if (news == OSC_SOURCE_MISSHAPEN)
+    source_news news = source_take_sample(source, &self->event, self->now_ns, &step, &time_ns);
+    if (news == SOURCE_MISSHAPEN)
         complain(self, OSC_FAULT_TYPES, source->name, "expected as many values as channels");
-    self->late_count += news == OSC_SOURCE_LATE;
-    self->double_count += news == OSC_SOURCE_DOUBLE;
-    self->untold_count += news == OSC_SOURCE_UNTOLD;
-    if (news != OSC_SOURCE_MISSHAPEN && news != OSC_SOURCE_UNTOLD)
+    self->late_count += news == SOURCE_LATE;
+    self->double_count += news == SOURCE_DOUBLE;
+    self->untold_count += news == SOURCE_UNTOLD;
+    if (news != SOURCE_MISSHAPEN && news != SOURCE_UNTOLD)
         tell_sample(self, source, news, step, time_ns);
 }
 
@@ -158,10 +557,10 @@ static void take_end(osc_dispatcher *self)
     osc_source *source = find_source(self, self->event.source);
     if (!source || !udp_owner_is(&source->owner, self->peer))
         return;
-    osc_source_end(source);
+    source_end(source);
     for (osc_listener *l = self->listeners; l; l = l->next)
         if (l->is_forwarded && strcmp(l->bound, source->name) == 0)
-            osc_listener_take_end(l, self->now_ns);
+            listener_take_end(l, self->now_ns);
 }
 
 /* ---- packets ---- */
@@ -169,7 +568,7 @@ static void take_end(osc_dispatcher *self)
 static void tell_hands(osc_dispatcher *self, const char *address)
 {
     for (osc_listener *l = self->listeners; l; l = l->next) {
-        if (osc_listener_take(l, &self->event, self->peer, self->now_ns))
+        if (listener_take(l, &self->event, self->peer, self->now_ns))
             continue;
         const udp_owner *owner = self->event.kind == OSC_EVENT_PEDAL   ? &l->pedal_owner
                                  : self->event.kind == OSC_EVENT_WRIST ? &l->wrist_owner
@@ -204,7 +603,7 @@ void osc_dispatcher_take(osc_dispatcher *self, void *bytes, size_t size, const u
     if (fault != OSC_FAULT_NONE)
         complain_of_packet(self, fault);
     for (osc_listener *l = self->listeners; l; l = l->next)
-        osc_listener_end_packet(l, now_ns);
+        listener_end_packet(l, now_ns);
 }
 
 /* ---- listeners ---- */
@@ -222,7 +621,7 @@ void osc_dispatcher_join(osc_dispatcher *self, osc_listener *listener, int64_t n
         const osc_source *source = &self->source[i];
         if (is_alive(source, now_ns) && source->has_table &&
             osc_listener_wants(listener, source->name)) {
-            osc_listener_take_table(listener, source);
+            listener_take_table(listener, source);
             return;
         }
     }

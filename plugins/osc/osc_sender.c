@@ -39,18 +39,13 @@ void osc_sender_begin(osc_sender *self, int64_t utc_ns)
     self->worst = MRT_OK;
 }
 
-bool osc_sender_is_full(const osc_sender *self, size_t size)
-{
-    return self->size > HEAD && self->size + SIZE_FIELD + size > OSC_BUNDLE_MAX;
-}
-
 void osc_sender_add(osc_sender *self, osc_builder *message, const char *address)
 {
     unsigned char bytes[OSC_BUNDLE_MAX - HEAD - SIZE_FIELD];
     size_t size = osc_builder_finish(message, address, bytes, sizeof bytes);
     if (size == 0)
         return; /* no memory: the next frame says it again */
-    if (osc_sender_is_full(self, size))
+    if (self->size > HEAD && self->size + SIZE_FIELD + size > OSC_BUNDLE_MAX)
         flush(self);
     if (self->size == 0)
         start(self);

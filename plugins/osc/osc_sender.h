@@ -3,7 +3,7 @@
 #ifndef MAROTTE_OSC_SENDER_H
 #define MAROTTE_OSC_SENDER_H
 #include "osc_wire.h"
-#include "udp_sender.h"
+#include "udp.h"
 
 enum { OSC_BUNDLE_MAX = 1400 }; /* bytes: under an Ethernet frame's 1 500 with its headers */
 
@@ -19,8 +19,6 @@ typedef struct osc_sender {
 void osc_sender_begin(osc_sender *self, int64_t utc_ns);
 /* Ends the message. A bundle that it does not fit into is sent before it. */
 void osc_sender_add(osc_sender *self, osc_builder *message, const char *address);
-/* Whether so many bytes more would begin another bundle. */
-bool osc_sender_is_full(const osc_sender *self, size_t size);
 /* Sends what is left: as udp_sender_send, the worst of the frame. */
 mrt_result osc_sender_end(osc_sender *self);
 

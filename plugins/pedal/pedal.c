@@ -1,6 +1,7 @@
 /* The plugin: opening, listing, teaching and reading a foot pedal. */
 #include "address.h"
 #include "descriptor.h"
+#include "device_io.h"
 #include "layouts.h"
 #include "learn.h"
 #include "system.h"
@@ -8,7 +9,6 @@
 #include "usb.h"
 
 #include <marotte/plugin.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,11 +54,6 @@ struct mrt_plugin {
 
     learn learn;
 };
-
-__attribute__((format(printf, 3, 4))) void pedal_say(const mrt_plugin *self, int32_t level,
-                                                     const char *format, ...);
-/* False: no memory, or no USB; said. */
-bool pedal_has_usb(mrt_plugin *self);
 
 /* ---- from an address to a pedal that reports ---- */
 
@@ -126,8 +121,8 @@ static void read_fields(mrt_plugin *self, uint8_t *bytes, size_t size)
     trace_note(&self->trace, now_ns, "report descriptor:");
     trace_received(&self->trace, now_ns, bytes, size);
     if (descriptor_parse(&self->fields, bytes, size, reason) < 0)
-        pedal_say(self, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name, self->device.path,
-                  reason);
+        device_say(self->host, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name,
+                   self->device.path, reason);
 }
 
 static void invert_axes(layout *of)
@@ -187,10 +182,10 @@ static void make_channels(mrt_plugin *self, const double *params)
                                           0.0f,
                                           1.0f};
         if (i < count && !is_pedal)
-            pedal_say(self, MRT_LOG_WARNING,
-                      "switch %u (%s) of %.60s is no pedal: its number is above 4 or taken: set "
-                      "switch_%u",
-                      i + 1, self->channel_names[i], self->name, i + 1);
+            device_say(self->host, MRT_LOG_WARNING,
+                       "switch %u (%s) of %.60s is no pedal: its number is above 4 or taken: set "
+                       "switch_%u",
+                       i + 1, self->channel_names[i], self->name, i + 1);
     }
 }
 
@@ -263,12 +258,13 @@ static void say_opened(const mrt_plugin *self)
 {
     char advice[ADVICE_TEXT];
     if (self->layout.switch_count > 0) {
-        pedal_say(self, MRT_LOG_INFO, "%.60s at usb:%s: %u switches", self->name, self->device.path,
-                  self->layout.switch_count);
+        device_say(self->host, MRT_LOG_INFO, "%.60s at usb:%s: %u switches", self->name,
+                   self->device.path, self->layout.switch_count);
         return;
     }
     advice_unknown(advice, &self->device);
-    pedal_say(self, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name, self->device.path, advice);
+    device_say(self->host, MRT_LOG_WARNING, "%.60s at usb:%s: %s", self->name, self->device.path,
+               advice);
 }
 
 /* ---- the device that is meant ---- */
@@ -315,7 +311,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
         if (one.result == MRT_OK || !was_found)
             *out = one;
         if (one.result == MRT_OK && complaint[0])
-            pedal_say(self, MRT_LOG_WARNING, "%s", complaint);
+            device_say(self->host, MRT_LOG_WARNING, "%s", complaint);
         if (one.result == MRT_OK)
             return;
         was_found = true;
@@ -343,20 +339,37 @@ static void bind_to_socket(mrt_plugin *self)
     memcpy(self->binding.path, self->device.path, sizeof self->binding.path);
 }
 
-static void opening_close(mrt_plugin *self);
+/* False: no memory, or no USB; said. */
+static bool has_usb(mrt_plugin *self)
+{
+    if (!self->usb)
+        self->usb = usb_create(self->host);
+    if (!self->usb)
+        device_say(self->host, MRT_LOG_ERROR,
+                   "USB cannot be used: is /dev/bus/usb there, and is there memory?");
+    return self->usb != NULL;
+}
+
+static void opening_close(mrt_plugin *self)
+{
+    if (self->usb)
+        usb_close(self->usb);
+    trace_close(&self->trace);
+    self->is_open = false;
+}
 
 static mrt_result opening_open(mrt_plugin *self, const char *text, const double *params)
 {
     address wanted;
     opening_close(self);
     if (!address_parse(&wanted, text)) {
-        pedal_say(self, MRT_LOG_ERROR,
-                  "\"%.60s\" is no address of a pedal: write usb:1-2.3 (a socket), usb:05f3:00ff "
-                  "(a kind), or nothing for the first pedal",
-                  text);
+        device_say(self->host, MRT_LOG_ERROR,
+                   "\"%.60s\" is no address of a pedal: write usb:1-2.3 (a socket), usb:05f3:00ff "
+                   "(a kind), or nothing for the first pedal",
+                   text);
         return MRT_ERR_ARGUMENT;
     }
-    if (!pedal_has_usb(self))
+    if (!has_usb(self))
         return MRT_ERR_IO;
     remember_address(self, text ? text : "");
     trace_open(&self->trace, self->host, "pedal");
@@ -369,7 +382,7 @@ static mrt_result opening_open(mrt_plugin *self, const char *text, const double 
     }
     if (last.result < 0) {
         trace_close(&self->trace);
-        pedal_say(self, MRT_LOG_ERROR, "%s", last.text);
+        device_say(self->host, MRT_LOG_ERROR, "%s", last.text);
         return last.result;
     }
     bind_to_socket(self);
@@ -378,14 +391,6 @@ static mrt_result opening_open(mrt_plugin *self, const char *text, const double 
     self->has_lesson_due = params[PARAM_LEARN] > 0.5;
     say_opened(self);
     return MRT_OK;
-}
-
-static void opening_close(mrt_plugin *self)
-{
-    if (self->usb)
-        usb_close(self->usb);
-    trace_close(&self->trace);
-    self->is_open = false;
 }
 
 /* ---- which pedals are plugged in ---- */
@@ -453,7 +458,7 @@ static void describe_device(const mrt_plugin *self, const usb_seen *device, cons
 static uint32_t listing_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
     usb_seen seen[USB_SEEN];
-    if (!pedal_has_usb(self))
+    if (!has_usb(self))
         return 0;
     uint32_t seen_count = usb_look(self->usb, seen, USB_SEEN);
     uint32_t count = 0;
@@ -485,12 +490,12 @@ static void ask(const mrt_plugin *self)
 {
     uint32_t found = self->learn.found.switch_count;
     if (found == 0)
-        pedal_say(self, MRT_LOG_INFO, "learn: press switch 1 and let it go");
+        device_say(self->host, MRT_LOG_INFO, "learn: press switch 1 and let it go");
     else
-        pedal_say(self, MRT_LOG_INFO,
-                  "learn: switch %u is known: press switch %u and let it go, or an earlier one "
-                  "again if that was all",
-                  found, found + 1);
+        device_say(self->host, MRT_LOG_INFO,
+                   "learn: switch %u is known: press switch %u and let it go, or an earlier one "
+                   "again if that was all",
+                   found, found + 1);
 }
 
 /* Channels stay what they were until the input is opened again. */
@@ -513,12 +518,12 @@ static void finish(mrt_plugin *self)
     char reason[LAYOUT_FILE_REASON], path[LAYOUT_FILE_PATH];
     const layout *found = &self->learn.found;
     if (layout_file_store(found, reason) < 0) {
-        pedal_say(self, MRT_LOG_ERROR, "learn: given up: %s", reason);
+        device_say(self->host, MRT_LOG_ERROR, "learn: given up: %s", reason);
         return;
     }
     (void)layout_file_path(path, found->vendor, found->product);
-    pedal_say(self, MRT_LOG_INFO, "learn: done: %u switches of %.60s are in %s",
-              found->switch_count, found->name, path);
+    device_say(self->host, MRT_LOG_INFO, "learn: done: %u switches of %.60s are in %s",
+               found->switch_count, found->name, path);
     adopt(self);
 }
 
@@ -532,8 +537,8 @@ static void say_progress(mrt_plugin *self)
         finish(self);
         break;
     case LEARN_FAILED:
-        pedal_say(self, MRT_LOG_WARNING,
-                  "learn: given up: no switch was pressed and let go within 15 s: begin again");
+        device_say(self->host, MRT_LOG_WARNING,
+                   "learn: given up: no switch was pressed and let go within 15 s: begin again");
         break;
     default:
         break;
@@ -546,8 +551,8 @@ static void teach_begin(mrt_plugin *self, int64_t now_ns)
         return;
     learn_start(&self->learn, &self->layout, self->fields.field_count > 0 ? &self->fields : NULL,
                 now_ns);
-    pedal_say(self, MRT_LOG_INFO, "learn: take your feet off %.60s at usb:%s", self->name,
-              self->device.path);
+    device_say(self->host, MRT_LOG_INFO, "learn: take your feet off %.60s at usb:%s", self->name,
+               self->device.path);
 }
 
 static void teach_report(mrt_plugin *self, const usb_report *report)
@@ -567,33 +572,13 @@ static void teach_lose(mrt_plugin *self)
     if (!learn_is_running(&self->learn))
         return;
     self->learn.stage = LEARN_FAILED;
-    pedal_say(self, MRT_LOG_WARNING, "learn: given up: the device went away: begin again");
+    device_say(self->host, MRT_LOG_WARNING, "learn: given up: the device went away: begin again");
 }
 
 /* ---- the plugin ---- */
 
 /* What has not changed is said again so often that silence means trouble. */
 static const int64_t repeat_ns = 1000000000;
-
-void pedal_say(const mrt_plugin *self, int32_t level, const char *format, ...)
-{
-    char text[PEDAL_TEXT];
-    va_list arguments;
-    va_start(arguments, format);
-    (void)vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    self->host->log(self->host, level, text);
-}
-
-bool pedal_has_usb(mrt_plugin *self)
-{
-    if (!self->usb)
-        self->usb = usb_create(self->host);
-    if (!self->usb)
-        pedal_say(self, MRT_LOG_ERROR,
-                  "USB cannot be used: is /dev/bus/usb there, and is there memory?");
-    return self->usb != NULL;
-}
 
 static const mrt_channel *pedal_channels(mrt_plugin *self, uint32_t *out_count)
 {
@@ -630,8 +615,8 @@ static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
     if (!self->has_told_loss) {
         self->has_told_loss = true;
         trace_note(&self->trace, self->host->now_ns(self->host), "gone");
-        pedal_say(self, MRT_LOG_ERROR, "%.60s at usb:%s went away (%s): plug it in again",
-                  self->name, self->device.path, usb_failure_text(self->usb));
+        device_say(self->host, MRT_LOG_ERROR, "%.60s at usb:%s went away (%s): plug it in again",
+                   self->name, self->device.path, usb_failure_text(self->usb));
     }
     return MRT_ERR_IO;
 }

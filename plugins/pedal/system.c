@@ -12,7 +12,7 @@
 
 /* ---- what the system knows ---- */
 
-enum { FILE_PATH = 400, FOLDER_CAP = 4096 };
+enum { FILE_PATH = 400, FOLDER_CAP = 4096, NODE = 32, HOLDER = 64 };
 static const char devices_folder[] = "/sys/bus/usb/devices";
 
 /* ---- small files ---- */
@@ -99,15 +99,16 @@ bool system_is_claimed(const char *path, uint8_t interface_number)
 
 /* ---- the node ---- */
 
-void system_node(char out[SYSTEM_NODE], const usb_seen *device)
+/* "/dev/bus/usb/001/002" */
+static void find_node(char out[NODE], const usb_seen *device)
 {
-    snprintf(out, SYSTEM_NODE, "/dev/bus/usb/%03u/%03u", device->bus, device->number);
+    snprintf(out, NODE, "/dev/bus/usb/%03u/%03u", device->bus, device->number);
 }
 
 bool system_may_open(const usb_seen *device)
 {
-    char node[SYSTEM_NODE];
-    system_node(node, device);
+    char node[NODE];
+    find_node(node, device);
     return access(node, R_OK | W_OK) == 0;
 }
 
@@ -130,19 +131,20 @@ static bool has_open(const char *process, const struct stat *node)
     return has;
 }
 
-static void name_process(char out[SYSTEM_HOLDER], const char *process)
+static void name_process(char out[HOLDER], const char *process)
 {
     char file[FILE_PATH], name[32];
     snprintf(file, sizeof file, "/proc/%.20s/comm", process);
     read_line(file, name, sizeof name);
-    snprintf(out, SYSTEM_HOLDER, "%s (process %.20s)", name[0] ? name : "a program", process);
+    snprintf(out, HOLDER, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 
-bool system_holder(char out[SYSTEM_HOLDER], const usb_seen *device)
+/* Which program has the node open: "mplayer (process 1234)"; false: none that this user may see. */
+static bool find_holder(char out[HOLDER], const usb_seen *device)
 {
-    char node[SYSTEM_NODE];
+    char node[NODE];
     struct stat status;
-    system_node(node, device);
+    find_node(node, device);
     out[0] = '\0';
     DIR *listing = stat(node, &status) == 0 ? opendir("/proc") : NULL;
     if (!listing)
@@ -165,8 +167,8 @@ bool system_holder(char out[SYSTEM_HOLDER], const usb_seen *device)
 
 void advice_denied(char out[ADVICE_TEXT], const usb_seen *device)
 {
-    char node[SYSTEM_NODE];
-    system_node(node, device);
+    char node[NODE];
+    find_node(node, device);
     if (layouts_find(device->vendor, device->product))
         snprintf(out, ADVICE_TEXT,
                  "you may not use %s: sudo cp plugins/pedal/70-marotte.rules /etc/udev/rules.d/ "
@@ -182,8 +184,8 @@ void advice_denied(char out[ADVICE_TEXT], const usb_seen *device)
 
 void advice_busy(char out[ADVICE_TEXT], const usb_seen *device)
 {
-    char holder[SYSTEM_HOLDER];
-    if (system_holder(holder, device))
+    char holder[HOLDER];
+    if (find_holder(holder, device))
         snprintf(out, ADVICE_TEXT, "in use by %s: end that program, or its use of the pedal",
                  holder);
     else

@@ -5,21 +5,17 @@
 #define PLUGINS_PEDAL_SYSTEM_H
 #include "usb.h"
 
-enum { SYSTEM_NAME = 64, SYSTEM_NODE = 32, SYSTEM_HOLDER = 64 };
+enum { SYSTEM_NAME = 64 };
 
 /* The name that the maker gave it; "" when it has none. */
 void system_product(char out[SYSTEM_NAME], const char *path);
 /* Of one interface; 0: the kernel's HID driver does not have it. */
 size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity);
 
-/* "/dev/bus/usb/001/002" */
-void system_node(char out[SYSTEM_NODE], const usb_seen *device);
 /* Whether this user may read and write the node. */
 bool system_may_open(const usb_seen *device);
 /* Whether some program, and not a driver of the kernel, has claimed the interface. */
 bool system_is_claimed(const char *path, uint8_t interface_number);
-/* Which program has the node open: "mplayer (process 1234)"; false: none that this user may see. */
-bool system_holder(char out[SYSTEM_HOLDER], const usb_seen *device);
 
 /* ---- what the person can do about a device that cannot be used, in one sentence ---- */
 

@@ -3,7 +3,7 @@
  *   u8 6, id, subject (each: u32 length, text), u32 frame, f32 of a frame, u32 rate, u32 per,
  *   u8 61, 61 floats: ARKit's 52, then yaw, pitch and roll of head, left and right eye. */
 #include "device_io.h"
-#include "udp_sender.h"
+#include "udp.h"
 
 #include <errno.h>
 #include <math.h>

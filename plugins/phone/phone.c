@@ -5,7 +5,7 @@
 #include "device_io.h"
 #include "phone_parse.h"
 #include "trace.h"
-#include "udp_owner.h"
+#include "udp.h"
 
 #include <marotte/plugin.h>
 
@@ -22,7 +22,7 @@
 enum { PARAM_LATERALS, PARAM_COUNT };
 enum { PORT_LIVE_LINK = 11111, PORT_IFACIALMOCAP = 49983 };
 
-static const int64_t ns_per_s = 1000000000, read_max_ns = 1000000000;
+static const int64_t ns_per_s = 1000000000;
 /* iFacialMocap sends when it is asked to; it may be started after us, and it may sleep. */
 static const int64_t ask_again_ns = 1000000000;
 static const char greeting[] =
@@ -178,10 +178,7 @@ static int64_t time_of(mrt_plugin *self, const phone_frame *frame, int64_t now_n
     if (frame->has_time)
         now_ns =
             clock_map_to_host(&self->clock, (int64_t)(frame->time_s * (double)ns_per_s), now_ns);
-    const int64_t time_ns = now_ns + self->host_offset_ns;
-    const int64_t newest_ns = self->host->now_ns(self->host);
-    const int64_t in_time_ns = time_ns < newest_ns ? time_ns : newest_ns;
-    return in_time_ns > self->last_ns ? in_time_ns : self->last_ns;
+    return device_sample_ns(self->host, now_ns + self->host_offset_ns, &self->last_ns);
 }
 
 /* False: nothing of this moves the face, which is held. */
@@ -206,7 +203,7 @@ static bool take(mrt_plugin *self, size_t size, const udp_peer *peer, const doub
         if (frame.is_told[i])
             self->value[i] = frame.value[i];
     memset(out, 0, sizeof *out);
-    out->time_ns = self->last_ns = time_of(self, &frame, now_ns);
+    out->time_ns = time_of(self, &frame, now_ns);
     out->sequence = self->sequence++;
     out->count = PHONE_VALUES;
     memcpy(out->value, self->value, sizeof self->value);
@@ -218,8 +215,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 {
     if (self->socket < 0)
         return MRT_ERR_IO;
-    int64_t left_ns = deadline_ns - self->host->now_ns(self->host);
-    const int64_t until_ns = device_clock_ns() + (left_ns < read_max_ns ? left_ns : read_max_ns);
+    const int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
     for (;;) {
         udp_peer peer;
         int64_t now_ns = device_clock_ns();

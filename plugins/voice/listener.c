@@ -1,7 +1,274 @@
 #include "listener.h"
 #include "device_io.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#ifdef VOICE_HAS_ALSA
+#include <alsa/asoundlib.h>
+#else
+typedef void snd_pcm_t;
+#endif
+
+enum { MICROPHONE_REASON = 320 };
+
+struct microphone {
+    snd_pcm_t *pcm; /* NULL: a pipe */
+    int pipe;
+    unsigned char half; /* of a frame, that came alone */
+    bool has_half;
+};
+
+/* ---- a pipe ---- */
+
+static bool open_pipe(microphone *self, const char *path, char out_reason[MICROPHONE_REASON])
+{
+    struct stat about;
+    bool is_pipe = stat(path, &about) == 0 && S_ISFIFO(about.st_mode);
+    /* to write, too: it then has a writer always, and never ends */
+    self->pipe = is_pipe ? open(path, O_RDWR | O_NONBLOCK | O_CLOEXEC) : -1;
+    if (self->pipe >= 0)
+        return true;
+    (void)snprintf(out_reason, MICROPHONE_REASON,
+                   is_pipe ? "%.100s: you may not open it"
+                           : "%.100s is no pipe: make one with mkfifo, and send sound into it: "
+                             "arecord -t raw -f S16_LE -r 48000 -c 1",
+                   path);
+    return false;
+}
+
+static int read_pipe(microphone *self, int16_t *out, uint32_t capacity)
+{
+    unsigned char bytes[4096];
+    size_t kept = self->has_half, room = 2 * (size_t)capacity;
+    bytes[0] = self->half;
+    room = room < sizeof bytes ? room : sizeof bytes;
+    ssize_t size = read(self->pipe, bytes + kept, room - kept);
+    if (size <= 0)
+        return size < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : -1;
+    size_t all = kept + (size_t)size, count = all / 2;
+    self->has_half = all % 2 > 0;
+    self->half = bytes[all - 1];
+    for (size_t i = 0; i < count; ++i)
+        out[i] = (int16_t)(uint16_t)(bytes[2 * i] | bytes[2 * i + 1] << 8);
+    return (int)count;
+}
+
+/* ---- ALSA ---- */
+
+#ifdef VOICE_HAS_ALSA
+
+enum { LATENCY_US = 40000 };
+
+static void say_nothing(const char *file, int line, const char *function, int code,
+                        const char *format, ...)
+{
+    (void)file;
+    (void)line;
+    (void)function;
+    (void)code;
+    (void)format;
+}
+
+static const char *advice(int error)
+{
+    switch (error) {
+    case -ENOENT:
+    case -ENODEV:
+    case -ENXIO:
+        return "there is no such microphone: plug it in, or see what there is with: marotte "
+               "devices";
+    case -EACCES:
+    case -EPERM:
+        return "you may not open it: sudo adduser $USER audio, then log in again";
+    case -EBUSY:
+        return "another program has it for itself: end that, or leave the name out";
+    default:
+        return snd_strerror(error);
+    }
+}
+
+static bool open_pcm(microphone *self, const char *name, char out_reason[MICROPHONE_REASON])
+{
+    (void)snd_lib_error_set_handler(say_nothing);
+    int result = snd_pcm_open(&self->pcm, name, SND_PCM_STREAM_CAPTURE, SND_PCM_NONBLOCK);
+    if (result < 0)
+        self->pcm = NULL;
+    else
+        result = snd_pcm_set_params(self->pcm, SND_PCM_FORMAT_S16, SND_PCM_ACCESS_RW_INTERLEAVED, 1,
+                                    MICROPHONE_RATE, 1, LATENCY_US);
+    if (result >= 0)
+        result = snd_pcm_start(self->pcm);
+    if (result < 0)
+        (void)snprintf(out_reason, MICROPHONE_REASON, "%.100s: %s", name, advice(result));
+    return result >= 0;
+}
+
+/* A computer that was too busy, or asleep: what was said meanwhile is lost. */
+static bool recover(microphone *self, int error)
+{
+    return snd_pcm_recover(self->pcm, error, 1) >= 0 && snd_pcm_start(self->pcm) >= 0;
+}
+
+static bool wait_pcm(microphone *self, int64_t span_ns)
+{
+    int64_t span_ms = span_ns > 0 ? (span_ns + 999999) / 1000000 : 0;
+    int result = snd_pcm_wait(self->pcm, (int)(span_ms < 1000 ? span_ms : 1000));
+    return result >= 0 || result == -EINTR || recover(self, result);
+}
+
+static int read_pcm(microphone *self, int16_t *out, uint32_t capacity)
+{
+    snd_pcm_sframes_t count = snd_pcm_readi(self->pcm, out, capacity);
+    if (count >= 0)
+        return (int)count;
+    return count == -EAGAIN || recover(self, (int)count) ? 0 : -1;
+}
+
+static void close_pcm(microphone *self)
+{
+    (void)snd_pcm_close(self->pcm);
+}
+
+/* "plughw:CARD=Mic,DEV=0": the first of a card's is found without ",DEV=0", and a ',' would begin
+ * parameters. */
+static bool is_microphone(void *hint, char out_name[64], char out_about[64])
+{
+    char *name = snd_device_name_get_hint(hint, "NAME");
+    char *about = snd_device_name_get_hint(hint, "DESC");
+    char *way = snd_device_name_get_hint(hint, "IOID"); /* NULL: both */
+    char *first = name ? strstr(name, ",DEV=0") : NULL;
+    if (first && first[6] == '\0')
+        *first = '\0';
+    bool is_one = name && (!way || strcmp(way, "Input") == 0) && strlen(name) < 64 &&
+                  !strchr(name, ',') &&
+                  (strcmp(name, "default") == 0 || strncmp(name, "plughw:", 7) == 0);
+    (void)snprintf(out_name, 64, "%s", is_one ? name : "");
+    (void)snprintf(out_about, 64, "%.63s", about ? about : out_name);
+    for (char *c = out_about; *c; ++c)
+        if ((unsigned char)*c < ' ' || *c == 0x7f)
+            *c = ' ';
+    free(name);
+    free(about);
+    free(way);
+    return is_one;
+}
+
+/* ALSA would try 32 cards, each second. */
+static bool has_sound(void)
+{
+    return access("/dev/snd", F_OK) == 0;
+}
+
+static uint32_t microphone_list(mrt_device *out, uint32_t capacity)
+{
+    void **hints = NULL;
+    uint32_t count = 0;
+    int card = -1;
+    if (!has_sound() || snd_card_next(&card) < 0 || card < 0 ||
+        snd_device_name_hint(-1, "pcm", &hints) < 0)
+        return 0;
+    for (void **hint = hints; *hint; ++hint) {
+        char name[64], about[64];
+        if (!is_microphone(*hint, name, about))
+            continue;
+        if (count < capacity) {
+            out[count] = (mrt_device){.state = MRT_DEVICE_UNSURE};
+            (void)snprintf(out[count].address, sizeof out[count].address, "%s", name);
+            (void)snprintf(out[count].name, sizeof out[count].name, "%s", about);
+        }
+        count += 1;
+    }
+    (void)snd_device_name_free_hint(hints);
+    return count;
+}
+
+#else
+
+static bool open_pcm(microphone *self, const char *name, char out_reason[MICROPHONE_REASON])
+{
+    (void)self;
+    (void)snprintf(out_reason, MICROPHONE_REASON,
+                   "%.100s: marotte was built without libasound2-dev, only pipes can be heard",
+                   name);
+    return false;
+}
+
+static bool wait_pcm(microphone *self, int64_t span_ns)
+{
+    (void)self;
+    (void)span_ns;
+    return false;
+}
+
+static int read_pcm(microphone *self, int16_t *out, uint32_t capacity)
+{
+    (void)self;
+    (void)out;
+    (void)capacity;
+    return -1;
+}
+
+static void close_pcm(microphone *self)
+{
+    (void)self;
+}
+
+static uint32_t microphone_list(mrt_device *out, uint32_t capacity)
+{
+    (void)out;
+    (void)capacity;
+    return 0;
+}
+
+#endif
+
+/* ---- either ---- */
+
+static void microphone_close(microphone *self)
+{
+    if (!self)
+        return;
+    if (self->pcm)
+        close_pcm(self);
+    if (self->pipe >= 0)
+        close(self->pipe);
+    free(self);
+}
+
+/* NULL: out_reason says why. */
+static microphone *microphone_open(const char *address, char out_reason[MICROPHONE_REASON])
+{
+    microphone *self = calloc(1, sizeof *self);
+    out_reason[0] = '\0';
+    if (!self)
+        return NULL;
+    self->pipe = -1;
+    if (strchr(address, '/') ? open_pipe(self, address, out_reason)
+                             : open_pcm(self, address[0] ? address : "default", out_reason))
+        return self;
+    microphone_close(self);
+    return NULL;
+}
+
+/* Waits until there is something to read, or span_ns have passed; false: it is gone. */
+static bool microphone_wait(microphone *self, int64_t span_ns)
+{
+    return self->pcm ? wait_pcm(self, span_ns) : device_wait(self->pipe, span_ns) >= 0;
+}
+
+/* How many frames have come, without waiting: 0 none; -1: it is gone. */
+static int microphone_read(microphone *self, int16_t *out, uint32_t capacity)
+{
+    return self->pcm ? read_pcm(self, out, capacity) : read_pipe(self, out, capacity);
+}
+
+/* ---- heard in time ---- */
 
 void listener_close(listener *self)
 {

@@ -1,9 +1,16 @@
-/* voice/listener.h - a microphone as an input hears it: opened, read in time, and lost. Leaves out
- * what is heard. Shared by the inputs of this folder. */
+/* voice/listener.h - sound as an input hears it: a microphone of ALSA's, by name, or a pipe with
+ * samples in it, opened, read in time, and lost. 16 bit, one channel, MICROPHONE_RATE frames a
+ * second. The one place that knows libasound's PCM; where marotte was built without it only pipes
+ * are there. Leaves out what is heard. Shared by the inputs of this folder. One thread at a time.
+ */
 #ifndef PLUGINS_VOICE_LISTENER_H
 #define PLUGINS_VOICE_LISTENER_H
 #include "clock_map.h"
-#include "microphone.h"
+
+#include <marotte/plugin.h>
+
+enum { MICROPHONE_RATE = 48000 };
+typedef struct microphone microphone;
 
 typedef struct listener {
     const mrt_host *host;
@@ -15,7 +22,9 @@ typedef struct listener {
     bool has_told_loss;
 } listener;
 
-/* called: "Microphone", before the address. What is wrong is said, once. */
+/* address: "" what the system calls default; with a '/' a pipe (mkfifo), else a name of ALSA's
+ * ("hw:1"), of which others may hold what is not shared. called: "Microphone", before the address.
+ * What is wrong is said, once. */
 mrt_result listener_open(listener *self, const char *address, const char *called);
 void listener_close(listener *self);
 /* Some frames, capacity at most. MRT_TIMEOUT: none until the deadline; MRT_ERR_IO: it went away,

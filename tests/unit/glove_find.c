@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "device_io.h"
 #include "glove_find.h"
 #include "glove_open.h"
 #include "glove_talker.h"
@@ -108,13 +109,13 @@ static void host_log(const mrt_host *host, int32_t level, const char *text)
 static int64_t host_now_ns(const mrt_host *host)
 {
     (void)host;
-    return glove_port_now_ns();
+    return device_clock_ns();
 }
 
 static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
 {
     (void)host;
-    int64_t now_ns = glove_port_now_ns();
+    int64_t now_ns = device_clock_ns();
     return now_ns > time_ns ? now_ns : time_ns;
 }
 

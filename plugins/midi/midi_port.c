@@ -1,33 +1,174 @@
-#include "midi_seq.h"
+#include "midi_port.h"
 
 #ifdef MIDI_HAS_ALSA
-
 #include <alsa/asoundlib.h>
+#endif
 
+#include <errno.h>
+#include <fcntl.h>
+#include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <termios.h>
 #include <unistd.h>
+
+/* ---- a device of the kernel (/dev/snd/midiC1D0, /dev/midi1), a serial line or a pipe ---- */
+
+static const char *advice(int error)
+{
+    switch (error) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+        return "nothing is there: plug it in, or see what there is with: marotte devices";
+    case EACCES:
+    case EPERM:
+        return "you may not open it: sudo adduser $USER audio, then log in again";
+    case EBUSY:
+    case EAGAIN:
+        return "another program has it: end that, or name it as a port of the sequencer";
+    default:
+        return strerror(error);
+    }
+}
+
+/* Of /dev/snd/midiC1D0 the sound card's own name: "nanoKONTROL2". */
+static void find_name(const char *path, char out[MIDI_PORT_NAME])
+{
+    static const char prefix[] = "/dev/snd/midiC";
+    char file[64];
+    out[0] = '\0';
+    unsigned card = 0;
+    if (strncmp(path, prefix, sizeof prefix - 1) != 0 ||
+        sscanf(path + sizeof prefix - 1, "%3u", &card) != 1)
+        return;
+    (void)snprintf(file, sizeof file, "/sys/class/sound/card%u/id", card);
+    FILE *from = fopen(file, "re");
+    if (!from)
+        return;
+    if (!fgets(out, MIDI_PORT_NAME, from))
+        out[0] = '\0';
+    (void)fclose(from);
+    out[strcspn(out, "\n")] = '\0';
+}
+
+/* A serial line must not take bytes for commands. */
+static void make_plain(int descriptor)
+{
+    struct termios line;
+    if (tcgetattr(descriptor, &line) != 0)
+        return;
+    cfmakeraw(&line);
+    (void)tcsetattr(descriptor, TCSANOW, &line);
+}
+
+/* -1: out_reason says why. out_can_write: motors can be driven. A pipe goes on when its writer ends
+ * and another one comes. */
+static int raw_open(const char *path, char out_name[MIDI_PORT_NAME], bool *out_can_write,
+                    char out_reason[MIDI_REASON])
+{
+    const int flags = O_NONBLOCK | O_CLOEXEC | O_NOCTTY;
+    struct stat about;
+    int descriptor = -1, error = 0;
+    if (stat(path, &about) != 0) {
+        error = errno;
+    } else if (!S_ISCHR(about.st_mode) && !S_ISFIFO(about.st_mode)) {
+        (void)snprintf(out_reason, MIDI_REASON,
+                       "%.100s is neither a device nor a pipe: make one with mkfifo, and send "
+                       "MIDI bytes into it",
+                       path);
+        return -1;
+    } else {
+        /* of a pipe too: it then has a writer always, and never ends */
+        descriptor = open(path, flags | O_RDWR);
+        *out_can_write = descriptor >= 0 && S_ISCHR(about.st_mode);
+        if (descriptor < 0 && (errno == EACCES || errno == EROFS))
+            descriptor = open(path, flags | O_RDONLY);
+        error = descriptor < 0 ? errno : 0;
+    }
+    if (descriptor < 0) {
+        (void)snprintf(out_reason, MIDI_REASON, "%.100s: %s", path, advice(error));
+        return -1;
+    }
+    if (isatty(descriptor))
+        make_plain(descriptor);
+    find_name(path, out_name);
+    return descriptor;
+}
+
+static int raw_read(int descriptor, uint8_t *out, size_t capacity)
+{
+    ssize_t size = read(descriptor, out, capacity);
+    if (size > 0)
+        return (int)size;
+    return size < 0 && (errno == EAGAIN || errno == EINTR) ? 0 : -1;
+}
+
+static const char pattern[] = "/dev/snd/midiC*D*", old_pattern[] = "/dev/midi*";
+
+/* Those of before ALSA are the same devices once more, if ALSA is there. */
+static bool look(glob_t *out)
+{
+    if (glob(pattern, 0, NULL, out) == 0 && out->gl_pathc > 0)
+        return true;
+    globfree(out);
+    return glob(old_pattern, 0, NULL, out) == 0;
+}
+
+/* The n-th device of this computer, from 0; false: there are not so many. */
+static bool raw_find(uint32_t n, char out_path[32])
+{
+    glob_t found;
+    bool is_there = look(&found) && n < found.gl_pathc;
+    if (is_there)
+        (void)snprintf(out_path, 32, "%s", found.gl_pathv[n]);
+    globfree(&found);
+    return is_there;
+}
+
+static uint32_t raw_list(mrt_device *out, uint32_t capacity)
+{
+    char path[32], name[MIDI_PORT_NAME];
+    uint32_t count = 0;
+    for (; raw_find(count, path); ++count) {
+        if (count >= capacity)
+            continue;
+        out[count] = (mrt_device){.state = MRT_DEVICE_READY};
+        find_name(path, name);
+        (void)snprintf(out[count].name, sizeof out[count].name, "%s",
+                       name[0] ? name : "MIDI device");
+        (void)snprintf(out[count].address, sizeof out[count].address, "%s", path);
+        if (access(path, R_OK) != 0) {
+            out[count].state = MRT_DEVICE_DENIED;
+            (void)snprintf(out[count].advice, sizeof out[count].advice, "%s", advice(EACCES));
+        }
+    }
+    return count;
+}
+
+#ifdef MIDI_HAS_ALSA
 
 enum { INPUT_POOL = 1000, MESSAGE = 4096 };
 
-struct midi_seq {
+typedef struct midi_seq {
     snd_seq_t *seq;
     snd_midi_event_t *coder;
     int port, descriptor;
     bool wants_any; /* and the next device that comes will do */
     bool is_connected;
     snd_seq_addr_t source;
-};
+} midi_seq;
 
 static const char node[] = "/dev/snd/seq";
 
-bool midi_seq_is_there(void)
+static bool seq_is_there(void)
 {
     return access(node, R_OK | W_OK) == 0;
 }
 
-/* ---- ports of others ---- */
+/* ---- the sequencer: ports of others ---- */
 
 typedef struct found_port {
     snd_seq_addr_t at;
@@ -106,7 +247,7 @@ static bool is_wanted(const found_port *port, void *data)
     return fits;
 }
 
-/* ---- opening ---- */
+/* ---- the sequencer: opening ---- */
 
 static bool connect_to(midi_seq *self, const snd_seq_addr_t *source)
 {
@@ -146,8 +287,20 @@ static bool join(midi_seq *self)
                                 SND_SEQ_PORT_SYSTEM_ANNOUNCE) >= 0;
 }
 
-midi_seq *midi_seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
-                        char out_reason[MIDI_REASON])
+static void seq_close(midi_seq *self)
+{
+    if (!self)
+        return;
+    if (self->coder)
+        snd_midi_event_free(self->coder);
+    if (self->seq)
+        (void)snd_seq_close(self->seq);
+    free(self);
+}
+
+/* Joins as the port "marotte" and takes what the wanted port sends. NULL: out_reason says why. */
+static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
+                          char out_reason[MIDI_REASON])
 {
     midi_seq *self = calloc(1, sizeof *self);
     search sought = {.wanted = wanted};
@@ -157,7 +310,7 @@ midi_seq *midi_seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
                        "ALSA's sequencer cannot be joined: is snd-seq loaded, and may this user "
                        "open %s (group audio)?",
                        node);
-        midi_seq_close(self);
+        seq_close(self);
         return NULL;
     }
     self->wants_any = wanted[0] == '\0';
@@ -174,27 +327,11 @@ midi_seq *midi_seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
                             : "no MIDI port is called \"%.100s\": plug it in, or see what there is "
                               "with: marotte devices",
                    wanted);
-    midi_seq_close(self);
+    seq_close(self);
     return NULL;
 }
 
-void midi_seq_close(midi_seq *self)
-{
-    if (!self)
-        return;
-    if (self->coder)
-        snd_midi_event_free(self->coder);
-    if (self->seq)
-        (void)snd_seq_close(self->seq);
-    free(self);
-}
-
-int midi_seq_descriptor(const midi_seq *self)
-{
-    return self->descriptor;
-}
-
-/* ---- bytes ---- */
+/* ---- the sequencer: bytes ---- */
 
 /* False: what was heard is gone. */
 static bool take_news(midi_seq *self, const snd_seq_event_t *event)
@@ -214,7 +351,7 @@ static bool take_news(midi_seq *self, const snd_seq_event_t *event)
     return true;
 }
 
-int midi_seq_read(midi_seq *self, uint8_t *out, size_t capacity)
+static int seq_read(midi_seq *self, uint8_t *out, size_t capacity)
 {
     for (;;) {
         snd_seq_event_t *event = NULL;
@@ -236,7 +373,7 @@ int midi_seq_read(midi_seq *self, uint8_t *out, size_t capacity)
     }
 }
 
-bool midi_seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
+static bool seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
 {
     snd_seq_event_t event;
     snd_midi_event_reset_encode(self->coder);
@@ -258,7 +395,7 @@ bool midi_seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
     return true;
 }
 
-/* ---- the list ---- */
+/* ---- the sequencer: the list ---- */
 
 typedef struct listing {
     mrt_device *out;
@@ -285,11 +422,11 @@ static bool list_port(const found_port *port, void *data)
     return false;
 }
 
-uint32_t midi_seq_list(mrt_device *out, uint32_t capacity)
+static uint32_t seq_list(mrt_device *out, uint32_t capacity)
 {
     snd_seq_t *seq;
     listing made = {out, 0, capacity};
-    if (!midi_seq_is_there() || snd_seq_open(&seq, "default", SND_SEQ_OPEN_INPUT, 0) < 0)
+    if (!seq_is_there() || snd_seq_open(&seq, "default", SND_SEQ_OPEN_INPUT, 0) < 0)
         return 0;
     (void)visit_ports(seq, list_port, &made);
     (void)snd_seq_close(seq);
@@ -298,31 +435,29 @@ uint32_t midi_seq_list(mrt_device *out, uint32_t capacity)
 
 #else
 
-bool midi_seq_is_there(void)
+typedef struct midi_seq {
+    int descriptor;
+} midi_seq;
+
+static bool seq_is_there(void)
 {
     return false;
 }
 
-midi_seq *midi_seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
-                        char out_reason[MIDI_REASON])
+static midi_seq *seq_open(const char *wanted, char out_name[MIDI_PORT_NAME],
+                          char out_reason[MIDI_REASON])
 {
     (void)wanted;
     out_name[0] = out_reason[0] = '\0';
     return NULL;
 }
 
-void midi_seq_close(midi_seq *self)
+static void seq_close(midi_seq *self)
 {
     (void)self;
 }
 
-int midi_seq_descriptor(const midi_seq *self)
-{
-    (void)self;
-    return -1;
-}
-
-int midi_seq_read(midi_seq *self, uint8_t *out, size_t capacity)
+static int seq_read(midi_seq *self, uint8_t *out, size_t capacity)
 {
     (void)self;
     (void)out;
@@ -330,7 +465,7 @@ int midi_seq_read(midi_seq *self, uint8_t *out, size_t capacity)
     return -1;
 }
 
-bool midi_seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
+static bool seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
 {
     (void)self;
     (void)bytes;
@@ -338,7 +473,7 @@ bool midi_seq_write(midi_seq *self, const uint8_t *bytes, size_t size)
     return false;
 }
 
-uint32_t midi_seq_list(mrt_device *out, uint32_t capacity)
+static uint32_t seq_list(mrt_device *out, uint32_t capacity)
 {
     (void)out;
     (void)capacity;
@@ -346,3 +481,61 @@ uint32_t midi_seq_list(mrt_device *out, uint32_t capacity)
 }
 
 #endif
+
+/* ---- either ---- */
+
+void midi_port_init(midi_port *self)
+{
+    *self = (midi_port){.descriptor = -1};
+}
+
+/* A device of the kernel alone where there is no sequencer. */
+bool midi_port_open(midi_port *self, const char *wanted, char out_name[MIDI_PORT_NAME],
+                    char out_reason[MIDI_REASON])
+{
+    char path[32];
+    if (!strchr(wanted, '/') && seq_is_there()) {
+        self->seq = seq_open(wanted, out_name, out_reason);
+        self->descriptor = self->seq ? self->seq->descriptor : -1;
+        self->can_write = self->seq != NULL;
+        return self->can_write;
+    }
+    if (wanted[0] == '\0' && raw_find(0, path))
+        wanted = path;
+    if (!strchr(wanted, '/')) {
+        (void)snprintf(out_reason, MIDI_REASON,
+                       "%s%.100s%s: this system has no MIDI sequencer (/dev/snd/seq): name a "
+                       "device or a pipe, as in midi:/dev/snd/midiC1D0",
+                       wanted[0] ? "\"" : "no MIDI device is plugged in", wanted,
+                       wanted[0] ? "\"" : "");
+        return false;
+    }
+    self->descriptor = raw_open(wanted, out_name, &self->can_write, out_reason);
+    return self->descriptor >= 0;
+}
+
+void midi_port_close(midi_port *self)
+{
+    if (self->seq)
+        seq_close(self->seq);
+    else if (self->descriptor >= 0)
+        close(self->descriptor);
+    midi_port_init(self);
+}
+
+int midi_port_read(midi_port *self, uint8_t *out, size_t capacity)
+{
+    return self->seq ? seq_read(self->seq, out, capacity)
+                     : raw_read(self->descriptor, out, capacity);
+}
+
+bool midi_port_write(midi_port *self, const uint8_t *bytes, size_t size)
+{
+    return self->seq ? seq_write(self->seq, bytes, size)
+                     : write(self->descriptor, bytes, size) == (ssize_t)size;
+}
+
+uint32_t midi_port_list(mrt_device *out, uint32_t capacity)
+{
+    return seq_is_there() ? seq_list(out, capacity) : raw_list(out, capacity);
+}
