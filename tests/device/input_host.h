@@ -1,11 +1,12 @@
-/* One input plugin as a host loads it: a clock of its own epoch, what was said, restarts that were
- * asked for, a folder for settings. */
+/* One plugin of inputs, perhaps of outputs, as a host loads it: a clock of its own epoch, what was
+ * said (by any thread), restarts that were asked for, a folder for settings. */
 #ifndef TESTS_DEVICE_INPUT_HOST_H
 #define TESTS_DEVICE_INPUT_HOST_H
 #include <marotte/plugin.h>
 
 #include <assert.h>
 #include <dlfcn.h>
+#include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,12 +20,15 @@ enum { INPUT_HOST_PARAMS = 16 };
 typedef struct input_host {
     mrt_host host;
     mrt_folders folders;
-    char settings[512]; /* "": this host has no folders */
+    char settings[512];    /* "": this host has no folders */
+    pthread_mutex_t mutex; /* guards what was said */
     int said[4], restart_count;
     char last_text[1024];
+    bool is_stopping; /* waits end before their time */
     const mrt_plugin_type *type;
     const mrt_input *input;
     const mrt_devices *devices;
+    const mrt_output *output;
     mrt_plugin *plugin;
     double params[INPUT_HOST_PARAMS];
 } input_host;
@@ -40,6 +44,8 @@ static inline int64_t input_host_now_ns(const mrt_host *host)
 static inline int64_t input_host_wait(const mrt_host *host, int64_t time_ns)
 {
     int64_t left_ns = time_ns - input_host_now_ns(host);
+    if (((const input_host *)host->data)->is_stopping)
+        return time_ns - 1;
     struct timespec pause = {left_ns / 1000000000, (long)(left_ns % 1000000000)};
     if (left_ns > 0)
         nanosleep(&pause, NULL);
@@ -49,8 +55,10 @@ static inline int64_t input_host_wait(const mrt_host *host, int64_t time_ns)
 static inline void input_host_log(const mrt_host *host, int32_t level, const char *text)
 {
     input_host *self = host->data;
+    pthread_mutex_lock(&self->mutex);
     self->said[level] += 1;
     snprintf(self->last_text, sizeof self->last_text, "%s", text);
+    pthread_mutex_unlock(&self->mutex);
 }
 
 static inline void input_host_restart(const mrt_host *host)
@@ -83,6 +91,7 @@ static inline input_host *input_host_create(const char *library_path)
         fprintf(stderr, "%s\n", dlerror());
         abort();
     }
+    pthread_mutex_init(&self->mutex, NULL);
     self->host = (mrt_host){self,
                             input_host_log,
                             input_host_now_ns,
@@ -98,6 +107,8 @@ static inline input_host *input_host_create(const char *library_path)
             self->input = i->functions;
         if (strcmp(i->id, MRT_DEVICES) == 0)
             self->devices = i->functions;
+        if (strcmp(i->id, MRT_OUTPUT) == 0)
+            self->output = i->functions;
     }
     for (uint32_t i = 0; i < self->type->param_count; ++i)
         self->params[i] = self->type->params[i].initial;
@@ -109,6 +120,7 @@ static inline input_host *input_host_create(const char *library_path)
 static inline void input_host_destroy(input_host *self)
 {
     self->type->destroy(self->plugin);
+    pthread_mutex_destroy(&self->mutex);
     free(self);
 }
 

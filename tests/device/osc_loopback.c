@@ -29,7 +29,7 @@ typedef struct wire {
     char to[32];      /* for an output */
     char from[3][64]; /* for an input: simple, "glove", "other" */
     int fd;           /* sends raw bytes */
-    osc_node *in, *out;
+    input_host *in, *out;
 } wire;
 
 static int set_up(void **state)
@@ -56,8 +56,8 @@ static int set_up(void **state)
 static int tear_down(void **state)
 {
     wire *w = *state;
-    osc_node_destroy(w->in);
-    osc_node_destroy(w->out);
+    input_host_destroy(w->in);
+    input_host_destroy(w->out);
     close(w->fd);
     free(w);
     return 0;
@@ -65,7 +65,7 @@ static int tear_down(void **state)
 
 static int64_t now_ns(void)
 {
-    return osc_network_now_ns(NULL);
+    return input_host_now_ns(NULL);
 }
 
 static void write_as(wire *w, const char *source, uint32_t sequence, float pedal)
@@ -83,10 +83,10 @@ static void connect_glove(wire *w)
     assert_int_equal(osc_node_open_output(w->out, w->to), MRT_OK);
     write_as(w, "glove", 0, 0);
     int64_t before_ns = now_ns();
-    assert_int_equal(osc_node_open_input(w->in, w->from[1]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[1]), MRT_OK);
     assert_true(now_ns() - before_ns < 1500 * ms_ns);
     mrt_sample sample; /* it follows the channels, or is repeated */
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
 }
 
 static void an_input_has_the_outputs_channels_and_every_bit(void **state)
@@ -108,7 +108,7 @@ static void an_input_has_the_outputs_channels_and_every_bit(void **state)
         uint32_t sequence = i < 100 ? i : i + 5; /* five are lost on the way to the output */
         write_as(w, "glove", sequence, 0);
         mrt_sample sample;
-        assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+        assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
         float expected[3] = {(float)sequence * 1.1f, -0.0f, 0};
         assert_memory_equal(sample.value, expected, sizeof expected);
         assert_int_equal(sample.count, 3);
@@ -129,7 +129,7 @@ static void times_are_those_of_the_measurement(void **state)
         int64_t measured_ns = now_ns(), next_ns = measured_ns + s_ns / 150;
         write_as(w, "glove", i, 0);
         mrt_sample sample;
-        assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+        assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
         assert_true(sample.time_ns <= now_ns());
         double error_ms = (double)(sample.time_ns - measured_ns) / 1e6;
         if (i > 30) { /* the first ones find the clock's offset */
@@ -139,7 +139,7 @@ static void times_are_those_of_the_measurement(void **state)
             count += 1;
         }
         while (now_ns() < next_ns - 2 * ms_ns)
-            assert_int_equal(osc_node_read(w->in, next_ns - now_ns(), &sample), MRT_TIMEOUT);
+            assert_int_equal(input_host_read(w->in, next_ns - now_ns(), &sample), MRT_TIMEOUT);
     }
     double sd_ms = sqrt(squares / count - sum / count * (sum / count));
     print_message("time error at 150 Hz: mean %.3f, sd %.3f, worst %.3f ms\n", sum / count, sd_ms,
@@ -158,12 +158,12 @@ static int64_t cpu_ns(void)
 static void read_waits_for_its_deadline_and_does_not_spin(void **state)
 {
     wire *w = *state;
-    assert_int_equal(osc_node_open_input(w->in, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_OK);
     int64_t cpu_before_ns = cpu_ns(), before_ns = now_ns();
     for (int i = 0; i < 10; ++i) {
         mrt_sample sample;
         int64_t deadline_ns = now_ns() + 50 * ms_ns;
-        assert_int_equal(osc_node_read(w->in, 50 * ms_ns, &sample), MRT_TIMEOUT);
+        assert_int_equal(input_host_read(w->in, 50 * ms_ns, &sample), MRT_TIMEOUT);
         assert_true(now_ns() > deadline_ns - 3 * ms_ns && now_ns() < deadline_ns + 150 * ms_ns);
     }
     double share = (double)(cpu_ns() - cpu_before_ns) / (double)(now_ns() - before_ns);
@@ -174,10 +174,10 @@ static void read_waits_for_its_deadline_and_does_not_spin(void **state)
 static void two_hands_share_a_port(void **state)
 {
     wire *w = *state;
-    osc_node *left = osc_node_create();
+    input_host *left = osc_node_create();
     left->params[OSC_HAND] = MRT_LEFT;
-    assert_int_equal(osc_node_open_input(w->in, w->from[0]), MRT_OK);
-    assert_int_equal(osc_node_open_input(left, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_open(left, w->from[0]), MRT_OK);
     osc_bytes packet = {.size = 0};
     mrt_sample sample;
     for (int i = 0; i < 10; ++i) {
@@ -185,21 +185,21 @@ static void two_hands_share_a_port(void **state)
         osc_network_send(w->fd, w->port, &packet);
         osc_bytes_message(&packet, "/marotte/hand/right/joint", "if", 4, 0.5);
         osc_network_send(w->fd, w->port, &packet);
-        assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+        assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
         assert_true(sample.value[4] == 0.5f);
-        assert_int_equal(osc_node_read(left, s_ns, &sample), MRT_OK);
+        assert_int_equal(input_host_read(left, s_ns, &sample), MRT_OK);
         assert_true(sample.value[4] == 0.25f);
     }
-    osc_node_destroy(left); /* the other one keeps the port */
+    input_host_destroy(left); /* the other one keeps the port */
     osc_bytes_message(&packet, "/marotte/hand/right/joint", "if", 4, 0.75);
     osc_network_send(w->fd, w->port, &packet);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[4] == 0.75f);
 }
 
 /* Reads on a thread of its own, as the host does. */
 typedef struct reader {
-    osc_node *node;
+    input_host *node;
     uint32_t wanted, got, lost;
 } reader;
 
@@ -210,7 +210,7 @@ static void *read_all(void *data)
     int64_t until_ns = now_ns() + 20 * s_ns;
     while (r->got < r->wanted && now_ns() < until_ns) {
         mrt_sample sample;
-        mrt_result result = osc_node_read(r->node, 100 * ms_ns, &sample);
+        mrt_result result = input_host_read(r->node, 100 * ms_ns, &sample);
         if (result < 0)
             break;
         if (result != MRT_OK)
@@ -228,9 +228,9 @@ static void two_sources_are_read_by_two_threads_at_one_port(void **state)
     enum { SAMPLES = 2000 };
     wire *w = *state;
     connect_glove(w);
-    osc_node *other = osc_node_create();
+    input_host *other = osc_node_create();
     write_as(w, "other", 0, 0);
-    assert_int_equal(osc_node_open_input(other, w->from[2]), MRT_OK);
+    assert_int_equal(input_host_open(other, w->from[2]), MRT_OK);
     reader readers[2] = {{w->in, SAMPLES, 0, 0}, {other, SAMPLES, 0, 0}};
     pthread_t thread[2];
     for (int i = 0; i < 2; ++i)
@@ -238,7 +238,7 @@ static void two_sources_are_read_by_two_threads_at_one_port(void **state)
     for (uint32_t i = 1; i <= SAMPLES + 1; ++i) {
         write_as(w, "glove", i, 0);
         write_as(w, "other", i, 0);
-        osc_network_wait_until_ns(&w->out->host, now_ns() + ms_ns / 2);
+        input_host_wait(&w->out->host, now_ns() + ms_ns / 2);
     }
     for (int i = 0; i < 2; ++i)
         pthread_join(thread[i], NULL);
@@ -246,7 +246,7 @@ static void two_sources_are_read_by_two_threads_at_one_port(void **state)
         assert_int_equal(readers[i].got, SAMPLES);
         assert_int_equal(readers[i].lost, 0);
     }
-    osc_node_destroy(other);
+    input_host_destroy(other);
 }
 
 /* Forwards "glove" with the pedal down until it is killed. */
@@ -255,7 +255,7 @@ static pid_t start_sender(wire *w)
     pid_t child = fork();
     if (child != 0)
         return child;
-    osc_node *node = osc_node_create();
+    input_host *node = osc_node_create();
     uint32_t sequence = 0;
     if (osc_node_open_output(node, w->to) < 0)
         _exit(1);
@@ -263,7 +263,7 @@ static pid_t start_sender(wire *w)
         mrt_sample sample = {
             .time_ns = now_ns(), .sequence = sequence++, .count = 3, .value = {5, 6, 1}};
         (void)node->output->write(node->plugin, "glove", glove, &sample);
-        osc_network_wait_until_ns(&node->host, now_ns() + 10 * ms_ns);
+        input_host_wait(&node->host, now_ns() + 10 * ms_ns);
     }
 }
 
@@ -274,11 +274,11 @@ static void kill_sender(pid_t sender)
 }
 
 /* As the host does: opens again until it works. */
-static int64_t reopen_within_ns(osc_node *node, const char *address)
+static int64_t reopen_within_ns(input_host *node, const char *address)
 {
     int64_t before_ns = now_ns();
     node->input->close(node->plugin);
-    while (osc_node_open_input(node, address) < 0)
+    while (input_host_open(node, address) < 0)
         if (now_ns() - before_ns > 10 * s_ns)
             return INT64_MAX;
     return now_ns() - before_ns;
@@ -289,16 +289,16 @@ static void a_killed_sender_leaves_no_pedal_down_and_may_come_back(void **state)
     wire *w = *state;
     pid_t sender = start_sender(w);
     assert_true(sender > 0);
-    assert_int_equal(osc_node_open_input(w->in, w->from[1]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[1]), MRT_OK);
     mrt_sample sample;
     for (int i = 0; i < 20; ++i)
-        assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+        assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[2] == 1);
     kill_sender(sender);
     int64_t killed_ns = now_ns(), released_ns = 0;
     uint32_t last = sample.sequence;
     mrt_result result;
-    while ((result = osc_node_read(w->in, 100 * ms_ns, &sample)) >= 0) {
+    while ((result = input_host_read(w->in, 100 * ms_ns, &sample)) >= 0) {
         if (result != MRT_OK)
             continue;
         assert_int_equal(sample.sequence, last + 1);
@@ -315,12 +315,12 @@ static void a_killed_sender_leaves_no_pedal_down_and_may_come_back(void **state)
     assert_true(released_ns - killed_ns > 800 * ms_ns && released_ns - killed_ns < 2 * s_ns);
     assert_true(lost_ns - killed_ns > 2500 * ms_ns && lost_ns - killed_ns < 4500 * ms_ns);
     w->in->input->close(w->in->plugin);
-    assert_true(osc_node_open_input(w->in, w->from[1]) < 0); /* nobody there */
+    assert_true(input_host_open(w->in, w->from[1]) < 0); /* nobody there */
     sender = start_sender(w);
     int64_t took_ns = reopen_within_ns(w->in, w->from[1]);
     print_message("back %.2f s after the sender\n", (double)took_ns / 1e9);
     assert_true(took_ns < s_ns);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[2] == 1);
     kill_sender(sender);
 }
@@ -331,15 +331,15 @@ static void a_sender_that_closes_is_followed_by_the_next_at_once(void **state)
     connect_glove(w);
     write_as(w, "glove", 1, 1);
     mrt_sample sample;
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     w->out->output->close(w->out->plugin);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[2] == 0); /* the pedal goes up before the input is lost */
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_ERR_IO);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_ERR_IO);
     assert_int_equal(osc_node_open_output(w->out, w->to), MRT_OK);
     write_as(w, "glove", 0, 0);
     assert_true(reopen_within_ns(w->in, w->from[1]) < s_ns);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
 }
 
 /* A pedal that is held is not sent again by its input; the output repeats it. */
@@ -349,35 +349,35 @@ static void a_pedal_held_down_stays_down(void **state)
     connect_glove(w);
     write_as(w, "glove", 1, 1);
     mrt_sample sample;
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     int64_t until_ns = now_ns() + 4 * s_ns;
     while (now_ns() < until_ns)
-        assert_int_equal(osc_node_read(w->in, 100 * ms_ns, &sample), MRT_TIMEOUT);
+        assert_int_equal(input_host_read(w->in, 100 * ms_ns, &sample), MRT_TIMEOUT);
 }
 
 static void other_software_that_stops_is_lost_and_heard_again(void **state)
 {
     wire *w = *state;
     w->in->params[OSC_SILENCE] = 0.1;
-    assert_int_equal(osc_node_open_input(w->in, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_OK);
     osc_bytes packet = {.size = 0};
     mrt_sample sample;
-    assert_int_equal(osc_node_read(w->in, 500 * ms_ns, &sample), MRT_TIMEOUT); /* not yet there */
+    assert_int_equal(input_host_read(w->in, 500 * ms_ns, &sample), MRT_TIMEOUT); /* not yet there */
     osc_bytes_message(&packet, "/marotte/pedal", "ii", 2, 1);
     osc_network_send(w->fd, w->port, &packet);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[MRT_ANGLES + 1] == 1);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[MRT_ANGLES + 1] == 0);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_ERR_IO);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_ERR_IO);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_ERR_IO);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_ERR_IO);
     w->in->input->close(w->in->plugin);
-    assert_int_equal(osc_node_open_input(w->in, w->from[0]), MRT_ERR_IO);
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_ERR_IO);
     /* One message while it is closed brings it back, and is not missed. */
     osc_bytes_message(&packet, "/marotte/pedal", "if", 3, 0.5);
     osc_network_send(w->fd, w->port, &packet);
     assert_true(reopen_within_ns(w->in, w->from[0]) < 500 * ms_ns);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[MRT_ANGLES + 2] == 0.5f);
 }
 
@@ -385,32 +385,32 @@ static void silence_of_zero_is_for_ever(void **state)
 {
     wire *w = *state;
     w->in->params[OSC_SILENCE] = 0;
-    assert_int_equal(osc_node_open_input(w->in, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_OK);
     osc_bytes packet = {.size = 0};
     mrt_sample sample;
     osc_bytes_message(&packet, "/marotte/pedal", "ii", 1, 1);
     osc_network_send(w->fd, w->port, &packet);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     for (int i = 0; i < 15; ++i)
-        assert_int_equal(osc_node_read(w->in, 100 * ms_ns, &sample), MRT_TIMEOUT);
+        assert_int_equal(input_host_read(w->in, 100 * ms_ns, &sample), MRT_TIMEOUT);
 }
 
 static void a_source_that_nobody_forwards_is_refused_with_advice(void **state)
 {
     wire *w = *state;
     int64_t before_ns = now_ns();
-    assert_int_equal(osc_node_open_input(w->in, w->from[1]), MRT_ERR_IO);
+    assert_int_equal(input_host_open(w->in, w->from[1]), MRT_ERR_IO);
     assert_true(now_ns() - before_ns > 1500 * ms_ns && now_ns() - before_ns < 3 * s_ns);
     assert_non_null(strstr(w->in->last_text, "--forward"));
     connect_glove(w); /* another source than this: */
-    osc_node *other = osc_node_create();
-    assert_int_equal(osc_node_open_input(other, w->from[2]), MRT_ERR_IO);
+    input_host *other = osc_node_create();
+    assert_int_equal(input_host_open(other, w->from[2]), MRT_ERR_IO);
     assert_non_null(strstr(other->last_text, "\"glove\""));
     before_ns = now_ns();
     other->is_stopping = true;
-    assert_int_equal(osc_node_open_input(other, w->from[2]), MRT_ERR_IO);
+    assert_int_equal(input_host_open(other, w->from[2]), MRT_ERR_IO);
     assert_true(now_ns() - before_ns < 500 * ms_ns);
-    osc_node_destroy(other);
+    input_host_destroy(other);
 }
 
 static void addresses_that_cannot_be_are_refused_with_advice(void **state)
@@ -419,21 +419,21 @@ static void addresses_that_cannot_be_are_refused_with_advice(void **state)
     static const char *const inputs[] = {"x",      "0",     "65536", "9105x", "a:b:9105",
                                          "[::1:9", "1:2:3", "udp:",  ":9105"};
     for (size_t i = 0; i < sizeof inputs / sizeof *inputs; ++i) {
-        mrt_result result = osc_node_open_input(w->in, inputs[i]);
+        mrt_result result = input_host_open(w->in, inputs[i]);
         if (strcmp(inputs[i], "udp:") == 0) /* "" with its kind: the usual port */
             continue;
         assert_int_equal(result, MRT_ERR_ARGUMENT);
         assert_non_null(strstr(w->in->last_text, "expected [HOST:]PORT"));
     }
-    assert_int_equal(osc_node_open_input(w->in, "192.0.2.1:9105"), MRT_ERR_IO);
+    assert_int_equal(input_host_open(w->in, "192.0.2.1:9105"), MRT_ERR_IO);
     assert_non_null(strstr(w->in->last_text, "0.0.0.0"));
-    assert_int_equal(osc_node_open_input(w->in, "stage-left:9105"), MRT_ERR_IO);
+    assert_int_equal(input_host_open(w->in, "stage-left:9105"), MRT_ERR_IO);
     assert_non_null(strstr(w->in->last_text, "0.0.0.0:9105"));
     uint16_t taken = 0;
     int fd = osc_network_socket(&taken);
     char address[16];
     snprintf(address, sizeof address, "%u", (unsigned)taken);
-    assert_int_equal(osc_node_open_input(w->in, address), MRT_ERR_IO);
+    assert_int_equal(input_host_open(w->in, address), MRT_ERR_IO);
     assert_non_null(strstr(w->in->last_text, "another"));
     close(fd);
     assert_int_equal(osc_node_open_output(w->out, ""), MRT_ERR_ARGUMENT);
@@ -461,26 +461,26 @@ static void an_output_that_nobody_hears_says_so_once(void **state)
                      MRT_ERR_UNSUPPORTED);
     assert_int_equal(w->out->said[MRT_LOG_ERROR], 1);
     /* Who listens from now on hears it. */
-    assert_int_equal(osc_node_open_input(w->in, w->from[1]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[1]), MRT_OK);
     write_as(w, "glove", 100, 0);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
 }
 
 static void a_plain_liblo_client_is_understood(void **state)
 {
     wire *w = *state;
     w->in->params[OSC_CONTENT] = 1; /* hand and wrist */
-    assert_int_equal(osc_node_open_input(w->in, w->from[0]), MRT_OK);
+    assert_int_equal(input_host_open(w->in, w->from[0]), MRT_OK);
     char port[8];
     snprintf(port, sizeof port, "%u", (unsigned)w->port);
     lo_address to = lo_address_new("127.0.0.1", port);
     mrt_sample sample;
     assert_true(lo_send(to, "/marotte/hand/right/joint", "iff", 4, 0.5, 0.25) > 0);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[4] == 0.5f && sample.value[5] == 0.25f);
     assert_true(
         lo_send(to, "/marotte/hand/right/wrist", "fffffff", 1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0) > 0);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[MRT_ANGLES + 2] == 3 && sample.value[MRT_ANGLES + 6] == 1);
     lo_timetag tag;
     lo_timetag_now(&tag);
@@ -490,7 +490,7 @@ static void a_plain_liblo_client_is_understood(void **state)
                    0.70710678);
     lo_bundle_add_message(bundle, "/VMC/Ext/Bone/Pos", message);
     assert_true(lo_send_bundle(to, bundle) > 0);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_float_equal(sample.value[4], 1.5707963f, 1e-6f);
     lo_bundle_free_recursive(bundle);
     lo_address_free(to);
@@ -542,17 +542,17 @@ static void nonsense_is_survived_and_said_once_a_kind(void **state)
         if (i % 50 != 49)
             continue;
         int64_t before_ns = now_ns();
-        mrt_result result = osc_node_read(w->in, 0, &sample);
+        mrt_result result = input_host_read(w->in, 0, &sample);
         assert_true(result == MRT_OK || result == MRT_TIMEOUT);
         int64_t took_ns = now_ns() - before_ns;
         worst_ns = took_ns > worst_ns ? took_ns : worst_ns;
-        while (osc_node_read(w->in, 2 * ms_ns, &sample) == MRT_OK)
+        while (input_host_read(w->in, 2 * ms_ns, &sample) == MRT_OK)
             ;
     }
     print_message("worst read with nothing to wait for: %.2f ms\n", (double)worst_ns / 1e6);
     assert_true(w->in->said[MRT_LOG_WARNING] + w->in->said[MRT_LOG_INFO] <= 7);
     write_as(w, "glove", 1, 1);
-    assert_int_equal(osc_node_read(w->in, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(w->in, s_ns, &sample), MRT_OK);
     assert_true(sample.value[2] == 1);
     free(packet);
 }

@@ -51,30 +51,30 @@ static void the_simple_examples_move_what_they_say(void **state)
     assert_int_equal(read_examples(line, EXAMPLES), EXAMPLES);
     char address[16];
     snprintf(address, sizeof address, "%u", (unsigned)port);
-    osc_node *hand = osc_node_create(), *wrist = osc_node_create();
+    input_host *hand = osc_node_create(), *wrist = osc_node_create();
     wrist->params[OSC_CONTENT] = 1;
-    assert_int_equal(osc_node_open_input(hand, address), MRT_OK);
-    assert_int_equal(osc_node_open_input(wrist, address), MRT_OK);
+    assert_int_equal(input_host_open(hand, address), MRT_OK);
+    assert_int_equal(input_host_open(wrist, address), MRT_OK);
     mrt_sample sample;
     send_example(line[0], port);
-    assert_int_equal(osc_node_read(hand, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(hand, s_ns, &sample), MRT_OK);
     assert_true(sample.value[0] == 0.6f && sample.value[18] == 0.1f);
     send_example(line[1], port);
-    assert_int_equal(osc_node_read(hand, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(hand, s_ns, &sample), MRT_OK);
     assert_true(sample.value[4] == 0.9f && sample.value[6] == 0.3f);
     send_example(line[2], port);
     for (int i = 0; i < 3; ++i) /* it has heard the first two as well */
-        assert_int_equal(osc_node_read(wrist, s_ns, &sample), MRT_OK);
+        assert_int_equal(input_host_read(wrist, s_ns, &sample), MRT_OK);
     assert_true(sample.value[MRT_ANGLES + 2] == -100 && sample.value[4] == 0.9f);
     send_example(line[3], port);
-    assert_int_equal(osc_node_read(hand, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(hand, s_ns, &sample), MRT_OK);
     assert_true(sample.value[MRT_ANGLES] == 1);
     send_example(line[4], port);
-    assert_int_equal(osc_node_read(hand, s_ns, &sample), MRT_OK);
+    assert_int_equal(input_host_read(hand, s_ns, &sample), MRT_OK);
     assert_float_equal(sample.value[4], 0.7853982f, 1e-6f);
     assert_int_equal(hand->said[MRT_LOG_WARNING] + hand->said[MRT_LOG_INFO], 0);
-    osc_node_destroy(hand);
-    osc_node_destroy(wrist);
+    input_host_destroy(hand);
+    input_host_destroy(wrist);
 }
 
 /* Each call of oscsend is another sender, so the three of a source go out through one that waits.
@@ -87,26 +87,26 @@ static void the_forwarding_examples_are_taken_as_messages(void **state)
     assert_int_equal(read_examples(line, EXAMPLES), EXAMPLES);
     char address[16];
     snprintf(address, sizeof address, "%u", (unsigned)port);
-    osc_node *watch = osc_node_create(); /* takes all that comes to the port */
-    assert_int_equal(osc_node_open_input(watch, address), MRT_OK);
+    input_host *watch = osc_node_create(); /* takes all that comes to the port */
+    assert_int_equal(input_host_open(watch, address), MRT_OK);
     mrt_sample sample;
     send_example(line[5], port);
-    assert_int_equal(osc_node_read(watch, s_ns / 10, &sample), MRT_TIMEOUT);
-    osc_node *glove = osc_node_create();
+    assert_int_equal(input_host_read(watch, s_ns / 10, &sample), MRT_TIMEOUT);
+    input_host *glove = osc_node_create();
     snprintf(address, sizeof address, "%u/myglove", (unsigned)port);
-    assert_int_equal(osc_node_open_input(glove, address), MRT_OK);
+    assert_int_equal(input_host_open(glove, address), MRT_OK);
     uint32_t count;
     assert_string_equal(glove->input->channels(glove->plugin, &count)[0].name, "index");
     assert_int_equal(count, 1);
     send_example(line[7], port); /* the end, of a sender who is not the first: nothing happens */
-    assert_int_equal(osc_node_read(glove, s_ns / 10, &sample), MRT_TIMEOUT);
+    assert_int_equal(input_host_read(glove, s_ns / 10, &sample), MRT_TIMEOUT);
     assert_int_equal(watch->said[MRT_LOG_WARNING] + glove->said[MRT_LOG_WARNING], 0);
     send_example(line[6], port); /* a second sender: well understood, and refused */
-    assert_int_equal(osc_node_read(glove, s_ns / 10, &sample), MRT_TIMEOUT);
+    assert_int_equal(input_host_read(glove, s_ns / 10, &sample), MRT_TIMEOUT);
     assert_int_equal(watch->said[MRT_LOG_WARNING] + glove->said[MRT_LOG_WARNING], 1);
     assert_non_null(strstr(glove->last_text, "myglove"));
-    osc_node_destroy(glove);
-    osc_node_destroy(watch);
+    input_host_destroy(glove);
+    input_host_destroy(watch);
 }
 
 int main(void)

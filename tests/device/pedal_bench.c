@@ -188,6 +188,15 @@ void bench_expect(pedal_bench *self, float first, float second, float third)
     }
 }
 
+pedal_unit *bench_begin(pedal_bench *out, void *machine)
+{
+    pedal_unit *unit = pedal_double_plug(machine, "1-2", 2, &VEC);
+    bench_create(out);
+    assert_int_equal(bench_open(out, ""), MRT_OK);
+    bench_expect(out, 0, 0, 0);
+    return unit;
+}
+
 void bench_expect_silence(pedal_bench *self)
 {
     int64_t until_ns = bench_now_ns() + 30 * BENCH_MS;

@@ -28,6 +28,8 @@ void bench_create(pedal_bench *out);
 void bench_destroy(pedal_bench *self);
 
 int64_t bench_now_ns(void);
+/* A VEC pedal in the socket 1-2 of this machine (pedal_double), opened as "", all up. */
+pedal_unit *bench_begin(pedal_bench *out, void *machine);
 mrt_result bench_open(pedal_bench *self, const char *address);
 /* As a host does when a device has gone: closes and opens until it is back, 3 s at most. */
 void bench_reopen(pedal_bench *self, const char *address);
@@ -51,6 +53,15 @@ int64_t bench_cpu_ns(void); /* that this thread has used */
 const char *bench_config(void); /* the folder */
 int bench_set_up(void **state); /* *state: pedal_double */
 int bench_tear_down(void **state);
+#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
+/* main of such tests; needs <cmocka.h>. */
+#define BENCH_MAIN(tests)                                                                          \
+    int main(int argc, char **argv)                                                                \
+    {                                                                                              \
+        (void)argc;                                                                                \
+        int left_out = pedal_double_enter(argv);                                                   \
+        return left_out != 0 ? left_out : cmocka_run_group_tests(tests, NULL, NULL);               \
+    }
 
 extern const pedal_model VEC, PCSENSOR;
 #define REPORT(unit, ...)                                                                          \

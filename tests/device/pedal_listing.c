@@ -167,20 +167,12 @@ static void a_trace_holds_every_report(void **state)
     remove(path);
 }
 
-int main(int argc, char **argv)
-{
-    (void)argc;
-    int left_out = pedal_double_enter(argv);
-    if (left_out != 0)
-        return left_out;
-#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(pedals_are_listed_and_mice_are_not),
-        TEST(a_short_list_says_how_many_there_are),
-        TEST(what_is_listed_can_be_opened_and_stays_ready),
-        TEST(an_unknown_joystick_is_read_by_its_descriptor),
-        TEST(analogue_pedals_are_read_by_their_descriptor),
-        TEST(a_trace_holds_every_report),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+static const struct CMUnitTest tests[] = {
+    TEST(pedals_are_listed_and_mice_are_not),
+    TEST(a_short_list_says_how_many_there_are),
+    TEST(what_is_listed_can_be_opened_and_stays_ready),
+    TEST(an_unknown_joystick_is_read_by_its_descriptor),
+    TEST(analogue_pedals_are_read_by_their_descriptor),
+    TEST(a_trace_holds_every_report),
+};
+BENCH_MAIN(tests)

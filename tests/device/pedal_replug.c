@@ -60,10 +60,7 @@ static void a_held_pedal_is_released_before_its_loss_is_told(void **state)
 static void what_was_reported_before_the_loss_comes_before_it(void **state)
 {
     pedal_bench bench;
-    bench_create(&bench);
-    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    assert_int_equal(bench_open(&bench, ""), MRT_OK);
-    bench_expect(&bench, 0, 0, 0);
+    pedal_unit *unit = bench_begin(&bench, *state);
     REPORT(unit, 2, 0);
     bench_expect(&bench, 0, 1, 0);
     pedal_unit_fail(unit, EPROTO); /* the cable, not the news */
@@ -75,10 +72,7 @@ static void what_was_reported_before_the_loss_comes_before_it(void **state)
 static void the_news_of_leaving_alone_is_a_loss(void **state)
 {
     pedal_bench bench;
-    bench_create(&bench);
-    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    assert_int_equal(bench_open(&bench, ""), MRT_OK);
-    bench_expect(&bench, 0, 0, 0);
+    pedal_unit *unit = bench_begin(&bench, *state);
     pedal_unit_unplug(unit, ESHUTDOWN);
     bench_expect(&bench, 0, 0, 0);
     expect_loss(&bench);
@@ -205,21 +199,13 @@ static void a_hundred_times_out_and_in_leaves_nothing_behind(void **state)
     bench_destroy(&bench);
 }
 
-int main(int argc, char **argv)
-{
-    (void)argc;
-    int left_out = pedal_double_enter(argv);
-    if (left_out != 0)
-        return left_out;
-#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(a_held_pedal_is_released_before_its_loss_is_told),
-        TEST(what_was_reported_before_the_loss_comes_before_it),
-        TEST(the_news_of_leaving_alone_is_a_loss),
-        TEST(a_pedal_comes_back_under_another_number),
-        TEST(twins_keep_their_places_in_whatever_order_they_return),
-        TEST(another_device_in_the_socket_is_not_taken_for_it),
-        TEST(a_hundred_times_out_and_in_leaves_nothing_behind),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+static const struct CMUnitTest tests[] = {
+    TEST(a_held_pedal_is_released_before_its_loss_is_told),
+    TEST(what_was_reported_before_the_loss_comes_before_it),
+    TEST(the_news_of_leaving_alone_is_a_loss),
+    TEST(a_pedal_comes_back_under_another_number),
+    TEST(twins_keep_their_places_in_whatever_order_they_return),
+    TEST(another_device_in_the_socket_is_not_taken_for_it),
+    TEST(a_hundred_times_out_and_in_leaves_nothing_behind),
+};
+BENCH_MAIN(tests)

@@ -163,10 +163,7 @@ static void a_state_that_lasts_is_repeated_each_second(void **state)
 {
     pedal_bench bench;
     mrt_sample sample;
-    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    bench_create(&bench);
-    assert_int_equal(bench_open(&bench, ""), MRT_OK);
-    bench_expect(&bench, 0, 0, 0);
+    pedal_unit *unit = bench_begin(&bench, *state);
     REPORT(unit, 2, 0);
     assert_int_equal(bench_read(&bench, 500 * BENCH_MS, &sample), MRT_OK);
     int64_t first_ns = sample.time_ns;
@@ -200,10 +197,7 @@ static void an_idle_pedal_costs_nothing(void **state)
 {
     pedal_bench bench;
     mrt_sample sample;
-    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    bench_create(&bench);
-    assert_int_equal(bench_open(&bench, ""), MRT_OK);
-    bench_expect(&bench, 0, 0, 0);
+    pedal_unit *unit = bench_begin(&bench, *state);
     uint32_t asked = pedal_unit_state(unit).asked;
     int64_t from_ns = bench_now_ns(), cpu_ns = bench_cpu_ns();
     for (int i = 0; i < 20; ++i)
@@ -216,23 +210,15 @@ static void an_idle_pedal_costs_nothing(void **state)
     bench_destroy(&bench);
 }
 
-int main(int argc, char **argv)
-{
-    (void)argc;
-    int left_out = pedal_double_enter(argv);
-    if (left_out != 0)
-        return left_out;
-#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(a_vec_pedal_is_found_without_an_address),
-        TEST(combinations_are_told_apart),
-        TEST(a_keyboard_pedal_speaks_in_keys),
-        TEST(reports_of_no_bytes_and_of_other_kinds_say_nothing),
-        TEST(edges_are_a_window_apart),
-        TEST(samples_have_the_time_of_their_reports),
-        TEST(a_state_that_lasts_is_repeated_each_second),
-        TEST(a_second_pedal_begins_where_the_first_ends),
-        TEST(an_idle_pedal_costs_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+static const struct CMUnitTest tests[] = {
+    TEST(a_vec_pedal_is_found_without_an_address),
+    TEST(combinations_are_told_apart),
+    TEST(a_keyboard_pedal_speaks_in_keys),
+    TEST(reports_of_no_bytes_and_of_other_kinds_say_nothing),
+    TEST(edges_are_a_window_apart),
+    TEST(samples_have_the_time_of_their_reports),
+    TEST(a_state_that_lasts_is_repeated_each_second),
+    TEST(a_second_pedal_begins_where_the_first_ends),
+    TEST(an_idle_pedal_costs_nothing),
+};
+BENCH_MAIN(tests)

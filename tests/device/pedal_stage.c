@@ -142,17 +142,9 @@ static void a_lost_pedal_does_not_hold_up_the_end(void **state)
     leave_room(&room);
 }
 
-int main(int argc, char **argv)
-{
-    (void)argc;
-    int left_out = pedal_double_enter(argv);
-    if (left_out != 0)
-        return left_out;
-#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(a_pedal_comes_back_by_itself),
-        TEST(no_pedal_sticks_in_a_hundred_losses),
-        TEST(a_lost_pedal_does_not_hold_up_the_end),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+static const struct CMUnitTest tests[] = {
+    TEST(a_pedal_comes_back_by_itself),
+    TEST(no_pedal_sticks_in_a_hundred_losses),
+    TEST(a_lost_pedal_does_not_hold_up_the_end),
+};
+BENCH_MAIN(tests)

@@ -160,10 +160,7 @@ static void a_device_that_goes_while_it_is_taught_ends_it(void **state)
 static void a_held_switch_is_up_while_switches_are_taught(void **state)
 {
     pedal_bench bench;
-    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    bench_create(&bench);
-    assert_int_equal(bench_open(&bench, ""), MRT_OK);
-    bench_expect(&bench, 0, 0, 0);
+    pedal_unit *unit = bench_begin(&bench, *state);
     REPORT(unit, 1, 0);
     bench_expect(&bench, 1, 0, 0);
     bench.params[BENCH_LEARN] = 1;
@@ -184,20 +181,12 @@ static void a_lesson_can_be_asked_for_with_the_address(void **state)
     bench_destroy(&bench);
 }
 
-int main(int argc, char **argv)
-{
-    (void)argc;
-    int left_out = pedal_double_enter(argv);
-    if (left_out != 0)
-        return left_out;
-#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(an_unknown_device_is_taught_and_then_known),
-        TEST(a_stored_lesson_that_was_damaged_is_named),
-        TEST(a_keyboard_pedal_with_other_keys_is_taught),
-        TEST(a_device_that_goes_while_it_is_taught_ends_it),
-        TEST(a_lesson_can_be_asked_for_with_the_address),
-        TEST(a_held_switch_is_up_while_switches_are_taught),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+static const struct CMUnitTest tests[] = {
+    TEST(an_unknown_device_is_taught_and_then_known),
+    TEST(a_stored_lesson_that_was_damaged_is_named),
+    TEST(a_keyboard_pedal_with_other_keys_is_taught),
+    TEST(a_device_that_goes_while_it_is_taught_ends_it),
+    TEST(a_lesson_can_be_asked_for_with_the_address),
+    TEST(a_held_switch_is_up_while_switches_are_taught),
+};
+BENCH_MAIN(tests)

@@ -297,10 +297,7 @@ static void a_flood_of_reports_does_not_hold_read_up(void **state)
 {
     pedal_bench bench;
     mrt_sample sample;
-    pedal_unit *unit = pedal_double_plug(*state, "1-2", 2, &VEC);
-    bench_create(&bench);
-    assert_int_equal(bench_open(&bench, ""), MRT_OK);
-    bench_expect(&bench, 0, 0, 0);
+    pedal_unit *unit = bench_begin(&bench, *state);
     for (int i = 0; i < 60; ++i)
         REPORT(unit, 0, 0);
     int64_t from_ns = bench_now_ns();
@@ -326,29 +323,21 @@ static void addresses_that_name_nothing_are_refused(void **state)
     bench_destroy(&bench);
 }
 
-int main(int argc, char **argv)
-{
-    (void)argc;
-    int left_out = pedal_double_enter(argv);
-    if (left_out != 0)
-        return left_out;
-#define TEST(name) cmocka_unit_test_setup_teardown(name, bench_set_up, bench_tear_down)
-    const struct CMUnitTest tests[] = {
-        TEST(the_kernels_driver_is_detached_and_given_back),
-        TEST(a_pedal_that_another_program_holds_is_busy),
-        TEST(a_pedal_that_this_program_holds_is_named),
-        TEST(without_rights_it_says_how_to_get_them),
-        TEST(rights_that_come_late_are_waited_for),
-        TEST(a_host_that_stops_is_not_kept_waiting),
-        TEST(a_device_that_dies_while_it_is_opened_is_an_error),
-        TEST(a_device_that_dies_at_the_last_question_is_lost_at_once),
-        TEST(a_device_that_never_answers_is_opened_in_time),
-        TEST(lies_about_sizes_are_not_believed),
-        TEST(endpoints_that_are_not_there_make_no_pedal),
-        TEST(descriptors_that_are_cut_off_are_no_pedal),
-        TEST(reports_longer_than_their_packets_are_a_loss),
-        TEST(a_flood_of_reports_does_not_hold_read_up),
-        TEST(addresses_that_name_nothing_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+static const struct CMUnitTest tests[] = {
+    TEST(the_kernels_driver_is_detached_and_given_back),
+    TEST(a_pedal_that_another_program_holds_is_busy),
+    TEST(a_pedal_that_this_program_holds_is_named),
+    TEST(without_rights_it_says_how_to_get_them),
+    TEST(rights_that_come_late_are_waited_for),
+    TEST(a_host_that_stops_is_not_kept_waiting),
+    TEST(a_device_that_dies_while_it_is_opened_is_an_error),
+    TEST(a_device_that_dies_at_the_last_question_is_lost_at_once),
+    TEST(a_device_that_never_answers_is_opened_in_time),
+    TEST(lies_about_sizes_are_not_believed),
+    TEST(endpoints_that_are_not_there_make_no_pedal),
+    TEST(descriptors_that_are_cut_off_are_no_pedal),
+    TEST(reports_longer_than_their_packets_are_a_loss),
+    TEST(a_flood_of_reports_does_not_hold_read_up),
+    TEST(addresses_that_name_nothing_are_refused),
+};
+BENCH_MAIN(tests)
