@@ -516,13 +516,6 @@ static bool work(camera_port *self, int64_t deadline_ns, const mrt_host *host)
     return ready >= 0 || errno == EINTR;
 }
 
-static void wait_for_worker(camera_port *self, int64_t deadline_ns)
-{
-    const struct timespec until = {(time_t)(deadline_ns / ns_per_s),
-                                   (long)(deadline_ns % ns_per_s)};
-    (void)pthread_cond_timedwait(&self->changed, &self->mutex, &until);
-}
-
 bool camera_port_wait(camera_port *port, const camera_listener *listener, int64_t deadline_ns,
                       const mrt_host *host)
 {
@@ -530,7 +523,7 @@ bool camera_port_wait(camera_port *port, const camera_listener *listener, int64_
     pthread_mutex_lock(&port->mutex);
     do {
         if (port->is_working)
-            wait_for_worker(port, deadline_ns);
+            (void)device_condition_wait(&port->changed, &port->mutex, deadline_ns);
         else
             works = work(port, deadline_ns, host);
     } while (works && listener->count == 0 && device_clock_ns() < deadline_ns);
@@ -628,12 +621,8 @@ static camera_port *make_port(uint16_t number, const char *token, const char *pa
         return NULL;
     }
     trace_open(&self->trace, host, "camera");
-    pthread_condattr_t attributes;
     pthread_mutex_init(&self->mutex, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&self->changed, &attributes);
-    pthread_condattr_destroy(&attributes);
+    device_condition_init(&self->changed);
     return self;
 }
 

@@ -60,11 +60,30 @@ int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns
     return *last_ns = time_ns > *last_ns ? time_ns : *last_ns;
 }
 
+static struct timespec timespec_of(int64_t time_ns)
+{
+    return (struct timespec){(time_t)(time_ns / ns_per_s), (long)(time_ns % ns_per_s)};
+}
+
 int device_wait(int descriptor, int64_t span_ns)
 {
     struct pollfd wanted = {descriptor, POLLIN, 0};
-    span_ns = span_ns > 0 ? span_ns : 0;
-    const struct timespec span = {(time_t)(span_ns / ns_per_s), (long)(span_ns % ns_per_s)};
+    const struct timespec span = timespec_of(span_ns > 0 ? span_ns : 0);
     int ready = ppoll(&wanted, 1, &span, NULL);
     return ready >= 0 ? ready : errno == EINTR ? 0 : -1;
+}
+
+void device_condition_init(pthread_cond_t *out)
+{
+    pthread_condattr_t attributes;
+    pthread_condattr_init(&attributes);
+    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
+    pthread_cond_init(out, &attributes);
+    pthread_condattr_destroy(&attributes);
+}
+
+bool device_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, int64_t until_ns)
+{
+    const struct timespec until = timespec_of(until_ns);
+    return pthread_cond_timedwait(condition, mutex, &until) == 0;
 }

@@ -4,6 +4,8 @@
 #define MAROTTE_DEVICES_DEVICE_IO_H
 #include <marotte/plugin.h>
 
+#include <pthread.h>
+
 /* What the angles of a hand are called, in sensor order: "thumb.roll" ... "wrist.yaw". */
 extern const char *const device_sensor_name[MRT_ANGLES];
 
@@ -26,5 +28,10 @@ int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns
 /* Waits until the descriptor has something to read (or is gone), or span_ns have passed, never
  * longer: 1, 0, or -1 and errno. A span below 0 is 0. A signal ends it early with 0. */
 int device_wait(int descriptor, int64_t span_ns);
+
+/* A condition whose waits are by device_clock_ns. Any thread. */
+void device_condition_init(pthread_cond_t *out);
+/* As pthread_cond_timedwait. False: it is until_ns. */
+bool device_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, int64_t until_ns);
 
 #endif

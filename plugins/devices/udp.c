@@ -74,7 +74,7 @@ bool udp_address_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *
     return !colon || parse_host(out_host, text, (size_t)(colon - text));
 }
 
-bool udp_peer_equals(const udp_peer *a, const udp_peer *b)
+static bool is_same_peer(const udp_peer *a, const udp_peer *b)
 {
     return a->port == b->port && memcmp(a->ip, b->ip, sizeof a->ip) == 0;
 }
@@ -255,7 +255,7 @@ static const int64_t silence_ns = 1000000000;
 
 bool udp_owner_is(const udp_owner *owner, const udp_peer *peer)
 {
-    return owner->known && udp_peer_equals(&owner->peer, peer);
+    return owner->known && is_same_peer(&owner->peer, peer);
 }
 
 void udp_owner_release(udp_owner *owner)
@@ -281,7 +281,7 @@ bool udp_owner_admits(udp_owner *owner, const udp_peer *peer, int64_t now_ns)
 
 static bool is_back(const udp_owner *owner, const udp_peer *peer, int64_t now_ns)
 {
-    return owner->former_known && udp_peer_equals(&owner->former, peer) &&
+    return owner->former_known && is_same_peer(&owner->former, peer) &&
            !is_silent(owner->former_heard_ns, now_ns);
 }
 

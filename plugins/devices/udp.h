@@ -21,7 +21,6 @@ typedef struct udp_peer {
     uint16_t port;
 } udp_peer;
 
-bool udp_peer_equals(const udp_peer *a, const udp_peer *b);
 enum { UDP_PEER_TEXT = 56 };
 void udp_peer_text(const udp_peer *peer, char *out, size_t capacity); /* "10.0.0.2:4711" */
 

@@ -16,7 +16,7 @@ static bool has_bit(const uint8_t *bits, uint16_t code)
     return code < PAD_KEYS && (bits[code / 8] >> code % 8 & 1);
 }
 
-bool pad_has_key(const pad_model *model, uint16_t code)
+static bool has_key(const pad_model *model, uint16_t code)
 {
     return has_bit(model->key, code);
 }
@@ -24,8 +24,8 @@ bool pad_has_key(const pad_model *model, uint16_t code)
 bool pad_is_pad(const pad_model *model)
 {
     return model->axis[ABS_X].is_there && model->axis[ABS_Y].is_there &&
-           (pad_has_key(model, BTN_SOUTH) || pad_has_key(model, BTN_TRIGGER)) &&
-           !pad_has_key(model, BTN_TOUCH) && !pad_has_key(model, BTN_TOOL_PEN);
+           (has_key(model, BTN_SOUTH) || has_key(model, BTN_TRIGGER)) &&
+           !has_key(model, BTN_TOUCH) && !has_key(model, BTN_TOOL_PEN);
 }
 
 void pad_set_axis(pad_state *state, uint16_t code, int32_t value)
@@ -105,7 +105,7 @@ void pad_read(const pad_model *model, const pad_state *state, float dead, float 
         {PAD_RIGHT_SHOULDER, BTN_TR}, {PAD_SELECT, BTN_SELECT},     {PAD_START, BTN_START},
         {PAD_MODE, BTN_MODE},         {PAD_LEFT_STICK, BTN_THUMBL}, {PAD_RIGHT_STICK, BTN_THUMBR}};
     const bool has_r = model->axis[ABS_RX].is_there && model->axis[ABS_RY].is_there;
-    const bool is_joystick = !pad_has_key(model, BTN_SOUTH);
+    const bool is_joystick = !has_key(model, BTN_SOUTH);
     read_stick(model, state, ABS_X, ABS_Y, dead, out + PAD_LEFT_X);
     read_stick(model, state, has_r ? ABS_RX : ABS_Z, has_r ? ABS_RY : ABS_RZ, dead,
                out + PAD_RIGHT_X);

@@ -44,7 +44,6 @@ typedef struct pad_model {
     uint8_t key[PAD_KEYS / 8]; /* bit n: code n */
 } pad_model;
 
-bool pad_has_key(const pad_model *model, uint16_t code);
 /* A pad or joystick: neither mouse, keyboard, tablet nor a pad's motion sensor. */
 bool pad_is_pad(const pad_model *model);
 

@@ -18,7 +18,7 @@
 
 extern char **environ;
 
-static const int64_t ns_per_ms = 1000000, ns_per_s = 1000000000;
+static const int64_t ns_per_ms = 1000000;
 /* Drivers and services may have to start before the first frame; after it there is one every 5 ms.
  */
 static const int64_t start_ns = 20000000000, silence_ns = 2000000000;
@@ -333,7 +333,6 @@ static void *watch(void *unused)
 
 static bool begin(char out_reason[OPENXR_REASON])
 {
-    pthread_condattr_t attributes;
     sigset_t all, before;
     if (!openxr_helper_find(shared.program, sizeof shared.program, out_reason))
         return false;
@@ -342,10 +341,7 @@ static bool begin(char out_reason[OPENXR_REASON])
         (void)snprintf(out_reason, OPENXR_REASON, "OpenXR: %s", strerror(errno));
         return false;
     }
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&shared.changed, &attributes);
-    pthread_condattr_destroy(&attributes);
+    device_condition_init(&shared.changed);
     shared.frame_count = shared.text_count = 0;
     sigfillset(&all); /* signals are the program's to answer */
     pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -409,11 +405,10 @@ static int next(openxr_listener *self, openxr_frame *out, char out_text[OPENXR_R
 int openxr_helper_wait(openxr_listener *self, openxr_frame *out, char out_text[OPENXR_REASON],
                        int64_t until_ns)
 {
-    const struct timespec until = {(time_t)(until_ns / ns_per_s), (long)(until_ns % ns_per_s)};
     pthread_mutex_lock(&shared.mutex);
     int heard = next(self, out, out_text);
     while (heard == OPENXR_HEARD_NOTHING &&
-           pthread_cond_timedwait(&shared.changed, &shared.mutex, &until) == 0)
+           device_condition_wait(&shared.changed, &shared.mutex, until_ns))
         heard = next(self, out, out_text);
     pthread_mutex_unlock(&shared.mutex);
     return heard;

@@ -10,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum { PARAM_HAND, PARAM_CONTENT, PARAM_SILENCE, PARAM_COUNT };
 
@@ -495,10 +494,7 @@ static void *repeat_thread(void *data)
     osc_output *self = data;
     pthread_mutex_lock(&self->mutex);
     while (!self->is_stopping) {
-        int64_t next_ns = device_clock_ns() + repeat_ns / 2;
-        struct timespec until = {.tv_sec = (time_t)(next_ns / 1000000000),
-                                 .tv_nsec = (long)(next_ns % 1000000000)};
-        (void)pthread_cond_timedwait(&self->wake, &self->mutex, &until);
+        (void)device_condition_wait(&self->wake, &self->mutex, device_clock_ns() + repeat_ns / 2);
         if (!self->is_stopping)
             repeat(self, device_clock_ns());
     }
@@ -510,13 +506,9 @@ static void *repeat_thread(void *data)
 
 static mrt_result start_thread(osc_output *self)
 {
-    pthread_condattr_t attributes;
     self->is_stopping = false;
     pthread_mutex_init(&self->mutex, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&self->wake, &attributes);
-    pthread_condattr_destroy(&attributes);
+    device_condition_init(&self->wake);
     if (pthread_create(&self->thread, NULL, repeat_thread, self) == 0)
         return MRT_OK;
     pthread_cond_destroy(&self->wake);

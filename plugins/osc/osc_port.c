@@ -6,7 +6,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* ---- addresses ---- */
 
@@ -72,11 +71,7 @@ static osc_port *make_port(const osc_address *address, const mrt_host *host, cha
     osc_dispatcher_start(&self->dispatcher);
     trace_open(&self->trace, host, "osc");
     pthread_mutex_init(&self->mutex, NULL);
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&self->changed, &attributes);
-    pthread_condattr_destroy(&attributes);
+    device_condition_init(&self->changed);
     return self;
 }
 
@@ -168,13 +163,6 @@ static bool receive(osc_port *self, int64_t deadline_ns, const mrt_host *host)
     return size != UDP_FAILED;
 }
 
-static void wait_for_receiver(osc_port *self, int64_t deadline_ns)
-{
-    struct timespec until = {.tv_sec = (time_t)(deadline_ns / 1000000000),
-                             .tv_nsec = (long)(deadline_ns % 1000000000)};
-    (void)pthread_cond_timedwait(&self->changed, &self->mutex, &until);
-}
-
 bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadline_ns,
                    const mrt_host *host)
 {
@@ -187,7 +175,7 @@ bool osc_port_wait(osc_port *port, const osc_listener *listener, int64_t deadlin
         if (!is_first && deadline_ns - device_clock_ns() < OSC_PORT_WAIT_LEAST_NS)
             break;
         if (port->is_receiving)
-            wait_for_receiver(port, deadline_ns);
+            (void)device_condition_wait(&port->changed, &port->mutex, deadline_ns);
         else
             works = receive(port, deadline_ns, host);
         is_first = false;
