@@ -1,5 +1,5 @@
 /* While it performs, a live stage allocates nothing: neither its frame thread, nor its inputs', nor
- * the window's that looks. */
+ * the window's that looks. While nothing moves, whoever comes is told the face that is there. */
 #include "unit/allocation_count.h"
 #include "window/live_fixture.h"
 
@@ -35,10 +35,35 @@ static void performing_allocates_nothing(void **state)
     fixture_finish(&d);
 }
 
+/* Nobody is at the socket: it is sent all the same. */
+static bool is_sent(live_fixture *d, void *data)
+{
+    (void)data;
+    output_status s;
+    outputs_status(live_outputs(d->live), 0, &s);
+    return s.sent > 0;
+}
+
+static void an_output_that_is_opened_on_a_still_face_sends_it(void **state)
+{
+    (void)state;
+    live_fixture d;
+    error err = {""};
+    char path[FIXTURE_PATH];
+    fixture_start(&d, "puppet", "one_hand", FIXTURE_NO_SHOW);
+    snprintf(path, sizeof path, "%s/plugins/vmc.so", BUILD_DIR);
+    fixture_must(plugin_list_add(&d.plugins, path, &err), &err);
+    fixture_pass(&d, 0.3); /* the first face has been shown */
+    fixture_must(outputs_add(live_outputs(d.live), "vmc:127.0.0.1:9", &err), &err);
+    assert_true(fixture_until(&d, is_sent, NULL));
+    fixture_finish(&d);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(performing_allocates_nothing),
+        cmocka_unit_test(an_output_that_is_opened_on_a_still_face_sends_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -459,6 +459,7 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     (void)time_ns, (void)err;
     live *self = data;
     live_stage *stage = &self->stage;
+    stage->is_dirty |= outputs_ask_again(stage->outputs);
     if (stage->is_dirty || is_moving(stage))
         live_frame_publish(stage);
     live_time_send(stage, clock_now_ns());

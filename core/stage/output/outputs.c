@@ -67,6 +67,7 @@ struct outputs {
     output *one[OUTPUTS_MAX]; /* [main], and under mutex */
     uint32_t count;
     _Atomic bool are_wanted, want_vertices; /* read by [frame] */
+    _Atomic bool ask_again;                 /* taken by [frame] */
     wake signal;                            /* of the thread that takes */
     _Atomic bool stop;
     pthread_t thread;
@@ -237,8 +238,10 @@ static void open_output(output *self)
     self->wants.rate_hz = within(self->wants.rate_hz, 10000.0);
     self->wants.repeat_s = within(self->wants.repeat_s, 3600.0);
     atomic_store(&self->wants_vertices, self->wants.vertices != 0);
-    if (self->wants.vertices)
+    if (self->wants.vertices) {
         atomic_store(&self->of->want_vertices, true);
+        atomic_store(&self->of->ask_again, true);
+    }
     self->is_open = true;
     if (result < 0)
         fail(self, why.text);
@@ -447,6 +450,7 @@ mrt_result outputs_add(outputs *self, const char *text, error *err)
     self->one[self->count++] = made;
     note_wants(self);
     pthread_mutex_unlock(&self->mutex);
+    atomic_store(&self->ask_again, true);
     return MRT_OK;
 }
 
@@ -565,6 +569,11 @@ void outputs_destroy(outputs *self)
 bool outputs_are_wanted(const outputs *self)
 {
     return self && atomic_load(&self->are_wanted);
+}
+
+bool outputs_ask_again(outputs *self)
+{
+    return self && atomic_exchange(&self->ask_again, false);
 }
 
 void outputs_publish(outputs *self, face_board *board, composer *of, int64_t time_ns,

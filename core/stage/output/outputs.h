@@ -66,6 +66,8 @@ void outputs_status(outputs *self, uint32_t index, output_status *out);
 
 /* Whether there is any: else publishing costs nothing. */
 bool outputs_are_wanted(const outputs *self); /* NULL: false */
+/* True once after one came that is to have the face that is shown, although it stays as it is. */
+bool outputs_ask_again(outputs *self); /* NULL: false */
 /* The face that the composer shows, drawn, as put into the board that is shown. */
 void outputs_publish(outputs *self, face_board *board, composer *of, int64_t time_ns,
                      int64_t take_ns);
