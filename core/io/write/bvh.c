@@ -1,5 +1,6 @@
 #include "hand/hand.h"
 #include "base/angle.h"
+#include "base/file.h"
 #include "io/write/export_stream.h"
 
 #include <locale.h>

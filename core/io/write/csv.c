@@ -1,5 +1,6 @@
 #include "io/curves.h"
 
+#include "base/file.h"
 #include "io/write/export_stream.h"
 
 #include <locale.h>

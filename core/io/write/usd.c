@@ -1,4 +1,5 @@
 #include "io/write/clip_targets.h"
+#include "base/file.h"
 #include "base/text.h"
 #include "io/write/export_stream.h"
 
@@ -544,6 +545,6 @@ mrt_result usd_write(const char *path, const clip *c, const gltf_options *option
 mrt_result usd_write_points(const char *path, const clip *c, double mm_per_unit,
                             const export_progress *progress, error *err)
 {
-    mrt_result result = export_check_cache(c, path, err);
+    mrt_result result = export_check_size(c, path, err);
     return result < 0 ? result : write_usd(path, c, NULL, mm_per_unit, progress, err);
 }
