@@ -118,7 +118,7 @@ bool app_take_preset(app *self, char *out, size_t capacity)
     return out[0] != '\0';
 }
 
-bool app_take_wish(app *self, app_wish of)
+bool app_take_call(app *self, app_call of)
 {
     (void)self, (void)of;
     return false;

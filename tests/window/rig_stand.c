@@ -58,7 +58,7 @@ void app_note_rig_pending(app *self, bool is_pending)
     (void)is_pending;
 }
 
-bool app_take_wish(app *self, app_wish of)
+bool app_take_call(app *self, app_call of)
 {
     (void)self, (void)of;
     return false;

@@ -46,7 +46,7 @@ static void accept(app *of, offer which)
     char path[INSTALLED_LENGTH], text[INSTALLED_LENGTH + 16];
     switch (which) {
     case OFFER_CAMERA:
-        app_ask(of, APP_WISH_CAMERA);
+        app_ask(of, APP_CALL_CAMERA);
         break;
     case OFFER_KEYBOARD:
         app_do(of, ACTION_HAND_KEYS);

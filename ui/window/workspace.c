@@ -963,7 +963,7 @@ static void take_requests(workspace *self)
 {
     if (app_take_request(self->app, ACTION_OPEN))
         dialogs_ask_open(&self->dialogs, OPEN_ANY);
-    if (app_take_wish(self->app, APP_WISH_PICTURE))
+    if (app_take_call(self->app, APP_CALL_PICTURE))
         dialogs_ask_open(&self->dialogs, OPEN_PICTURE);
     for (const char *path; (path = window_take_drop(self->window)) != NULL;)
         dialogs_drop(&self->dialogs, path);

@@ -175,14 +175,14 @@ bool app_press(app *self, patch_action of);
 void app_ask_preset(app *self, const char *name);
 bool app_take_preset(app *self, char *out, size_t capacity);
 /* What one part of the window asks of another, which takes it: true once. */
-typedef enum app_wish {
-    APP_WISH_CAMERA = 0, /* the camera and its page, of the devices panel */
-    APP_WISH_PICTURE,    /* the dialog that opens a picture behind the face */
-    APP_WISH_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
-    APP_WISHES
-} app_wish;
-void app_ask(app *self, app_wish of);
-bool app_take_wish(app *self, app_wish of);
+typedef enum app_call {
+    APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
+    APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
+    APP_CALL_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
+    APP_CALLS
+} app_call;
+void app_ask(app *self, app_call of);
+bool app_take_call(app *self, app_call of);
 /* A mapping that rests, or else the one of a new stage, performs on the draft. */
 void app_ask_draft(app *self);
 void app_note_drafting(app *self, bool is_drafting); /* [rig panel] */

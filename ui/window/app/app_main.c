@@ -142,15 +142,15 @@ bool app_take_preset(app *self, char *out, size_t capacity)
     return out[0] != '\0';
 }
 
-void app_ask(app *self, app_wish of)
+void app_ask(app *self, app_call of)
 {
-    self->wish[of] = true;
+    self->is_called[of] = true;
 }
 
-bool app_take_wish(app *self, app_wish of)
+bool app_take_call(app *self, app_call of)
 {
-    const bool was_asked = self->wish[of];
-    self->wish[of] = false;
+    const bool was_asked = self->is_called[of];
+    self->is_called[of] = false;
     return was_asked;
 }
 

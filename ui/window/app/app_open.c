@@ -621,7 +621,7 @@ static void perform_again(app *self)
 
 void app_ask_draft(app *self)
 {
-    app_ask(self, APP_WISH_DRAFT);
+    app_ask(self, APP_CALL_DRAFT);
     if (!self->resting[0]) /* none has performed: what a new stage performs with */
         (void)snprintf(self->resting, sizeof self->resting, "%s", DEFAULT_MAPPING);
 }

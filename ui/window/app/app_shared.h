@@ -67,7 +67,7 @@ struct app {
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
-    bool wish[APP_WISHES];
+    bool is_called[APP_CALLS];
     bool is_drafting, is_mouth_asked, has_pulled;
     app_mouth mouth_answer;
     char preset_asked[PRESET_NAME]; /* ""; none */

@@ -1108,7 +1108,7 @@ static void update(panel *self_, double dt_s)
     (void)dt_s;
     follow_rezeros(self);
     follow_inputs(self);
-    if (app_take_wish(self->app, APP_WISH_CAMERA))
+    if (app_take_call(self->app, APP_CALL_CAMERA))
         use_camera(self);
     follow_camera(self);
     calibrate_panel_update(self->calibrate);

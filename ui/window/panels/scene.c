@@ -192,7 +192,7 @@ static bool draw_picture(panel *self, ui *on, scenery *scene)
     ui_disabled_begin(on, is_reading || !can_be_kept);
     if (ui_button(on, is_reading ? "Reading the picture##picture" : "Picture behind...##picture",
                   UI_PLAIN))
-        app_ask(self->app, APP_WISH_PICTURE);
+        app_ask(self->app, APP_CALL_PICTURE);
     ui_hint(on, can_be_kept ? "PNG or JPEG; it comes into the show. Or drop one on the window."
                             : "It is kept in the show: open one that can be written first.");
     ui_disabled_end(on);

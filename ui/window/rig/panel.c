@@ -1097,7 +1097,7 @@ static void update(panel *self_, double dt_s)
     const face_file *before = app_face(self->of);
     viewport *view = app_viewport(self->of);
     follow_face(self, dt_s);
-    self->is_draft_wanted |= app_take_wish(self->of, APP_WISH_DRAFT);
+    self->is_draft_wanted |= app_take_call(self->of, APP_CALL_DRAFT);
     open_model(self);
     if (self->model) {
         if (self->is_draft_wanted && !rig_model_rig(self->model))
