@@ -1,8 +1,8 @@
 /* app_fixture.h - an application without a window: a fresh show in a folder of its own, the puppet,
  * no settings but those that are asked for; waits until something holds. Include after cmocka.h;
  * link marotte_window and depend on the plugins log, one_hand, anchored. */
-#ifndef TESTS_WINDOW_STUDIO_ROOM_H
-#define TESTS_WINDOW_STUDIO_ROOM_H
+#ifndef TESTS_WINDOW_APP_FIXTURE_H
+#define TESTS_WINDOW_APP_FIXTURE_H
 #include "base/clock.h"
 #include "window/app/app.h"
 
@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATIENCE_S = 120 }; /* exports run at a low priority, beside whatever else runs */
+enum { PATIENCE_S = 600 }; /* exports run at a low priority, beside whatever else runs */
 
 typedef struct room {
     char folder[64], show[96], settings[96];
