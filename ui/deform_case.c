@@ -9,25 +9,12 @@
 
 /* ---- reading ---- */
 
-static mrt_result read_number(double *out, const json_node *at, error *err)
-{
-    if (!json_is_number(at->value) || !(fabs(json_number_value(at->value)) <= (double)POINTS_REACH))
-        return json_node_unexpected(err, at, "a number within +-1e15");
-    *out = json_number_value(at->value);
-    return MRT_OK;
-}
+static const double reach = (double)POINTS_REACH;
 
 /* out: 3. */
 static mrt_result read_row(double *out, const json_node *at, error *err)
 {
-    if (!json_is_array(at->value) || json_array_size(at->value) != 3)
-        return json_node_unexpected(err, at, "three numbers [x, y, z]");
-    mrt_result result = MRT_OK;
-    for (size_t axis = 0; axis < 3 && result >= 0; ++axis) {
-        json_node here = json_node_item(at, axis);
-        result = read_number(out + axis, &here, err);
-    }
-    return result;
+    return json_node_numbers(out, 3, at, -reach, reach, "three numbers [x, y, z]", err);
 }
 
 /* out: as many rows as the array has. */
@@ -108,7 +95,7 @@ static mrt_result read_pose(deform_case *c, size_t frame, const json_node *at, v
     note_unknown(c, at, known);
     json_node angle_at = json_node_member(at, "angle");
     json_node translation_at = json_node_member(at, "translation");
-    result = read_number(&angle, &angle_at, err);
+    result = json_node_number(&angle, &angle_at, -reach, reach, err);
     if (result >= 0)
         result = read_row(translation, &translation_at, err);
     if (result < 0)

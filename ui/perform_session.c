@@ -230,7 +230,8 @@ uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown)
 
 static mrt_result isolate_mapping(perform_mapping *self, const mrt_plugin_type **type, error *err)
 {
-    mrt_result result = isolate_create(&self->isolate, *type, self->library, &self->settings, err);
+    mrt_result result =
+        isolate_create_mapping(&self->isolate, *type, self->library, &self->settings, err);
     if (result >= 0)
         *type = isolate_type(self->isolate);
     return result;

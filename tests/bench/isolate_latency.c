@@ -75,7 +75,7 @@ int main(int argc, char **argv)
     log_queue *log = log_queue_create();
     mrt_result result = plugin_list_choose(&list, path, MRT_MAPPING, &type, &err);
     if (result >= 0)
-        result = isolate_create(&apart, type, path, &settings, &err);
+        result = isolate_create_mapping(&apart, type, path, &settings, &err);
     if (result >= 0)
         result = instance_create(&here, type, CLOCK_REAL, log, &err);
     if (result >= 0)

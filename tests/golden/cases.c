@@ -160,7 +160,7 @@ static void bad_cases_are_refused_by_their_place(void **state)
     refuses("[[[0, 0.5, 0]]]", "[[[0, 0.5, 0], [1, 1, 1]]]",
             "$.frames[0]: expected an array of 1 points");
     refuses("[[[0, 0.5, 0]]]", "[[[0, 0.5, 0]], [[0, true, 0]]]",
-            "$.frames[1][0][1]: expected a number within +-1e15, found true");
+            "$.frames[1][0][1]: expected a number from -1e+15 to 1e+15, found true");
     refuses("[[[0, 0.5, 0]]]", "[[[0, 1e16, 0]]]", "$.frames[0][0][1]: expected a number");
     refuses("[[[0, 0.5, 0]]]", "[]", "$.frames: expected an array of at least one frame");
     refuses("[[2, 0, 0]]", "null", "$.skull: expected an array");

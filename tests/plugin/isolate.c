@@ -36,7 +36,7 @@ static void check_same_bits(const char *name, const char *params)
     const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
     (void)snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, name);
     const mrt_plugin_type *type = scene_type(&there.plugins, name);
-    scene_must(isolate_create(&apart, type, path, &settings, &err), &err);
+    scene_must(isolate_create_mapping(&apart, type, path, &settings, &err), &err);
     assert_ptr_equal(isolate_inner(isolate_type(apart)), type);
     scene_must(instance_create(&there.mapping, isolate_type(apart), CLOCK_VIRTUAL, there.log, &err),
                &err);
@@ -140,7 +140,7 @@ static void a_plugin_that_cannot_be_created_says_why(void **state)
     isolate *apart;
     instance made;
     scene_must(plugin_list_choose(&list, path, MRT_MAPPING, &type, &err), &err);
-    scene_must(isolate_create(&apart, type, path, &settings, &err), &err);
+    scene_must(isolate_create_mapping(&apart, type, path, &settings, &err), &err);
     assert_true(instance_create(&made, isolate_type(apart), CLOCK_REAL, NULL, &err) < 0);
     assert_non_null(strstr(err.text, "no licence for this machine"));
     isolate_destroy(apart);

@@ -35,7 +35,7 @@ static inline void stand_up(stand *out, const char *library, const char *params,
     scene_face(&out->face, "plane");
     const mrt_plugin_type *type = stand_load(out, library);
     if (settings) {
-        scene_must(isolate_create(&out->isolate, type, library, settings, &err), &err);
+        scene_must(isolate_create_mapping(&out->isolate, type, library, settings, &err), &err);
         type = isolate_type(out->isolate);
     }
     scene_must(instance_create(&out->mapping, type, CLOCK_REAL, out->log, &err), &err);

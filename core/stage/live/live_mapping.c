@@ -23,7 +23,7 @@ static mrt_result find_type(live_mapping_role *self, const plugin_list *plugins,
     self->library = plugin_list_path_of(plugins, *out);
     if (!self->library || plugin_is_shipped(self->library))
         return MRT_OK;
-    result = isolate_create(&self->isolate, *out, self->library, &self->isolation, err);
+    result = isolate_create_mapping(&self->isolate, *out, self->library, &self->isolation, err);
     if (result >= 0)
         *out = isolate_type(self->isolate);
     return result;

@@ -832,28 +832,8 @@ const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type)
     return s ? s->inner(type) : type;
 }
 
-static void become_output(isolate *self)
-{
-    self->outer.interfaces[0] = (mrt_interface){MRT_FACE_OUTPUT, &isolate_output_functions};
-    self->outer.type.create = isolate_output_make;
-    self->outer.type.destroy = isolate_output_unmake;
-}
-
-static void become_mapping(isolate *self)
-{
-    mrt_interface *next = self->outer.interfaces;
-    *next++ = (mrt_interface){MRT_MAPPING, &mapping};
-    *next++ = (mrt_interface){ISOLATE_TAKEOVER, &takeover};
-    if (plugin_interface(self->outer.inner, MRT_STATE))
-        *next++ = (mrt_interface){MRT_STATE, &state};
-    if (plugin_interface(self->outer.inner, MRT_RESUME))
-        *next++ = (mrt_interface){MRT_RESUME, &resume};
-    self->outer.type.create = create;
-    self->outer.type.destroy = destroy;
-}
-
-mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const char *library,
-                          const isolate_settings *settings, error *err)
+/* A type like the inner one, but for its interfaces and how it is made, which follow. */
+static mrt_result wrap(isolate **out, const mrt_plugin_type *inner, const char *library, error *err)
 {
     *out = NULL;
     if (inner->param_count > ISOLATE_PARAMS_MAX)
@@ -869,13 +849,40 @@ mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const cha
     self->outer.library = path;
     self->outer.type = *inner;
     self->outer.type.interfaces = self->outer.interfaces;
-    if (settings) {
-        self->settings = *settings;
-        become_mapping(self);
-    } else {
-        become_output(self);
-    }
     *out = self;
+    return MRT_OK;
+}
+
+mrt_result isolate_create_mapping(isolate **out, const mrt_plugin_type *inner, const char *library,
+                                  const isolate_settings *settings, error *err)
+{
+    mrt_result result = wrap(out, inner, library, err);
+    if (result < 0)
+        return result;
+    isolate *self = *out;
+    mrt_interface *next = self->outer.interfaces;
+    *next++ = (mrt_interface){MRT_MAPPING, &mapping};
+    *next++ = (mrt_interface){ISOLATE_TAKEOVER, &takeover};
+    if (plugin_interface(inner, MRT_STATE))
+        *next++ = (mrt_interface){MRT_STATE, &state};
+    if (plugin_interface(inner, MRT_RESUME))
+        *next++ = (mrt_interface){MRT_RESUME, &resume};
+    self->settings = *settings;
+    self->outer.type.create = create;
+    self->outer.type.destroy = destroy;
+    return MRT_OK;
+}
+
+mrt_result isolate_create_output(isolate **out, const mrt_plugin_type *inner, const char *library,
+                                 error *err)
+{
+    mrt_result result = wrap(out, inner, library, err);
+    if (result < 0)
+        return result;
+    isolate *self = *out;
+    self->outer.interfaces[0] = (mrt_interface){MRT_FACE_OUTPUT, &isolate_output_functions};
+    self->outer.type.create = isolate_output_make;
+    self->outer.type.destroy = isolate_output_unmake;
     return MRT_OK;
 }
 

@@ -17,11 +17,13 @@ typedef struct isolate_settings {
     bool writes_reports;
 } isolate_settings;
 
-/* [main] library: from which `inner` was loaded; the child loads it again. settings: of a mapping;
- * NULL: it is a face output. Only instances made by instance_create can be of the type that comes
- * out. */
-CHECKED mrt_result isolate_create(isolate **out, const mrt_plugin_type *inner, const char *library,
-                                  const isolate_settings *settings, error *err);
+/* [main] library: from which `inner` was loaded; the child loads it again. Only instances made by
+ * instance_create can be of the type that comes out. */
+CHECKED mrt_result isolate_create_mapping(isolate **out, const mrt_plugin_type *inner,
+                                          const char *library, const isolate_settings *settings,
+                                          error *err);
+CHECKED mrt_result isolate_create_output(isolate **out, const mrt_plugin_type *inner,
+                                         const char *library, error *err);
 void isolate_destroy(isolate *self); /* after its instances; NULL is fine */
 /* Until destroy. */
 const mrt_plugin_type *isolate_type(const isolate *self);

@@ -404,7 +404,7 @@ static mrt_result prepare(output *self, error *err)
         return result;
     self->library = plugin_list_path_of(of->settings.plugins, type);
     if (is_to_be_isolated(of, self->library)) {
-        result = isolate_create(&self->isolated, type, self->library, NULL, err);
+        result = isolate_create_output(&self->isolated, type, self->library, err);
         if (result < 0)
             return result;
         type = isolate_type(self->isolated);

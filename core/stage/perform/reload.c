@@ -193,7 +193,7 @@ static mrt_result version_make(reload *self, version *v, error *err)
     (void)snprintf(v->identity, sizeof v->identity, "%.159s %.63s %s", type->id, type->version,
                    hash);
     if (self->settings.isolate) {
-        result = isolate_create(&v->isolate, type, v->path, self->settings.isolate, err);
+        result = isolate_create_mapping(&v->isolate, type, v->path, self->settings.isolate, err);
         if (result < 0)
             return result;
         type = isolate_type(v->isolate);

@@ -77,7 +77,7 @@ static mrt_result set_apart(replay *self, const char *library, const mrt_plugin_
     const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
     if (!library[0] || plugin_is_shipped(library))
         return MRT_OK;
-    mrt_result result = isolate_create(&self->isolate, *type, library, &settings, err);
+    mrt_result result = isolate_create_mapping(&self->isolate, *type, library, &settings, err);
     if (result >= 0)
         *type = isolate_type(self->isolate);
     return result;
