@@ -236,10 +236,7 @@ static mrt_result on_step(void *data, const sample_step *s, error *err)
     performer_step(self->performer, s);
     if (self->record.recorder)
         recorder_performed(self->record.recorder, s);
-    if (perform_outputs_are_due(&self->outputs)) {
-        perform_outputs_draw(&self->outputs, self->performer);
-        perform_outputs_show(&self->outputs, s->time_ns, -1);
-    }
+    perform_outputs_step(&self->outputs, self->performer, s->time_ns);
     apply_patch_actions(self, s->time_ns);
     return MRT_OK;
 }
@@ -249,6 +246,7 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     (void)time_ns, (void)err;
     performance *self = data;
     performer_draw(self->performer);
+    perform_outputs_frame(&self->outputs, self->performer);
     return MRT_OK;
 }
 

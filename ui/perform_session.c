@@ -350,7 +350,7 @@ mrt_result perform_outputs_open(perform_outputs *out, const char *const *text, u
                                             [PERFORM_ISOLATE_ON] = OUTPUTS_ISOLATE_ALL,
                                             [PERFORM_ISOLATE_OFF] = OUTPUTS_ISOLATE_NONE};
     const outputs_settings settings = {with->plugins, with->log, how[with->isolation]};
-    *out = (perform_outputs){.drawn = NULL};
+    *out = (perform_outputs){.board = NULL};
     if (count == 0)
         return MRT_OK;
     mrt_result result = face_board_create(&out->board, of, file, err);
@@ -370,23 +370,31 @@ mrt_result perform_outputs_open(perform_outputs *out, const char *const *text, u
     return MRT_OK;
 }
 
-bool perform_outputs_are_due(const perform_outputs *self)
+void perform_outputs_step(perform_outputs *self, performer *p, int64_t sample_ns)
 {
     int64_t apart_ns = 3 * self->draw_ns > least_apart_ns ? 3 * self->draw_ns : least_apart_ns;
-    return outputs_are_wanted(self->outputs) && clock_now_ns() - self->drawn_ns >= apart_ns;
-}
-
-void perform_outputs_draw(perform_outputs *self, performer *p)
-{
-    self->drawn_ns = clock_now_ns();
+    int64_t now_ns = clock_now_ns();
+    self->step_ns = sample_ns;
+    self->is_behind = true;
+    if (!outputs_are_wanted(self->outputs) || now_ns - self->drawn_ns < apart_ns)
+        return;
     performer_draw(p);
-    self->drawn = p;
-    self->draw_ns = clock_now_ns() - self->drawn_ns;
+    self->drawn_ns = now_ns;
+    self->draw_ns = clock_now_ns() - now_ns;
+    perform_outputs_show(self, p, sample_ns, -1);
 }
 
-void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns)
+void perform_outputs_frame(perform_outputs *self, performer *p)
 {
-    outputs_publish(self->outputs, self->board, performer_composer(self->drawn), time_ns, take_ns);
+    self->is_behind |= outputs_ask_again(self->outputs);
+    if (self->is_behind && outputs_are_wanted(self->outputs))
+        perform_outputs_show(self, p, self->step_ns, -1);
+}
+
+void perform_outputs_show(perform_outputs *self, performer *p, int64_t time_ns, int64_t take_ns)
+{
+    outputs_publish(self->outputs, self->board, performer_composer(p), time_ns, take_ns);
+    self->is_behind = false;
 }
 
 void perform_outputs_report(outputs *of, facts *told)
@@ -417,7 +425,7 @@ void perform_outputs_close(perform_outputs *self)
 {
     outputs_destroy(self->outputs);
     face_board_drop(self->board);
-    *self = (perform_outputs){.drawn = NULL};
+    *self = (perform_outputs){.board = NULL};
 }
 
 /* ---- sound ---- */

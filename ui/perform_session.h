@@ -81,20 +81,22 @@ void perform_mapping_close(perform_mapping *self); /* after the performer; zeroe
 
 typedef struct perform_outputs { /* zeroed: none */
     outputs *outputs;
-    face_board *board; /* of the face that is performed */
-    performer *drawn;
+    face_board *board;         /* of the face that is performed */
     int64_t drawn_ns, draw_ns; /* when it was drawn last; how long that took */
+    int64_t step_ns;           /* of the newest step's sample */
+    bool is_behind;            /* that step was not shown yet */
 } perform_outputs;
 
 /* text: as --output says them, which may name libraries. To be closed whatever the result. */
 CHECKED mrt_result perform_outputs_open(perform_outputs *out, const char *const *text,
                                         uint32_t count, const perform_mapping_settings *with,
                                         composer *of, const face_file *file, error *err);
-/* Live: whether the face as it is now is to be drawn and shown, and not too soon after the last. */
-bool perform_outputs_are_due(const perform_outputs *self);
-void perform_outputs_draw(perform_outputs *self, performer *p);
-/* The face that was drawn; time_ns and take_ns as in mrt_face_sample. */
-void perform_outputs_show(perform_outputs *self, int64_t time_ns, int64_t take_ns);
+/* Live, after each step: the face is drawn and shown, unless that is too soon after the last. */
+void perform_outputs_step(perform_outputs *self, performer *p, int64_t sample_ns);
+/* Live, after a frame was drawn: what is not shown yet is, and what an output asked for again. */
+void perform_outputs_frame(perform_outputs *self, performer *p);
+/* The face that is drawn; time_ns and take_ns as in mrt_face_sample. */
+void perform_outputs_show(perform_outputs *self, performer *p, int64_t time_ns, int64_t take_ns);
 void perform_outputs_report(outputs *of, facts *told); /* NULL is fine */
 void perform_outputs_close(perform_outputs *self);
 

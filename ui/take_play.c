@@ -59,10 +59,13 @@ static bool is_wanted(const playing *self, int64_t at_ns)
 static void show_when_due(playing *self, int64_t at_ns)
 {
     char text[32];
+    performer *p = sequencer_performer(self->stage.sequencer);
+    performer_draw(p);
     int64_t due_ns = self->begun_ns + (at_ns - self->in_ns), now_ns = clock_now_ns();
     for (; now_ns < due_ns && !cancel_is_asked(); now_ns = clock_now_ns())
         clock_sleep_until_ns(due_ns - now_ns > slice_ns ? now_ns + slice_ns : due_ns);
-    perform_outputs_show(&self->outputs, due_ns, at_ns);
+    perform_outputs_show(&self->outputs, p, due_ns, at_ns);
+    self->shown_at_ns = at_ns;
     (void)snprintf(text, sizeof text, "%.1f s", (double)at_ns / 1e9);
     progress_show(&self->call->shown,
                   (double)(at_ns - self->in_ns) / (double)(self->out_ns - self->in_ns), text);
@@ -79,15 +82,15 @@ static mrt_result play(playing *self, error *err)
         int64_t at_ns = sequencer_now_ns(s) > self->in_ns ? sequencer_now_ns(s) : self->in_ns;
         if (at_ns > self->out_ns)
             break;
-        if (is_wanted(self, at_ns)) {
-            perform_outputs_draw(&self->outputs, sequencer_performer(s));
+        if (is_wanted(self, at_ns))
             show_when_due(self, at_ns);
-            self->shown_at_ns = at_ns;
-        }
         result = sequencer_step(s, err);
         if (result >= 0 && sequencer_check(s, err) < 0)
             result = MRT_ERR_FORMAT;
     }
+    /* The receivers keep the last face. */
+    if (result == MRT_END && !cancel_is_asked() && sequencer_now_ns(s) > self->shown_at_ns)
+        show_when_due(self, sequencer_now_ns(s));
     return result;
 }
 

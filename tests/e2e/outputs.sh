@@ -40,6 +40,18 @@ if command -v oscdump >/dev/null; then
     awk '$2 == "/VMC/Ext/T" { if ($4 < last - 1e-6 && last < 0.9) bad = 1; last = $4 } END { exit !(last > 0.98 && last < 1.001 && !bad) }' heard ||
         fail "not the take's time: $(grep '/VMC/Ext/T' heard | tail -3)"
 
+    # A hand that stops: its last step, 0.3 ms after the one before, is sent too while nothing comes after it.
+    awk -F, -v OFS=, '/^#/ || /^time_s/ || /^unit/ { print; next } { row[n++] = $0 }
+        END { for (burst = 0; burst < 10; ++burst) for (i = 0; i <= 50; ++i) {
+                  $0 = row[350 + 5 * burst + i % 5]; $1 = 0.4 * burst + (i < 50 ? 0.001 * i : 0.0493); print } }' "$demo" >stops.csv
+    : >heard
+    "$MAROTTE" perform --face "$puppet" --input "log:stops.csv" --map one_hand --realtime --output "vmc:127.0.0.1:$port" >said 2>stderr ||
+        fail "$(cat stderr)"
+    awk '$2 == "/VMC/Ext/T" { gap = $4 - last; last = $4
+            if (last != gap && gap > 0.3 && gap < 0.38) { ++gaps; if (gap > 0.3509) ++bad } }
+         END { print gaps " pauses, " 0 + bad " begun too early"; exit gaps < 5 || 3 * bad > gaps }' heard >said ||
+        fail "the last step before a pause is not sent: $(cat said)"
+
     # The stage starts with what was open when it ended.
     printf 'do panel_output\nframes 3\npress Add\nframes 3\n' >script
     stage=("$MAROTTE" "$scratch/stage.marotte" --hidden --settings "$scratch/window.json" --face "$puppet" --map one_hand --size 1200x760)

@@ -1,22 +1,29 @@
-/* No performance folds: near a fold, or a tear, less of a pull is given, and no more than that.
+/* No performance folds: where the pulls would fold the skin or tear it, as much less of them is
+ * given as that takes.
  *
- * Of each triangle of skin, as the bones alone pose it, the gradient G of what the
- * controls add. With m the most that G squeezes it (the least eigenvalue of the symmetric part of G
- * in its plane, negated) and t how steeply G tilts it, the triangle under I + s G keeps its side
- * and its normal turns by less than atan T as long as s (m / M + t / T) <= 1 with M < 1: in its
- * plane I + s G is positive definite then. That strain grows in proportion to the pulls, so one
- * number says how much of them can be given. What the bones have tilted a triangle by already is
- * taken from its T, as far as its area along the way says that it may turn over. Where it is above
- * 1 the pulls around give way to each other (csrbf/soften.h), the more the further it is above; and
- * what is left of it is taken from all alike. The same pulls, the same face, whatever frames were
- * before. Only triangles that can be strained too much are looked at: how steep each column is at
- * most in a group of them is known since the engagement, and that bounds what its weights can do
- * there. Where triangles have turned far, the edges around them are judged as they are shown.
+ * How much can be given. The bones pose a triangle; the controls add a field whose gradient in it
+ * is G. Let m be the most that G squeezes the triangle (the negated least eigenvalue of G's
+ * symmetric part in its plane) and t how steeply G tilts it. If s times the pulls is given, the
+ * triangle is moved by I + s G. As long as its strain s (m / M + t / T) <= 1, with M < 1, I + s G
+ * is positive definite in its plane: it does not turn over, and its normal turns by less than atan
+ * T. The strain is linear in s, so the largest strain of all triangles says how much can be given.
+ * A triangle that the bones have tilted already has less T left, unless its area along the way says
+ * that it may turn over.
+ *
+ * Who gives way. Where the strain is above 1, the pulls around give way to each other first, the
+ * more the further it is above (csrbf/soften.h). What is then still too much is taken from all
+ * alike. It is a function of the pulls: the same face, whatever frames were before.
+ *
+ * What is looked at. Triangles lie in groups. How steep a column is at most in a group is known
+ * since the engagement; with the column's weights that bounds the strain there, and only groups
+ * that can be above 1 are computed. Where triangles have turned far, the edges around them are
+ * judged as they are shown.
  *
  * Without a rig the field is one of space: what lies behind the skin may fold where no triangle
- * tells, so the field is looked at too, and the largest part of the pulls given that leaves room.
+ * tells. So the field itself is looked at too, and the largest part of the pulls given that leaves
+ * room.
  *
- * What a drag may fold is looked at where it is dragged: face_drag.c. */
+ * What a drag may fold is judged where it is dragged: face_drag.c. */
 #include "base/angle.h"
 #include "csrbf/soften.h"
 #include "face/frame/frame.h"

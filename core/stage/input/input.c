@@ -63,8 +63,8 @@ static void *input_run(void *data);
 /* [frame] Virtual clock: reads until there is a sample or the input is over; false: it is over. */
 static bool input_run_virtual(input *self, input_record *out);
 
-/* How an input is read: delivered samples, devices that go away and come back. Everything here runs
- * on the input's own thread, or on the frame thread where the clock is virtual. */
+/* ==== How an input is read: on its own thread, or on the frame thread where the clock is virtual,
+ * up to "how an input is used" ==== */
 
 /* How long a read may block before the thread looks whether it is to stop. */
 static const int64_t read_span_ns = 100 * NS_PER_MS;
@@ -525,6 +525,8 @@ static bool input_run_virtual(input *self, input_record *out)
     }
     return false;
 }
+
+/* ==== How an input is used: on [main] and the frame thread ==== */
 
 static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 

@@ -50,7 +50,7 @@ typedef struct live_timeline {
     bool has_thread;
     wake work, *done; /* of its thread; of the frame thread */
     _Atomic bool stop;
-    _Atomic bool is_away; /* its thread has the sequencer, and brings it: */
+    _Atomic bool is_away; /* its thread has the sequencer and brings it to to_ns */
     int64_t to_ns;
     bool is_sought; /* sequencer_seek, not sequencer_play_to */
     error failed;   /* "" it was brought there */

@@ -24,7 +24,8 @@ typedef struct face_board {
     _Atomic uint32_t references;
     const face_file *file;
     face_weights *weights;  /* [taker] NULL: none yet, or none can be made */
-    _Atomic bool has_tried; /* to make them; from then on [frame] asks which points they read */
+    _Atomic bool has_tried; /* weights is made or failed for good: [frame] copies only the points
+                               that they read; before that it copies all */
     double residual_mm;     /* of the face taken last, face_channels */
 } face_board;
 

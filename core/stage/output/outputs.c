@@ -247,8 +247,8 @@ static void open_output(output *self)
         fail(self, why.text);
 }
 
-/* The names of the face that is shown now, if the plugin has others. False: there is no face, or it
- * failed. */
+/* The plugin is told the names of this face, unless they are what it was told last. False: it
+ * refused them. */
 static bool begin(output *self, face_board *board)
 {
     error why = {""};
@@ -292,7 +292,7 @@ static void send_face(output *self)
 /* ---- when ---- */
 
 /* Takes over the newest face, if it is another one; its board is given, kept. */
-static face_board *look(output *self)
+static face_board *take_newest(output *self)
 {
     outputs *of = self->of;
     pthread_mutex_lock(&of->mutex);
@@ -320,7 +320,7 @@ static int64_t due_at(const output *self)
 }
 
 /* At a rate the grid stays, unless it has been left behind. */
-static void plan(output *self, int64_t now_ns)
+static void plan_next(output *self, int64_t now_ns)
 {
     int64_t period_ns = self->wants.rate_hz > 0.0 ? (int64_t)(1e9 / self->wants.rate_hz) : 0;
     self->due_ns =
@@ -328,7 +328,7 @@ static void plan(output *self, int64_t now_ns)
 }
 
 /* Returns until when nothing is to be done. */
-static int64_t turn(output *self)
+static int64_t run_once(output *self)
 {
     int64_t now_ns = clock_now_ns();
     if (self->is_open && is_rebuilt(self, now_ns)) {
@@ -342,7 +342,7 @@ static int64_t turn(output *self)
         open_output(self);
     if (!self->is_open)
         return self->retry_at_ns;
-    face_board *board = look(self);
+    face_board *board = take_newest(self);
     bool has_face = board && begin(self, board);
     face_board_drop(board);
     if (!has_face)
@@ -353,7 +353,7 @@ static int64_t turn(output *self)
         bool was_fresh = self->is_fresh;
         send_face(self);
         if (was_fresh)
-            plan(self, now_ns);
+            plan_next(self, now_ns);
         return now_ns; /* another face may have come */
     }
     return due_ns < now_ns + watch_ns ? due_ns : now_ns + watch_ns;
@@ -364,7 +364,7 @@ static void *run(void *data)
     output *self = data;
     while (!atomic_load(&self->stop)) {
         uint32_t seen = wake_seen(&self->signal);
-        int64_t until_ns = turn(self);
+        int64_t until_ns = run_once(self);
         if (!atomic_load(&self->stop) && until_ns > clock_now_ns())
             wake_wait_until_ns(&self->signal, seen, until_ns);
     }
