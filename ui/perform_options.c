@@ -104,13 +104,12 @@ static int add_calibration(void *to, const command *self, const char *name, cons
 
 static int read_isolation(void *to, const command *self, const char *name, const char *text)
 {
-    static const char *const names[] = {[PERFORM_ISOLATE_AUTO] = "auto",
-                                        [PERFORM_ISOLATE_ON] = "on",
-                                        [PERFORM_ISOLATE_OFF] = "off"};
+    static const char *const names[] = {
+        [ISOLATE_FOREIGN] = "auto", [ISOLATE_ALL] = "on", [ISOLATE_NONE] = "off"};
     for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
         if (strcmp(names[i], text) != 0)
             continue;
-        *(perform_isolation *)to = (perform_isolation)i;
+        *(isolate_which *)to = (isolate_which)i;
         return COMMAND_DONE;
     }
     return command_usage(self, "--%s \"%s\" is not auto, on or off", name, text);

@@ -5,15 +5,10 @@
 #include "exports.h"
 #include "io/mesh_file.h"
 #include "stage/input/spec.h"
+#include "stage/mapping/isolate.h"
 #include "stream/video.h"
 
 enum { PERFORM_INPUTS_MAX = 8, PERFORM_OUTPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
-
-typedef enum perform_isolation {
-    PERFORM_ISOLATE_AUTO = 0, /* mappings that do not come with the program */
-    PERFORM_ISOLATE_ON,
-    PERFORM_ISOLATE_OFF
-} perform_isolation;
 
 typedef struct perform_options {
     char *face;       /* a path; owned */
@@ -38,7 +33,7 @@ typedef struct perform_options {
     const char *record;       /* the show; NULL: nothing is recorded */
     const char *scene, *shot; /* of the take; "" */
     bool has_sound;           /* of the microphone */
-    perform_isolation isolation;
+    isolate_which isolation;
     bool watches_plugins, is_realtime, is_json;
 } perform_options;
 

@@ -237,13 +237,6 @@ static mrt_result isolate_mapping(perform_mapping *self, const mrt_plugin_type *
     return result;
 }
 
-static bool is_to_be_isolated(const perform_mapping *self, perform_isolation how)
-{
-    if (how == PERFORM_ISOLATE_AUTO)
-        return !plugin_is_shipped(self->library);
-    return how == PERFORM_ISOLATE_ON;
-}
-
 mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
                                 const perform_mapping_settings *with, error *err)
 {
@@ -253,7 +246,7 @@ mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
     if (result < 0)
         return result;
     out->library = plugin_list_path_of(with->plugins, type);
-    if (is_to_be_isolated(out, with->isolation))
+    if (isolate_is_wanted(with->isolation, out->library))
         result = isolate_mapping(out, &type, err);
     if (result >= 0)
         result = instance_create(&out->instance, type, with->clock, with->log, err);
@@ -346,10 +339,7 @@ mrt_result perform_outputs_open(perform_outputs *out, const char *const *text, u
                                 const perform_mapping_settings *with, composer *of,
                                 const face_file *file, error *err)
 {
-    static const outputs_isolation how[] = {[PERFORM_ISOLATE_AUTO] = OUTPUTS_ISOLATE_FOREIGN,
-                                            [PERFORM_ISOLATE_ON] = OUTPUTS_ISOLATE_ALL,
-                                            [PERFORM_ISOLATE_OFF] = OUTPUTS_ISOLATE_NONE};
-    const outputs_settings settings = {with->plugins, with->log, how[with->isolation]};
+    const outputs_settings settings = {with->plugins, with->log, with->isolation};
     *out = (perform_outputs){.board = NULL};
     if (count == 0)
         return MRT_OK;

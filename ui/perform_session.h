@@ -61,7 +61,7 @@ typedef struct perform_mapping_settings {
     plugin_list *plugins;
     log_queue *log;
     instance_clock clock;
-    perform_isolation isolation;
+    isolate_which isolation;
 } perform_mapping_settings;
 
 /* Must not move; the spec must outlive it. To be closed whatever the result. */

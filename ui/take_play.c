@@ -41,7 +41,7 @@ static mrt_result take_range(playing *self, error *err)
 static mrt_result open_outputs(playing *self, error *err)
 {
     const perform_mapping_settings with = {&self->stage.plugins, self->stage.log, CLOCK_REAL,
-                                           PERFORM_ISOLATE_AUTO};
+                                           ISOLATE_FOREIGN};
     performer *p = sequencer_performer(self->stage.sequencer);
     return perform_outputs_open(&self->outputs, self->call->output, self->call->output_count, &with,
                                 performer_composer(p), &self->stage.face, err);

@@ -77,7 +77,7 @@ static mrt_result open_mapping(performing *self, error *err)
 {
     take_call *call = self->call;
     const perform_mapping_settings apart = {&self->plugins, self->log, self->clock,
-                                            PERFORM_ISOLATE_AUTO};
+                                            ISOLATE_FOREIGN};
     if (!spec_read(&self->map, call->text[TAKE_MAP]) || self->map.address[0])
         return take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]",
                             call->text[TAKE_MAP]);
@@ -402,7 +402,7 @@ static mrt_result read_map(remap *self, error *err)
 {
     const char *text = self->call->text[TAKE_MAP];
     const perform_mapping_settings apart = {&self->plugins, self->log, CLOCK_VIRTUAL,
-                                            PERFORM_ISOLATE_AUTO};
+                                            ISOLATE_FOREIGN};
     if (!text)
         return MRT_OK;
     if (!spec_read(&self->map, text) || self->map.address[0])

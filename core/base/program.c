@@ -194,6 +194,8 @@ static int set_streams(posix_spawn_file_actions_t *actions, const program_start 
                      ? posix_spawn_file_actions_adddup2(actions, from[fd], fd)
                      : posix_spawn_file_actions_addopen(
                            actions, fd, "/dev/null", fd == STDIN_FILENO ? O_RDONLY : O_WRONLY, 0);
+    if (!failed && how->passed_as > 0)
+        failed = posix_spawn_file_actions_adddup2(actions, how->passed, how->passed_as);
     return failed;
 }
 

@@ -48,6 +48,7 @@ typedef struct program_start {
     const char *program; /* without a '/' one of $PATH */
     char *const *words;  /* as for posix_spawn, the program first, NULL at the end */
     int in, out, err;
+    int passed, passed_as; /* one more descriptor, and its number there; 0: none */
     program_signals signals;
     char *const *environment; /* NULL: that of this process */
 } program_start;

@@ -11,7 +11,6 @@
 #include <limits.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,7 +75,6 @@ static char **padded_environment(uint32_t padding, char *variable)
 static int spawn(case_process *out, const process_words *words, int told_fd)
 {
     char type[16], seed[24], variable[PADDING_MAX];
-    posix_spawn_file_actions_t actions;
     (void)snprintf(type, sizeof type, "%" PRIu32, words->type);
     (void)snprintf(seed, sizeof seed, "%" PRIu64, words->seed & INT64_MAX);
     char *arguments[] = {program_argument(words->program),
@@ -90,18 +88,15 @@ static int spawn(case_process *out, const process_words *words, int told_fd)
     char **environment = padded_environment(words->padding, variable);
     if (!environment)
         return ENOMEM;
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed) {
-        free(environment);
-        return failed;
-    }
-    failed = posix_spawn_file_actions_adddup2(&actions, told_fd, WIRE_FD);
-    for (int fd = 0; fd < 3 && !failed; ++fd)
-        failed = posix_spawn_file_actions_addopen(&actions, fd, "/dev/null",
-                                                  fd == 0 ? O_RDONLY : O_WRONLY, 0);
-    if (!failed)
-        failed = posix_spawn(&out->pid, words->program, &actions, NULL, arguments, environment);
-    (void)posix_spawn_file_actions_destroy(&actions);
+    const program_start how = {.program = words->program,
+                               .words = arguments,
+                               .in = -1,
+                               .out = -1,
+                               .err = -1,
+                               .passed = told_fd,
+                               .passed_as = WIRE_FD,
+                               .environment = environment};
+    int failed = program_spawn(&out->pid, &how);
     free(environment);
     return failed;
 }

@@ -127,7 +127,7 @@ typedef struct rig {
     char *mesh_path;    /* as it can be opened: relative to the working directory, or absolute */
     double mm_per_unit; /* of this file's numbers */
     mesh_frame frame;   /* "mesh_unit", "mesh_up", "mesh_forward": of the mesh; zeros: not said */
-    uint32_t mesh_vertex_count; /* "mesh_vertices": what the rig was made for; 0: not said */
+    uint32_t mesh_vertex_count; /* "mesh_vertices": of the mesh it was made for; 0: not said */
     uint64_t mesh_hash;         /* "mesh_hash": see rig_mesh_hash; 0: not said */
     uint32_t
         *cut_mouth; /* "cut_mouth": what mesh_cut_mouth opens in the mesh as read; NULL: nothing */

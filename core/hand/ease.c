@@ -1,4 +1,5 @@
 #include "hand/ease.h"
+#include "hand/gap.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,16 +27,10 @@ static float between(float from, float to, double share)
     return (float)((1.0 - share) * (double)from + share * (double)to);
 }
 
-/* A step backwards in time is as much a break as a silence. */
-static bool is_gap(int64_t last_ns, int64_t time_ns)
-{
-    return time_ns < last_ns || (uint64_t)time_ns - (uint64_t)last_ns > (uint64_t)EASE_GAP_NS;
-}
-
 /* Goes on to time_ns. True: what was shown last is to be eased from. */
 static bool starts_ease(ease_clock *clock, int64_t time_ns)
 {
-    bool starts = clock->has_shown && is_gap(clock->last_ns, time_ns);
+    bool starts = clock->has_shown && hand_is_gap(clock->last_ns, time_ns);
     if (starts) {
         clock->is_easing = true;
         clock->start_ns = time_ns;

@@ -1,13 +1,12 @@
 /* hand/ease.h - values that change in one step are shown going there smoothly within a quarter of a
  * second: angles and a tracked wrist after a gap in their samples (a device was lost and came
- * back), and the offsets of a re-zero. Smoothstep in sample time: a function of the samples alone.
- * [frame]; no allocation. */
+ * back: gap.h), and the offsets of a re-zero. Smoothstep in sample time: a function of the samples
+ * alone. [frame]; no allocation. */
 #ifndef MAROTTE_HAND_EASE_H
 #define MAROTTE_HAND_EASE_H
 #include <marotte/plugin.h>
 
 #define EASE_SPAN_NS 250000000LL /* how long it takes */
-#define EASE_GAP_NS  250000000LL /* a longer silence is a gap: as in filter.h */
 
 enum { EASE_WRIST = 7 }; /* x y z in mm, orientation x y z w: as MRT_CH_WRIST */
 

@@ -1,12 +1,12 @@
 #include "hand/filter.h"
 
 #include "base/angle.h"
+#include "hand/gap.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double DEGREES_PER_RADIAN = 180.0 / ANGLE_PI;
-static const int64_t GAP_NS = 250000000; /* longer: the past says nothing about now */
 
 /* Casiez 2012, equations 2 and 3: alpha = 1 / (1 + tau / Te), tau = 1 / (2 pi fc). */
 static double smoothing_factor(double cutoff_hz, double dt_s)
@@ -65,15 +65,9 @@ static filter_settings per_radian(const filter_settings *per_degree)
     return out;
 }
 
-/* Before last_ns, or so far behind it that the difference has no meaning. */
-static bool is_discontinuous(int64_t last_ns, int64_t time_ns)
-{
-    return time_ns < last_ns || (uint64_t)time_ns - (uint64_t)last_ns > (uint64_t)GAP_NS;
-}
-
 void hand_filter_apply(hand_filter *filter, float *angle_rad, int64_t time_ns)
 {
-    if (filter->running && is_discontinuous(filter->last_ns, time_ns))
+    if (filter->running && hand_is_gap(filter->last_ns, time_ns))
         hand_filter_reset(filter);
     bool repeated = filter->running && time_ns == filter->last_ns;
     double dt_s = filter->running ? (double)(time_ns - filter->last_ns) * 1e-9 : 0.0;

@@ -1,10 +1,10 @@
 #include "hand/still.h"
+#include "hand/gap.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { SAMPLES_LEAST = 4 };
-static const int64_t GAP_NS = 250000000;
 
 void still_init(still_window *window, int64_t span_ns, uint32_t channels)
 {
@@ -38,7 +38,7 @@ void still_add(still_window *window, const float *value, int64_t time_ns)
 {
     if (window->count > 0) {
         int64_t last_ns = newest_ns(window);
-        if (time_ns < last_ns || (uint64_t)time_ns - (uint64_t)last_ns > (uint64_t)GAP_NS)
+        if (hand_is_gap(last_ns, time_ns))
             still_reset(window);
         else if (time_ns - last_ns <= window->span_ns / STILL_SAMPLES)
             return;

@@ -38,7 +38,7 @@ typedef struct stand {
     uint64_t published;
 } stand;
 
-static void stand_up(stand *s, const char *face_name, outputs_isolation isolation)
+static void stand_up(stand *s, const char *face_name, isolate_which isolation)
 {
     error err = {""};
     *s = (stand){.log = log_queue_create()};
@@ -144,7 +144,7 @@ static void wait_for_state(stand *s, uint32_t index, output_state state)
 static void what_is_published_arrives_and_the_newest_wins(void **state)
 {
     (void)state;
-    static const outputs_isolation how[] = {OUTPUTS_ISOLATE_NONE, OUTPUTS_ISOLATE_ALL};
+    static const isolate_which how[] = {ISOLATE_NONE, ISOLATE_ALL};
     for (int i = 0; i < 2; ++i) {
         stand s;
         int port, fd = listen_somewhere(&port);
@@ -181,7 +181,7 @@ static void what_crashes_hangs_or_fails_comes_back(void **state)
     for (int i = 0; i < 3; ++i) {
         stand s;
         int port, fd = listen_somewhere(&port);
-        stand_up(&s, "plane", OUTPUTS_ISOLATE_ALL);
+        stand_up(&s, "plane", ISOLATE_ALL);
         add(&s, TROUBLED, port, trouble[i]);
         uint64_t at = 0;
         bool has_said = false;
@@ -203,7 +203,7 @@ static void what_cannot_be_opened_is_said_once_and_costs_nobody_anything(void **
     stand s;
     int port, fd = listen_somewhere(&port), lines = 0;
     log_record line;
-    stand_up(&s, "plane", OUTPUTS_ISOLATE_NONE);
+    stand_up(&s, "plane", ISOLATE_NONE);
     add(&s, TROUBLED, port, "trouble=4");
     add(&s, TROUBLED, port, "");
     (void)hear_number(&s, fd, 1, 0);
@@ -236,7 +236,7 @@ static void a_library_that_was_built_anew_is_taken(void **state)
     char library[128];
     (void)snprintf(library, sizeof library, "%s/changing.so", folder);
     copy_file(TROUBLED, library);
-    stand_up(&s, "plane", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "plane", ISOLATE_FOREIGN);
     add(&s, library, port, "");
     (void)hear_number(&s, fd, 1, 0);
     copy_file(TROUBLED_LATER, library);
@@ -252,8 +252,8 @@ static void another_face_is_begun_with_its_own_names(void **state)
     error err = {""};
     stand s, other;
     int port, fd = listen_somewhere(&port);
-    stand_up(&s, "plane", OUTPUTS_ISOLATE_ALL);
-    stand_up(&other, "puppet", OUTPUTS_ISOLATE_NONE);
+    stand_up(&s, "plane", ISOLATE_ALL);
+    stand_up(&other, "puppet", ISOLATE_NONE);
     add(&s, TROUBLED, port, "");
     const uint64_t before = hear_number(&s, fd, 1, 100);
     outputs_show(other.outputs, NULL); /* a board has one taker */
@@ -283,7 +283,7 @@ static void unknown_ones_and_a_ninth_are_refused_in_words(void **state)
     (void)state;
     stand s;
     error err = {""};
-    stand_up(&s, "plane", OUTPUTS_ISOLATE_NONE);
+    stand_up(&s, "plane", ISOLATE_NONE);
     assert_true(outputs_add(s.outputs, "nobody:1", &err) < 0);
     assert_non_null(strstr(err.text, "there is no face output plugin \"nobody\""));
     add(&s, TROUBLED, 9, "");
@@ -445,7 +445,7 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
     char path[1024];
     int port, fd = listen_somewhere(&port);
     shipped(path, "vmc");
-    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "puppet", ISOLATE_FOREIGN);
     make_a_face(&s);
     add(&s, path, port, "");
     hear_frame(&s, fd, &frame, "/VMC/Ext/OK", "/VMC/Ext/Blend/Apply");
@@ -491,7 +491,7 @@ static void vmc_says_bones_and_blend_shapes_as_the_protocol_has_them(void **stat
     while (hear(fd, packet, sizeof packet, 0) > 0) /* what was sent before is not the next one's */
         ;
 
-    stand_up(&s, "puppet", OUTPUTS_ISOLATE_ALL);
+    stand_up(&s, "puppet", ISOLATE_ALL);
     add(&s, path, port, "role=performer,names=presets,jaw=on");
     hear_frame(&s, fd, &frame, "/VMC/Ext/OK", "/VMC/Ext/Blend/Apply");
     assert_string_equal(osc_find(&frame, "/VMC/Ext/Root/Pos", "root")->types, ",sfffffff");
@@ -513,7 +513,7 @@ static void face_osc_says_named_numbers(void **state)
     char path[1024];
     int port, fd = listen_somewhere(&port);
     shipped(path, "face_osc");
-    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "puppet", ISOLATE_FOREIGN);
     make_a_face(&s);
     add(&s, path, port, "weights=off,contacts=off,shapes=off");
     hear_frame(&s, fd, &frame, "/marotte/1/face", "/marotte/1/face");
@@ -577,7 +577,7 @@ static void livelink_sends_the_datagram_of_the_app(void **state)
         char path[1024];
         unsigned char packet[2048];
         int port, fd = listen_somewhere(&port), osc_port, osc_fd = listen_somewhere(&osc_port);
-        stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+        stand_up(&s, "puppet", ISOLATE_FOREIGN);
         make_a_face(&s);
         shipped(path, "livelink");
         add(&s, path, port, swap ? "swap_laterals=on,subject=3" : "");
@@ -680,7 +680,7 @@ static void ifacialmocap_answers_its_greeting_in_both_versions(void **state)
     }
     error err = {""};
     shipped(path, "ifacialmocap");
-    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "puppet", ISOLATE_FOREIGN);
     add(&s, path, 49983, ""); /* loads it; of this computer's usual address */
     outputs_remove(s.outputs, 0);
     scene_must(outputs_add(s.outputs, "ifacialmocap:127.0.0.2:49983", &err), &err);
@@ -716,7 +716,7 @@ static void a_second_program_that_is_the_same_device_waits_for_the_first(void **
     char path[1024];
     int port, fd = listen_somewhere(&port);
     shipped(path, "livelink");
-    stand_up(&s, "plane", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "plane", ISOLATE_FOREIGN);
     add(&s, path, port, "");
     wait_for_state(&s, 0, OUTPUT_SENDS);
     add(&s, path, port, "");
@@ -769,7 +769,7 @@ static void garbage_in_place_of_vtube_studio_is_borne(void **state)
     int port, fd = serve_somewhere(&port);
     uint32_t random = 1;
     shipped(path, "vts");
-    stand_up(&s, "plane", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "plane", ISOLATE_FOREIGN);
     add(&s, path, port, "");
     for (int round = 0; round < 3; ++round) {
         int peer = accept_while_published(&s, fd);
@@ -844,7 +844,7 @@ static void who_hangs_and_a_network_that_is_gone_cost_the_frame_nothing(void **s
     char path[1024];
     int udp_port, udp = listen_somewhere(&udp_port), port, mute = serve_somewhere(&port);
     double ratio = 1e9, longest_ms = 1e9;
-    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "puppet", ISOLATE_FOREIGN);
     make_a_face(&s);
     for (int again = 0; again < 5 && !(ratio < 1.5 && longest_ms < 500.0); ++again) {
         frame_cost without = cost_of_frames(&s);
@@ -884,7 +884,7 @@ static void nothing_is_lost_on_loopback_and_it_is_soon_there(void **state)
     int port, fd = listen_somewhere(&port);
     uint32_t heard = 0;
     shipped(path, "vmc");
-    stand_up(&s, "puppet", OUTPUTS_ISOLATE_FOREIGN);
+    stand_up(&s, "puppet", ISOLATE_FOREIGN);
     make_a_face(&s);
     add(&s, path, port, "names=presets");
     static osc_frame frame;

@@ -186,6 +186,46 @@ static void folders_of_the_person_are_made(void **state)
     assert_int_equal(rmdir(folder), 0);
 }
 
+/* What `how` passes, pipes of this process, is written to by a shell as descriptor 7. */
+static void check_passed(int reading, int writing)
+{
+    char *words[] = {program_argument("sh"), program_argument("-c"),
+                     program_argument("echo here >&7"), NULL};
+    const program_start how = {.program = "sh",
+                               .words = words,
+                               .in = -1,
+                               .out = -1,
+                               .err = -1,
+                               .passed = writing,
+                               .passed_as = 7,
+                               .signals = PROGRAM_USUAL_SIGNALS};
+    pid_t pid;
+    int status;
+    char said[8] = "";
+    assert_int_equal(program_spawn(&pid, &how), 0);
+    assert_int_equal(read(reading, said, sizeof said - 1), 5);
+    assert_string_equal(said, "here\n");
+    assert_true(program_wait(pid, &status, 60 * NS_PER_S));
+    assert_int_equal(status, 0);
+}
+
+static void a_descriptor_is_passed_under_its_number(void **state)
+{
+    (void)state;
+    int end[2];
+    error err = {""};
+    assert_int_equal(program_pipe(end, &err), MRT_OK);
+    check_passed(end[0], end[1]);
+    if (end[1] != 7)
+        assert_int_equal(dup2(end[1], 7), 7);
+    assert_int_equal(fcntl(7, F_SETFD, FD_CLOEXEC), 0); /* as if it had that number here too */
+    check_passed(end[0], 7);
+    close(7);
+    close(end[0]);
+    if (end[1] != 7)
+        close(end[1]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -193,6 +233,7 @@ int main(void)
         cmocka_unit_test(a_line_of_the_log_is_printable),
         cmocka_unit_test(a_quoted_word_is_read_back_by_a_shell),
         cmocka_unit_test(a_pipe_is_closed_in_programs_that_start_meanwhile),
+        cmocka_unit_test(a_descriptor_is_passed_under_its_number),
         cmocka_unit_test(a_child_that_does_not_end_is_ended),
         cmocka_unit_test(a_program_is_looked_for_where_this_one_runs),
         cmocka_unit_test(a_written_file_has_the_mode_that_the_umask_gives),

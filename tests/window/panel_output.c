@@ -50,8 +50,7 @@ static void open_panel(stand *s)
     error err = {""};
     trouble = (error){""};
     said = log_queue_create();
-    const outputs_settings of = {
-        .plugins = &s->plugins, .log = said, .isolation = OUTPUTS_ISOLATE_NONE};
+    const outputs_settings of = {.plugins = &s->plugins, .log = said, .isolation = ISOLATE_NONE};
     if (outputs_create(&sent, &of, &err) < 0)
         fail_msg("%s", err.text);
     stand_open(s, &panel_output, 1.0f);

@@ -6,9 +6,9 @@
  * symmetric part in its plane) and t how steeply G tilts it. If s times the pulls is given, the
  * triangle is moved by I + s G. As long as its strain s (m / M + t / T) <= 1, with M < 1, I + s G
  * is positive definite in its plane: it does not turn over, and its normal turns by less than atan
- * T. The strain is linear in s, so the largest strain of all triangles says how much can be given.
- * A triangle that the bones have tilted already has less T left, unless its area along the way says
- * that it may turn over.
+ * T (strain.h has M and T). The strain is linear in s, so the largest strain of all triangles says
+ * how much can be given. A triangle that the bones have tilted already has less T left, unless its
+ * area along the way says that it may turn over.
  *
  * Who gives way. Where the strain is above 1, the pulls around give way to each other first, the
  * more the further it is above (csrbf/soften.h). What is then still too much is taken from all

@@ -11,7 +11,6 @@
 #include <linux/memfd.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/syscall.h>
@@ -91,8 +90,6 @@ mrt_result mesh_wire_parse(mesh *out, const void *data, size_t size, error *err)
 static const int64_t PATIENCE_NS = 20 * NS_PER_S;
 static const size_t ANSWER_SIZE_MAX = (size_t)1536 << 20; /* bytes: what the child may use itself */
 
-extern char **environ;
-
 typedef struct answer {
     char *data;
     size_t size, capacity;
@@ -136,25 +133,6 @@ static mrt_result open_input(int *out_fd, const void *input, size_t size, error 
     return MRT_OK;
 }
 
-static int spawn(pid_t *out_pid, char *program, const char *argument, int input_fd, int answer_fd)
-{
-    posix_spawn_file_actions_t actions;
-    char *arguments[] = {program, program_argument(argument), NULL};
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed)
-        return failed;
-    failed = posix_spawn_file_actions_adddup2(&actions, answer_fd, STDOUT_FILENO);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, input_fd, STDIN_FILENO);
-    if (!failed)
-        failed =
-            posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-    if (!failed)
-        failed = posix_spawn(out_pid, program, &actions, NULL, arguments, environ);
-    (void)posix_spawn_file_actions_destroy(&actions);
-    return failed;
-}
-
 static mrt_result start(pid_t *out_pid, int *out_fd, const char *argument, int input_fd, error *err)
 {
     char program[PATH_MAX];
@@ -165,7 +143,10 @@ static mrt_result start(pid_t *out_pid, int *out_fd, const char *argument, int i
     result = program_pipe(end, err);
     if (result < 0)
         return result;
-    int failed = spawn(out_pid, program, argument, input_fd, end[1]);
+    char *words[] = {program, program_argument(argument), NULL};
+    const program_start how = {
+        .program = program, .words = words, .in = input_fd, .out = end[1], .err = -1};
+    int failed = program_spawn(out_pid, &how);
     close(end[1]);
     if (failed) {
         close(end[0]);

@@ -140,7 +140,8 @@ static bool push_owed(input *self)
     return !self->has_owed;
 }
 
-/* The newest sample waits for room: a pedal that is let go must not stay down. */
+/* While the ring is full the newest sample is kept in `owed`: a pedal that is let go must not stay
+ * down. */
 static void deliver(input *self, const mrt_sample *sample)
 {
     input_record record = {*sample, atomic_load(&self->version)};

@@ -21,7 +21,7 @@ static mrt_result find_type(live_mapping_role *self, const plugin_list *plugins,
     if (result < 0)
         return result;
     self->library = plugin_list_path_of(plugins, *out);
-    if (!self->library || plugin_is_shipped(self->library))
+    if (!isolate_is_wanted(ISOLATE_FOREIGN, self->library))
         return MRT_OK;
     result = isolate_create_mapping(&self->isolate, *out, self->library, &self->isolation, err);
     if (result >= 0)

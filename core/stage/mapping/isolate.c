@@ -832,6 +832,13 @@ const mrt_plugin_type *isolate_inner(const mrt_plugin_type *type)
     return s ? s->inner(type) : type;
 }
 
+bool isolate_is_wanted(isolate_which which, const char *library)
+{
+    if (!library || !library[0] || which == ISOLATE_NONE)
+        return false;
+    return which == ISOLATE_ALL || !plugin_is_shipped(library);
+}
+
 /* A type like the inner one, but for its interfaces and how it is made, which follow. */
 static mrt_result wrap(isolate **out, const mrt_plugin_type *inner, const char *library, error *err)
 {

@@ -11,6 +11,14 @@
 
 typedef struct isolate isolate;
 
+typedef enum isolate_which {
+    ISOLATE_FOREIGN = 0, /* what did not come with the program */
+    ISOLATE_ALL,
+    ISOLATE_NONE
+} isolate_which;
+/* Whether a type of that library is to be isolated. NULL, "": it is part of the program. */
+bool isolate_is_wanted(isolate_which which, const char *library);
+
 typedef struct isolate_settings {
     instance_clock clock; /* virtual: nobody waits for it, its deadline is that of a hang */
     int64_t deadline_ns;  /* that a frame waits at most, in real time; 0: 3 ms */

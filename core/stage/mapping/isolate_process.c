@@ -8,7 +8,6 @@
 #include <linux/memfd.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,8 +15,6 @@
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-extern char **environ;
 
 static const int64_t spin_ns = 5000, slice_ns = 20 * NS_PER_MS;
 
@@ -49,40 +46,6 @@ static mrt_result make_block(isolate_process *out, int *out_fd, error *err)
     return MRT_OK;
 }
 
-static int spawn(pid_t *out_pid, char *program, const char *library, const char *type_id,
-                 int block_fd)
-{
-    posix_spawn_file_actions_t actions;
-    posix_spawnattr_t attributes;
-    sigset_t none, all;
-    char *arguments[] = {program, program_argument(library), program_argument(type_id), NULL};
-    int failed = posix_spawn_file_actions_init(&actions);
-    if (failed)
-        return failed;
-    sigemptyset(&none);
-    sigfillset(&all);
-    failed = posix_spawnattr_init(&attributes);
-    if (!failed)
-        failed = posix_spawnattr_setsigmask(&attributes, &none);
-    if (!failed)
-        failed = posix_spawnattr_setsigdefault(&attributes, &all);
-    /* A group of its own: Ctrl-C is the program's to answer. */
-    if (!failed)
-        failed = posix_spawnattr_setflags(
-            &attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, block_fd, ISOLATE_FD);
-    if (!failed)
-        failed = posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    if (!failed)
-        failed = posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-    if (!failed)
-        failed = posix_spawn(out_pid, program, &actions, &attributes, arguments, environ);
-    (void)posix_spawnattr_destroy(&attributes);
-    (void)posix_spawn_file_actions_destroy(&actions);
-    return failed;
-}
-
 mrt_result isolate_process_start(isolate_process *out, const char *library, const char *type_id,
                                  error *err)
 {
@@ -94,14 +57,17 @@ mrt_result isolate_process_start(isolate_process *out, const char *library, cons
         result = make_block(out, &fd, err);
     if (result < 0)
         return result;
-    if (fd == ISOLATE_FD) { /* dup2 onto itself would leave it to be closed */
-        int other = fcntl(fd, F_DUPFD_CLOEXEC, ISOLATE_FD + 1);
-        close(fd);
-        fd = other;
-    }
-    int failed = fd < 0 ? errno : spawn(&out->pid, program, library, type_id, fd);
-    if (fd >= 0)
-        close(fd);
+    char *words[] = {program, program_argument(library), program_argument(type_id), NULL};
+    const program_start how = {.program = program,
+                               .words = words,
+                               .in = -1,
+                               .out = STDERR_FILENO,
+                               .err = STDERR_FILENO,
+                               .passed = fd,
+                               .passed_as = ISOLATE_FD,
+                               .signals = PROGRAM_USUAL_SIGNALS};
+    int failed = program_spawn(&out->pid, &how);
+    close(fd);
     if (failed) {
         out->pid = 0;
         isolate_process_finish(out);

@@ -2,7 +2,6 @@
 #include "base/clock.h"
 #include "stage/input/spec.h"
 #include "stage/input/wake.h"
-#include "stage/mapping/isolate.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -375,13 +374,6 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
-static bool is_to_be_isolated(const outputs *self, const char *library)
-{
-    if (self->settings.isolation == OUTPUTS_ISOLATE_FOREIGN)
-        return library && !plugin_is_shipped(library);
-    return library && self->settings.isolation == OUTPUTS_ISOLATE_ALL;
-}
-
 static void free_output(output *self)
 {
     instance_destroy(&self->plugin);
@@ -403,7 +395,7 @@ static mrt_result prepare(output *self, error *err)
     if (result < 0)
         return result;
     self->library = plugin_list_path_of(of->settings.plugins, type);
-    if (is_to_be_isolated(of, self->library)) {
+    if (isolate_is_wanted(of->settings.isolation, self->library)) {
         result = isolate_create_output(&self->isolated, type, self->library, err);
         if (result < 0)
             return result;

@@ -7,22 +7,17 @@
 #ifndef MAROTTE_STAGE_OUTPUT_OUTPUTS_H
 #define MAROTTE_STAGE_OUTPUT_OUTPUTS_H
 #include "base/log.h"
+#include "stage/mapping/isolate.h"
 #include "stage/mapping/plugins.h"
 #include "stage/output/board.h"
 
 typedef struct outputs outputs;
 enum { OUTPUTS_MAX = 8 };
 
-typedef enum outputs_isolation {
-    OUTPUTS_ISOLATE_FOREIGN = 0, /* those that did not come with the program */
-    OUTPUTS_ISOLATE_ALL,
-    OUTPUTS_ISOLATE_NONE
-} outputs_isolation;
-
 typedef struct outputs_settings { /* all must outlive it */
     const plugin_list *plugins;
     log_queue *log;
-    outputs_isolation isolation;
+    isolate_which isolation;
 } outputs_settings;
 
 /* ---- [main] ---- */

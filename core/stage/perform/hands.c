@@ -2,6 +2,7 @@
 #include "base/angle.h"
 #include "base/bytes.h"
 #include "hand/ease.h"
+#include "hand/gap.h"
 #include "hand/sensor.h"
 #include "hand/still.h"
 
@@ -192,8 +193,7 @@ static mrt_result refuse(hands *self, error *why)
 static bool is_late(const one_hand *hand, int64_t time_ns)
 {
     const ease_clock *clock = &hand->eased.clock;
-    return !clock->has_shown || time_ns < clock->last_ns ||
-           (uint64_t)time_ns - (uint64_t)clock->last_ns > (uint64_t)EASE_GAP_NS;
+    return !clock->has_shown || hand_is_gap(clock->last_ns, time_ns);
 }
 
 mrt_result hands_rezero(hands *self, uint32_t side, int64_t time_ns, error *why)
@@ -244,7 +244,7 @@ hand_skeleton *hands_change(hands *self, uint32_t side, hand_skeleton *skeleton)
     hand_skeleton *old = skeleton ? hand->skeleton : NULL;
     if (skeleton)
         hand->skeleton = skeleton;
-    hand->eased.clock.last_ns -= 2 * EASE_GAP_NS;
+    hand->eased.clock.last_ns -= 2 * HAND_GAP_NS;
     return old;
 }
 

@@ -45,7 +45,7 @@ typedef struct scheduler {
     const hand_calibration *calibration[2];
     uint64_t step_count, sample_count;
     int64_t last_ns;  /* of the step taken last */
-    int64_t shown_ns; /* steps come behind it */
+    int64_t shown_ns; /* the instant that the player has shown: later steps come behind it */
     /* the step that waits for a late hand */
     bool is_waiting;
     uint32_t waits_with, waits_sequence; /* index and sequence of its first sample */

@@ -75,7 +75,7 @@ static mrt_result set_apart(replay *self, const char *library, const mrt_plugin_
                             error *err)
 {
     const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
-    if (!library[0] || plugin_is_shipped(library))
+    if (!isolate_is_wanted(ISOLATE_FOREIGN, library))
         return MRT_OK;
     mrt_result result = isolate_create_mapping(&self->isolate, *type, library, &settings, err);
     if (result >= 0)

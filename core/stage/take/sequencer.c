@@ -354,8 +354,8 @@ static mrt_result restart(sequencer *self, error *err)
     return cross_boundary(self, 0, &is_changed, err);
 }
 
-/* ---- instants that are kept, so that scrubbing need not play from the start: a state that is
- * taken up again goes on with the same bits ---- */
+/* ---- checkpoints: what is kept of an instant, so that scrubbing need not play from the start; one
+ * that is taken up again goes on with the same bits ---- */
 
 static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
 {
@@ -479,19 +479,19 @@ static size_t count_until(const sequencer *self, int64_t at_ns)
     return low;
 }
 
-static mrt_result insert(sequencer *self, size_t at, size_t size, error *err)
+static mrt_result insert_checkpoint(sequencer *self, size_t at, size_t size, error *err)
 {
     if (self->checkpoint_count == self->checkpoint_capacity) {
         size_t capacity = self->checkpoint_capacity * 2 + 16;
         checkpoint *grown = realloc(self->checkpoint, capacity * sizeof *grown);
         if (!grown)
-            return error_set(err, MRT_ERR_MEMORY, "no memory for kept instants");
+            return error_set(err, MRT_ERR_MEMORY, "no memory for checkpoints");
         self->checkpoint = grown;
         self->checkpoint_capacity = capacity;
     }
     unsigned char *bytes = malloc(size);
     if (!bytes)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for kept instants");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for checkpoints");
     put_all(self, bytes, size);
     memmove(self->checkpoint + at + 1, self->checkpoint + at,
             (self->checkpoint_count - at) * sizeof *self->checkpoint);
@@ -517,7 +517,7 @@ static mrt_result keep_checkpoint(sequencer *self, error *err)
     self->is_unkeepable = size == 0;
     if (size == 0)
         return MRT_OK;
-    mrt_result result = insert(self, at, size, err);
+    mrt_result result = insert_checkpoint(self, at, size, err);
     while (self->checkpoint_bytes > self->settings.checkpoint_bytes && self->checkpoint_count > 1)
         thin_out(self);
     return result;
