@@ -55,11 +55,13 @@ wait $watcher || fail "Ctrl-C: exit $?"
 [ $((($(date +%s%N) - before) / 1000000)) -lt 500 ] || fail "Ctrl-C took over half a second"
 
 # What is plugged in later is found.
-MAROTTE_FLAKY=$scratch/later "$MAROTTE" devices --watch --seconds 4 >"$scratch/later.txt" \
+MAROTTE_FLAKY=$scratch/later "$MAROTTE" devices --watch --seconds 60 >"$scratch/later.txt" \
     2>"$scratch/news.txt" &
 watcher=$!
-sleep 0.5
+until grep -q "waiting for one" "$scratch/news.txt" || ! kill -0 $watcher 2>/dev/null; do sleep 0.1; done
 touch "$scratch/later"
+until grep -q "flaky port:1-2               running" "$scratch/later.txt" || ! kill -0 $watcher 2>/dev/null; do sleep 0.1; done
+kill -INT $watcher
 wait $watcher || fail "waiting for a device: exit $?"
 said "note: no device is ready: waiting for one" "$scratch/news.txt"
 said "flaky port:1-2               running" "$scratch/later.txt"
