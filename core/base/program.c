@@ -56,10 +56,10 @@ mrt_result program_find(char out[PATH_MAX], const char *name, const char *variab
 {
     const char *chosen = getenv(variable);
     if (chosen && *chosen) {
-        if (strlen(chosen) < PATH_MAX && is_program(chosen)) {
-            memcpy(out, chosen, strlen(chosen) + 1);
+        const char *here = strchr(chosen, '/') ? "" : "./"; /* else $PATH is asked for it */
+        int length = snprintf(out, PATH_MAX, "%s%s", here, chosen);
+        if (length > 0 && length < PATH_MAX && is_program(out))
             return MRT_OK;
-        }
         return error_set(err, MRT_ERR_IO, "%s names \"%s\", which cannot be run", variable, chosen);
     }
     if (is_beside(out, name))

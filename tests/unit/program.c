@@ -140,6 +140,14 @@ static void a_program_is_looked_for_where_this_one_runs(void **state)
     assert_string_equal(found, BUILD_DIR "/marotte-pluginhost");
     assert_true(program_find(found, "sh", "MAROTTE_TEST_UNSET", "/bin", "", &err) < 0);
     assert_non_null(strstr(err.text, "not beside the program"));
+    /* One that is named without a path lies here: what is started looks in $PATH for such. */
+    char here[PATH_MAX];
+    assert_non_null(getcwd(here, sizeof here));
+    assert_int_equal(chdir(BUILD_DIR), 0);
+    assert_int_equal(setenv("MAROTTE_TEST_SET", "marotte-pluginhost", 1), 0);
+    assert_int_equal(program_find(found, "x", "MAROTTE_TEST_SET", "/bin", "", &err), MRT_OK);
+    assert_string_equal(found, "./marotte-pluginhost");
+    assert_int_equal(chdir(here), 0);
 }
 
 static void a_written_file_has_the_mode_that_the_umask_gives(void **state)
