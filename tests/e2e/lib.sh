@@ -5,6 +5,7 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export XDG_CONFIG_HOME=$scratch/config # no calibrations of whoever runs the tests
 export XDG_DATA_HOME=$scratch/data # and no reports to them
+export TEST_TMPDIR=/nowhere # here the thread sanitizer makes a file when a program starts, and crashes under `ulimit -f`
 shared=${MAROTTE_SHARED:-$SOURCE_DIR/../shared}
 moai=$SOURCE_DIR/rigs/moai/moai.glb
 puppet=$SOURCE_DIR/rigs/puppet/puppet.rig.json
