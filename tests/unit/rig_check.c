@@ -75,7 +75,7 @@ static void assert_invalid(const char *start, const char *words)
         fail_msg("%s", err.text);
 }
 
-static void rigs_of_the_project_have_no_errors_and_no_warnings(void **state)
+static void rigs_of_the_project_have_no_errors_no_warnings_and_no_stale_hash(void **state)
 {
     (void)state;
     static const char *const paths[] = {SOURCE_DIR "/rigs/moai/moai.rig.json",
@@ -91,7 +91,7 @@ static void rigs_of_the_project_have_no_errors_and_no_warnings(void **state)
             fail_msg("%s", err.text);
         assert_int_equal(f.rig->contact_count, 27);
         for (uint32_t k = 0; k < all.count; ++k)
-            if (all.item[k].severity != RIG_NOTE)
+            if (all.item[k].severity != RIG_NOTE || strcmp(all.item[k].path, "$.mesh_hash") == 0)
                 fail_msg("%s: %s: %s", paths[i], all.item[k].path, all.item[k].text);
         rig_findings_finish(&all);
         binding_destroy(&b);
@@ -389,7 +389,7 @@ static void a_missing_mesh_names_the_rig_and_the_place(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rigs_of_the_project_have_no_errors_and_no_warnings),
+        cmocka_unit_test(rigs_of_the_project_have_no_errors_no_warnings_and_no_stale_hash),
         cmocka_unit_test(another_vertex_count_names_both),
         cmocka_unit_test(another_hash_is_a_note),
         cmocka_unit_test(a_contact_beyond_the_mesh_is_an_error),
