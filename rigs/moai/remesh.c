@@ -1,5 +1,4 @@
 #include "remesh.h"
-#include "relax.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,14 +7,68 @@
 static const double LONG = 4.0 / 3.0, SHORT = 4.0 / 5.0;
 /* A triangle of less quality than this is not made. */
 static const double POOR = 0.08;
+/* How far an edit may turn a triangle: the least cosine between its old and new normal. */
+static const double TURN_COSINE = 0.2;
 
 enum { SMOOTHING_ROUNDS = 12 };
+
+/* ---- the form ---- */
+
+/* The length of edges wanted at a point. */
+static double wanted_mm(const form *shape, vec3 p)
+{
+    return shape->edge_scale * shape->edge_mm(p);
+}
+
+/* Of the distance, by central differences. */
+static vec3 gradient(const form *shape, vec3 p)
+{
+    const double step = 0.02;
+    vec3 plus[3] = {{p.x + step, p.y, p.z}, {p.x, p.y + step, p.z}, {p.x, p.y, p.z + step}};
+    vec3 minus[3] = {{p.x - step, p.y, p.z}, {p.x, p.y - step, p.z}, {p.x, p.y, p.z - step}};
+    double slope[3];
+    for (int k = 0; k < 3; ++k)
+        slope[k] = (shape->distance(plus[k]) - shape->distance(minus[k])) / (2.0 * step);
+    return (vec3){slope[0], slope[1], slope[2]};
+}
+
+/* The part of a move that what a vertex holds (skin.h) allows. */
+static vec3 masked(vec3 move, int hold)
+{
+    if (hold & (SKIN_MIDDLE | SKIN_CORNER))
+        move.x = 0.0;
+    if (hold & (SKIN_LEVEL | SKIN_CORNER))
+        move.y = 0.0;
+    return move;
+}
+
+/* Newton steps of at most reach_mm from p to the surface, in the directions allowed. */
+static vec3 projected(const form *shape, vec3 p, int hold, double reach_mm)
+{
+    for (int turn = 0; turn < 3; ++turn) {
+        vec3 slope = masked(gradient(shape, p), hold);
+        double square = vec3_dot(slope, slope);
+        if (square < 0.01)
+            break;
+        double step = shape->distance(p) / square;
+        double length = fabs(step) * sqrt(square);
+        if (length > reach_mm)
+            step *= reach_mm / length;
+        p = vec3_sub(p, vec3_scale(slope, step));
+    }
+    return p;
+}
+
+static vec3 middle(vec3 a, vec3 b)
+{
+    return vec3_scale(vec3_add(a, b), 0.5);
+}
 
 /* The length of an edge, 1 being the length wanted. */
 static double relative_length(const skin *s, const form *shape, int32_t h)
 {
     vec3 a = s->point[s->origin[h]], b = s->point[skin_target(s, h)];
-    return vec3_length(vec3_sub(b, a)) / form_wanted_mm(shape, form_middle(a, b));
+    return vec3_length(vec3_sub(b, a)) / wanted_mm(shape, middle(a, b));
 }
 
 /* ---- the level line ---- */
@@ -84,7 +137,7 @@ static int32_t split_sweep(skin *s, const form *shape)
         double length = relative_length(s, shape, h);
         if (!(length > LONG) || !is_longest(s, shape, h, length))
             continue;
-        vec3 p = form_middle(s->point[s->origin[h]], s->point[skin_target(s, h)]);
+        vec3 p = middle(s->point[s->origin[h]], s->point[skin_target(s, h)]);
         if (skin_split(s, h, p) == SKIN_NONE)
             return SKIN_NONE;
         ++split_count;
@@ -128,8 +181,8 @@ static int fan_survives(const skin *s, const form *shape, int32_t vertex, int32_
         double lengths = vec3_length(before) * vec3_length(after);
         double quality = quality_of(to, pb, pc);
         int degrades = quality < POOR && quality < quality_of(s->point[vertex], pb, pc);
-        if (vec3_dot(before, after) < RELAX_TURN_COSINE * lengths || degrades ||
-            vec3_length(vec3_sub(pb, to)) > LONG * form_wanted_mm(shape, form_middle(pb, to)))
+        if (vec3_dot(before, after) < TURN_COSINE * lengths || degrades ||
+            vec3_length(vec3_sub(pb, to)) > LONG * wanted_mm(shape, middle(pb, to)))
             return 0;
     }
     return 1;
@@ -140,7 +193,7 @@ static vec3 collapse_point(const skin *s, int32_t h)
 {
     int32_t a = s->origin[h], b = skin_target(s, h);
     if (s->hold[a] == s->hold[b])
-        return form_middle(s->point[a], s->point[b]);
+        return middle(s->point[a], s->point[b]);
     return s->point[b];
 }
 
@@ -197,8 +250,8 @@ static int flip_turns_over(const skin *s, int32_t h, vec3 a, vec3 b, vec3 c, vec
     vec3 one = vec3_cross(vec3_sub(d, a), vec3_sub(c, a));
     vec3 other = vec3_cross(vec3_sub(c, b), vec3_sub(d, b));
     double length = vec3_length(old);
-    return vec3_dot(one, old) < RELAX_TURN_COSINE * length * vec3_length(one) ||
-           vec3_dot(other, old) < RELAX_TURN_COSINE * length * vec3_length(other);
+    return vec3_dot(one, old) < TURN_COSINE * length * vec3_length(one) ||
+           vec3_dot(other, old) < TURN_COSINE * length * vec3_length(other);
 }
 
 /* An edge off the surface is turned along a crease; on the surface, valence decides. */
@@ -211,9 +264,9 @@ static int wants_flip(const skin *s, const form *shape, int32_t h)
     if (flip_turns_over(s, h, a, b, c, d))
         return 0;
     double now = pair_quality(a, b, c, d), then = pair_quality(d, c, a, b);
-    double off_now = fabs(shape->distance(form_middle(a, b)));
-    double off_then = fabs(shape->distance(form_middle(c, d)));
-    double tolerance = 0.06 * form_wanted_mm(shape, form_middle(a, b));
+    double off_now = fabs(shape->distance(middle(a, b)));
+    double off_then = fabs(shape->distance(middle(c, d)));
+    double tolerance = 0.06 * wanted_mm(shape, middle(a, b));
     if (off_now > tolerance || off_then > tolerance)
         return off_then < 0.8 * off_now && then > POOR;
     int32_t valence_now = valence_error(s, ia, 0) + valence_error(s, ib, 0) +
@@ -232,9 +285,190 @@ static void flip_edges(skin *s, const form *shape)
             (void)skin_flip(s, h);
 }
 
-static relax_plane *planes_create(const skin *s, error *err)
+/* ---- relax: moves vertices, without changing edges ---- */
+
+/* The share of spreading evenly against staying on the planes of the form. */
+static const double SMOOTHING = 0.1;
+
+typedef struct plane { /* a tangent plane of the form, and how much skin it stands for */
+    vec3 point, normal;
+    double area;
+} plane;
+
+/* The tangent plane of the shape at the foot of a point near it. */
+static plane plane_at(const form *shape, vec3 p, double area)
 {
-    relax_plane *planes = malloc(((size_t)s->triangle_capacity * 3 + 1) * sizeof *planes);
+    vec3 slope = gradient(shape, p);
+    double square = vec3_dot(slope, slope);
+    double step = square > 0.01 ? shape->distance(p) / square : 0.0;
+    return (plane){.point = vec3_sub(p, vec3_scale(slope, step)),
+                   .normal = vec3_normalised(slope, (vec3){0, 0, 1}),
+                   .area = area};
+}
+
+/* Three planes for each live triangle, towards its corners: half-edge h has that at its origin. */
+static void measure_planes(plane *out, const skin *s, const form *shape)
+{
+    for (int32_t h = 0; h < 3 * s->triangle_count; ++h) {
+        if (s->origin[h] == SKIN_NONE)
+            continue;
+        vec3 near = s->point[s->origin[h]];
+        vec3 far = middle(s->point[skin_target(s, h)], s->point[s->origin[skin_previous(h)]]);
+        vec3 p = vec3_add(vec3_scale(near, 2.0 / 3.0), vec3_scale(far, 1.0 / 3.0));
+        out[h] = plane_at(shape, p, vec3_length(skin_triangle_normal(s, h / 3)) / 6.0);
+    }
+}
+
+/* The mean of the neighbours on the vertex's own line; 0: it is no line's inner point. */
+static int line_middle(const skin *s, int32_t vertex, vec3 *out)
+{
+    int32_t around[SKIN_RING];
+    int32_t count = skin_neighbours(s, vertex, around), found = 0;
+    vec3 sum = {0, 0, 0};
+    for (int32_t i = 0; i < count; ++i)
+        if (skin_common_line(s, around[i], vertex)) {
+            sum = vec3_add(sum, s->point[around[i]]);
+            ++found;
+        }
+    *out = vec3_scale(sum, 0.5);
+    return found == 2;
+}
+
+/* The mean of the triangles around, each weighed by how much too large it is. */
+static vec3 fan_middle(const skin *s, const form *shape, const plane *planes, int32_t vertex)
+{
+    int32_t edge[SKIN_RING];
+    int32_t count = skin_leaving(s, vertex, edge);
+    vec3 sum = {0, 0, 0};
+    double weights = 0.0;
+    for (int32_t i = 0; i < count; ++i) {
+        const plane *p = &planes[edge[i] - edge[i] % 3];
+        vec3 centre = vec3_scale(vec3_add(vec3_add(p[0].point, p[1].point), p[2].point), 1.0 / 3.0);
+        double size = wanted_mm(shape, centre);
+        double weight = p->area / (size * size) + 1e-6;
+        sum = vec3_add(sum, vec3_scale(centre, weight));
+        weights += weight;
+    }
+    return vec3_scale(sum, 1.0 / weights);
+}
+
+static vec3 smoothing_target(const skin *s, const form *shape, const plane *planes, int32_t vertex)
+{
+    vec3 out;
+    int hold = s->hold[vertex];
+    if (hold & SKIN_CORNER || (hold & SKIN_LINES) == SKIN_LINES)
+        return s->point[vertex];
+    if (hold & SKIN_LINES)
+        return line_middle(s, vertex, &out) ? out : s->point[vertex];
+    return fan_middle(s, shape, planes, vertex);
+}
+
+/* Solves the symmetric positive 3 by 3 system in place, without pivots. */
+static vec3 solve3(double m[3][3], double r[3])
+{
+    for (int i = 0; i < 3; ++i)
+        for (int k = i + 1; k < 3; ++k) {
+            double factor = m[k][i] / m[i][i];
+            for (int j = i; j < 3; ++j)
+                m[k][j] -= factor * m[i][j];
+            r[k] -= factor * r[i];
+        }
+    double z = r[2] / m[2][2];
+    double y = (r[1] - m[1][2] * z) / m[1][1];
+    return (vec3){(r[0] - m[0][1] * y - m[0][2] * z) / m[0][0], y, z};
+}
+
+static void hold_axis(double m[3][3], double r[3], int axis)
+{
+    for (int k = 0; k < 3; ++k)
+        m[axis][k] = m[k][axis] = 0.0;
+    m[axis][axis] = 1.0;
+    r[axis] = 0.0;
+}
+
+/* The least squares of distances to planes, for a move from `at`. */
+static void add_plane(double m[3][3], double r[3], const plane *p, vec3 at)
+{
+    const double n[3] = {p->normal.x, p->normal.y, p->normal.z};
+    double offset = vec3_dot(vec3_sub(p->point, at), p->normal);
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            m[row][column] += p->area * n[row] * n[column];
+        r[row] += p->area * n[row] * offset;
+    }
+}
+
+/* The move that brings the vertex nearest to the planes around it (so into a crease, if there is
+ * one) and, where they leave it free, to the smoothing target. */
+static vec3 best_move(const skin *s, const form *shape, const plane *planes, int32_t vertex)
+{
+    int32_t edge[SKIN_RING];
+    int32_t count = skin_leaving(s, vertex, edge);
+    vec3 at = s->point[vertex];
+    double m[3][3] = {{0}}, r[3] = {0}, weights = 0.0;
+    for (int32_t i = 0; i < 3 * count; ++i) {
+        const plane *p = &planes[edge[i / 3] - edge[i / 3] % 3 + i % 3];
+        add_plane(m, r, p, at);
+        weights += p->area;
+    }
+    vec3 pull = vec3_sub(smoothing_target(s, shape, planes, vertex), at);
+    const double wish[3] = {pull.x, pull.y, pull.z};
+    double share = SMOOTHING * weights + 1e-12;
+    for (int k = 0; k < 3; ++k) {
+        m[k][k] += share;
+        r[k] += share * wish[k];
+    }
+    vec3 allowed = masked((vec3){1, 1, 1}, s->hold[vertex]);
+    if (allowed.x == 0.0)
+        hold_axis(m, r, 0);
+    if (allowed.y == 0.0)
+        hold_axis(m, r, 1);
+    return solve3(m, r);
+}
+
+/* Whether all triangles around keep their side when the vertex moves. */
+static int move_is_safe(const skin *s, int32_t vertex, vec3 to)
+{
+    int32_t edge[SKIN_RING];
+    int32_t count = skin_leaving(s, vertex, edge);
+    for (int32_t i = 0; i < count; ++i) {
+        vec3 b = s->point[skin_target(s, edge[i])];
+        vec3 c = s->point[s->origin[skin_previous(edge[i])]];
+        vec3 before = skin_triangle_normal(s, edge[i] / 3);
+        vec3 after = vec3_cross(vec3_sub(b, to), vec3_sub(c, to));
+        double lengths = vec3_length(before) * vec3_length(after);
+        if (vec3_dot(before, after) < TURN_COSINE * lengths)
+            return 0;
+    }
+    return 1;
+}
+
+/* One round: vertices move onto the form, into its creases, and spread evenly. planes: room for
+ * three per triangle of the skin, the dead included. */
+static void relax(skin *s, const form *shape, plane *planes)
+{
+    measure_planes(planes, s, shape);
+    for (int32_t v = 0; v < s->vertex_count; ++v) {
+        if (s->edge[v] == SKIN_NONE)
+            continue;
+        double reach = 0.5 * wanted_mm(shape, s->point[v]);
+        vec3 move = best_move(s, shape, planes, v);
+        double length = vec3_length(move);
+        if (length > reach)
+            move = vec3_scale(move, reach / length);
+        vec3 to = projected(shape, vec3_add(s->point[v], move), s->hold[v], reach);
+        for (int turn = 0; turn < 3 && !move_is_safe(s, v, to); ++turn)
+            to = middle(s->point[v], to);
+        if (move_is_safe(s, v, to))
+            s->point[v] = to;
+    }
+}
+
+/* ---- all of it ---- */
+
+static plane *planes_create(const skin *s, error *err)
+{
+    plane *planes = malloc(((size_t)s->triangle_capacity * 3 + 1) * sizeof *planes);
     if (!planes)
         (void)error_set(err, MRT_ERR_MEMORY, "no memory for the planes of %d triangles",
                         s->triangle_capacity);
@@ -243,7 +477,7 @@ static relax_plane *planes_create(const skin *s, error *err)
 
 mrt_result remesh_adapt(skin *s, const form *shape, int32_t rounds, error *err)
 {
-    relax_plane *planes = planes_create(s, err);
+    plane *planes = planes_create(s, err);
     if (!planes)
         return MRT_ERR_MEMORY;
     mrt_result result = MRT_OK;
@@ -254,7 +488,7 @@ mrt_result remesh_adapt(skin *s, const form *shape, int32_t rounds, error *err)
         collapse_short(s, shape);
         skin_compact(s);
         flip_edges(s, shape);
-        relax_round(s, shape, planes);
+        relax(s, shape, planes);
     }
     free(planes);
     return result;
@@ -307,7 +541,7 @@ mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, err
         return error_set(err, MRT_ERR_ARGUMENT,
                          "%d triangles are there, %d are wanted: ask for shorter edges",
                          s->live_triangle_count, triangle_count);
-    relax_plane *planes = planes_create(s, err);
+    plane *planes = planes_create(s, err);
     candidate *list = malloc(((size_t)s->triangle_count * 3 + 1) * sizeof *list);
     mrt_result result = planes && list ? MRT_OK : MRT_ERR_MEMORY;
     if (result < 0) {
@@ -324,7 +558,7 @@ mrt_result remesh_reduce(skin *s, const form *shape, int32_t triangle_count, err
     }
     for (int round = 0; round < SMOOTHING_ROUNDS; ++round) {
         flip_edges(s, shape);
-        relax_round(s, shape, planes);
+        relax(s, shape, planes);
     }
 done:
     free(list);

@@ -2,8 +2,15 @@
  * lies near a shape given as a function. Creases of the shape become edges. Pure; any thread. */
 #ifndef MAROTTE_RIGS_MOAI_REMESH_H
 #define MAROTTE_RIGS_MOAI_REMESH_H
-#include "form.h"
 #include "skin.h"
+
+/* What a skin is fitted to: a shape given as a function, and the sizes of triangles wanted on it.
+ */
+typedef struct form {
+    double (*distance)(vec3); /* mm, below 0 inside; need only be good near the surface */
+    double (*edge_mm)(vec3);  /* the length of edges wanted at a point */
+    double edge_scale;        /* times this */
+} form;
 
 /* Cuts a level line into the skin: from x = 0 to line_end.x at the height line_end.y, where z is at
  * least line_end.z. Its points hold SKIN_LEVEL from now on. */

@@ -180,11 +180,17 @@ int32_t skin_neighbours(const skin *s, int32_t vertex, int32_t out_vertex[SKIN_R
     return count + 1;
 }
 
-int skin_on_border(const skin *s, int32_t vertex)
+static int is_on_border(const skin *s, int32_t vertex)
 {
     int32_t edge[SKIN_RING];
     int32_t count = skin_leaving(s, vertex, edge);
     return count <= SKIN_RING && s->twin[skin_previous(edge[count - 1])] == SKIN_NONE;
+}
+
+/* The kind of line that the edge is part of. */
+static int line_of(const skin *s, int32_t h)
+{
+    return skin_common_line(s, s->origin[h], skin_target(s, h));
 }
 
 int32_t skin_split(skin *s, int32_t h, vec3 point)
@@ -193,7 +199,7 @@ int32_t skin_split(skin *s, int32_t h, vec3 point)
     int32_t needed = g == SKIN_NONE ? 1 : 2;
     if (s->triangle_count + needed > s->triangle_capacity)
         return SKIN_NONE;
-    int32_t m = take_vertex(s, point, (uint8_t)skin_line(s, h));
+    int32_t m = take_vertex(s, point, (uint8_t)line_of(s, h));
     if (m == SKIN_NONE)
         return SKIN_NONE;
     /* a-b-c becomes a-m-c and m-b-c; on the other side b-a-d becomes b-m-d and m-a-d. */
@@ -249,7 +255,7 @@ static int32_t valence(const skin *s, int32_t vertex)
 int skin_flip(skin *s, int32_t h)
 {
     int32_t g = s->twin[h];
-    if (g == SKIN_NONE || skin_line(s, h))
+    if (g == SKIN_NONE || line_of(s, h))
         return 0;
     int32_t h1 = skin_next(h), h2 = skin_previous(h), g1 = skin_next(g), g2 = skin_previous(g);
     int32_t a = s->origin[h], b = s->origin[g], c = s->origin[h2], d = s->origin[g2];
@@ -275,7 +281,7 @@ static int keeps_lines(const skin *s, int32_t h)
     if (held & SKIN_CORNER || held != (skin_common_line(s, a, b) & held))
         return 0;
     int is_border_edge = s->twin[h] == SKIN_NONE;
-    return is_border_edge || !(skin_on_border(s, a) && skin_on_border(s, b));
+    return is_border_edge || !(is_on_border(s, a) && is_on_border(s, b));
 }
 
 /* The link condition: the ends share the opposite corners and no other neighbour; and what becomes

@@ -5,6 +5,7 @@
 #define MAROTTE_RIGS_MOAI_SKIN_H
 #include "base/error.h"
 #include "base/rigid.h"
+#include "mirror.h"
 
 enum { SKIN_NONE = -1, SKIN_RING = 32 };
 
@@ -12,9 +13,9 @@ enum { SKIN_NONE = -1, SKIN_RING = 32 };
  * and never cross, when both ends hold the same bit (and, with SKIN_LEVEL, the same height). */
 enum {
     SKIN_FREE = 0,
-    SKIN_MIDDLE = 1, /* stays at x = 0: the border where the two halves meet */
-    SKIN_LEVEL = 2,  /* keeps its height */
-    SKIN_CORNER = 4, /* keeps x and y: the end of a line */
+    SKIN_MIDDLE = MIRROR_MIDDLE, /* stays at x = 0: the border where the two halves meet */
+    SKIN_LEVEL = 2,              /* keeps its height */
+    SKIN_CORNER = 4,             /* keeps x and y: the end of a line */
     SKIN_LINES = SKIN_MIDDLE | SKIN_LEVEL
 };
 
@@ -68,18 +69,11 @@ static inline int skin_common_line(const skin *s, int32_t a, int32_t b)
     return s->point[a].y == s->point[b].y ? line : line & ~SKIN_LEVEL;
 }
 
-static inline int skin_line(const skin *s, int32_t h)
-{
-    return skin_common_line(s, s->origin[h], skin_target(s, h));
-}
-
 /* The half-edges that leave a vertex, counter-clockwise (from the border on, if it is on one).
  * Returns their number; SKIN_RING + 1 when there are more than out_edge holds. */
 int32_t skin_leaving(const skin *s, int32_t vertex, int32_t out_edge[SKIN_RING]);
 /* The vertices around a vertex, likewise. */
 int32_t skin_neighbours(const skin *s, int32_t vertex, int32_t out_vertex[SKIN_RING]);
-/* Whether the vertex lies on a border. */
-int skin_on_border(const skin *s, int32_t vertex);
 
 /* Cuts an edge in two; the new vertex, or SKIN_NONE when the skin is full. */
 int32_t skin_split(skin *s, int32_t h, vec3 point);

@@ -1,6 +1,5 @@
 #include "mouth.h"
 #include "form.h"
-#include "relax.h"
 
 #include <math.h>
 #include <string.h>
@@ -211,5 +210,5 @@ mrt_result mouth_build(sheet *s, const ring *outline, error *err)
     }
     int32_t first =
         sheet_close(s, &last, PLAN_MOUTH_COLUMNS, PLAN_MOUTH_ROWS, PLAN_PART_MOUTH_BAG, SHEET_FREE);
-    return relax_points(s, first, 20, RELAX_AREA, NULL, err);
+    return sheet_relax(s, first, 20, SHEET_AREA, NULL, err);
 }

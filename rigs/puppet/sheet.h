@@ -1,19 +1,16 @@
 /* rigs/puppet/sheet.h - quads on shared points, for the half of a face at x >= 0, and the nets that
- * surfaces of quads are laid in: rings, strips between rings, and the grid that closes a ring.
- * Leaves out shape. Pure; any thread. */
+ * surfaces of quads are laid in: rings, strips between rings, and the grid that closes a ring; and
+ * how its free points are spread over a surface. Leaves out shape. Pure; any thread. */
 #ifndef MAROTTE_RIGS_PUPPET_SHEET_H
 #define MAROTTE_RIGS_PUPPET_SHEET_H
 #include "base/error.h"
 #include "base/rigid.h"
+#include "mirror.h"
 
 enum { SHEET_RING_CAP = 128 };
 
 /* What a point keeps when the sheet is relaxed. */
-enum {
-    SHEET_FREE = 0,
-    SHEET_MIDDLE = 1, /* x = 0: it is its own mirror image */
-    SHEET_FIXED = 2
-};
+enum { SHEET_FREE = 0, SHEET_MIDDLE = MIRROR_MIDDLE, SHEET_FIXED = 2 };
 
 /* The bone that a point moves with and nothing else, 0: neither is certain. */
 typedef enum sheet_bone { SHEET_UNSURE = 0, SHEET_SKULL, SHEET_JAW } sheet_bone;
@@ -60,5 +57,19 @@ int32_t sheet_close(sheet *s, const ring *outer, int32_t column_count, int32_t r
 int32_t sheet_close_back(sheet *s, const ring *first, int32_t column_count, int32_t row_count,
                          int32_t part, int hold);
 void sheet_mark(sheet *s, int32_t first_point, sheet_bone bone);
+
+/* ---- spreading the free points over a surface ---- */
+
+typedef vec3 (*sheet_projection)(vec3);
+
+/* EVEN settles far and fast, but folds over sharp bends of fixed lines; AREA has each point drawn
+ * by the quads around it, the more the larger they are: it undoes folds, step by step. */
+typedef enum sheet_pull { SHEET_EVEN = 0, SHEET_AREA } sheet_pull;
+
+/* Every free point from `first_point` on goes towards the mean of the middles of its quads, those
+ * of the mirrored half too, then is projected (NULL: stays there), `round_count` times in the order
+ * of the points. */
+CHECKED mrt_result sheet_relax(sheet *s, int32_t first_point, int32_t round_count, sheet_pull pull,
+                               sheet_projection project, error *err);
 
 #endif

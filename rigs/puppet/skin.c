@@ -2,7 +2,6 @@
 #include "form.h"
 #include "mouth.h"
 #include "plan.h"
-#include "relax.h"
 
 #include <math.h>
 
@@ -202,7 +201,7 @@ static mrt_result add_socket(sheet *s, const ring *rim, error *err)
     }
     int32_t cap = sheet_close(s, &last, PLAN_EYE_CELLS, PLAN_EYE_CELLS, PLAN_PART_SKIN, SHEET_FREE);
     sheet_mark(s, first, SHEET_SKULL);
-    return relax_points(s, cap, 40, RELAX_AREA, on_bowl, err);
+    return sheet_relax(s, cap, 40, SHEET_AREA, on_bowl, err);
 }
 
 static void nose_line(vec3 out_point[NOSE_POINTS])
@@ -270,9 +269,9 @@ mrt_result skin_build(sheet *s, error *err)
     nose_line(line);
     nose = add_collar(s, &nose, line, NOSE_COLLAR);
     add_nose(s, &nose);
-    mrt_result result = relax_points(s, 0, EVEN_ROUNDS, RELAX_EVEN, form_projected, err);
+    mrt_result result = sheet_relax(s, 0, EVEN_ROUNDS, SHEET_EVEN, form_projected, err);
     if (result >= 0)
-        result = relax_points(s, 0, AREA_ROUNDS, RELAX_AREA, form_projected, err);
+        result = sheet_relax(s, 0, AREA_ROUNDS, SHEET_AREA, form_projected, err);
     if (result >= 0)
         result = add_socket(s, &eye, err);
     if (result >= 0)
