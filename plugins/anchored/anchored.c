@@ -1,11 +1,7 @@
 /* The paper's anchored mapping: the fingertips take hold of the face where they are at engage, and
  * from then on each pulls its place by as much as it has moved since. */
-#include "clutch.h"
-#include "manner.h"
 #include "mapping.h"
-#include "memory.h"
 #include "placement.h"
-#include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>

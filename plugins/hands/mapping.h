@@ -1,8 +1,12 @@
-/* hands/mapping.h - what every mapping of this program does the same: the ends of an instance that
- * is one block of memory, and how an anchored pull is written. [frame] unless said otherwise. */
+/* hands/mapping.h - what every mapping of this program does alike: the ends of an instance and its
+ * anchored pull; when hands take hold of a face and let go (the clutch); how a hand is held, for
+ * those that go by joint angles; and what an instance remembers, as bytes. Leaves out where hands
+ * stand (placement.h). [frame] unless said otherwise. */
 #ifndef MAROTTE_PLUGINS_HANDS_MAPPING_H
 #define MAROTTE_PLUGINS_HANDS_MAPPING_H
 #include <marotte/plugin.h>
+
+#include <float.h>
 
 /* For mrt_plugin_type and mrt_mapping. [main] */
 void mapping_destroy(mrt_plugin *self);    /* of one calloc */
@@ -11,5 +15,145 @@ void mapping_deactivate(mrt_plugin *self); /* nothing was allocated for the face
 /* The pull is anchored, with these vectors. Its anchor changes only where one begins elsewhere, or
  * pulls another contact, than before. radius_mm: 0 as the rig says. */
 void mapping_pull(mrt_pull *pull, const mrt_vector *vector, uint32_t count, float radius_mm);
+
+/* ---- what is remembered, for MRT_RESUME: each variable with what it may hold, so that one list
+ * serves both ways. The bytes name the plugin type and carry a sum; whatever else comes changes
+ * nothing. Leaves out what depends on several variables together. Little-endian. ---- */
+
+typedef enum memory_kind {
+    MEMORY_BOOL = 0, /* bool */
+    MEMORY_WHOLE,    /* int, unsigned or an enum: 0 to `most` */
+    MEMORY_FLOAT,    /* float, -most to most */
+    MEMORY_DOUBLE    /* double, -most to most */
+} memory_kind;
+
+typedef struct memory_part {
+    memory_kind kind;
+    void *at; /* NULL: the list is over */
+    size_t size;
+    double most;
+} memory_part;
+
+/* A variable, an array or a struct of nothing else (mrt_vec3: three floats); numbers: finite. */
+/* clang-format off */
+#define MEMORY_BOOLS(variable)        {MEMORY_BOOL, &(variable), sizeof(variable), 1.0}
+#define MEMORY_WHOLES(variable, most) {MEMORY_WHOLE, &(variable), sizeof(variable), (double)(most)}
+#define MEMORY_FLOATS(variable)       {MEMORY_FLOAT, &(variable), sizeof(variable), (double)FLT_MAX}
+#define MEMORY_DOUBLES(variable)      {MEMORY_DOUBLE, &(variable), sizeof(variable), DBL_MAX}
+/* clang-format on */
+
+enum { MEMORY_PARTS_MAX = 64 };
+typedef struct memory_list {
+    const char *type; /* the plugin's id */
+    uint32_t version; /* of the list */
+    memory_part parts[MEMORY_PARTS_MAX];
+} memory_list;
+
+/* out may be NULL: the size it takes. Writes nothing when capacity is less. 0: a variable holds
+ * what it may not, such as a number that is none. */
+size_t memory_save(const memory_list *list, void *out, size_t capacity);
+/* False: not bytes of such a list, or a value that it may not hold; nothing is changed. */
+bool memory_load(const memory_list *list, const void *bytes, size_t size);
+
+/* MRT_RESUME of a mapping, called `resume`: `list_of(self)` names all that it remembers. */
+#define MEMORY_RESUME(list_of)                                                                     \
+    static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)                        \
+    {                                                                                              \
+        const memory_list list = list_of(self);                                                    \
+        return memory_save(&list, out, capacity);                                                  \
+    }                                                                                              \
+    static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)                \
+    {                                                                                              \
+        const memory_list list = list_of(self);                                                    \
+        return memory_load(&list, bytes, size) ? MRT_OK : MRT_ERR_FORMAT;                          \
+    }                                                                                              \
+    static const mrt_resume resume = {resume_save, resume_load}
+
+/* ---- the clutch: when the hands take hold of a face, let go of it, and keep what they made, by
+ * the triggers and pedals of mappings that engage, release and commit ---- */
+
+/* The parameters, in this order, behind the placement's; ids 20 to 28. */
+enum {
+    CLUTCH_START = 0, /* engage at once, or wait for the trigger */
+    CLUTCH_ENGAGE,
+    CLUTCH_RELEASE,
+    CLUTCH_COMMIT,
+    CLUTCH_ENGAGE_PEDAL, /* 0: none */
+    CLUTCH_RELEASE_PEDAL,
+    CLUTCH_COMMIT_PEDAL,
+    CLUTCH_ON_RELEASE, /* hold or spring back */
+    CLUTCH_RELEASE_TIME,
+    CLUTCH_COUNT
+};
+extern const char *const clutch_start_labels[];
+extern const char *const clutch_pedal_labels[];
+extern const char *const clutch_release_labels[];
+/* CLUTCH_PARAMS with another initial value of what comes on release. */
+/* clang-format off */
+#define CLUTCH_PARAMS CLUTCH_PARAMS_WITH(0)
+#define CLUTCH_PARAMS_WITH(on_release) \
+    {20, MRT_PARAM_STEPPED, "Start", "Clutch", "", "When the hands first take hold of the face.", \
+     0, 1, 0, clutch_start_labels}, \
+    {21, MRT_PARAM_TRIGGER, "Engage", "Clutch", "", \
+     "Takes hold where the hands are now; the face does not jump.", 0, 1, 0, NULL}, \
+    {22, MRT_PARAM_TRIGGER, "Release", "Clutch", "", "Lets go of the face.", 0, 1, 0, NULL}, \
+    {23, MRT_PARAM_TRIGGER, "Commit", "Clutch", "", \
+     "Keeps the shape shown as the new base, and takes hold anew.", 0, 1, 0, NULL}, \
+    {24, MRT_PARAM_STEPPED, "Engage pedal", "Clutch", "", "Pedal that engages.", \
+     0, 4, 0, clutch_pedal_labels}, \
+    {25, MRT_PARAM_STEPPED, "Release pedal", "Clutch", "", "Pedal that releases.", \
+     0, 4, 0, clutch_pedal_labels}, \
+    {26, MRT_PARAM_STEPPED, "Commit pedal", "Clutch", "", "Pedal that commits.", \
+     0, 4, 0, clutch_pedal_labels}, \
+    {27, MRT_PARAM_STEPPED, "On release", "Clutch", "", \
+     "Hold: the face stays as it is. Spring back: it eases back to its base.", \
+     0, 1, on_release, clutch_release_labels}, \
+    {28, 0, "Release time", "Clutch", "s", "How long springing back takes.", 0.02, 5, 0.25, NULL}
+/* clang-format on */
+
+typedef struct clutch {
+    bool has_started;
+    bool was_down[MRT_MAX_PEDALS];
+} clutch;
+
+/* For a memory_list. */
+#define CLUTCH_MEMORY(clutch) MEMORY_BOOLS((clutch).has_started), MEMORY_BOOLS((clutch).was_down)
+
+typedef struct clutch_events {
+    bool engage, release, commit; /* asked for in this frame */
+} clutch_events;
+
+void clutch_reset(clutch *self);
+/* params: the clutch's part of the parameter values. */
+clutch_events clutch_step(clutch *self, const mrt_frame *frame, const double *params);
+
+bool clutch_springs_back(const double *params);
+/* The rate at which it does, 1/s: after the release time e^-3 = 5 % of the way are left. */
+float clutch_release_rate(const double *params);
+
+/* ---- how a hand is held; and the curves that mappings by joint angles ease with: + - * / and sqrt
+ * alone, the same bits everywhere ---- */
+
+/* For a stepped parameter: right first while both are present. */
+extern const char *const posture_hand_labels[];
+#define POSTURE_HAND_PARAM(id)                                                                     \
+    {                                                                                              \
+        id, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Which hand performs.", 0, 2, 0,                \
+            posture_hand_labels                                                                    \
+    }
+
+/* The hand that performs; NULL: none is present, or it holds an angle that is none. */
+const mrt_hand *posture_hand(const mrt_frame *frame, double choice);
+
+/* Mean of the knuckles and middle joints of the four fingers, rad: 0 flat, some 1.5 a fist. */
+double posture_bend(const mrt_hand *hand);
+
+/* The part of the way that is gone in dt_s with the time constant time_s: 0 .. 1. */
+double posture_share(double dt_s, double time_s);
+/* Minimum jerk from 0 to 1; 0 before, 1 behind. */
+double posture_ease(double t);
+/* x made no larger than most, smoothly, and nearly x while small. */
+double posture_limit(double x, double most);
+double posture_clamp(double x, double low, double high);
 
 #endif

@@ -1,9 +1,6 @@
 /* One large field over the face: bending the fingers charges a magnet that draws the skin out or
  * drives it in; the wrist moves it about. What the hand does counts from its pose at engage. */
-#include "clutch.h"
 #include "mapping.h"
-#include "memory.h"
-#include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>

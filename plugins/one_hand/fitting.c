@@ -1,7 +1,6 @@
 #include "fitting.h"
 
 #include "mapping.h"
-#include "posture.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "maps.h"
 
-#include "posture.h"
+#include "mapping.h"
 
 #include <math.h>
 #include <stddef.h>

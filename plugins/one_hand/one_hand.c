@@ -5,8 +5,6 @@
 #include "fitting.h"
 #include "mapping.h"
 #include "maps.h"
-#include "memory.h"
-#include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -32,7 +30,7 @@ typedef struct pedals {
     bool has_intensity;
 } pedals;
 
-/* For a list of memory.h. */
+/* For a memory_list. */
 #define PEDAL_MEMORY(pedal) MEMORY_BOOLS((pedal).is_down), MEMORY_DOUBLES((pedal).since_press_s)
 #define PEDALS_MEMORY(pedals)                                                                      \
     PEDAL_MEMORY((pedals).pedal[PEDAL_ANCHOR]), PEDAL_MEMORY((pedals).pedal[PEDAL_HOLD]),          \
@@ -196,7 +194,7 @@ typedef struct blink {
     double stroke_from_deg;
 } blink;
 
-/* For a list of memory.h. */
+/* For a memory_list. */
 #define BLINK_MEMORY(blink)                                                                        \
     MEMORY_WHOLES((blink).phase, BLINK_OPENING), MEMORY_DOUBLES((blink).time_s),                   \
         MEMORY_DOUBLES((blink).from), MEMORY_DOUBLES((blink).closure),                             \
@@ -305,7 +303,7 @@ typedef struct attach {
     double time_s, duration_s;
 } attach;
 
-/* For a list of memory.h. */
+/* For a memory_list. */
 #define ATTACH_MEMORY(attach)                                                                      \
     MEMORY_DOUBLES((attach).shown), MEMORY_DOUBLES((attach).offset),                               \
         MEMORY_DOUBLES((attach).held), MEMORY_DOUBLES((attach).rest),                              \

@@ -1,10 +1,9 @@
 #include "settings.h"
 
-#include "clutch.h"
+#include "mapping.h"
 #include "placement.h"
 
 static const char *const mode_labels[] = {"Muppet+", "Mask", "Layered waldo", NULL};
-static const char *const hand_labels[] = {"Either", "Left", "Right", NULL};
 static const char *const neutral_labels[] = {"At engage", "Stored", NULL};
 static const char *const layer_labels[] = {"Mouth", "Brows and lids", "Head", NULL};
 static const char *const region_labels[] = {"Whole face", "Mouth", "Brows and lids", "Head", NULL};
@@ -23,7 +22,7 @@ const mrt_param settings[SET_COUNT] = {
     CHOICE(SET_MODE, 1, "Map", "Mode", 2, MODE_MUPPET, mode_labels,
            "Muppet+: the hand is the puppet's head. Mask: the fingertips lie on the face. Layered "
            "waldo: one layer of the face at a time, with large movements."),
-    CHOICE(SET_HAND, 2, "Map", "Hand", 2, HAND_EITHER, hand_labels,
+    CHOICE(SET_HAND, 2, "Map", "Hand", 2, HAND_EITHER, posture_hand_labels,
            "Which hand performs; either: the right one where both are there."),
     NUMBER(SET_INTENSITY, 3, "Map", "Intensity", "%", 0, 150, 100,
            "Of brows, lids, mouth corners, width and sneer; not of jaw and head."),

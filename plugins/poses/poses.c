@@ -2,8 +2,6 @@
  * is in between. Shipped ones until others are taught. */
 #include "acts.h"
 #include "mapping.h"
-#include "memory.h"
-#include "posture.h"
 #include "space.h"
 
 #include <stdlib.h>

@@ -1,10 +1,7 @@
 /* The paper's palm that covers a face, as tools for clay: fingertips and palm push, pull, smooth or
  * grab what they are near, each sample on the shape that the last one left. */
-#include "clutch.h"
 #include "mapping.h"
-#include "memory.h"
 #include "placement.h"
-#include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>

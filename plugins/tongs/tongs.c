@@ -1,10 +1,7 @@
 /* Thumb and index finger are tongs: closed they grip the face where they are; moving them takes it
  * along, opening them a little stretches it, opening them wide lets it go. */
-#include "clutch.h"
 #include "mapping.h"
-#include "memory.h"
 #include "placement.h"
-#include "posture.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,9 +1,6 @@
 /* The paper's unanchored mapping: wherever the fingertips are near the face they take it along,
  * each sample from where they were to where they are. What they do stays, as in clay. */
-#include "clutch.h"
-#include "manner.h"
 #include "mapping.h"
-#include "memory.h"
 #include "placement.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* plugins/hands/memory.h: what a mapping remembers comes back all or none, and only what it may
+/* plugins/hands/mapping.h: what a mapping remembers comes back all or none, and only what it may
  * hold. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "memory.h"
+#include "mapping.h"
 
 #include <math.h>
 #include <stdlib.h>
