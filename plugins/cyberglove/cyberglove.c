@@ -3,7 +3,7 @@
 #include <marotte/plugin.h>
 
 #include "device_io.h"
-#include "glove_open.h"
+#include "glove_drive.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -168,7 +168,8 @@ static mrt_result plugin_open(mrt_plugin *self, const char *address, const doubl
     memcpy(self->opened_with, params, sizeof self->opened_with);
     self->drive.settings = settings_of(params);
     trace_open(&self->drive.trace, self->host, "cyberglove");
-    mrt_result result = glove_open(&self->drive, address ? address : "", "", &self->memory, &why);
+    mrt_result result =
+        glove_drive_open(&self->drive, address ? address : "", "", &self->memory, &why);
     if (result < 0) {
         trace_note(&self->drive.trace, device_clock_ns(), why.text);
         trace_close(&self->drive.trace);
@@ -262,7 +263,7 @@ static void describe_device(const glove_found *port, mrt_device *out)
 {
     char holder[128];
     *out = (mrt_device){.state = MRT_DEVICE_UNSURE};
-    glove_open_address(port, out->address, sizeof out->address);
+    glove_drive_address(port, out->address, sizeof out->address);
     snprintf(out->name, sizeof out->name, "%.50s",
              port->product[0] ? port->product : "serial port");
     if (!glove_find_may_open(port->path)) {
@@ -288,7 +289,7 @@ static bool glove_current(mrt_plugin *self, mrt_device *out)
     if (self->drive.port.baud == 0)
         snprintf(out->address, sizeof out->address, "%s", self->memory.address);
     else
-        glove_open_address(port, out->address, sizeof out->address);
+        glove_drive_address(port, out->address, sizeof out->address);
     snprintf(out->name, sizeof out->name, "CyberGlove, %s hand, %u sensors",
              self->drive.unit.hand == MRT_LEFT ? "left" : "right", self->sensor_count);
     return true;

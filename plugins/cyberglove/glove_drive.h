@@ -1,9 +1,11 @@
-/* cyberglove/glove_drive.h - a glove that sends: its records one by one, with their times, and what
- * becomes of silence, garbage and a cable that is pulled. Leaves out finding the glove. [input]
- * after the start. */
+/* cyberglove/glove_drive.h - a glove by its address: which port it is, also when it comes back as
+ * another, or the first port at which a glove answers; then its records one by one, with their
+ * times, and what becomes of silence, garbage and a cable that is pulled. [main] [input]; [input]
+ * once it is open. */
 #ifndef MAROTTE_CYBERGLOVE_DRIVE_H
 #define MAROTTE_CYBERGLOVE_DRIVE_H
 #include "glove_clock.h"
+#include "glove_find.h"
 #include "glove_start.h"
 
 enum { /* said once in the life of an instance, however often it is opened */
@@ -37,8 +39,20 @@ typedef struct glove_drive {
     uint8_t status, doubtful_status; /* as believed; as seen once */
 } glove_drive;
 
-/* The port is open and glove_start has succeeded. */
-void glove_drive_begin(glove_drive *self);
+/* The glove that the instance had, to find it again. */
+typedef struct glove_memory {
+    bool has_had;
+    char address[192]; /* as it was opened */
+    glove_found port;  /* path and, if it is known, place */
+} glove_memory;
+
+/* root: "" but in tests. On success the drive has begun. */
+mrt_result glove_drive_open(glove_drive *drive, const char *address, const char *root,
+                            glove_memory *memory, glove_why *why);
+
+/* The address by which it is found wherever its port turns up. */
+void glove_drive_address(const glove_found *port, char *out, size_t capacity);
+
 /* MRT_OK, MRT_TIMEOUT, or MRT_ERR_IO: for ever, and why is in `loss`. out_record->lost counts
  * all that are missing before it. */
 mrt_result glove_drive_read(glove_drive *self, int64_t deadline_ns, glove_record *out_record,

@@ -1,7 +1,7 @@
 /* face_osc.c - the plugin "org.marotte.face_osc": the face as named numbers over OSC, for patches
  * of one's own (TouchDesigner, Max, Pure Data, Blender by marotte's add-on): messages
  * /marotte/1/face NAME VALUE NAME VALUE ..., in bundles whose time tags are the faces' times. */
-#include "osc_sender.h"
+#include "osc_wire.h"
 
 #include <stdio.h>
 #include <stdlib.h>

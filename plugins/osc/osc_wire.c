@@ -223,3 +223,60 @@ size_t osc_builder_finish(osc_builder *builder, const char *address, void *out, 
     *builder = (osc_builder){NULL, true};
     return size;
 }
+
+/* ---- sending ---- */
+
+static void put_big_endian(unsigned char *at, uint32_t value)
+{
+    for (int i = 0; i < 4; ++i)
+        at[i] = (unsigned char)(value >> (24 - 8 * i));
+}
+
+static void send_bundle(osc_sender *self)
+{
+    if (self->size <= BUNDLE_HEAD)
+        return;
+    mrt_result result = udp_sender_send(&self->to, self->bundle, self->size);
+    if (result < 0 || self->worst == MRT_OK)
+        self->worst = result;
+    self->size = 0;
+}
+
+static void start_bundle(osc_sender *self)
+{
+    memcpy(self->bundle, "#bundle", 8);
+    put_big_endian(self->bundle + 8, (uint32_t)(self->tag >> 32));
+    put_big_endian(self->bundle + 12, (uint32_t)self->tag);
+    self->size = BUNDLE_HEAD;
+}
+
+void osc_sender_begin(osc_sender *self, int64_t utc_ns)
+{
+    const uint64_t second_ns = (uint64_t)ns_per_s, ns = utc_ns > 0 ? (uint64_t)utc_ns : 0;
+    self->tag = utc_ns > 0 ? (ns / second_ns + (uint64_t)epoch_s) << 32 |
+                                 ((ns % second_ns) << 32) / second_ns
+                           : 1; /* immediately */
+    self->size = 0;
+    self->worst = MRT_OK;
+}
+
+void osc_sender_add(osc_sender *self, osc_builder *message, const char *address)
+{
+    unsigned char bytes[OSC_BUNDLE_MAX - BUNDLE_HEAD - SIZE_FIELD];
+    size_t size = osc_builder_finish(message, address, bytes, sizeof bytes);
+    if (size == 0)
+        return; /* no memory: the next frame says it again */
+    if (self->size > BUNDLE_HEAD && self->size + SIZE_FIELD + size > OSC_BUNDLE_MAX)
+        send_bundle(self);
+    if (self->size == 0)
+        start_bundle(self);
+    put_big_endian(self->bundle + self->size, (uint32_t)size);
+    memcpy(self->bundle + self->size + SIZE_FIELD, bytes, size);
+    self->size += SIZE_FIELD + size;
+}
+
+mrt_result osc_sender_end(osc_sender *self)
+{
+    send_bundle(self);
+    return self->worst;
+}

@@ -1,9 +1,10 @@
 /* plugins/osc/osc_wire.h - OSC 1.0 packets as messages, and messages as packets: the one place that
- * knows liblo. Nobody has checked the bytes. Leaves out what messages mean (osc_event.h) and how
- * they travel (udp.h: liblo's own servers cannot listen on one address alone, wait with a
- * deadline or send without waiting). Any thread. */
+ * knows liblo. Nobody has checked the bytes. Leaves out what messages mean (osc_event.h) and
+ * sockets (udp.h: liblo's own servers cannot listen on one address alone, wait with a deadline or
+ * send without waiting). Any thread. */
 #ifndef MAROTTE_OSC_WIRE_H
 #define MAROTTE_OSC_WIRE_H
+#include "udp.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -66,5 +67,25 @@ void osc_builder_float(osc_builder *builder, float value);
 void osc_builder_text(osc_builder *builder, const char *text);
 /* Ends it whatever happens; returns the packet's size, 0: no memory or more than `capacity`. */
 size_t osc_builder_finish(osc_builder *builder, const char *address, void *out, size_t capacity);
+
+/* ---- messages to one place, in bundles that fit a datagram of any network. One thread at a time
+ * for one sender ---- */
+
+enum { OSC_BUNDLE_MAX = 1400 }; /* bytes: under an Ethernet frame's 1 500 with its headers */
+
+typedef struct osc_sender {
+    udp_sender to; /* opened and closed as such */
+    unsigned char bundle[OSC_BUNDLE_MAX];
+    size_t size; /* 0: no bundle is begun */
+    uint64_t tag;
+    mrt_result worst; /* of the bundles of this frame */
+} osc_sender;
+
+/* A frame begins; utc_ns: of its bundles' time tags, ns since 1970; OSC_NO_TIME: immediately. */
+void osc_sender_begin(osc_sender *self, int64_t utc_ns);
+/* Ends the message. A bundle that it does not fit into is sent before it. */
+void osc_sender_add(osc_sender *self, osc_builder *message, const char *address);
+/* Sends what is left: as udp_sender_send, the worst of the frame. */
+mrt_result osc_sender_end(osc_sender *self);
 
 #endif

@@ -2,7 +2,7 @@
  * avatars and to what else listens to it. As an assistant it sends head, eyes and blend shapes to a
  * performer, which has the body; as a performer it sends a whole person who stands still, straight
  * to a marionette. Unity's axes: left-handed, y up, the face looks to +z. */
-#include "osc_sender.h"
+#include "osc_wire.h"
 
 #include <stdio.h>
 #include <stdlib.h>

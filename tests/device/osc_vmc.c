@@ -1,4 +1,4 @@
-/* osc_vmc.h: quaternions of VMC's finger bones, worked out by hand from the VRM T-pose, give the
+/* osc_event.h: quaternions of VMC's finger bones, worked out by hand from the VRM T-pose, give the
  * angles that a glove would. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "osc_vmc.h"
+#include "osc_event.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* plugins/cyberglove/glove_find.h and glove_open.h in a /sys and /dev of the test's own: which
+/* plugins/cyberglove/glove_find.h and glove_drive.h in a /sys and /dev of the test's own: which
  * ports there are, and that a glove is found again where it is plugged in. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,8 +8,7 @@
 #include <cmocka.h>
 
 #include "device_io.h"
-#include "glove_find.h"
-#include "glove_open.h"
+#include "glove_drive.h"
 #include "glove_talker.h"
 
 #include <errno.h>
@@ -168,7 +167,7 @@ static void ports_are_found_with_place_and_name(void **state)
     assert_string_equal(found[0].link, "");
     assert_string_equal(found[0].path + strlen(t->root), "/dev/ttyUSB3");
     char address[192];
-    glove_open_address(&found[0], address, sizeof address);
+    glove_drive_address(&found[0], address, sizeof address);
     assert_string_equal(address, "usb:1-1.4:1.0/0");
     make_link(t, "/dev/serial/by-path/pci-usb-0:1.4:1.0-port0", "/dev/ttyUSB3");
     assert_int_equal(glove_find_ports(t->root, found, 4), 1);
@@ -226,7 +225,7 @@ static void advice_names_the_group_or_the_command(void **state)
 
 static mrt_result open_any(tree *t, glove_why *why)
 {
-    return glove_open(&t->drive, "", t->root, &t->memory, why);
+    return glove_drive_open(&t->drive, "", t->root, &t->memory, why);
 }
 
 static void nothing_plugged_in_is_said(void **state)
@@ -309,11 +308,11 @@ static void a_named_port_that_comes_back_under_another_name_is_found(void **stat
     plug_in(t, "1-2", 0, talk(t, (talker){.sensors = 18}));
     let_go(&t->talker[0]);
     snprintf(address, sizeof address, "serial:%s/dev/ttyUSB0", t->root);
-    assert_int_equal(glove_open(&t->drive, address, t->root, &t->memory, &why), MRT_OK);
+    assert_int_equal(glove_drive_open(&t->drive, address, t->root, &t->memory, &why), MRT_OK);
     glove_drive_end(&t->drive);
     pull_out(t, 0);
     plug_in(t, "1-2", 1, t->talker[0].path);
-    if (glove_open(&t->drive, address, t->root, &t->memory, &why) < 0)
+    if (glove_drive_open(&t->drive, address, t->root, &t->memory, &why) < 0)
         fail_msg("%s", why.text);
     assert_non_null(strstr(t->memory.port.path, "ttyUSB1"));
 }
@@ -323,8 +322,9 @@ static void a_place_is_an_address(void **state)
     tree *t = *state;
     glove_why why = {""};
     plug_in(t, "1-2", 0, talk(t, (talker){.sensors = 22}));
-    assert_int_equal(glove_open(&t->drive, "usb:1-3:1.0/0", t->root, &t->memory, &why), MRT_ERR_IO);
-    if (glove_open(&t->drive, "usb:1-2:1.0/0", t->root, &t->memory, &why) < 0)
+    assert_int_equal(glove_drive_open(&t->drive, "usb:1-3:1.0/0", t->root, &t->memory, &why),
+                     MRT_ERR_IO);
+    if (glove_drive_open(&t->drive, "usb:1-2:1.0/0", t->root, &t->memory, &why) < 0)
         fail_msg("%s", why.text);
 }
 
