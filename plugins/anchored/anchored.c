@@ -50,17 +50,12 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-static mrt_vec3 difference(mrt_vec3 a, mrt_vec3 b)
-{
-    return (mrt_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
 /* d made no longer than reach: d (1 + (|d| / reach)^4)^(-1/4), smooth, and nearly d while short. */
 static mrt_vec3 limited(mrt_vec3 d, float reach_mm)
 {
     float q = (d.x * d.x + d.y * d.y + d.z * d.z) / (reach_mm * reach_mm);
     float s = 1.0f / sqrtf(sqrtf(1.0f + q * q));
-    return (mrt_vec3){s * d.x, s * d.y, s * d.z};
+    return vec_scaled(s, d);
 }
 
 /* d cut off at reach, untouched while shorter. */
@@ -68,12 +63,7 @@ static mrt_vec3 cut_off(mrt_vec3 d, float reach_mm)
 {
     float length_mm = sqrtf(d.x * d.x + d.y * d.y + d.z * d.z);
     float s = length_mm > reach_mm ? reach_mm / length_mm : 1.0f;
-    return (mrt_vec3){s * d.x, s * d.y, s * d.z};
-}
-
-static void set_displacement(mrt_vector *vector, mrt_vec3 d)
-{
-    vector->end = (mrt_vec3){vector->start.x + d.x, vector->start.y + d.y, vector->start.z + d.z};
+    return vec_scaled(s, d);
 }
 
 /* The contact that each point pulls, 1 + its index; 0: the place where it is. Points as
@@ -163,10 +153,8 @@ static void leak(mrt_plugin *self, const mrt_vec3 *point, double leak_s, double 
 {
     float part = (float)posture_share(dt_s, leak_s);
     for (uint32_t i = 0; i < self->count; ++i) {
-        mrt_vec3 d = difference(point[i], self->reference[i]);
-        self->reference[i].x += part * d.x;
-        self->reference[i].y += part * d.y;
-        self->reference[i].z += part * d.z;
+        mrt_vec3 d = vec_difference(point[i], self->reference[i]);
+        self->reference[i] = vec_sum(self->reference[i], part, d);
     }
 }
 
@@ -181,9 +169,10 @@ static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, mrt_v
     if (params[LEAK] > 0.0 && frame->dt_s > 0.0)
         leak(self, point, params[LEAK], frame->dt_s);
     for (uint32_t i = 0; i < self->count; ++i) {
-        mrt_vec3 d = difference(point[i], self->reference[i]);
-        d = (mrt_vec3){gain * d.x, gain * d.y, gain * d.z};
-        set_displacement(&pull->vector[i], is_paper ? cut_off(d, reach_mm) : limited(d, reach_mm));
+        mrt_vec3 d = vec_scaled(gain, vec_difference(point[i], self->reference[i]));
+        mrt_vector *vector = &pull->vector[i];
+        d = is_paper ? cut_off(d, reach_mm) : limited(d, reach_mm);
+        vector->end = vec_sum(vector->start, 1.0f, d);
     }
 }
 
@@ -193,7 +182,7 @@ static void let_go(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pul
     self->phase = springs && self->phase == HOLDING ? SPRINGING : LOOSE;
     self->spring_s = 0.0;
     for (uint32_t i = 0; i < self->count; ++i)
-        self->let_go[i] = difference(pull->vector[i].end, pull->vector[i].start);
+        self->let_go[i] = vec_difference(pull->vector[i].end, pull->vector[i].start);
 }
 
 /* Minimum-jerk way back to the starts. */
@@ -202,10 +191,8 @@ static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull
     self->spring_s += frame->dt_s;
     double t = self->spring_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME];
     float rest = (float)(1.0 - posture_ease(t));
-    for (uint32_t i = 0; i < self->count; ++i) {
-        mrt_vec3 d = self->let_go[i];
-        set_displacement(&pull->vector[i], (mrt_vec3){rest * d.x, rest * d.y, rest * d.z});
-    }
+    for (uint32_t i = 0; i < self->count; ++i)
+        pull->vector[i].end = vec_sum(pull->vector[i].start, rest, self->let_go[i]);
     if (t >= 1.0)
         self->phase = LOOSE;
 }

@@ -201,8 +201,7 @@ void acts_write(const acts *self, const double part[ACT_COUNT], mrt_pull *pull)
     mrt_vector vector[ACTS_CONTACTS_MAX];
     for (uint32_t i = 0; i < self->contact_count; ++i) {
         mrt_vec3 rest = self->rest[i], way = way_of(self, part, i);
-        vector[i] = (mrt_vector){
-            rest, {rest.x + way.x, rest.y + way.y, rest.z + way.z}, 1 + self->contact[i]};
+        vector[i] = (mrt_vector){rest, vec_sum(rest, 1.0f, way), 1 + self->contact[i]};
     }
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         pull->dof[i] = NAN;

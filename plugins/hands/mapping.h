@@ -16,6 +16,24 @@ void mapping_deactivate(mrt_plugin *self); /* nothing was allocated for the face
  * pulls another contact, than before. radius_mm: 0 as the rig says. */
 void mapping_pull(mrt_pull *pull, const mrt_vector *vector, uint32_t count, float radius_mm);
 
+/* ---- vectors ---- */
+
+static inline mrt_vec3 vec_difference(mrt_vec3 a, mrt_vec3 b)
+{
+    return (mrt_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline mrt_vec3 vec_scaled(float times, mrt_vec3 v)
+{
+    return (mrt_vec3){times * v.x, times * v.y, times * v.z};
+}
+
+/* a + times b */
+static inline mrt_vec3 vec_sum(mrt_vec3 a, float times, mrt_vec3 b)
+{
+    return (mrt_vec3){a.x + times * b.x, a.y + times * b.y, a.z + times * b.z};
+}
+
 /* ---- what is remembered, for MRT_RESUME: each variable with what it may hold, so that one list
  * serves both ways. The bytes name the plugin type and carry a sum; whatever else comes changes
  * nothing. Leaves out what depends on several variables together. Little-endian. ---- */

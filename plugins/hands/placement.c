@@ -1,4 +1,5 @@
 #include "placement.h"
+#include "mapping.h"
 
 static const float hand_length_mm = 190.0f, reach_in_faces = 4.0f;
 static const double rad_per_deg = 0.017453292519943295;
@@ -105,8 +106,7 @@ static rotation posture_turn(const mrt_frame *frame, uint32_t side)
 void placement_activate(placement *self, const mrt_face *face)
 {
     self->low = face->low;
-    self->size = (mrt_vec3){face->high.x - face->low.x, face->high.y - face->low.y,
-                            face->high.z - face->low.z};
+    self->size = vec_difference(face->high, face->low);
     placement_reset(self);
 }
 
@@ -130,10 +130,8 @@ bool placement_pulls(const mrt_frame *frame, uint32_t side)
 static mrt_vec3 centre_of_tips(const mrt_hand *hand)
 {
     mrt_vec3 sum = {0, 0, 0};
-    for (int finger = 0; finger < 5; ++finger) {
-        mrt_vec3 tip = hand->joint[4 + 4 * finger];
-        sum = (mrt_vec3){sum.x + tip.x, sum.y + tip.y, sum.z + tip.z};
-    }
+    for (int finger = 0; finger < 5; ++finger)
+        sum = vec_sum(sum, 1.0f, hand->joint[4 + 4 * finger]);
     return (mrt_vec3){sum.x / 5.0f, sum.y / 5.0f, sum.z / 5.0f};
 }
 
@@ -229,7 +227,7 @@ void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader)
     float share_count[PLACEMENT_POINTS_MAX] = {0};
     for (uint32_t i = 0; i < count; ++i) {
         mrt_vec3 *s = &sum[leader[i]];
-        *s = (mrt_vec3){s->x + point[i].x, s->y + point[i].y, s->z + point[i].z};
+        *s = vec_sum(*s, 1.0f, point[i]);
         share_count[leader[i]] += 1.0f;
     }
     for (uint32_t i = 0; i < count; ++i) {

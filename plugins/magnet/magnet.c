@@ -69,8 +69,7 @@ static void lay_grid(mrt_plugin *self)
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     self->low = face->low;
-    self->size = (mrt_vec3){face->high.x - face->low.x, face->high.y - face->low.y,
-                            face->high.z - face->low.z};
+    self->size = vec_difference(face->high, face->low);
     self->count = 0;
     for (uint32_t i = 0; i < face->contact_count && self->count < POINTS_MAX; ++i) {
         self->point[self->count] = face->contacts[i].rest;
@@ -144,8 +143,7 @@ static void write_field(const mrt_plugin *self, const double *params, mrt_pull *
     mrt_vector vector[POINTS_MAX];
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 start = self->point[i], way = drawn(self, start, params);
-        vector[i] = (mrt_vector){
-            start, {start.x + way.x, start.y + way.y, start.z + way.z}, self->contact[i]};
+        vector[i] = (mrt_vector){start, vec_sum(start, 1.0f, way), self->contact[i]};
     }
     mapping_pull(pull, vector, self->count, (float)(0.01 * params[RADIUS] * height_of(self)));
 }

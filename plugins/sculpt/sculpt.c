@@ -110,7 +110,7 @@ static mrt_vec3 stroke(mrt_plugin *self, uint32_t i, mrt_vec3 way)
         done = -advance(&self->slack_mm[i], -out);
     else if (self->with == TOOL_PULL)
         done = advance(&self->slack_mm[i], out);
-    return (mrt_vec3){done * n.x, done * n.y, done * n.z};
+    return vec_scaled(done, n);
 }
 
 /* Each tool works where its point of the hand is, so one that slips never drifts away from it. */
@@ -118,10 +118,8 @@ static void work(mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, float 
 {
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 at = self->hand[i];
-        mrt_vec3 done =
-            stroke(self, i, (mrt_vec3){point[i].x - at.x, point[i].y - at.y, point[i].z - at.z});
-        mrt_vec3 end = {at.x + strength * done.x, at.y + strength * done.y,
-                        at.z + strength * done.z};
+        mrt_vec3 done = stroke(self, i, vec_difference(point[i], at));
+        mrt_vec3 end = vec_sum(at, strength, done);
         pull->vector[i] = (mrt_vector){placement_within_reach(&self->placement, at),
                                        placement_within_reach(&self->placement, end), 0};
     }

@@ -41,11 +41,6 @@ struct mrt_plugin {
     double sprung;                   /* 0 .. 1 of the way back */
 };
 
-static mrt_vec3 sum(mrt_vec3 a, float times, mrt_vec3 b)
-{
-    return (mrt_vec3){a.x + times * b.x, a.y + times * b.y, a.z + times * b.z};
-}
-
 static float length(mrt_vec3 v)
 {
     return sqrtf(v.x * v.x + v.y * v.y + v.z * v.z);
@@ -55,7 +50,7 @@ static float length(mrt_vec3 v)
 static mrt_vec3 limited(mrt_vec3 v, float most)
 {
     float q = (v.x * v.x + v.y * v.y + v.z * v.z) / (most * most);
-    return sum((mrt_vec3){0, 0, 0}, 1.0f / sqrtf(sqrtf(1.0f + q * q)), v);
+    return vec_sum((mrt_vec3){0, 0, 0}, 1.0f / sqrtf(sqrtf(1.0f + q * q)), v);
 }
 
 static mrt_plugin *create(const mrt_host *host)
@@ -84,16 +79,16 @@ static void reset(mrt_plugin *self)
 
 static double gap_of(const mrt_hand *hand)
 {
-    mrt_vec3 palm = sum(hand->joint[MIDDLE_KNUCKLE], -1.0f, hand->joint[0]);
-    mrt_vec3 gap = sum(hand->joint[INDEX_TIP], -1.0f, hand->joint[THUMB_TIP]);
+    mrt_vec3 palm = vec_difference(hand->joint[MIDDLE_KNUCKLE], hand->joint[0]);
+    mrt_vec3 gap = vec_difference(hand->joint[INDEX_TIP], hand->joint[THUMB_TIP]);
     return (double)length(gap) / fmax((double)length(palm), 1.0);
 }
 
 /* points: as placement_points gave them, so many per hand that pulls. */
 static tips tips_of(const mrt_hand *hand, const mrt_vec3 *point)
 {
-    mrt_vec3 half = sum((mrt_vec3){0, 0, 0}, 0.5f, sum(point[1], -1.0f, point[0]));
-    return (tips){sum(point[0], 1.0f, half), half, gap_of(hand)};
+    mrt_vec3 half = vec_sum((mrt_vec3){0, 0, 0}, 0.5f, vec_difference(point[1], point[0]));
+    return (tips){vec_sum(point[0], 1.0f, half), half, gap_of(hand)};
 }
 
 /* The tips of the hand that grips, else of the one that is the more closed. False: none is there.
@@ -134,9 +129,9 @@ static void grip(mrt_plugin *self, const tips *now, mrt_pull *pull)
 {
     float least = 0.5f * apart_least * pull->radius_mm, is = length(now->half);
     mrt_vec3 half = is > 1e-3f ? now->half : (mrt_vec3){0, 1e-3f, 0};
-    half = sum((mrt_vec3){0, 0, 0}, fmaxf(least, is) / fmaxf(is, 1e-3f), half);
+    half = vec_sum((mrt_vec3){0, 0, 0}, fmaxf(least, is) / fmaxf(is, 1e-3f), half);
     for (int i = 0; i < 2; ++i) {
-        mrt_vec3 at = sum(now->middle, i ? 1.0f : -1.0f, half);
+        mrt_vec3 at = vec_sum(now->middle, i ? 1.0f : -1.0f, half);
         pull->vector[i] = (mrt_vector){at, at, 0};
     }
     self->middle = now->middle;
@@ -151,16 +146,16 @@ static void take_along(const mrt_plugin *self, const tips *now, const double *pa
                        mrt_pull *pull)
 {
     float reach = pull->radius_mm * (float)(0.01 * params[REACH]);
-    mrt_vec3 between = sum(pull->vector[1].start, -1.0f, pull->vector[0].start);
-    mrt_vec3 moved =
-        sum((mrt_vec3){0, 0, 0}, (float)params[GAIN], sum(now->middle, -1.0f, self->middle));
+    mrt_vec3 between = vec_difference(pull->vector[1].start, pull->vector[0].start);
+    mrt_vec3 moved = vec_sum((mrt_vec3){0, 0, 0}, (float)params[GAIN],
+                             vec_difference(now->middle, self->middle));
     mrt_vec3 opened =
-        sum((mrt_vec3){0, 0, 0}, (float)params[STRETCH], sum(now->half, -1.0f, self->half));
+        vec_sum((mrt_vec3){0, 0, 0}, (float)params[STRETCH], vec_difference(now->half, self->half));
     moved = limited(moved, reach);
     opened = limited(opened, fminf(0.25f * length(between), 0.5f * reach));
     for (int i = 0; i < 2; ++i)
         pull->vector[i].end =
-            sum(sum(pull->vector[i].start, 1.0f, moved), i ? 1.0f : -1.0f, opened);
+            vec_sum(vec_sum(pull->vector[i].start, 1.0f, moved), i ? 1.0f : -1.0f, opened);
 }
 
 static void let_go(mrt_plugin *self, const double *params, const mrt_pull *pull)
@@ -168,7 +163,7 @@ static void let_go(mrt_plugin *self, const double *params, const mrt_pull *pull)
     self->phase = clutch_springs_back(params + CLUTCH) ? SPRINGING : LOOSE;
     self->sprung = 0.0;
     for (int i = 0; i < 2; ++i)
-        self->way[i] = sum(pull->vector[i].end, -1.0f, pull->vector[i].start);
+        self->way[i] = vec_difference(pull->vector[i].end, pull->vector[i].start);
 }
 
 static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
@@ -176,7 +171,7 @@ static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull
     self->sprung += frame->dt_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME];
     float rest = (float)(1.0 - posture_ease(self->sprung));
     for (int i = 0; i < 2; ++i)
-        pull->vector[i].end = sum(pull->vector[i].start, rest, self->way[i]);
+        pull->vector[i].end = vec_sum(pull->vector[i].start, rest, self->way[i]);
     if (self->sprung >= 1.0)
         self->phase = LOOSE;
 }
@@ -197,8 +192,8 @@ static void feel(mrt_plugin *self, const tips *now, const double *params)
 static void remember(mrt_plugin *self, const tips *now)
 {
     if (!self->was_there) {
-        self->middle = sum(self->middle, 1.0f, sum(now->middle, -1.0f, self->last_middle));
-        self->half = sum(self->half, 1.0f, sum(now->half, -1.0f, self->last_half));
+        self->middle = vec_sum(self->middle, 1.0f, vec_difference(now->middle, self->last_middle));
+        self->half = vec_sum(self->half, 1.0f, vec_difference(now->half, self->last_half));
     }
     self->last_middle = now->middle;
     self->last_half = now->half;

@@ -74,12 +74,9 @@ static void drag(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point, 
 {
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vector *v = &pull->vector[i];
-        mrt_vec3 before = self->hand[i];
+        mrt_vec3 end = vec_sum(v->end, gain, vec_difference(point[i], self->hand[i]));
         v->start = v->end;
-        v->end.x += gain * (point[i].x - before.x);
-        v->end.y += gain * (point[i].y - before.y);
-        v->end.z += gain * (point[i].z - before.z);
-        v->end = placement_within_reach(&self->placement, v->end);
+        v->end = placement_within_reach(&self->placement, end);
     }
 }
 
