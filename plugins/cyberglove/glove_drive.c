@@ -292,11 +292,6 @@ static int64_t port_deadline_ns(const glove_drive *self, int64_t deadline_ns)
     return device_clock_ns() + (left_ns < 60 * NS_PER_S ? left_ns : 60 * NS_PER_S);
 }
 
-static int64_t earliest(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
-
 static mrt_result read_until(glove_drive *self, int64_t deadline_ns, glove_record *out_record,
                              int64_t *out_time_ns)
 {
@@ -307,9 +302,9 @@ static mrt_result read_until(glove_drive *self, int64_t deadline_ns, glove_recor
         mrt_result result = ask(self, now_ns);
         if (result < 0)
             return result;
-        int64_t until_ns = earliest(deadline_ns, next_check_ns(self));
+        int64_t until_ns = device_sooner_ns(deadline_ns, next_check_ns(self));
         if (self->unit.is_polled && self->resume_ns == 0)
-            until_ns = earliest(until_ns, next_ask_ns(self));
+            until_ns = device_sooner_ns(until_ns, next_ask_ns(self));
         int got = take_bytes(self, until_ns);
         if (got < 0)
             return lose(self, "the glove was unplugged, or its adapter");

@@ -1,8 +1,8 @@
 #include "glove_find.h"
+#include "device_io.h"
 
 #include <ctype.h>
 #include <dirent.h>
-#include <fcntl.h>
 #include <grp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,22 +15,11 @@ static const char *const tty_folder = "/sys/class/tty";
 static const char *const link_folder = "/dev/serial/by-path";
 static const char *const vendor_of_adapters[] = {"0403", "067b"}; /* FTDI, Prolific */
 
-/* The first line of a small file; "" if there is none. */
 static void read_line(const char *folder, const char *name, char *out, size_t capacity)
 {
     char path[PATH_CAPACITY + 32];
-    out[0] = '\0';
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (file < 0)
-        return;
-    ssize_t got = read(file, out, capacity - 1);
-    close(file);
-    out[got > 0 ? (size_t)got : 0] = '\0';
-    out[strcspn(out, "\r\n")] = '\0';
-    for (char *c = out; *c; ++c)
-        if (!isprint((unsigned char)*c))
-            *c = '?';
+    device_read_line(path, out, capacity);
 }
 
 /* Cuts `path` after its component that names a USB interface: "1-1.4:1.0". */
@@ -210,15 +199,9 @@ static bool has_open(const char *process, const char *real, int own)
 
 static void name_process(const char *process, char *out, size_t capacity)
 {
-    char path[64], name[32] = "";
+    char path[64], name[32];
     snprintf(path, sizeof path, "/proc/%.20s/comm", process);
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    if (file >= 0) {
-        ssize_t got = read(file, name, sizeof name - 1);
-        name[got > 0 ? (size_t)got : 0] = '\0';
-        name[strcspn(name, "\n")] = '\0';
-        close(file);
-    }
+    device_read_line(path, name, sizeof name);
     snprintf(out, capacity, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 

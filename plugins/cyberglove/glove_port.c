@@ -284,13 +284,9 @@ static mrt_result set_line(glove_port *self, const char *path, speed_t code, glo
 
 static uint32_t read_latency_ms(const char *path)
 {
-    char text[16] = "";
-    int file = open(path, O_RDONLY | O_CLOEXEC);
-    if (file < 0)
-        return 0;
-    ssize_t got = read(file, text, sizeof text - 1);
-    close(file);
-    return got > 0 ? (uint32_t)strtoul(text, NULL, 10) : 0;
+    char text[16];
+    device_read_line(path, text, sizeof text);
+    return (uint32_t)strtoul(text, NULL, 10);
 }
 
 static void write_latency(const char *path)

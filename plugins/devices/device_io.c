@@ -1,10 +1,13 @@
 #include "device_io.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <poll.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
 #include <time.h>
+#include <unistd.h>
 
 static const int64_t ns_per_s = 1000000000;
 
@@ -71,6 +74,34 @@ int device_wait(int descriptor, int64_t span_ns)
     const struct timespec span = timespec_of(span_ns > 0 ? span_ns : 0);
     int ready = ppoll(&wanted, 1, &span, NULL);
     return ready >= 0 ? ready : errno == EINTR ? 0 : -1;
+}
+
+size_t device_read_file(const char *path, void *out, size_t capacity)
+{
+    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (file < 0)
+        return 0;
+    size_t used = 0;
+    while (used < capacity) {
+        ssize_t got = read(file, (char *)out + used, capacity - used);
+        if (got <= 0)
+            break;
+        used += (size_t)got;
+    }
+    close(file);
+    return used;
+}
+
+void device_read_line(const char *path, char *out, size_t capacity)
+{
+    size_t used = device_read_file(path, out, capacity - 1);
+    out[used] = '\0';
+    out[strcspn(out, "\r\n")] = '\0';
+    for (char *c = out; *c; ++c)
+        if ((unsigned char)*c < ' ' || *c == 0x7f)
+            *c = ' ';
+    for (size_t end = strlen(out); end > 0 && out[end - 1] == ' '; --end)
+        out[end - 1] = '\0';
 }
 
 void device_condition_init(pthread_cond_t *out)

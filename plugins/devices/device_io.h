@@ -1,5 +1,6 @@
 /* plugins/devices/device_io.h - what every input that waits for a device does: say a sentence, tell
- * the time, wait for bytes, call the sensors of a hand by their names. Shared by input plugins. */
+ * the time, wait for bytes, read what the system tells, call the sensors of a hand by their names.
+ * Shared by input plugins. */
 #ifndef MAROTTE_DEVICES_DEVICE_IO_H
 #define MAROTTE_DEVICES_DEVICE_IO_H
 #include <marotte/plugin.h>
@@ -25,9 +26,20 @@ int64_t device_deadline_ns(const mrt_host *host, int64_t deadline_ns);
  * *last_ns, which it becomes. [main] [input] */
 int64_t device_sample_ns(const mrt_host *host, int64_t time_ns, int64_t *last_ns);
 
+static inline int64_t device_sooner_ns(int64_t a_ns, int64_t b_ns)
+{
+    return a_ns < b_ns ? a_ns : b_ns;
+}
+
 /* Waits until the descriptor has something to read (or is gone), or span_ns have passed, never
  * longer: 1, 0, or -1 and errno. A span below 0 is 0. A signal ends it early with 0. */
 int device_wait(int descriptor, int64_t span_ns);
+
+/* The beginning of a small file, as of /sys and /proc: how many bytes; 0: there is none. */
+size_t device_read_file(const char *path, void *out, size_t capacity);
+/* Its first line without its end, 0-ended; control characters, which a device may well have in its
+ * name, are blanks, and none of these is at the end. "" if there is none. */
+void device_read_line(const char *path, char *out, size_t capacity);
 
 /* A condition whose waits are by device_clock_ns. Any thread. */
 void device_condition_init(pthread_cond_t *out);

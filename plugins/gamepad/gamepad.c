@@ -34,22 +34,14 @@ typedef struct evdev_seen {
 enum { PATH = 96, LINE = 512, FOLDER_CAP = 4096 };
 static const char folder[] = "/sys/class/input";
 
-/* One line without its end; control characters, which a device may well have in its name, and the
- * ',' that begins parameters are blanks. "" if there is none. */
+/* A ',' begins parameters in an input's text: it is a blank. */
 static void read_line(uint32_t number, const char *file, char *out, size_t capacity)
 {
     char path[PATH];
-    out[0] = '\0';
     (void)snprintf(path, sizeof path, "%s/event%u/device/%s", folder, number, file);
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0)
-        return;
-    ssize_t size = read(descriptor, out, capacity - 1);
-    close(descriptor);
-    out[size > 0 ? size : 0] = '\0';
-    out[strcspn(out, "\n")] = '\0';
+    device_read_line(path, out, capacity);
     for (char *c = out; *c; ++c)
-        if ((unsigned char)*c < ' ' || *c == 0x7f || *c == ',')
+        if (*c == ',')
             *c = ' ';
 }
 

@@ -499,19 +499,14 @@ static bool act(mrt_plugin *self, int64_t now_ns, mrt_sample *out)
     return is_due;
 }
 
-static int64_t sooner(int64_t a_ns, int64_t b_ns)
-{
-    return a_ns < b_ns ? a_ns : b_ns;
-}
-
 static int64_t next_due_ns(const mrt_plugin *self, const double *params)
 {
-    int64_t due_ns = sooner(self->sensing_due_ns, self->learn_due_ns);
+    int64_t due_ns = device_sooner_ns(self->sensing_due_ns, self->learn_due_ns);
     if (self->is_touched) /* and may not be given yet */
-        due_ns = sooner(due_ns, self->budget_ns + 1000000);
+        due_ns = device_sooner_ns(due_ns, self->budget_ns + 1000000);
     if (self->has_given)
-        due_ns = sooner(due_ns, self->repeat_due_ns);
-    return has_motor_due(self, params) ? sooner(due_ns, self->motor_due_ns) : due_ns;
+        due_ns = device_sooner_ns(due_ns, self->repeat_due_ns);
+    return has_motor_due(self, params) ? device_sooner_ns(due_ns, self->motor_due_ns) : due_ns;
 }
 
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
@@ -542,8 +537,8 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
             return MRT_OK;
         if (now_ns >= deadline_ns)
             return MRT_TIMEOUT;
-        const int64_t until_ns = sooner(deadline_ns, next_due_ns(self, params));
-        if (device_wait(self->port.descriptor, sooner(until_ns - now_ns, repeat_ns)) < 0)
+        const int64_t until_ns = device_sooner_ns(deadline_ns, next_due_ns(self, params));
+        if (device_wait(self->port.descriptor, device_sooner_ns(until_ns - now_ns, repeat_ns)) < 0)
             self->is_lost = true;
     }
 }

@@ -1,4 +1,5 @@
 #include "midi_port.h"
+#include "device_io.h"
 
 #ifdef MIDI_HAS_ALSA
 #include <alsa/asoundlib.h>
@@ -45,13 +46,7 @@ static void find_name(const char *path, char out[MIDI_PORT_NAME])
         sscanf(path + sizeof prefix - 1, "%3u", &card) != 1)
         return;
     (void)snprintf(file, sizeof file, "/sys/class/sound/card%u/id", card);
-    FILE *from = fopen(file, "re");
-    if (!from)
-        return;
-    if (!fgets(out, MIDI_PORT_NAME, from))
-        out[0] = '\0';
-    (void)fclose(from);
-    out[strcspn(out, "\n")] = '\0';
+    device_read_line(file, out, MIDI_PORT_NAME);
 }
 
 /* A serial line must not take bytes for commands. */

@@ -393,11 +393,6 @@ static void release_pedals(osc_input *self, mrt_sample *out)
     give_release(self, device_clock_ns(), out);
 }
 
-static int64_t sooner(int64_t a_ns, int64_t b_ns)
-{
-    return a_ns < b_ns ? a_ns : b_ns;
-}
-
 static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t deadline_ns,
                              mrt_sample *out_sample)
 {
@@ -422,8 +417,8 @@ static mrt_result input_read(mrt_plugin *plugin, const double *params, int64_t d
             return lose(self, quiet.loss);
         if (has_waited && until_ns - now_ns < OSC_PORT_WAIT_LEAST_NS)
             return MRT_TIMEOUT;
-        int64_t wake_ns =
-            sooner(sooner(until_ns, quiet.frame_ns), sooner(quiet.release_ns, quiet.lost_ns));
+        int64_t wake_ns = device_sooner_ns(device_sooner_ns(until_ns, quiet.frame_ns),
+                                           device_sooner_ns(quiet.release_ns, quiet.lost_ns));
         works = osc_port_wait(self->port, &self->listener, wake_ns, self->host);
         has_waited = true;
     }

@@ -653,16 +653,11 @@ static bool give_settled(mrt_plugin *self, const double *params, int64_t time_ns
     return true;
 }
 
-static int64_t earliest(int64_t a, int64_t b)
-{
-    return a < b ? a : b;
-}
-
 /* When there is something to do even if the device stays silent. */
 static int64_t next_due_ns(const mrt_plugin *self)
 {
-    int64_t due = earliest(debounce_due_ns(&self->debounce), self->repeat_due_ns);
-    return learn_is_running(&self->learn) ? earliest(due, self->learn.until_ns) : due;
+    int64_t due = device_sooner_ns(debounce_due_ns(&self->debounce), self->repeat_due_ns);
+    return learn_is_running(&self->learn) ? device_sooner_ns(due, self->learn.until_ns) : due;
 }
 
 /* The report that has come; MRT_TIMEOUT: it changes nothing. What was due before goes first. */
@@ -729,8 +724,8 @@ static mrt_result pedal_read(mrt_plugin *self, const double *params, int64_t dea
         if (self->has_report) {
             result = read_report(self, params, out_sample);
         } else {
-            usb_event event =
-                usb_wait(self->usb, earliest(deadline_ns, next_due_ns(self)), &self->report);
+            usb_event event = usb_wait(self->usb, device_sooner_ns(deadline_ns, next_due_ns(self)),
+                                       &self->report);
             self->has_report = event == USB_REPORTED;
             self->is_lost = event == USB_LOST;
             if (event != USB_NOTHING)

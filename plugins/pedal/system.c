@@ -1,9 +1,9 @@
 #include "system.h"
 
+#include "device_io.h"
 #include "layouts.h"
 
 #include <dirent.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,42 +15,13 @@
 enum { FILE_PATH = 400, FOLDER_CAP = 4096, NODE = 32, HOLDER = 64 };
 static const char devices_folder[] = "/sys/bus/usb/devices";
 
-/* ---- small files ---- */
-
-static size_t read_file(const char *path, void *out, size_t capacity)
-{
-    int file = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (file < 0)
-        return 0;
-    size_t used = 0;
-    while (used < capacity) {
-        ssize_t got = read(file, (char *)out + used, capacity - used);
-        if (got <= 0)
-            break;
-        used += (size_t)got;
-    }
-    close(file);
-    return used;
-}
-
-/* One line, 0-ended; control characters, which a device may well have in its name, are blanks. */
-static void read_line(const char *path, char *out, size_t capacity)
-{
-    size_t used = read_file(path, out, capacity - 1);
-    out[used] = '\0';
-    out[strcspn(out, "\n")] = '\0';
-    for (char *c = out; *c; ++c)
-        if ((unsigned char)*c < ' ' || *c == 0x7f)
-            *c = ' ';
-    for (size_t end = strlen(out); end > 0 && out[end - 1] == ' '; --end)
-        out[end - 1] = '\0';
-}
+/* ---- names and folders ---- */
 
 void system_product(char out[SYSTEM_NAME], const char *path)
 {
     char file[FILE_PATH];
     snprintf(file, sizeof file, "%s/%s/product", devices_folder, path);
-    read_line(file, out, SYSTEM_NAME);
+    device_read_line(file, out, SYSTEM_NAME);
 }
 
 /* The folder of an interface in the configuration that is active: ".../1-2:1.0". */
@@ -58,7 +29,7 @@ static void interface_folder(char out[FILE_PATH], const char *path, uint8_t inte
 {
     char file[FILE_PATH], configuration[8];
     snprintf(file, sizeof file, "%s/%s/bConfigurationValue", devices_folder, path);
-    read_line(file, configuration, sizeof configuration);
+    device_read_line(file, configuration, sizeof configuration);
     snprintf(out, FILE_PATH, "%s/%s:%s.%u", devices_folder, path, configuration, interface_number);
 }
 
@@ -78,7 +49,7 @@ size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *ou
         if (strncmp(entry->d_name, "0003:", 5) != 0)
             continue;
         snprintf(file, sizeof file, "%s/%s/report_descriptor", folder, entry->d_name);
-        size = read_file(file, out, capacity);
+        size = device_read_file(file, out, capacity);
     }
     closedir(listing);
     return size;
@@ -135,7 +106,7 @@ static void name_process(char out[HOLDER], const char *process)
 {
     char file[FILE_PATH], name[32];
     snprintf(file, sizeof file, "/proc/%.20s/comm", process);
-    read_line(file, name, sizeof name);
+    device_read_line(file, name, sizeof name);
     snprintf(out, HOLDER, "%s (process %.20s)", name[0] ? name : "a program", process);
 }
 
