@@ -12,8 +12,8 @@ enum {
     REACH,
     GATE,
     LEAK,
-    MANNER,
-    CLUTCH = MANNER + MANNER_COUNT,
+    SOLVER,
+    CLUTCH = SOLVER + SOLVER_COUNT,
     CONTACTS = CLUTCH + CLUTCH_COUNT, /* right thumb .. little, then the left hand's */
     PARAM_COUNT = CONTACTS + 10
 };
@@ -151,7 +151,7 @@ static void probe(const mrt_plugin *self, mrt_pull *pull, const mrt_vec3 *point,
 /* The reference follows the hand with time constant leak_s: a held pull eases away. */
 static void leak(mrt_plugin *self, const mrt_vec3 *point, double leak_s, double dt_s)
 {
-    float part = (float)posture_share(dt_s, leak_s);
+    float part = (float)smoothing_share(dt_s, leak_s);
     for (uint32_t i = 0; i < self->count; ++i) {
         mrt_vec3 d = vec_difference(point[i], self->reference[i]);
         self->reference[i] = vec_sum(self->reference[i], part, d);
@@ -162,7 +162,7 @@ static void hold(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull, mrt_v
 {
     placement_blend(point, self->count, self->leader);
     const double *params = frame->params;
-    bool is_paper = manner_is_paper(params + MANNER);
+    bool is_paper = solver_is_paper(params + SOLVER);
     float gain = is_paper ? 1.0f : (float)params[GAIN];
     float reach_mm = is_paper ? paper_reach * placement_face_height(&self->placement)
                               : pull->radius_mm * (float)(0.01 * params[REACH]);
@@ -190,7 +190,7 @@ static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull
 {
     self->spring_s += frame->dt_s;
     double t = self->spring_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME];
-    float rest = (float)(1.0 - posture_ease(t));
+    float rest = (float)(1.0 - minimum_jerk(t));
     for (uint32_t i = 0; i < self->count; ++i)
         pull->vector[i].end = vec_sum(pull->vector[i].start, rest, self->let_go[i]);
     if (t >= 1.0)
@@ -223,7 +223,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
     bool is_gated = params[GATE] > 0.5;
     if (self->phase != HOLDING && self->phase != SPRINGING)
-        manner_set(pull, params + MANNER,
+        solver_set(pull, params + SOLVER,
                    placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]));
     pull->gate = is_gated;
     if (events.commit) {
@@ -292,7 +292,7 @@ static const mrt_param params[PARAM_COUNT] = {
      "Take hold only when a point is within its radius of the face.", 0, 1, 1, placement_off_on_labels},
     {16, 0, "Leak", "Pull", "s",
      "Time in which a pull that is held eases back to the base shape; 0: never.", 0, 60, 0, NULL},
-    MANNER_PARAMS,
+    SOLVER_PARAMS,
     CLUTCH_PARAMS,
     CONTACT_PARAM(30, "Right", "thumb"),
     CONTACT_PARAM(31, "Right", "index"),

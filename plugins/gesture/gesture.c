@@ -1,6 +1,6 @@
 /* Four hand gestures, shown once each, set off what a face can do: a blink, a nod, a smile. The
  * nearest of the taught ones is recognised when the hand has held it for a moment. */
-#include "acts.h"
+#include "expressions.h"
 #include "mapping.h"
 
 #include <math.h>
@@ -164,16 +164,16 @@ enum {
     PARAM_COUNT
 };
 typedef enum phase { QUIET = 0, RISING, HOLDING, FALLING } phase;
-typedef struct envelopes { /* of each act */
-    phase phase[ACT_COUNT];
-    double progress[ACT_COUNT];               /* 0 .. 1 of the phase */
-    double from[ACT_COUNT], level[ACT_COUNT]; /* at its beginning; now: 0 .. 1 */
-    unsigned gesture[ACT_COUNT];              /* that set it off */
+typedef struct envelopes { /* of each expression */
+    phase phase[EXPRESSION_COUNT];
+    double progress[EXPRESSION_COUNT];                      /* 0 .. 1 of the phase */
+    double from[EXPRESSION_COUNT], level[EXPRESSION_COUNT]; /* at its beginning; now: 0 .. 1 */
+    unsigned gesture[EXPRESSION_COUNT];                     /* that set it off */
 } envelopes;
 
 struct mrt_plugin {
     const mrt_host *host;
-    acts acts;
+    expressions expressions;
     centroid stored[GESTURES]; /* shipped or loaded: what a reset returns to */
     recogniser recogniser;
     envelopes play;
@@ -198,7 +198,7 @@ static mrt_plugin *create(const mrt_host *host)
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
-    return acts_find(&self->acts, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
+    return expressions_find(&self->expressions, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
 }
 
 /* ---- teaching ---- */
@@ -239,7 +239,7 @@ static void step(envelopes *e, int which, unsigned current, double dt_s, const d
         return;
     if (now != HOLDING || params[SUSTAIN] < 0.5 || current != e->gesture[which])
         e->progress[which] += dt_s / params[time_of[now]];
-    double eased = posture_ease(e->progress[which]);
+    double eased = minimum_jerk(e->progress[which]);
     if (now == RISING)
         e->level[which] = e->from[which] + (1.0 - e->from[which]) * eased;
     else if (now == FALLING)
@@ -251,8 +251,8 @@ static void step(envelopes *e, int which, unsigned current, double dt_s, const d
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     const double *params = frame->params;
-    const mrt_hand *hand = posture_hand(frame, params[HAND]);
-    double part[ACT_COUNT];
+    const mrt_hand *hand = performing_hand(frame, params[HAND]);
+    double part[EXPRESSION_COUNT];
     const recogniser_limits limits = {params[REJECT], params[LEAVE], params[DWELL]};
     recogniser_watch(&self->recogniser, hand, frame->dt_s);
     teach(self, params);
@@ -262,11 +262,11 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         enter(&self->play, which, RISING);
         self->play.gesture[which] = begun;
     }
-    for (int i = 0; i < ACT_COUNT; ++i) {
+    for (int i = 0; i < EXPRESSION_COUNT; ++i) {
         step(&self->play, i, self->recogniser.current, frame->dt_s, params);
         part[i] = 0.01 * params[AMOUNT] * self->play.level[i];
     }
-    acts_write(&self->acts, part, pull);
+    expressions_write(&self->expressions, part, pull);
     return MRT_OK;
 }
 
@@ -330,7 +330,7 @@ static memory_list memory_of(mrt_plugin *self)
 MEMORY_RESUME(memory_of);
 
 static const char *const off_on[] = {"Off", "On", NULL};
-static const char *const action_labels[ACT_COUNT + 1] = {
+static const char *const action_labels[EXPRESSION_COUNT + 1] = {
     "Nothing", "Smile", "Frown", "Jaw drop", "Brows up", "Brows down",
     "Pucker",  "Blink", "Wink",  "Nod",      NULL};
 
@@ -344,22 +344,22 @@ static const char *const action_labels[ACT_COUNT + 1] = {
 #define ACTION_PARAM(id, name, initial)                                                            \
     {                                                                                              \
         id, MRT_PARAM_STEPPED, name, "Action", "", "What the face does when it is made.", 0,       \
-            ACT_COUNT - 1, initial, action_labels                                                  \
+            EXPRESSION_COUNT - 1, initial, action_labels                                           \
     }
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
-    POSTURE_HAND_PARAM(1),
+    PERFORMING_HAND_PARAM(1),
     TEACH_PARAM(2, "Teach 1", "a fist"),
     TEACH_PARAM(3, "Teach 2", "a pointing index finger"),
     TEACH_PARAM(4, "Teach 3", "a flat hand, spread"),
     TEACH_PARAM(5, "Teach 4", "ring and little finger stretched"),
     {6, MRT_PARAM_TRIGGER, "Forget", "Teach", "", "All gestures are as they were at first.",
      0, 1, 0, NULL},
-    ACTION_PARAM(7, "Gesture 1", ACT_JAW_OPEN),
-    ACTION_PARAM(8, "Gesture 2", ACT_BROWS_UP),
-    ACTION_PARAM(9, "Gesture 3", ACT_SMILE),
-    ACTION_PARAM(10, "Gesture 4", ACT_BLINK),
+    ACTION_PARAM(7, "Gesture 1", EXPRESSION_JAW_OPEN),
+    ACTION_PARAM(8, "Gesture 2", EXPRESSION_BROWS_UP),
+    ACTION_PARAM(9, "Gesture 3", EXPRESSION_SMILE),
+    ACTION_PARAM(10, "Gesture 4", EXPRESSION_BLINK),
     {11, 0, "Attack", "Action", "s", "How long it takes to come.", 0.01, 3, 0.15, NULL},
     {12, 0, "Hold", "Action", "s", "How long it stays.", 0.01, 10, 0.2, NULL},
     {13, 0, "Release", "Action", "s", "How long it takes to go.", 0.01, 5, 0.35, NULL},

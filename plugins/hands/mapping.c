@@ -214,7 +214,7 @@ float clutch_release_rate(const double *params)
 
 /* ---- how a hand is held ---- */
 
-const char *const posture_hand_labels[] = {"Either", "Left", "Right", NULL};
+const char *const performing_hand_labels[] = {"Either", "Left", "Right", NULL};
 
 static bool is_sound(const mrt_hand *hand)
 {
@@ -224,7 +224,7 @@ static bool is_sound(const mrt_hand *hand)
     return hand->present;
 }
 
-const mrt_hand *posture_hand(const mrt_frame *frame, double choice)
+const mrt_hand *performing_hand(const mrt_frame *frame, double choice)
 {
     enum { EITHER, LEFT };
     static const uint32_t order[][2] = {
@@ -236,7 +236,7 @@ const mrt_hand *posture_hand(const mrt_frame *frame, double choice)
     return NULL;
 }
 
-double posture_bend(const mrt_hand *hand)
+double finger_bend(const mrt_hand *hand)
 {
     static const int joints[] = {4, 5, 7, 8, 11, 12, 15, 16};
     double sum = 0.0;
@@ -245,25 +245,25 @@ double posture_bend(const mrt_hand *hand)
     return sum / 8.0;
 }
 
-double posture_share(double dt_s, double time_s)
+double smoothing_share(double dt_s, double time_s)
 {
     return dt_s > 0.0 ? dt_s / (time_s + dt_s) : 0.0;
 }
 
-double posture_ease(double t)
+double minimum_jerk(double t)
 {
     if (!(t > 0.0))
         return 0.0;
     return t >= 1.0 ? 1.0 : t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
 }
 
-double posture_limit(double x, double most)
+double soft_limit(double x, double most)
 {
     double q = x * x / (most * most);
     return x / sqrt(sqrt(1.0 + q * q));
 }
 
-double posture_clamp(double x, double low, double high)
+double clamp(double x, double low, double high)
 {
     return x < low ? low : x > high ? high : x;
 }

@@ -153,25 +153,25 @@ float clutch_release_rate(const double *params);
  * alone, the same bits everywhere ---- */
 
 /* For a stepped parameter: right first while both are present. */
-extern const char *const posture_hand_labels[];
-#define POSTURE_HAND_PARAM(id)                                                                     \
+extern const char *const performing_hand_labels[];
+#define PERFORMING_HAND_PARAM(id)                                                                  \
     {                                                                                              \
         id, MRT_PARAM_STEPPED, "Hand", "Hand", "", "Which hand performs.", 0, 2, 0,                \
-            posture_hand_labels                                                                    \
+            performing_hand_labels                                                                 \
     }
 
 /* The hand that performs; NULL: none is present, or it holds an angle that is none. */
-const mrt_hand *posture_hand(const mrt_frame *frame, double choice);
+const mrt_hand *performing_hand(const mrt_frame *frame, double choice);
 
 /* Mean of the knuckles and middle joints of the four fingers, rad: 0 flat, some 1.5 a fist. */
-double posture_bend(const mrt_hand *hand);
+double finger_bend(const mrt_hand *hand);
 
 /* The part of the way that is gone in dt_s with the time constant time_s: 0 .. 1. */
-double posture_share(double dt_s, double time_s);
+double smoothing_share(double dt_s, double time_s);
 /* Minimum jerk from 0 to 1; 0 before, 1 behind. */
-double posture_ease(double t);
+double minimum_jerk(double t);
 /* x made no larger than most, smoothly, and nearly x while small. */
-double posture_limit(double x, double most);
-double posture_clamp(double x, double low, double high);
+double soft_limit(double x, double most);
+double clamp(double x, double low, double high);
 
 #endif

@@ -261,17 +261,17 @@ mrt_vec3 placement_within_reach(const placement *self, mrt_vec3 p)
 
 static const float least_stretch = 1.1f;
 
-const char *const manner_preset_labels[] = {"Own", "Paper", NULL};
+const char *const solver_preset_labels[] = {"Own", "Paper", NULL};
 
-bool manner_is_paper(const double *manner)
+bool solver_is_paper(const double *solver)
 {
-    return manner[MANNER_PRESET] > 0.5;
+    return solver[SOLVER_PRESET] > 0.5;
 }
 
-void manner_set(mrt_pull *pull, const double *manner, float share_mm)
+void solver_set(mrt_pull *pull, const double *solver, float share_mm)
 {
-    float radius_mm = (float)manner[MANNER_RADIUS_MM], stretch = (float)manner[MANNER_STRETCH];
-    bool is_paper = manner_is_paper(manner);
+    float radius_mm = (float)solver[SOLVER_RADIUS_MM], stretch = (float)solver[SOLVER_STRETCH];
+    bool is_paper = solver_is_paper(solver);
     pull->radius_mm = radius_mm > 0.0f ? radius_mm : share_mm;
     pull->solve = is_paper ? MRT_SOLVE_LINEAR | MRT_SOLVE_ONCE : 0;
     pull->stretch_most = stretch > least_stretch ? stretch : least_stretch;

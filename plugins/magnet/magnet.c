@@ -100,9 +100,9 @@ static magnet wanted(const mrt_plugin *self, const held *now, const double *para
     double charge = (now->bend - self->neutral.bend) / (rad_per_deg * params[TRAVEL]);
     double per_rad = 0.01 * params[WANDER] / (30.0 * rad_per_deg);
     return (magnet){
-        .strength = posture_limit(params[FIST] < 0.5 ? charge : -charge, 1.0),
-        .x = posture_limit(per_rad * (now->yaw - self->neutral.yaw), 0.5),
-        .y = posture_limit(per_rad * (self->neutral.pitch - now->pitch), 0.5),
+        .strength = soft_limit(params[FIST] < 0.5 ? charge : -charge, 1.0),
+        .x = soft_limit(per_rad * (now->yaw - self->neutral.yaw), 0.5),
+        .y = soft_limit(per_rad * (self->neutral.pitch - now->pitch), 0.5),
     };
 }
 
@@ -171,7 +171,7 @@ static void apply_events(mrt_plugin *self, const clutch_events *events)
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     const double *params = frame->params;
-    const mrt_hand *hand = posture_hand(frame, params[HAND]);
+    const mrt_hand *hand = performing_hand(frame, params[HAND]);
     clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
     apply_events(self, &events);
     self->has_held = self->has_held || (self->is_engaged && hand);
@@ -182,7 +182,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     magnet to = self->shown;
     double time_s = params[EASE];
     if (self->is_engaged && hand) {
-        held now = {posture_bend(hand), (double)hand->angle[WRIST_PITCH],
+        held now = {finger_bend(hand), (double)hand->angle[WRIST_PITCH],
                     (double)hand->angle[WRIST_YAW]};
         if (!self->has_neutral)
             self->neutral = now;
@@ -192,7 +192,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         to.strength = 0.0;
         time_s = params[CLUTCH + CLUTCH_RELEASE_TIME] / 3.0; /* in 3 of them 95 % are gone */
     }
-    follow(&self->shown, &to, posture_share(frame->dt_s, time_s));
+    follow(&self->shown, &to, smoothing_share(frame->dt_s, time_s));
     write_field(self, params, pull);
     return MRT_OK;
 }
@@ -219,7 +219,7 @@ static const char *const fist_labels[] = {"Draws out", "Drives in", NULL};
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
-    POSTURE_HAND_PARAM(1),
+    PERFORMING_HAND_PARAM(1),
     {2, MRT_PARAM_STEPPED, "Fist", "Magnet", "",
      "What bending the fingers does to the face; stretching them does the opposite.",
      0, 1, 0, fist_labels},

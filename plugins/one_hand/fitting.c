@@ -207,7 +207,7 @@ static const struct carried {
 
 static double dof_value(const fitting *self, const pose *p, int dof)
 {
-    return posture_clamp(p->value[POSE_DOFS + dof], self->low[dof], self->high[dof]);
+    return clamp(p->value[POSE_DOFS + dof], self->low[dof], self->high[dof]);
 }
 
 static void carry(pose *p, int axis, double mm)
@@ -252,8 +252,7 @@ static void write_dofs(const fitting *self, const pose *p, double closure, doubl
             double share = i >= DOF_LID_LOWER ? 0.01 * params[SET_LOWER_LID] : 1.0;
             value = (1.0 - (1.0 - value) * (1.0 - share * closure)) * self->closed[i];
         } else if (is_length(i)) {
-            value = posture_clamp(value * size, self->low[i] * self->scale,
-                                  self->high[i] * self->scale);
+            value = clamp(value * size, self->low[i] * self->scale, self->high[i] * self->scale);
         }
         pull->dof[self->dof[i]] = (float)(value + 0.0); /* never -0 */
     }

@@ -225,7 +225,7 @@ static signals signals_of(const reading *difference, const double *params)
                    params[SET_JAW_IJ] * a[THUMB_IJ];
     double along = params[SET_ASIDE_FOLLOW] * s.thumb_drop;
     double explained =
-        posture_clamp(a[THUMB_ABDUCTION], along < 0.0 ? along : 0.0, along > 0.0 ? along : 0.0);
+        clamp(a[THUMB_ABDUCTION], along < 0.0 ? along : 0.0, along > 0.0 ? along : 0.0);
     s.thumb_aside = a[THUMB_ABDUCTION] - explained;
     s.index_lift = -a[INDEX_MPJ];
     s.index_middle = a[MIDDLE_MPJ] - a[INDEX_MPJ];
@@ -468,7 +468,7 @@ static double channel(double signal, const double *params, int first)
     return curve_limit(params[first] * dead_zone(signal, params[first + 1]), range, range);
 }
 
-/* Channels that act only one way: the dead zone's other side stays at rest. */
+/* Channels that expression only one way: the dead zone's other side stays at rest. */
 static double upward(double x)
 {
     return x > 0.0 ? x : 0.0;
@@ -523,7 +523,7 @@ void maps_muppet(pose *out, const reading *difference, double intensity, double 
     double head_up = params[SET_LIP_HEAD] * upward(dead_zone(s.reach, params[SET_LIP_DEAD]));
     double nod_deg = head(s.wrist_pitch, params[SET_HEAD_NOD], params);
     double turn_deg = head(s.wrist_yaw, params[SET_HEAD_TURN], params);
-    nod_deg = posture_clamp(nod_deg - head_up, -params[SET_HEAD_NOD], params[SET_HEAD_NOD]);
+    nod_deg = clamp(nod_deg - head_up, -params[SET_HEAD_NOD], params[SET_HEAD_NOD]);
     double eyes = 0.01 * params[SET_HEAD_EYES] * rad_per_deg;
     pose_axes axes = {
         .jaw_open = jaw_open(s.thumb_drop, params),

@@ -265,9 +265,9 @@ static void move_lids(blink *self, double dt_s, const double *params)
     if (self->phase == BLINK_OPENING && self->time_s >= open_s)
         self->phase = BLINK_NONE;
     if (self->phase == BLINK_CLOSING)
-        self->closure = self->from + (1.0 - self->from) * posture_ease(self->time_s / close_s);
+        self->closure = self->from + (1.0 - self->from) * minimum_jerk(self->time_s / close_s);
     else if (self->phase == BLINK_OPENING)
-        self->closure = 1.0 - posture_ease(self->time_s / open_s);
+        self->closure = 1.0 - minimum_jerk(self->time_s / open_s);
     else
         self->closure = 0.0;
 }
@@ -341,7 +341,7 @@ static void attach_keep(attach *self, double most_mm, const double *low, const d
         shorten(self->offset.value + 3 * landmark, most_mm);
     double *dof = self->offset.value + POSE_DOFS;
     for (int i = 0; i < DOF_COUNT; ++i)
-        dof[i] = posture_clamp(dof[i], low[i], high[i]);
+        dof[i] = clamp(dof[i], low[i], high[i]);
 }
 
 /* Everything eases to rest, but for what the hand says. */
@@ -378,7 +378,7 @@ static void attach_step(attach *self, const pose *target, const unsigned held_by
     take_holds(self, held_by, reattach_s);
     self->time_s = self->has_changed ? 0.0 : self->time_s + dt_s;
     double left =
-        self->time_s < self->duration_s ? 1.0 - posture_ease(self->time_s / self->duration_s) : 0.0;
+        self->time_s < self->duration_s ? 1.0 - minimum_jerk(self->time_s / self->duration_s) : 0.0;
     for (int i = 0; i < POSE_COUNT; ++i) {
         double goal = self->held_by[pose_layer(i)] ? self->held.value[i]
                                                    : target->value[i] + self->offset.value[i];
@@ -717,7 +717,7 @@ static void reset(mrt_plugin *self)
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     const double *params = frame->params;
-    double dt_s = posture_clamp(frame->dt_s > 0.0 ? frame->dt_s : 0.0, 0.0, dt_max_s);
+    double dt_s = clamp(frame->dt_s > 0.0 ? frame->dt_s : 0.0, 0.0, dt_max_s);
     reading now;
     uint32_t side = take_reading(&now, frame);
     bool is_present = side != MRT_NO_HAND;

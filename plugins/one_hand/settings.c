@@ -22,7 +22,7 @@ const mrt_param settings[SET_COUNT] = {
     CHOICE(SET_MODE, 1, "Map", "Mode", 2, MODE_MUPPET, mode_labels,
            "Muppet+: the hand is the puppet's head. Mask: the fingertips lie on the face. Layered "
            "waldo: one layer of the face at a time, with large movements."),
-    CHOICE(SET_HAND, 2, "Map", "Hand", 2, HAND_EITHER, posture_hand_labels,
+    CHOICE(SET_HAND, 2, "Map", "Hand", 2, HAND_EITHER, performing_hand_labels,
            "Which hand performs; either: the right one where both are there."),
     NUMBER(SET_INTENSITY, 3, "Map", "Intensity", "%", 0, 150, 100,
            "Of brows, lids, mouth corners, width and sneer; not of jaw and head."),

@@ -13,19 +13,19 @@ static const int64_t lately_ns = 1500000000;
 static const int64_t close_patience_ns = 2000000000;
 
 /* A device of the last look; another number in the same socket is another device. */
-typedef struct guest {
+typedef struct present_device {
     char path[ADDRESS_PATH];
     uint8_t number;
     int64_t since_ns; /* INT64_MIN: it was there before us */
-} guest;
+} present_device;
 
 struct usb {
     const mrt_host *host;
     libusb_context *context;
     libusb_hotplug_callback_handle hotplug;
     bool has_hotplug;
-    guest guests[USB_SEEN];
-    uint32_t guest_count;
+    present_device last_look[USB_SEEN];
+    uint32_t last_count;
     bool has_looked;
     int last_error;
 
@@ -215,37 +215,38 @@ static void insert(usb_seen *out, uint32_t capacity, uint32_t count, const usb_s
         out[at] = *seen;
 }
 
-static const guest *find_guest(const guest *guests, uint32_t count, const char *path,
-                               uint8_t number)
+static const present_device *find_present(const present_device *last_look, uint32_t count,
+                                          const char *path, uint8_t number)
 {
     for (uint32_t i = 0; i < count; ++i)
-        if (guests[i].number == number && strcmp(guests[i].path, path) == 0)
-            return &guests[i];
+        if (last_look[i].number == number && strcmp(last_look[i].path, path) == 0)
+            return &last_look[i];
     return NULL;
 }
 
-static void remember_guests(usb *self, const usb_seen *seen, uint32_t count)
+static void remember_look(usb *self, const usb_seen *seen, uint32_t count)
 {
-    guest now[USB_SEEN];
+    present_device now[USB_SEEN];
     int64_t now_ns = self->host->now_ns(self->host);
     uint32_t kept = count < USB_SEEN ? count : USB_SEEN;
     for (uint32_t i = 0; i < kept; ++i) {
-        const guest *known =
-            find_guest(self->guests, self->guest_count, seen[i].path, seen[i].number);
-        now[i] =
-            (guest){.number = seen[i].number, .since_ns = self->has_looked ? now_ns : INT64_MIN};
+        const present_device *known =
+            find_present(self->last_look, self->last_count, seen[i].path, seen[i].number);
+        now[i] = (present_device){.number = seen[i].number,
+                                  .since_ns = self->has_looked ? now_ns : INT64_MIN};
         if (known)
             now[i].since_ns = known->since_ns;
         memcpy(now[i].path, seen[i].path, sizeof now[i].path);
     }
-    memcpy(self->guests, now, kept * sizeof *now);
-    self->guest_count = kept;
+    memcpy(self->last_look, now, kept * sizeof *now);
+    self->last_count = kept;
     self->has_looked = true;
 }
 
 bool usb_came_lately(const usb *self, const usb_seen *device)
 {
-    const guest *known = find_guest(self->guests, self->guest_count, device->path, device->number);
+    const present_device *known =
+        find_present(self->last_look, self->last_count, device->path, device->number);
     return known && known->since_ns > self->host->now_ns(self->host) - lately_ns;
 }
 
@@ -262,7 +263,7 @@ uint32_t usb_look(usb *self, usb_seen *out, uint32_t capacity)
     }
     if (listed >= 0)
         libusb_free_device_list(list, 1);
-    remember_guests(self, out, count < capacity ? count : capacity);
+    remember_look(self, out, count < capacity ? count : capacity);
     return count;
 }
 

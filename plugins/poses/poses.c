@@ -1,6 +1,6 @@
 /* Hand poses that were shown once or a few times stand for poses of the face; between them the face
  * is in between. Shipped ones until others are taught. */
-#include "acts.h"
+#include "expressions.h"
 #include "mapping.h"
 #include "space.h"
 
@@ -9,8 +9,9 @@
 
 enum { HAND, TEACH, FORGET = TEACH + SPACE_POSES, AMOUNT, EASE, WIDTH, RIDGE, PARAM_COUNT };
 
-static const act acts_of[SPACE_POSES] = {ACT_NEUTRAL,  ACT_SMILE,      ACT_FROWN,  ACT_JAW_OPEN,
-                                         ACT_BROWS_UP, ACT_BROWS_DOWN, ACT_PUCKER, ACT_BLINK};
+static const expression expressions_of[SPACE_POSES] = {
+    EXPRESSION_NEUTRAL,  EXPRESSION_SMILE,      EXPRESSION_FROWN,  EXPRESSION_JAW_OPEN,
+    EXPRESSION_BROWS_UP, EXPRESSION_BROWS_DOWN, EXPRESSION_PUCKER, EXPRESSION_BLINK};
 
 /* Distal joints as they are estimated: half of the middle ones. The wrist is as at rest. */
 #define FINGERS(thumb_roll, thumb_mpj, thumb_ij, thumb_abduction, i1, i2, m1, m2, r1, r2, l1, l2,  \
@@ -40,7 +41,7 @@ typedef struct lessons {
 
 struct mrt_plugin {
     const mrt_host *host;
-    acts acts;
+    expressions expressions;
     lessons stored; /* shipped or loaded: what a reset returns to */
     lessons now;
     double weight[SPACE_POSES]; /* of the face shown */
@@ -78,7 +79,7 @@ static mrt_plugin *create(const mrt_host *host)
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
-    return acts_find(&self->acts, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
+    return expressions_find(&self->expressions, face, self->host) ? MRT_OK : MRT_ERR_UNSUPPORTED;
 }
 
 /* ---- lessons ---- */
@@ -101,14 +102,14 @@ static void append_number(char *line, unsigned number)
 static void report(const mrt_plugin *self, unsigned pose)
 {
     char line[200] = "taught: ";
-    append(line, act_names[acts_of[pose]]);
+    append(line, expression_names[expressions_of[pose]]);
     append(line, ", shown times: ");
     append_number(line, self->now.shown.count[pose]);
     if (self->fit.left_out < 0.0) {
         append(line, "; show a pose twice to learn how well it is told from the others");
     } else {
         append(line, "; leave-one-out error of the weights: ");
-        append_number(line, (unsigned)(100.0 * posture_clamp(self->fit.left_out, 0.0, 99.0) + 0.5));
+        append_number(line, (unsigned)(100.0 * clamp(self->fit.left_out, 0.0, 99.0) + 0.5));
         append(line, " %");
     }
     self->host->log(self->host, MRT_LOG_INFO, line);
@@ -158,18 +159,18 @@ static void attend(mrt_plugin *self, const mrt_hand *hand, const double *params)
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     const double *params = frame->params;
-    const mrt_hand *hand = posture_hand(frame, params[HAND]);
-    double wanted[SPACE_POSES], part[ACT_COUNT] = {0.0};
+    const mrt_hand *hand = performing_hand(frame, params[HAND]);
+    double wanted[SPACE_POSES], part[EXPRESSION_COUNT] = {0.0};
     attend(self, hand, params);
     if (!hand)
         return MRT_HOLD;
     space_weigh(&self->fit, hand->angle, wanted);
-    double share = posture_share(frame->dt_s, params[EASE]);
+    double share = smoothing_share(frame->dt_s, params[EASE]);
     for (int pose = 0; pose < SPACE_POSES; ++pose) {
         self->weight[pose] += share * (wanted[pose] - self->weight[pose]);
-        part[acts_of[pose]] = 0.01 * params[AMOUNT] * self->weight[pose];
+        part[expressions_of[pose]] = 0.01 * params[AMOUNT] * self->weight[pose];
     }
-    acts_write(&self->acts, part, pull);
+    expressions_write(&self->expressions, part, pull);
     return MRT_OK;
 }
 
@@ -257,7 +258,7 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 
 /* clang-format off */
 static const mrt_param params[PARAM_COUNT] = {
-    POSTURE_HAND_PARAM(1),
+    PERFORMING_HAND_PARAM(1),
     TEACH_PARAM(2, "Teach neutral", "neutral", "a relaxed hand"),
     TEACH_PARAM(3, "Teach smile", "smile", "a flat hand, spread"),
     TEACH_PARAM(4, "Teach frown", "frown", "a fist"),

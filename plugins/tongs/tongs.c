@@ -169,7 +169,7 @@ static void let_go(mrt_plugin *self, const double *params, const mrt_pull *pull)
 static void spring_back(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     self->sprung += frame->dt_s / frame->params[CLUTCH + CLUTCH_RELEASE_TIME];
-    float rest = (float)(1.0 - posture_ease(self->sprung));
+    float rest = (float)(1.0 - minimum_jerk(self->sprung));
     for (int i = 0; i < 2; ++i)
         pull->vector[i].end = vec_sum(pull->vector[i].start, rest, self->way[i]);
     if (self->sprung >= 1.0)

@@ -11,8 +11,8 @@ enum {
     RADIUS,
     GATE,
     LEAK,
-    MANNER,
-    CLUTCH = MANNER + MANNER_COUNT,
+    SOLVER,
+    CLUTCH = SOLVER + SOLVER_COUNT,
     PARAM_COUNT = CLUTCH + CLUTCH_COUNT
 };
 
@@ -88,7 +88,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     clutch_events events = clutch_step(&self->clutch, frame, params + CLUTCH);
     pull->mode = MRT_UNANCHORED;
     pull->gate = params[GATE] > 0.5;
-    manner_set(pull, params + MANNER,
+    solver_set(pull, params + SOLVER,
                placement_face_height(&self->placement) * (float)(0.01 * params[RADIUS]));
     pull->commit += events.commit;
     if (events.release)
@@ -97,7 +97,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         touch(self, pull, point, count);
     else if (self->is_touching && count > 0) {
         placement_blend(point, count, self->leader);
-        drag(self, pull, point, manner_is_paper(params + MANNER) ? 1.0f : (float)params[GAIN]);
+        drag(self, pull, point, solver_is_paper(params + SOLVER) ? 1.0f : (float)params[GAIN]);
     }
     for (uint32_t i = 0; i < count; ++i)
         self->hand[i] = point[i];
@@ -140,7 +140,7 @@ static const mrt_param params[PARAM_COUNT] = {
      "Move the face only while a point is within its radius of it.", 0, 1, 1, placement_off_on_labels},
     {15, 0, "Leak", "Pull", "s",
      "Time in which the shape eases back to its base; 0: never, as clay.", 0, 60, 0, NULL},
-    MANNER_PARAMS,
+    SOLVER_PARAMS,
     CLUTCH_PARAMS,
 };
 /* clang-format on */

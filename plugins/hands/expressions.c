@@ -1,4 +1,4 @@
-#include "acts.h"
+#include "expressions.h"
 #include "mapping.h"
 
 #include <math.h>
@@ -6,66 +6,66 @@
 
 #define COUNT_OF(array) (sizeof(array) / sizeof *(array))
 
-const char *const act_names[ACT_COUNT + 1] = {"Neutral",  "Smile",      "Frown",  "Jaw open",
-                                              "Brows up", "Brows down", "Pucker", "Blink",
-                                              "Wink",     "Nod",        NULL};
+const char *const expression_names[EXPRESSION_COUNT + 1] = {
+    "Neutral", "Smile", "Frown", "Jaw open", "Brows up", "Brows down",
+    "Pucker",  "Blink", "Wink",  "Nod",      NULL};
 
 /* For a head 240 mm high, mm; out: away from the midline. Neighbours go along in part: a contact
  * that is not pulled along holds its place. "x.*": both x.l and x.r. */
 static const struct pull_part {
-    act act;
+    expression expression;
     const char *contact;
     float out, up, front;
 } pull_parts[] = {
-    {ACT_SMILE, "mouth.corner.*", 6, 8, -3.5f},
-    {ACT_SMILE, "nasolabial.*", 2.5f, 4.5f, 1},
-    {ACT_SMILE, "cheek.lower.*", 3, 4.5f, 0},
-    {ACT_SMILE, "lip.upper.side.*", 3.5f, 4, -1.5f},
-    {ACT_SMILE, "lip.lower.side.*", 3.5f, 3.5f, -1.5f},
-    {ACT_SMILE, "cheek.*", 1.2f, 5, 2},
-    {ACT_FROWN, "mouth.corner.*", 1.2f, -9.5f, -1.5f},
-    {ACT_FROWN, "nasolabial.*", 0, -3, 0},
-    {ACT_FROWN, "cheek.lower.*", 0, -3, 0},
-    {ACT_FROWN, "lip.upper.side.*", 0.5f, -3, 0},
-    {ACT_FROWN, "lip.lower.side.*", 0.5f, -4.5f, 0},
-    {ACT_FROWN, "cheek.*", 0, -2, 0},
-    {ACT_FROWN, "brow.inner.*", -1, 4, 0},
-    {ACT_BROWS_UP, "brow.inner.*", 0, 8.5f, 0},
-    {ACT_BROWS_UP, "brow.mid.*", 0, 10, 0},
-    {ACT_BROWS_UP, "brow.outer.*", 0, 7.5f, 0},
-    {ACT_BROWS_UP, "forehead.mid", 0, 3, 0},
-    {ACT_BROWS_DOWN, "brow.inner.*", -2.5f, -6, 1},
-    {ACT_BROWS_DOWN, "brow.mid.*", -1, -5, 0},
-    {ACT_BROWS_DOWN, "brow.outer.*", 0, -2, 0},
-    {ACT_BROWS_DOWN, "forehead.mid", 0, -1.5f, 0},
-    {ACT_PUCKER, "mouth.corner.*", -8, 0, 4},
-    {ACT_PUCKER, "lip.upper.side.*", -4.4f, 0, 5},
-    {ACT_PUCKER, "lip.lower.side.*", -4.4f, 0, 5},
-    {ACT_PUCKER, "lip.upper.mid", 0, 0, 6},
-    {ACT_PUCKER, "lip.lower.mid", 0, 0, 6},
-    {ACT_PUCKER, "nasolabial.*", -1.6f, 0, 1.2f},
-    {ACT_PUCKER, "cheek.lower.*", -2.8f, 0, 1},
+    {EXPRESSION_SMILE, "mouth.corner.*", 6, 8, -3.5f},
+    {EXPRESSION_SMILE, "nasolabial.*", 2.5f, 4.5f, 1},
+    {EXPRESSION_SMILE, "cheek.lower.*", 3, 4.5f, 0},
+    {EXPRESSION_SMILE, "lip.upper.side.*", 3.5f, 4, -1.5f},
+    {EXPRESSION_SMILE, "lip.lower.side.*", 3.5f, 3.5f, -1.5f},
+    {EXPRESSION_SMILE, "cheek.*", 1.2f, 5, 2},
+    {EXPRESSION_FROWN, "mouth.corner.*", 1.2f, -9.5f, -1.5f},
+    {EXPRESSION_FROWN, "nasolabial.*", 0, -3, 0},
+    {EXPRESSION_FROWN, "cheek.lower.*", 0, -3, 0},
+    {EXPRESSION_FROWN, "lip.upper.side.*", 0.5f, -3, 0},
+    {EXPRESSION_FROWN, "lip.lower.side.*", 0.5f, -4.5f, 0},
+    {EXPRESSION_FROWN, "cheek.*", 0, -2, 0},
+    {EXPRESSION_FROWN, "brow.inner.*", -1, 4, 0},
+    {EXPRESSION_BROWS_UP, "brow.inner.*", 0, 8.5f, 0},
+    {EXPRESSION_BROWS_UP, "brow.mid.*", 0, 10, 0},
+    {EXPRESSION_BROWS_UP, "brow.outer.*", 0, 7.5f, 0},
+    {EXPRESSION_BROWS_UP, "forehead.mid", 0, 3, 0},
+    {EXPRESSION_BROWS_DOWN, "brow.inner.*", -2.5f, -6, 1},
+    {EXPRESSION_BROWS_DOWN, "brow.mid.*", -1, -5, 0},
+    {EXPRESSION_BROWS_DOWN, "brow.outer.*", 0, -2, 0},
+    {EXPRESSION_BROWS_DOWN, "forehead.mid", 0, -1.5f, 0},
+    {EXPRESSION_PUCKER, "mouth.corner.*", -8, 0, 4},
+    {EXPRESSION_PUCKER, "lip.upper.side.*", -4.4f, 0, 5},
+    {EXPRESSION_PUCKER, "lip.lower.side.*", -4.4f, 0, 5},
+    {EXPRESSION_PUCKER, "lip.upper.mid", 0, 0, 6},
+    {EXPRESSION_PUCKER, "lip.lower.mid", 0, 0, 6},
+    {EXPRESSION_PUCKER, "nasolabial.*", -1.6f, 0, 1.2f},
+    {EXPRESSION_PUCKER, "cheek.lower.*", -2.8f, 0, 1},
 };
 
 /* Of the way from rest to the end of the range that is meant. */
 static const struct turn_part {
-    act act;
+    expression expression;
     const char *dof;
     float part;
 } turn_parts[] = {
-    {ACT_JAW_OPEN, "jaw.open", 0.7f},
-    {ACT_SMILE, "jaw.open", 0.06f},
-    {ACT_BLINK, "lid_upper.l.close", 1},
-    {ACT_BLINK, "lid_upper.r.close", 1},
-    {ACT_BLINK, "lid_lower.l.close", 0.8f},
-    {ACT_BLINK, "lid_lower.r.close", 0.8f},
-    {ACT_WINK, "lid_upper.l.close", 1},
-    {ACT_WINK, "lid_lower.l.close", 0.8f},
-    {ACT_SMILE, "lid_lower.l.close", 0.35f},
-    {ACT_SMILE, "lid_lower.r.close", 0.35f},
-    {ACT_BROWS_UP, "lid_upper.l.close", -0.5f},
-    {ACT_BROWS_UP, "lid_upper.r.close", -0.5f},
-    {ACT_NOD, "skull.nod", 0.5f},
+    {EXPRESSION_JAW_OPEN, "jaw.open", 0.7f},
+    {EXPRESSION_SMILE, "jaw.open", 0.06f},
+    {EXPRESSION_BLINK, "lid_upper.l.close", 1},
+    {EXPRESSION_BLINK, "lid_upper.r.close", 1},
+    {EXPRESSION_BLINK, "lid_lower.l.close", 0.8f},
+    {EXPRESSION_BLINK, "lid_lower.r.close", 0.8f},
+    {EXPRESSION_WINK, "lid_upper.l.close", 1},
+    {EXPRESSION_WINK, "lid_lower.l.close", 0.8f},
+    {EXPRESSION_SMILE, "lid_lower.l.close", 0.35f},
+    {EXPRESSION_SMILE, "lid_lower.r.close", 0.35f},
+    {EXPRESSION_BROWS_UP, "lid_upper.l.close", -0.5f},
+    {EXPRESSION_BROWS_UP, "lid_upper.r.close", -0.5f},
+    {EXPRESSION_NOD, "skull.nod", 0.5f},
 };
 
 /* ---- finding ---- */
@@ -84,13 +84,13 @@ static bool is_named(const char *name, const char *pattern, float *out_side)
     return true;
 }
 
-/* The face's contact as one of the acts'; ACTS_CONTACTS_MAX: there is no room. */
-static uint32_t contact_slot(acts *self, const mrt_face *face, uint32_t contact)
+/* The face's contact as one of the expressions'; EXPRESSIONS_CONTACTS_MAX: there is no room. */
+static uint32_t contact_slot(expressions *self, const mrt_face *face, uint32_t contact)
 {
     uint32_t slot = 0;
     while (slot < self->contact_count && self->contact[slot] != contact)
         ++slot;
-    if (slot == self->contact_count && slot < ACTS_CONTACTS_MAX) {
+    if (slot == self->contact_count && slot < EXPRESSIONS_CONTACTS_MAX) {
         self->contact[slot] = contact;
         self->rest[slot] = face->contacts[contact].rest;
         self->contact_count += 1;
@@ -98,32 +98,33 @@ static uint32_t contact_slot(acts *self, const mrt_face *face, uint32_t contact)
     return slot;
 }
 
-static uint32_t dof_slot(acts *self, uint32_t dof)
+static uint32_t dof_slot(expressions *self, uint32_t dof)
 {
     uint32_t slot = 0;
     while (slot < self->dof_count && self->dof[slot] != dof)
         ++slot;
-    if (slot == self->dof_count && slot < ACTS_DOFS_MAX)
+    if (slot == self->dof_count && slot < EXPRESSIONS_DOFS_MAX)
         self->dof[self->dof_count++] = dof;
     return slot;
 }
 
-static void find_pulls(acts *self, const mrt_face *face, const struct pull_part *part, float scale)
+static void find_pulls(expressions *self, const mrt_face *face, const struct pull_part *part,
+                       float scale)
 {
     float side;
     for (uint32_t i = 0; i < face->contact_count; ++i) {
         if (!is_named(face->contacts[i].name, part->contact, &side))
             continue;
         uint32_t slot = contact_slot(self, face, i);
-        if (slot == ACTS_CONTACTS_MAX)
+        if (slot == EXPRESSIONS_CONTACTS_MAX)
             return;
-        self->way[part->act][slot] =
+        self->way[part->expression][slot] =
             (mrt_vec3){side * scale * part->out, scale * part->up, scale * part->front};
-        self->can[part->act] = true;
+        self->can[part->expression] = true;
     }
 }
 
-static void find_turns(acts *self, const mrt_face *face, const struct turn_part *part)
+static void find_turns(expressions *self, const mrt_face *face, const struct turn_part *part)
 {
     for (uint32_t i = 0; i < face->dof_count && i < MRT_MAX_DOFS; ++i) {
         const mrt_dof *dof = &face->dofs[i];
@@ -131,32 +132,32 @@ static void find_turns(acts *self, const mrt_face *face, const struct turn_part 
             continue;
         uint32_t slot = dof_slot(self, i);
         float end = part->part < 0.0f ? -dof->min : dof->max;
-        if (slot == ACTS_DOFS_MAX || !(end > 0.0f) || !isfinite(end))
+        if (slot == EXPRESSIONS_DOFS_MAX || !(end > 0.0f) || !isfinite(end))
             return;
-        self->turn[part->act][slot] = part->part * end;
-        self->can[part->act] = true;
+        self->turn[part->expression][slot] = part->part * end;
+        self->can[part->expression] = true;
     }
 }
 
-static void report_missing(const acts *self, const mrt_host *host)
+static void report_missing(const expressions *self, const mrt_host *host)
 {
     char line[200] = "the face has no contact or degree of freedom for:";
     size_t head = strlen(line), used = head;
-    for (int i = ACT_NEUTRAL + 1; i < ACT_COUNT; ++i) {
-        size_t length = strlen(act_names[i]);
+    for (int i = EXPRESSION_NEUTRAL + 1; i < EXPRESSION_COUNT; ++i) {
+        size_t length = strlen(expression_names[i]);
         if (self->can[i] || used + length + 3 > sizeof line)
             continue;
         if (used > head)
             line[used++] = ',';
         line[used++] = ' ';
-        memcpy(line + used, act_names[i], length + 1);
+        memcpy(line + used, expression_names[i], length + 1);
         used += length;
     }
     if (used > head)
         host->log(host, MRT_LOG_WARNING, line);
 }
 
-bool acts_find(acts *out, const mrt_face *face, const mrt_host *host)
+bool expressions_find(expressions *out, const mrt_face *face, const mrt_host *host)
 {
     memset(out, 0, sizeof *out);
     float height = face->high.y - face->low.y;
@@ -177,10 +178,10 @@ bool acts_find(acts *out, const mrt_face *face, const mrt_host *host)
 
 /* ---- writing ---- */
 
-static mrt_vec3 way_of(const acts *self, const double part[ACT_COUNT], uint32_t slot)
+static mrt_vec3 way_of(const expressions *self, const double part[EXPRESSION_COUNT], uint32_t slot)
 {
     double x = 0.0, y = 0.0, z = 0.0;
-    for (int i = 0; i < ACT_COUNT; ++i) {
+    for (int i = 0; i < EXPRESSION_COUNT; ++i) {
         x += part[i] * (double)self->way[i][slot].x;
         y += part[i] * (double)self->way[i][slot].y;
         z += part[i] * (double)self->way[i][slot].z;
@@ -188,17 +189,17 @@ static mrt_vec3 way_of(const acts *self, const double part[ACT_COUNT], uint32_t 
     return (mrt_vec3){(float)x, (float)y, (float)z};
 }
 
-static float turn_of(const acts *self, const double part[ACT_COUNT], uint32_t slot)
+static float turn_of(const expressions *self, const double part[EXPRESSION_COUNT], uint32_t slot)
 {
     double sum = 0.0;
-    for (int i = 0; i < ACT_COUNT; ++i)
+    for (int i = 0; i < EXPRESSION_COUNT; ++i)
         sum += part[i] * (double)self->turn[i][slot];
     return (float)sum;
 }
 
-void acts_write(const acts *self, const double part[ACT_COUNT], mrt_pull *pull)
+void expressions_write(const expressions *self, const double part[EXPRESSION_COUNT], mrt_pull *pull)
 {
-    mrt_vector vector[ACTS_CONTACTS_MAX];
+    mrt_vector vector[EXPRESSIONS_CONTACTS_MAX];
     for (uint32_t i = 0; i < self->contact_count; ++i) {
         mrt_vec3 rest = self->rest[i], way = way_of(self, part, i);
         vector[i] = (mrt_vector){rest, vec_sum(rest, 1.0f, way), 1 + self->contact[i]};
