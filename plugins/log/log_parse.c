@@ -96,93 +96,32 @@ static void text_copy(char *out, size_t capacity, log_text text)
     out[length] = '\0';
 }
 
-/* ---- numbers: digits * 10^exponent ---- */
+/* ---- numbers ---- */
 
-enum { DIGITS_MAX = 17, EXPONENT_MAX = 400 };
-
-typedef struct decimal {
-    uint64_t digits;
-    int32_t digit_count, exponent;
-} decimal;
-
-/* A run of digits; those that no double could tell apart only move the exponent. False: none. */
-static bool take_digits(log_text *text, decimal *number, int32_t exponent_per_digit)
-{
-    const char *first = text->at;
-    for (; text->at < text->end && is_digit(*text->at); text->at += 1) {
-        uint64_t digit = (uint64_t)(*text->at - '0');
-        if (number->digit_count < DIGITS_MAX) {
-            number->digits = number->digits * 10 + digit;
-            number->digit_count += number->digits > 0;
-            number->exponent += exponent_per_digit;
-        } else if (number->exponent < EXPONENT_MAX) {
-            number->exponent += exponent_per_digit + 1;
-        }
-    }
-    return text->at > first;
-}
-
-static bool take_sign(log_text *text)
-{
-    bool negative = text->at < text->end && *text->at == '-';
-    if (text->at < text->end && (*text->at == '-' || *text->at == '+'))
-        text->at += 1;
-    return negative;
-}
-
-static bool take_exponent(log_text *text, decimal *number)
-{
-    text->at += 1;
-    bool negative = take_sign(text);
-    int32_t exponent = 0;
-    const char *first = text->at;
-    for (; text->at < text->end && is_digit(*text->at); text->at += 1)
-        if (exponent < EXPONENT_MAX)
-            exponent = exponent * 10 + (*text->at - '0');
-    number->exponent += negative ? -exponent : exponent;
-    return text->at > first;
-}
-
-/* Exact for up to 15 digits and exponents within +-22, so that "0.1" is the double 0.1. */
-static double decimal_value(const decimal *number)
-{
-    double value = (double)number->digits, power = 1.0;
-    int32_t exponent = number->exponent;
-    if (exponent < -60 || number->digits == 0)
-        return 0.0;
-    for (int32_t i = 0; i < (exponent < 0 ? -exponent : exponent); ++i)
-        power *= 10.0;
-    return exponent < 0 ? value / power : value * power;
-}
+static const double NUMBER_MAX = 1e30;
 
 bool log_text_number(log_text text, double *out)
 {
-    decimal number = {0, 0, 0};
-    bool negative = take_sign(&text);
-    bool has_digits = take_digits(&text, &number, 0);
-    if (text.at < text.end && *text.at == '.') {
-        text.at += 1;
-        has_digits = take_digits(&text, &number, -1) || has_digits;
-    }
-    if (!has_digits)
+    char copy[LOG_NUMBER];
+    char *end;
+    size_t length = (size_t)(text.end - text.at);
+    if (length == 0 || length >= sizeof copy)
         return false;
-    if (text.at < text.end && (*text.at == 'e' || *text.at == 'E') &&
-        !take_exponent(&text, &number))
+    memcpy(copy, text.at, length);
+    copy[length] = '\0';
+    if (strspn(copy, "+-.0123456789eE") != length) /* strtod knows hexadecimal, nan and inf, too */
         return false;
-    if (text.at != text.end)
-        return false;
-    if (number.digits > 0 && number.digit_count + number.exponent > 30)
-        return false;
-    double value = decimal_value(&number);
-    *out = negative ? -value : value;
-    return true;
+    *out = strtod(copy, &end);
+    return *end == '\0' && *out > -NUMBER_MAX && *out < NUMBER_MAX;
 }
 
 #define LOG_INTEGER_MAX INT64_C(4000000000000000000)
 /* Within +-LOG_INTEGER_MAX: the difference of any two is an int64_t. */
 static bool read_integer(log_text text, int64_t *out)
 {
-    bool negative = take_sign(&text);
+    bool negative = text.at < text.end && *text.at == '-';
+    if (text.at < text.end && (*text.at == '-' || *text.at == '+'))
+        text.at += 1;
     int64_t value = 0;
     const char *first = text.at;
     for (; text.at < text.end && is_digit(*text.at); text.at += 1) {

@@ -13,8 +13,9 @@ typedef struct log_text {
     const char *at, *end;
 } log_text;
 
-/* The whole text must be one decimal number: [+-]digits[.digits][e[+-]digits]. At most 17
- * significant digits count; the magnitude must be below 1e30. */
+/* The whole text must be one decimal number of fewer than LOG_NUMBER letters:
+ * [+-]digits[.digits][e[+-]digits]. Its magnitude must be below 1e30. */
+enum { LOG_NUMBER = 128 };
 bool log_text_number(log_text text, double *out);
 
 /* ---- a log ---- */
