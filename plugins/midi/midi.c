@@ -132,19 +132,11 @@ static void input_close(mrt_plugin *self)
     self->is_open = false;
 }
 
-static int heard_at(const mrt_plugin *self, midi_control control)
-{
-    for (uint32_t i = 0; i < self->table.heard_count; ++i)
-        if (self->table.heard[i] == control)
-            return (int)i;
-    return NOWHERE;
-}
-
 static void build_channels(mrt_plugin *self)
 {
     midi_table_build(&self->table, self->opened_pedals);
     for (uint32_t i = 0; i < self->table.count; ++i) {
-        int heard = heard_at(self, self->table.control[i]);
+        int heard = midi_table_heard(&self->table, self->table.control[i]);
         self->value[i] = heard >= 0 ? self->heard_value[heard] : 0.0f;
         self->is_moved[i] = false;
     }
@@ -265,7 +257,7 @@ static void move(mrt_plugin *self, const midi_event *event)
 {
     const midi_control control = midi_control_of(event);
     const int channel = midi_table_find(&self->table, control);
-    int heard = heard_at(self, control);
+    int heard = midi_table_heard(&self->table, control);
     if (heard < 0 && midi_table_hear(&self->table, control)) {
         heard = (int)self->table.heard_count - 1;
         self->sent_value[heard] = NAN;
@@ -294,7 +286,7 @@ static void release(mrt_plugin *self, uint8_t midi_channel)
         const uint8_t of = self->table.control[i] >> 16 & 15;
         const uint32_t semantic = self->table.channel[i].semantic;
         const bool is_pedal = semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
-        const int heard = heard_at(self, self->table.control[i]);
+        const int heard = midi_table_heard(&self->table, self->table.control[i]);
         if ((kind != MIDI_NOTE && !is_pedal) || self->value[i] == 0.0f ||
             (midi_channel != MIDI_ALL_CHANNELS && midi_channel != of))
             continue;

@@ -105,17 +105,28 @@ bool midi_control_parse(midi_control *out, const char *text, size_t length)
 
 /* ---- the table ---- */
 
-static bool holds(const midi_control *controls, uint32_t count, midi_control control)
+/* -1: it is none of them. */
+static int index_of(const midi_control *controls, uint32_t count, midi_control control)
 {
     for (uint32_t i = 0; i < count; ++i)
         if (controls[i] == control)
-            return true;
-    return false;
+            return (int)i;
+    return -1;
+}
+
+int midi_table_find(const midi_table *self, midi_control control)
+{
+    return index_of(self->control, self->count, control);
+}
+
+int midi_table_heard(const midi_table *self, midi_control control)
+{
+    return index_of(self->heard, self->heard_count, control);
 }
 
 bool midi_table_hear(midi_table *self, midi_control control)
 {
-    if (self->heard_count == MRT_MAX_CHANNELS || holds(self->heard, self->heard_count, control))
+    if (self->heard_count == MRT_MAX_CHANNELS || midi_table_heard(self, control) >= 0)
         return false;
     self->heard[self->heard_count++] = control;
     return true;
@@ -123,7 +134,7 @@ bool midi_table_hear(midi_table *self, midi_control control)
 
 static void add(midi_table *self, midi_control control)
 {
-    if (self->count == MRT_MAX_CHANNELS || holds(self->control, self->count, control))
+    if (self->count == MRT_MAX_CHANNELS || midi_table_find(self, control) >= 0)
         return;
     uint32_t at = self->count++;
     for (; at > 0 && self->control[at - 1] > control; --at)
@@ -166,14 +177,6 @@ void midi_table_build(midi_table *self, bool has_pedals)
                                          kinds[kind].low,
                                          kinds[kind].high};
     }
-}
-
-int midi_table_find(const midi_table *self, midi_control control)
-{
-    for (uint32_t i = 0; i < self->count; ++i)
-        if (self->control[i] == control)
-            return (int)i;
-    return -1;
 }
 
 /* ---- as text ---- */

@@ -361,24 +361,6 @@ static osc_fault read_pedal(osc_event *out, const osc_message *message)
     return OSC_FAULT_NONE;
 }
 
-static osc_fault read_hand(osc_event *out, const osc_message *message, const char *rest)
-{
-    if (strncmp(rest, "left/", 5) == 0)
-        out->side = MRT_LEFT;
-    else if (strncmp(rest, "right/", 6) == 0)
-        out->side = MRT_RIGHT;
-    else
-        return refuse(out, OSC_FAULT_ADDRESS, "expected left or right after /marotte/hand/");
-    const char *part = strchr(rest, '/') + 1;
-    if (strcmp(part, "angles") == 0)
-        return read_angles(out, message);
-    if (strcmp(part, "joint") == 0)
-        return read_joint(out, message);
-    if (strcmp(part, "wrist") == 0)
-        return read_wrist(out, message);
-    return refuse(out, OSC_FAULT_ADDRESS, "expected angles, joint or wrist of a hand");
-}
-
 /* ---- VMC ---- */
 
 static osc_fault read_bone(osc_event *out, const osc_message *message)
@@ -433,16 +415,10 @@ static osc_fault read_key(osc_event *out, const osc_message *message)
     return give_control(out, OSC_CONTROLLERS + (uint32_t)(letter - 'A'), is_down != 0 ? 1 : 0);
 }
 
-static osc_fault read_vmc(osc_event *out, const osc_message *message, const char *rest)
+static osc_fault read_frame(osc_event *out, const osc_message *message)
 {
-    if (strcmp(rest, "Bone/Pos") == 0)
-        return read_bone(out, message);
-    if (strcmp(rest, "Midi/CC/Val") == 0)
-        return read_controller(out, message);
-    if (strcmp(rest, "Key") == 0)
-        return read_key(out, message);
-    if (strcmp(rest, "T") == 0 || strcmp(rest, "OK") == 0)
-        out->kind = OSC_EVENT_FRAME;
+    (void)message;
+    out->kind = OSC_EVENT_FRAME;
     return OSC_FAULT_NONE;
 }
 
@@ -535,20 +511,42 @@ static osc_fault read_end(osc_event *out, const osc_message *message)
     return fault;
 }
 
-static osc_fault read_ours(osc_event *out, const osc_message *message, const char *rest)
-{
-    if (strcmp(rest, "1/sample") == 0)
-        return read_sample(out, message);
-    if (strcmp(rest, "1/channels") == 0)
-        return read_channels(out, message);
-    if (strcmp(rest, "1/end") == 0)
-        return read_end(out, message);
-    if (strncmp(rest, "hand/", 5) == 0)
-        return read_hand(out, message, rest + 5);
-    if (strcmp(rest, "pedal") == 0)
-        return read_pedal(out, message);
-    return refuse(out, OSC_FAULT_ADDRESS, "no such message in this version of marotte");
-}
+/* ---- any message ---- */
+
+static const struct {
+    const char *address;
+    uint32_t side;
+    osc_fault (*read)(osc_event *out, const osc_message *message);
+} messages[] = {
+    {"/marotte/1/sample", MRT_NO_HAND, read_sample},
+    {"/marotte/1/channels", MRT_NO_HAND, read_channels},
+    {"/marotte/1/end", MRT_NO_HAND, read_end},
+    {"/marotte/hand/left/angles", MRT_LEFT, read_angles},
+    {"/marotte/hand/left/joint", MRT_LEFT, read_joint},
+    {"/marotte/hand/left/wrist", MRT_LEFT, read_wrist},
+    {"/marotte/hand/right/angles", MRT_RIGHT, read_angles},
+    {"/marotte/hand/right/joint", MRT_RIGHT, read_joint},
+    {"/marotte/hand/right/wrist", MRT_RIGHT, read_wrist},
+    {"/marotte/pedal", MRT_NO_HAND, read_pedal},
+    {"/VMC/Ext/Bone/Pos", MRT_NO_HAND, read_bone},
+    {"/VMC/Ext/Midi/CC/Val", MRT_NO_HAND, read_controller},
+    {"/VMC/Ext/Key", MRT_NO_HAND, read_key},
+    {"/VMC/Ext/T", MRT_NO_HAND, read_frame},
+    {"/VMC/Ext/OK", MRT_NO_HAND, read_frame},
+};
+
+/* What is expected of an address that is none of these, by how it begins. NULL: nothing, it is
+ * passed over. */
+static const struct {
+    const char *prefix, *expected;
+} others[] = {
+    {"/VMC/", NULL},
+    {"/marotte/hand/left/", "expected angles, joint or wrist of a hand"},
+    {"/marotte/hand/right/", "expected angles, joint or wrist of a hand"},
+    {"/marotte/hand/", "expected left or right after /marotte/hand/"},
+    {"/marotte/", "no such message in this version of marotte"},
+    {"", "no message of marotte or VMC: plugins/osc/README.md"},
+};
 
 osc_fault osc_event_read(osc_event *out, const osc_message *message)
 {
@@ -557,11 +555,13 @@ osc_fault osc_event_read(osc_event *out, const osc_message *message)
     out->first = out->count = 0;
     out->tag_ns = message->tag_ns;
     out->expected = "";
-    if (strncmp(message->address, "/marotte/", 9) == 0)
-        return read_ours(out, message, message->address + 9);
-    if (strncmp(message->address, "/VMC/Ext/", 9) == 0)
-        return read_vmc(out, message, message->address + 9);
-    if (strncmp(message->address, "/VMC/", 5) == 0)
-        return OSC_FAULT_NONE;
-    return refuse(out, OSC_FAULT_ADDRESS, "no message of marotte or VMC: plugins/osc/README.md");
+    for (size_t i = 0; i < sizeof messages / sizeof *messages; ++i)
+        if (strcmp(message->address, messages[i].address) == 0) {
+            out->side = messages[i].side;
+            return messages[i].read(out, message);
+        }
+    size_t i = 0;
+    while (strncmp(message->address, others[i].prefix, strlen(others[i].prefix)) != 0)
+        ++i;
+    return others[i].expected ? refuse(out, OSC_FAULT_ADDRESS, others[i].expected) : OSC_FAULT_NONE;
 }
