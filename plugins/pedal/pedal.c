@@ -69,7 +69,7 @@ typedef struct attempt {
 
 /* ---- what is known of a device ---- */
 
-static layout opening_known_layout(const usb_seen *device, char *complaint)
+static layout known_layout(const usb_seen *device, char *complaint)
 {
     char reason[LAYOUT_FILE_REASON] = "";
     layout learnt;
@@ -85,7 +85,7 @@ static layout opening_known_layout(const usb_seen *device, char *complaint)
         .vendor = device->vendor, .product = device->product, .interface_number = LAYOUT_ANY};
 }
 
-static const usb_endpoint *opening_endpoint(const layout *known, const usb_seen *device)
+static const usb_endpoint *endpoint_of(const layout *known, const usb_seen *device)
 {
     const usb_endpoint *first = NULL;
     for (uint32_t i = 0; i < device->endpoint_count; ++i) {
@@ -137,6 +137,14 @@ static void invert_axes(layout *of)
     }
 }
 
+static void find_analogue(mrt_plugin *self)
+{
+    self->analogue = 0;
+    for (uint32_t i = 0; i < self->layout.switch_count; ++i)
+        if (layout_is_analogue(&self->layout.switches[i]))
+            self->analogue |= 1u << i;
+}
+
 /* The layout with its switches, if anything says which they are. */
 static void complete_layout(mrt_plugin *self, const usb_endpoint *endpoint, const double *params)
 {
@@ -148,10 +156,7 @@ static void complete_layout(mrt_plugin *self, const usb_endpoint *endpoint, cons
         (void)describe_switches(of, &self->fields);
     if (params[PARAM_INVERT] > 0.5)
         invert_axes(of);
-    self->analogue = 0;
-    for (uint32_t i = 0; i < of->switch_count; ++i)
-        if (layout_is_analogue(&of->switches[i]))
-            self->analogue |= 1u << i;
+    find_analogue(self);
 }
 
 /* ---- channels ---- */
@@ -235,7 +240,7 @@ static void open_device(mrt_plugin *self, const usb_seen *device, const layout *
     self->device = *device;
     self->layout = *known;
     name_device(self);
-    const usb_endpoint *endpoint = opening_endpoint(known, device);
+    const usb_endpoint *endpoint = endpoint_of(known, device);
     if (!endpoint) {
         out->result = MRT_ERR_UNSUPPORTED;
         advice_no_endpoint(out->text, device);
@@ -298,7 +303,7 @@ static void try_to_open(mrt_plugin *self, const address *wanted, const double *p
     bool was_found = false;
     for (uint32_t i = 0; i < count && i < USB_SEEN; ++i) {
         char complaint[LAYOUT_FILE_REASON];
-        layout known = opening_known_layout(&seen[i], complaint);
+        layout known = known_layout(&seen[i], complaint);
         if (!address_matches(wanted, &self->binding, seen[i].path, seen[i].vendor, seen[i].product,
                              known.source != LAYOUT_OF_NOTHING)) {
             /* what was taught, and cannot be read any more, may be what is looked for */
@@ -350,7 +355,7 @@ static bool has_usb(mrt_plugin *self)
     return self->usb != NULL;
 }
 
-static void opening_close(mrt_plugin *self)
+static void pedal_close(mrt_plugin *self)
 {
     if (self->usb)
         usb_close(self->usb);
@@ -358,10 +363,10 @@ static void opening_close(mrt_plugin *self)
     self->is_open = false;
 }
 
-static mrt_result opening_open(mrt_plugin *self, const char *text, const double *params)
+static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *params)
 {
     address wanted;
-    opening_close(self);
+    pedal_close(self);
     if (!address_parse(&wanted, text)) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.60s\" is no address of a pedal: write usb:1-2.3 (a socket), usb:05f3:00ff "
@@ -425,7 +430,7 @@ static bool is_ours(const mrt_plugin *self, const usb_seen *device)
 static void judge(const mrt_plugin *self, const usb_seen *device, const layout *known,
                   mrt_device *out)
 {
-    const usb_endpoint *endpoint = opening_endpoint(known, device);
+    const usb_endpoint *endpoint = endpoint_of(known, device);
     if (!endpoint) {
         out->state = MRT_DEVICE_UNSURE;
         advice_no_endpoint(out->advice, device);
@@ -455,7 +460,7 @@ static void describe_device(const mrt_plugin *self, const usb_seen *device, cons
         snprintf(out->advice, sizeof out->advice, "%.*s", (int)sizeof out->advice - 1, complaint);
 }
 
-static uint32_t listing_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
+static uint32_t pedal_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
     usb_seen seen[USB_SEEN];
     if (!has_usb(self))
@@ -464,7 +469,7 @@ static uint32_t listing_list(mrt_plugin *self, mrt_device *out, uint32_t capacit
     uint32_t count = 0;
     for (uint32_t i = 0; i < seen_count && i < USB_SEEN; ++i) {
         char complaint[LAYOUT_FILE_REASON];
-        layout known = opening_known_layout(&seen[i], complaint);
+        layout known = known_layout(&seen[i], complaint);
         if (known.source == LAYOUT_OF_NOTHING && !complaint[0] && !may_be_pedal(&seen[i]))
             continue;
         if (count < capacity)
@@ -474,7 +479,7 @@ static uint32_t listing_list(mrt_plugin *self, mrt_device *out, uint32_t capacit
     return count;
 }
 
-static bool listing_current(mrt_plugin *self, mrt_device *out)
+static bool pedal_current(mrt_plugin *self, mrt_device *out)
 {
     *out = (mrt_device){.state = MRT_DEVICE_READY};
     if (!self->is_open || self->is_lost)
@@ -506,10 +511,7 @@ static void adopt(mrt_plugin *self)
         return;
     }
     self->layout = self->learn.found;
-    self->analogue = 0;
-    for (uint32_t i = 0; i < self->layout.switch_count; ++i)
-        if (layout_is_analogue(&self->layout.switches[i]))
-            self->analogue |= 1u << i;
+    find_analogue(self);
     memset(self->value, 0, sizeof self->value);
 }
 
@@ -545,29 +547,13 @@ static void say_progress(mrt_plugin *self)
     }
 }
 
-static void teach_begin(mrt_plugin *self, int64_t now_ns)
-{
-    if (learn_is_running(&self->learn))
-        return;
-    learn_start(&self->learn, &self->layout, self->fields.field_count > 0 ? &self->fields : NULL,
-                now_ns);
-    device_say(self->host, MRT_LOG_INFO, "learn: take your feet off %.60s at usb:%s", self->name,
-               self->device.path);
-}
-
-static void teach_report(mrt_plugin *self, const usb_report *report)
-{
-    if (learn_report(&self->learn, report->bytes, report->size, report->time_ns))
-        say_progress(self);
-}
-
-static void teach_tick(mrt_plugin *self, int64_t now_ns)
+static void go_on_learning(mrt_plugin *self, int64_t now_ns)
 {
     if (learn_tick(&self->learn, now_ns))
         say_progress(self);
 }
 
-static void teach_lose(mrt_plugin *self)
+static void give_up_learning(mrt_plugin *self)
 {
     if (!learn_is_running(&self->learn))
         return;
@@ -607,7 +593,7 @@ static mrt_result give_loss(mrt_plugin *self, mrt_sample *out)
 {
     if (!self->has_released) {
         self->has_released = true;
-        teach_lose(self);
+        give_up_learning(self);
         memset(self->value, 0, sizeof self->value);
         debounce_reset(&self->debounce);
         return give(self, self->host->now_ns(self->host), out);
@@ -635,7 +621,8 @@ static bool take_report(mrt_plugin *self, const double *params)
     self->has_report = false;
     trace_received(&self->trace, report->time_ns, report->bytes, report->size);
     if (learn_is_running(&self->learn)) {
-        teach_report(self, report);
+        if (learn_report(&self->learn, report->bytes, report->size, report->time_ns))
+            say_progress(self);
         return false;
     }
     return decode_report(&self->layout, report->bytes, report->size, self->value) &&
@@ -667,7 +654,7 @@ static mrt_result read_report(mrt_plugin *self, const double *params, mrt_sample
     if (give_settled(self, params, time_ns, out))
         return MRT_OK;
     bool changed = take_report(self, params);
-    teach_tick(self, time_ns);
+    go_on_learning(self, time_ns);
     return changed || self->repeat_due_ns <= time_ns ? give(self, time_ns, out) : MRT_TIMEOUT;
 }
 
@@ -675,7 +662,7 @@ static mrt_result read_report(mrt_plugin *self, const double *params, mrt_sample
 static mrt_result read_silence(mrt_plugin *self, const double *params, mrt_sample *out)
 {
     int64_t now_ns = self->host->now_ns(self->host);
-    teach_tick(self, now_ns);
+    go_on_learning(self, now_ns);
     if (give_settled(self, params, now_ns, out))
         return MRT_OK;
     return self->repeat_due_ns <= now_ns ? give(self, now_ns, out) : MRT_TIMEOUT;
@@ -687,7 +674,12 @@ static mrt_result read_silence(mrt_plugin *self, const double *params, mrt_sampl
 static void begin_learning(mrt_plugin *self)
 {
     int64_t now_ns = self->host->now_ns(self->host);
-    teach_begin(self, now_ns);
+    if (!learn_is_running(&self->learn)) {
+        learn_start(&self->learn, &self->layout,
+                    self->fields.field_count > 0 ? &self->fields : NULL, now_ns);
+        device_say(self->host, MRT_LOG_INFO, "learn: take your feet off %.60s at usb:%s",
+                   self->name, self->device.path);
+    }
     memset(self->value, 0, sizeof self->value);
     debounce_reset(&self->debounce);
     self->repeat_due_ns = now_ns;
@@ -751,7 +743,7 @@ static void pedal_destroy(mrt_plugin *self)
 {
     if (!self)
         return;
-    opening_close(self);
+    pedal_close(self);
     usb_destroy(self->usb);
     free(self);
 }
@@ -788,8 +780,8 @@ static const mrt_param params_table[PARAM_COUNT] = {
                      NULL},
 };
 
-static const mrt_input input = {opening_open, pedal_channels, pedal_read, opening_close, 0};
-static const mrt_devices devices = {listing_list, listing_current};
+static const mrt_input input = {pedal_open, pedal_channels, pedal_read, pedal_close, 0};
+static const mrt_devices devices = {pedal_list, pedal_current};
 
 static const mrt_interface interfaces[] = {
     {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
