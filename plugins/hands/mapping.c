@@ -38,17 +38,17 @@ void mapping_pull(mrt_pull *pull, const mrt_vector *vector, uint32_t count, floa
 enum { HEAD = 16, SUM = 8 };
 _Static_assert(sizeof(int) == 4 && sizeof(bool) == 1 && sizeof(memory_kind) == 4, "stored so");
 
-static uint64_t sum_on(uint64_t sum, const unsigned char *bytes, size_t size)
+uint64_t memory_sum(uint64_t sum, const void *bytes, size_t size)
 {
+    const unsigned char *at = bytes;
     for (size_t i = 0; i < size; ++i)
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
+        sum = (sum ^ at[i]) * UINT64_C(0x100000001b3);
     return sum;
 }
 
 static uint64_t sum_of_type(const memory_list *list)
 {
-    return sum_on(UINT64_C(0xcbf29ce484222325), (const unsigned char *)list->type,
-                  strlen(list->type));
+    return memory_sum(MEMORY_SUM_START, list->type, strlen(list->type));
 }
 
 static size_t size_of(memory_kind kind)
@@ -138,7 +138,7 @@ size_t memory_save(const memory_list *list, void *out, size_t capacity)
         memcpy(at, part->at, part->size);
         at += part->size;
     }
-    uint64_t sum = sum_on(sum_of_type(list), bytes, (size_t)(at - bytes));
+    uint64_t sum = memory_sum(sum_of_type(list), bytes, (size_t)(at - bytes));
     memcpy(at, &sum, SUM);
     return size;
 }
@@ -152,7 +152,7 @@ bool memory_load(const memory_list *list, const void *bytes, size_t size)
     if (!at || size != HEAD + body_of(list) + SUM || memcmp(at, head, HEAD) != 0)
         return false;
     memcpy(&sum, at + size - SUM, SUM);
-    if (sum != sum_on(sum_of_type(list), at, size - SUM) || !are_allowed(list, at + HEAD))
+    if (sum != memory_sum(sum_of_type(list), at, size - SUM) || !are_allowed(list, at + HEAD))
         return false;
     at += HEAD;
     const memory_part *part;

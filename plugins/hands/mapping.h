@@ -73,6 +73,10 @@ size_t memory_save(const memory_list *list, void *out, size_t capacity);
 /* False: not bytes of such a list, or a value that it may not hold; nothing is changed. */
 bool memory_load(const memory_list *list, const void *bytes, size_t size);
 
+/* FNV-1a, gone on with: begins with MEMORY_SUM_START. */
+#define MEMORY_SUM_START UINT64_C(0xcbf29ce484222325)
+uint64_t memory_sum(uint64_t sum, const void *bytes, size_t size);
+
 /* MRT_RESUME of a mapping, called `resume`: `list_of(self)` names all that it remembers. */
 #define MEMORY_RESUME(list_of)                                                                     \
     static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)                        \

@@ -7,6 +7,7 @@
 #include "maps.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -397,73 +398,45 @@ typedef struct neutral {
     reading pose;
 } neutral;
 
-/* "MRT1HAND", a version, which hands are known (bit per side), two poses, FNV-1a of all that. */
-static const unsigned char magic[8] = {'M', 'R', 'T', '1', 'H', 'A', 'N', 'D'};
-enum { VERSION = 1, HEAD = 16, BODY = HEAD + 2 * READING_COUNT * 8, SIZE = BODY + 8 };
+typedef struct stored_neutrals {
+    char magic[8];
+    uint32_t version, known; /* known: bit per side; the pose of another is 0 */
+    reading pose[2];
+    uint64_t sum; /* FNV-1a of all that is before it */
+} stored_neutrals;
+_Static_assert(sizeof(stored_neutrals) == 24 + 2 * sizeof(reading), "stored so");
 
-static void put(unsigned char *out, uint64_t value, int bytes)
-{
-    for (int i = 0; i < bytes; ++i)
-        out[i] = (unsigned char)(value >> (8 * i));
-}
-
-static uint64_t get(const unsigned char *in, int bytes)
-{
-    uint64_t value = 0;
-    for (int i = 0; i < bytes; ++i)
-        value |= (uint64_t)in[i] << (8 * i);
-    return value;
-}
-
-static uint64_t sum_of(const unsigned char *bytes, size_t size)
-{
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (size_t i = 0; i < size; ++i)
-        sum = (sum ^ bytes[i]) * UINT64_C(0x100000001b3);
-    return sum;
-}
+static const stored_neutrals stored_head = {{'M', 'R', 'T', '1', 'H', 'A', 'N', 'D'}, .version = 1};
 
 /* out may be NULL: the size it takes. Writes nothing when capacity is less. */
 static size_t stored_write(void *out, size_t capacity, const neutral hands[2])
 {
-    if (!out || capacity < SIZE)
-        return SIZE;
-    unsigned char *bytes = out;
-    memcpy(bytes, magic, sizeof magic);
-    put(bytes + 8, VERSION, 4);
-    put(bytes + 12, (hands[0].is_known ? 1u : 0u) | (hands[1].is_known ? 2u : 0u), 4);
-    unsigned char *at = bytes + HEAD;
+    stored_neutrals now = stored_head;
     for (int side = 0; side < 2; ++side)
-        for (int i = 0; i < READING_COUNT; ++i, at += 8) {
-            double value = hands[side].is_known ? hands[side].pose.value[i] : 0.0;
-            uint64_t bits;
-            memcpy(&bits, &value, sizeof bits);
-            put(at, bits, 8);
+        if (hands[side].is_known) {
+            now.known |= 1u << side;
+            now.pose[side] = hands[side].pose;
         }
-    put(bytes + BODY, sum_of(bytes, BODY), 8);
-    return SIZE;
+    now.sum = memory_sum(MEMORY_SUM_START, &now, offsetof(stored_neutrals, sum));
+    if (out && capacity >= sizeof now)
+        memcpy(out, &now, sizeof now);
+    return sizeof now;
 }
 
 /* False: not bytes of stored_write; hands are untouched. */
 static bool stored_read(neutral hands[2], const void *in, size_t size)
 {
-    const unsigned char *bytes = in;
-    if (!bytes || size != SIZE || memcmp(bytes, magic, sizeof magic) != 0 ||
-        get(bytes + 8, 4) != VERSION || get(bytes + 12, 4) > 3 ||
-        get(bytes + BODY, 8) != sum_of(bytes, BODY))
+    stored_neutrals then;
+    if (!in || size != sizeof then)
         return false;
-    neutral read[2];
-    const unsigned char *at = bytes + HEAD;
-    for (int side = 0; side < 2; ++side) {
-        read[side].is_known = get(bytes + 12, 4) >> side & 1;
-        for (int i = 0; i < READING_COUNT; ++i, at += 8) {
-            uint64_t bits = get(at, 8);
-            memcpy(&read[side].pose.value[i], &bits, sizeof bits);
-        }
-        if (!reading_is_plausible(&read[side].pose))
-            return false;
-    }
-    memcpy(hands, read, sizeof read);
+    memcpy(&then, in, sizeof then);
+    if (memcmp(then.magic, stored_head.magic, sizeof then.magic) != 0 ||
+        then.version != stored_head.version || then.known > 3 ||
+        then.sum != memory_sum(MEMORY_SUM_START, &then, offsetof(stored_neutrals, sum)) ||
+        !reading_is_plausible(&then.pose[0]) || !reading_is_plausible(&then.pose[1]))
+        return false;
+    for (int side = 0; side < 2; ++side)
+        hands[side] = (neutral){then.known >> side & 1, then.pose[side]};
     return true;
 }
 
