@@ -21,9 +21,6 @@ enum { FINGERS = 5, CONTACT_MOST = 256 };
 
 typedef enum phase { LOOSE = 0, SEEKING, HOLDING, SPRINGING } phase;
 
-/* Points nearer to each other than this part of the radius share their place. */
-static const float least_apart = 0.15f;
-
 /* As the paper has it a pull has no reach; beyond this many heights of the face a hand is lost, and
  * the host would take the pull for nonsense (plugin.h: ten sizes). */
 static const float paper_reach = 4.0f;
@@ -38,7 +35,6 @@ struct mrt_plugin {
     mrt_vec3 reference[PLACEMENT_POINTS_MAX]; /* where each hand point counts from */
     mrt_vec3 let_go[PLACEMENT_POINTS_MAX];    /* springing: the displacement at release */
     uint32_t leader[PLACEMENT_POINTS_MAX];    /* which points share a place (placement_share) */
-    bool has_told;                            /* that some do */
     double spring_s;                          /* since release */
 };
 
@@ -114,13 +110,9 @@ static void share_places(mrt_plugin *self, const mrt_pull *pull, const mrt_vec3 
         free_point[free_count] = point[i];
         index[free_count++] = i;
     }
-    uint32_t shared_count =
-        placement_share(free_point, free_count, least_apart * pull->radius_mm, leader);
+    placement_share(&self->placement, self->host, free_point, free_count, pull->radius_mm, leader);
     for (uint32_t k = 0; k < free_count; ++k)
         self->leader[index[k]] = index[leader[k]];
-    if (shared_count > 0 && !self->has_told)
-        self->host->log(self->host, MRT_LOG_WARNING, placement_shared_text);
-    self->has_told |= shared_count > 0;
 }
 
 /* New starts where the hand is now; nothing moves, so nothing jumps. */

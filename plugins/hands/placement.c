@@ -1,16 +1,14 @@
 #include "placement.h"
 #include "mapping.h"
 
+/* Points nearer to each other than this part of the radius share their place. */
+static const float least_apart = 0.15f;
 static const float hand_length_mm = 190.0f, reach_in_faces = 4.0f;
 static const double rad_per_deg = 0.017453292519943295;
 
 const char *const placement_hands_labels[] = {"Both", "Left", "Right", NULL};
 const char *const placement_off_on_labels[] = {"Off", "On", NULL};
 const char *const placement_posture_labels[] = {"In the head", "Before the face", NULL};
-
-const char placement_shared_text[] =
-    "fingertips are laid so near to each other that they share a place of the face: it follows "
-    "their mean; lay the hands further apart, or make the radius smaller";
 
 /* Two hands side by side, where nobody says how far apart they are. Beside one hand's placement:
  * turned so that thumbs point down and fingers up, a little lower, and further back, for beside its
@@ -201,9 +199,10 @@ static bool are_near(mrt_vec3 a, mrt_vec3 b, float least_mm)
     return x * x + y * y + z * z < least_mm * least_mm;
 }
 
-uint32_t placement_share(const mrt_vec3 *point, uint32_t count, float least_mm,
-                         uint32_t out_leader[PLACEMENT_POINTS_MAX])
+void placement_share(placement *self, const mrt_host *host, const mrt_vec3 *point, uint32_t count,
+                     float radius_mm, uint32_t out_leader[PLACEMENT_POINTS_MAX])
 {
+    float least_mm = least_apart * radius_mm;
     uint32_t shared_count = 0;
     for (uint32_t i = 0; i < count; ++i) {
         out_leader[i] = i;
@@ -218,7 +217,11 @@ uint32_t placement_share(const mrt_vec3 *point, uint32_t count, float least_mm,
             ++shared_count;
         }
     }
-    return shared_count;
+    if (shared_count > 0 && !self->has_told)
+        host->log(host, MRT_LOG_WARNING,
+                  "fingertips are laid so near to each other that they share a place of the face: "
+                  "it follows their mean; lay the hands further apart, or make the radius smaller");
+    self->has_told |= shared_count > 0;
 }
 
 void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader)

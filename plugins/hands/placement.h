@@ -62,6 +62,7 @@ typedef struct placement {
     mrt_vec3 low, size; /* of the face, mm */
     bool is_laid[2];
     mrt_vec3 home[2]; /* hand frame: what lies at the place asked for */
+    bool has_told;    /* that points share a place */
 } placement;
 
 /* For a memory_list: what activate does not derive. */
@@ -79,15 +80,13 @@ bool placement_pulls(const mrt_frame *frame, uint32_t side);
 uint32_t placement_points(placement *self, const mrt_frame *frame,
                           mrt_vec3 out_point[PLACEMENT_POINTS_MAX]);
 
-/* Points that are nearer to each other than least_mm, or joined by such, share one place, or they
- * would tear at it: out_leader[i] is the first point of the place of point i. Returns how many are
- * not the first of theirs. */
-uint32_t placement_share(const mrt_vec3 *point, uint32_t count, float least_mm,
-                         uint32_t out_leader[PLACEMENT_POINTS_MAX]);
+/* Points that are near to each other beside the radius, or joined by such, share one place, or they
+ * would tear at it, which is logged once: out_leader[i] is the first point of the place of point i.
+ */
+void placement_share(placement *self, const mrt_host *host, const mrt_vec3 *point, uint32_t count,
+                     float radius_mm, uint32_t out_leader[PLACEMENT_POINTS_MAX]);
 /* Each point becomes the mean of those that share its place. */
 void placement_blend(mrt_vec3 *point, uint32_t count, const uint32_t *leader);
-/* What to log, once, when points share a place. */
-extern const char placement_shared_text[];
 
 /* p, or the nearest place that is no further from the face than four times its size: the host's
  * guard holds the whole pull beyond ten. For points that add up what hands do. */

@@ -16,9 +16,6 @@ enum {
     PARAM_COUNT = CLUTCH + CLUTCH_COUNT
 };
 
-/* Points nearer to each other than this part of the radius share their place. */
-static const float least_apart = 0.15f;
-
 struct mrt_plugin {
     const mrt_host *host;
     placement placement;
@@ -27,7 +24,6 @@ struct mrt_plugin {
     uint32_t count;
     mrt_vec3 hand[PLACEMENT_POINTS_MAX];   /* the hand's points in the last frame */
     uint32_t leader[PLACEMENT_POINTS_MAX]; /* which of them share a place (placement_share) */
-    bool has_told;                         /* that some do */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -55,11 +51,7 @@ static void reset(mrt_plugin *self)
 /* The points of the pull start where the hand is: the first frame of a touch moves nothing. */
 static void touch(mrt_plugin *self, mrt_pull *pull, mrt_vec3 *point, uint32_t count)
 {
-    if (placement_share(point, count, least_apart * pull->radius_mm, self->leader) > 0 &&
-        !self->has_told) {
-        self->has_told = true;
-        self->host->log(self->host, MRT_LOG_WARNING, placement_shared_text);
-    }
+    placement_share(&self->placement, self->host, point, count, pull->radius_mm, self->leader);
     placement_blend(point, count, self->leader);
     for (uint32_t i = 0; i < count; ++i) {
         mrt_vec3 p = placement_within_reach(&self->placement, point[i]);
