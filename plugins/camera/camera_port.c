@@ -1,5 +1,4 @@
 #include "camera_port.h"
-#include "clock_map.h"
 #include "device_io.h"
 #include "trace.h"
 

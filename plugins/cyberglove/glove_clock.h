@@ -1,9 +1,9 @@
 /* cyberglove/glove_clock.h - when a record was measured, on the host's clock: by the glove's own
- * time stamps where it gives them (devices/clock_map.h), else by its steady rate: bunched arrivals
+ * time stamps where it gives them (devices/device_io.h), else by its steady rate: bunched arrivals
  * are spread, and the earliest of late show when. Pure functions on one struct; no allocation. */
 #ifndef MAROTTE_CYBERGLOVE_CLOCK_H
 #define MAROTTE_CYBERGLOVE_CLOCK_H
-#include "clock_map.h"
+#include "device_io.h"
 #include "glove_parse.h"
 
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 /* plugins/openxr/openxr_record.h - what marotte-openxr-hands writes to its pipe and the plugin
- * reads: records of one size, each in one write (less than PIPE_BUF). The reader believes nothing:
- * libraries of vendors are loaded into the writer. Pure. */
+ * (openxr_helper.c) reads: records of one size, each in one write (less than PIPE_BUF). The reader
+ * believes nothing: libraries of vendors are loaded into the writer. Pure. */
 #ifndef MAROTTE_OPENXR_RECORD_H
 #define MAROTTE_OPENXR_RECORD_H
 #include <stdbool.h>

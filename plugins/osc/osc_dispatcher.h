@@ -6,7 +6,7 @@
  * osc_wire's. */
 #ifndef MAROTTE_OSC_DISPATCHER_H
 #define MAROTTE_OSC_DISPATCHER_H
-#include "clock_map.h"
+#include "device_io.h"
 #include "osc_event.h"
 #include "udp.h"
 

@@ -1,7 +1,6 @@
 /* phone.c - the plugin "org.marotte.phone": the face of a person before a phone or a webcam, as
  * programs send it over the network, as 61 named channels (phone_parse.h). README.md says how it
  * is used. */
-#include "clock_map.h"
 #include "device_io.h"
 #include "phone_parse.h"
 #include "trace.h"

@@ -5,7 +5,7 @@
  */
 #ifndef PLUGINS_VOICE_LISTENER_H
 #define PLUGINS_VOICE_LISTENER_H
-#include "clock_map.h"
+#include "device_io.h"
 
 #include <marotte/plugin.h>
 

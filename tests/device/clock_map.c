@@ -1,5 +1,6 @@
-/* devices/clock_map.h: bunched and late arrivals do not show in the times of samples. */
-#include "clock_map.h"
+/* clock_map of devices/device_io.h: bunched and late arrivals do not show in the times of samples.
+ */
+#include "device_io.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
