@@ -23,20 +23,11 @@ static const int64_t between_ns = 100000000, slowest_ns = 1000000000;
 
 struct mrt_plugin {
     const mrt_host *host;
-    const mrt_landmark_reader *reader; /* NULL: this host reads no landmarks */
-    camera_port *port;                 /* NULL: closed */
+    camera_port *port; /* NULL: closed */
     uint16_t number;
     camera_listener listener; /* joined while port is there */
     bare_hand hand;
-
-    mrt_hand_reading reading;
-    uint32_t shown_side; /* of BARE_HAND_EITHER: whose hand it was last */
-    bool has_shown;
-    int64_t shown_ns;
-    int64_t host_offset_ns;     /* the host's clock less device_clock_ns */
-    int64_t opened_ns, last_ns; /* last_ns: of the sample that was given last */
-    uint32_t sequence, lost;
-    bool has_given, is_steady; /* steady: the picture before this one had the hand too */
+    bool is_steady; /* the picture before this one had the hand too */
     /* From the sample given last to the newest reading: steps that are still to be given. */
     uint32_t step_count, step;
     int64_t from_ns, to_ns;
@@ -142,15 +133,9 @@ static void begin(mrt_plugin *self, const double *params)
 {
     bare_hand_begin(&self->hand, params);
     self->listener.hands_wanted = 1;
-    self->has_shown = self->has_given = self->is_steady = false;
+    self->is_steady = false;
     self->step_count = self->step = 0;
-    self->reading = (mrt_hand_reading){.confidence = 0.0f};
-    self->reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
-    self->sequence = self->lost = 0;
-    int64_t own_ns = device_clock_ns();
-    self->opened_ns = self->host->now_ns(self->host);
-    self->host_offset_ns = self->opened_ns - own_ns;
-    self->last_ns = self->opened_ns;
+    self->hand.reading.angle[19] = 0.12f; /* the palm's arch, which a camera hardly sees */
     camera_port_join(self->port, &self->listener);
 }
 
@@ -164,11 +149,8 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
                    "\"%.40s\" is no port: expected a number from 1 to 65535", address);
         return MRT_ERR_ARGUMENT;
     }
-    if (!self->reader) {
-        device_say(self->host, MRT_LOG_ERROR,
-                   "this program reads no landmarks of hands: a newer marotte does");
+    if (!bare_hand_can_be_read(&self->hand))
         return MRT_ERR_UNSUPPORTED;
-    }
     if (!find_token(self, token)) {
         device_say(self->host, MRT_LOG_ERROR, "this system gives no random numbers");
         return MRT_ERR_IO;
@@ -200,15 +182,15 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 /* ---- reading ---- */
 
 /* Which of those that were seen is the one that performs; NULL: none. */
-static const camera_hand *choose(const mrt_plugin *self, const camera_seen *seen)
+static const camera_hand *choose(const bare_hand *shown, const camera_seen *seen)
 {
     const camera_hand *best = NULL;
     for (uint32_t i = 0; i < seen->hand_count; ++i) {
         const camera_hand *hand = &seen->hand[i];
-        if (self->hand.wanted != BARE_HAND_EITHER && hand->seen.side != self->hand.wanted)
+        if (shown->wanted != BARE_HAND_EITHER && hand->seen.side != shown->wanted)
             continue;
-        bool is_followed = self->has_shown && hand->seen.side == self->shown_side;
-        bool best_is_followed = best && self->has_shown && best->seen.side == self->shown_side;
+        bool is_followed = shown->has_shown && hand->seen.side == shown->shown_side;
+        bool best_is_followed = best && shown->has_shown && best->seen.side == shown->shown_side;
         if (!best || is_followed > best_is_followed ||
             (is_followed == best_is_followed && hand->score > best->score))
             best = hand;
@@ -218,12 +200,12 @@ static const camera_hand *choose(const mrt_plugin *self, const camera_seen *seen
 
 /* Whether it can be believed; then `reading` is that hand. Of BARE_HAND_EITHER the page's word for
  * the side counts less than how the hand bends. */
-static bool read_hand(mrt_plugin *self, const camera_hand *hand, uint32_t *out_side)
+static bool read_hand(bare_hand *self, const camera_hand *hand, uint32_t *out_side)
 {
     mrt_hand_reading now = self->reading;
     mrt_landmarks seen = hand->seen;
     self->reader->read(self->host, &seen, &now);
-    if (now.confidence < BARE_HAND_SURE && self->hand.wanted == BARE_HAND_EITHER) {
+    if (now.confidence < BARE_HAND_SURE && self->wanted == BARE_HAND_EITHER) {
         now = self->reading;
         seen.side = seen.side == MRT_LEFT ? MRT_RIGHT : MRT_LEFT;
         self->reader->read(self->host, &seen, &now);
@@ -231,7 +213,7 @@ static bool read_hand(mrt_plugin *self, const camera_hand *hand, uint32_t *out_s
     *out_side = seen.side;
     if (now.confidence < BARE_HAND_SURE)
         return false;
-    bare_hand_turn(&self->hand, seen.side, &now);
+    bare_hand_turn(self, seen.side, &now);
     self->reading = now;
     return true;
 }
@@ -241,26 +223,26 @@ static bool take_seen(mrt_plugin *self, const camera_seen *seen)
 {
     float from[MRT_ANGLES];
     uint32_t side;
-    const camera_hand *hand = choose(self, seen);
+    bare_hand *shown = &self->hand;
+    const camera_hand *hand = choose(shown, seen);
     bool was_steady = self->is_steady;
-    self->lost += seen->lost;
+    shown->lost += seen->lost;
     self->is_steady = false;
-    memcpy(from, self->reading.angle, sizeof from);
-    if (!hand || !read_hand(self, hand, &side))
+    memcpy(from, shown->reading.angle, sizeof from);
+    if (!hand || !read_hand(shown, hand, &side))
         return false;
-    if (self->has_shown && side != self->shown_side &&
-        seen->time_ns - self->shown_ns < BARE_HAND_CHANGE_NS)
+    if (shown->has_shown && side != shown->shown_side &&
+        seen->time_ns - shown->shown_ns < BARE_HAND_CHANGE_NS)
         return false;
-    was_steady &= self->has_shown && side == self->shown_side;
-    self->from_ns = self->to_ns = self->last_ns;
-    (void)device_sample_ns(self->host, seen->time_ns + self->host_offset_ns, &self->to_ns);
+    was_steady &= shown->has_shown && side == shown->shown_side;
+    self->from_ns = self->to_ns = shown->last_ns;
+    (void)device_sample_ns(self->host, seen->time_ns + shown->host_offset_ns, &self->to_ns);
     memcpy(self->from, from, sizeof from);
     int64_t gap_ns = self->to_ns - self->from_ns;
     self->step = 0;
     self->step_count = was_steady && gap_ns <= slowest_ns ? 1 + (uint32_t)(gap_ns / between_ns) : 1;
-    self->is_steady = self->has_shown = true;
-    self->shown_side = side;
-    self->shown_ns = seen->time_ns;
+    self->is_steady = true;
+    bare_hand_show(shown, side, seen->time_ns);
     return true;
 }
 
@@ -270,17 +252,11 @@ static void give_step(mrt_plugin *self, mrt_sample *out)
     const bool is_there = ++self->step == self->step_count;
     const float share = (float)self->step / (float)self->step_count;
     const int64_t gap_ns = self->to_ns - self->from_ns;
-    memset(out, 0, sizeof *out);
-    out->time_ns = is_there ? self->to_ns : self->from_ns + gap_ns / self->step_count * self->step;
-    self->sequence += self->lost + self->has_given;
-    self->lost = 0;
-    self->has_given = true;
-    self->last_ns = out->time_ns;
-    out->sequence = self->sequence;
-    out->count = MRT_ANGLES;
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        out->value[i] = is_there ? self->reading.angle[i]
-                                 : self->from[i] + share * (self->reading.angle[i] - self->from[i]);
+    bare_hand_give(&self->hand,
+                   is_there ? self->to_ns : self->from_ns + gap_ns / self->step_count * self->step,
+                   out);
+    for (int i = 0; i < MRT_ANGLES && !is_there; ++i)
+        out->value[i] = self->from[i] + share * (self->hand.reading.angle[i] - self->from[i]);
 }
 
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
@@ -288,7 +264,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 {
     if (!self->port)
         return MRT_ERR_IO;
-    bare_hand_follow(&self->hand, self->host, params);
+    bare_hand_follow(&self->hand, params);
     int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
     for (bool has_waited = false;; has_waited = true) {
         camera_seen seen;
@@ -358,7 +334,7 @@ static mrt_plugin *create(const mrt_host *host)
     if (!self)
         return NULL;
     self->host = host;
-    self->reader = host->service(host, MRT_LANDMARKS);
+    bare_hand_init(&self->hand, host);
     return self;
 }
 

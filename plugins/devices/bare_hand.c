@@ -26,25 +26,41 @@ static uint32_t wanted_of(const double *params)
     return hand < 0.5 ? MRT_LEFT : hand < 1.5 ? MRT_RIGHT : BARE_HAND_EITHER;
 }
 
-void bare_hand_begin(bare_hand *out, const double *params)
+void bare_hand_init(bare_hand *out, const mrt_host *host)
 {
-    memset(out, 0, sizeof *out);
-    out->wanted = wanted_of(params);
-    const uint32_t side = out->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
+    *out = (bare_hand){.host = host, .reader = host->service(host, MRT_LANDMARKS)};
+}
+
+bool bare_hand_can_be_read(const bare_hand *self)
+{
+    if (!self->reader)
+        device_say(self->host, MRT_LOG_ERROR,
+                   "this program reads no landmarks of hands: a newer marotte does");
+    return self->reader != NULL;
+}
+
+void bare_hand_begin(bare_hand *self, const double *params)
+{
+    *self = (bare_hand){.host = self->host,
+                        .reader = self->reader,
+                        .wanted = wanted_of(params),
+                        .host_offset_ns = device_clock_host_offset_ns(self->host),
+                        .last_ns = self->host->now_ns(self->host)};
+    const uint32_t side = self->wanted == MRT_LEFT ? MRT_LEFT : MRT_RIGHT;
     for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
-        (void)snprintf(out->name[i], sizeof out->name[i], "%s.%s",
+        (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s",
                        side == MRT_LEFT ? "left" : "right", device_sensor_name[i]);
-        out->channel[i] = (mrt_channel){out->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
+        self->channel[i] = (mrt_channel){self->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
     }
 }
 
-void bare_hand_follow(bare_hand *self, const mrt_host *host, const double *params)
+void bare_hand_follow(bare_hand *self, const double *params)
 {
     self->follows_wrist = params[BARE_HAND_WRIST] > 0.5;
     if (self->has_asked_to_restart || wanted_of(params) == self->wanted)
         return;
     self->has_asked_to_restart = true;
-    host->request_restart(host);
+    self->host->request_restart(self->host);
 }
 
 /* v turned by q: v + 2 w (u x v) + 2 u x (u x v). */
@@ -81,4 +97,23 @@ void bare_hand_turn(bare_hand *self, uint32_t side, mrt_hand_reading *reading)
     float yaw = asinf(fminf(fmaxf(aside, -1.0f), 1.0f)), pitch = atan2f(-seen[1], seen[2]);
     reading->angle[WRIST_YAW] = fminf(fmaxf(yaw, -turn_most_rad), turn_most_rad);
     reading->angle[WRIST_PITCH] = fminf(fmaxf(pitch, -turn_most_rad), turn_most_rad);
+}
+
+void bare_hand_show(bare_hand *self, uint32_t side, int64_t time_ns)
+{
+    self->has_shown = true;
+    self->shown_side = side;
+    self->shown_ns = time_ns;
+}
+
+void bare_hand_give(bare_hand *self, int64_t time_ns, mrt_sample *out)
+{
+    self->sequence += self->lost + self->has_given;
+    self->lost = 0;
+    self->has_given = true;
+    memset(out, 0, sizeof *out);
+    out->time_ns = self->last_ns = time_ns;
+    out->sequence = self->sequence;
+    out->count = MRT_ANGLES;
+    memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
 }

@@ -14,19 +14,10 @@
 
 struct mrt_plugin {
     const mrt_host *host;
-    const mrt_landmark_reader *reader; /* NULL: this host reads no landmarks */
     bool is_open;
     openxr_listener listener; /* joined while it is open */
     bare_hand hand;
-
-    mrt_hand_reading reading;
     openxr_hand last[2]; /* frames are news of two hands */
-    uint32_t shown_side; /* of BARE_HAND_EITHER: whose hand it was last */
-    bool has_shown;
-    int64_t shown_ns, last_ns; /* device_clock_ns; the host's, of the sample given last */
-    int64_t host_offset_ns;    /* the host's clock less device_clock_ns */
-    uint32_t sequence, lost;
-    bool has_given;
 };
 
 /* ---- opening ---- */
@@ -48,23 +39,15 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
                    address);
         return MRT_ERR_ARGUMENT;
     }
-    if (!self->reader) {
-        device_say(self->host, MRT_LOG_ERROR,
-                   "this program reads no landmarks of hands: a newer marotte does");
+    if (!bare_hand_can_be_read(&self->hand))
         return MRT_ERR_UNSUPPORTED;
-    }
     if (!openxr_helper_join(&self->listener, reason)) {
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     self->is_open = true;
     bare_hand_begin(&self->hand, params);
-    self->has_shown = self->has_given = false;
-    self->reading = (mrt_hand_reading){.confidence = 0.0f};
     memset(self->last, 0, sizeof self->last);
-    self->sequence = self->lost = 0;
-    self->host_offset_ns = device_clock_host_offset_ns(self->host);
-    self->last_ns = self->host->now_ns(self->host);
     return MRT_OK;
 }
 
@@ -92,15 +75,15 @@ static void to_landmarks(const openxr_hand *hand, uint32_t side, mrt_landmarks *
 }
 
 /* Whose hand performs; MRT_NO_HAND: nobody's. */
-static uint32_t choose(const mrt_plugin *self, const openxr_frame *frame)
+static uint32_t choose(const bare_hand *shown, const openxr_frame *frame)
 {
     const bool is_there[2] = {frame->hand[MRT_LEFT].active == 1,
                               frame->hand[MRT_RIGHT].active == 1};
-    if (self->hand.wanted != BARE_HAND_EITHER)
-        return is_there[self->hand.wanted] ? self->hand.wanted : MRT_NO_HAND;
-    if (self->has_shown && is_there[self->shown_side])
-        return self->shown_side;
-    if (self->has_shown && frame->time_ns - self->shown_ns < BARE_HAND_CHANGE_NS)
+    if (shown->wanted != BARE_HAND_EITHER)
+        return is_there[shown->wanted] ? shown->wanted : MRT_NO_HAND;
+    if (shown->has_shown && is_there[shown->shown_side])
+        return shown->shown_side;
+    if (shown->has_shown && frame->time_ns - shown->shown_ns < BARE_HAND_CHANGE_NS)
         return MRT_NO_HAND;
     return is_there[MRT_RIGHT] ? MRT_RIGHT : is_there[MRT_LEFT] ? MRT_LEFT : MRT_NO_HAND;
 }
@@ -109,9 +92,9 @@ static uint32_t choose(const mrt_plugin *self, const openxr_frame *frame)
 static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
 {
     mrt_landmarks seen;
-    mrt_hand_reading now = self->reading;
-    self->lost += frame->lost;
-    uint32_t side = choose(self, frame);
+    mrt_hand_reading now = self->hand.reading;
+    self->hand.lost += frame->lost;
+    uint32_t side = choose(&self->hand, frame);
     if (side == MRT_NO_HAND)
         return false;
     const openxr_hand *hand = &frame->hand[side];
@@ -119,28 +102,13 @@ static bool take_frame(mrt_plugin *self, const openxr_frame *frame)
         return false; /* it was the other one that moved */
     self->last[side] = *hand;
     to_landmarks(hand, side, &seen);
-    self->reader->read(self->host, &seen, &now);
+    self->hand.reader->read(self->host, &seen, &now);
     if (now.confidence < BARE_HAND_SURE)
         return false;
     bare_hand_turn(&self->hand, side, &now);
-    self->reading = now;
-    self->has_shown = true;
-    self->shown_side = side;
-    self->shown_ns = frame->time_ns;
+    self->hand.reading = now;
+    bare_hand_show(&self->hand, side, frame->time_ns);
     return true;
-}
-
-static void give(mrt_plugin *self, const openxr_frame *frame, mrt_sample *out)
-{
-    self->sequence += self->lost + self->has_given;
-    self->lost = 0;
-    self->has_given = true;
-    memset(out, 0, sizeof *out);
-    out->time_ns =
-        device_sample_ns(self->host, frame->time_ns + self->host_offset_ns, &self->last_ns);
-    out->sequence = self->sequence;
-    out->count = MRT_ANGLES;
-    memcpy(out->value, self->reading.angle, sizeof self->reading.angle);
 }
 
 static mrt_result input_read(mrt_plugin *self, const double *params, int64_t deadline_ns,
@@ -148,7 +116,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 {
     if (!self->is_open)
         return MRT_ERR_IO;
-    bare_hand_follow(&self->hand, self->host, params);
+    bare_hand_follow(&self->hand, params);
     int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
     for (;;) {
         openxr_frame frame;
@@ -157,7 +125,9 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
         if (heard == OPENXR_HEARD_NOTHING)
             return MRT_TIMEOUT;
         if (heard == OPENXR_HEARD_FRAME && take_frame(self, &frame)) {
-            give(self, &frame, out_sample);
+            const int64_t seen_ns = frame.time_ns + self->hand.host_offset_ns;
+            bare_hand_give(&self->hand, device_sample_ns(self->host, seen_ns, &self->hand.last_ns),
+                           out_sample);
             return MRT_OK;
         }
         if (heard != OPENXR_HEARD_FRAME)
@@ -224,7 +194,7 @@ static mrt_plugin *create(const mrt_host *host)
     if (!self)
         return NULL;
     self->host = host;
-    self->reader = host->service(host, MRT_LANDMARKS);
+    bare_hand_init(&self->hand, host);
     return self;
 }
 

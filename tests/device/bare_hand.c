@@ -18,7 +18,12 @@ enum { FLAT, FIST, SPREAD, POSES };
 enum { PITCH = 20, YAW = 21 };
 static const double degree = 0.017453292519943295;
 static const double params[BARE_HAND_PARAMS] = {BARE_HAND_EITHER, 1.0};
-static const mrt_host nobody = {0};
+static int64_t now_ns(const mrt_host *host)
+{
+    (void)host;
+    return 0;
+}
+static const mrt_host nobody = {.now_ns = now_ns};
 
 /* What a camera at `seen_from` sees of a hand whose wrist is bent so. */
 static mrt_hand_reading see(uint32_t side, int pose, double pitch_deg, double yaw_deg,
@@ -64,9 +69,9 @@ static void a_turned_hand_is_a_bent_wrist_whoever_sees_it(void **state)
         const uint32_t side = n % 2 ? MRT_RIGHT : MRT_LEFT;
         const rigid from = somewhere(n);
         const double pitch_deg = 50.0 * sin(n), yaw_deg = 18.0 * cos(n);
-        bare_hand hand;
+        bare_hand hand = {.host = &nobody};
         bare_hand_begin(&hand, params);
-        bare_hand_follow(&hand, &nobody, params);
+        bare_hand_follow(&hand, params);
         mrt_hand_reading now = see(side, n % POSES, 0, 0, &from);
         bare_hand_turn(&hand, side, &now);
         assert_float_equal(now.angle[PITCH], 0.0f, 1e-3f);
@@ -82,9 +87,9 @@ static void each_hand_counts_from_its_own(void **state)
 {
     (void)state;
     const rigid from[2] = {somewhere(1), somewhere(5)};
-    bare_hand hand;
+    bare_hand hand = {.host = &nobody};
     bare_hand_begin(&hand, params);
-    bare_hand_follow(&hand, &nobody, params);
+    bare_hand_follow(&hand, params);
     for (int n = 0; n < 4; ++n) {
         const uint32_t side = n % 2 ? MRT_RIGHT : MRT_LEFT;
         mrt_hand_reading now = see(side, FLAT, n < 2 ? 0 : 20, 0, &from[side]);
@@ -98,9 +103,9 @@ static void a_still_wrist_stays(void **state)
     (void)state;
     static const double still[BARE_HAND_PARAMS] = {BARE_HAND_EITHER, 0.0};
     const rigid from[2] = {somewhere(1), somewhere(5)};
-    bare_hand hand;
+    bare_hand hand = {.host = &nobody};
     bare_hand_begin(&hand, still);
-    bare_hand_follow(&hand, &nobody, still);
+    bare_hand_follow(&hand, still);
     for (int n = 0; n < 2; ++n) {
         mrt_hand_reading now = see(MRT_RIGHT, FLAT, 0, 0, &from[n]);
         now.angle[PITCH] = 1.0f; /* whatever was there */
@@ -114,9 +119,9 @@ static void a_still_wrist_stays(void **state)
 static void no_wrist_bends_further_than_joints_do(void **state)
 {
     (void)state;
-    bare_hand hand;
+    bare_hand hand = {.host = &nobody};
     bare_hand_begin(&hand, params);
-    bare_hand_follow(&hand, &nobody, params);
+    bare_hand_follow(&hand, params);
     for (int n = 0; n < 40; ++n) {
         const rigid from = somewhere(n);
         mrt_hand_reading now = see(MRT_RIGHT, FLAT, 0, 0, &from);
