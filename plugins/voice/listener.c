@@ -270,7 +270,7 @@ static int microphone_read(microphone *self, int16_t *out, uint32_t capacity)
 
 /* ---- heard in time ---- */
 
-void listener_close(listener *self)
+static void stop(listener *self)
 {
     microphone_close(self->from);
     self->from = NULL;
@@ -279,7 +279,7 @@ void listener_close(listener *self)
 mrt_result listener_open(listener *self, const char *address, const char *called)
 {
     char reason[MICROPHONE_REASON];
-    listener_close(self);
+    stop(self);
     self->from = microphone_open(address ? address : "", reason);
     if (!self->from) {
         if (!self->has_told_loss)
@@ -301,7 +301,7 @@ static mrt_result lose(listener *self)
 {
     device_say(self->host, MRT_LOG_ERROR, "%.100s went away: plug it in again", self->device.name);
     self->has_told_loss = true;
-    listener_close(self);
+    stop(self);
     return MRT_ERR_IO;
 }
 
@@ -338,8 +338,27 @@ uint32_t listener_list(const char *prefix, mrt_device *out, uint32_t capacity)
     return count;
 }
 
-bool listener_current(const listener *self, mrt_device *out)
+/* ---- for the tables of a plugin ---- */
+
+static listener *listener_of(mrt_plugin *self)
 {
-    *out = self->device;
-    return self->from != NULL;
+    return (listener *)self;
+}
+
+void listener_close(mrt_plugin *self)
+{
+    stop(listener_of(self));
+}
+
+bool listener_current(mrt_plugin *self, mrt_device *out)
+{
+    *out = listener_of(self)->device;
+    return listener_of(self)->from != NULL;
+}
+
+void listener_destroy(mrt_plugin *self)
+{
+    if (self)
+        listener_close(self);
+    free(self);
 }

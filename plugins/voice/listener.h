@@ -26,13 +26,18 @@ typedef struct listener {
  * ("hw:1"), of which others may hold what is not shared. called: "Microphone", before the address.
  * What is wrong is said, once. */
 mrt_result listener_open(listener *self, const char *address, const char *called);
-void listener_close(listener *self);
 /* Some frames, capacity at most. MRT_TIMEOUT: none until the deadline; MRT_ERR_IO: it went away,
  * which is said, or is not open. */
 mrt_result listener_read(listener *self, int64_t deadline_ns, int16_t *out, uint32_t capacity,
                          uint32_t *out_count);
-/* As mrt_devices.list and current; prefix: before the name of each. */
+/* As mrt_devices.list; prefix: before the name of each. */
 uint32_t listener_list(const char *prefix, mrt_device *out, uint32_t capacity);
-bool listener_current(const listener *self, mrt_device *out);
+
+/* ---- for the tables of a plugin whose instance is one block of memory that begins with a listener
+ * ---- */
+
+void listener_close(mrt_plugin *self);
+bool listener_current(mrt_plugin *self, mrt_device *out);
+void listener_destroy(mrt_plugin *self);
 
 #endif

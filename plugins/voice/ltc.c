@@ -8,7 +8,7 @@
 enum { BLOCK = MICROPHONE_RATE / 200 };
 
 struct mrt_plugin {
-    listener from;
+    listener from; /* first: listener.h */
     ltc_decoder decoder;
     int16_t block[BLOCK];
     uint32_t block_size, block_at;
@@ -16,11 +16,6 @@ struct mrt_plugin {
 };
 
 /* ---- input ---- */
-
-static void input_close(mrt_plugin *self)
-{
-    listener_close(&self->from);
-}
 
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
@@ -84,11 +79,6 @@ static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacit
     return listener_list("Time code on ", out, capacity);
 }
 
-static bool current_device(mrt_plugin *self, mrt_device *out)
-{
-    return listener_current(&self->from, out);
-}
-
 /* ---- the type ---- */
 
 static mrt_plugin *create(const mrt_host *host)
@@ -99,15 +89,8 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-static void destroy(mrt_plugin *self)
-{
-    if (self)
-        input_close(self);
-    free(self);
-}
-
-static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
-static const mrt_devices devices = {list_devices, current_device};
+static const mrt_input input = {input_open, input_channels, input_read, listener_close, 0};
+static const mrt_devices devices = {list_devices, listener_current};
 static const mrt_interface interfaces[] = {
     {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
 static const mrt_plugin_type type = {
@@ -121,7 +104,7 @@ static const mrt_plugin_type type = {
     "Linear time code (LTC, SMPTE 12M) from a sound input: the clock of takes (ltc, ltc:hw:1), or "
     "from a pipe with sound in it (ltc:./pipe)",
     create,
-    destroy,
+    listener_destroy,
 };
 
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};

@@ -14,7 +14,7 @@ enum { HOP = MICROPHONE_RATE / 100, HOPS = 2 }; /* a sample each 10 ms, of the l
 static const double full_scale = 32768.0, floor_db = -60.0;
 
 struct mrt_plugin {
-    listener from;
+    listener from; /* first: listener.h */
     int16_t frame[HOP];
     uint32_t frame_count;
     double square[HOPS]; /* sums of the last hops, newest last */
@@ -49,11 +49,6 @@ static void give(mrt_plugin *self, mrt_sample *out)
 }
 
 /* ---- input ---- */
-
-static void input_close(mrt_plugin *self)
-{
-    listener_close(&self->from);
-}
 
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
@@ -95,11 +90,6 @@ static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacit
     return listener_list("", out, capacity);
 }
 
-static bool current_device(mrt_plugin *self, mrt_device *out)
-{
-    return listener_current(&self->from, out);
-}
-
 /* ---- the type ---- */
 
 static mrt_plugin *create(const mrt_host *host)
@@ -110,15 +100,8 @@ static mrt_plugin *create(const mrt_host *host)
     return self;
 }
 
-static void destroy(mrt_plugin *self)
-{
-    if (self)
-        input_close(self);
-    free(self);
-}
-
-static const mrt_input input = {input_open, input_channels, input_read, input_close, 0};
-static const mrt_devices devices = {list_devices, current_device};
+static const mrt_input input = {input_open, input_channels, input_read, listener_close, 0};
+static const mrt_devices devices = {list_devices, listener_current};
 static const mrt_interface interfaces[] = {
     {MRT_INPUT, &input}, {MRT_DEVICES, &devices}, {NULL, NULL}};
 static const mrt_plugin_type type = {
@@ -132,7 +115,7 @@ static const mrt_plugin_type type = {
     "How loud you speak: a microphone (voice, voice:hw:1), or a pipe with sound in it "
     "(voice:./pipe)",
     create,
-    destroy,
+    listener_destroy,
 };
 
 MRT_EXPORT const mrt_plugin_type *const marotte_plugins[] = {&type, NULL};
