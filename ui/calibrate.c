@@ -483,8 +483,8 @@ static const double SCRIPT_TIMEOUT_S = 60.0;
 static const char *const side_name[2] = {"left", "right"};
 
 typedef struct calibrate_options {
-    plugin_spec input;
-    bool has_input, is_json;
+    plugin_spec input; /* zeroed: none */
+    bool is_json;
     const char *out, *name, *show, *virtualhand;
     uint32_t side; /* MRT_NO_HAND: not said */
     double hand_length_mm, timeout_s;
@@ -511,20 +511,9 @@ static int read_name(void *to, const command *self, const char *name, const char
                : command_usage(self, "--%s has more than %d bytes", name, CALIBRATION_NAME - 1);
 }
 
-static int set_input(void *to, const command *self, const char *name, const char *text)
-{
-    calibrate_options *out = to;
-    if (out->has_input)
-        return command_usage(self, "one --%s is possible", name);
-    out->has_input = true;
-    if (spec_read(&out->input, text))
-        return COMMAND_DONE;
-    return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
-}
-
 #define AT(member) .offset = offsetof(calibrate_options, member)
 static const command_option option_table[] = {
-    {"input", COMMAND_READ, .read = set_input},
+    {"input", COMMAND_READ, AT(input), .read = command_read_spec},
     {"out", COMMAND_TEXT, AT(out)},
     {"name", COMMAND_READ, AT(name), .read = read_name},
     {"hand", COMMAND_READ, AT(side), .read = read_side},
@@ -539,7 +528,8 @@ static const command_option option_table[] = {
 
 static int check_options(const calibrate_options *options)
 {
-    int jobs = options->has_input + (options->show != NULL) + (options->virtualhand != NULL);
+    int jobs =
+        (options->input.plugin != NULL) + (options->show != NULL) + (options->virtualhand != NULL);
     if (jobs != 1)
         return command_usage(&command_calibrate,
                              "one of --input, --from-virtualhand and --show is needed");
@@ -761,12 +751,8 @@ static int run(int argc, char **argv)
     mrt_result result = told ? MRT_OK : error_set(&err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = options.show ? show(options.show, told, &err) : calibrate(&options, told, &err);
-    if (result >= 0)
-        facts_finish(told);
-    else
-        facts_abandon(told);
     spec_finish(&options.input);
-    return result < 0 ? command_failed(&command_calibrate, &err) : COMMAND_DONE;
+    return command_end(&command_calibrate, told, result, &err);
 }
 
 const command command_calibrate = {

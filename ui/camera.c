@@ -19,7 +19,7 @@
 
 typedef struct camera_options {
     bool is_setup, is_show, is_json;
-    uint16_t port;
+    uint32_t port;
 } camera_options;
 
 static const char package_name[] = "@mediapipe/hands";
@@ -166,36 +166,27 @@ static bool is_listening(uint16_t port)
 
 static mrt_result tell(const camera_options *options, facts *told, error *err)
 {
+    const uint16_t port = (uint16_t)options->port;
     char address[CAMERA_PAGE_ADDRESS];
     error why;
     facts_text(told, "package", "package",
                camera_page_has_package() ? "is there" : "is missing: marotte camera --setup");
     facts_text(told, "state", "state",
-               is_listening(options->port)
+               is_listening(port)
                    ? "open: a browser finds the page at its address"
                    : "not open: marotte stage, and \"Use the camera\"; or --input camera");
-    if (camera_page_address(address, options->port, &why) >= 0)
+    if (camera_page_address(address, port, &why) >= 0)
         facts_text(told, "address", "address", address);
-    return options->is_show ? camera_page_show(options->port, err) : MRT_OK;
+    return options->is_show ? camera_page_show(port, err) : MRT_OK;
 }
 
 /* ---- the command ---- */
-
-static int read_port(void *to, const command *self, const char *name, const char *text)
-{
-    double port;
-    if (!text_double(text_view_of(text, strlen(text)), &port) || !(port >= 1) || !(port <= 65535) ||
-        port != (double)(uint16_t)port)
-        return command_usage(self, "--%s \"%s\" is not a number from 1 to 65535", name, text);
-    *(uint16_t *)to = (uint16_t)port;
-    return COMMAND_DONE;
-}
 
 #define AT(member) .offset = offsetof(camera_options, member)
 static const command_option option_table[] = {
     {"setup", COMMAND_FLAG, AT(is_setup)},
     {"show", COMMAND_FLAG, AT(is_show)},
-    {"port", COMMAND_READ, AT(port), .read = read_port},
+    {"port", COMMAND_WHOLE, AT(port), .least = 1, .most = 65535},
     {"json", COMMAND_FLAG, AT(is_json)},
     {.name = NULL},
 };
@@ -211,12 +202,7 @@ static int run(int argc, char **argv)
     mrt_result result = !told              ? error_set(&err, MRT_ERR_MEMORY, "no memory")
                         : options.is_setup ? set_up(told, &err)
                                            : tell(&options, told, &err);
-    if (result < 0) {
-        facts_abandon(told);
-        return command_failed(&command_camera, &err);
-    }
-    facts_finish(told);
-    return COMMAND_DONE;
+    return command_end(&command_camera, told, result, &err);
 }
 
 const command command_camera = {

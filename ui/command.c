@@ -1,9 +1,15 @@
 #include "command.h"
 
+#include "base/installed.h"
 #include "base/program.h"
 #include "base/text.h"
+#include "io/mesh_file.h"
+#include "stage/input/spec.h"
+#include "stream/video.h"
 
 #include <assert.h>
+#include <getopt.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -79,14 +85,31 @@ int command_failed(const command *self, const error *err)
     return COMMAND_FAILED;
 }
 
-void command_options_list(struct option out[COMMAND_OPTIONS_MAX], const command_option *table)
+int command_end(const command *self, facts *told, mrt_result result, const error *err)
 {
-    int count = 0;
-    for (; table[count].name; ++count) {
+    if (result < 0) {
+        facts_abandon(told);
+        return command_failed(self, err);
+    }
+    facts_finish(told);
+    return COMMAND_DONE;
+}
+
+/* ---- options ---- */
+
+enum { OPTION_FIRST = 256 }; /* what getopt_long answers for the first row */
+
+static void list_options(struct option out[COMMAND_OPTIONS_MAX], const command_option *table)
+{
+    size_t count = 0;
+    for (int row = 0; table[row].name; ++row) {
+        const command_option_kind kind = table[row].kind;
+        const bool has_value = kind != COMMAND_FLAG && kind != COMMAND_GIVEN;
+        if (kind == COMMAND_WORD)
+            continue;
         assert(count < COMMAND_OPTIONS_MAX - 1);
-        int has_value = table[count].kind == COMMAND_FLAG ? no_argument : required_argument;
-        out[count] =
-            (struct option){table[count].name, has_value, NULL, COMMAND_OPTION_FIRST + count};
+        out[count++] = (struct option){table[row].name, has_value ? required_argument : no_argument,
+                                       NULL, OPTION_FIRST + row};
     }
     out[count] = (struct option){NULL, 0, NULL, 0};
 }
@@ -101,8 +124,7 @@ static int read_number(const command *self, const command_option *which, const c
                          which->least, which->most);
 }
 
-int command_option_put(void *options, const command *self, const command_option *which,
-                       const char *text)
+static int put(void *options, const command *self, const command_option *which, const char *text)
 {
     void *to = (char *)options + which->offset;
     double number = 0.0;
@@ -111,6 +133,9 @@ int command_option_put(void *options, const command *self, const command_option 
     case COMMAND_FLAG:
         *(bool *)to = true;
         break;
+    case COMMAND_GIVEN:
+        *(const char **)to = "";
+        break;
     case COMMAND_TEXT:
         *(const char **)to = text;
         break;
@@ -118,11 +143,34 @@ int command_option_put(void *options, const command *self, const command_option 
         return read_number(self, which, text, to);
     case COMMAND_WHOLE:
         code = read_number(self, which, text, &number);
+        if (code == COMMAND_DONE && number - floor(number) > 0.0)
+            code = command_usage(self, "--%s \"%s\" is not a whole number", which->name, text);
         if (code == COMMAND_DONE)
             *(uint32_t *)to = (uint32_t)number;
         break;
     case COMMAND_READ:
         return which->read(to, self, which->name, text);
+    case COMMAND_WORD:
+        if (which->read)
+            return which->read(to, self, which->name, text);
+        *(const char **)to = text;
+        break;
+    }
+    return code;
+}
+
+/* The words that are no options, in the rows of COMMAND_WORD. */
+static int put_words(void *options, const command *self, const command_option *table, int count,
+                     char **word)
+{
+    int code = COMMAND_DONE;
+    const command_option *row = table;
+    for (int i = 0; i < count && code == COMMAND_DONE; ++i, ++row) {
+        while (row->name && row->kind != COMMAND_WORD)
+            ++row;
+        if (!row->name)
+            return command_usage(self, "\"%s\" is not expected here", word[i]);
+        code = put(options, self, row, word[i]);
     }
     return code;
 }
@@ -132,7 +180,7 @@ int command_options(void *options, const command *self, const command_option *ta
 {
     struct option known[COMMAND_OPTIONS_MAX];
     int code = COMMAND_DONE, option;
-    command_options_list(known, table);
+    list_options(known, table);
     opterr = 0;
     optind = 1;
     while (code == COMMAND_DONE && (option = getopt_long(argc, argv, ":", known, NULL)) != -1) {
@@ -141,9 +189,50 @@ int command_options(void *options, const command *self, const command_option *ta
         else if (option == '?')
             code = command_usage(self, "there is no option \"%s\"", argv[optind - 1]);
         else
-            code = command_option_put(options, self, &table[option - COMMAND_OPTION_FIRST], optarg);
+            code = put(options, self, &table[option - OPTION_FIRST], optarg);
     }
-    if (code == COMMAND_DONE && optind < argc)
-        code = command_usage(self, "\"%s\" is not expected here", argv[optind]);
-    return code;
+    return code == COMMAND_DONE ? put_words(options, self, table, argc - optind, argv + optind)
+                                : code;
+}
+
+/* ---- what several commands read ---- */
+
+int command_read_unit(void *to_mm, const command *self, const char *name, const char *text)
+{
+    return mesh_unit_parse(to_mm, text)
+               ? COMMAND_DONE
+               : command_usage(self, "--%s \"%s\" is not mm, cm, m or a number of mm", name, text);
+}
+
+int command_read_axis(void *to, const command *self, const char *name, const char *text)
+{
+    return mesh_axis_parse(to, text)
+               ? COMMAND_DONE
+               : command_usage(self, "--%s \"%s\" is not x, y, z, -x, -y or -z", name, text);
+}
+
+int command_read_face(void *to, const command *self, const char *name, const char *text)
+{
+    char **path = to;
+    if (*path)
+        return command_usage(self, "one --%s is possible", name);
+    *path = installed_face(text);
+    return *path ? COMMAND_DONE : command_failed(self, &(error){"no memory"});
+}
+
+int command_read_spec(void *to, const command *self, const char *name, const char *text)
+{
+    plugin_spec *spec = to;
+    if (spec->plugin)
+        return command_usage(self, "one --%s is possible", name);
+    return spec_read(spec, text)
+               ? COMMAND_DONE
+               : command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
+}
+
+int command_read_look(void *to, const command *self, const char *name, const char *text)
+{
+    const char *possible = video_look_read(to, name, text);
+    return possible ? command_usage(self, "--%s \"%s\" is not %s", name, text, possible)
+                    : COMMAND_DONE;
 }

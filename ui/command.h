@@ -3,18 +3,18 @@
  */
 #ifndef MAROTTE_UI_COMMAND_H
 #define MAROTTE_UI_COMMAND_H
-#include "base/error.h"
+#include "facts.h"
 
-#include <getopt.h>
 #include <stddef.h>
 
 enum { COMMAND_DONE = 0, COMMAND_FAILED = 1, COMMAND_USAGE = 2 };
 
 typedef struct command {
-    const char *name;                  /* "deform" */
-    const char *summary;               /* for the list of commands: one line */
-    const char *help;                  /* the whole --help text, ended by \n; NULL: run says it */
-    const char *more_help;             /* a list below it; NULL: none */
+    const char *name;      /* "deform" */
+    const char *summary;   /* for the list of commands: one line */
+    const char *help;      /* the whole --help text, ended by \n; NULL: tell_help */
+    const char *more_help; /* a list below it; NULL: none */
+    void (*tell_help)(int argc, char **argv);
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
 } command;
 
@@ -29,13 +29,16 @@ bool stage_is_meant(const char *first);
  * long paths the last folders. */
 void command_typed(char *out, size_t capacity);
 
-/* An option, and where in the command's options what it says is put. */
+/* What may stand on a command line, and where in the command's options what it says is put. */
 typedef enum command_option_kind {
     COMMAND_FLAG = 0, /* a bool, which becomes true; no value follows */
+    COMMAND_GIVEN,    /* a const char *, which becomes ""; no value follows */
     COMMAND_TEXT,     /* a const char *: the value as it stands */
     COMMAND_NUMBER,   /* a double, least .. most */
     COMMAND_WHOLE,    /* a uint32_t, least .. most */
-    COMMAND_READ      /* whatever `read` makes of the value */
+    COMMAND_READ,     /* whatever `read` makes of the value */
+    COMMAND_WORD      /* the first word that is no option; of the next row of this kind the second,
+                         and so on; all may be missing. A const char *, or what `read` makes of it */
 } command_option_kind;
 typedef int command_option_read(void *to, const command *self, const char *name, const char *text);
 typedef struct command_option {
@@ -45,20 +48,24 @@ typedef struct command_option {
     double least, most;
     command_option_read *read; /* COMMAND_DONE: understood */
 } command_option;
-enum { COMMAND_OPTIONS_MAX = 40, COMMAND_OPTION_FIRST = 256 };
+enum { COMMAND_OPTIONS_MAX = 40 };
 
-/* The table for getopt_long, whose answer is then COMMAND_OPTION_FIRST and on, and what such an
- * answer does to the options. */
-void command_options_list(struct option out[COMMAND_OPTIONS_MAX], const command_option *table);
-int command_option_put(void *options, const command *self, const command_option *which,
-                       const char *text);
-/* Reads a command line of options alone. Anything else is wrong usage, and said. */
+/* Reads a command line. What the table does not have is wrong usage, and said. */
 int command_options(void *options, const command *self, const command_option *table, int argc,
                     char **argv);
+
+/* For COMMAND_READ in several commands. */
+command_option_read command_read_unit, /* double, mm: "cm" */
+    command_read_axis,                 /* mesh_axis: "-z" */
+    command_read_face,                 /* char *, to be freed: a file, or "puppet"; once only */
+    command_read_spec,                 /* plugin_spec: PLUGIN[:ADDRESS][,key=value]; once only */
+    command_read_look;                 /* video_look: --size, --view, --background, --look */
 
 /* Print "marotte NAME: text" on stderr and return the exit code. */
 __attribute__((format(printf, 2, 3))) int command_usage(const command *self, const char *format,
                                                         ...);
 int command_failed(const command *self, const error *err);
+/* Ends a command: prints its facts, or why it failed. Frees the facts. */
+int command_end(const command *self, facts *told, mrt_result result, const error *err);
 
 #endif

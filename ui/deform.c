@@ -14,31 +14,24 @@ enum { FILE_CAP = 1 << 28, READ_STEP = 1 << 16 }; /* bytes */
 typedef struct options {
     const char *path; /* "-": stdin */
     deform_precision precision;
+    bool is_json; /* the result is in any case */
 } options;
 
-static int parse_options(options *out, int argc, char **argv)
+static int read_precision(void *to, const command *self, const char *name, const char *text)
 {
-    *out = (options){.precision = DEFORM_F64};
-    for (int i = 1; i < argc; ++i) {
-        if (strcmp(argv[i], "--json") == 0)
-            continue; /* the result is JSON in any case */
-        if (strcmp(argv[i], "--precision") == 0) {
-            const char *word = ++i < argc ? argv[i] : "";
-            if (strcmp(word, "f32") != 0 && strcmp(word, "f64") != 0)
-                return command_usage(&command_deform, "--precision: expected f32 or f64");
-            out->precision = strcmp(word, "f32") == 0 ? DEFORM_F32 : DEFORM_F64;
-        } else if (argv[i][0] == '-' && argv[i][1] != '\0') {
-            return command_usage(&command_deform, "%s: unknown option", argv[i]);
-        } else if (out->path) {
-            return command_usage(&command_deform, "%s: only one case at a time", argv[i]);
-        } else {
-            out->path = argv[i];
-        }
-    }
-    if (!out->path)
-        return command_usage(&command_deform, "expected a case file, or - for standard input");
+    if (strcmp(text, "f32") != 0 && strcmp(text, "f64") != 0)
+        return command_usage(self, "--%s: expected f32 or f64", name);
+    *(deform_precision *)to = strcmp(text, "f32") == 0 ? DEFORM_F32 : DEFORM_F64;
     return COMMAND_DONE;
 }
+
+#define AT(member) .offset = offsetof(options, member)
+static const command_option option_table[] = {
+    {"CASE", COMMAND_WORD, AT(path)},
+    {"precision", COMMAND_READ, AT(precision), .read = read_precision},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
 
 static mrt_result read_stdin(file_bytes *out, error *err)
 {
@@ -123,10 +116,12 @@ static mrt_result deform(const deform_case *c, const options *o, error *err)
 
 static int run(int argc, char **argv)
 {
-    options o;
+    options o = {.precision = DEFORM_F64};
     deform_case c;
     error err = {""};
-    int code = parse_options(&o, argc, argv);
+    int code = command_options(&o, &command_deform, option_table, argc, argv);
+    if (code == COMMAND_DONE && !o.path)
+        code = command_usage(&command_deform, "expected a case file, or - for standard input");
     if (code != COMMAND_DONE)
         return code;
     if (read_case(&c, o.path, &err) < 0)

@@ -26,25 +26,19 @@ typedef struct devices_options {
     plugin_spec input[DEVICES_INPUTS_MAX];
     uint32_t input_count;
     const char *forward; /* "HOST:PORT" or NULL */
-    plugin_spec learn;
-    double seconds; /* 0: until stopped */
-    bool is_json, is_watch, is_learn;
+    plugin_spec learn;   /* zeroed: none */
+    double seconds;      /* 0: until stopped */
+    bool is_json, is_watch;
 } devices_options;
 
 /* ---- what is plugged in ---- */
 
 static const char *state_name(int32_t state)
 {
-    switch (state) {
-    case MRT_DEVICE_READY:
-        return "ready";
-    case MRT_DEVICE_BUSY:
-        return "busy";
-    case MRT_DEVICE_DENIED:
-        return "denied";
-    default:
-        return "unsure";
-    }
+    return state == MRT_DEVICE_READY    ? "ready"
+           : state == MRT_DEVICE_BUSY   ? "busy"
+           : state == MRT_DEVICE_DENIED ? "denied"
+                                        : "unsure";
 }
 
 /* ---- telling ---- */
@@ -65,6 +59,15 @@ static void print_looked_for(const plugin_list *plugins)
         puts("no device was found: no plugin is loaded that knows devices (marotte plugin list)");
 }
 
+enum { SPEC_TEXT = 256 };
+
+/* What to write after --input. */
+static void write_spec(char out[SPEC_TEXT], const device_found *of)
+{
+    (void)snprintf(out, SPEC_TEXT, "%.48s:%s", device_list_plugin_name(of->type),
+                   of->device.address);
+}
+
 static void devices_print(const device_list *found, const plugin_list *plugins)
 {
     if (found->count == 0)
@@ -72,9 +75,8 @@ static void devices_print(const device_list *found, const plugin_list *plugins)
     for (uint32_t i = 0; i < found->count; ++i) {
         const device_found *one = &found->one[i];
         printf("%-8s %s\n", state_name(one->device.state), one->device.name);
-        char spec[256], word[4 * sizeof spec];
-        (void)snprintf(spec, sizeof spec, "%.48s:%s", device_list_plugin_name(one->type),
-                       one->device.address);
+        char spec[SPEC_TEXT], word[4 * SPEC_TEXT];
+        write_spec(spec, one);
         program_quote(word, sizeof word, spec);
         printf("         --input %s\n", word);
         if (one->device.advice[0])
@@ -86,9 +88,8 @@ static void devices_print(const device_list *found, const plugin_list *plugins)
 
 static json_t *device_to_json(const device_found *one)
 {
-    char spec[256];
-    snprintf(spec, sizeof spec, "%.48s:%s", device_list_plugin_name(one->type),
-             one->device.address);
+    char spec[SPEC_TEXT];
+    write_spec(spec, one);
     return json_pack("{s:o, s:o, s:o, s:o, s:s, s:o}", "plugin", json_text(one->type->id), "name",
                      json_text(one->device.name), "address", json_text(one->device.address),
                      "input", json_text(spec), "state", state_name(one->device.state), "advice",
@@ -107,9 +108,7 @@ static void devices_print_json(const device_list *found, const plugin_list *plug
                                                         "about", json_text(type->about)));
     }
     json_t *all = json_pack("{s:o, s:o}", "devices", devices, "looked_for", looked_for);
-    json_dumpf(all, stdout, JSON_INDENT(2));
-    putchar('\n');
-    json_decref(all);
+    facts_print_json(all, JSON_INDENT(2));
 }
 
 /* ---- how it is doing ---- */
@@ -395,10 +394,8 @@ static void show_json(const watch *self)
         json_object_set_new(all, "sent", json_integer((json_int_t)self->forward.sent));
         json_object_set_new(all, "not_sent", json_integer((json_int_t)self->forward.failed));
     }
-    json_dumpf(all, stdout, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    putchar('\n');
+    facts_print_json(all, JSON_COMPACT | JSON_REAL_PRECISION(9));
     fflush(stdout);
-    json_decref(all);
 }
 
 static void show(watch *self, int64_t now_ns)
@@ -620,38 +617,7 @@ static int add_input(void *to, const command *self, const char *name, const char
     devices_options *out = to;
     if (out->input_count == DEVICES_INPUTS_MAX)
         return command_usage(self, "at most %d inputs are possible", DEVICES_INPUTS_MAX);
-    if (!spec_read(&out->input[out->input_count++], text))
-        return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
-    return COMMAND_DONE;
-}
-
-static int set_learn(void *to, const command *self, const char *name, const char *text)
-{
-    devices_options *out = to;
-    if (out->is_learn)
-        return command_usage(self, "one --%s is possible", name);
-    out->is_learn = true;
-    if (!spec_read(&out->learn, text))
-        return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
-    return COMMAND_DONE;
-}
-
-static int set_seconds(void *to, const command *self, const char *name, const char *text)
-{
-    double *seconds = to;
-    if (text_double(text_view_of(text, strlen(text)), seconds) && *seconds >= 0.001 &&
-        *seconds <= 1e6)
-        return COMMAND_DONE;
-    return command_usage(self, "--%s \"%s\" is not a number from 0.001 to 1e6", name, text);
-}
-
-static int set_forward(void *to, const command *self, const char *name, const char *text)
-{
-    devices_options *out = to;
-    (void)self, (void)name;
-    out->forward = text;
-    out->is_watch = true;
-    return COMMAND_DONE;
+    return command_read_spec(&out->input[out->input_count++], self, name, text);
 }
 
 #define AT(member) .offset = offsetof(devices_options, member)
@@ -659,19 +625,19 @@ static const command_option option_table[] = {
     {"json", COMMAND_FLAG, AT(is_json)},
     {"watch", COMMAND_FLAG, AT(is_watch)},
     {"input", COMMAND_READ, .read = add_input},
-    {"seconds", COMMAND_READ, AT(seconds), .read = set_seconds},
-    {"forward", COMMAND_READ, .read = set_forward},
-    {"learn", COMMAND_READ, .read = set_learn},
+    {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.001, .most = 1e6},
+    {"forward", COMMAND_TEXT, AT(forward)},
+    {"learn", COMMAND_READ, AT(learn), .read = command_read_spec},
     {.name = NULL},
 };
 
 static int check_options(const devices_options *options)
 {
-    if (options->is_learn && (options->is_watch || options->input_count > 0))
+    if (options->learn.plugin && (options->is_watch || options->input_count > 0))
         return command_usage(&command_devices, "--learn goes alone: it names its device");
     if (!options->is_watch && options->input_count > 0)
         return command_usage(&command_devices, "--input wants --watch or --forward");
-    if (!options->is_watch && !options->is_learn && options->seconds > 0)
+    if (!options->is_watch && !options->learn.plugin && options->seconds > 0)
         return command_usage(&command_devices, "--seconds wants --watch, --forward or --learn");
     return COMMAND_DONE;
 }
@@ -679,6 +645,7 @@ static int check_options(const devices_options *options)
 static int read_options(devices_options *out, int argc, char **argv)
 {
     int code = command_options(out, &command_devices, option_table, argc, argv);
+    out->is_watch |= out->forward != NULL;
     return code == COMMAND_DONE ? check_options(out) : code;
 }
 
@@ -706,7 +673,7 @@ static mrt_result list_devices(const devices_options *options, const plugin_list
 static mrt_result run_with(const devices_options *options, plugin_list *plugins, log_queue *log,
                            error *err)
 {
-    if (options->is_learn)
+    if (options->learn.plugin)
         return devices_learn(options, plugins, log, &stop_wake, cancel_flag(), err);
     if (options->is_watch)
         return devices_watch(options, plugins, log, &stop_wake, cancel_flag(), err);

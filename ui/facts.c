@@ -31,6 +31,13 @@ static void print_line(const char *label, const char *text)
     putchar('\n');
 }
 
+void facts_print_json(json_t *object, size_t flags)
+{
+    (void)json_dumpf(object, stdout, flags);
+    putchar('\n');
+    json_decref(object);
+}
+
 facts *facts_create(bool as_json)
 {
     facts *self = calloc(1, sizeof *self);
@@ -66,10 +73,8 @@ mrt_result facts_save(const facts *self, const char *path, error *err)
 
 void facts_finish(facts *self)
 {
-    if (self && self->object) {
-        json_dumpf(self->object, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-        putchar('\n');
-    }
+    if (self && self->object)
+        facts_print_json(json_incref(self->object), JSON_INDENT(2) | JSON_REAL_PRECISION(9));
     facts_abandon(self);
 }
 

@@ -4,7 +4,11 @@
 #define MAROTTE_UI_FACTS_H
 #include "base/error.h"
 
+struct json_t;
 typedef struct facts facts;
+
+/* An object of a command's own, and a newline, with the flags of json_dumpf. Frees it. */
+void facts_print_json(struct json_t *object, size_t flags);
 
 facts *facts_create(bool as_json); /* NULL: no memory */
 /* As JSON: prints the object. Frees it; NULL is fine. */

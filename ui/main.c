@@ -45,6 +45,19 @@ static int flushed(int code)
     return COMMAND_FAILED;
 }
 
+static int start(const command *self, int argc, char **argv)
+{
+    if (!asks_for_help(argc, argv))
+        return flushed(self->run(argc, argv));
+    if (self->tell_help) {
+        self->tell_help(argc, argv);
+    } else {
+        fputs(self->help, stdout);
+        fputs(self->more_help ? self->more_help : "", stdout);
+    }
+    return flushed(COMMAND_DONE);
+}
+
 int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
@@ -56,7 +69,7 @@ int main(int argc, char **argv)
         return COMMAND_USAGE;
     }
     if (argc < 2)
-        return flushed(command_stage.run(argc, argv));
+        return start(&command_stage, argc, argv);
     const char *name = argv[1];
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
         print_help(stdout);
@@ -66,18 +79,11 @@ int main(int argc, char **argv)
         puts("marotte " MAROTTE_VERSION);
         return flushed(COMMAND_DONE);
     }
-    for (int i = 0; i < COMMAND_COUNT; ++i) {
-        if (strcmp(name, commands[i]->name) != 0)
-            continue;
-        if (commands[i]->help && asks_for_help(argc - 1, argv + 1)) {
-            fputs(commands[i]->help, stdout);
-            fputs(commands[i]->more_help ? commands[i]->more_help : "", stdout);
-            return flushed(COMMAND_DONE);
-        }
-        return flushed(commands[i]->run(argc - 1, argv + 1));
-    }
+    for (int i = 0; i < COMMAND_COUNT; ++i)
+        if (strcmp(name, commands[i]->name) == 0)
+            return start(commands[i], argc - 1, argv + 1);
     if (stage_is_meant(name))
-        return flushed(command_stage.run(argc, argv));
+        return start(&command_stage, argc, argv);
     fprintf(stderr, "marotte: there is no command \"%s\" (marotte --help)\n", name);
     return COMMAND_USAGE;
 }

@@ -792,12 +792,8 @@ static int run_curves(perform_options *options, facts *told)
 {
     error err = {""};
     mrt_result result = perform_curves(options, told, &err);
-    if (result >= 0)
-        facts_finish(told);
-    else
-        facts_abandon(told);
     perform_options_finish(options);
-    return result < 0 ? command_failed(&command_perform, &err) : COMMAND_DONE;
+    return command_end(&command_perform, told, result, &err);
 }
 
 /* ---- the command ---- */
@@ -834,13 +830,9 @@ static int run(int argc, char **argv)
     if (result >= 0 && self.report.input_failed)
         result = error_set(&err, MRT_ERR_IO, "%s: the input failed; what came before was performed",
                            input_name(self.inputs[0]));
-    if (result >= 0)
-        facts_finish(told);
-    else
-        facts_abandon(told);
     finish(&self);
     perform_options_finish(&options);
-    return result < 0 ? command_failed(&command_perform, &err) : COMMAND_DONE;
+    return command_end(&command_perform, told, result, &err);
 }
 
 const command command_perform = {

@@ -35,28 +35,12 @@ static int add_export(void *to, const command *self, const char *name, const cha
     return COMMAND_DONE;
 }
 
-static int read_unit(void *to_mm, const command *self, const char *name, const char *text)
-{
-    return mesh_unit_parse(to_mm, text)
-               ? COMMAND_DONE
-               : command_usage(self, "--%s \"%s\" is not mm, cm, m or a number of mm", name, text);
-}
-
-static int read_axis(void *to, const command *self, const char *name, const char *text)
-{
-    return mesh_axis_parse(to, text)
-               ? COMMAND_DONE
-               : command_usage(self, "--%s \"%s\" is not x, y, z, -x, -y or -z", name, text);
-}
-
 static int add_input(void *to, const command *self, const char *name, const char *text)
 {
     perform_options *out = to;
     if (out->input_count == PERFORM_INPUTS_MAX)
         return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
-    if (!spec_read(&out->input[out->input_count++], text))
-        return command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
-    return COMMAND_DONE;
+    return command_read_spec(&out->input[out->input_count++], self, name, text);
 }
 
 static int add_output(void *to, const command *self, const char *name, const char *text)
@@ -77,18 +61,6 @@ static int set_map(void *to, const command *self, const char *name, const char *
     if (!spec_read(map, text) || map->address[0])
         return command_usage(self, "--%s \"%s\" is not PLUGIN[,key=value]", name, text);
     return COMMAND_DONE;
-}
-
-static int set_face(void *to, const command *self, const char *name, const char *text)
-{
-    char **path = to;
-    if (*path)
-        return command_usage(self, "one --%s is possible", name);
-    *path = installed_face(text);
-    if (*path)
-        return COMMAND_DONE;
-    const error no_memory = {"no memory"};
-    return command_failed(self, &no_memory);
 }
 
 static int add_calibration(void *to, const command *self, const char *name, const char *path)
@@ -115,42 +87,12 @@ static int read_isolation(void *to, const command *self, const char *name, const
     return command_usage(self, "--%s \"%s\" is not auto, on or off", name, text);
 }
 
-static int not_possible(const command *self, const char *name, const char *text,
-                        const char *possible)
-{
-    return command_usage(self, "--%s \"%s\" is not %s", name, text, possible);
-}
-
-static int read_size(void *to, const command *self, const char *name, const char *text)
-{
-    return video_look_size(to, text) ? COMMAND_DONE
-                                     : not_possible(self, name, text, video_look_sizes);
-}
-
-static int read_view(void *to, const command *self, const char *name, const char *text)
-{
-    return video_look_view(to, text) ? COMMAND_DONE
-                                     : not_possible(self, name, text, video_look_views);
-}
-
-static int read_ground(void *to, const command *self, const char *name, const char *text)
-{
-    return video_look_ground(to, text) ? COMMAND_DONE
-                                       : not_possible(self, name, text, video_look_grounds);
-}
-
-static int read_scene(void *to, const command *self, const char *name, const char *text)
-{
-    return video_look_scene(to, text) ? COMMAND_DONE
-                                      : not_possible(self, name, text, video_look_scenes);
-}
-
 #define AT(member) .offset = offsetof(perform_options, member)
 static const command_option option_table[] = {
-    {"face", COMMAND_READ, AT(face), .read = set_face},
-    {"unit", COMMAND_READ, AT(frame.mm_per_unit), .read = read_unit},
-    {"up", COMMAND_READ, AT(frame.up), .read = read_axis},
-    {"forward", COMMAND_READ, AT(frame.forward), .read = read_axis},
+    {"face", COMMAND_READ, AT(face), .read = command_read_face},
+    {"unit", COMMAND_READ, AT(frame.mm_per_unit), .read = command_read_unit},
+    {"up", COMMAND_READ, AT(frame.up), .read = command_read_axis},
+    {"forward", COMMAND_READ, AT(frame.forward), .read = command_read_axis},
     {"input", COMMAND_READ, .read = add_input},
     {"map", COMMAND_READ, AT(map), .read = set_map},
     {"output", COMMAND_READ, .read = add_output},
@@ -158,15 +100,15 @@ static const command_option option_table[] = {
     {"export", COMMAND_READ, .read = add_export},
     {"fps", COMMAND_NUMBER, AT(fps), .least = 1, .most = 1000},
     {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.001, .most = 1e6},
-    {"size", COMMAND_READ, AT(look), .read = read_size},
-    {"view", COMMAND_READ, AT(look), .read = read_view},
+    {"size", COMMAND_READ, AT(look), .read = command_read_look},
+    {"view", COMMAND_READ, AT(look), .read = command_read_look},
     {"mirror", COMMAND_FLAG, AT(look.is_mirrored)},
-    {"background", COMMAND_READ, AT(look), .read = read_ground},
-    {"look", COMMAND_READ, AT(look), .read = read_scene},
+    {"background", COMMAND_READ, AT(look), .read = command_read_look},
+    {"look", COMMAND_READ, AT(look), .read = command_read_look},
     {"tolerance", COMMAND_NUMBER, AT(tolerance_mm), .least = 1e-6, .most = 1e3},
     {"max-targets", COMMAND_WHOLE, AT(max_targets), .least = 1, .most = 10000},
     {"bare", COMMAND_FLAG, AT(is_bare)},
-    {"export-unit", COMMAND_READ, AT(export_mm_per_unit), .read = read_unit},
+    {"export-unit", COMMAND_READ, AT(export_mm_per_unit), .read = command_read_unit},
     {"by-part", COMMAND_FLAG, AT(is_by_part)},
     {"hand-length", COMMAND_NUMBER, AT(hand_length_mm), .least = 50, .most = 400},
     {"calibration", COMMAND_READ, .read = add_calibration},

@@ -103,89 +103,69 @@ static void print_list_json(const plugin_list *list)
                               json_pack("{s:o, s:o}", "path", json_text(list->refusal[i].path),
                                         "reason", json_text(list->refusal[i].reason)));
     json_t *all = json_pack("{s:o, s:o}", "plugins", plugins, "refused", refused);
-    json_dumpf(all, stdout, JSON_INDENT(2));
-    putchar('\n');
-    json_decref(all);
+    facts_print_json(all, JSON_INDENT(2));
 }
+
+typedef struct list_options {
+    bool as_json, with_params;
+} list_options;
+
+static const command_option list_option_table[] = {
+    {"json", COMMAND_FLAG, .offset = offsetof(list_options, as_json)},
+    {"params", COMMAND_FLAG, .offset = offsetof(list_options, with_params)},
+    {.name = NULL},
+};
 
 static int plugin_list_run(int argc, char **argv)
 {
-    bool as_json = false, with_params = false;
-    for (int i = 1; i < argc; ++i) {
-        if (strcmp(argv[i], "--json") == 0)
-            as_json = true;
-        else if (strcmp(argv[i], "--params") == 0)
-            with_params = true;
-        else
-            return command_usage(&command_plugin, "\"%s\" is not expected here", argv[i]);
-    }
+    list_options options = {.as_json = false};
     plugin_list list = {0};
     error err = {""};
+    int code = command_options(&options, &command_plugin, list_option_table, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
     if (plugin_list_load(&list, &err) < 0)
         return command_failed(&command_plugin, &err);
-    if (as_json)
+    if (options.as_json)
         print_list_json(&list);
     else
-        print_list(&list, with_params);
+        print_list(&list, options.with_params);
     plugin_list_destroy(&list);
     return COMMAND_DONE;
 }
 
 /* ---- plugin check ---- */
 
-typedef struct options {
+typedef struct check_options {
     const char *path;
     check_settings check;
     int64_t seed, repeat;
     bool as_json, lists_rules;
-} options;
+} check_options;
 
 /* ---- the words ---- */
 
-static bool is_number(const char *word, int64_t low, int64_t *out)
+/* Of --seed from 0, of --repeat from 1. */
+static int read_whole(void *to, const command *self, const char *name, const char *text)
 {
-    return text_int(text_view_of(word, strlen(word)), out) && *out >= low;
+    const int least = strcmp(name, "repeat") == 0;
+    return text_int(text_view_of(text, strlen(text)), to) && *(int64_t *)to >= least
+               ? COMMAND_DONE
+               : command_usage(self, "--%s %s: expected a whole number from %d", name, text, least);
 }
 
-/* COMMAND_DONE: understood. */
-static int take_option(options *out, const char *name, const char *value)
-{
-    if (!value)
-        return command_usage(&command_plugin, "\"%s\" needs a value, or is not expected", name);
-    if (strcmp(name, "--input") == 0)
-        out->check.input_address = value;
-    else if (strcmp(name, "--output") == 0)
-        out->check.output_address = value;
-    else if (strcmp(name, "--seed") == 0 && !is_number(value, 0, &out->seed))
-        return command_usage(&command_plugin, "--seed %s: expected a whole number from 0", value);
-    else if (strcmp(name, "--repeat") == 0 && !is_number(value, 1, &out->repeat))
-        return command_usage(&command_plugin, "--repeat %s: expected a whole number from 1", value);
-    else if (strcmp(name, "--seed") != 0 && strcmp(name, "--repeat") != 0)
-        return command_usage(&command_plugin, "\"%s\" is not expected here", name);
-    return COMMAND_DONE;
-}
-
-static int take_words(options *out, int argc, char **argv)
-{
-    int code = COMMAND_DONE;
-    for (int i = 1; i < argc && code == COMMAND_DONE; ++i) {
-        if (strcmp(argv[i], "--json") == 0)
-            out->as_json = true;
-        else if (strcmp(argv[i], "--rules") == 0)
-            out->lists_rules = true;
-        else if (argv[i][0] == '-') {
-            code = take_option(out, argv[i], i + 1 < argc ? argv[i + 1] : NULL);
-            ++i;
-        } else if (out->path)
-            return command_usage(&command_plugin, "one plugin at a time: \"%s\" is too many",
-                                 argv[i]);
-        else
-            out->path = argv[i];
-    }
-    if (code == COMMAND_DONE && !out->path && !out->lists_rules)
-        return command_usage(&command_plugin, "say which plugin to check: check FILE.so");
-    return code;
-}
+#define AT(member) .offset = offsetof(check_options, member)
+static const command_option check_option_table[] = {
+    {"FILE", COMMAND_WORD, AT(path)},
+    {"input", COMMAND_TEXT, AT(check.input_address)},
+    {"output", COMMAND_TEXT, AT(check.output_address)},
+    {"seed", COMMAND_READ, AT(seed), .read = read_whole},
+    {"repeat", COMMAND_READ, AT(repeat), .read = read_whole},
+    {"rules", COMMAND_FLAG, AT(lists_rules)},
+    {"json", COMMAND_FLAG, AT(as_json)},
+    {.name = NULL},
+};
+#undef AT
 
 /* ---- the rules ---- */
 
@@ -201,9 +181,7 @@ static void list_rules_as_json(void)
     for (int i = 0; i < RULE_COUNT; ++i)
         json_array_append_new(all, json_pack("{s:s, s:s}", "rule", check_rule_id((check_rule)i),
                                              "says", check_rule_says((check_rule)i)));
-    json_dumpf(all, stdout, JSON_INDENT(2));
-    putchar('\n');
-    json_decref(all);
+    facts_print_json(all, JSON_INDENT(2));
 }
 
 /* ---- the report ---- */
@@ -239,7 +217,7 @@ static void print_subject(const check_subject *subject)
     }
 }
 
-static void print_report(const options *o, const check_report *report)
+static void print_report(const check_options *o, const check_report *report)
 {
     terminal_print("%s\n", o->path);
     for (uint32_t i = 0; i <= report->type_count; ++i)
@@ -264,7 +242,7 @@ static json_t *subject_to_json(const check_subject *subject)
     return json_pack("{s:o, s:o}", "id", json_text(subject->id), "rules", rules);
 }
 
-static json_t *report_to_json(const options *o, const check_report *report)
+static json_t *report_to_json(const check_options *o, const check_report *report)
 {
     json_t *types = json_array();
     for (uint32_t i = 1; i <= report->type_count; ++i)
@@ -283,7 +261,7 @@ static void show_progress(void *data, uint32_t done, uint32_t count)
     progress_show(data, count ? (double)done / (double)count : -1.0, "");
 }
 
-static int check_once(options *o, json_t *all)
+static int check_once(check_options *o, json_t *all)
 {
     progress line;
     check_report report;
@@ -309,7 +287,7 @@ static int check_once(options *o, json_t *all)
     return has_failed ? COMMAND_FAILED : COMMAND_DONE;
 }
 
-static int check_often(options *o, json_t *all)
+static int check_often(check_options *o, json_t *all)
 {
     int code = COMMAND_DONE;
     for (int64_t i = 0; i < o->repeat; ++i, ++o->seed) {
@@ -319,18 +297,13 @@ static int check_often(options *o, json_t *all)
     return code;
 }
 
-/* One report; an array of them when it was examined more than once. */
-static void print_json(const json_t *all)
-{
-    json_dumpf(json_array_size(all) == 1 ? json_array_get(all, 0) : all, stdout, JSON_INDENT(2));
-    putchar('\n');
-}
-
 static int plugin_check_run(int argc, char **argv)
 {
     /* Another seed each time, short enough to be typed. */
-    options o = {.repeat = 1, .seed = clock_now_ns() / 1000 % 1000000};
-    int code = take_words(&o, argc, argv);
+    check_options o = {.repeat = 1, .seed = clock_now_ns() / 1000 % 1000000};
+    int code = command_options(&o, &command_plugin, check_option_table, argc, argv);
+    if (code == COMMAND_DONE && !o.path && !o.lists_rules)
+        code = command_usage(&command_plugin, "say which plugin to check: check FILE.so");
     if (code != COMMAND_DONE)
         return code;
     if (o.lists_rules) {
@@ -342,13 +315,30 @@ static int plugin_check_run(int argc, char **argv)
     }
     json_t *all = o.as_json ? json_array() : NULL;
     code = check_often(&o, all);
-    if (all && json_array_size(all) > 0)
-        print_json(all);
+    if (json_array_size(all) > 0) /* one report; an array of them when there were more */
+        facts_print_json(json_incref(json_array_size(all) == 1 ? json_array_get(all, 0) : all),
+                         JSON_INDENT(2));
     json_decref(all);
     return code;
 }
 
 /* ---- plugin new ---- */
+
+enum { KINDS = 3 };
+typedef struct plugin_kind {
+    const char *name;
+    const template_file *files; /* TEMPLATE_FILES of them */
+    const char *try_it;         /* the command that shows it: before its library, behind it */
+    const char *and_then;
+} plugin_kind;
+static const plugin_kind kinds[KINDS] = {
+    {"mapping", template_mapping, "perform --face puppet --input log:take.csv --map build/",
+     ".so --export face.png"},
+    {"input", template_input, "perform --face puppet --input build/",
+     ".so --map one_hand --export face.png"},
+    {"output", template_output,
+     "perform --face puppet --input log:take.csv --map one_hand --output build/",
+     ".so:127.0.0.1:9200"}};
 
 /* With "org.example." before it a name fits into one line of the log. */
 enum { NAME_MAX_LETTERS = 24 };
@@ -357,7 +347,8 @@ static const char placeholder[] = "template_name";
 
 typedef struct new_options {
     const char *name, *parent;
-    const template_file *files; /* TEMPLATE_FILES of them; NULL: not said */
+    bool is_kind[KINDS]; /* --mapping, --input, --output */
+    const plugin_kind *kind;
 } new_options;
 
 /* ---- names ---- */
@@ -398,40 +389,30 @@ static int check_name(const char *name)
 
 /* ---- options ---- */
 
-static int read_kind(new_options *out, const template_file *files)
-{
-    if (out->files && out->files != files)
-        return command_usage(&command_plugin, "new: one of --mapping, --input, --output");
-    out->files = files;
-    return COMMAND_DONE;
-}
+#define AT(member) .offset = offsetof(new_options, member)
+static const command_option new_option_table[] = {
+    {"NAME", COMMAND_WORD, AT(name)},        {"mapping", COMMAND_FLAG, AT(is_kind[0])},
+    {"input", COMMAND_FLAG, AT(is_kind[1])}, {"output", COMMAND_FLAG, AT(is_kind[2])},
+    {"dir", COMMAND_TEXT, AT(parent)},       {.name = NULL},
+};
+#undef AT
 
 static int read_options(new_options *out, int argc, char **argv)
 {
     *out = (new_options){.parent = "."};
-    int code = COMMAND_DONE;
-    for (int i = 1; i < argc && code == COMMAND_DONE; ++i) {
-        if (strcmp(argv[i], "--mapping") == 0)
-            code = read_kind(out, template_mapping);
-        else if (strcmp(argv[i], "--input") == 0)
-            code = read_kind(out, template_input);
-        else if (strcmp(argv[i], "--output") == 0)
-            code = read_kind(out, template_output);
-        else if (strcmp(argv[i], "--dir") == 0 && i + 1 < argc)
-            out->parent = argv[++i];
-        else if (strcmp(argv[i], "--dir") == 0)
-            code = command_usage(&command_plugin, "new: --dir needs a folder");
-        else if (argv[i][0] == '-' || out->name)
-            code = command_usage(&command_plugin, "new: \"%s\" is not expected here", argv[i]);
-        else
-            out->name = argv[i];
+    int code = command_options(out, &command_plugin, new_option_table, argc, argv);
+    for (int i = 0; i < KINDS && code == COMMAND_DONE; ++i) {
+        if (out->is_kind[i] && out->kind)
+            code = command_usage(&command_plugin, "new: one of --mapping, --input, --output");
+        if (out->is_kind[i])
+            out->kind = &kinds[i];
     }
     if (code != COMMAND_DONE)
         return code;
     if (!out->name)
         return command_usage(&command_plugin, "new: what is it to be called?");
     code = check_name(out->name);
-    if (code == COMMAND_DONE && !out->files)
+    if (code == COMMAND_DONE && !out->kind)
         code = command_usage(&command_plugin,
                              "new: --mapping (hands in, a face out), --input "
                              "(where hands come from) or --output (where a face goes)?");
@@ -516,7 +497,7 @@ static void remove_all(const new_options *w, const char *folder)
     error none;
     char path[INSTALLED_LENGTH];
     for (int i = 0; i < TEMPLATE_FILES; ++i)
-        if (path_of(path, w, &w->files[i], &none) >= 0)
+        if (path_of(path, w, &w->kind->files[i], &none) >= 0)
             unlink(path);
     rmdir(folder);
 }
@@ -525,12 +506,12 @@ static void remove_all(const new_options *w, const char *folder)
 static mrt_result write_all(const new_options *w, error *err)
 {
     char folder[INSTALLED_LENGTH];
-    assert(w->files);
+    assert(w->kind);
     mrt_result result = make_folder(folder, w, err);
     if (result < 0)
         return result;
     for (int i = 0; i < TEMPLATE_FILES && result >= 0; ++i)
-        result = write_file(w, &w->files[i], err);
+        result = write_file(w, &w->kind->files[i], err);
     if (result < 0)
         remove_all(w, folder);
     return result;
@@ -581,14 +562,11 @@ static void print_prefix(void)
 
 static void print_next(const new_options *w)
 {
-    const char *kind = w->files == template_mapping ? "mapping"
-                       : w->files == template_input ? "input"
-                                                    : "output";
     char folder[INSTALLED_LENGTH];
     snprintf(folder, sizeof folder, "%s/%s", w->parent, w->name);
     const char *shown = strncmp(folder, "./", 2) == 0 ? folder + 2 : folder;
     terminal_print("wrote %s: %s.c is the %s, README.md says the rest. Next:\n  cd ", shown,
-                   w->name, kind);
+                   w->name, w->kind->name);
     terminal_print_quoted(shown);
     fputs(" && cmake -B build", stdout);
     print_prefix();
@@ -596,18 +574,7 @@ static void print_next(const new_options *w)
     print_program();
     terminal_print(" plugin check build/%s.so\n  ", w->name);
     print_program();
-    if (w->files == template_mapping)
-        terminal_print(
-            " perform --face puppet --input log:take.csv --map build/%s.so --export face.png\n",
-            w->name);
-    else if (w->files == template_input)
-        terminal_print(
-            " perform --face puppet --input build/%s.so --map one_hand --export face.png\n",
-            w->name);
-    else
-        terminal_print(" perform --face puppet --input log:take.csv --map one_hand --output "
-                       "build/%s.so:127.0.0.1:9200\n",
-                       w->name);
+    terminal_print(" %s%s%s\n", w->kind->try_it, w->name, w->kind->and_then);
 }
 
 static int plugin_new_run(int argc, char **argv)

@@ -1,6 +1,5 @@
 /* marotte rig. */
 #include "base/file.h"
-#include "base/installed.h"
 #include "base/text.h"
 #include "base/json.h"
 #include "command.h"
@@ -20,10 +19,21 @@
 #include <string.h>
 #include <unistd.h>
 
+/* A rig, not a mesh alone. To be destroyed whatever the result. */
+static mrt_result read_rig(face_file *out, const char *path, face_file_strictness strictness,
+                           error *err)
+{
+    mrt_result result = face_file_read(out, path, NULL, strictness, err);
+    if (result < 0 || out->rig)
+        return result;
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: is a mesh; marotte rig new drafts a rig for it",
+                     path);
+}
+
 /* ---- rig check ---- */
 
 typedef struct checking {
-    const char *path;
+    char *path; /* owned */
     bool as_json;
     rig_findings findings;
 } checking;
@@ -31,18 +41,13 @@ typedef struct checking {
 static const char *const severity_name[] = {
     [RIG_NOTE] = "note", [RIG_WARNING] = "warning", [RIG_ERROR] = "error"};
 
-static bool read_options(checking *c, int argc, char **argv)
-{
-    for (int i = 1; i < argc; ++i) {
-        if (strcmp(argv[i], "--json") == 0)
-            c->as_json = true;
-        else if (!c->path && argv[i][0] != '-')
-            c->path = argv[i];
-        else
-            return false;
-    }
-    return c->path != NULL;
-}
+#define AT(member) .offset = offsetof(checking, member)
+static const command_option check_options[] = {
+    {"RIG", COMMAND_WORD, AT(path), .read = command_read_face},
+    {"json", COMMAND_FLAG, AT(as_json)},
+    {.name = NULL},
+};
+#undef AT
 
 static void print_text(const checking *c)
 {
@@ -68,9 +73,7 @@ static void print_json(const checking *c)
                             (int)rig_findings_count(all, RIG_ERROR), "warnings",
                             (int)rig_findings_count(all, RIG_WARNING), "notes",
                             (int)rig_findings_count(all, RIG_NOTE), "findings", list);
-    json_dumpf(out, stdout, JSON_INDENT(2));
-    putchar('\n');
-    json_decref(out);
+    facts_print_json(out, JSON_INDENT(2));
 }
 
 static mrt_result check(checking *c, const face_file *f, error *err)
@@ -92,14 +95,14 @@ static int rigcheck_run(int argc, char **argv)
     checking c = {0};
     face_file f = {0};
     error err = {""};
-    if (!read_options(&c, argc, argv))
-        return command_usage(&command_rig, "check takes one rig file, and --json");
-    char *found = installed_face(c.path);
-    c.path = found ? found : c.path;
-    mrt_result result = face_file_read(&f, c.path, NULL, FACE_FILE_ANY, &err);
-    if (result >= 0 && !f.rig)
-        result = error_set(&err, MRT_ERR_ARGUMENT,
-                           "%s: is a mesh; marotte rig new drafts a rig for it", c.path);
+    int code = command_options(&c, &command_rig, check_options, argc, argv);
+    if (code == COMMAND_DONE && !c.path)
+        code = command_usage(&command_rig, "check takes one rig file, and --json");
+    if (code != COMMAND_DONE) {
+        free(c.path);
+        return code;
+    }
+    mrt_result result = read_rig(&f, c.path, FACE_FILE_ANY, &err);
     if (result >= 0)
         result = check(&c, &f, &err);
     if (result >= 0 && c.as_json)
@@ -109,7 +112,7 @@ static int rigcheck_run(int argc, char **argv)
     bool is_right = result >= 0 && rig_findings_count(&c.findings, RIG_ERROR) == 0;
     rig_findings_finish(&c.findings);
     face_file_destroy(&f);
-    free(found);
+    free(c.path);
     if (result < 0)
         return command_failed(&command_rig, &err);
     return is_right ? COMMAND_DONE : COMMAND_FAILED;
@@ -120,43 +123,34 @@ static int rigcheck_run(int argc, char **argv)
 enum { PATH_TEXT = 4096 };
 
 typedef struct drafting {
-    const char *mesh_path;
+    const char *mesh_path, *given_path; /* NULL: beside the mesh, of its name */
     char out_path[PATH_TEXT];
     mesh_frame frame;
     bool may_replace, cuts_mouth;
 } drafting;
 
-static bool read_new_options(drafting *d, int argc, char **argv)
+#define AT(member) .offset = offsetof(drafting, member)
+static const command_option new_options[] = {
+    {"MESH", COMMAND_WORD, AT(mesh_path)},
+    {"out", COMMAND_TEXT, AT(given_path)},
+    {"unit", COMMAND_READ, AT(frame.mm_per_unit), .read = command_read_unit},
+    {"up", COMMAND_READ, AT(frame.up), .read = command_read_axis},
+    {"forward", COMMAND_READ, AT(frame.forward), .read = command_read_axis},
+    {"cut-mouth", COMMAND_FLAG, AT(cuts_mouth)},
+    {"force", COMMAND_FLAG, AT(may_replace)},
+    {.name = NULL},
+};
+#undef AT
+
+/* False: the path is too long. */
+static bool choose_out_path(drafting *d)
 {
-    const char *out_path = NULL;
-    for (int i = 1; i < argc; ++i) {
-        if (strcmp(argv[i], "--force") == 0)
-            d->may_replace = true;
-        else if (strcmp(argv[i], "--cut-mouth") == 0)
-            d->cuts_mouth = true;
-        else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
-            out_path = argv[++i];
-        else if (strcmp(argv[i], "--unit") == 0 && i + 1 < argc &&
-                 mesh_unit_parse(&d->frame.mm_per_unit, argv[i + 1]))
-            ++i;
-        else if (strcmp(argv[i], "--up") == 0 && i + 1 < argc &&
-                 mesh_axis_parse(&d->frame.up, argv[i + 1]))
-            ++i;
-        else if (strcmp(argv[i], "--forward") == 0 && i + 1 < argc &&
-                 mesh_axis_parse(&d->frame.forward, argv[i + 1]))
-            ++i;
-        else if (!d->mesh_path && argv[i][0] != '-')
-            d->mesh_path = argv[i];
-        else
-            return false;
-    }
-    if (!d->mesh_path)
-        return false;
     const char *slash = strrchr(d->mesh_path, '/');
     const char *dot = strrchr(slash ? slash : d->mesh_path, '.');
     int stem = dot ? (int)(dot - d->mesh_path) : (int)strlen(d->mesh_path);
-    int length = out_path ? snprintf(d->out_path, PATH_TEXT, "%s", out_path)
-                          : snprintf(d->out_path, PATH_TEXT, "%.*s.rig.json", stem, d->mesh_path);
+    int length = d->given_path
+                     ? snprintf(d->out_path, PATH_TEXT, "%s", d->given_path)
+                     : snprintf(d->out_path, PATH_TEXT, "%.*s.rig.json", stem, d->mesh_path);
     return length < PATH_TEXT;
 }
 
@@ -230,7 +224,10 @@ static int rignew_run(int argc, char **argv)
 {
     drafting d = {0};
     error err = {""};
-    if (!read_new_options(&d, argc, argv))
+    int code = command_options(&d, &command_rig, new_options, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    if (!d.mesh_path || !choose_out_path(&d))
         return command_usage(&command_rig,
                              "new takes a mesh, --out, --unit mm|cm|m|MM, --up AXIS, "
                              "--forward AXIS (x, y, z, -x, -y, -z), --cut-mouth and --force");
@@ -246,7 +243,9 @@ static int rignew_run(int argc, char **argv)
 /* ---- rig show ---- */
 
 typedef struct showing {
-    const char *path, *out_path;
+    char *path; /* owned */
+    const char *out_path;
+    double yaw_deg, pitch_deg; /* NAN: not said */
     rigpicture_view view[RIGPICTURE_VIEWS_MAX];
     uint32_t view_count; /* 0: from the usual sides */
     bool has_poses;      /* --poses: them instead of the rig */
@@ -256,43 +255,28 @@ typedef struct showing {
 
 static const double radian_per_degree = 0.017453292519943295;
 
-static bool read_angle(float *out_rad, const char *word)
-{
-    double deg;
-    if (!text_double(text_view_of(word, strlen(word)), &deg) || deg < -360.0 || deg > 360.0)
-        return false;
-    *out_rad = (float)(deg * radian_per_degree);
-    return true;
-}
+#define AT(member) .offset = offsetof(showing, member)
+static const command_option show_options[] = {
+    {"RIG", COMMAND_WORD, AT(path), .read = command_read_face},
+    {"out", COMMAND_TEXT, AT(out_path)},
+    {"poses", COMMAND_FLAG, AT(has_poses)},
+    {"only", COMMAND_TEXT, AT(only)},
+    {"size", COMMAND_READ, AT(look), .read = command_read_look},
+    {"yaw", COMMAND_NUMBER, AT(yaw_deg), .least = -360.0, .most = 360.0},
+    {"pitch", COMMAND_NUMBER, AT(pitch_deg), .least = -360.0, .most = 360.0},
+    {.name = NULL},
+};
+#undef AT
 
-static bool read_show_options(showing *s, int argc, char **argv)
+static void choose_view(showing *s)
 {
-    for (int i = 1; i < argc; ++i) {
-        bool has_value = i + 1 < argc;
-        if (strcmp(argv[i], "--out") == 0 && has_value) {
-            s->out_path = argv[++i];
-        } else if (strcmp(argv[i], "--poses") == 0) {
-            s->has_poses = true;
-        } else if (strcmp(argv[i], "--only") == 0 && has_value) {
-            s->only = argv[++i];
-        } else if (strcmp(argv[i], "--size") == 0 && has_value) {
-            if (!video_look_size(&s->look, argv[++i]))
-                return false;
-        } else if (strcmp(argv[i], "--yaw") == 0 && has_value) {
-            s->view_count = 1;
-            if (!read_angle(&s->view[0].yaw_rad, argv[++i]))
-                return false;
-        } else if (strcmp(argv[i], "--pitch") == 0 && has_value) {
-            s->view_count = 1;
-            if (!read_angle(&s->view[0].pitch_rad, argv[++i]))
-                return false;
-        } else if (!s->path && argv[i][0] != '-') {
-            s->path = argv[i];
-        } else {
-            return false;
-        }
-    }
-    return s->path && (s->out_path || s->has_poses) && (!s->only || s->has_poses);
+    if (isnan(s->yaw_deg) && isnan(s->pitch_deg))
+        return;
+    s->view_count = 1;
+    if (!isnan(s->yaw_deg))
+        s->view[0].yaw_rad = (float)(s->yaw_deg * radian_per_degree);
+    if (!isnan(s->pitch_deg))
+        s->view[0].pitch_rad = (float)(s->pitch_deg * radian_per_degree);
 }
 
 /* ---- the rig ---- */
@@ -412,13 +396,8 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
 static mrt_result show_any(showing *s, error *err)
 {
     face_file f;
-    mrt_result result = face_file_read(&f, s->path, NULL, FACE_FILE_USABLE, err);
-    if (result < 0)
-        return result;
-    if (!f.rig)
-        result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%s: is a mesh; marotte rig new drafts a rig for it", s->path);
-    else
+    mrt_result result = read_rig(&f, s->path, FACE_FILE_USABLE, err);
+    if (result >= 0)
         result = s->has_poses ? show_poses(s, &f, err) : show_rig(s, &f, err);
     face_file_destroy(&f);
     return result;
@@ -426,18 +405,22 @@ static mrt_result show_any(showing *s, error *err)
 
 static int rigshow_run(int argc, char **argv)
 {
-    showing s = {0};
+    showing s = {.yaw_deg = (double)NAN, .pitch_deg = (double)NAN};
     error err = {""};
-    if (!read_show_options(&s, argc, argv))
-        return command_usage(
+    int code = command_options(&s, &command_rig, show_options, argc, argv);
+    if (code == COMMAND_DONE &&
+        (!s.path || !(s.out_path || s.has_poses) || (s.only && !s.has_poses)))
+        code = command_usage(
             &command_rig, "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
                           "degrees, --size WIDTHxHEIGHT of 16 to 16384 pixels, and --poses for its "
                           "poses (then --out may be left away; --only NAME,NAME: of these)");
-    char *found = installed_face(s.path);
-    s.path = found ? found : s.path;
-    mrt_result result = show_any(&s, &err);
-    free(found);
-    return result < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
+    if (code == COMMAND_DONE) {
+        choose_view(&s);
+        if (show_any(&s, &err) < 0)
+            code = command_failed(&command_rig, &err);
+    }
+    free(s.path);
+    return code;
 }
 
 /* ---- rig fit: can this rig make these faces? ---- */
@@ -445,7 +428,8 @@ static int rigshow_run(int argc, char **argv)
 enum { SUGGEST_MAX = 256 };
 
 typedef struct fitting {
-    const char *rig_path, *targets_path, *set_name, *out_path, *poses_path;
+    char *rig_path; /* owned */
+    const char *targets_path, *set_name, *out_path, *poses_path;
     uint32_t suggest_count;
     bool as_json;
     face_file face;
@@ -459,41 +443,18 @@ typedef struct fitting {
 
 /* ---- what is asked ---- */
 
-static bool read_count(uint32_t *out, const char *word)
-{
-    int64_t value;
-    if (!text_int(text_view_of(word, strlen(word)), &value) || value < 1 || value > SUGGEST_MAX)
-        return false;
-    *out = (uint32_t)value;
-    return true;
-}
-
-static bool read_fit_options(fitting *f, int argc, char **argv)
-{
-    for (int i = 1; i < argc; ++i) {
-        const char *value = i + 1 < argc ? argv[i + 1] : NULL;
-        const char **text = strcmp(argv[i], "--contacts") == 0     ? &f->set_name
-                            : strcmp(argv[i], "--out") == 0        ? &f->out_path
-                            : strcmp(argv[i], "--save-poses") == 0 ? &f->poses_path
-                                                                   : NULL;
-        if (strcmp(argv[i], "--json") == 0) {
-            f->as_json = true;
-        } else if (text && value) {
-            *text = value;
-            i += 1;
-        } else if (strcmp(argv[i], "--suggest") == 0 && value &&
-                   read_count(&f->suggest_count, value)) {
-            i += 1;
-        } else if (argv[i][0] != '-' && !f->rig_path) {
-            f->rig_path = argv[i];
-        } else if (argv[i][0] != '-' && !f->targets_path) {
-            f->targets_path = argv[i];
-        } else {
-            return false;
-        }
-    }
-    return f->rig_path && f->targets_path;
-}
+#define AT(member) .offset = offsetof(fitting, member)
+static const command_option fit_options_table[] = {
+    {"RIG", COMMAND_WORD, AT(rig_path), .read = command_read_face},
+    {"TARGETS", COMMAND_WORD, AT(targets_path)},
+    {"contacts", COMMAND_TEXT, AT(set_name)},
+    {"out", COMMAND_TEXT, AT(out_path)},
+    {"save-poses", COMMAND_TEXT, AT(poses_path)},
+    {"suggest", COMMAND_WHOLE, AT(suggest_count), .least = 1, .most = SUGGEST_MAX},
+    {"json", COMMAND_FLAG, AT(as_json)},
+    {.name = NULL},
+};
+#undef AT
 
 static mrt_result choose_contacts(fitting *f, error *err)
 {
@@ -515,10 +476,7 @@ static mrt_result choose_contacts(fitting *f, error *err)
 
 static mrt_result read_files(fitting *f, error *err)
 {
-    mrt_result result = face_file_read(&f->face, f->rig_path, NULL, FACE_FILE_USABLE, err);
-    if (result >= 0 && !f->face.rig)
-        result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%s: is a mesh; marotte rig new drafts a rig for it", f->rig_path);
+    mrt_result result = read_rig(&f->face, f->rig_path, FACE_FILE_USABLE, err);
     if (result >= 0)
         result = mesh_file_read(&f->targets, f->targets_path, NULL, err);
     if (result < 0)
@@ -750,27 +708,21 @@ static void print_fit_json(const fitting *f)
         "mean_relative_residual", all.residual, "mean_paper_residual", all.paper_residual,
         "worst_mm", all.worst_mm, "worst_rigid_motion_mm", all.rigid_mm, "worst_penetration_mm",
         all.penetration_mm, "min_determinant", all.determinant);
-    json_dumpf(out, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
-    putchar('\n');
-    json_decref(out);
+    facts_print_json(out, JSON_INDENT(2) | JSON_REAL_PRECISION(9));
 }
 
 static void print_suggestion(const fitting *f)
 {
     json_t *list = json_array();
-    for (uint32_t i = 0; i < f->suggested_count; ++i)
-        json_array_append_new(list, json_integer((json_int_t)f->suggested[i]));
-    for (uint32_t i = 0; !f->as_json && i < f->suggested_count; ++i) {
+    for (uint32_t i = 0; i < f->suggested_count; ++i) {
         const float *p = f->face.mesh.position + (size_t)f->suggested[i] * 3;
-        terminal_print("suggested  vertex %6u at (%6.1f, %6.1f, %6.1f) mm\n", f->suggested[i],
-                       (double)p[0], (double)p[1], (double)p[2]);
+        json_array_append_new(list, json_integer((json_int_t)f->suggested[i]));
+        if (!f->as_json)
+            terminal_print("suggested  vertex %6u at (%6.1f, %6.1f, %6.1f) mm\n", f->suggested[i],
+                           (double)p[0], (double)p[1], (double)p[2]);
     }
-    if (f->as_json) {
-        json_t *out = json_pack("{sO}", "suggested_vertices", list);
-        json_dumpf(out, stdout, JSON_INDENT(2));
-        putchar('\n');
-        json_decref(out);
-    }
+    if (f->as_json)
+        facts_print_json(json_pack("{sO}", "suggested_vertices", list), JSON_INDENT(2));
     json_decref(list);
 }
 
@@ -800,18 +752,21 @@ static int rigfit_run(int argc, char **argv)
 {
     fitting f = {0};
     error err = {""};
-    if (!read_fit_options(&f, argc, argv))
-        return command_usage(&command_rig,
+    int code = command_options(&f, &command_rig, fit_options_table, argc, argv);
+    if (code == COMMAND_DONE && !f.targets_path)
+        code = command_usage(&command_rig,
                              "fit takes a rig and a mesh with morph targets, --contacts SET, "
                              "--json, --out, --save-poses, --suggest 1..%d",
                              SUGGEST_MAX);
-    mrt_result result = fit_any(&f, &err);
+    if (code == COMMAND_DONE && fit_any(&f, &err) < 0)
+        code = command_failed(&command_rig, &err);
     fit_results_destroy(f.result, f.result_count);
     free(f.result);
     free(f.contact);
     mesh_destroy(&f.targets);
     face_file_destroy(&f.face);
-    return result < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
+    free(f.rig_path);
+    return code;
 }
 
 /* ---- the command ---- */

@@ -11,7 +11,6 @@
 #include "window/gui/window.h"
 #include "window/script.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,28 +44,6 @@ typedef struct stage {
 } stage;
 
 /* ---- options ---- */
-
-static bool read_number(const char *text, double least, double most, double *out)
-{
-    char *end;
-    errno = 0;
-    *out = strtod(text, &end);
-    return end != text && *end == '\0' && isfinite(*out) && *out >= least && *out <= most;
-}
-
-static int read_scale(void *to, const command *self, const char *name, const char *text)
-{
-    return read_number(text, 0.5, 4.0, to)
-               ? COMMAND_DONE
-               : command_usage(self, "--%s %s: expected 0.5 to 4", name, text);
-}
-
-static int read_seconds(void *to, const command *self, const char *name, const char *text)
-{
-    return read_number(text, 0.0, 1e6, to)
-               ? COMMAND_DONE
-               : command_usage(self, "--%s %s: expected 0 to 1000000", name, text);
-}
 
 static int read_size(void *to, const command *self, const char *name, const char *text)
 {
@@ -148,36 +125,23 @@ static const command_option option_table[] = {
     {"stream-look", COMMAND_READ, .read = read_stream_look},
     {"background", COMMAND_READ, .read = read_ground},
     {"size", COMMAND_READ, .read = read_size},
-    {"scale", COMMAND_READ, AT(scale), .read = read_scale},
+    {"scale", COMMAND_NUMBER, AT(scale), .least = 0.5, .most = 4.0},
     {"hidden", COMMAND_FLAG, AT(is_hidden)},
     {"script", COMMAND_TEXT, AT(script)},
     {"picture", COMMAND_TEXT, AT(picture)},
-    {"seconds", COMMAND_READ, AT(seconds), .read = read_seconds},
+    {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.0, .most = 1e6},
     {"settings", COMMAND_TEXT, AT(app.settings_path)},
     {"json", COMMAND_FLAG, AT(is_json)},
+    {"SHOW", COMMAND_WORD, AT(app.show_path)},
     {.name = NULL},
 };
 
 static int read_options(stage_options *out, int argc, char **argv)
 {
-    struct option known[COMMAND_OPTIONS_MAX];
-    int option, code = COMMAND_DONE;
     *out = (stage_options){.scale = 1.0};
-    command_options_list(known, option_table);
-    opterr = 0;
-    optind = 1;
-    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, "", known, NULL)) != -1)
-        code = option == '?'
-                   ? command_usage(&command_stage, "an option is not known, or lacks its value")
-                   : command_option_put(out, &command_stage,
-                                        &option_table[option - COMMAND_OPTION_FIRST], optarg);
+    int code = command_options(out, &command_stage, option_table, argc, argv);
     if (code != COMMAND_DONE)
         return code;
-    if (optind + 1 < argc)
-        return command_usage(&command_stage, "one show at a time: \"%s\" is too much",
-                             argv[optind + 1]);
-    if (optind < argc)
-        out->app.show_path = argv[optind];
     if (out->has_picture)
         out->app.picture = &out->streamed;
     if (out->is_hidden && !out->app.settings_path)
@@ -369,13 +333,15 @@ bool stage_is_meant(const char *first)
     if (strncmp(first, "--", 2) != 0)
         return false;
     for (const command_option *o = option_table; o->name; ++o)
-        if (strncmp(first + 2, o->name, strcspn(first + 2, "=")) == 0 && first[2])
+        if (o->kind != COMMAND_WORD && strncmp(first + 2, o->name, strcspn(first + 2, "=")) == 0 &&
+            first[2])
             return true;
     return false;
 }
 
-static void print_help(FILE *to)
+static void tell_help(int argc, char **argv)
 {
+    (void)argc, (void)argv;
     fputs(
         "marotte [SHOW.marotte] [OPTIONS]\n"
         "The stage: a window with a face that hands perform, live and over takes.\n"
@@ -403,23 +369,14 @@ static void print_help(FILE *to)
         "  --picture FILE   a PNG of the window at the end\n"
         "  --json           what it did, for machines\n"
         "\nA script has one command a line; # begins a comment:\n",
-        to);
-    fputs(script_help(), to);
-    fputs("random does what it likes to the show and the face: give it copies.\n", to);
-}
-
-static int run_with_help(int argc, char **argv)
-{
-    for (int i = 1; i < argc && strcmp(argv[i], "--") != 0; ++i)
-        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
-            print_help(stdout);
-            return COMMAND_DONE;
-        }
-    return stage_run(argc, argv);
+        stdout);
+    fputs(script_help(), stdout);
+    fputs("random does what it likes to the show and the face: give it copies.\n", stdout);
 }
 
 const command command_stage = {
     .name = "stage",
     .summary = "the window in which a face is performed; also marotte [SHOW.marotte]",
-    .run = run_with_help,
+    .tell_help = tell_help,
+    .run = stage_run,
 };

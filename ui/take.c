@@ -6,7 +6,7 @@
 #include "base/installed.h"
 #include "take/edit_store.h"
 
-#include <getopt.h>
+#include <assert.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -15,144 +15,138 @@
 
 /* ---- the command line ---- */
 
-enum { OPTION_FIRST = 256 };
-
-static const struct {
-    const char *name;
-    bool has_value;
-} options[TAKE_OPTION_COUNT] = {
-    [TAKE_JSON] = {"json", false},
-    [TAKE_IN] = {"in", true},
-    [TAKE_OUT] = {"out", true},
-    [TAKE_AT] = {"at", true},
-    [TAKE_CLIP] = {"clip", true},
-    [TAKE_LAYER] = {"layer", true},
-    [TAKE_TO] = {"to", true},
-    [TAKE_SPEED] = {"speed", true},
-    [TAKE_POINTS] = {"points", true},
-    [TAKE_OFF] = {"off", false},
-    [TAKE_FADE] = {"fade", true},
-    [TAKE_FADE_IN] = {"fade-in", true},
-    [TAKE_FADE_OUT] = {"fade-out", true},
-    [TAKE_GAIN] = {"gain", true},
-    [TAKE_OFFSET] = {"offset", true},
-    [TAKE_LENGTH] = {"length", true},
-    [TAKE_RIPPLE] = {"ripple", false},
-    [TAKE_OWN] = {"own", true},
-    [TAKE_PLACE] = {"place", true},
-    [TAKE_REGION] = {"region", true},
-    [TAKE_FROM] = {"from", true},
-    [TAKE_SOURCE] = {"source", true},
-    [TAKE_SCENE] = {"scene", true},
-    [TAKE_SHOT] = {"shot", true},
-    [TAKE_NUMBER] = {"number", true},
-    [TAKE_START] = {"start", true},
-    [TAKE_FPS] = {"fps", true},
-    [TAKE_LAST] = {"last", true},
-    [TAKE_FACE] = {"face", true},
-    [TAKE_MAP] = {"map", true},
-    [TAKE_PATCH] = {"patch", true},
-    [TAKE_CALIBRATION] = {"calibration", true},
-    [TAKE_HAND_LENGTH] = {"hand-length", true},
-    [TAKE_FILTER] = {"filter", true},
-    [TAKE_EXPORT] = {"export", true},
-    [TAKE_WAV] = {"wav", false},
-    [TAKE_TOLERANCE] = {"tolerance", true},
-    [TAKE_MAX_TARGETS] = {"max-targets", true},
-    [TAKE_BARE] = {"bare", false},
-    [TAKE_UNIT] = {"unit", true},
-    [TAKE_BY_PART] = {"by-part", false},
-    [TAKE_CSV] = {"csv", true},
-    [TAKE_TRACK] = {"track", true},
-    [TAKE_HASH_OPTION] = {"hash", false},
-    [TAKE_STEPS] = {"steps", true},
-    [TAKE_INPUT] = {"input", true},
-    [TAKE_PREROLL] = {"preroll", true},
-    [TAKE_COUNT_IN] = {"count-in", true},
-    [TAKE_PASSES] = {"passes", true},
-    [TAKE_NAME_OPTION] = {"name", true},
-    [TAKE_REALTIME] = {"realtime", false},
-    [TAKE_REZERO_PEDAL] = {"rezero-pedal", true},
-    [TAKE_SIZE] = {"size", true},
-    [TAKE_VIEW] = {"view", true},
-    [TAKE_MIRROR] = {"mirror", false},
-    [TAKE_BACKGROUND] = {"background", true},
-    [TAKE_LOOK] = {"look", true},
-    [TAKE_FRAMES] = {"frames", true},
-    [TAKE_ALL] = {"all", false},
-    [TAKE_JOBS] = {"jobs", true},
-    [TAKE_OUTPUT] = {"output", true},
-};
-
-const char *take_option_name(take_option option)
+static int read_once(void *to, const command *self, const char *name, const char *text)
 {
-    return options[option].name;
+    const char **value = to;
+    if (*value)
+        return command_usage(self, "\"%s\" was given twice", name);
+    *value = text;
+    return COMMAND_DONE;
 }
 
-static int misused(const take_verb *verb, const char *what, const char *text)
+static int add_export(void *to, const command *self, const char *name, const char *path)
 {
-    fprintf(stderr, "marotte take %s: \"%s\" %s (marotte take %s --help)\n", verb->name, text, what,
-            verb->name);
-    return COMMAND_USAGE;
-}
-
-static int add_export(take_call *out, const char *path)
-{
+    take_call *out = to;
     exports_file file = {path, exports_format_of(path)};
+    (void)name;
     if (strcmp(file_extension_of(path).text, "wav") == 0) {
         out->wav = path;
         return COMMAND_DONE;
     }
     if (out->export_count == EXPORTS_MAX)
-        return misused(out->verb, "is one export too many", path);
-    if (file.format == EXPORTS_NONE) {
-        char what[256];
-        (void)snprintf(what, sizeof what, "does not end in %s .wav", exports_names);
-        return misused(out->verb, what, path);
-    }
+        return command_usage(self, "\"%s\" is one export too many", path);
+    if (file.format == EXPORTS_NONE)
+        return command_usage(self, "\"%s\" does not end in %s .wav", path, exports_names);
     out->exports[out->export_count++] = file;
     return COMMAND_DONE;
 }
 
-static int add_calibration(take_call *out, const char *path)
+static int add_calibration(void *to, const command *self, const char *name, const char *path)
 {
+    take_call *out = to;
+    (void)name;
     if (out->calibration_count == TAKE_CALIBRATIONS_MAX)
-        return misused(out->verb, "is one calibration too many: one per hand", path);
+        return command_usage(self, "\"%s\" is one calibration too many: one per hand", path);
     out->calibration[out->calibration_count++] = path;
     return COMMAND_DONE;
 }
 
-static int add_input(take_call *out, const char *spec)
+static int add_input(void *to, const command *self, const char *name, const char *spec)
 {
+    take_call *out = to;
+    (void)name;
     if (out->input_count == TAKE_INPUTS_MAX)
-        return misused(out->verb, "is one input too many", spec);
+        return command_usage(self, "\"%s\" is one input too many", spec);
     out->input[out->input_count++] = spec;
     return COMMAND_DONE;
 }
 
-static int add_output(take_call *out, const char *spec)
+static int add_output(void *to, const command *self, const char *name, const char *spec)
 {
+    take_call *out = to;
+    (void)name;
     if (out->output_count == TAKE_OUTPUTS_MAX)
-        return misused(out->verb, "is one output too many", spec);
+        return command_usage(self, "\"%s\" is one output too many", spec);
     out->output[out->output_count++] = spec;
     out->text[TAKE_OUTPUT] = spec;
     return COMMAND_DONE;
 }
 
-static int take_one(take_call *out, take_option option, const char *value)
+#define VALUE(name, option)                                                                        \
+    {                                                                                              \
+        name, COMMAND_READ, .offset = offsetof(take_call, text[option]), .read = read_once         \
+    }
+#define FLAG(name, option)                                                                         \
+    {                                                                                              \
+        name, COMMAND_GIVEN, .offset = offsetof(take_call, text[option])                           \
+    }
+static const command_option options[TAKE_OPTION_COUNT] = {
+    [TAKE_JSON] = FLAG("json", TAKE_JSON),
+    [TAKE_IN] = VALUE("in", TAKE_IN),
+    [TAKE_OUT] = VALUE("out", TAKE_OUT),
+    [TAKE_AT] = VALUE("at", TAKE_AT),
+    [TAKE_CLIP] = VALUE("clip", TAKE_CLIP),
+    [TAKE_LAYER] = VALUE("layer", TAKE_LAYER),
+    [TAKE_TO] = VALUE("to", TAKE_TO),
+    [TAKE_SPEED] = VALUE("speed", TAKE_SPEED),
+    [TAKE_POINTS] = VALUE("points", TAKE_POINTS),
+    [TAKE_OFF] = FLAG("off", TAKE_OFF),
+    [TAKE_FADE] = VALUE("fade", TAKE_FADE),
+    [TAKE_FADE_IN] = VALUE("fade-in", TAKE_FADE_IN),
+    [TAKE_FADE_OUT] = VALUE("fade-out", TAKE_FADE_OUT),
+    [TAKE_GAIN] = VALUE("gain", TAKE_GAIN),
+    [TAKE_OFFSET] = VALUE("offset", TAKE_OFFSET),
+    [TAKE_LENGTH] = VALUE("length", TAKE_LENGTH),
+    [TAKE_RIPPLE] = FLAG("ripple", TAKE_RIPPLE),
+    [TAKE_OWN] = VALUE("own", TAKE_OWN),
+    [TAKE_PLACE] = VALUE("place", TAKE_PLACE),
+    [TAKE_REGION] = VALUE("region", TAKE_REGION),
+    [TAKE_FROM] = VALUE("from", TAKE_FROM),
+    [TAKE_SOURCE] = VALUE("source", TAKE_SOURCE),
+    [TAKE_SCENE] = VALUE("scene", TAKE_SCENE),
+    [TAKE_SHOT] = VALUE("shot", TAKE_SHOT),
+    [TAKE_NUMBER] = VALUE("number", TAKE_NUMBER),
+    [TAKE_START] = VALUE("start", TAKE_START),
+    [TAKE_FPS] = VALUE("fps", TAKE_FPS),
+    [TAKE_LAST] = VALUE("last", TAKE_LAST),
+    [TAKE_FACE] = VALUE("face", TAKE_FACE),
+    [TAKE_MAP] = VALUE("map", TAKE_MAP),
+    [TAKE_PATCH] = VALUE("patch", TAKE_PATCH),
+    [TAKE_CALIBRATION] = {"calibration", COMMAND_READ, .read = add_calibration},
+    [TAKE_HAND_LENGTH] = VALUE("hand-length", TAKE_HAND_LENGTH),
+    [TAKE_FILTER] = VALUE("filter", TAKE_FILTER),
+    [TAKE_EXPORT] = {"export", COMMAND_READ, .read = add_export},
+    [TAKE_WAV] = FLAG("wav", TAKE_WAV),
+    [TAKE_TOLERANCE] = VALUE("tolerance", TAKE_TOLERANCE),
+    [TAKE_MAX_TARGETS] = VALUE("max-targets", TAKE_MAX_TARGETS),
+    [TAKE_BARE] = FLAG("bare", TAKE_BARE),
+    [TAKE_UNIT] = VALUE("unit", TAKE_UNIT),
+    [TAKE_BY_PART] = FLAG("by-part", TAKE_BY_PART),
+    [TAKE_CSV] = VALUE("csv", TAKE_CSV),
+    [TAKE_TRACK] = VALUE("track", TAKE_TRACK),
+    [TAKE_HASH_OPTION] = FLAG("hash", TAKE_HASH_OPTION),
+    [TAKE_STEPS] = VALUE("steps", TAKE_STEPS),
+    [TAKE_INPUT] = {"input", COMMAND_READ, .read = add_input},
+    [TAKE_PREROLL] = VALUE("preroll", TAKE_PREROLL),
+    [TAKE_COUNT_IN] = VALUE("count-in", TAKE_COUNT_IN),
+    [TAKE_PASSES] = VALUE("passes", TAKE_PASSES),
+    [TAKE_NAME_OPTION] = VALUE("name", TAKE_NAME_OPTION),
+    [TAKE_REALTIME] = FLAG("realtime", TAKE_REALTIME),
+    [TAKE_REZERO_PEDAL] = VALUE("rezero-pedal", TAKE_REZERO_PEDAL),
+    [TAKE_SIZE] = VALUE("size", TAKE_SIZE),
+    [TAKE_VIEW] = VALUE("view", TAKE_VIEW),
+    [TAKE_MIRROR] = FLAG("mirror", TAKE_MIRROR),
+    [TAKE_BACKGROUND] = VALUE("background", TAKE_BACKGROUND),
+    [TAKE_LOOK] = VALUE("look", TAKE_LOOK),
+    [TAKE_FRAMES] = VALUE("frames", TAKE_FRAMES),
+    [TAKE_ALL] = FLAG("all", TAKE_ALL),
+    [TAKE_JOBS] = VALUE("jobs", TAKE_JOBS),
+    [TAKE_OUTPUT] = {"output", COMMAND_READ, .read = add_output},
+};
+
+const char *take_option_name(take_option option)
 {
-    if (option == TAKE_EXPORT)
-        return add_export(out, value);
-    if (option == TAKE_CALIBRATION)
-        return add_calibration(out, value);
-    if (option == TAKE_INPUT)
-        return add_input(out, value);
-    if (option == TAKE_OUTPUT)
-        return add_output(out, value);
-    if (out->text[option] && value)
-        return misused(out->verb, "was given twice", options[option].name);
-    out->text[option] = value ? value : "";
-    return COMMAND_DONE;
+    return options[option].name;
 }
 
 /* "SHOW TAKE [VALUE]": so many must be there, so many may be. */
@@ -165,51 +159,47 @@ static void count_words(const char *words, uint32_t *out_least, uint32_t *out_mo
     }
 }
 
-static int take_words(take_call *out, int argc, char **argv)
+static bool has_word(const char *words, const char *word)
 {
-    uint32_t least, most;
-    count_words(out->verb->words, &least, &most);
-    for (int i = optind; i < argc; ++i) {
-        if (out->word_count == most)
-            return misused(out->verb, "is not expected here", argv[i]);
-        out->word[out->word_count++] = argv[i];
-    }
-    if (out->word_count >= least)
-        return COMMAND_DONE;
-    fprintf(stderr, "marotte take %s: say %s (marotte take %s --help)\n", out->verb->name,
-            out->verb->words, out->verb->name);
-    return COMMAND_USAGE;
+    const size_t length = strlen(word);
+    for (const char *at = words; *at; at += strcspn(at, " "), at += *at == ' ')
+        if (strcspn(at, " ") == length && strncmp(at, word, length) == 0)
+            return true;
+    return false;
 }
 
-static uint32_t list_options(struct option *out, const take_verb *verb)
+/* What may stand on the verb's command line. */
+static void list_options(command_option out[COMMAND_OPTIONS_MAX], const take_verb *verb,
+                         uint32_t word_most)
 {
-    uint32_t count = 0;
+    uint32_t count = 0, named_least, named_most;
+    count_words(verb->options, &named_least, &named_most);
     for (int i = 0; i < TAKE_OPTION_COUNT; ++i)
-        if (i == TAKE_JSON || verb->options & TAKE_BIT(i))
-            out[count++] = (struct option){options[i].name,
-                                           options[i].has_value ? required_argument : no_argument,
-                                           NULL, OPTION_FIRST + i};
-    out[count] = (struct option){NULL, 0, NULL, 0};
-    return count;
+        if (i == TAKE_JSON || has_word(verb->options, options[i].name))
+            out[count++] = options[i];
+    assert(count == named_most + 1); /* each name of the verb's is an option */
+    for (uint32_t i = 0; i < word_most; ++i)
+        out[count++] = (command_option){"WORD", COMMAND_WORD,
+                                        .offset = offsetof(take_call, word) + i * sizeof(char *)};
+    out[count] = (command_option){.name = NULL};
 }
 
 /* argv[0]: the subcommand's name. COMMAND_DONE, or COMMAND_USAGE after saying why. */
 static int take_options_read(take_call *out, const take_verb *verb, int argc, char **argv)
 {
-    struct option known[TAKE_OPTION_COUNT + 1];
+    command_option known[COMMAND_OPTIONS_MAX];
+    uint32_t least, most;
     *out = (take_call){.verb = verb};
-    (void)list_options(known, verb);
-    int code = COMMAND_DONE, option;
-    opterr = 0;
-    while (code == COMMAND_DONE && (option = getopt_long(argc, argv, ":", known, NULL)) != -1) {
-        if (option == ':')
-            code = misused(verb, "needs a value", argv[optind - 1]);
-        else if (option == '?')
-            code = misused(verb, "is no option of it", argv[optind - 1]);
-        else
-            code = take_one(out, (take_option)(option - OPTION_FIRST), optarg);
-    }
-    return code == COMMAND_DONE ? take_words(out, argc, argv) : code;
+    (void)snprintf(out->name, sizeof out->name, "take %s", verb->name);
+    out->self.name = out->name;
+    count_words(verb->words, &least, &most);
+    list_options(known, verb, most);
+    int code = command_options(out, &out->self, known, argc, argv);
+    while (out->word_count < most && out->word[out->word_count])
+        out->word_count += 1;
+    if (code == COMMAND_DONE && out->word_count < least)
+        code = command_usage(&out->self, "say %s", verb->words);
+    return code;
 }
 
 /* ---- what was asked for, as numbers, times and rates ---- */
@@ -520,9 +510,7 @@ static const take_verb play_verbs[] = {
      "                 marotte perform\n"
      "  --in T, --out T   a range of it\n"
      "  --face FILE    on this face (that which it was performed on)\n",
-     "plays a take into outputs",
-     TAKE_BIT(TAKE_OUTPUT) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE),
-     TAKE_READS, .run = take_play_run},
+     "plays a take into outputs", "output in out face", TAKE_READS, .run = take_play_run},
     {"record", "SHOW TAKE",
      "  --input SPEC, --map SPEC   who performs, as in marotte perform\n"
      "  --own NAMES    what the new layer moves (all): patterns or regions, see layer own\n"
@@ -538,12 +526,8 @@ static const take_verb play_verbs[] = {
      "                 as in marotte perform\n"
      "Every pass is a take by itself too. q or Ctrl-C ends; what was performed is kept.\n",
      "performs over it: another layer, or a punch-in",
-     TAKE_BIT(TAKE_INPUT) | TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_PATCH) | TAKE_BIT(TAKE_OWN) |
-         TAKE_BIT(TAKE_NAME_OPTION) | TAKE_BIT(TAKE_LAYER) | TAKE_BIT(TAKE_IN) |
-         TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FADE) | TAKE_BIT(TAKE_COUNT_IN) |
-         TAKE_BIT(TAKE_PREROLL) | TAKE_BIT(TAKE_PASSES) | TAKE_BIT(TAKE_SPEED) |
-         TAKE_BIT(TAKE_CALIBRATION) | TAKE_BIT(TAKE_REZERO_PEDAL) | TAKE_BIT(TAKE_REALTIME) |
-         TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_FPS),
+     "input map patch own name layer in out fade count-in preroll passes speed calibration "
+     "rezero-pedal realtime face fps",
      TAKE_RECORDS, .run = take_record_run},
     {"export", "SHOW [TAKE]",
      "  --export FILE  may be given many times; by the end of its name:\n" EXPORTS_HELP
@@ -566,12 +550,8 @@ static const take_verb play_verbs[] = {
      "                 of .mp4, pictures and sheets, as in marotte perform (the show's own "
      "scene)\n",
      "frames, pictures and sound for other programs",
-     TAKE_BIT(TAKE_EXPORT) | TAKE_BIT(TAKE_WAV) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) |
-         TAKE_BIT(TAKE_OUT) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_TOLERANCE) |
-         TAKE_BIT(TAKE_MAX_TARGETS) | TAKE_BIT(TAKE_BARE) | TAKE_BIT(TAKE_UNIT) |
-         TAKE_BIT(TAKE_BY_PART) | TAKE_BIT(TAKE_SIZE) | TAKE_BIT(TAKE_VIEW) |
-         TAKE_BIT(TAKE_MIRROR) | TAKE_BIT(TAKE_BACKGROUND) | TAKE_BIT(TAKE_LOOK) |
-         TAKE_BIT(TAKE_FRAMES) | TAKE_BIT(TAKE_ALL) | TAKE_BIT(TAKE_JOBS),
+     "export wav fps in out face tolerance max-targets bare unit by-part size view mirror "
+     "background look frames all jobs",
      TAKE_READS, .run = take_export_run},
     {"remap", "SHOW TAKE",
      "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"
@@ -583,10 +563,8 @@ static const take_verb play_verbs[] = {
      "  --scene S, --shot S   of the new take's slate (as the old one's)\n"
      "The old take stays as it is. Says how far apart the two are.\n",
      "performs a take anew, as another take",
-     TAKE_BIT(TAKE_MAP) | TAKE_BIT(TAKE_PATCH) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CALIBRATION) |
-         TAKE_BIT(TAKE_HAND_LENGTH) | TAKE_BIT(TAKE_FILTER) | TAKE_BIT(TAKE_SCENE) |
-         TAKE_BIT(TAKE_SHOT),
-     TAKE_WRITES, .run = take_remap_run},
+     "map patch face calibration hand-length filter scene shot", TAKE_WRITES,
+     .run = take_remap_run},
     {"diff", "SHOW TAKE TAKE",
      "  --region R,R   only these: mouth, jaw, brows, lids, eyes, cheeks, nose, head\n"
      "  --fps RATE     frames that are compared (the first take's, or 30)\n"
@@ -594,16 +572,13 @@ static const take_verb play_verbs[] = {
      "  --face FILE    both on this face\n"
      "  --csv FILE     mm of each region at each frame\n"
      "A vertex belongs to the region of the contact that is nearest, within the rig's radius.\n",
-     "how far apart two takes move the face",
-     TAKE_BIT(TAKE_REGION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_IN) | TAKE_BIT(TAKE_OUT) |
-         TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_CSV),
-     TAKE_READS, .run = take_diff_run},
+     "how far apart two takes move the face", "region fps in out face csv", TAKE_READS,
+     .run = take_diff_run},
     {"log", "SHOW TAKE",
      "  --track N      which one (marotte take show); not needed where there is one\n"
      "  --out FILE.csv\n"
      "The table is that of plugins/log/README.md: --input log:FILE.csv performs it.\n",
-     "a track's raw samples as a table", TAKE_BIT(TAKE_TRACK) | TAKE_BIT(TAKE_OUT), TAKE_READS,
-     .run = take_log_run},
+     "a track's raw samples as a table", "track out", TAKE_READS, .run = take_log_run},
 };
 static const take_verbs take_play_verbs = {"Play, perform over, perform anew, compare, export",
                                            play_verbs, sizeof play_verbs / sizeof play_verbs[0]};
@@ -645,14 +620,6 @@ static void print_help(const take_verb *verb)
            verb->summary[0] >= 'a' && verb->summary[0] <= 'z' ? verb->summary[0] - 'a' + 'A'
                                                               : verb->summary[0],
            verb->summary + 1, verb->options_text[0] ? "\n" : "", verb->options_text);
-}
-
-static bool asks_for_help(int argc, char **argv)
-{
-    for (int i = 1; i < argc; ++i)
-        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0)
-            return true;
-    return false;
 }
 
 /* ---- which one ---- */
@@ -710,29 +677,27 @@ static int run_call(take_call *call)
         facts_abandon(call->told);
     if (result >= 0)
         return COMMAND_DONE;
-    fprintf(stderr, "marotte take %s: %s", call->verb->name, err.text);
-    if (call->is_usage)
-        fprintf(stderr, " (marotte take %s --help)", call->verb->name);
-    fputc('\n', stderr);
-    return call->is_usage ? COMMAND_USAGE : COMMAND_FAILED;
+    return call->is_usage ? command_usage(&call->self, "%s", err.text)
+                          : command_failed(&call->self, &err);
+}
+
+static void tell_help(int argc, char **argv)
+{
+    int used;
+    const take_verb *verb = find(argc, argv, &used);
+    if (verb)
+        print_help(verb);
+    else
+        print_overview(stdout);
 }
 
 static int run(int argc, char **argv)
 {
     take_call call;
     int used;
-    bool wants_help = asks_for_help(argc, argv);
-    const take_verb *verb = argc > 1 ? find(argc, argv, &used) : NULL;
-    if (verb && wants_help) {
-        print_help(verb);
-        return COMMAND_DONE;
-    }
-    if (wants_help) {
-        print_overview(stdout);
-        return COMMAND_DONE;
-    }
     if (argc < 2)
         return command_usage(&command_take, "say what to do: list, show, trim, export ...");
+    const take_verb *verb = find(argc, argv, &used);
     if (!verb && (strcmp(argv[1], "layer") == 0 || strcmp(argv[1], "audio") == 0))
         return command_usage(&command_take, "there is no \"take %s %s\"", argv[1],
                              argc > 2 ? argv[2] : "");
@@ -742,5 +707,7 @@ static int run(int argc, char **argv)
     return code == COMMAND_DONE ? run_call(&call) : code;
 }
 
-const command command_take = {
-    .name = "take", .summary = "lists, edits, performs anew and exports takes", .run = run};
+const command command_take = {.name = "take",
+                              .summary = "lists, edits, performs anew and exports takes",
+                              .tell_help = tell_help,
+                              .run = run};

@@ -75,7 +75,6 @@ typedef enum take_option {
     TAKE_OUTPUT,
     TAKE_OPTION_COUNT
 } take_option;
-#define TAKE_BIT(option) (UINT64_C(1) << (option))
 
 enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2, TAKE_INPUTS_MAX = 8, TAKE_OUTPUTS_MAX = 8 };
 
@@ -88,6 +87,8 @@ typedef struct take_change { /* edits that a subcommand asks for */
 struct take_verb;
 typedef struct take_call { /* one run of a subcommand */
     const struct take_verb *verb;
+    char name[32];                    /* "take trim" */
+    command self;                     /* for what is said of how it was called */
     const char *word[TAKE_WORDS_MAX]; /* as the verb has them: SHOW, TAKE ... */
     uint32_t word_count;
     const char *text[TAKE_OPTION_COUNT]; /* NULL: not given; "" for those without a value */
@@ -118,7 +119,7 @@ typedef struct take_verb {
     const char *name;  /* "trim", "layer add" */
     const char *words; /* "SHOW TAKE": how many there must be; "[..]" may be left out */
     const char *options_text, *summary;
-    uint64_t options; /* bits; --json goes without saying */
+    const char *options; /* their names, with blanks; --json goes without saying */
     take_use use;
     CHECKED mrt_result (*run)(take_call *call, error *err);
     /* In place of run: the edits to be done to the take that the call names. */

@@ -19,18 +19,15 @@
 
 static mrt_result read_look(take_call *call, video_look *out, error *err)
 {
-    const char *size = call->text[TAKE_SIZE], *view = call->text[TAKE_VIEW],
-               *ground = call->text[TAKE_BACKGROUND], *scene = call->text[TAKE_LOOK];
+    static const take_option options[] = {TAKE_SIZE, TAKE_VIEW, TAKE_BACKGROUND, TAKE_LOOK};
     *out = video_look_usual();
     out->is_mirrored = call->text[TAKE_MIRROR] != NULL;
-    if (size && !video_look_size(out, size))
-        return take_misused(call, err, "--size \"%s\" is not %s", size, video_look_sizes);
-    if (view && !video_look_view(out, view))
-        return take_misused(call, err, "--view \"%s\" is not %s", view, video_look_views);
-    if (ground && !video_look_ground(out, ground))
-        return take_misused(call, err, "--background \"%s\" is not %s", ground, video_look_grounds);
-    if (scene && !video_look_scene(out, scene))
-        return take_misused(call, err, "--look \"%s\" is not %s", scene, video_look_scenes);
+    for (size_t i = 0; i < sizeof options / sizeof options[0]; ++i) {
+        const char *name = take_option_name(options[i]), *text = call->text[options[i]];
+        const char *possible = text ? video_look_read(out, name, text) : NULL;
+        if (possible)
+            return take_misused(call, err, "--%s \"%s\" is not %s", name, text, possible);
+    }
     error why;
     for (uint32_t i = 0; i < call->export_count; ++i)
         if (call->exports[i].format == EXPORTS_MP4 &&

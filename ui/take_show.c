@@ -772,33 +772,27 @@ static mrt_result run_check(take_call *call, error *err)
 /* ---- the verbs ---- */
 
 static const take_verb file_verbs[] = {
-    {"list", "SHOW", "", "the takes of a show", 0, TAKE_READS, .run = run_list},
+    {"list", "SHOW", "", "the takes of a show", "", TAKE_READS, .run = run_list},
     {"show", "SHOW TAKE",
      "  --hash         SHA-256 over all vertices of all frames, too\n"
      "  --fps RATE     of these frames (the take's, or 30)\n"
      "  --in T, --out T   a range of them\n"
      "  --face FILE    on this face (that which it was performed on)\n",
-     "what a take is made of",
-     TAKE_BIT(TAKE_HASH_OPTION) | TAKE_BIT(TAKE_FPS) | TAKE_BIT(TAKE_FACE) | TAKE_BIT(TAKE_IN) |
-         TAKE_BIT(TAKE_OUT),
-     TAKE_READS, .run = run_show},
+     "what a take is made of", "hash fps face in out", TAKE_READS, .run = run_show},
     {"keep", "SHOW",
      "  --last S       so many seconds (30)\n  --scene S, --shot S   of its slate\n",
-     "makes a take of the newest seconds",
-     TAKE_BIT(TAKE_LAST) | TAKE_BIT(TAKE_SCENE) | TAKE_BIT(TAKE_SHOT), TAKE_WRITES,
-     .run = run_keep},
+     "makes a take of the newest seconds", "last scene shot", TAKE_WRITES, .run = run_keep},
     {"check", "SHOW", "Exit code 1 when something is damaged.\n",
-     "reads everything and says what is damaged", 0, TAKE_READS, .run = run_check},
+     "reads everything and says what is damaged", "", TAKE_READS, .run = run_check},
     {"pack", "SHOW",
      "Puts every file that its faces are read from (rigs, meshes, pictures) into the folder "
      "NAME.pack\n"
      "beside NAME.marotte. Sounds, calibrations and what a mapping was are in the show already. "
      "The\n"
      "two together open and perform the same on another computer.\n",
-     "lets a show travel: its faces go into a folder beside it", 0, TAKE_READS, .run = run_pack},
+     "lets a show travel: its faces go into a folder beside it", "", TAKE_READS, .run = run_pack},
     {"recover", "SHOW", "  --out NEW      must not exist; SHOW is not touched\n",
-     "copies what can be read of a damaged show", TAKE_BIT(TAKE_OUT), TAKE_OPENS_ITSELF,
-     .run = run_recover},
+     "copies what can be read of a damaged show", "out", TAKE_OPENS_ITSELF, .run = run_recover},
 };
 const take_verbs take_file_verbs = {"The show", file_verbs,
                                     sizeof file_verbs / sizeof file_verbs[0]};

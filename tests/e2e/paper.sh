@@ -63,7 +63,7 @@ mkdir "$scratch/others" && touch "$scratch/others/thesis.html"
 refused 1 'has thesis.html in it and no page' "$MAROTTE" paper --quick --out "$scratch/others"
 refused 1 'is no folder' "$MAROTTE" paper --quick --out "$scratch/others/thesis.html"
 refused 1 'cannot be made' "$MAROTTE" paper --quick --out "$scratch/nowhere/page"
-refused 2 'is no option without a folder' "$MAROTTE" paper --out
+refused 2 '--out needs a value' "$MAROTTE" paper --out
 refused 2 'is no option' "$MAROTTE" paper --fast
 [ "$(ls -A "$scratch/others")" = thesis.html ] || fail "a refusal left something behind"
 finish

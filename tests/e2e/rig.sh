@@ -97,9 +97,9 @@ refused 2 "check, show, new or fit?" "$MAROTTE" rig
 refused 2 'there is no "rig paint"' "$MAROTTE" rig paint
 refused 2 "check takes one rig file" "$MAROTTE" rig check
 refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json
-refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json --out a.png --yaw x
+refused 2 "--yaw \"x\" is not a number" "$MAROTTE" rig show new.rig.json --out a.png --yaw x
 refused 2 "show takes a rig file, --out" "$MAROTTE" rig show --poses
-refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json --poses --out
+refused 2 "--out needs a value" "$MAROTTE" rig show new.rig.json --poses --out
 refused 2 "fit takes a rig and a mesh" "$MAROTTE" rig fit new.rig.json
 # A head that has a mouth keeps it; what a rig says of a cut is checked.
 "$MAROTTE" rig new new.glb --cut-mouth --force >cut.txt || fail "rig new --cut-mouth"

@@ -120,9 +120,9 @@ refused 1 "there is no folder ./absent" "$MAROTTE" plugin new fresh --mapping --
 refused 2 "--mapping (hands in, a face out), --input" "$MAROTTE" plugin new fresh
 refused 2 "one of --mapping" "$MAROTTE" plugin new fresh --mapping --input
 refused 2 "what is it to be called" "$MAROTTE" plugin new --mapping
-refused 2 "--dir needs a folder" "$MAROTTE" plugin new fresh --mapping --dir
+refused 2 "--dir needs a value" "$MAROTTE" plugin new fresh --mapping --dir
 refused 2 "\"other\" is not expected here" "$MAROTTE" plugin new fresh other --mapping
-refused 2 "\"--fast\" is not expected here" "$MAROTTE" plugin new fresh --mapping --fast
+refused 2 "there is no option \"--fast\"" "$MAROTTE" plugin new fresh --mapping --fast
 for name in "" Wave wave-2 2wave _wave "wa ve" ../wave wave/x . "wäve" "$(printf 'wa\nve')" \
     a1234567890123456789012345; do
     refused 2 "cannot be a plugin's name" "$MAROTTE" plugin new "$name" --mapping

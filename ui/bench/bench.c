@@ -291,33 +291,30 @@ static void bench_memory(bench *self)
                      1, "MB");
 }
 
-static bool read_options(bench *self, int argc, char **argv, const part **out_only, error *err)
+typedef struct bench_options {
+    bool is_quick, is_json, is_gate;
+    const part *only; /* NULL: all */
+} bench_options;
+
+static int read_part(void *to, const command *self, const char *name, const char *text)
 {
-    for (int i = 1; i < argc; ++i) {
-        if (strcmp(argv[i], "--quick") == 0) {
-            self->is_quick = true;
-        } else if (strcmp(argv[i], "--json") == 0) {
-            self->is_json = true;
-        } else if (strcmp(argv[i], "--gate") == 0) {
-            self->is_gate = true;
-        } else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
-            ++i;
-            for (int k = 0; k < PARTS; ++k)
-                if (strcmp(argv[i], parts[k].name) == 0)
-                    *out_only = &parts[k];
-            if (!*out_only) {
-                error_set(err, MRT_ERR_ARGUMENT,
-                          "--only %s: there are grid, bones, factor, threads, frame, stage",
-                          argv[i]);
-                return false;
-            }
-        } else {
-            error_set(err, MRT_ERR_ARGUMENT, "\"%s\" is no option (marotte bench --help)", argv[i]);
-            return false;
+    for (int i = 0; i < PARTS; ++i)
+        if (strcmp(text, parts[i].name) == 0) {
+            *(const part **)to = &parts[i];
+            return COMMAND_DONE;
         }
-    }
-    return true;
+    return command_usage(self, "--%s %s: there are grid, bones, factor, threads, frame, stage",
+                         name, text);
 }
+
+#define AT(member) .offset = offsetof(bench_options, member)
+static const command_option option_table[] = {
+    {"quick", COMMAND_FLAG, AT(is_quick)},
+    {"gate", COMMAND_FLAG, AT(is_gate)},
+    {"only", COMMAND_READ, AT(only), .read = read_part},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
 
 static mrt_result measure(bench *self, const part *only, error *err)
 {
@@ -338,34 +335,30 @@ static mrt_result measure(bench *self, const part *only, error *err)
 
 static int run(int argc, char **argv)
 {
-    bench self = {.rounds = 25, .seconds = 0.6};
-    const part *only = NULL;
+    bench_options options = {.only = NULL};
     error err = {""};
-    if (!read_options(&self, argc, argv, &only, &err))
-        return command_usage(&command_bench, "%s", err.text);
-    if (self.is_quick) {
-        self.rounds = 9;
-        self.seconds = 0.08;
-    }
-    self.told = facts_create(self.is_json);
-    if (!self.told) {
-        (void)error_set(&err, MRT_ERR_MEMORY, "no memory");
-        return command_failed(&command_bench, &err);
-    }
+    int code = command_options(&options, &command_bench, option_table, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    bench self = {.rounds = options.is_quick ? 9 : 25,
+                  .seconds = options.is_quick ? 0.08 : 0.6,
+                  .is_quick = options.is_quick,
+                  .is_json = options.is_json,
+                  .told = facts_create(options.is_json)};
+    if (!self.told)
+        return command_failed(&command_bench, &(error){"no memory"});
     progress_start(&self.shown, "measuring");
-    mrt_result result = measure(&self, only, &err);
+    mrt_result result = measure(&self, options.only, &err);
     progress_end(&self.shown);
-    if (result >= 0) {
-        facts_finish(self.told);
-        if (!self.is_gate || self.broken_count == 0)
-            return COMMAND_DONE;
-        fprintf(stderr, "marotte bench: %u of the ratios are not even half of what is promised\n",
-                self.broken_count);
-        return COMMAND_FAILED;
-    }
-    facts_abandon(self.told);
-    return command_failed(&command_bench, &err);
+    code = command_end(&command_bench, self.told, result, &err);
+    if (code != COMMAND_DONE || !options.is_gate || self.broken_count == 0)
+        return code;
+    fprintf(stderr, "marotte bench: %u of the ratios are not even half of what is promised\n",
+            self.broken_count);
+    return COMMAND_FAILED;
 }
 
-const command command_bench = {"bench", "how fast the engine is here, and how fast it could be",
-                               help, NULL, run};
+const command command_bench = {.name = "bench",
+                               .summary = "how fast the engine is here, and how fast it could be",
+                               .help = help,
+                               .run = run};

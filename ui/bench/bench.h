@@ -70,7 +70,7 @@ typedef struct bench_cell {
 typedef struct bench {
     facts *told;
     progress shown;
-    bool is_quick, is_json, is_gate;
+    bool is_quick, is_json;
     bool is_paper_alone; /* of the grid the paper's models, and no cold caches */
     CHECKED mrt_result (*on_cell)(void *data, const bench_cell *cell, error *err); /* NULL: none */
     void *on_cell_data;

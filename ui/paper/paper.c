@@ -266,34 +266,42 @@ static void tell(const paper *self)
     printf("%-18s %s\n", "pictures", self->drawn_by[0] ? self->drawn_by : "none");
 }
 
+typedef struct paper_options {
+    bool is_quick, is_json;
+    const char *folder; /* NULL: out/paper */
+} paper_options;
+
+#define AT(member) .offset = offsetof(paper_options, member)
+static const command_option option_table[] = {
+    {"out", COMMAND_TEXT, AT(folder)},
+    {"quick", COMMAND_FLAG, AT(is_quick)},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
+
 static int run(int argc, char **argv)
 {
-    paper self = {0};
+    paper_options options = {.folder = NULL};
     error err = {""};
-    const char *folder = NULL;
-    bool is_json = false;
-    for (int i = 1; i < argc; ++i)
-        if (strcmp(argv[i], "--quick") == 0)
-            self.is_quick = true;
-        else if (strcmp(argv[i], "--json") == 0)
-            is_json = true;
-        else if (strcmp(argv[i], "--out") == 0 && i + 1 < argc)
-            folder = argv[++i];
-        else
-            return command_usage(&command_paper, "\"%s\" is no option%s", argv[i],
-                                 strcmp(argv[i], "--out") == 0 ? " without a folder" : "");
+    int code = command_options(&options, &command_paper, option_table, argc, argv);
+    if (code != COMMAND_DONE)
+        return code;
+    paper self = {.is_quick = options.is_quick};
     cancel_on_signals(CANCEL_WAITS, NULL);
-    mrt_result result = make(&self, folder, &err);
+    mrt_result result = make(&self, options.folder, &err);
     remove_unfinished(&self);
     page_destroy(self.page);
-    if (result >= 0 && !is_json)
-        tell(&self);
-    if (result >= 0 && is_json)
-        facts_finish(self.told);
-    else
-        facts_abandon(self.told);
-    return result < 0 ? command_failed(&command_paper, &err) : COMMAND_DONE;
+    if (result >= 0 && options.is_json)
+        return command_end(&command_paper, self.told, result, &err);
+    facts_abandon(self.told);
+    if (result < 0)
+        return command_failed(&command_paper, &err);
+    tell(&self);
+    return COMMAND_DONE;
 }
 
-const command command_paper = {
-    "paper", "lays the paper's tables and figures beside its own, on a page", help, NULL, run};
+const command command_paper = {.name = "paper",
+                               .summary =
+                                   "lays the paper's tables and figures beside its own, on a page",
+                               .help = help,
+                               .run = run};

@@ -28,10 +28,10 @@
 enum { SIDE_MIN = 16, SIDE_MAX = 16384 };
 
 const char video_look_sizes[] = "WIDTHxHEIGHT in pixels, 16 to 16384 each, such as 1920x1080";
-const char video_look_views[] =
+static const char look_views[] =
     "front, side or three-quarter, or 1 to 6, a camera view that the show keeps";
 const char video_look_grounds[] = "transparent, or a colour such as #00b140, or a .png or .jpg";
-const char video_look_scenes[] = "studio, theatre or daylight, or a show (.marotte)";
+static const char look_scenes[] = "studio, theatre or daylight, or a show (.marotte)";
 
 static const struct {
     const char *name;
@@ -142,10 +142,25 @@ static const lighting_look *look_named(const char *name)
     return NULL;
 }
 
-bool video_look_scene(video_look *self, const char *text)
+static bool look_scene(video_look *self, const char *text)
 {
     self->scene_of = text;
     return look_named(text) || strcmp(file_extension_of(text).text, "marotte") == 0;
+}
+
+const char *video_look_read(video_look *self, const char *name, const char *text)
+{
+    static const struct {
+        const char *name, *possible;
+        bool (*read)(video_look *self, const char *text);
+    } options[] = {{"size", video_look_sizes, video_look_size},
+                   {"view", look_views, video_look_view},
+                   {"background", video_look_grounds, video_look_ground},
+                   {"look", look_scenes, look_scene}};
+    size_t i = 0;
+    while (strcmp(options[i].name, name) != 0)
+        ++i;
+    return options[i].read(self, text) ? NULL : options[i].possible;
 }
 
 static mrt_result open_picture(video_look *self, error *err)

@@ -49,8 +49,10 @@ video_look video_look_usual(void);
 bool video_look_size(video_look *self, const char *text);
 bool video_look_view(video_look *self, const char *text);
 bool video_look_ground(video_look *self, const char *text);
-bool video_look_scene(video_look *self, const char *text);
-extern const char video_look_sizes[], video_look_views[], video_look_grounds[], video_look_scenes[];
+extern const char video_look_sizes[], video_look_grounds[];
+/* The same by the option's name: "size", "view", "background", "look". NULL: read; else what it
+ * says that is possible. */
+const char *video_look_read(video_look *self, const char *name, const char *text);
 
 /* Reads the scene and the picture: those that options named, else the scene of `from` (NULL:
  * none). An error is of what was named, or a view that is not kept; what is wrong with the scene of
