@@ -452,10 +452,10 @@ static mrt_result id_of(take_call *call, take_option option, uint32_t *out, erro
     return result;
 }
 
-static bool is_at(const take_layer *layer, const take_clip *c, int64_t at_ns)
+static bool is_at(const take_layer *on, const take_clip *c, int64_t at_ns)
 {
     return at_ns == EDIT_UNSAID ||
-           (c->start_ns + layer->offset_ns <= at_ns && at_ns < c->end_ns + layer->offset_ns);
+           (c->start_ns + on->offset_ns <= at_ns && at_ns < c->end_ns + on->offset_ns);
 }
 
 mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns, uint32_t *out, error *err)

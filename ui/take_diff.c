@@ -2,7 +2,6 @@
 #include "base/file.h"
 #include "stage/take/diff.h"
 #include "take.h"
-#include "take_stage.h"
 
 #include <stdio.h>
 #include <stdlib.h>

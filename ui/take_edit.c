@@ -579,16 +579,16 @@ static mrt_result ask_layer_order(take_call *call, const take *t, take_change *o
 
 /* ---- what another take shows ---- */
 
-static bool can_speak_of(const take_layer *layer, const edit *e)
+static bool can_speak_of(const take_layer *on, const edit *e)
 {
-    bool is_any = layer->own_count == 0 || (e->regions == 0 && e->own_count == 0);
-    for (uint32_t i = 0; i < layer->own_count && !is_any; ++i) {
+    bool is_any = on->own_count == 0 || (e->regions == 0 && e->own_count == 0);
+    for (uint32_t i = 0; i < on->own_count && !is_any; ++i) {
         for (uint32_t k = 0; k < e->own_count; ++k)
-            is_any |= own_patterns_meet(layer->own[i], e->own[k]);
+            is_any |= own_patterns_meet(on->own[i], e->own[k]);
         for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
             const own_part *part = own_part_of((own_region)region);
             for (uint32_t k = 0; e->regions & 1u << region && k < part->pattern_count; ++k)
-                is_any |= own_patterns_meet(layer->own[i], part->pattern[k]);
+                is_any |= own_patterns_meet(on->own[i], part->pattern[k]);
         }
     }
     return is_any;

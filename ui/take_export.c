@@ -7,7 +7,6 @@
 #include "recording.h"
 #include "take.h"
 #include "take/sound_file.h"
-#include "take_stage.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -13,7 +13,6 @@
 #include "take/export_name.h"
 #include "take/hash.h"
 #include "take/pack.h"
-#include "take_stage.h"
 
 #include <jansson.h>
 

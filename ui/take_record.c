@@ -11,7 +11,6 @@
 #include "stage/take/overdub.h"
 #include "take.h"
 #include "take/edit_store.h"
-#include "take_stage.h"
 #include "terminal.h"
 
 #include <stdio.h>

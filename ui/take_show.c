@@ -6,7 +6,6 @@
 #include "take/edit_store.h"
 #include "take/hash.h"
 #include "take/pack.h"
-#include "take_stage.h"
 
 #include <stdio.h>
 #include <stdlib.h>
