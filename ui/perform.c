@@ -1,26 +1,227 @@
+/* marotte perform: hands, or a table of curves, perform a face without a window. */
 #include "base/cancel.h"
+#include "base/clock.h"
 #include "command.h"
 #include "exports.h"
-#include "facts.h"
-#include "perform_options.h"
+#include "io/curves.h"
+#include "io/mesh_file.h"
 #include "perform_session.h"
 #include "recording.h"
-#include "stage/mapping/plugins.h"
+#include "stage/mapping/taught.h"
 #include "stage/perform/patch_file.h"
-#include "stage/perform/player.h"
-#include "terminal.h"
-#include "io/curves.h"
+#include "stage/sound/sound.h"
+#include "stage/take/kept_solver.h"
+#include "take/edit_store.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- the command ---- */
+/* ---- the command line ---- */
+
+typedef struct perform_options {
+    char *face;       /* a path; owned */
+    mesh_frame frame; /* of a mesh alone: --unit, --up, --forward */
+    plugin_spec input[PERFORM_INPUTS_MAX];
+    const char *input_text[PERFORM_INPUTS_MAX]; /* as they were typed */
+    uint32_t input_count;
+    plugin_spec map;
+    const char *output[PERFORM_OUTPUTS_MAX]; /* where the face is sent; in real time then */
+    uint32_t output_count;
+    const char *curves; /* a table to perform in place of hands; NULL: none */
+    exports_file exports[EXPORTS_MAX];
+    uint32_t export_count;
+    video_look look; /* of the videos among them */
+    double fps, seconds, tolerance_mm, hand_length_mm;
+    const char *calibration[PERFORM_CALIBRATIONS_MAX]; /* paths, or one "none" */
+    uint32_t calibration_count, rezero_pedal;
+    uint32_t max_targets;
+    bool is_bare;    /* glTF exports have the mesh alone */
+    bool is_by_part; /* exports_settings */
+    double export_mm_per_unit;
+    const char *patch;        /* its file; NULL: none */
+    const char *record;       /* the show; NULL: nothing is recorded */
+    const char *scene, *shot; /* of the take; "" */
+    bool has_sound;           /* of the microphone */
+    isolate_which isolation;
+    bool watches_plugins, is_realtime, is_json;
+} perform_options;
+
+static void finish_options(perform_options *options)
+{
+    for (uint32_t i = 0; i < options->input_count; ++i)
+        spec_finish(&options->input[i]);
+    spec_finish(&options->map);
+    free(options->face);
+}
+
+static int read_name(void *to, const command *self, const char *name, const char *text)
+{
+    *(const char **)to = text;
+    if (strlen(text) < TAKE_NAME)
+        return COMMAND_DONE;
+    return command_usage(self, "--%s: at most %d letters are possible", name, TAKE_NAME - 1);
+}
+
+static int add_export(void *to, const command *self, const char *name, const char *path)
+{
+    perform_options *out = to;
+    if (out->export_count == EXPORTS_MAX)
+        return command_usage(self, "at most %d exports are possible", EXPORTS_MAX);
+    exports_file file = {path, exports_format_of(path)};
+    if (file.format == EXPORTS_NONE)
+        return command_usage(self, "--%s %s: the name must end in %s", name, path, exports_names);
+    out->exports[out->export_count++] = file;
+    return COMMAND_DONE;
+}
+
+static int add_input(void *to, const command *self, const char *name, const char *text)
+{
+    perform_options *out = to;
+    if (out->input_count == PERFORM_INPUTS_MAX)
+        return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
+    out->input_text[out->input_count] = text;
+    return command_read_spec(&out->input[out->input_count++], self, name, text);
+}
+
+static int add_output(void *to, const command *self, const char *name, const char *text)
+{
+    perform_options *out = to;
+    (void)name;
+    if (out->output_count == PERFORM_OUTPUTS_MAX)
+        return command_usage(self, "at most %d outputs are possible", PERFORM_OUTPUTS_MAX);
+    out->output[out->output_count++] = text;
+    return COMMAND_DONE;
+}
+
+static int set_map(void *to, const command *self, const char *name, const char *text)
+{
+    plugin_spec *map = to;
+    if (map->plugin)
+        return command_usage(self, "one --map is possible");
+    if (!spec_read(map, text) || map->address[0])
+        return command_usage(self, "--%s \"%s\" is not PLUGIN[,key=value]", name, text);
+    return COMMAND_DONE;
+}
+
+static int add_calibration(void *to, const command *self, const char *name, const char *path)
+{
+    perform_options *out = to;
+    (void)name;
+    if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
+        return command_usage(self, "at most %d calibrations are possible, one per hand",
+                             PERFORM_CALIBRATIONS_MAX);
+    out->calibration[out->calibration_count++] = path;
+    return COMMAND_DONE;
+}
+
+static int read_isolation(void *to, const command *self, const char *name, const char *text)
+{
+    static const char *const names[] = {
+        [ISOLATE_FOREIGN] = "auto", [ISOLATE_ALL] = "on", [ISOLATE_NONE] = "off"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        if (strcmp(names[i], text) != 0)
+            continue;
+        *(isolate_which *)to = (isolate_which)i;
+        return COMMAND_DONE;
+    }
+    return command_usage(self, "--%s \"%s\" is not auto, on or off", name, text);
+}
+
+#define AT(member) .offset = offsetof(perform_options, member)
+static const command_option option_table[] = {
+    {"face", COMMAND_READ, AT(face), .read = command_read_face},
+    {"unit", COMMAND_READ, AT(frame.mm_per_unit), .read = command_read_unit},
+    {"up", COMMAND_READ, AT(frame.up), .read = command_read_axis},
+    {"forward", COMMAND_READ, AT(frame.forward), .read = command_read_axis},
+    {"input", COMMAND_READ, .read = add_input},
+    {"map", COMMAND_READ, AT(map), .read = set_map},
+    {"output", COMMAND_READ, .read = add_output},
+    {"curves", COMMAND_TEXT, AT(curves)},
+    {"export", COMMAND_READ, .read = add_export},
+    {"fps", COMMAND_NUMBER, AT(fps), .least = 1, .most = 1000},
+    {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.001, .most = 1e6},
+    {"size", COMMAND_READ, AT(look), .read = command_read_look},
+    {"view", COMMAND_READ, AT(look), .read = command_read_look},
+    {"mirror", COMMAND_FLAG, AT(look.is_mirrored)},
+    {"background", COMMAND_READ, AT(look), .read = command_read_look},
+    {"look", COMMAND_READ, AT(look), .read = command_read_look},
+    {"tolerance", COMMAND_NUMBER, AT(tolerance_mm), .least = 1e-6, .most = 1e3},
+    {"max-targets", COMMAND_WHOLE, AT(max_targets), .least = 1, .most = 10000},
+    {"bare", COMMAND_FLAG, AT(is_bare)},
+    {"export-unit", COMMAND_READ, AT(export_mm_per_unit), .read = command_read_unit},
+    {"by-part", COMMAND_FLAG, AT(is_by_part)},
+    {"hand-length", COMMAND_NUMBER, AT(hand_length_mm), .least = 50, .most = 400},
+    {"calibration", COMMAND_READ, .read = add_calibration},
+    {"rezero-pedal", COMMAND_WHOLE, AT(rezero_pedal), .least = 1, .most = MRT_MAX_PEDALS},
+    {"patch", COMMAND_TEXT, AT(patch)},
+    {"record", COMMAND_TEXT, AT(record)},
+    {"scene", COMMAND_READ, AT(scene), .read = read_name},
+    {"shot", COMMAND_READ, AT(shot), .read = read_name},
+    {"sound", COMMAND_FLAG, AT(has_sound)},
+    {"isolate", COMMAND_READ, AT(isolation), .read = read_isolation},
+    {"watch-plugins", COMMAND_FLAG, AT(watches_plugins)},
+    {"realtime", COMMAND_FLAG, AT(is_realtime)},
+    {"json", COMMAND_FLAG, AT(is_json)},
+    {.name = NULL},
+};
+
+/* What the look cannot be of. */
+static int check_look(const perform_options *out, const command *self)
+{
+    error err;
+    for (uint32_t i = 0; i < out->export_count; ++i)
+        if (out->exports[i].format == EXPORTS_MP4 &&
+            video_look_check_mp4(&out->look, out->exports[i].path, &err) < 0)
+            return command_usage(self, "%s", err.text);
+    return COMMAND_DONE;
+}
+
+/* COMMAND_DONE, or COMMAND_USAGE after saying why. */
+static int read_options(perform_options *out, int argc, char **argv)
+{
+    *out = (perform_options){.scene = "", .shot = "", .look = video_look_usual()};
+    const command *self = &command_perform;
+    int code = command_options(out, self, option_table, argc, argv);
+    if (code == COMMAND_DONE && !out->face)
+        code = command_usage(self, "--face is missing");
+    if (code == COMMAND_DONE && out->curves &&
+        (out->input_count > 0 || out->map.plugin || out->record || out->is_realtime ||
+         out->output_count > 0))
+        code = command_usage(self, "--curves stands in place of --input and --map; it is neither "
+                                   "recorded nor performed in real time, nor sent anywhere");
+    if (code == COMMAND_DONE && out->input_count == 0 && !out->curves)
+        code = command_usage(self, "--input is missing");
+    if (code == COMMAND_DONE && !out->map.plugin && !out->curves)
+        code = command_usage(self, "--map is missing");
+    if (code == COMMAND_DONE && !out->curves && !(out->fps > 0.0))
+        out->fps = 30.0;
+    if (code == COMMAND_DONE && out->record && (out->frame.up || out->frame.forward))
+        code =
+            command_usage(self, "--up and --forward are kept in a rig, not in a show: marotte rig "
+                                "new MESH --up AXIS --forward AXIS, then perform with that rig");
+    if (code == COMMAND_DONE && out->has_sound && !out->record)
+        code = command_usage(self, "--sound needs --record SHOW, where it is kept");
+    if (code == COMMAND_DONE)
+        code = check_look(out, self);
+    if (code != COMMAND_DONE)
+        finish_options(out);
+    return code;
+}
+
+/* ---- a performance ---- */
+
+typedef struct take_recording { /* --record; zeroed: nothing is recorded */
+    show *show;
+    recorder *recorder;
+    sound *sound;         /* of the microphone; NULL: none */
+    char sound_told[256]; /* the last thing that was said of it */
+    char *calibration[2];
+    int64_t take;
+    bool is_waiting_told; /* that the disk does not take it now */
+} take_recording;
 
 /* Everything that a performance needs, made in this order and destroyed in reverse. */
 typedef struct performance {
@@ -28,9 +229,7 @@ typedef struct performance {
     log_queue *log;
     plugin_list plugins;
     face_file face;
-    instance_clock clock;
-    input *inputs[PERFORM_INPUTS_MAX];
-    uint32_t input_count;
+    perform_inputs inputs;
     perform_hands hands;
     perform_mapping mapping;
     patch patch;
@@ -38,60 +237,240 @@ typedef struct performance {
     perform_outputs outputs;
     uint32_t mark_count; /* presses so far */
     recording recording;
-    perform_record record;
+    take_recording record;
     exports_video videos;
     player_report report;
     progress progress;
 } performance;
 
-static mrt_result find_inputs(performance *self, const mrt_plugin_type **out_types, error *err)
+/* ---- the microphone beside a performance: what was said becomes the sound of its take; one that
+ * is missing or fails stops nothing ---- */
+
+static const int64_t patience_ns = 3 * NS_PER_S;
+
+/* Arms the microphone. */
+static mrt_result start_sound(take_recording *self, error *err)
 {
-    bool is_real = self->options->is_realtime || self->options->output_count > 0;
-    self->clock = is_real ? CLOCK_REAL : CLOCK_VIRTUAL;
-    for (uint32_t i = 0; i < self->options->input_count; ++i) {
-        mrt_result result = plugin_list_choose(&self->plugins, self->options->input[i].plugin,
-                                               MRT_INPUT, &out_types[i], err);
-        if (result < 0)
-            return result;
-        const mrt_input *functions = plugin_interface(out_types[i], MRT_INPUT);
-        if (!(functions->flags & MRT_INPUT_RECORDED))
-            self->clock = CLOCK_REAL; /* a device: life sets the pace */
+    const sound_settings settings = {.show = self->show};
+    mrt_result result = sound_create(&self->sound, &settings, err);
+    return result < 0 ? result : sound_arm(self->sound, recorder_writer(self->recorder), 0, err);
+}
+
+static void say(take_recording *self, const char *text)
+{
+    if (!text[0] || strcmp(self->sound_told, text) == 0)
+        return;
+    snprintf(self->sound_told, sizeof self->sound_told, "%s", text);
+    fprintf(stderr, "warning: %s; the hands are recorded all the same\n", text);
+}
+
+static void update_sound(take_recording *self)
+{
+    sound_in_status status;
+    if (!self->sound)
+        return;
+    sound_update(self->sound);
+    sound_in_look(self->sound, &status);
+    say(self, status.device.text);
+    say(self, status.record.text);
+}
+
+/* The microphone is off, and all of it is with the writer. */
+static void stop_sound(take_recording *self)
+{
+    if (!self->sound)
+        return;
+    int64_t until_ns = clock_now_ns() + patience_ns;
+    sound_disarm(self->sound);
+    while (sound_is_armed(self->sound) && clock_now_ns() < until_ns) {
+        sound_update(self->sound);
+        clock_sleep_until_ns(clock_now_ns() + 10 * NS_PER_MS);
     }
+}
+
+/* What was recorded becomes the take's sound; the writer has been flushed or stopped. */
+static mrt_result attach_sound(take_recording *self, facts *told, error *err)
+{
+    sound_in_status status;
+    show_audio audio;
+    if (!self->sound)
+        return MRT_OK;
+    sound_in_look(self->sound, &status);
+    if (status.record.audio == 0) {
+        facts_text(told, "sound", "sound", "none came");
+        return MRT_OK;
+    }
+    mrt_result result = show_audio_info(self->show, status.record.audio, &audio, err);
+    if (result >= 0)
+        result = edit_store_attach_audio(self->show, self->take, &audio, clock_utc_ms, err);
+    if (result < 0)
+        return result;
+    facts_text(told, "sound", "sound", audio.name);
+    facts_number(told, "sound_s", "  length", (double)audio.frame_count / (double)audio.rate_hz, 2,
+                 "s");
+    facts_number(told, "sound_drift_ppm", "  drift", status.record.drift_ppm, 1,
+                 "ppm of its clock against the samples'");
+    if (status.record.gap_count)
+        facts_number(told, "sound_gaps", "  gaps", status.record.gap_count, 0, "");
     return MRT_OK;
 }
 
-static mrt_result open_inputs(performance *self, error *err)
+/* ---- recording into a show ---- */
+
+/* For what it keeps; NULL: nothing is recorded, or the show is new, or cannot be read, which
+ * start_recording tells. */
+static show *open_earlier_show(const perform_options *options)
 {
-    const mrt_plugin_type *types[PERFORM_INPUTS_MAX];
-    mrt_result result = find_inputs(self, types, err);
-    for (uint32_t i = 0; i < self->options->input_count && result >= 0; ++i) {
-        const plugin_spec *spec = &self->options->input[i];
-        result = input_create_stoppable(&self->inputs[i], types[i], spec->address, spec->params,
-                                        self->clock, self->log, cancel_flag(), err);
-        self->input_count += result >= 0;
-    }
-    return result;
+    show *out = NULL;
+    error ignored = {""};
+    if (options->record && access(options->record, F_OK) == 0 &&
+        show_open(&out, options->record, SHOW_READ, &ignored) < 0)
+        return NULL;
+    return out;
 }
+
+/* How the show solves into which it is recorded, so that the take shows what is performed now. */
+static csrbf_settings choose_solver(const performance *self)
+{
+    show *earlier = open_earlier_show(self->options);
+    const csrbf_settings out = kept_solver_for(earlier, &self->face, self->log);
+    show_close(earlier);
+    return out;
+}
+
+static mrt_result open_show(take_recording *out, const char *path, error *err)
+{
+    bool is_there = access(path, F_OK) == 0;
+    mrt_result result = is_there ? show_open(&out->show, path, SHOW_RECORD, err)
+                                 : show_create(&out->show, path, err);
+    if (result < 0 || show_is_writable(out->show))
+        return result;
+    return error_set(err, MRT_ERR_IO, "%s", show_notice(out->show));
+}
+
+/* Opens the show, or makes it; a take begins with the first sample. Does nothing without --record.
+ */
+static mrt_result start_recording(performance *self, error *err)
+{
+    const perform_options *options = self->options;
+    take_recording *out = &self->record;
+    mrt_result result = MRT_OK;
+    if (!options->record)
+        return MRT_OK;
+    for (int side = 0; side < 2 && result >= 0; ++side)
+        if (self->hands.path[side])
+            result = perform_hands_text(&out->calibration[side], self->hands.path[side], err);
+    if (result >= 0)
+        result = open_show(out, options->record, err);
+    if (result < 0)
+        return result;
+    taught_recall(out->show, layer_mapping(performer_layer(self->performer)), self->log);
+    const recorder_settings settings = {
+        .show = out->show,
+        .plugins = &self->plugins,
+        .log = self->log,
+        .clock = self->inputs.clock,
+        .inputs = self->inputs.input,
+        .input_text = options->input_text,
+        .input_count = self->inputs.count,
+        .calibration = {out->calibration[MRT_LEFT], out->calibration[MRT_RIGHT]},
+        .layer = performer_layer(self->performer),
+        .performer = self->performer,
+        .face_path = options->face,
+        .face = &self->face,
+        .unit_mm = options->frame.mm_per_unit,
+        .hand_length_mm = options->hand_length_mm,
+        .rezero_pedal = options->rezero_pedal,
+        .patch = options->patch ? &self->patch : NULL,
+    };
+    result = recorder_start(&out->recorder, &settings, err);
+    if (result < 0)
+        return result;
+    const writer_slate slate = {.scene = options->scene, .shot = options->shot};
+    recorder_take_next(out->recorder, &slate, 0);
+    if (!options->has_sound)
+        return MRT_OK;
+    if (self->inputs.clock == CLOCK_VIRTUAL)
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "--sound: recordings are played faster than anybody speaks: --realtime");
+    return start_sound(out, err);
+}
+
+/* Now and then: says what the person should know: the disk is full, the file was deleted. */
+static void watch_recording(take_recording *self)
+{
+    if (!self->recorder)
+        return;
+    update_sound(self);
+    perform_record_watch_writer(recorder_writer(self->recorder), &self->is_waiting_told);
+}
+
+/* The take ends, and all is written. */
+static mrt_result end_recording(performance *of, facts *told, error *err)
+{
+    take_recording *self = &of->record;
+    char name[32];
+    if (!self->recorder)
+        return MRT_OK;
+    stop_sound(self);
+    mrt_result result = recorder_take_end(self->recorder, err);
+    self->take = recorder_take(self->recorder);
+    if (result >= 0 && recorder_problem(self->recorder)[0])
+        result = error_set(err, MRT_ERR_IO, "%s", recorder_problem(self->recorder));
+    if (result >= 0)
+        result = writer_flush(recorder_writer(self->recorder), err);
+    if (result >= 0)
+        result = attach_sound(self, told, err);
+    taught_keep_now(self->show, layer_mapping(performer_layer(of->performer)), of->log);
+    writer_status status = writer_status_of(recorder_writer(self->recorder));
+    error later = {""};
+    mrt_result stopped = recorder_stop(self->recorder, &later);
+    self->recorder = NULL;
+    if (stopped < 0) /* it says more than what failed before it */
+        result = error_set(err, stopped, "%s", later.text);
+    if (result < 0)
+        return result;
+    snprintf(name, sizeof name, "%jd", (intmax_t)self->take);
+    facts_text(told, "show", "show", show_path(self->show));
+    facts_text(told, "take", "take", name);
+    facts_number(told, "samples_recorded", "samples recorded", (double)status.committed_count, 0,
+                 "");
+    if (status.lost_count)
+        facts_number(told, "samples_not_recorded", "not recorded", (double)status.lost_count, 0,
+                     "samples");
+    return MRT_OK;
+}
+
+static void finish_recording(take_recording *self)
+{
+    error ignored = {""};
+    sound_destroy(self->sound);
+    if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
+        fprintf(stderr, "warning: %s\n", ignored.text);
+    perform_record_rescue(self->show);
+    show_close(self->show);
+    free(self->calibration[MRT_LEFT]);
+    free(self->calibration[MRT_RIGHT]);
+}
+
+/* ---- prepared ---- */
 
 /* The scene of the show that is recorded into, unless another one was chosen. */
 static mrt_result open_look(performance *self, error *err)
 {
-    const char *path = self->options->record;
-    show *there = NULL;
-    error ignored = {""};
     if (self->options->export_count == 0)
         return MRT_OK;
-    if (path && access(path, F_OK) == 0 && show_open(&there, path, SHOW_READ, &ignored) < 0)
-        there = NULL;
-    mrt_result result = video_look_open(&self->videos.look, there, self->log, err);
-    show_close(there);
+    show *earlier = open_earlier_show(self->options);
+    mrt_result result = video_look_open(&self->videos.look, earlier, self->log, err);
+    show_close(earlier);
     return result;
 }
 
 static mrt_result open_videos(performance *self, error *err)
 {
     video_settings settings = {.mesh = &self->face.mesh,
-                               .pace = self->clock == CLOCK_REAL ? VIDEO_LIVE : VIDEO_EVERY_FRAME,
+                               .pace = self->inputs.clock == CLOCK_REAL ? VIDEO_LIVE
+                                                                        : VIDEO_EVERY_FRAME,
                                .timecode = ""};
     mrt_result result = timecode_rate_of(&settings.rate, self->options->fps, err);
     return result < 0 ? result : exports_video_open(&self->videos, &settings, err);
@@ -117,17 +496,21 @@ static mrt_result prepare(performance *self, error *err)
     if (result < 0)
         return result;
     news_print_notes(self->face.note);
-    result = open_inputs(self, err);
-    const perform_mapping_settings apart = {&self->plugins, self->log, self->clock,
+    const bool is_real = options->is_realtime || options->output_count > 0;
+    result =
+        perform_inputs_open(&self->inputs, options->input, options->input_count, &self->plugins,
+                            self->log, is_real ? CLOCK_REAL : CLOCK_VIRTUAL, err);
+    const perform_mapping_settings apart = {&self->plugins, self->log, self->inputs.clock,
                                             options->isolation};
     if (result >= 0)
         result = perform_mapping_open(&self->mapping, &options->map, &apart, err);
     if (result >= 0)
-        result = perform_hands_choose(&self->hands, options, self->inputs, self->input_count, err);
+        result = perform_hands_choose(&self->hands, options->calibration,
+                                      options->calibration_count, &self->inputs, err);
     if (result >= 0 && options->patch)
         result = patch_file_find(&self->patch, options->patch, err);
     performer_settings settings = {
-        .solver = perform_record_solver(options, &self->face, self->log),
+        .solver = choose_solver(self),
         .hand_length_mm = options->hand_length_mm,
         .side_length_mm = {self->hands.length_mm[0], self->hands.length_mm[1]},
         .rezero_pedal = options->rezero_pedal,
@@ -137,8 +520,8 @@ static mrt_result prepare(performance *self, error *err)
                                   err);
     if (result >= 0)
         perform_patch_tell(performer_layer(self->performer));
-    if (result >= 0)
-        result = perform_mapping_watch(&self->mapping, options, self->performer, self->log, err);
+    if (result >= 0 && options->watches_plugins)
+        result = perform_mapping_watch(&self->mapping, self->performer, self->log, err);
     if (result >= 0)
         result =
             perform_outputs_open(&self->outputs, options->output, options->output_count, &apart,
@@ -150,29 +533,19 @@ static mrt_result prepare(performance *self, error *err)
         result = open_look(self, err);
     if (result >= 0)
         result = open_videos(self, err);
-    const perform_record_of of = {.plugins = &self->plugins,
-                                  .log = self->log,
-                                  .clock = self->clock,
-                                  .inputs = self->inputs,
-                                  .input_count = self->input_count,
-                                  .hands = &self->hands,
-                                  .performer = self->performer,
-                                  .face = &self->face,
-                                  .patch = options->patch ? &self->patch : NULL};
-    return result < 0 ? result : perform_record_start(&self->record, options, &of, err);
+    return result < 0 ? result : start_recording(self, err);
 }
 
 static void finish(performance *self)
 {
     exports_video_close(&self->videos);
     perform_outputs_close(&self->outputs);
-    perform_record_finish(&self->record);
+    finish_recording(&self->record);
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
     perform_mapping_close(&self->mapping);
     perform_hands_finish(&self->hands);
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        input_destroy(self->inputs[i]);
+    perform_inputs_close(&self->inputs);
     face_file_destroy(&self->face);
     plugin_list_destroy(&self->plugins);
     news_print(self->log);
@@ -183,7 +556,7 @@ static void finish(performance *self)
 static mrt_result check_pulls(const performance *self, error *err)
 {
     const performer_counts *counts = performer_counted(self->performer);
-    if (counts->bad_pulls == 0 || self->clock == CLOCK_REAL)
+    if (counts->bad_pulls == 0 || self->inputs.clock == CLOCK_REAL)
         return perform_mapping_check(&self->mapping, err);
     return error_set(err, MRT_ERR_FORMAT, "%s (sample %ju)", counts->first_problem.text,
                      (uintmax_t)counts->samples);
@@ -195,7 +568,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     performance *self = data;
     char text[64];
     news_print(self->log);
-    perform_record_watch(&self->record);
+    watch_recording(&self->record);
     uint32_t rezeroed = perform_hands_keys(self->performer, cancel_flag(), &self->progress);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && self->record.recorder; ++side)
         if (rezeroed & (1u << side))
@@ -253,17 +626,9 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
 {
     performance *self = data;
-    for (uint32_t i = 0; self->record.recorder && i < self->input_count; ++i)
-        if (self->inputs[i] == from)
-            recorder_incident(self->record.recorder, i, what);
     progress_end(&self->progress);
     news_print(self->log);
-    if (what->kind == INPUT_WENT)
-        fprintf(stderr, "note: %s went away at %.1f s%s%s%s; the pose is held\n", input_name(from),
-                time_s, what->text[0] ? " (" : "", what->text, what->text[0] ? ")" : "");
-    else
-        fprintf(stderr, "note: %s came back after %.1f s\n", input_name(from),
-                (double)what->away_ns / 1e9);
+    perform_inputs_incident(&self->inputs, self->record.recorder, from, what, time_s);
 }
 
 static mrt_result perform(performance *self, error *err)
@@ -271,16 +636,16 @@ static mrt_result perform(performance *self, error *err)
     player_settings settings = {
         .fps = self->options->fps,
         .seconds = self->options->seconds,
-        .clock = self->clock,
+        .clock = self->inputs.clock,
         .stop = cancel_flag(),
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
     const player_stage stage = {self, on_step, on_draw};
-    if (self->clock == CLOCK_REAL && keys_begin())
+    if (self->inputs.clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
     progress_start(&self->progress, "performing");
-    mrt_result result = player_run_stage(&stage, self->inputs, self->input_count, &settings,
+    mrt_result result = player_run_stage(&stage, self->inputs.input, self->inputs.count, &settings,
                                          &events, &self->report, err);
     keys_end();
     progress_end(&self->progress);
@@ -288,7 +653,8 @@ static mrt_result perform(performance *self, error *err)
     if (result >= 0)
         result = check_pulls(self, err);
     if (result >= 0 && self->report.sample_count == 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: gave no samples", input_name(self->inputs[0]));
+        result = error_set(err, MRT_ERR_FORMAT, "%s: gave no samples",
+                           input_name(self->inputs.input[0]));
     return result;
 }
 
@@ -314,9 +680,9 @@ static void report_devices(const performance *self, facts *told)
     facts_number(told, "went_away", "went away", report->went_count, 0, "times");
     facts_number(told, "came_back", "came back", report->came_count, 0, "times");
     facts_number(told, "away_s", "away", report->away_s, 2, "s, those that came back");
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        if (input_state_of(self->inputs[i]) == INPUT_LOST)
-            facts_list(told, "still_away", "still away", input_name(self->inputs[i]));
+    for (uint32_t i = 0; i < self->inputs.count; ++i)
+        if (input_state_of(self->inputs.input[i]) == INPUT_LOST)
+            facts_list(told, "still_away", "still away", input_name(self->inputs.input[i]));
 }
 
 static void report_performance(performance *self, facts *told)
@@ -326,8 +692,8 @@ static void report_performance(performance *self, facts *told)
     facts_text(told, "face", "face", self->options->face);
     facts_number(told, "vertices", "vertices", self->face.mesh.vertex_count, 0, "");
     facts_number(told, "triangles", "triangles", self->face.mesh.triangle_count, 0, "");
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        facts_list(told, "inputs", "input", input_name(self->inputs[i]));
+    for (uint32_t i = 0; i < self->inputs.count; ++i)
+        facts_list(told, "inputs", "input", input_name(self->inputs.input[i]));
     perform_hands_report(&self->hands, self->performer, told);
     facts_text(told, "mapping", "mapping", self->mapping.instance.type->id);
     perform_mapping_report(&self->mapping, told);
@@ -370,9 +736,9 @@ static void name_performance(const performance *self, char *out, size_t capacity
     const char *dot = strrchr(self->mapping.instance.type->id, '.');
     const char *slash = strrchr(self->options->face, '/');
     int used = snprintf(out, capacity, "%s: ", slash ? slash + 1 : self->options->face);
-    for (uint32_t i = 0; i < self->input_count && used >= 0 && (size_t)used < capacity; ++i)
+    for (uint32_t i = 0; i < self->inputs.count && used >= 0 && (size_t)used < capacity; ++i)
         used += snprintf(out + used, capacity - (size_t)used, "%s%s", i ? " + " : "",
-                         input_name(self->inputs[i]));
+                         input_name(self->inputs.input[i]));
     if (used >= 0 && (size_t)used < capacity)
         (void)snprintf(out + used, capacity - (size_t)used, ", %s",
                        dot ? dot + 1 : self->mapping.instance.type->id);
@@ -412,15 +778,21 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
                          &settings, &self->progress, told, err);
 }
 
+/* What was recorded of the microphone, into the .mp4. */
 static mrt_result add_sound(performance *self, error *err)
 {
-    char *wav;
+    char *wav = NULL;
+    take t = {0};
+    show *from = self->record.show;
     const char *mp4 = exports_video_mp4(&self->videos);
     double length_s = (double)self->report.frame_count / self->options->fps;
-    if (!mp4)
+    if (!mp4 || !self->record.sound)
         return MRT_OK;
-    mrt_result result = perform_sound_write(&self->record.sound, self->record.take, length_s, mp4,
-                                            &wav, &self->progress, err);
+    mrt_result result = edit_store_take(&t, from, self->record.take, err);
+    if (result >= 0 && t.audio.audio != 0)
+        result = exports_video_sound(&wav, from, &t, 0, (int64_t)(length_s * 1e9), mp4,
+                                     &self->progress, err);
+    take_finish(&t);
     if (result >= 0 && wav)
         result = exports_video_add_sound(&self->videos, wav, err);
     exports_video_sound_remove(wav);
@@ -792,7 +1164,7 @@ static int run_curves(perform_options *options, facts *told)
 {
     error err = {""};
     mrt_result result = perform_curves(options, told, &err);
-    perform_options_finish(options);
+    finish_options(options);
     return command_end(&command_perform, told, result, &err);
 }
 
@@ -801,7 +1173,7 @@ static int run_curves(perform_options *options, facts *told)
 static int run(int argc, char **argv)
 {
     perform_options options;
-    int code = perform_options_read(&options, &command_perform, argc, argv);
+    int code = read_options(&options, argc, argv);
     if (code != COMMAND_DONE)
         return code;
     performance self = {.options = &options};
@@ -816,7 +1188,7 @@ static int run(int argc, char **argv)
     if (result >= 0)
         result = perform(&self, &err);
     if (result >= 0)
-        result = perform_record_end(&self.record, told, &err);
+        result = end_recording(&self, told, &err);
     if (result >= 0) {
         report_performance(&self, told);
         report_constraints(&self, told);
@@ -829,9 +1201,9 @@ static int run(int argc, char **argv)
         result = write_exports(&self, told, &err);
     if (result >= 0 && self.report.input_failed)
         result = error_set(&err, MRT_ERR_IO, "%s: the input failed; what came before was performed",
-                           input_name(self.inputs[0]));
+                           input_name(self.inputs.input[0]));
     finish(&self);
-    perform_options_finish(&options);
+    finish_options(&options);
     return command_end(&command_perform, told, result, &err);
 }
 

@@ -1,19 +1,61 @@
 #include "perform_session.h"
 
+#include "base/cancel.h"
 #include "base/clock.h"
-#include "base/file.h"
-#include "base/text.h"
-#include "exports.h"
 #include "hand/calibration_folder.h"
 #include "stage/input/glove_channels.h"
-#include "stage/mapping/taught.h"
-#include "stage/take/kept_solver.h"
-#include "take/edit_store.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+
+/* ---- inputs ---- */
+
+mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uint32_t count,
+                               plugin_list *plugins, log_queue *log, instance_clock clock,
+                               error *err)
+{
+    const mrt_plugin_type *type[PERFORM_INPUTS_MAX];
+    *out = (perform_inputs){.spec = spec, .clock = clock};
+    for (uint32_t i = 0; i < count; ++i) {
+        mrt_result result = plugin_list_choose(plugins, spec[i].plugin, MRT_INPUT, &type[i], err);
+        if (result < 0)
+            return result;
+        const mrt_input *functions = plugin_interface(type[i], MRT_INPUT);
+        if (!(functions->flags & MRT_INPUT_RECORDED))
+            out->clock = CLOCK_REAL; /* a device: life sets the pace */
+    }
+    for (; out->count < count; ++out->count) {
+        const plugin_spec *of = &spec[out->count];
+        mrt_result result =
+            input_create_stoppable(&out->input[out->count], type[out->count], of->address,
+                                   of->params, out->clock, log, cancel_flag(), err);
+        if (result < 0)
+            return result;
+    }
+    return MRT_OK;
+}
+
+void perform_inputs_close(perform_inputs *self)
+{
+    for (uint32_t i = 0; i < self->count; ++i)
+        input_destroy(self->input[i]);
+    self->count = 0;
+}
+
+void perform_inputs_incident(const perform_inputs *self, recorder *into, const input *from,
+                             const input_incident *what, double time_s)
+{
+    for (uint32_t i = 0; into && i < self->count; ++i)
+        if (self->input[i] == from)
+            recorder_incident(into, i, what);
+    if (what->kind == INPUT_WENT)
+        fprintf(stderr, "note: %s went away at %.1f s%s%s%s; the pose is held\n", input_name(from),
+                time_s, what->text[0] ? " (" : "", what->text, what->text[0] ? ")" : "");
+    else
+        fprintf(stderr, "note: %s came back after %.1f s\n", input_name(from),
+                (double)what->away_ns / 1e9);
+}
 
 /* ---- hands ---- */
 
@@ -24,36 +66,35 @@ static const char *const side_name[2] = {"left", "right"};
 /* Which kind of calibration this hand wants (hand_calibration): "" of a glove that gives counts,
  * before any bare hand's. NULL: none; else whose hand it is. A recording in rad is performed as it
  * was recorded. */
-static const input *find_hand(char out[HAND_INPUT], input *const *inputs, uint32_t input_count,
-                              uint32_t side)
+static const input *find_hand(char out[HAND_INPUT], const perform_inputs *from, uint32_t side)
 {
     const input *bare = NULL;
-    for (uint32_t i = 0; i < input_count; ++i) {
+    for (uint32_t i = 0; i < from->count; ++i) {
         uint32_t count;
-        const mrt_channel *channel = input_channels(inputs[i], &count);
-        const mrt_input *functions = plugin_interface(input_plugin(inputs[i]), MRT_INPUT);
+        const input *in = from->input[i];
+        const mrt_channel *channel = input_channels(in, &count);
+        const mrt_input *functions = plugin_interface(input_plugin(in), MRT_INPUT);
         const glove_channels_kind kind = glove_channels_of(channel, count, side);
         if (kind == GLOVE_CHANNELS_COUNT) {
             out[0] = '\0';
-            return inputs[i];
+            return in;
         }
         if (kind != GLOVE_CHANNELS_RAD || bare || functions->flags & MRT_INPUT_RECORDED)
             continue;
-        glove_channels_input(out, input_name(inputs[i]));
-        bare = inputs[i];
+        glove_channels_input(out, input_name(in));
+        bare = in;
     }
     return bare;
 }
 
 /* "osc:0.0.0.0:39539", as it was asked for. */
-static void write_address(char *out, size_t capacity, const perform_options *options,
-                          input *const *inputs, const input *of)
+static void write_address(char *out, size_t capacity, const perform_inputs *from, const input *of)
 {
     out[0] = '\0';
-    for (uint32_t i = 0; i < options->input_count; ++i)
-        if (inputs[i] == of)
-            (void)snprintf(out, capacity, "%s%s%s", options->input[i].plugin,
-                           options->input[i].address[0] ? ":" : "", options->input[i].address);
+    for (uint32_t i = 0; i < from->count; ++i)
+        if (from->input[i] == of)
+            (void)snprintf(out, capacity, "%s%s%s", from->spec[i].plugin,
+                           from->spec[i].address[0] ? ":" : "", from->spec[i].address);
 }
 
 /* Takes what is needed of the file, and finishes it; path: taken over. */
@@ -107,19 +148,18 @@ static mrt_result choose_newest(perform_hands *self, uint32_t side, const char *
     return MRT_OK;
 }
 
-static mrt_result choose(perform_hands *self, const perform_options *options, input *const *inputs,
-                         uint32_t input_count, calibration_file *file, error *err)
+static mrt_result choose(perform_hands *self, const char *const *path, uint32_t count,
+                         const perform_inputs *from, calibration_file *file, error *err)
 {
-    bool has_named = options->calibration_count > 0;
-    bool has_none = has_named && strcmp(options->calibration[0], "none") == 0;
+    bool has_none = count > 0 && strcmp(path[0], "none") == 0;
     mrt_result result = MRT_OK;
-    for (uint32_t i = 0; !has_none && i < options->calibration_count && result >= 0; ++i)
-        result = choose_named(self, options->calibration[i], file, err);
+    for (uint32_t i = 0; !has_none && i < count && result >= 0; ++i)
+        result = choose_named(self, path[i], file, err);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && result >= 0; ++side) {
         char of[HAND_INPUT], address[256];
-        const input *hand = find_hand(of, inputs, input_count, side);
+        const input *hand = find_hand(of, from, side);
         const bool is_needed = hand != NULL;
-        write_address(address, sizeof address, options, inputs, hand);
+        write_address(address, sizeof address, from, hand);
         if (self->path[side] && !(is_needed && strcmp(of, self->use[side].input) == 0))
             fprintf(stderr, "note: %s: not used: no %s gives a %s hand\n", self->path[side],
                     self->use[side].input[0] ? self->use[side].input : "glove in counts",
@@ -140,14 +180,14 @@ static mrt_result choose(perform_hands *self, const perform_options *options, in
     return result;
 }
 
-mrt_result perform_hands_choose(perform_hands *out, const perform_options *options,
-                                input *const *inputs, uint32_t input_count, error *err)
+mrt_result perform_hands_choose(perform_hands *out, const char *const *path, uint32_t count,
+                                const perform_inputs *from, error *err)
 {
     memset(out, 0, sizeof *out);
     calibration_file *file = malloc(sizeof *file);
     if (!file)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
-    mrt_result result = choose(out, options, inputs, input_count, file, err);
+    mrt_result result = choose(out, path, count, from, file, err);
     free(file);
     return result;
 }
@@ -255,8 +295,7 @@ mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
     return result;
 }
 
-mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *options,
-                                 performer *of, log_queue *log, error *err)
+mrt_result perform_mapping_watch(perform_mapping *self, performer *of, log_queue *log, error *err)
 {
     const reload_settings settings = {.library = self->library,
                                       .mapping = &self->instance,
@@ -264,8 +303,6 @@ mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *o
                                       .log = log,
                                       .clock = self->settings.clock,
                                       .isolate = self->isolate ? &self->settings : NULL};
-    if (!options->watches_plugins)
-        return MRT_OK;
     return reload_start(&self->reload, &settings, err);
 }
 
@@ -418,101 +455,6 @@ void perform_outputs_close(perform_outputs *self)
     *self = (perform_outputs){.board = NULL};
 }
 
-/* ---- sound ---- */
-
-static const int64_t patience_ns = 3 * NS_PER_S;
-
-static mrt_result perform_sound_start(perform_sound *out, show *s, writer *w, error *err)
-{
-    *out = (perform_sound){.show = s};
-    const sound_settings settings = {.show = s};
-    mrt_result result = sound_create(&out->sound, &settings, err);
-    return result < 0 ? result : sound_arm(out->sound, w, 0, err);
-}
-
-static void say(perform_sound *self, const char *text)
-{
-    if (!text[0] || strcmp(self->told, text) == 0)
-        return;
-    snprintf(self->told, sizeof self->told, "%s", text);
-    fprintf(stderr, "warning: %s; the hands are recorded all the same\n", text);
-}
-
-/* Arms the microphone; the show and the writer must outlive it. To be finished whatever comes. */
-static void perform_sound_update(perform_sound *self)
-{
-    sound_in_status status;
-    if (!self->sound)
-        return;
-    sound_update(self->sound);
-    sound_in_look(self->sound, &status);
-    say(self, status.device.text);
-    say(self, status.record.text);
-}
-
-/* The microphone is off, and all of it is with the writer. */
-static void perform_sound_stop(perform_sound *self)
-{
-    if (!self->sound)
-        return;
-    int64_t until_ns = clock_now_ns() + patience_ns;
-    sound_disarm(self->sound);
-    while (sound_is_armed(self->sound) && clock_now_ns() < until_ns) {
-        sound_update(self->sound);
-        clock_sleep_until_ns(clock_now_ns() + 10 * NS_PER_MS);
-    }
-}
-
-/* What was recorded becomes the take's sound; the writer has been flushed or stopped. */
-static mrt_result perform_sound_attach(perform_sound *self, int64_t take_id, facts *told,
-                                       error *err)
-{
-    sound_in_status status;
-    show_audio audio;
-    if (!self->sound)
-        return MRT_OK;
-    sound_in_look(self->sound, &status);
-    if (status.record.audio == 0) {
-        facts_text(told, "sound", "sound", "none came");
-        return MRT_OK;
-    }
-    mrt_result result = show_audio_info(self->show, status.record.audio, &audio, err);
-    if (result >= 0)
-        result = edit_store_attach_audio(self->show, take_id, &audio, clock_utc_ms, err);
-    if (result < 0)
-        return result;
-    facts_text(told, "sound", "sound", audio.name);
-    facts_number(told, "sound_s", "  length", (double)audio.frame_count / (double)audio.rate_hz, 2,
-                 "s");
-    facts_number(told, "sound_drift_ppm", "  drift", status.record.drift_ppm, 1,
-                 "ppm of its clock against the samples'");
-    if (status.record.gap_count)
-        facts_number(told, "sound_gaps", "  gaps", status.record.gap_count, 0, "");
-    return MRT_OK;
-}
-
-mrt_result perform_sound_write(perform_sound *self, int64_t take_id, double length_s,
-                               const char *beside, char **out_path, progress *shown, error *err)
-{
-    take t = {0};
-    *out_path = NULL;
-    if (!self->sound)
-        return MRT_OK;
-    mrt_result result = edit_store_take(&t, self->show, take_id, err);
-    if (result >= 0 && t.audio.audio != 0)
-        result = exports_video_sound(out_path, self->show, &t, 0, (int64_t)(length_s * 1e9), beside,
-                                     shown, err);
-    take_finish(&t);
-    return result;
-}
-
-/* zeroed is fine */
-static void perform_sound_finish(perform_sound *self)
-{
-    sound_destroy(self->sound);
-    *self = (perform_sound){0};
-}
-
 /* ---- the patch ---- */
 
 void perform_patch_tell(const layer *of)
@@ -521,120 +463,7 @@ void perform_patch_tell(const layer *of)
     news_print_notes(plan ? patch_plan_note(plan) : NULL);
 }
 
-/* ---- recording ---- */
-
-static mrt_result no_memory(error *err)
-{
-    return error_set(err, MRT_ERR_MEMORY, "no memory to record");
-}
-
-/* As on the command line: "log:demo.csv,end=8". */
-static char *spec_text(const plugin_spec *spec)
-{
-    size_t size = strlen(spec->plugin) + strlen(spec->address) + strlen(spec->params) + 3;
-    char *out = malloc(size);
-    if (out)
-        snprintf(out, size, "%s%s%s%s%s", spec->plugin, spec->address[0] ? ":" : "", spec->address,
-                 spec->params[0] ? "," : "", spec->params);
-    return out;
-}
-
-static mrt_result open_show(perform_record *out, const char *path, error *err)
-{
-    bool is_there = access(path, F_OK) == 0;
-    mrt_result result = is_there ? show_open(&out->show, path, SHOW_RECORD, err)
-                                 : show_create(&out->show, path, err);
-    if (result < 0 || show_is_writable(out->show))
-        return result;
-    return error_set(err, MRT_ERR_IO, "%s", show_notice(out->show));
-}
-
-static mrt_result describe(perform_record *out, const perform_options *options,
-                           const perform_record_of *of, error *err)
-{
-    for (uint32_t i = 0; i < options->input_count; ++i) {
-        out->input_text[i] = spec_text(&options->input[i]);
-        if (!out->input_text[i])
-            return no_memory(err);
-    }
-    for (int side = 0; side < 2; ++side) {
-        if (!of->hands->path[side])
-            continue;
-        mrt_result result = perform_hands_text(&out->calibration[side], of->hands->path[side], err);
-        if (result < 0)
-            return result;
-    }
-    return MRT_OK;
-}
-
-csrbf_settings perform_record_solver(const perform_options *options, const face_file *on,
-                                     log_queue *log)
-{
-    show *there = NULL;
-    error ignored = {""};
-    if (options->record && access(options->record, F_OK) == 0 &&
-        show_open(&there, options->record, SHOW_READ, &ignored) < 0)
-        there = NULL;
-    const csrbf_settings out = kept_solver_for(there, on, log);
-    show_close(there);
-    return out;
-}
-
-mrt_result perform_record_start(perform_record *out, const perform_options *options,
-                                const perform_record_of *of, error *err)
-{
-    *out = (perform_record){0};
-    if (!options->record)
-        return MRT_OK;
-    mrt_result result = describe(out, options, of, err);
-    if (result >= 0)
-        result = open_show(out, options->record, err);
-    if (result < 0)
-        return result;
-    out->performer = of->performer;
-    out->log = of->log;
-    taught_recall(out->show, layer_mapping(performer_layer(of->performer)), of->log);
-    const char *texts[PERFORM_INPUTS_MAX];
-    for (uint32_t i = 0; i < options->input_count; ++i)
-        texts[i] = out->input_text[i];
-    recorder_settings settings = {
-        .show = out->show,
-        .plugins = of->plugins,
-        .log = of->log,
-        .clock = of->clock,
-        .inputs = of->inputs,
-        .input_text = texts,
-        .input_count = of->input_count,
-        .calibration = {out->calibration[MRT_LEFT], out->calibration[MRT_RIGHT]},
-        .layer = performer_layer(of->performer),
-        .performer = of->performer,
-        .face_path = options->face,
-        .face = of->face,
-        .unit_mm = options->frame.mm_per_unit,
-        .hand_length_mm = options->hand_length_mm,
-        .rezero_pedal = options->rezero_pedal,
-        .patch = of->patch,
-    };
-    result = recorder_start(&out->recorder, &settings, err);
-    if (result < 0)
-        return result;
-    const writer_slate slate = {.scene = options->scene, .shot = options->shot};
-    recorder_take_next(out->recorder, &slate, 0);
-    if (!options->has_sound)
-        return MRT_OK;
-    if (of->clock == CLOCK_VIRTUAL)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "--sound: recordings are played faster than anybody speaks: --realtime");
-    return perform_sound_start(&out->sound, out->show, recorder_writer(out->recorder), err);
-}
-
-void perform_record_watch(perform_record *self)
-{
-    if (!self->recorder)
-        return;
-    perform_sound_update(&self->sound);
-    perform_record_watch_writer(recorder_writer(self->recorder), &self->is_waiting_told);
-}
+/* ---- a show that is recorded into ---- */
 
 void perform_record_watch_writer(writer *of, bool *is_told)
 {
@@ -649,40 +478,6 @@ void perform_record_watch_writer(writer *of, bool *is_told)
             is_well ? "recording goes on: what was held in memory is written" : text);
 }
 
-mrt_result perform_record_end(perform_record *self, facts *told, error *err)
-{
-    char name[32];
-    if (!self->recorder)
-        return MRT_OK;
-    perform_sound_stop(&self->sound);
-    mrt_result result = recorder_take_end(self->recorder, err);
-    self->take = recorder_take(self->recorder);
-    if (result >= 0 && recorder_problem(self->recorder)[0])
-        result = error_set(err, MRT_ERR_IO, "%s", recorder_problem(self->recorder));
-    if (result >= 0)
-        result = writer_flush(recorder_writer(self->recorder), err);
-    if (result >= 0)
-        result = perform_sound_attach(&self->sound, self->take, told, err);
-    taught_keep_now(self->show, layer_mapping(performer_layer(self->performer)), self->log);
-    writer_status status = writer_status_of(recorder_writer(self->recorder));
-    error later = {""};
-    mrt_result stopped = recorder_stop(self->recorder, &later);
-    self->recorder = NULL;
-    if (stopped < 0) /* it says more than what failed before it */
-        result = error_set(err, stopped, "%s", later.text);
-    if (result < 0)
-        return result;
-    snprintf(name, sizeof name, "%jd", (intmax_t)self->take);
-    facts_text(told, "show", "show", show_path(self->show));
-    facts_text(told, "take", "take", name);
-    facts_number(told, "samples_recorded", "samples recorded", (double)status.committed_count, 0,
-                 "");
-    if (status.lost_count)
-        facts_number(told, "samples_not_recorded", "not recorded", (double)status.lost_count, 0,
-                     "samples");
-    return MRT_OK;
-}
-
 void perform_record_rescue(show *of)
 {
     char path[4096];
@@ -694,19 +489,4 @@ void perform_record_rescue(show *of)
     else if (result != MRT_END)
         fprintf(stderr, "warning: %s: was deleted, moved or replaced: all of it is in %s\n",
                 show_path(of), path);
-}
-
-void perform_record_finish(perform_record *self)
-{
-    error ignored = {""};
-    perform_sound_finish(&self->sound);
-    if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
-        fprintf(stderr, "warning: %s\n", ignored.text);
-    perform_record_rescue(self->show);
-    show_close(self->show);
-    for (int i = 0; i < PERFORM_INPUTS_MAX; ++i)
-        free(self->input_text[i]);
-    free(self->calibration[MRT_LEFT]);
-    free(self->calibration[MRT_RIGHT]);
-    *self = (perform_record){0};
 }

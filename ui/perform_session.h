@@ -1,18 +1,38 @@
-/* ui/perform_session.h - what `perform` and `take record` share: whose hands perform, through which
- * mapping, recorded into which show, with which sound. [main] */
+/* ui/perform_session.h - what `perform` and `take record` share: the inputs, whose hands perform,
+ * through which mapping, with the face sent where. [main] */
 #ifndef MAROTTE_UI_PERFORM_SESSION_H
 #define MAROTTE_UI_PERFORM_SESSION_H
 #include "facts.h"
 #include "hand/calibration_file.h"
-#include "perform_options.h"
+#include "stage/input/spec.h"
+#include "stage/mapping/isolate.h"
 #include "stage/mapping/plugins.h"
 #include "stage/output/outputs.h"
 #include "stage/perform/performer.h"
 #include "stage/perform/player.h"
 #include "stage/perform/reload.h"
-#include "stage/sound/sound.h"
 #include "stage/take/recorder.h"
 #include "terminal.h"
+
+enum { PERFORM_INPUTS_MAX = 8, PERFORM_OUTPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX = 2 };
+
+/* ---- inputs ---- */
+
+typedef struct perform_inputs {
+    const plugin_spec *spec; /* borrowed: what was asked for */
+    input *input[PERFORM_INPUTS_MAX];
+    uint32_t count;       /* that are open */
+    instance_clock clock; /* the host's as soon as one of them is a device */
+} perform_inputs;
+
+/* clock: when all are recordings. To be closed whatever the result. */
+CHECKED mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uint32_t count,
+                                       plugin_list *plugins, log_queue *log, instance_clock clock,
+                                       error *err);
+void perform_inputs_close(perform_inputs *self); /* zeroed is fine */
+/* Says that one went away or came back; into: the recorder that is told too, or NULL. */
+void perform_inputs_incident(const perform_inputs *self, recorder *into, const input *from,
+                             const input_incident *what, double time_s);
 
 /* ---- hands: which calibration each gets, and the keys of a live performance ---- */
 
@@ -22,11 +42,11 @@ typedef struct perform_hands {
     hand_calibration use[2];
 } perform_hands;
 
-/* The calibrations asked for, else for every hand that comes in counts the newest of the user's
- * folder. Says on stderr what is used, and what an uncalibrated hand can do. Owned by `out`, which
- * can be finished whatever the result. */
-CHECKED mrt_result perform_hands_choose(perform_hands *out, const perform_options *options,
-                                        input *const *inputs, uint32_t input_count, error *err);
+/* The calibrations at these paths (one "none": shipped defaults), else for every hand that comes in
+ * counts the newest of the user's folder. Says on stderr what is used, and what an uncalibrated
+ * hand can do. Owned by `out`, which can be finished whatever the result. */
+CHECKED mrt_result perform_hands_choose(perform_hands *out, const char *const *path, uint32_t count,
+                                        const perform_inputs *from, error *err);
 void perform_hands_finish(perform_hands *self); /* zeroed is fine */
 
 /* NULL: shipped defaults. */
@@ -67,9 +87,9 @@ typedef struct perform_mapping_settings {
 /* Must not move; the spec must outlive it. To be closed whatever the result. */
 CHECKED mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
                                         const perform_mapping_settings *with, error *err);
-/* If the options say so: from here on rebuilt libraries are taken. */
-CHECKED mrt_result perform_mapping_watch(perform_mapping *self, const perform_options *options,
-                                         performer *of, log_queue *log, error *err);
+/* From here on rebuilt libraries are taken. */
+CHECKED mrt_result perform_mapping_watch(perform_mapping *self, performer *of, log_queue *log,
+                                         error *err);
 /* [frame] Before a sample. recorder: NULL: nothing is recorded. */
 void perform_mapping_step(perform_mapping *self, performer *of, recorder *into);
 /* A process that has failed: on stage the face was held; an offline performance fails. */
@@ -100,61 +120,10 @@ void perform_outputs_show(perform_outputs *self, performer *p, int64_t time_ns, 
 void perform_outputs_report(outputs *of, facts *told); /* NULL is fine */
 void perform_outputs_close(perform_outputs *self);
 
-/* ---- the microphone beside a performance: what was said becomes the sound of its take; one that
- * is missing or fails stops nothing ---- */
+/* ---- a show that is recorded into ---- */
 
-typedef struct perform_sound {
-    sound *sound; /* NULL: nothing is recorded */
-    show *show;
-    char told[256]; /* the last thing that was said of it */
-} perform_sound;
-
-/* The take's sound from its start on as a WAV beside a file, for exports_video_sound_remove; NULL:
- * it has none. */
-CHECKED mrt_result perform_sound_write(perform_sound *self, int64_t take_id, double length_s,
-                                       const char *beside, char **out_path, progress *shown,
-                                       error *err);
-
-/* ---- recording into a show ---- */
-
-typedef struct perform_record {
-    show *show;
-    recorder *recorder;   /* NULL: nothing is recorded */
-    performer *performer; /* that is recorded */
-    log_queue *log;
-    perform_sound sound;
-    char *input_text[PERFORM_INPUTS_MAX];
-    char *calibration[2];
-    int64_t take;
-    bool is_waiting_told; /* that the disk does not take it now */
-} perform_record;
-
-typedef struct perform_record_of { /* what is recorded: of perform.c */
-    const plugin_list *plugins;
-    log_queue *log;
-    instance_clock clock;
-    input *const *inputs;
-    uint32_t input_count;
-    const perform_hands *hands;
-    performer *performer;
-    const face_file *face;
-    const patch *patch; /* NULL: none */
-} perform_record_of;
-
-/* How the show solves into which it is recorded, so that the take shows what is performed now:
- * radius 0: as the rig says. One that cannot be read is told of by perform_record_start. */
-csrbf_settings perform_record_solver(const perform_options *options, const face_file *on,
-                                     log_queue *log);
-/* Opens the show, or makes it; a take begins with the first sample. Does nothing without --record.
- * To be finished whatever the result. */
-CHECKED mrt_result perform_record_start(perform_record *out, const perform_options *options,
-                                        const perform_record_of *of, error *err);
-/* Now and then: says what the person should know: the disk is full, the file was deleted. */
-void perform_record_watch(perform_record *self);
-void perform_record_watch_writer(writer *of, bool *is_told); /* the same, for any writer */
-/* The take ends, and all is written. */
-CHECKED mrt_result perform_record_end(perform_record *self, facts *told, error *err);
-void perform_record_finish(perform_record *self); /* zeroed is fine */
+/* Now and then: says that the disk does not take it now, and when it does again. */
+void perform_record_watch_writer(writer *of, bool *is_told);
 /* When the show's file was deleted, moved or replaced while it was open: a whole copy beside it,
  * and says where. When nothing is recorded any more. NULL is fine. */
 void perform_record_rescue(show *of);

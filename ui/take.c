@@ -45,7 +45,7 @@ static int add_calibration(void *to, const command *self, const char *name, cons
 {
     take_call *out = to;
     (void)name;
-    if (out->calibration_count == TAKE_CALIBRATIONS_MAX)
+    if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
         return command_usage(self, "\"%s\" is one calibration too many: one per hand", path);
     out->calibration[out->calibration_count++] = path;
     return COMMAND_DONE;
@@ -55,7 +55,7 @@ static int add_input(void *to, const command *self, const char *name, const char
 {
     take_call *out = to;
     (void)name;
-    if (out->input_count == TAKE_INPUTS_MAX)
+    if (out->input_count == PERFORM_INPUTS_MAX)
         return command_usage(self, "\"%s\" is one input too many", spec);
     out->input[out->input_count++] = spec;
     return COMMAND_DONE;
@@ -65,7 +65,7 @@ static int add_output(void *to, const command *self, const char *name, const cha
 {
     take_call *out = to;
     (void)name;
-    if (out->output_count == TAKE_OUTPUTS_MAX)
+    if (out->output_count == PERFORM_OUTPUTS_MAX)
         return command_usage(self, "\"%s\" is one output too many", spec);
     out->output[out->output_count++] = spec;
     out->text[TAKE_OUTPUT] = spec;

@@ -6,7 +6,7 @@
 #define MAROTTE_UI_TAKE_H
 #include "command.h"
 #include "exports.h"
-#include "stage/mapping/plugins.h"
+#include "perform_session.h"
 #include "stage/take/sequencer.h"
 #include "take/export_name.h"
 #include "take/history.h"
@@ -79,7 +79,7 @@ typedef enum take_option {
     TAKE_OPTION_COUNT
 } take_option;
 
-enum { TAKE_WORDS_MAX = 4, TAKE_CALIBRATIONS_MAX = 2, TAKE_INPUTS_MAX = 8, TAKE_OUTPUTS_MAX = 8 };
+enum { TAKE_WORDS_MAX = 4 };
 
 enum { TAKE_CHANGE_MAX = 4 };
 typedef struct take_change { /* edits that a subcommand asks for */
@@ -98,11 +98,11 @@ typedef struct take_call { /* one run of a subcommand */
     exports_file exports[EXPORTS_MAX];
     uint32_t export_count;
     const char *wav; /* --export NAME.wav; NULL */
-    const char *calibration[TAKE_CALIBRATIONS_MAX];
+    const char *calibration[PERFORM_CALIBRATIONS_MAX];
     uint32_t calibration_count;
-    const char *input[TAKE_INPUTS_MAX];
+    const char *input[PERFORM_INPUTS_MAX];
     uint32_t input_count;
-    const char *output[TAKE_OUTPUTS_MAX];
+    const char *output[PERFORM_OUTPUTS_MAX];
     uint32_t output_count;
     show *show;
     facts *told;

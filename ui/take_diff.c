@@ -147,28 +147,28 @@ static void tell_worst(take_call *call, const comparison *self)
 
 static mrt_result write_csv(const comparison *self, const char *path, error *err)
 {
-    file_writer writer;
-    mrt_result result = file_writer_open(&writer, path, err);
+    file_writer file;
+    mrt_result result = file_writer_open(&file, path, err);
     if (result < 0)
         return result;
-    fprintf(writer.stream, "frame,time_s,timecode");
+    fprintf(file.stream, "frame,time_s,timecode");
     for (uint32_t part = 0; part < DIFF_PART_COUNT; ++part)
         if (diff_vertex_count(self->by, part) > 0)
-            fprintf(writer.stream, ",%s_max_mm,%s_rms_mm", diff_part_name(part),
+            fprintf(file.stream, ",%s_max_mm,%s_rms_mm", diff_part_name(part),
                     diff_part_name(part));
-    fputc('\n', writer.stream);
+    fputc('\n', file.stream);
     for (uint32_t i = 0; i < (uint32_t)self->frames.count; ++i) {
         char at[TIMECODE_TEXT];
         label(at, self, i);
-        fprintf(writer.stream, "%lld,%.9f,%s", (long long)self->frames.first + i, time_s(self, i),
+        fprintf(file.stream, "%lld,%.9f,%s", (long long)self->frames.first + i, time_s(self, i),
                 at);
         for (uint32_t part = 0; part < DIFF_PART_COUNT; ++part)
             if (diff_vertex_count(self->by, part) > 0)
-                fprintf(writer.stream, ",%.6f,%.6f", self->frame[i].max_mm[part],
+                fprintf(file.stream, ",%.6f,%.6f", self->frame[i].max_mm[part],
                         self->frame[i].rms_mm[part]);
-        fputc('\n', writer.stream);
+        fputc('\n', file.stream);
     }
-    return file_writer_commit(&writer, err);
+    return file_writer_commit(&file, err);
 }
 
 static mrt_result tell(take_call *call, const comparison *self, error *err)

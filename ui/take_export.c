@@ -475,21 +475,21 @@ static mrt_result write_table(take_call *call, const log_span *span, const char 
 {
     show_track of;
     show_reader *reader = NULL;
-    file_writer writer;
+    file_writer file;
     uint64_t count = 0;
     mrt_result result = show_track_read(call->show, span->track, &of, err);
     if (result < 0)
         return result;
     result = show_reader_open(&reader, call->show, span->track, span->from_ns, span->to_ns, err);
     if (result >= 0)
-        result = file_writer_open(&writer, path, err);
+        result = file_writer_open(&file, path, err);
     if (result >= 0) {
-        put_head(writer.stream, &of);
-        result = put_samples(writer.stream, reader, span, &count, err);
+        put_head(file.stream, &of);
+        result = put_samples(file.stream, reader, span, &count, err);
         if (result >= 0)
-            result = file_writer_commit(&writer, err);
+            result = file_writer_commit(&file, err);
         else
-            file_writer_abandon(&writer);
+            file_writer_abandon(&file);
     }
     show_reader_close(reader);
     if (result >= 0) {

@@ -3,7 +3,6 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "hand/calibration_file.h"
-#include "perform_session.h"
 #include "stage/input/spec.h"
 #include "stage/perform/patch_file.h"
 #include "stage/sound/sound.h"
@@ -26,11 +25,8 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     take take;
     face_file face;
     char *face_path;
-    instance_clock clock;
     plugin_spec spec[PERFORM_INPUTS_MAX];
-    uint32_t spec_count;
-    input *inputs[PERFORM_INPUTS_MAX];
-    uint32_t input_count;
+    perform_inputs inputs;
     perform_hands hands;
     char *calibration[2];
     plugin_spec map;
@@ -48,34 +44,19 @@ typedef struct performing { /* made in this order, destroyed in reverse */
 static mrt_result open_inputs(performing *self, error *err)
 {
     take_call *call = self->call;
-    const mrt_plugin_type *types[PERFORM_INPUTS_MAX];
-    self->clock = call->text[TAKE_REALTIME] ? CLOCK_REAL : CLOCK_VIRTUAL;
-    for (uint32_t i = 0; i < call->input_count; ++i) {
-        if (!spec_read(&self->spec[self->spec_count++], call->input[i]))
+    for (uint32_t i = 0; i < call->input_count; ++i)
+        if (!spec_read(&self->spec[i], call->input[i]))
             return take_misused(call, err, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
                                 call->input[i]);
-        mrt_result result =
-            plugin_list_choose(&self->plugins, self->spec[i].plugin, MRT_INPUT, &types[i], err);
-        if (result < 0)
-            return result;
-        const mrt_input *functions = plugin_interface(types[i], MRT_INPUT);
-        if (!(functions->flags & MRT_INPUT_RECORDED))
-            self->clock = CLOCK_REAL;
-    }
-    for (uint32_t i = 0; i < call->input_count; ++i) {
-        mrt_result result = input_create(&self->inputs[i], types[i], self->spec[i].address,
-                                         self->spec[i].params, self->clock, self->log, err);
-        if (result < 0)
-            return result;
-        self->input_count += 1;
-    }
-    return MRT_OK;
+    return perform_inputs_open(&self->inputs, self->spec, call->input_count, &self->plugins,
+                               self->log, call->text[TAKE_REALTIME] ? CLOCK_REAL : CLOCK_VIRTUAL,
+                               err);
 }
 
 static mrt_result open_mapping(performing *self, error *err)
 {
     take_call *call = self->call;
-    const perform_mapping_settings apart = {&self->plugins, self->log, self->clock,
+    const perform_mapping_settings apart = {&self->plugins, self->log, self->inputs.clock,
                                             ISOLATE_FOREIGN};
     if (!spec_read(&self->map, call->text[TAKE_MAP]) || self->map.address[0])
         return take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]",
@@ -85,13 +66,8 @@ static mrt_result open_mapping(performing *self, error *err)
 
 static mrt_result choose_hands(performing *self, error *err)
 {
-    perform_options options = {.calibration_count = self->call->calibration_count};
-    for (uint32_t i = 0; i < options.calibration_count; ++i)
-        options.calibration[i] = self->call->calibration[i];
-    for (; options.input_count < self->input_count; ++options.input_count)
-        options.input[options.input_count] = self->spec[options.input_count]; /* ours */
-    mrt_result result =
-        perform_hands_choose(&self->hands, &options, self->inputs, self->input_count, err);
+    mrt_result result = perform_hands_choose(&self->hands, self->call->calibration,
+                                             self->call->calibration_count, &self->inputs, err);
     for (int side = 0; side < 2 && result >= 0; ++side)
         if (self->hands.path[side])
             result = perform_hands_text(&self->calibration[side], self->hands.path[side], err);
@@ -193,10 +169,10 @@ static mrt_result prepare(performing *self, error *err)
     settings.log = self->log;
     settings.face = &self->face;
     settings.face_path = self->face_path;
-    settings.clock = self->clock;
-    settings.inputs = self->inputs;
+    settings.clock = self->inputs.clock;
+    settings.inputs = self->inputs.input;
     settings.input_text = call->input;
-    settings.input_count = self->input_count;
+    settings.input_count = self->inputs.count;
     for (int side = 0; side < 2; ++side) {
         settings.calibration[side] = self->calibration[side];
         settings.side_length_mm[side] = self->hands.length_mm[side];
@@ -220,9 +196,8 @@ static void finish(performing *self)
     free(self->calibration[0]);
     free(self->calibration[1]);
     perform_hands_finish(&self->hands);
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        input_destroy(self->inputs[i]);
-    for (uint32_t i = 0; i < self->spec_count; ++i)
+    perform_inputs_close(&self->inputs);
+    for (int i = 0; i < PERFORM_INPUTS_MAX; ++i)
         spec_finish(&self->spec[i]);
     face_file_destroy(&self->face);
     free(self->face_path);
@@ -241,7 +216,7 @@ static void start_sound(performing *self)
     error err = {""};
     const take_audio *audio = &overdub_take(self->overdub)->audio;
     const sound_settings settings = {.show = self->call->show, .log = self->log};
-    if (self->clock == CLOCK_VIRTUAL || audio->audio == 0)
+    if (self->inputs.clock == CLOCK_VIRTUAL || audio->audio == 0)
         return;
     if (sound_create(&self->sound, &settings, &err) < 0 || sound_load(self->sound, audio, &err) < 0)
         fprintf(stderr, "warning: %s; it is performed in silence\n", err.text);
@@ -263,7 +238,7 @@ static void move_sound(performing *self)
 static mrt_result check_mappings(const performing *self, error *err)
 {
     mrt_result result = perform_mapping_check(&self->mapping, err);
-    if (result >= 0 && self->clock == CLOCK_VIRTUAL)
+    if (result >= 0 && self->inputs.clock == CLOCK_VIRTUAL)
         result = overdub_check(self->overdub, err);
     return result;
 }
@@ -291,21 +266,13 @@ static void on_incident(void *data, const input *from, const input_incident *wha
 {
     performing *self = data;
     progress_end(&self->call->shown);
-    for (uint32_t i = 0; i < self->input_count; ++i)
-        if (self->inputs[i] == from)
-            recorder_incident(overdub_recorder(self->overdub), i, what);
-    if (what->kind == INPUT_WENT)
-        fprintf(stderr, "note: %s went away at %.1f s; the pose is held\n", input_name(from),
-                time_s);
-    else
-        fprintf(stderr, "note: %s came back after %.1f s\n", input_name(from),
-                (double)what->away_ns / 1e9);
+    perform_inputs_incident(&self->inputs, overdub_recorder(self->overdub), from, what, time_s);
 }
 
 static mrt_result perform(performing *self, error *err)
 {
     player_settings playing = {.fps = 30.0,
-                               .clock = self->clock,
+                               .clock = self->inputs.clock,
                                .stop = cancel_flag(),
                                .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                                                perform_hands_calibration(&self->hands, MRT_RIGHT)}};
@@ -313,11 +280,11 @@ static mrt_result perform(performing *self, error *err)
     player_stage stage = overdub_stage(self->overdub);
     cancel_on_signals(CANCEL_WAITS, NULL);
     start_sound(self);
-    if (self->clock == CLOCK_REAL && keys_begin())
+    if (self->inputs.clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: q ends\n");
     progress_start(&self->call->shown, "performing");
-    mrt_result result = player_run_stage(&stage, self->inputs, self->input_count, &playing, &events,
-                                         &self->report, err);
+    mrt_result result = player_run_stage(&stage, self->inputs.input, self->inputs.count, &playing,
+                                         &events, &self->report, err);
     keys_end();
     progress_end(&self->call->shown);
     news_print(self->log);

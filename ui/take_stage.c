@@ -4,7 +4,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "perform_session.h"
 #include "terminal.h"
 #include "take/edit_store.h"
 #include "take/hash.h"
