@@ -6,7 +6,6 @@
 #include "base/text.h"
 #include "io/arkit.h"
 #include "io/curves.h"
-#include "take/sound_file.h"
 
 #include <errno.h>
 #include <math.h>
@@ -487,10 +486,17 @@ void exports_video_close(exports_video *self)
 
 /* ---- sound ---- */
 
-static bool show_part(void *data, double part)
+mrt_result exports_sound(const char *path, show *s, const sound_file_export *what,
+                         sound_file_report *out, progress *shown, error *err)
 {
-    progress_show(data, part, "");
-    return true;
+    const sound_file_watch watch = {progress_part, shown};
+    progress_start(shown, "sound");
+    mrt_result result = sound_file_write(out, s, what, path, &watch, err);
+    progress_end(shown);
+    if (result >= 0 && out->damaged_count)
+        fprintf(stderr, "warning: %lld pieces of the sound are damaged: they are silent\n",
+                (long long)out->damaged_count);
+    return result;
 }
 
 static char *name_beside(const char *path, error *err)
@@ -516,17 +522,11 @@ mrt_result exports_video_sound(char **out_path, show *s, const take *t, int64_t 
                                int64_t to_ns, const char *beside, progress *shown, error *err)
 {
     sound_file_report report;
-    const sound_file_watch watch = {show_part, shown};
     const sound_file_export what = {.take = t, .from_ns = from_ns, .to_ns = to_ns};
     *out_path = name_beside(beside, err);
     if (!*out_path)
         return MRT_ERR_IO;
-    progress_start(shown, "sound");
-    mrt_result result = sound_file_write(&report, s, &what, *out_path, &watch, err);
-    progress_end(shown);
-    if (result >= 0 && report.damaged_count)
-        fprintf(stderr, "warning: %lld pieces of the sound are damaged: they are silent\n",
-                (long long)report.damaged_count);
+    mrt_result result = exports_sound(*out_path, s, &what, &report, shown, err);
     if (result >= 0)
         return MRT_OK;
     exports_video_sound_remove(*out_path);

@@ -9,6 +9,7 @@
 #include "terminal.h"
 #include "stage/perform/composer.h"
 #include "take/show.h"
+#include "take/sound_file.h"
 #include "stream/video.h"
 
 enum { EXPORTS_MAX = 16 };
@@ -88,7 +89,10 @@ CHECKED mrt_result exports_video_finish(exports_video *self, facts *told, error 
 /* Removes what is not finished, and lets go of the look. */
 void exports_video_close(exports_video *self);
 
-/* The sound of a range of a take as a WAV without a name of its own; to be removed. */
+/* The sound of a range of a take as a WAV; damaged pieces of it are said. */
+CHECKED mrt_result exports_sound(const char *path, show *s, const sound_file_export *what,
+                                 sound_file_report *out, progress *shown, error *err);
+/* The same without a name of its own; to be removed. */
 CHECKED mrt_result exports_video_sound(char **out_path, show *s, const take *t, int64_t from_ns,
                                        int64_t to_ns, const char *beside, progress *shown,
                                        error *err);

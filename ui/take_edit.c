@@ -316,13 +316,6 @@ static mrt_result ask_delete(take_call *call, const take *t, take_change *out, e
     return is_clip ? take_find_clip(call, t, EDIT_UNSAID, &e->clip, err) : MRT_OK;
 }
 
-static mrt_result ask_restore(take_call *call, const take *t, take_change *out, error *err)
-{
-    (void)call, (void)t, (void)err;
-    take_change_add(out, EDIT_TAKE_RESTORE);
-    return MRT_OK;
-}
-
 /* ---- what is written on it ---- */
 
 static mrt_result put_text(take_call *call, char *out, size_t size, const char *text, error *err)
@@ -332,13 +325,6 @@ static mrt_result put_text(take_call *call, char *out, size_t size, const char *
                             size - 1);
     memcpy(out, text, strlen(text) + 1);
     return MRT_OK;
-}
-
-static mrt_result ask_rename(take_call *call, const take *t, take_change *out, error *err)
-{
-    (void)t;
-    edit *e = take_change_add(out, EDIT_TAKE_RENAME);
-    return put_text(call, e->name, sizeof e->name, call->word[2], err);
 }
 
 static mrt_result ask_slate(take_call *call, const take *t, take_change *out, error *err)
@@ -357,20 +343,32 @@ static mrt_result ask_slate(take_call *call, const take *t, take_change *out, er
     return result;
 }
 
-static mrt_result ask_note(take_call *call, const take *t, take_change *out, error *err)
+/* SHOW TAKE [VALUE]: the edit of the verb's kind with that value, be it words or a number. */
+static mrt_result ask_value(take_call *call, const take *t, take_change *out, error *err)
 {
+    const char *value = call->word[2];
+    double number = 0.0;
+    mrt_result result = MRT_OK;
+    edit *e = take_change_add(out, call->verb->kind);
     (void)t;
-    edit *e = take_change_add(out, EDIT_TAKE_NOTE);
-    return put_text(call, e->note, sizeof e->note, call->word[2], err);
-}
-
-static mrt_result ask_rate(take_call *call, const take *t, take_change *out, error *err)
-{
-    (void)t;
-    double stars = 0.0;
-    edit *e = take_change_add(out, EDIT_TAKE_RATE);
-    mrt_result result = take_number_of(call, "STARS", call->word[2], 0, 5, &stars, err);
-    e->rating = (uint32_t)stars;
+    switch (e->kind) {
+    case EDIT_TAKE_RENAME:
+        return put_text(call, e->name, sizeof e->name, value, err);
+    case EDIT_TAKE_NOTE:
+        return put_text(call, e->note, sizeof e->note, value, err);
+    case EDIT_TAKE_RATE:
+        result = take_number_of(call, "STARS", value, 0, 5, &number, err);
+        e->rating = (uint32_t)number;
+        break;
+    case EDIT_AUDIO_OFFSET:
+        result = take_number_of(call, "SECONDS", value, -1e6, 1e6, &number, err);
+        e->offset_ns = llround(number * 1e9);
+        break;
+    case EDIT_AUDIO_GAIN:
+        return take_number_of(call, "GAIN", value, 0.0, 10.0, &e->gain, err);
+    default: /* without one */
+        break;
+    }
     return result;
 }
 
@@ -448,12 +446,16 @@ static const take_verb edit_verbs[] = {
      "fades a clip in or out", "fade-in fade-out clip", TAKE_WRITES, .ask = ask_fade},
     {"delete", "SHOW TAKE", "  --clip N     that clip, not the take\n",
      "puts a take away: restore brings it back", "clip", TAKE_WRITES, .ask = ask_delete},
-    {"restore", "SHOW TAKE", "", "brings a deleted take back", "", TAKE_WRITES, .ask = ask_restore},
-    {"rename", "SHOW TAKE NAME", "", "names a take", "", TAKE_WRITES, .ask = ask_rename},
+    {"restore", "SHOW TAKE", "", "brings a deleted take back", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_RESTORE},
+    {"rename", "SHOW TAKE NAME", "", "names a take", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_RENAME},
     {"slate", "SHOW TAKE", "  --scene S, --shot S, --number N   what is left out stays\n",
      "changes a take's slate", "scene shot number", TAKE_WRITES, .ask = ask_slate},
-    {"note", "SHOW TAKE TEXT", "", "writes a note on a take", "", TAKE_WRITES, .ask = ask_note},
-    {"rate", "SHOW TAKE STARS", "", "0 to 5 stars", "", TAKE_WRITES, .ask = ask_rate},
+    {"note", "SHOW TAKE TEXT", "", "writes a note on a take", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_NOTE},
+    {"rate", "SHOW TAKE STARS", "", "0 to 5 stars", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_RATE},
     {"mark", "SHOW TAKE TEXT", "  --at T       where\n" FPS_HELP, "marks an instant", "at fps",
      TAKE_WRITES, .ask = ask_mark},
     {"timecode", "SHOW TAKE",
@@ -469,14 +471,6 @@ const take_verbs take_edit_verbs = {"Edit", edit_verbs, sizeof edit_verbs / size
 /* ---- layers, and what they take from other takes ---- */
 
 /* ---- one layer: SHOW TAKE LAYER [VALUE] ---- */
-
-static mrt_result named_layer(take_call *call, const take *t, take_change *out, edit_kind kind,
-                              edit **out_edit, error *err)
-{
-    *out_edit = take_change_add(out, kind);
-    call->text[TAKE_LAYER] = call->word[2];
-    return take_find_layer(call, t, &(*out_edit)->layer, err);
-}
 
 static mrt_result put_name(take_call *call, char out[TAKE_NAME], const char *text, error *err)
 {
@@ -501,79 +495,44 @@ static mrt_result ask_layer_add(take_call *call, const take *t, take_change *out
     return result;
 }
 
-static mrt_result ask_layer_remove(take_call *call, const take *t, take_change *out, error *err)
+/* SHOW TAKE LAYER [VALUE]: the edit of the verb's kind with that value, or with --off. */
+static mrt_result ask_layer(take_call *call, const take *t, take_change *out, error *err)
 {
-    edit *e = NULL;
-    return named_layer(call, t, out, EDIT_LAYER_REMOVE, &e, err);
-}
-
-static mrt_result ask_layer_name(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_RENAME, &e, err);
-    return result < 0 ? result : put_name(call, e->name, call->word[3], err);
-}
-
-static mrt_result ask_layer_own(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_OWN, &e, err);
-    bool owns_all = strcmp(call->word[3], "all") == 0;
-    return result < 0 || owns_all ? result : take_read_own(call, call->word[3], e, err);
-}
-
-static mrt_result ask_layer_mute(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_MUTE, &e, err);
-    e->is_muted = call->text[TAKE_OFF] == NULL;
-    return result;
-}
-
-static mrt_result ask_layer_solo(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_SOLO, &e, err);
-    e->is_solo = call->text[TAKE_OFF] == NULL;
-    return result;
-}
-
-static mrt_result ask_layer_additive(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_ADDITIVE, &e, err);
-    e->is_additive = call->text[TAKE_OFF] == NULL;
-    return result;
-}
-
-static mrt_result ask_layer_gain(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_GAIN, &e, err);
-    return result < 0 ? result
-                      : take_number_of(call, "GAIN", call->word[3], 0.0, 10.0, &e->gain, err);
-}
-
-static mrt_result ask_layer_offset(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    double offset_s = 0.0;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_OFFSET, &e, err);
-    if (result >= 0)
-        result = take_number_of(call, "SECONDS", call->word[3], -1e6, 1e6, &offset_s, err);
-    e->offset_ns = llround(offset_s * 1e9);
-    return result;
-}
-
-static mrt_result ask_layer_order(take_call *call, const take *t, take_change *out, error *err)
-{
-    edit *e = NULL;
-    double position = 0.0;
-    mrt_result result = named_layer(call, t, out, EDIT_LAYER_ORDER, &e, err);
-    if (result >= 0)
-        result =
-            take_number_of(call, "PLACE", call->word[3], 0, EDIT_LAYERS_MAX - 1, &position, err);
-    e->place = (uint32_t)position;
+    const char *value = call->word[3];
+    const bool is_on = call->text[TAKE_OFF] == NULL;
+    double number = 0.0;
+    edit *e = take_change_add(out, call->verb->kind);
+    call->text[TAKE_LAYER] = call->word[2];
+    mrt_result result = take_find_layer(call, t, &e->layer, err);
+    if (result < 0)
+        return result;
+    switch (e->kind) {
+    case EDIT_LAYER_RENAME:
+        return put_name(call, e->name, value, err);
+    case EDIT_LAYER_OWN:
+        return strcmp(value, "all") == 0 ? MRT_OK : take_read_own(call, value, e, err);
+    case EDIT_LAYER_MUTE:
+        e->is_muted = is_on;
+        break;
+    case EDIT_LAYER_SOLO:
+        e->is_solo = is_on;
+        break;
+    case EDIT_LAYER_ADDITIVE:
+        e->is_additive = is_on;
+        break;
+    case EDIT_LAYER_GAIN:
+        return take_number_of(call, "GAIN", value, 0.0, 10.0, &e->gain, err);
+    case EDIT_LAYER_OFFSET:
+        result = take_number_of(call, "SECONDS", value, -1e6, 1e6, &number, err);
+        e->offset_ns = llround(number * 1e9);
+        break;
+    case EDIT_LAYER_ORDER:
+        result = take_number_of(call, "PLACE", value, 0, EDIT_LAYERS_MAX - 1, &number, err);
+        e->place = (uint32_t)number;
+        break;
+    default: /* EDIT_LAYER_REMOVE: without one */
+        break;
+    }
     return result;
 }
 
@@ -764,24 +723,24 @@ static const take_verb layer_verbs[] = {
      "  --own NAMES  what it moves (all):\n" OWN_HELP
      "  --place N    from the bottom, 0 (on top)\n",
      "adds a layer", "own place", TAKE_WRITES, .ask = ask_layer_add},
-    {"layer remove", "SHOW TAKE LAYER", "", "removes a layer", "", TAKE_WRITES,
-     .ask = ask_layer_remove},
-    {"layer rename", "SHOW TAKE LAYER NAME", "", "names a layer", "", TAKE_WRITES,
-     .ask = ask_layer_name},
+    {"layer remove", "SHOW TAKE LAYER", "", "removes a layer", "", TAKE_WRITES, .ask = ask_layer,
+     .kind = EDIT_LAYER_REMOVE},
+    {"layer rename", "SHOW TAKE LAYER NAME", "", "names a layer", "", TAKE_WRITES, .ask = ask_layer,
+     .kind = EDIT_LAYER_RENAME},
     {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES: all, or\n" OWN_HELP, "what a layer moves", "",
-     TAKE_WRITES, .ask = ask_layer_own},
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OWN},
     {"layer mute", "SHOW TAKE LAYER", OFF_HELP, "mutes a layer", "off", TAKE_WRITES,
-     .ask = ask_layer_mute},
+     .ask = ask_layer, .kind = EDIT_LAYER_MUTE},
     {"layer solo", "SHOW TAKE LAYER", OFF_HELP, "only solo layers are heard", "off", TAKE_WRITES,
-     .ask = ask_layer_solo},
+     .ask = ask_layer, .kind = EDIT_LAYER_SOLO},
     {"layer additive", "SHOW TAKE LAYER", OFF_HELP, "adds to the layers below", "off", TAKE_WRITES,
-     .ask = ask_layer_additive},
+     .ask = ask_layer, .kind = EDIT_LAYER_ADDITIVE},
     {"layer gain", "SHOW TAKE LAYER GAIN", "", "how much of a layer: 0 to 10", "", TAKE_WRITES,
-     .ask = ask_layer_gain},
+     .ask = ask_layer, .kind = EDIT_LAYER_GAIN},
     {"layer offset", "SHOW TAKE LAYER SECONDS", "", "shows a layer later, or earlier", "",
-     TAKE_WRITES, .ask = ask_layer_offset},
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OFFSET},
     {"layer order", "SHOW TAKE LAYER PLACE", "", "moves a layer to a place from the bottom, 0", "",
-     TAKE_WRITES, .ask = ask_layer_order},
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_ORDER},
     {"comp", "SHOW TAKE",
      "  --region R,R or --own NAMES   which parts of the face:\n" OWN_HELP SPAN_HELP,
      "takes parts of the face from another take", SPAN_OPTIONS " region own", TAKE_WRITES,
@@ -800,12 +759,6 @@ const take_verbs take_layer_verbs = {"Layers, other takes, undo", layer_verbs,
 
 /* ---- the sound ---- */
 
-static bool show_part(void *data, double part)
-{
-    progress_show(data, part, "");
-    return true;
-}
-
 static mrt_result ask_sound_attach(take_call *call, const take *t, take_change *out, error *err)
 {
     (void)t;
@@ -815,23 +768,13 @@ static mrt_result ask_sound_attach(take_call *call, const take *t, take_change *
         result = take_number(call, TAKE_GAIN, 0.0, 10.0, &gain, err);
     if (result < 0)
         return result;
-    const sound_file_watch watch = {show_part, &call->shown};
+    const sound_file_watch watch = {progress_part, &call->shown};
     edit *e = take_change_add(out, EDIT_AUDIO_ATTACH);
     e->offset_ns = llround(offset_s * 1e9);
     e->gain = gain;
     progress_start(&call->shown, "sound");
     result = sound_file_import(&e->audio, call->show, call->word[2], &watch, err);
     progress_end(&call->shown);
-    return result;
-}
-
-static mrt_result ask_sound_offset(take_call *call, const take *t, take_change *out, error *err)
-{
-    (void)t;
-    double offset_s = 0.0;
-    edit *e = take_change_add(out, EDIT_AUDIO_OFFSET);
-    mrt_result result = take_number_of(call, "SECONDS", call->word[2], -1e6, 1e6, &offset_s, err);
-    e->offset_ns = llround(offset_s * 1e9);
     return result;
 }
 
@@ -844,35 +787,21 @@ static mrt_result ask_sound_trim(take_call *call, const take *t, take_change *ou
     return result < 0 ? result : take_time(call, TAKE_OUT, t, &e->end_ns, err);
 }
 
-static mrt_result ask_sound_gain(take_call *call, const take *t, take_change *out, error *err)
-{
-    (void)t;
-    edit *e = take_change_add(out, EDIT_AUDIO_GAIN);
-    return take_number_of(call, "GAIN", call->word[2], 0.0, 10.0, &e->gain, err);
-}
-
-static mrt_result ask_sound_detach(take_call *call, const take *t, take_change *out, error *err)
-{
-    (void)call, (void)t, (void)err;
-    take_change_add(out, EDIT_AUDIO_DETACH);
-    return MRT_OK;
-}
-
 static const take_verb audio_verbs[] = {
     {"audio attach", "SHOW TAKE FILE",
      "  --offset S   where it starts on the take's timeline, seconds (0)\n"
      "  --gain G     0 to 10 (1)\n"
      "WAV, FLAC, Ogg, AIFF and others; it is kept in the show, sample by sample.\n",
      "gives a take a sound", "offset gain", TAKE_WRITES, .ask = ask_sound_attach},
-    {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", "", TAKE_WRITES,
-     .ask = ask_sound_offset},
+    {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_AUDIO_OFFSET},
     {"audio trim", "SHOW TAKE",
      "  --in T, --out T   of the take's timeline: what of it is heard\n" FPS_HELP,
      "shortens its sound", "in out fps", TAKE_WRITES, .ask = ask_sound_trim},
-    {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", "", TAKE_WRITES,
-     .ask = ask_sound_gain},
-    {"audio detach", "SHOW TAKE", "", "takes its sound away", "", TAKE_WRITES,
-     .ask = ask_sound_detach},
+    {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_AUDIO_GAIN},
+    {"audio detach", "SHOW TAKE", "", "takes its sound away", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_AUDIO_DETACH},
 };
 const take_verbs take_audio_verbs = {"Sound", audio_verbs,
                                      sizeof audio_verbs / sizeof audio_verbs[0]};

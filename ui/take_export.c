@@ -6,7 +6,6 @@
 #include "hand/sensor.h"
 #include "recording.h"
 #include "take.h"
-#include "take/sound_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -222,12 +221,6 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
 
 /* ---- sound ---- */
 
-static bool show_part(void *data, double part)
-{
-    progress_show(data, part, "");
-    return true;
-}
-
 static mrt_result export_sound(take_call *call, const take *t, const take_frames *frames,
                                const char *path, error *err)
 {
@@ -236,14 +229,11 @@ static mrt_result export_sound(take_call *call, const take *t, const take_frames
         return error_set(err, MRT_ERR_ARGUMENT,
                          "take %lld has no sound: marotte take audio attach SHOW TAKE FILE",
                          (long long)t->id);
-    const sound_file_watch watch = {show_part, &call->shown};
     const sound_file_export what = {
         .take = t,
         .from_ns = timecode_time_ns(frames->rate, frames->first),
         .to_ns = timecode_time_ns(frames->rate, frames->first + frames->count)};
-    progress_start(&call->shown, "sound");
-    mrt_result result = sound_file_write(&report, call->show, &what, path, &watch, err);
-    progress_end(&call->shown);
+    mrt_result result = exports_sound(path, call->show, &what, &report, &call->shown, err);
     if (result < 0)
         return result;
     facts_list(call->told, "files", "wrote", path);
@@ -251,9 +241,6 @@ static mrt_result export_sound(take_call *call, const take *t, const take_frames
     facts_number(call->told, "sound_frames", "sound frames", (double)report.frame_count, 0, "");
     if (report.cut_count)
         facts_number(call->told, "sound_cut", "too loud", (double)report.cut_count, 0, "samples");
-    if (report.damaged_count)
-        fprintf(stderr, "warning: %lld pieces of the sound are damaged: they are silent\n",
-                (long long)report.damaged_count);
     return MRT_OK;
 }
 

@@ -138,6 +138,12 @@ void progress_end(progress *self)
     self->has_shown = false;
 }
 
+bool progress_part(void *shown, double done)
+{
+    progress_show(shown, done, "");
+    return true;
+}
+
 /* ---- keys ---- */
 
 static struct termios before; /* of the terminal, to be put back */

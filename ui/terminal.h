@@ -36,6 +36,8 @@ void progress_start(progress *self, const char *what);
  */
 void progress_show(progress *self, double done, const char *text);
 void progress_end(progress *self); /* clears the line */
+/* The same for those who take a callback: of a progress. Always goes on. */
+bool progress_part(void *shown, double done);
 
 /* ---- keys ---- */
 
