@@ -10,7 +10,6 @@
 enum { CENTRES_MAX = 3000, TIPS = 10, ROOM = CENTRES_MAX + TIPS, TURNS = 3 };
 static const uint32_t counts[] = {200, 500, 1000, CENTRES_MAX};
 static const double radii_mm[] = {30.0, 40.0, 50.0};
-static const double golden_rad = 2.399963229728653;
 
 typedef struct head { /* centres spread evenly over an ellipsoid of a skull's size */
     double centre[ROOM * 3], g[ROOM * 3];
@@ -25,21 +24,20 @@ typedef struct head { /* centres spread evenly over an ellipsoid of a skull's si
     mrt_result failed;
 } head;
 
-/* On the ellipsoid, or that much further out. */
-static void place(double out[3], uint32_t i, uint32_t count, double out_of_it)
+void bench_skull_centre(double out[3], uint32_t i, uint32_t count, double scale)
 {
-    static const double radius_mm[3] = {62.0, 85.0, 78.0};
+    static const double radius_mm[3] = {62.0, 85.0, 78.0}, golden_rad = 2.399963229728653;
     double y = 1.0 - 2.0 * ((double)i + 0.5) / (double)count, r = sqrt(1.0 - y * y);
     double at[3] = {r * cos(golden_rad * i), y, r * sin(golden_rad * i)};
     for (int axis = 0; axis < 3; ++axis)
-        out[axis] = at[axis] * radius_mm[axis] * out_of_it;
+        out[axis] = at[axis] * radius_mm[axis] * scale;
 }
 
 static void spread(head *self, uint32_t count)
 {
     self->count = count;
     for (uint32_t i = 0; i < count; ++i) {
-        place(self->centre + (size_t)3 * i, i, count, 1.0);
+        bench_skull_centre(self->centre + (size_t)3 * i, i, count, 1.0);
         self->class[i] = CSRBF_SKULL;
         for (uint32_t axis = 0; axis < 3; ++axis)
             self->g[3 * i + axis] = i % 100 == 0 ? 1.0 : 0.0;
@@ -52,7 +50,7 @@ static void add_tips(head *self)
     for (uint32_t i = 0; i < self->count * 3; ++i)
         self->g[i] = 0.0;
     for (uint32_t i = 0; i < TIPS; ++i, ++self->count) {
-        place(self->centre + (size_t)3 * self->count, i, TIPS, 1.2);
+        bench_skull_centre(self->centre + (size_t)3 * self->count, i, TIPS, 1.2);
         self->class[self->count] = CSRBF_TIP;
         for (uint32_t axis = 0; axis < 3; ++axis)
             self->g[3 * self->count + axis] = (double)(i % 3) - 1.0;

@@ -1,6 +1,5 @@
 /* The paper's Table 1: planar models, radii, anchored and unanchored; and larger models. */
 #include "bench/bench.h"
-#include "bench/bench_plane.h"
 #include "csrbf/shape.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The deformation as anybody would write it first: the paper's formula, in float, a vertex after
  * the other. Built as anybody would build it: with -O2 and nothing else (ui/CMakeLists.txt). */
-#include "bench/bench_plane.h"
+#include "bench/bench.h"
 
 #include <math.h>
 

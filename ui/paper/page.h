@@ -1,9 +1,10 @@
 /* paper/page.h - a page that is written twice with the same contents: as HTML, which follows the
  * reader's light or dark colours and fits a telephone, and as Markdown. Texts are plain, in UTF-8;
- * what stands between ` is code. Leaves out what the page says. [main] */
+ * what stands between ` is code. And drawings for it as SVG. Leaves out what the page says, and
+ * what is drawn. [main] */
 #ifndef MAROTTE_UI_PAPER_PAGE_H
 #define MAROTTE_UI_PAPER_PAGE_H
-#include "base/error.h"
+#include "base/file.h"
 
 typedef struct page page;
 
@@ -35,5 +36,53 @@ __attribute__((format(printf, 2, 3))) void page_caption(page *self, const char *
 /* Writes both. After this only page_destroy. */
 CHECKED mrt_result page_write(page *self, const char *html_path, const char *markdown_path,
                               error *err);
+
+/* ---- drawings as SVG: lines, boxes and words in a few inks, which follow the reader's light or
+ * dark colours on a ground of their own. Coordinates in pixels from the top left ---- */
+
+typedef enum svg_ink {
+    SVG_INK = 0, /* words, axes */
+    SVG_CALM,    /* what explains */
+    SVG_LINE,    /* grids, borders */
+    SVG_WASH,    /* areas behind words */
+    SVG_FIRST,   /* the first curve: blue */
+    SVG_SECOND,  /* the second: orange */
+    SVG_INKS
+} svg_ink;
+
+typedef struct svg {
+    file_writer writer;
+} svg;
+
+/* title: for whoever does not see it. */
+CHECKED mrt_result svg_open(svg *out, const char *path, uint32_t width, uint32_t height,
+                            const char *title, error *err);
+CHECKED mrt_result svg_finish(svg *self, error *err);
+
+void svg_line(svg *self, svg_ink ink, double width, const double from[2], const double to[2]);
+/* point: count by 2; dash: "" or as stroke-dasharray. */
+void svg_curve(svg *self, svg_ink ink, double width, const char *dash, const double *point,
+               uint32_t count);
+void svg_box(svg *self, svg_ink fill, svg_ink border, double x, double y, double width,
+             double height);
+/* A mark around a point: round or square, filled or not. */
+typedef enum svg_mark { SVG_DOT = 0, SVG_RING, SVG_SQUARE, SVG_SQUARE_RING } svg_mark;
+void svg_point(svg *self, svg_ink ink, svg_mark mark, double x, double y, double radius);
+/* An arrow with its head at `to`. */
+void svg_arrow(svg *self, svg_ink ink, const double from[2], const double to[2]);
+typedef enum svg_anchor { SVG_START = 0, SVG_MIDDLE, SVG_END } svg_anchor;
+/* The line of writing stands at y. */
+void svg_words(svg *self, svg_ink ink, double size, svg_anchor anchor, double x, double y,
+               const char *words);
+/* The same in heavy letters; and upwards, centred, along a vertical axis. */
+void svg_strong_words(svg *self, svg_ink ink, double size, svg_anchor anchor, double x, double y,
+                      const char *words);
+void svg_words_upwards(svg *self, svg_ink ink, double size, double x, double y, const char *words);
+/* Cells of a grid, side px each, whose corner is at x, y: of `row` from column on, so many. Begun
+ * and ended; all of one ink. */
+void svg_cells_begin(svg *self, svg_ink ink);
+void svg_cells(svg *self, double x, double y, double side, uint32_t row, uint32_t column,
+               uint32_t count);
+void svg_cells_end(svg *self);
 
 #endif

@@ -3,7 +3,6 @@
 
 #include "draw/offscreen.h"
 #include "hand/hand.h"
-#include "paper/svg.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,12 +3,11 @@
 #include "paper/paper.h"
 
 #include "base/clock.h"
-#include "bench/bench_plane.h"
+#include "bench/bench.h"
 #include "csrbf/kernel.h"
 #include "csrbf/saddle.h"
 #include "csrbf/shape.h"
 #include "io/mesh_file.h"
-#include "paper/svg.h"
 #include "base/installed.h"
 #include "stage/perform/face_file.h"
 
@@ -56,14 +55,9 @@ static void take_few(centres *out)
 /* Spread evenly over an ellipsoid of a skull's size; in no order: by a fixed shuffle. */
 static void take_many(centres *out)
 {
-    static const double axis_mm[3] = {62.0, 85.0, 78.0}, golden_rad = 2.399963229728653;
     uint64_t state = 2005;
-    for (uint32_t i = 0; i < out->count; ++i) {
-        double y = 1.0 - 2.0 * ((double)i + 0.5) / (double)out->count, r = sqrt(1.0 - y * y);
-        const double at[3] = {r * cos(golden_rad * i), y, r * sin(golden_rad * i)};
-        for (int k = 0; k < 3; ++k)
-            out->item[i].at[k] = at[k] * axis_mm[k];
-    }
+    for (uint32_t i = 0; i < out->count; ++i)
+        bench_skull_centre(out->item[i].at, i, out->count, 1.0);
     for (uint32_t i = out->count; i-- > 1;) {
         state = state * 6364136223846793005u + 1442695040888963407u;
         uint32_t other = (uint32_t)((state >> 33) % (i + 1));

@@ -3,9 +3,7 @@
 
 #include "base/clock.h"
 #include "bench/bench.h"
-#include "bench/bench_plane.h"
 #include "draw/draw.h"
-#include "paper/svg.h"
 
 #include <math.h>
 #include <stdio.h>
