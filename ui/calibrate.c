@@ -24,7 +24,7 @@
 #include <string.h>
 #include <unistd.h>
 
-typedef struct calibrate_screen {
+typedef struct screen {
     FILE *stream;
     bool is_terminal, has_keys;
     int line_count; /* of the block that stands on the terminal; 0: none */
@@ -33,34 +33,34 @@ typedef struct calibrate_screen {
     float shown;            /* what a raw value is multiplied with: rad are shown in degrees */
     char news[512];
     bool is_away;
-} calibrate_screen;
+} screen;
 
-typedef struct calibrate_guide_options {
-    const plugin_spec *input;
-    uint32_t side;    /* MRT_NO_HAND: whichever the glove is */
-    double timeout_s; /* for each pose, and without any sample; 0: none */
-    FILE *screen;     /* where the guidance goes; a terminal gets live bars */
-} calibrate_guide_options;
+typedef struct calibrate_options {
+    plugin_spec input; /* zeroed: none */
+    bool is_json;
+    const char *out, *name, *show, *virtualhand;
+    uint32_t side; /* MRT_NO_HAND: not said */
+    double hand_length_mm, timeout_s;
+} calibrate_options;
 
 /* ---- what the person sees ---- */
 
 enum { BAR_WIDTH = 18, COLUMNS = 2, WIDTH = 78 };
 
-static void calibrate_screen_begin(calibrate_screen *self, FILE *stream, bool has_keys,
-                                   const glove_channels *glove)
+static void screen_begin(screen *self, FILE *stream, bool has_keys, const glove_channels *glove)
 {
     const bool is_bare = glove->input[0] != '\0';
-    *self = (calibrate_screen){.stream = stream,
-                               .is_terminal = isatty(fileno(stream)) == 1,
-                               .has_keys = has_keys,
-                               .sensors = glove->sensors,
-                               .raw_min = is_bare ? glove->low : 0.0f,
-                               .raw_max = is_bare ? glove->high : 255.0f,
-                               .shown = is_bare ? 57.29578f : 1.0f};
+    *self = (screen){.stream = stream,
+                     .is_terminal = isatty(fileno(stream)) == 1,
+                     .has_keys = has_keys,
+                     .sensors = glove->sensors,
+                     .raw_min = is_bare ? glove->low : 0.0f,
+                     .raw_max = is_bare ? glove->high : 255.0f,
+                     .shown = is_bare ? 57.29578f : 1.0f};
 }
 
 /* The step that begins now. */
-static void calibrate_screen_step(calibrate_screen *self, const guide *of)
+static void screen_step(screen *self, const guide *of)
 {
     guide_step step = guide_current(of);
     if (self->is_terminal || step == GUIDE_STEPS)
@@ -72,7 +72,7 @@ static void calibrate_screen_step(calibrate_screen *self, const guide *of)
 }
 
 /* "taken: flat hand", "not taken: ..." */
-static void calibrate_screen_news(calibrate_screen *self, const char *format, ...)
+static void screen_say(screen *self, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -86,14 +86,14 @@ static void calibrate_screen_news(calibrate_screen *self, const char *format, ..
 
 /* ---- the block ---- */
 
-static void end_line(calibrate_screen *self)
+static void end_line(screen *self)
 {
     fputs("\033[K\n", self->stream);
     self->line_count += 1;
 }
 
 /* At most two lines, so that the block keeps its height. */
-static void draw_words(calibrate_screen *self, const char *words)
+static void draw_words(screen *self, const char *words)
 {
     size_t length = strlen(words), cut = length;
     if (length > WIDTH)
@@ -108,7 +108,7 @@ static void draw_words(calibrate_screen *self, const char *words)
     end_line(self);
 }
 
-static int cell_of(const calibrate_screen *self, float raw)
+static int cell_of(const screen *self, float raw)
 {
     float share = (raw - self->raw_min) / (self->raw_max - self->raw_min);
     float within = share > 0.0f ? share < 1.0f ? share : 1.0f : 0.0f;
@@ -116,7 +116,7 @@ static int cell_of(const calibrate_screen *self, float raw)
 }
 
 /* "index.mpj   [...---#--......]  134": what was seen, and where it is now. */
-static void draw_bar(calibrate_screen *self, int sensor, float raw, float low, float high)
+static void draw_bar(screen *self, int sensor, float raw, float low, float high)
 {
     char bar[BAR_WIDTH + 1];
     int first = cell_of(self, low), last = cell_of(self, high), now = cell_of(self, raw);
@@ -127,7 +127,7 @@ static void draw_bar(calibrate_screen *self, int sensor, float raw, float low, f
             (double)(raw * self->shown));
 }
 
-static void draw_bars(calibrate_screen *self, const guide *of, const float *raw)
+static void draw_bars(screen *self, const guide *of, const float *raw)
 {
     float low[MRT_ANGLES], high[MRT_ANGLES];
     guide_range(of, low, high);
@@ -147,7 +147,7 @@ static void draw_bars(calibrate_screen *self, const guide *of, const float *raw)
 }
 
 /* Redraws the block; where there is none, nothing. */
-static void calibrate_screen_draw(calibrate_screen *self, const guide *of, const float *raw)
+static void screen_draw(screen *self, const guide *of, const float *raw)
 {
     if (!self->is_terminal)
         return;
@@ -175,25 +175,20 @@ static void calibrate_screen_draw(calibrate_screen *self, const guide *of, const
     fflush(self->stream);
 }
 
-/* Leaves the block as it is, for what comes after it. */
-static void calibrate_screen_end(calibrate_screen *self)
-{
-    self->line_count = 0;
-}
-
 /* ---- the guided part ---- */
 
 static const int64_t IDLE_NS = 4 * NS_PER_MS, DRAW_NS = 66 * NS_PER_MS;
 
 typedef struct guiding {
-    const calibrate_guide_options *options;
+    const calibrate_options *options;
+    double timeout_s; /* for each pose, and without any sample; 0: none */
     log_queue *log;
     plugin_list plugins;
     instance_clock clock;
     input *input;
     glove_channels glove;
     guide *guide;
-    calibrate_screen screen;
+    screen screen;
     double still_s;
     bool is_saved, is_quit;
     float raw[MRT_ANGLES];
@@ -204,7 +199,7 @@ typedef struct guiding {
 
 static mrt_result open_glove(guiding *self, error *err)
 {
-    const plugin_spec *spec = self->options->input;
+    const plugin_spec *spec = &self->options->input;
     const mrt_plugin_type *type;
     mrt_result result = plugin_list_load(&self->plugins, err);
     if (result >= 0)
@@ -230,7 +225,7 @@ static void print_log(guiding *self)
         if (!self->screen.is_terminal)
             news_print_record(&record);
         else if (record.level > MRT_LOG_DEBUG && record.level <= MRT_LOG_ERROR)
-            calibrate_screen_news(&self->screen, "%s: %s", record.source, record.text);
+            screen_say(&self->screen, "%s: %s", record.source, record.text);
     }
 }
 
@@ -259,7 +254,7 @@ static mrt_result say_judgement(guiding *self, error *err)
     guide_judgement_text(&judgement, words, sizeof words);
     if (judgement.flaw_count > 0)
         guide_flaw_text(&judgement.flaw[0], first, sizeof first);
-    calibrate_screen_news(&self->screen, "%s%s%s", words, first[0] ? " " : "", first);
+    screen_say(&self->screen, "%s%s%s", words, first[0] ? " " : "", first);
     return MRT_OK;
 }
 
@@ -276,8 +271,8 @@ static mrt_result repeat(guiding *self, error *err)
         guide_repeat(self->guide);
     if (result < 0)
         return result;
-    calibrate_screen_news(&self->screen, "again: %s", guide_step_name[guide_current(self->guide)]);
-    calibrate_screen_step(&self->screen, self->guide);
+    screen_say(&self->screen, "again: %s", guide_step_name[guide_current(self->guide)]);
+    screen_step(&self->screen, self->guide);
     return MRT_OK;
 }
 
@@ -288,19 +283,19 @@ static mrt_result follow_news(guiding *self, guide_news news, guide_step step, e
     case GUIDE_NOTHING:
         return MRT_OK;
     case GUIDE_TAKEN:
-        calibrate_screen_news(&self->screen, "taken: %s%s%s", guide_step_name[step],
-                              reason[0] ? "; " : "", reason);
+        screen_say(&self->screen, "taken: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
+                   reason);
         break;
     case GUIDE_SKIPPED:
-        calibrate_screen_news(&self->screen, "skipped: %s", guide_step_name[step]);
+        screen_say(&self->screen, "skipped: %s", guide_step_name[step]);
         break;
     case GUIDE_REFUSED:
-        calibrate_screen_news(&self->screen, "not taken: %s", reason);
+        screen_say(&self->screen, "not taken: %s", reason);
         return MRT_OK;
     case GUIDE_TIMED_OUT:
         return error_set(err, MRT_ERR_IO, "%s", reason);
     }
-    calibrate_screen_step(&self->screen, self->guide);
+    screen_step(&self->screen, self->guide);
     return guide_current(self->guide) == GUIDE_STEPS ? say_judgement(self, err) : MRT_OK;
 }
 
@@ -312,7 +307,7 @@ static mrt_result follow_keys(guiding *self, error *err)
         if (key == '\n' && step == GUIDE_STEPS) {
             self->is_saved = true;
         } else if (key == '\n' && self->screen.is_away) {
-            calibrate_screen_news(&self->screen, "not taken: the hand is away");
+            screen_say(&self->screen, "not taken: the hand is away");
         } else if (key == '\n') {
             result = follow_news(self, guide_next(self->guide), step, err);
         } else if (key == 's') {
@@ -343,17 +338,17 @@ static void follow_incidents(guiding *self)
     while (input_take_incident(self->input, &incident)) {
         self->screen.is_away = incident.kind == INPUT_WENT;
         if (incident.kind == INPUT_WENT)
-            calibrate_screen_news(&self->screen, "the hand is away: waiting for it%s%s",
-                                  incident.text[0] ? ": " : "", incident.text);
+            screen_say(&self->screen, "the hand is away: waiting for it%s%s",
+                       incident.text[0] ? ": " : "", incident.text);
         else
-            calibrate_screen_news(&self->screen, "the hand is back");
+            screen_say(&self->screen, "the hand is back");
     }
 }
 
 /* Nothing came. Scripts do not wait for ever; people do, for a glove that was pulled out. */
 static mrt_result follow_silence(guiding *self, int64_t now_ns, error *err)
 {
-    double timeout_s = self->options->timeout_s;
+    double timeout_s = self->timeout_s;
     double silent_s = (double)(now_ns - self->heard_ns) / 1e9;
     if (timeout_s > 0 && silent_s > timeout_s)
         return error_set(err, MRT_ERR_IO, "%s: gave no sample for %.0f s", input_name(self->input),
@@ -409,7 +404,7 @@ static mrt_result follow_glove(guiding *self, error *err)
     if (now_ns - self->drawn_ns >= DRAW_NS) {
         self->drawn_ns = now_ns;
         print_log(self);
-        calibrate_screen_draw(&self->screen, self->guide, self->raw);
+        screen_draw(&self->screen, self->guide, self->raw);
     }
     return result;
 }
@@ -417,7 +412,7 @@ static mrt_result follow_glove(guiding *self, error *err)
 static mrt_result guide_person(guiding *self, error *err)
 {
     self->heard_ns = clock_now_ns();
-    calibrate_screen_step(&self->screen, self->guide);
+    screen_step(&self->screen, self->guide);
     mrt_result result = input_start(self->input, err);
     while (result >= 0 && !is_done(self)) {
         result = follow_keys(self, err);
@@ -426,8 +421,8 @@ static mrt_result guide_person(guiding *self, error *err)
         if (result >= 0 && !is_done(self))
             result = follow_glove(self, err);
     }
-    calibrate_screen_draw(&self->screen, self->guide, self->raw);
-    calibrate_screen_end(&self->screen);
+    screen_draw(&self->screen, self->guide, self->raw);
+    self->screen.line_count = 0; /* the block stays, for what comes after it */
     return result;
 }
 
@@ -445,18 +440,17 @@ static mrt_result prepare(guiding *self, error *err)
                                   ? guide_settings_bare(glove->side, glove->sensors, glove->input)
                                   : guide_settings_usual(glove->side, glove->sensors);
     self->still_s = settings.still_s;
-    settings.timeout_s = self->options->timeout_s;
+    settings.timeout_s = self->timeout_s;
     self->guide = guide_create(&settings);
     if (!self->guide)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the guide");
-    FILE *screen = self->options->screen;
-    calibrate_screen_begin(&self->screen, screen, keys_begin(), glove);
+    screen_begin(&self->screen, self->options->is_json ? stderr : stdout, keys_begin(), glove);
     return MRT_OK;
 }
 
 /* Guides through every pose. `out` lacks name, date and hand length. */
-static mrt_result calibrate_guide_run(guiding *self, calibration_file *out,
-                                      guide_judgement *out_judgement, error *err)
+static mrt_result run_guide(guiding *self, calibration_file *out, guide_judgement *out_judgement,
+                            error *err)
 {
     mrt_result result = guide_person(self, err);
     if (result >= 0)
@@ -481,14 +475,6 @@ static void finish(guiding *self)
 static const double DEGREES_PER_RADIAN = 57.29577951308232;
 static const double SCRIPT_TIMEOUT_S = 60.0;
 static const char *const side_name[2] = {"left", "right"};
-
-typedef struct calibrate_options {
-    plugin_spec input; /* zeroed: none */
-    bool is_json;
-    const char *out, *name, *show, *virtualhand;
-    uint32_t side; /* MRT_NO_HAND: not said */
-    double hand_length_mm, timeout_s;
-} calibrate_options;
 
 /* ---- options ---- */
 
@@ -675,7 +661,7 @@ static mrt_result make_and_write(const calibrate_options *options, guiding *guid
     if (result < 0)
         return result;
     result = options->virtualhand ? import(made, &judgement, options, err)
-                                  : calibrate_guide_run(guided, made, &judgement, err);
+                                  : run_guide(guided, made, &judgement, err);
     if (result >= 0) {
         result = calibration_keep_fits(made, old, path, err);
     }
@@ -697,13 +683,9 @@ static mrt_result calibrate(const calibrate_options *options, facts *told, error
 {
     char *placed = NULL;
     bool is_script = isatty(STDIN_FILENO) != 1;
-    calibrate_guide_options how = {.input = &options->input,
-                                   .side = options->side,
-                                   .timeout_s = options->timeout_s,
-                                   .screen = options->is_json ? stderr : stdout};
-    if (!(how.timeout_s > 0) && is_script)
-        how.timeout_s = SCRIPT_TIMEOUT_S;
-    guiding guided = {.options = &how};
+    guiding guided = {.options = options, .timeout_s = options->timeout_s};
+    if (!(guided.timeout_s > 0) && is_script)
+        guided.timeout_s = SCRIPT_TIMEOUT_S;
     mrt_result result = MRT_OK;
     if (!options->virtualhand)
         result = prepare(&guided, err);

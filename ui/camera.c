@@ -4,13 +4,12 @@
 
 #include "base/file.h"
 #include "base/program.h"
-#include "base/text.h"
+#include "take/hash.h"
 #include "window/app/camera_page.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
 #include <netinet/in.h>
-#include <nettle/sha2.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/socket.h>
@@ -24,7 +23,6 @@ typedef struct camera_options {
 
 static const char package_name[] = "@mediapipe/hands";
 static const int64_t npm_patience_ns = 900000000000;
-enum { PACKAGE_FILE_MOST = 64 << 20 };
 
 /* What the page loads, as version CAMERA_PAGE_VERSION of the package has it: SHA-256. */
 static const struct {
@@ -53,23 +51,12 @@ static const struct {
 
 static mrt_result check_file(const char *folder, size_t index, error *err)
 {
-    char path[PATH_MAX + 128], text[2 * SHA256_DIGEST_SIZE + 1];
-    uint8_t digest[SHA256_DIGEST_SIZE];
-    struct sha256_ctx context;
-    file_bytes bytes;
+    char path[PATH_MAX + 128], sum[TAKE_HASH];
     (void)snprintf(path, sizeof path, "%s/node_modules/%s/%s", folder, package_name,
                    package_file[index].name);
-    mrt_result result = file_read(&bytes, path, PACKAGE_FILE_MOST, err);
-    if (result < 0)
+    mrt_result result = hash_file(sum, path, err);
+    if (result < 0 || strcmp(sum, package_file[index].sha256) == 0)
         return result;
-    sha256_init(&context);
-    sha256_update(&context, bytes.size, bytes.data);
-    sha256_digest(&context, sizeof digest, digest);
-    file_bytes_finish(&bytes);
-    for (size_t i = 0; i < sizeof digest; ++i)
-        (void)snprintf(text + 2 * i, 3, "%02x", digest[i]);
-    if (strcmp(text, package_file[index].sha256) == 0)
-        return MRT_OK;
     return error_set(err, MRT_ERR_FORMAT, "%s: is not the one of %s %s: it is not used", path,
                      package_name, CAMERA_PAGE_VERSION);
 }

@@ -301,7 +301,8 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
         return result;
     char typed[1024];
     command_typed(typed, sizeof typed);
-    const rigpicture_about about = {typed, s->look.width, s->look.height};
+    const rigpicture_about about = {
+        .made_from = typed, .width = s->look.width, .height = s->look.height};
     result =
         rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, &about, err);
     binding_destroy(&b);
@@ -360,7 +361,7 @@ static mrt_result draw_poses(const showing *s, rig_poses_stage *stage, uint32_t 
     uint32_t drawn = count < RIGPORTRAITS_MAX ? count : RIGPORTRAITS_MAX;
     command_typed(typed, sizeof typed);
     (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig->name, count);
-    const rigportraits_about about = {title, typed, s->look.width, s->look.height};
+    const rigpicture_about about = {title, typed, s->look.width, s->look.height};
     mrt_result result = rigportraits_write(s->out_path, stage, drawn, frame, &about, err);
     if (result < 0)
         return result;

@@ -367,8 +367,7 @@ static const float title_size = 0.28f, made_size = 0.16f, header_margin = 0.13f;
 static const float least_px = 9; /* smaller letters cannot be read */
 static const double field_of_view_rad = 0.42;
 static const double air = 0.025; /* of a panel, at each edge that the faces come near */
-static const float title_ink[4] = {0.92f, 0.93f, 0.95f, 1.0f},
-                   calm[4] = {0.62f, 0.64f, 0.68f, 1.0f};
+static const float title_ink[4] = {0.92f, 0.93f, 0.95f, 1.0f};
 
 rigpicture_view rigportraits_usual_view(void)
 {
@@ -491,7 +490,7 @@ rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t 
 }
 
 /* The title, and in two lines how to make it again. */
-static void write_header(offscreen *e, const rigportraits_grid *g, const rigportraits_about *about)
+static void write_header(offscreen *e, const rigportraits_grid *g, const rigpicture_about *about)
 {
     const float unit = (float)g->header, margin = header_margin * unit;
     const float width = (float)g->width - 2 * margin;
@@ -500,7 +499,7 @@ static void write_header(offscreen *e, const rigportraits_grid *g, const rigport
         return;
     offscreen_words(e, about->title, margin, 0.5f * margin, title, width, title_ink);
     offscreen_paragraph(e, about->made_from, margin, 0.5f * margin + offscreen_line_px(title),
-                        fmaxf(made_size * unit, least_px), width, 2, calm);
+                        fmaxf(made_size * unit, least_px), width, 2, faint);
 }
 
 static mrt_result draw_portrait(offscreen *e, const rigportraits_grid *g, rig_poses_stage *stage,
@@ -526,7 +525,7 @@ static mrt_result draw_portrait(offscreen *e, const rigportraits_grid *g, rig_po
 }
 
 mrt_result rigportraits_write(const char *path, rig_poses_stage *stage, uint32_t count,
-                              const rigportraits_frame *frame, const rigportraits_about *about,
+                              const rigportraits_frame *frame, const rigpicture_about *about,
                               error *err)
 {
     const rigportraits_grid g = rigportraits_lay_out(count, about->width, about->height);

@@ -19,11 +19,13 @@ typedef struct rigpicture_view {
 } rigpicture_view;
 
 typedef struct rigpicture_about {
+    const char *title;      /* of portraits */
     const char *made_from;  /* the command that makes it again */
-    uint32_t width, height; /* pixels of the whole; 0: of views of RIGPICTURE_WIDTH by _HEIGHT */
+    uint32_t width, height; /* pixels of the whole; 0: as many as its views or panels take */
 } rigpicture_about;
 
-/* Writes view_count views side by side, under a legend of RIGPICTURE_HEADER, as a PNG. */
+/* Writes view_count views side by side, under a legend of RIGPICTURE_HEADER, as a PNG: usually of
+ * RIGPICTURE_WIDTH by _HEIGHT each. */
 CHECKED mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const binding *b,
                                     const rigpicture_view *view, uint32_t view_count,
                                     const rigpicture_about *about, error *err);
@@ -69,11 +71,6 @@ void rigportraits_frame_add(rigportraits_frame *self, const float *position, uin
 /* Shows all that was added as large as a panel can, with a little air. */
 draw_camera rigportraits_frame_camera(const rigportraits_frame *self);
 
-typedef struct rigportraits_about {
-    const char *title, *made_from; /* as in draw/sheet.h */
-    uint32_t width, height;        /* pixels of the whole; 0: as many as the panels take */
-} rigportraits_about;
-
 /* Where the panels of so many poses stand: below a header, each above its caption. */
 typedef struct rigportraits_grid {
     uint32_t width, height, header, columns, rows, left, top; /* left, top: of the first panel */
@@ -85,6 +82,6 @@ rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t 
  * all of them. */
 CHECKED mrt_result rigportraits_write(const char *path, rig_poses_stage *stage, uint32_t count,
                                       const rigportraits_frame *frame,
-                                      const rigportraits_about *about, error *err);
+                                      const rigpicture_about *about, error *err);
 
 #endif
