@@ -253,7 +253,7 @@ void bench_processor(char *out, size_t capacity)
 static double bandwidth(bench *self, void (*run)(void *), size_t used)
 {
     self->roof.used = used;
-    bench_work work = {.name = "roof", .run = run, .data = &self->roof};
+    bench_work work = {.run = run, .data = &self->roof};
     bench_measure(&work, 1, 4 * self->rounds, self->seconds);
     return (double)used / work.least_ns;
 }
@@ -275,7 +275,7 @@ static mrt_result bench_machine(bench *self, error *err)
                  bandwidth(self, bench_roof_copy, (size_t)64 << 20), 1, "GB/s");
     facts_number(self->told, "triad_far_gb_per_s", "triad around caches",
                  bandwidth(self, bench_roof_triad, (size_t)64 << 20), 1, "GB/s");
-    bench_work roots = {.name = "roots", .run = bench_roof_roots, .data = &self->roof};
+    bench_work roots = {.run = bench_roof_roots, .data = &self->roof};
     bench_measure(&roots, 1, 40 * self->rounds, self->seconds);
     self->root_ns = roots.least_ns / BENCH_ROOTS;
     facts_number(self->told, "root_ns", "a square root", self->root_ns, 3, "ns");

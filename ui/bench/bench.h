@@ -11,7 +11,6 @@
 
 /* Something that is timed: called again and again, it does the same work each time. */
 typedef struct bench_work {
-    const char *name;
     void (*run)(void *data);
     void *data;
     void (*before)(void *data); /* untimed, before each run: as for cold caches; NULL: run, for

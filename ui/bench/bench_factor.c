@@ -139,9 +139,9 @@ static void measure(bench *self, head *h)
 {
     note(h, saddle_factor(&h->many, &h->many, h->scratch, &h->settings, h->centre, h->class,
                           h->count, NULL));
-    bench_work work[] = {{.name = "factor", .run = run_factor, .data = h},
-                         {.name = "solve", .run = run_solve, .data = h},
-                         {.name = "solve many", .run = run_solve_many, .data = h}};
+    bench_work work[] = {{.run = run_factor, .data = h},
+                         {.run = run_solve, .data = h},
+                         {.run = run_solve_many, .data = h}};
     bench_measure(work, 3, self->rounds, self->seconds);
     tell(self, h, work);
     if (h->count == CENTRES_MAX && h->settings.radius <= radii_mm[1] &&
@@ -152,9 +152,8 @@ static void measure(bench *self, head *h)
 static void measure_again(bench *self, head *h)
 {
     char label[48], line[128];
-    bench_work work[] = {
-        {.name = "afresh", .run = run_hold_afresh, .data = h},
-        {.name = "again", .run = run_hold_again, .data = h, .before = hold_some_times}};
+    bench_work work[] = {{.run = run_hold_afresh, .data = h},
+                         {.run = run_hold_again, .data = h, .before = hold_some_times}};
     bench_measure(work, 2, self->rounds, self->seconds);
     double ratio = work[0].least_ns / work[1].least_ns;
     snprintf(label, sizeof label, "%d tips, %u pins", TIPS, h->count - TIPS);

@@ -253,19 +253,15 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
         uint64_t bytes = bytes_of(self, is_direct || is_step);
         of->roof.used = bytes < of->roof.bytes ? bytes : of->roof.bytes;
         bench_work work[] = {
-            {.name = "naive", .run = bench_naive_run, .data = &self->naive},
-            {.name = "engine",
-             .run = is_direct ? run_direct
+            {.run = bench_naive_run, .data = &self->naive},
+            {.run = is_direct ? run_direct
                     : is_step ? run_step
                               : run_anchored,
              .data = self,
              .before = is_step ? set_back : NULL},
-            {.name = "copy", .run = bench_roof_copy, .data = &of->roof},
-            {.name = "triad", .run = bench_roof_triad, .data = &of->roof},
-            {.name = "cold",
-             .run = is_direct ? run_direct : run_anchored,
-             .data = self,
-             .before = flush},
+            {.run = bench_roof_copy, .data = &of->roof},
+            {.run = bench_roof_triad, .data = &of->roof},
+            {.run = is_direct ? run_direct : run_anchored, .data = self, .before = flush},
         };
         bool has_cold = !is_step && !of->is_paper_alone &&
                         (!of->is_quick || (m->has_centres && which == BENCH_RADII - 1));
@@ -303,14 +299,14 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
     return prepare(self, radius_mm, err); /* a step lets go of the shape */
 }
 
-/* From memory: the columns and no columns, in one comparison. */
+/* From memory, on the paper's largest model: the columns and no columns, in one comparison. */
 static void measure_cold(cell *self)
 {
     bench *of = self->of;
     char line[128];
     bench_work work[] = {
-        {.name = "columns", .run = run_anchored, .data = self, .before = flush},
-        {.name = "direct", .run = run_direct, .data = self, .before = flush},
+        {.run = run_anchored, .data = self, .before = flush},
+        {.run = run_direct, .data = self, .before = flush},
     };
     bench_measure(work, sizeof work / sizeof work[0], 2 * of->rounds, 6.0 * of->seconds);
     double vertices = self->plane->vertex_count, columns_ns = work[0].least_ns;
@@ -323,45 +319,6 @@ static void measure_cold(cell *self)
         {"direct_cold_ns", NULL, work[1].least_ns, 1},
     };
     facts_row(of->told, "cold", "33025 R=80", line, cells, sizeof cells / sizeof cells[0]);
-}
-
-static bool has_value(const float *value, size_t count)
-{
-    for (size_t i = 0; i < count; ++i)
-        if (value[i] != 0.0f)
-            return true;
-    return false;
-}
-
-/* What would be left of a frame's bytes if columns were left out by so many vertices. */
-static void tell_finer(cell *self, double radius_mm, size_t grain)
-{
-    const columns *c = &self->shape.response;
-    uint64_t bytes = bytes_of(self, false), finer = bytes_of(self, true);
-    char label[32], line[96];
-    for (uint32_t column = 0; column < c->count; ++column)
-        for (size_t at = 0; at < self->shape.base.padded_count; at += grain)
-            if (has_value(columns_row(c, column) + at, grain))
-                finer += grain * sizeof(float);
-    double share = (double)finer / (double)bytes;
-    snprintf(label, sizeof label, "%u R=%g", self->plane->vertex_count, radius_mm);
-    snprintf(line, sizeof line, "lists by %zu vertices would move %.0f %% of the bytes", grain,
-             100.0 * share);
-    const facts_cell cells[] = {
-        {"radius_mm", NULL, radius_mm, 1},
-        {"grain", NULL, (double)grain, 0},
-        {"share", NULL, share, 4},
-    };
-    facts_row(self->of->told, "finer", label, line, cells, sizeof cells / sizeof cells[0]);
-}
-
-/* What is looked into on the paper's largest model only. */
-static void measure_more(cell *self, uint32_t which)
-{
-    if (which == 0 || which == 1)
-        tell_finer(self, bench_radius_mm[which], 16);
-    if (which == BENCH_RADII - 1)
-        measure_cold(self);
 }
 
 static mrt_result measure_model(bench *self, const model *m, error *err)
@@ -377,8 +334,8 @@ static mrt_result measure_model(bench *self, const model *m, error *err)
         if (m->is_large && i != 0 && i != BENCH_RADII - 1)
             continue;
         result = measure(&c, bench_radius_mm[i], m, i, err);
-        if (result >= 0 && m->has_centres && !self->is_paper_alone)
-            measure_more(&c, i);
+        if (result >= 0 && m->has_centres && i == BENCH_RADII - 1 && !self->is_paper_alone)
+            measure_cold(&c);
         progress_show(&self->shown, -1.0, "the paper's grid");
     }
     csrbf_solver_destroy(c.solver);

@@ -206,8 +206,7 @@ static mrt_result measure_pins(bench *self, bone_scene *plain, bone_scene *held,
     if (result >= 0)
         result = shape_engage(&held->held, &settings, held->start, BENCH_CONTROLS + pins, err);
     if (result >= 0) {
-        bench_work work[] = {{.name = "plain", .run = run_held, .data = plain},
-                             {.name = "held", .run = run_held, .data = held}};
+        bench_work work[] = {{.run = run_held, .data = plain}, {.run = run_held, .data = held}};
         bench_measure(work, 2, 4 * self->rounds, self->seconds);
         tell_bones(self, "field held by pins", pins, work[1].least_ns, work[0].least_ns);
         if (pins == PINS_MAX || self->is_quick)
@@ -234,8 +233,7 @@ static mrt_result measure_bones(bench *self, bone_scene *plain, bone_scene *held
         result = make_bone(plain, err);
     if (result < 0)
         return result;
-    bench_work work[] = {{.name = "ten", .run = run_held, .data = plain},
-                         {.name = "fourteen", .run = run_bone, .data = plain}};
+    bench_work work[] = {{.run = run_held, .data = plain}, {.run = run_bone, .data = plain}};
     bench_measure(work, 2, 4 * self->rounds, self->seconds);
     tell_bones(self, "ten columns and a bone", 0, work[1].least_ns, work[0].least_ns);
     bench_at_most(self, "fourteen columns, over ten", work[1].least_ns / work[0].least_ns, 1.5);
@@ -365,10 +363,10 @@ static void measure_kinds(bench *self, thread_scene *s)
         thread_run alone = {.of = s, .run = kinds[i].run, .share_from_ns = (double)INFINITY};
         thread_run shared = {.of = s, .run = kinds[i].run, .share_from_ns = 0.0};
         bench_work work[] = {
-            {.name = "alone", .run = run_turn, .data = &alone},
-            {.name = "shared", .run = run_turn, .data = &shared},
-            {.name = "alone", .run = run_turn, .data = &alone, .before = rest_a_while},
-            {.name = "shared", .run = run_turn, .data = &shared, .before = rest_a_while},
+            {.run = run_turn, .data = &alone},
+            {.run = run_turn, .data = &shared},
+            {.run = run_turn, .data = &alone, .before = rest_a_while},
+            {.run = run_turn, .data = &shared, .before = rest_a_while},
         };
         bench_measure(work, sizeof work / sizeof work[0], self->rounds, self->seconds);
         tell_threads(self, s, kinds[i].name, work, is_shared(alone));
