@@ -15,8 +15,8 @@ typedef struct half { /* the page in one of its two forms */
 
 struct page {
     half html, markdown;
-    page_column column[PAGE_COLUMNS_MAX];
-    uint32_t column_count; /* of the table that is open */
+    bool has_numbers[PAGE_COLUMNS_MAX]; /* of the table that is open: its columns */
+    uint32_t column_count;
 };
 
 /* Colours are those of the drawings. */
@@ -210,7 +210,7 @@ static void put_cells(page *self, const char *const *cell, const char *tag)
     fputs("<tr>", html);
     fputc('|', markdown);
     for (uint32_t i = 0; i < self->column_count; ++i) {
-        fprintf(html, "<%s%s>", tag, self->column[i] == PAGE_NUMBERS ? " class=\"n\"" : "");
+        fprintf(html, "<%s%s>", tag, self->has_numbers[i] ? " class=\"n\"" : "");
         put_html(html, cell[i]);
         fprintf(html, "</%s>", tag);
         fputc(' ', markdown);
@@ -221,17 +221,20 @@ static void put_cells(page *self, const char *const *cell, const char *tag)
     fputc('\n', markdown);
 }
 
-void page_table(page *self, const char *const *head, const page_column *column,
-                uint32_t column_count)
+void page_table(page *self, const char *const *head, uint32_t column_count)
 {
+    const char *word[PAGE_COLUMNS_MAX];
     self->column_count = column_count < PAGE_COLUMNS_MAX ? column_count : PAGE_COLUMNS_MAX;
-    memcpy(self->column, column, self->column_count * sizeof *column);
+    for (uint32_t i = 0; i < self->column_count; ++i) {
+        self->has_numbers[i] = head[i][0] == '>';
+        word[i] = head[i] + self->has_numbers[i];
+    }
     fputs("<div class=\"wide\"><table>\n<thead>\n", self->html.stream);
-    put_cells(self, head, "th");
+    put_cells(self, word, "th");
     fputs("</thead>\n<tbody>\n", self->html.stream);
     fputc('|', self->markdown.stream);
     for (uint32_t i = 0; i < self->column_count; ++i)
-        fputs(column[i] == PAGE_NUMBERS ? "---:|" : "---|", self->markdown.stream);
+        fputs(self->has_numbers[i] ? "---:|" : "---|", self->markdown.stream);
     fputc('\n', self->markdown.stream);
 }
 

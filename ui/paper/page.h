@@ -17,11 +17,11 @@ __attribute__((format(printf, 2, 3))) void page_text(page *self, const char *for
 /* Something to type, on a line of its own. */
 void page_command(page *self, const char *command);
 
-/* Columns that are PAGE_NUMBERS stand to the right. head, cell: column_count. */
-typedef enum page_column { PAGE_WORDS = 0, PAGE_NUMBERS } page_column;
+/* Columns whose head begins with '>' hold numbers: they stand to the right. head, cell:
+ * column_count.
+ */
 enum { PAGE_COLUMNS_MAX = 16 };
-void page_table(page *self, const char *const *head, const page_column *column,
-                uint32_t column_count);
+void page_table(page *self, const char *const *head, uint32_t column_count);
 void page_row(page *self, const char *const *cell);
 void page_table_end(page *self);
 

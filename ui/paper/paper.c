@@ -178,9 +178,8 @@ static const misprint misprints[] = {
 static void add_misprints(paper *of)
 {
     static const char *const head[] = {"printed", "meant", "how we know"};
-    static const page_column column[] = {PAGE_WORDS, PAGE_WORDS, PAGE_WORDS};
     page_heading(of->page, "Misprints of the paper");
-    page_table(of->page, head, column, 3);
+    page_table(of->page, head, 3);
     for (size_t i = 0; i < sizeof misprints / sizeof misprints[0]; ++i) {
         const char *const cell[] = {misprints[i].printed, misprints[i].meant, misprints[i].how};
         page_row(of->page, cell);
@@ -268,9 +267,8 @@ static bool write_default(char out[64], plugin_list *plugins, const departure *d
 static void add_departures(paper *of, plugin_list *plugins)
 {
     static const char *const head[] = {"", "here, by default", "the paper", "why"};
-    static const page_column column[] = {PAGE_WORDS, PAGE_WORDS, PAGE_WORDS, PAGE_WORDS};
     page_heading(of->page, "Defaults that depart from the paper");
-    page_table(of->page, head, column, 4);
+    page_table(of->page, head, 4);
     for (size_t i = 0; i < sizeof departures / sizeof departures[0]; ++i) {
         char here[64];
         const char *const cell[] = {departures[i].what, here, departures[i].paper,

@@ -253,12 +253,10 @@ static mrt_result fill_in_all_orders(fill out[ORDERS], centres *c, error *err)
 
 static void add_fill_table(paper *of, const centres *few, const centres *many, const fill f[])
 {
-    static const char *const head[] = {"centres",   "order",    "not zero",
-                                       "half band", "envelope", "multiplications of the factor",
-                                       "factor"};
-    static const page_column column[] = {PAGE_NUMBERS, PAGE_WORDS,   PAGE_NUMBERS, PAGE_NUMBERS,
-                                         PAGE_NUMBERS, PAGE_NUMBERS, PAGE_NUMBERS};
-    page_table(of->page, head, column, 7);
+    static const char *const head[] = {">centres",   "order",     ">not zero",
+                                       ">half band", ">envelope", ">multiplications of the factor",
+                                       ">factor"};
+    page_table(of->page, head, 7);
     add_fill_rows(of, few, f);
     add_fill_rows(of, many, f + ORDERS);
     page_table_end(of->page);
@@ -530,15 +528,13 @@ static mrt_result compare_cases(paper *of, scene *self, error *err)
 {
     static const char *const head[] = {"kernel",
                                        "polynomial",
-                                       "centres",
-                                       "R, mm",
-                                       "float64, mm",
-                                       "as shown (float32), mm",
-                                       "at the controls, mm"};
-    static const page_column column[] = {PAGE_WORDS,   PAGE_WORDS,   PAGE_NUMBERS, PAGE_NUMBERS,
-                                         PAGE_NUMBERS, PAGE_NUMBERS, PAGE_NUMBERS};
+                                       ">centres",
+                                       ">R, mm",
+                                       ">float64, mm",
+                                       ">as shown (float32), mm",
+                                       ">at the controls, mm"};
     double worst_mm = 0.0;
-    page_table(of->page, head, column, 7);
+    page_table(of->page, head, 7);
     mrt_result result = MRT_OK;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0] && result >= 0; ++i) {
         if (of->is_quick && cases[i].count > TIPS)

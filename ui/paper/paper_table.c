@@ -257,22 +257,18 @@ static void tell_row(table *self, const row *r)
 static void add_table(table *self)
 {
     static const char *const head[] = {
-        "polygons",          "vertices",           "R, mm",
-        "pairs: paper",      "pairs: counted",     "difference",
-        "anchored: paper",   "anchored: engine",   "anchored, with display",
-        "unanchored: paper", "unanchored: engine", "unanchored, with display"};
-    enum { COLUMNS = sizeof head / sizeof head[0] };
-    page_column column[COLUMNS];
+        ">polygons",          ">vertices",           ">R, mm",
+        ">pairs: paper",      ">pairs: counted",     ">difference",
+        ">anchored: paper",   ">anchored: engine",   ">anchored, with display",
+        ">unanchored: paper", ">unanchored: engine", ">unanchored, with display"};
     page *on = self->of->page;
-    for (int i = 0; i < COLUMNS; ++i)
-        column[i] = PAGE_NUMBERS;
     page_heading(on, "Table 1: frames a second");
     page_text(
         on, "Ten control vectors on a plane, without polynomial. “Pairs” are vertices and "
             "controls within the radius of support of each other. The paper does not say where "
             "its ten points lay; ours were fitted once to its counts of pairs (square of 66.12 mm "
             "a side), so that the work is the paper's to within two in a hundred.");
-    page_table(on, head, column, COLUMNS);
+    page_table(on, head, sizeof head / sizeof head[0]);
     for (uint32_t i = 0; i < self->row_count; ++i) {
         add_row(self, &self->row[i]);
         tell_row(self, &self->row[i]);
