@@ -111,6 +111,15 @@ static void devices_print_json(const device_list *found, const plugin_list *plug
     facts_print_json(all, JSON_INDENT(2));
 }
 
+/* ---- what whoever waits is woken by: inputs, and the signal to stop ---- */
+
+static wake news;
+
+static void wake_up(void)
+{
+    wake_signal(&news);
+}
+
 /* ---- how it is doing ---- */
 
 enum { LINE_LENGTH = 512, WIDTH_LEAST = 40 };
@@ -137,8 +146,6 @@ typedef struct watch {
     const devices_options *options;
     plugin_list *plugins;
     log_queue *log;
-    wake *signal;
-    const _Atomic bool *stop;
     input *inputs[DEVICES_INPUTS_MAX];
     mrt_device opened[DEVICES_INPUTS_MAX]; /* by finding it: where it is */
     uint32_t input_count;
@@ -155,12 +162,12 @@ static mrt_result open_input(watch *self, const mrt_plugin_type *type, const cha
                              const char *params, error *err)
 {
     input *in;
-    mrt_result result =
-        input_create_stoppable(&in, type, address, params, CLOCK_REAL, self->log, self->stop, err);
+    mrt_result result = input_create_stoppable(&in, type, address, params, CLOCK_REAL, self->log,
+                                               cancel_flag(), err);
     if (result < 0)
         return result;
     self->inputs[self->input_count++] = in;
-    input_set_wake(in, self->signal);
+    input_set_wake(in, &news);
     return input_start(in, err);
 }
 
@@ -481,11 +488,11 @@ static mrt_result follow(watch *self, error *err)
     int64_t span_ns = is_in_place ? terminal_span_ns : line_span_ns;
     int64_t end_ns = end_ns_of(self);
     for (;;) {
-        uint32_t seen = wake_seen(self->signal);
+        uint32_t seen = wake_seen(&news);
         mrt_result result = look_again(self, err);
         if (result < 0)
             return result;
-        bool goes_on = (take_all(self) || looks_for_devices(self)) && !atomic_load(self->stop);
+        bool goes_on = (take_all(self) || looks_for_devices(self)) && !cancel_is_asked();
         int64_t now_ns = clock_now_ns();
         tell_news(self);
         goes_on &= now_ns < end_ns;
@@ -494,7 +501,7 @@ static mrt_result follow(watch *self, error *err)
         if (!goes_on)
             break;
         int64_t next_ns = self->shown_ns + span_ns;
-        wake_wait_until_ns(self->signal, seen, next_ns < end_ns ? next_ns : end_ns);
+        wake_wait_until_ns(&news, seen, next_ns < end_ns ? next_ns : end_ns);
     }
     if (self->input_count == 0)
         return error_set(err, MRT_ERR_IO,
@@ -503,12 +510,11 @@ static mrt_result follow(watch *self, error *err)
     return MRT_OK;
 }
 
-/* Until *stop, the time is over, or every input is. */
+/* Until it is stopped, the time is over, or every input is. */
 static mrt_result devices_watch(const devices_options *options, plugin_list *plugins,
-                                log_queue *log, wake *signal, const _Atomic bool *stop, error *err)
+                                log_queue *log, error *err)
 {
-    watch self = {
-        .options = options, .plugins = plugins, .log = log, .signal = signal, .stop = stop};
+    watch self = {.options = options, .plugins = plugins, .log = log};
     self.is_terminal = isatty(STDOUT_FILENO) == 1;
     self.start_ns = self.shown_ns = clock_now_ns();
     mrt_result result = open_forward(&self, err);
@@ -559,13 +565,12 @@ static void drain(input *in)
             fprintf(stderr, "note: %s went away\n", input_name(in));
 }
 
-static mrt_result attend(input *in, const devices_options *options, log_queue *log, wake *signal,
-                         const _Atomic bool *stop, error *err)
+static mrt_result attend(input *in, const devices_options *options, log_queue *log, error *err)
 {
     int64_t end_ns =
         options->seconds > 0 ? clock_now_ns() + (int64_t)(options->seconds * 1e9) : INT64_MAX;
-    while (!atomic_load(stop) && clock_now_ns() < end_ns) {
-        uint32_t seen = wake_seen(signal);
+    while (!cancel_is_asked() && clock_now_ns() < end_ns) {
+        uint32_t seen = wake_seen(&news);
         input_state state = input_state_of(in);
         drain(in);
         lesson so_far = listen(log);
@@ -575,14 +580,14 @@ static mrt_result attend(input *in, const devices_options *options, log_queue *l
             return error_set(err, MRT_ERR_IO, "%s: nothing was learnt", input_name(in));
         if (state == INPUT_ENDED || state == INPUT_FAILED)
             return error_set(err, MRT_ERR_IO, "%s: has ended; nothing was learnt", input_name(in));
-        wake_wait_until_ns(signal, seen, clock_now_ns() + learn_span_ns);
+        wake_wait_until_ns(&news, seen, clock_now_ns() + learn_span_ns);
     }
     return error_set(err, MRT_ERR_IO, "%s: stopped before it was done: nothing was learnt",
                      input_name(in));
 }
 
 static mrt_result devices_learn(const devices_options *options, plugin_list *plugins,
-                                log_queue *log, wake *signal, const _Atomic bool *stop, error *err)
+                                log_queue *log, error *err)
 {
     const mrt_plugin_type *type;
     input *in = NULL;
@@ -590,27 +595,20 @@ static mrt_result devices_learn(const devices_options *options, plugin_list *plu
     mrt_result result = plugin_list_choose(plugins, spec->plugin, MRT_INPUT, &type, err);
     if (result >= 0)
         result = input_create_stoppable(&in, type, spec->address, spec->params, CLOCK_REAL, log,
-                                        stop, err);
+                                        cancel_flag(), err);
     if (result >= 0) {
-        input_set_wake(in, signal);
+        input_set_wake(in, &news);
         result = input_set(in, "learn", "1", err);
     }
     if (result >= 0)
         result = input_start(in, err);
     if (result >= 0)
-        result = attend(in, options, log, signal, stop, err);
+        result = attend(in, options, log, err);
     input_destroy(in);
     return result;
 }
 
 /* ---- the command ---- */
-
-static wake stop_wake; /* of whatever waits: inputs signal it too */
-
-static void wake_up(void)
-{
-    wake_signal(&stop_wake);
-}
 
 static int add_input(void *to, const command *self, const char *name, const char *text)
 {
@@ -674,9 +672,9 @@ static mrt_result run_with(const devices_options *options, plugin_list *plugins,
                            error *err)
 {
     if (options->learn.plugin)
-        return devices_learn(options, plugins, log, &stop_wake, cancel_flag(), err);
+        return devices_learn(options, plugins, log, err);
     if (options->is_watch)
-        return devices_watch(options, plugins, log, &stop_wake, cancel_flag(), err);
+        return devices_watch(options, plugins, log, err);
     return list_devices(options, plugins, log, err);
 }
 
@@ -690,7 +688,7 @@ static int run(int argc, char **argv)
         finish_options(&options);
         return code;
     }
-    wake_init(&stop_wake);
+    wake_init(&news);
     cancel_on_signals(CANCEL_WAITS, wake_up);
     log_queue *log = log_queue_create();
     mrt_result result =

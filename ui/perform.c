@@ -359,7 +359,7 @@ static mrt_result start_recording(performance *self, error *err)
         return MRT_OK;
     for (int side = 0; side < 2 && result >= 0; ++side)
         if (self->hands.path[side])
-            result = perform_hands_text(&out->calibration[side], self->hands.path[side], err);
+            result = perform_hands_text(out->calibration, self->hands.path[side], err);
     if (result >= 0)
         result = open_show(out, options->record, err);
     if (result < 0)

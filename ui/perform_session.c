@@ -205,17 +205,19 @@ const hand_calibration *perform_hands_calibration(const perform_hands *self, uin
     return self->path[side] ? &self->use[side] : NULL;
 }
 
-mrt_result perform_hands_text(char **out, const char *path, error *err)
+mrt_result perform_hands_text(char *out[2], const char *path, error *err)
 {
     calibration_file *file = malloc(sizeof *file);
     if (!file)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     mrt_result result = calibration_file_read(file, path, err);
     if (result >= 0) {
-        *out = calibration_file_text(file);
-        calibration_file_finish(file);
-        if (!*out)
+        char **text = &out[file->side];
+        free(*text);
+        *text = calibration_file_text(file);
+        if (!*text)
             result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+        calibration_file_finish(file);
     }
     free(file);
     return result;

@@ -52,8 +52,9 @@ void perform_hands_finish(perform_hands *self); /* zeroed is fine */
 /* NULL: shipped defaults. */
 const hand_calibration *perform_hands_calibration(const perform_hands *self, uint32_t side);
 
-/* A calibration's file as text, to be freed. */
-CHECKED mrt_result perform_hands_text(char **out, const char *path, error *err);
+/* A calibration's file as text, to be freed: in place of what was there of its hand, left or right.
+ */
+CHECKED mrt_result perform_hands_text(char *out[2], const char *path, error *err);
 
 void perform_hands_report(const perform_hands *self, const performer *p, facts *told);
 

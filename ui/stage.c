@@ -2,6 +2,7 @@
 #include "command.h"
 
 #include "base/cancel.h"
+#include "base/clock.h"
 #include "base/memory.h"
 #include "facts.h"
 #include "perform_session.h"
@@ -39,7 +40,7 @@ typedef struct stage {
     script *script;
     uint64_t sample_count;
     double warm_mb, end_mb;
-    struct timespec began;
+    int64_t began_ns;
     char settings_note[1024]; /* of the first time they were read */
 } stage;
 
@@ -226,13 +227,6 @@ static double resident_mb(void)
     return (double)memory_resident() / 1e6;
 }
 
-static double seconds_since(const struct timespec *began)
-{
-    struct timespec now;
-    (void)clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)(now.tv_sec - began->tv_sec) + 1e-9 * (double)(now.tv_nsec - began->tv_nsec);
-}
-
 /* MRT_END: the script is over. */
 static mrt_result step_script(stage *self, error *err)
 {
@@ -259,7 +253,8 @@ static mrt_result run(stage *self, error *err)
             result = step_script(self, err);
         if (result != MRT_OK)
             break;
-        if (self->options->seconds > 0.0 && seconds_since(&self->began) >= self->options->seconds)
+        const double took_s = (double)(clock_now_ns() - self->began_ns) / 1e9;
+        if (self->options->seconds > 0.0 && took_s >= self->options->seconds)
             break;
     }
     self->end_mb = resident_mb();
@@ -308,8 +303,7 @@ static int stage_run(int argc, char **argv)
     const int code = read_options(&options, argc, argv);
     if (code != COMMAND_DONE)
         return code;
-    stage self = {.options = &options};
-    (void)clock_gettime(CLOCK_MONOTONIC, &self.began);
+    stage self = {.options = &options, .began_ns = clock_now_ns()};
     cancel_on_signals(CANCEL_WAITS, NULL);
     mrt_result result = open_stage(&self, &err);
     if (result >= 0)

@@ -41,6 +41,16 @@ typedef struct performing { /* made in this order, destroyed in reverse */
 
 /* ---- who performs ---- */
 
+/* --map, as it was given. */
+static mrt_result open_mapping(take_call *call, plugin_spec *spec, perform_mapping *out,
+                               const perform_mapping_settings *with, error *err)
+{
+    const char *text = call->text[TAKE_MAP];
+    if (!spec_read(spec, text) || spec->address[0])
+        return take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]", text);
+    return perform_mapping_open(out, spec, with, err);
+}
+
 static mrt_result open_inputs(performing *self, error *err)
 {
     take_call *call = self->call;
@@ -53,24 +63,13 @@ static mrt_result open_inputs(performing *self, error *err)
                                err);
 }
 
-static mrt_result open_mapping(performing *self, error *err)
-{
-    take_call *call = self->call;
-    const perform_mapping_settings apart = {&self->plugins, self->log, self->inputs.clock,
-                                            ISOLATE_FOREIGN};
-    if (!spec_read(&self->map, call->text[TAKE_MAP]) || self->map.address[0])
-        return take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]",
-                            call->text[TAKE_MAP]);
-    return perform_mapping_open(&self->mapping, &self->map, &apart, err);
-}
-
 static mrt_result choose_hands(performing *self, error *err)
 {
     mrt_result result = perform_hands_choose(&self->hands, self->call->calibration,
                                              self->call->calibration_count, &self->inputs, err);
     for (int side = 0; side < 2 && result >= 0; ++side)
         if (self->hands.path[side])
-            result = perform_hands_text(&self->calibration[side], self->hands.path[side], err);
+            result = perform_hands_text(self->calibration, self->hands.path[side], err);
     return result;
 }
 
@@ -158,8 +157,10 @@ static mrt_result prepare(performing *self, error *err)
                                 call->text[TAKE_FACE], err);
     if (result >= 0)
         result = open_inputs(self, err);
+    const perform_mapping_settings with = {&self->plugins, self->log, self->inputs.clock,
+                                           ISOLATE_FOREIGN};
     if (result >= 0)
-        result = open_mapping(self, err);
+        result = open_mapping(call, &self->map, &self->mapping, &with, err);
     if (result >= 0)
         result = choose_hands(self, err);
     if (result < 0)
@@ -364,38 +365,6 @@ typedef struct remap {
 
 /* ---- what is to be different ---- */
 
-static mrt_result read_map(remap *self, error *err)
-{
-    const char *text = self->call->text[TAKE_MAP];
-    const perform_mapping_settings apart = {&self->plugins, self->log, CLOCK_VIRTUAL,
-                                            ISOLATE_FOREIGN};
-    if (!text)
-        return MRT_OK;
-    if (!spec_read(&self->map, text) || self->map.address[0])
-        return take_misused(self->call, err, "--map \"%s\" is not PLUGIN[,key=value]", text);
-    return perform_mapping_open(&self->mapping, &self->map, &apart, err);
-}
-
-static mrt_result read_calibrations(remap *self, error *err)
-{
-    mrt_result result = MRT_OK;
-    calibration_file *file = malloc(sizeof *file);
-    if (!file)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
-    for (uint32_t i = 0; i < self->call->calibration_count && result >= 0; ++i) {
-        result = calibration_file_read(file, self->call->calibration[i], err);
-        if (result < 0)
-            break;
-        free(self->calibration[file->side]);
-        self->calibration[file->side] = calibration_file_text(file);
-        if (!self->calibration[file->side])
-            result = error_set(err, MRT_ERR_MEMORY, "no memory for a calibration");
-        calibration_file_finish(file);
-    }
-    free(file);
-    return result;
-}
-
 /* "min_cutoff=1,beta=0.02" */
 static mrt_result read_filter(remap *self, error *err)
 {
@@ -448,12 +417,14 @@ static mrt_result read_requested(remap *self, error *err)
         result = take_number(self->call, TAKE_HAND_LENGTH, 50, 400, &self->hand_length_mm, err);
     if (result >= 0)
         result = plugin_list_load(&self->plugins, err);
-    if (result >= 0)
-        result = read_map(self, err);
+    const perform_mapping_settings with = {&self->plugins, self->log, CLOCK_VIRTUAL,
+                                           ISOLATE_FOREIGN};
+    if (result >= 0 && call->text[TAKE_MAP])
+        result = open_mapping(self->call, &self->map, &self->mapping, &with, err);
     if (result >= 0)
         result = read_patch(self, err);
-    if (result >= 0)
-        result = read_calibrations(self, err);
+    for (uint32_t i = 0; i < call->calibration_count && result >= 0; ++i)
+        result = perform_hands_text(self->calibration, call->calibration[i], err);
     if (result >= 0 && call->text[TAKE_FACE])
         result = face_file_read(&self->face, call->text[TAKE_FACE], NULL, FACE_FILE_USABLE, err);
     return result;
