@@ -596,25 +596,6 @@ static mrt_result check_track(checking *self, int64_t id, error *err)
     return MRT_OK;
 }
 
-static mrt_result check_tracks(checking *self, error *err)
-{
-    int64_t *ids;
-    size_t count;
-    mrt_result result = show_track_ids(self->call->show, &ids, &count, err);
-    if (result < 0)
-        return result;
-    progress_start(&self->call->shown, "reading");
-    for (size_t i = 0; i < count && result >= 0; ++i) {
-        progress_show(&self->call->shown, (double)i / (double)count, "");
-        result = check_track(self, ids[i], err);
-    }
-    progress_end(&self->call->shown);
-    free(ids);
-    facts_number(self->call->told, "tracks", "tracks", (double)count, 0, "");
-    facts_number(self->call->told, "samples", "samples", (double)self->sample_count, 0, "");
-    return result;
-}
-
 static void check_states(checking *self, int64_t performance, int64_t from_ns, int64_t to_ns)
 {
     error problem = {""};
@@ -634,25 +615,17 @@ static void check_states(checking *self, int64_t performance, int64_t from_ns, i
     }
 }
 
-static mrt_result check_performances(checking *self, error *err)
+static mrt_result check_performance(checking *self, int64_t id, error *err)
 {
-    int64_t *ids;
-    size_t count;
-    mrt_result result = show_performance_ids(self->call->show, &ids, &count, err);
-    if (result < 0)
-        return result;
-    for (size_t i = 0; i < count && !cancel_is_asked(); ++i) {
-        show_performance of;
-        error problem = {""};
-        if (show_performance_read(self->call->show, ids[i], &of, &problem) < 0) {
-            note(self, &problem);
-            continue;
-        }
-        check_states(self, ids[i], of.from_ns, of.to_ns);
-        show_performance_finish(&of);
+    show_performance of;
+    error problem = {""};
+    (void)err;
+    if (show_performance_read(self->call->show, id, &of, &problem) < 0) {
+        note(self, &problem);
+        return MRT_OK;
     }
-    free(ids);
-    facts_number(self->call->told, "performances", "performances", (double)count, 0, "");
+    check_states(self, id, of.from_ns, of.to_ns);
+    show_performance_finish(&of);
     return MRT_OK;
 }
 
@@ -675,10 +648,13 @@ static mrt_result check_takes(checking *self, error *err)
     return MRT_OK;
 }
 
-static void check_sound(checking *self, int64_t id, void *piece)
+static mrt_result check_sound(checking *self, int64_t id, error *err)
 {
     show_audio of;
     error problem = {""};
+    void *piece = malloc(PIECE_BYTES);
+    if (!piece)
+        return error_set(err, MRT_ERR_MEMORY, "no memory");
     mrt_result result = show_audio_info(self->call->show, id, &of, &problem);
     for (int64_t frame = 0; result >= 0 && frame < of.frame_count;) {
         size_t size = 0;
@@ -692,24 +668,29 @@ static void check_sound(checking *self, int64_t id, void *piece)
     }
     if (result < 0)
         note(self, &problem);
+    free(piece);
+    return MRT_OK;
 }
 
-static mrt_result check_sounds(checking *self, error *err)
+/* One after the other, and tells how many there are. */
+static mrt_result
+check_all(checking *self, mrt_result (*list)(show *s, int64_t **out, size_t *out_count, error *err),
+          mrt_result (*check)(checking *self, int64_t id, error *err), const char *name, error *err)
 {
     int64_t *ids;
     size_t count;
-    mrt_result result = show_audio_ids(self->call->show, &ids, &count, err);
+    mrt_result result = list(self->call->show, &ids, &count, err);
     if (result < 0)
         return result;
-    void *piece = malloc(PIECE_BYTES);
-    for (size_t i = 0; piece && i < count && !cancel_is_asked(); ++i)
-        check_sound(self, ids[i], piece);
+    progress_start(&self->call->shown, "reading");
+    for (size_t i = 0; i < count && result >= 0 && !cancel_is_asked(); ++i) {
+        progress_show(&self->call->shown, (double)i / (double)count, "");
+        result = check(self, ids[i], err);
+    }
+    progress_end(&self->call->shown);
     free(ids);
-    if (!piece)
-        return error_set(err, MRT_ERR_MEMORY, "no memory");
-    free(piece);
-    facts_number(self->call->told, "sounds", "sounds", (double)count, 0, "");
-    return MRT_OK;
+    facts_number(self->call->told, name, name, (double)count, 0, "");
+    return result;
 }
 
 /* Once for each face that many performances in a row have. */
@@ -740,13 +721,15 @@ static void check_pack(checking *self)
 static mrt_result run_check(take_call *call, error *err)
 {
     checking self = {.call = call};
-    mrt_result result = check_tracks(&self, err);
-    if (result >= 0)
-        result = check_performances(&self, err);
+    mrt_result result = check_all(&self, show_track_ids, check_track, "tracks", err);
+    if (result >= 0) {
+        facts_number(call->told, "samples", "samples", (double)self.sample_count, 0, "");
+        result = check_all(&self, show_performance_ids, check_performance, "performances", err);
+    }
     if (result >= 0)
         result = check_takes(&self, err);
     if (result >= 0)
-        result = check_sounds(&self, err);
+        result = check_all(&self, show_audio_ids, check_sound, "sounds", err);
     if (result >= 0)
         check_pack(&self);
     if (result >= 0)
