@@ -413,13 +413,15 @@ mrt_result exports_write(const exports_file *file, uint32_t count, const clip *f
 
 /* ---- videos ---- */
 
-void exports_video_choose(exports_video *out, const exports_file *file, uint32_t count,
-                          const video_look *look)
+mrt_result exports_prepare(exports_video *out, const exports_file *file, uint32_t count,
+                           const video_look *look, error *err)
 {
     *out = (exports_video){.look = *look};
     for (uint32_t i = 0; i < count && out->count < VIDEO_FILES_MAX; ++i)
         if (exports_is_video(file[i].format))
             out->file[out->count++] = (video_file){file[i].path, file[i].format == EXPORTS_FOLDER};
+    mrt_result result = exports_check(file, count, err);
+    return result < 0 ? result : video_check(out->file, out->count, look, err);
 }
 
 const char *exports_video_mp4(const exports_video *self)
@@ -428,11 +430,6 @@ const char *exports_video_mp4(const exports_video *self)
         if (!self->file[i].is_folder && !video_is_stream(self->file[i].path))
             return self->file[i].path;
     return NULL;
-}
-
-mrt_result exports_video_check(const exports_video *self, error *err)
-{
-    return video_check(self->file, self->count, &self->look, err);
 }
 
 mrt_result exports_video_open(exports_video *self, const video_settings *settings, error *err)

@@ -76,11 +76,12 @@ typedef struct exports_video {
     bool is_told; /* that it has failed */
 } exports_video;
 
-/* The videos among the files. */
-void exports_video_choose(exports_video *out, const exports_file *file, uint32_t count,
-                          const video_look *look);
+/* Chooses the videos among the files, and checks all that can be known before an hour of
+ * performing: that each file can be written, and that there is what videos need. To be closed
+ * whatever the result. */
+CHECKED mrt_result exports_prepare(exports_video *out, const exports_file *file, uint32_t count,
+                                   const video_look *look, error *err);
 const char *exports_video_mp4(const exports_video *self); /* the first one; NULL: none */
-CHECKED mrt_result exports_video_check(const exports_video *self, error *err);
 CHECKED mrt_result exports_video_open(exports_video *self, const video_settings *settings,
                                       error *err);
 /* The face as drawn. Live, a failure is said once on stderr, and the performance goes on. */

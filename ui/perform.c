@@ -479,10 +479,8 @@ static mrt_result open_videos(performance *self, error *err)
 static mrt_result prepare(performance *self, error *err)
 {
     const perform_options *options = self->options;
-    exports_video_choose(&self->videos, options->exports, options->export_count, &options->look);
-    mrt_result result = exports_check(options->exports, options->export_count, err);
-    if (result >= 0)
-        result = exports_video_check(&self->videos, err);
+    mrt_result result = exports_prepare(&self->videos, options->exports, options->export_count,
+                                        &options->look, err);
     if (result < 0)
         return result;
     self->log = log_queue_create();
@@ -1059,10 +1057,7 @@ static void label_clip(curve_performance *self)
 static mrt_result prepare_curves(curve_performance *self, error *err)
 {
     const perform_options *o = self->options;
-    exports_video_choose(&self->videos, o->exports, o->export_count, &o->look);
-    mrt_result result = exports_check(o->exports, o->export_count, err);
-    if (result >= 0)
-        result = exports_video_check(&self->videos, err);
+    mrt_result result = exports_prepare(&self->videos, o->exports, o->export_count, &o->look, err);
     if (result >= 0)
         result = video_look_open(&self->videos.look, NULL, NULL, err);
     if (result >= 0)

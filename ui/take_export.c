@@ -317,10 +317,7 @@ mrt_result take_export_run(take_call *call, error *err)
         return result;
     char *wav = wav_path(call);
     const exports_file sound = {wav, EXPORTS_NONE};
-    exports_video_choose(&videos, call->exports, call->export_count, &look);
-    result = exports_check(call->exports, call->export_count, err);
-    if (result >= 0)
-        result = exports_video_check(&videos, err);
+    result = exports_prepare(&videos, call->exports, call->export_count, &look, err);
     if (result >= 0 && wav)
         result = exports_check(&sound, 1, err);
     if (result >= 0)
