@@ -9,7 +9,6 @@
 
 #include <errno.h>
 #include <jansson.h>
-#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,108 +16,79 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* From the end of what it says to its own. */
-static const int64_t goodbye_ns = 5 * NS_PER_S;
+/* How often it is looked after; from being asked to end to its end. */
+static const int64_t turn_ns = 20 * NS_PER_MS, goodbye_ns = 5 * NS_PER_S;
 
 /* ---- a command of this program's, run ---- */
 
-enum { WORDS_MAX = 24, SAID_MAX = 1 << 16, TURN_MS = 100 };
-
-typedef struct child_output { /* what it prints */
-    char text[SAID_MAX];
-    size_t size;
-    int fd; /* -1: at its end */
-} child_output;
+enum { WORDS_MAX = 24 };
 
 /* posix_spawn does not write to the words: it is only declared so. */
-static bool start(pid_t *out, const char *program, const char *const *word, int out_fd, int err_fd)
+static bool start(pid_t *out, const char *const *word, FILE *told, FILE *trouble)
 {
+    char program[INSTALLED_LENGTH];
     const program_start how = {.program = program,
                                .words = (char *const *)(uintptr_t)word,
                                .in = -1,
-                               .out = out_fd,
-                               .err = err_fd};
-    return program_spawn(out, &how) == 0;
+                               .out = fileno(told),
+                               .err = fileno(trouble)};
+    return installed_program(program) && program_spawn(out, &how) == 0;
 }
 
-/* What it says beyond the room is read and dropped: it must not wait for us. */
-static void hear(child_output *from)
-{
-    char more[4096];
-    ssize_t size = read(from->fd, more, sizeof more);
-    if (size <= 0) {
-        close(from->fd);
-        from->fd = -1;
-        return;
-    }
-    size_t room = sizeof from->text - 1 - from->size;
-    size_t taken = (size_t)size < room ? (size_t)size : room;
-    memcpy(from->text + from->size, more, taken);
-    from->size += taken;
-    from->text[from->size] = '\0';
-}
-
-static mrt_result listen_to(paper *of, pid_t pid, child_output *facts_output, child_output *trouble,
-                            error *err)
+/* Until it ends, or somebody wants this program to. */
+static mrt_result wait_for(paper *of, pid_t pid, int *out_status, error *err)
 {
     mrt_result result = MRT_OK;
-    while (facts_output->fd >= 0 || trouble->fd >= 0) {
-        struct pollfd wanted[2] = {{facts_output->fd, POLLIN, 0}, {trouble->fd, POLLIN, 0}};
-        (void)poll(wanted, 2, TURN_MS);
-        if (wanted[0].revents)
-            hear(facts_output);
-        if (wanted[1].revents)
-            hear(trouble);
+    while (result >= 0 && waitpid(pid, out_status, WNOHANG) == 0) {
         progress_show(&of->shown, -1.0, "the Moai");
-        if (result >= 0 && (result = paper_check_stop(err)) < 0)
-            (void)kill(pid, SIGTERM);
+        clock_sleep_until_ns(clock_now_ns() + turn_ns);
+        result = paper_check_stop(err);
+    }
+    if (result < 0) {
+        (void)kill(pid, SIGTERM);
+        (void)program_wait(pid, out_status, goodbye_ns);
     }
     return result;
 }
 
-/* The last line that is not a note. */
-static const char *reason_of(child_output *trouble)
+/* The last line of what it said. */
+static void read_reason(char *out, int capacity, FILE *trouble)
 {
-    char *reason = trouble->text;
-    while (trouble->size > 0 && trouble->text[trouble->size - 1] == '\n')
-        trouble->text[--trouble->size] = '\0';
-    char *last = strrchr(reason, '\n');
-    return last ? last + 1 : reason;
+    out[0] = '\0';
+    rewind(trouble);
+    while (fgets(out, capacity, trouble))
+        out[strcspn(out, "\n")] = '\0';
+}
+
+/* told, trouble: files without a name, for what it prints. */
+static mrt_result run_into(paper *of, const char *const *word, FILE *told, FILE *trouble,
+                           json_t **out_facts, error *err)
+{
+    char reason[1024];
+    int status = 0;
+    pid_t pid = 0;
+    if (!told || !trouble || !start(&pid, word, told, trouble))
+        return error_set(err, MRT_ERR_IO, "marotte %s cannot be started: %s", word[1],
+                         strerror(errno));
+    mrt_result result = wait_for(of, pid, &status, err);
+    read_reason(reason, sizeof reason, trouble);
+    rewind(told);
+    if (result >= 0 && !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
+        result = error_set(err, MRT_ERR_IO, "a picture of the page: %s", reason);
+    if (result >= 0 && !(*out_facts = json_loadf(told, 0, NULL)))
+        result = error_set(err, MRT_ERR_FORMAT, "marotte %s --json gave no object", word[1]);
+    return result;
 }
 
 static mrt_result run_command(paper *of, const char *const *word, json_t **out_facts, error *err)
 {
-    char program[INSTALLED_LENGTH];
-    int told[2] = {-1, -1}, failed[2] = {-1, -1}, status = 0;
-    pid_t pid = 0;
-    child_output *facts_output = calloc(1, sizeof *facts_output),
-                 *trouble = calloc(1, sizeof *trouble);
-    mrt_result result = MRT_OK;
+    FILE *told = tmpfile(), *trouble = tmpfile();
     *out_facts = NULL;
-    if (!facts_output || !trouble || !installed_program(program) || program_pipe(told, err) < 0 ||
-        program_pipe(failed, err) < 0 || !start(&pid, program, word, told[1], failed[1]))
-        result = error_set(err, MRT_ERR_IO, "marotte %s cannot be started: %s", word[1],
-                           strerror(errno));
-    if (told[1] >= 0)
-        close(told[1]);
-    if (failed[1] >= 0)
-        close(failed[1]);
-    if (result < 0 && told[0] >= 0)
-        close(told[0]);
-    if (result < 0 && failed[0] >= 0)
-        close(failed[0]);
-    if (result >= 0) {
-        facts_output->fd = told[0];
-        trouble->fd = failed[0];
-        result = listen_to(of, pid, facts_output, trouble, err);
-        (void)program_wait(pid, &status, goodbye_ns);
-    }
-    if (result >= 0 && !(WIFEXITED(status) && WEXITSTATUS(status) == 0))
-        result = error_set(err, MRT_ERR_IO, "a picture of the page: %s", reason_of(trouble));
-    if (result >= 0 && !(*out_facts = json_loads(facts_output->text, 0, NULL)))
-        result = error_set(err, MRT_ERR_FORMAT, "marotte %s --json gave no object", word[1]);
-    free(facts_output);
-    free(trouble);
+    mrt_result result = run_into(of, word, told, trouble, out_facts, err);
+    if (told)
+        (void)fclose(told);
+    if (trouble)
+        (void)fclose(trouble);
     return result;
 }
 
