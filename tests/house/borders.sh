@@ -27,7 +27,7 @@ only "${word}dlopen\(" "loads a library: plugins go through stage/mapping/librar
 # A path to a plugin is what the person has just written: on the command line, or in the window.
 only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what is stored is looked up by plugin_list_find" \
     core/stage/mapping/plugins.c core/stage/mapping/plugins.h ui/calibrate.c ui/devices.c \
-    ui/perform.c ui/perform_session.c ui/take_record.c ui/window/app/app_main.c ui/window/app/app_open.c
+    ui/perform_session.c ui/window/app/app_main.c ui/window/app/app_open.c
 # Processes: no shell, ever.
 only "${word}(system|popen|execl|execlp|execle|execv|execvp|fork|vfork)\(" "starts a process through a shell or by fork" # nobody
 only "${word}(posix_spawnp?|program_spawn)\(" "starts a process: see CONTRIBUTING.md" \
