@@ -36,16 +36,16 @@ static mrt_result read_look(take_call *call, video_look *out, error *err)
 
 /* ---- frames ---- */
 
-typedef struct kept { /* of each frame */
+typedef struct frame_sinks { /* where each frame goes */
     recording measured;
     exports_video *videos;
     char *sound; /* of the videos; owned */
     uint64_t frame_count;
-} kept;
+} frame_sinks;
 
 static mrt_result keep_frame(void *data, take_stage *from, error *err)
 {
-    kept *self = data;
+    frame_sinks *self = data;
     performer *shown = sequencer_performer(from->sequencer);
     self->frame_count += 1;
     mrt_result result = exports_video_add(self->videos, performer_composer(shown), err);
@@ -101,7 +101,7 @@ static mrt_result read_settings(take_call *call, exports_settings *out, error *e
     return result;
 }
 
-static mrt_result open_videos(take_call *call, kept *into, const take_stage *stage,
+static mrt_result open_videos(take_call *call, frame_sinks *into, const take_stage *stage,
                               const take_frames *frames, const clip_start *start, error *err)
 {
     const char *mp4 = exports_video_mp4(into->videos);
@@ -120,7 +120,7 @@ static mrt_result open_videos(take_call *call, kept *into, const take_stage *sta
 }
 
 static mrt_result play_frames(take_call *call, take_stage *stage, const take_frames *frames,
-                              kept *into, error *err)
+                              frame_sinks *into, error *err)
 {
     clip_start start;
     label_first(&start, call->show, &stage->take, frames);
@@ -195,7 +195,7 @@ static void tell_making(char *out, size_t capacity, take_call *call, take_stage 
 static mrt_result export_frames(take_call *call, take_stage *stage, const take_frames *frames,
                                 exports_video *videos, error *err)
 {
-    kept into = {.videos = videos};
+    frame_sinks into = {.videos = videos};
     const take_name slate =
         take_slate_text(stage->take.scene, stage->take.shot, stage->take.number);
     char title[sizeof slate.text + 8];

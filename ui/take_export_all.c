@@ -1,8 +1,7 @@
 /* marotte take export --all: every take of a show into files whose names are a pattern. Each take
  * is exported by a process of its own, so that one that fails costs no other, and so many at a time
- * as
- * --jobs says. What is complete and still true is not done again: a list beside the files says what
- * each was made from. */
+ * as --jobs says. What is complete and still true is not done again: a list beside the files says
+ * what each was made from. */
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/file.h"
@@ -37,14 +36,14 @@ typedef struct job { /* a take */
     FILE *child_stderr;        /* what it says on stderr */
 } job;
 
-typedef struct all {
+typedef struct batch {
     take_call *call;
     job *job;
     size_t count;
     char folder[PATH_MAX]; /* of the list, ends in '/', or "" */
     json_t *list;          /* of files: what they were made from, size and time */
     uint32_t jobs, running, done, kept, failed, unread_count;
-} all;
+} batch;
 
 /* ---- names ---- */
 
@@ -149,7 +148,7 @@ static void sum_up(char out[TAKE_HASH], take_call *call, const show_take *row, c
 
 /* ---- the list of what is complete ---- */
 
-static const char *key_of(const all *self, const char *path)
+static const char *key_of(const batch *self, const char *path)
 {
     size_t length = strlen(self->folder);
     return strncmp(path, self->folder, length) == 0 ? path + length : path;
@@ -170,7 +169,7 @@ static bool look_at(const char *path, json_int_t *out_bytes, json_int_t *out_tim
     return true;
 }
 
-static bool is_complete(const all *self, const job *of)
+static bool is_complete(const batch *self, const job *of)
 {
     bool is_so = of->made_from[0] != '\0';
     for (uint32_t i = 0; i < of->path_count && is_so; ++i) {
@@ -185,7 +184,7 @@ static bool is_complete(const all *self, const job *of)
     return is_so;
 }
 
-static mrt_result read_list(all *self, error *err)
+static mrt_result read_list(batch *self, error *err)
 {
     char path[PATH_MAX + 32];
     file_bytes bytes;
@@ -208,7 +207,7 @@ static mrt_result read_list(all *self, error *err)
     return self->list ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
 }
 
-static mrt_result write_list(const all *self, error *err)
+static mrt_result write_list(const batch *self, error *err)
 {
     char path[PATH_MAX + 32];
     (void)snprintf(path, sizeof path, "%s%s", self->folder, list_name);
@@ -221,7 +220,7 @@ static mrt_result write_list(const all *self, error *err)
     return result;
 }
 
-static mrt_result note_complete(all *self, const job *of, error *err)
+static mrt_result note_complete(batch *self, const job *of, error *err)
 {
     for (uint32_t i = 0; i < of->path_count; ++i) {
         json_int_t bytes, time_ns;
@@ -236,7 +235,7 @@ static mrt_result note_complete(all *self, const job *of, error *err)
 
 /* ---- which takes ---- */
 
-static mrt_result check_names(const all *self, error *err)
+static mrt_result check_names(const batch *self, error *err)
 {
     for (size_t i = 0; i < self->count; ++i)
         for (size_t k = 0; k < i; ++k)
@@ -250,7 +249,7 @@ static mrt_result check_names(const all *self, error *err)
     return MRT_OK;
 }
 
-static mrt_result add_take(all *self, const show_take *row, error *err)
+static mrt_result add_take(batch *self, const show_take *row, error *err)
 {
     take t;
     error why = {""};
@@ -279,7 +278,7 @@ static mrt_result add_take(all *self, const show_take *row, error *err)
     return result;
 }
 
-static mrt_result list_takes(all *self, error *err)
+static mrt_result list_takes(batch *self, error *err)
 {
     show_take *rows;
     size_t count;
@@ -310,7 +309,7 @@ static void add(words *out, const char *word)
 }
 
 /* marotte take export, as this one was called, of one take. */
-static void list_words(words *out, const all *self, const job *of)
+static void list_words(words *out, const batch *self, const job *of)
 {
     const take_call *call = self->call;
     out->count = 0;
@@ -335,7 +334,7 @@ static void list_words(words *out, const all *self, const job *of)
     add(out, of->id);
 }
 
-static mrt_result start(all *self, job *of, error *err)
+static mrt_result start(batch *self, job *of, error *err)
 {
     words with;
     mrt_result result = MRT_OK;
@@ -372,7 +371,7 @@ static void report_stderr(job *of)
     }
 }
 
-static mrt_result finish(all *self, job *of, int status, error *err)
+static mrt_result finish(batch *self, job *of, int status, error *err)
 {
     bool is_done = WIFEXITED(status) && WEXITSTATUS(status) == COMMAND_DONE;
     of->pid = 0;
@@ -386,7 +385,7 @@ static mrt_result finish(all *self, job *of, int status, error *err)
 }
 
 /* Those that have ended; they are asked to end once, when the person asks. */
-static mrt_result look_after(all *self, bool *is_asked, error *err)
+static mrt_result look_after(batch *self, bool *is_asked, error *err)
 {
     mrt_result result = MRT_OK;
     bool asks = cancel_is_asked() && !*is_asked;
@@ -407,7 +406,7 @@ static mrt_result look_after(all *self, bool *is_asked, error *err)
     return result;
 }
 
-static mrt_result run_jobs(all *self, error *err)
+static mrt_result run_jobs(batch *self, error *err)
 {
     size_t next = 0;
     bool is_asked = false;
@@ -433,7 +432,7 @@ static mrt_result run_jobs(all *self, error *err)
     return result;
 }
 
-static mrt_result tell(all *self, error *err)
+static mrt_result tell(batch *self, error *err)
 {
     facts *told = self->call->told;
     facts_number(told, "exported", "takes exported", self->done, 0, "");
@@ -449,7 +448,7 @@ static mrt_result tell(all *self, error *err)
 
 mrt_result take_export_all(take_call *call, error *err)
 {
-    all self = {.call = call};
+    batch self = {.call = call};
     double jobs = 1.0;
     mrt_result result = take_number(call, TAKE_JOBS, 1, JOBS_MAX, &jobs, err);
     self.jobs = (uint32_t)jobs;

@@ -407,19 +407,19 @@ static void displace(const reference *self, const double *at, long double out[3]
 
 enum { TIPS = 10, PINS = 300 };
 
-typedef struct scene { /* the Moai */
+typedef struct comparison { /* on the Moai */
     const mesh *mesh;
     points_order order;
     points rest, moved;
     double centre[PINS * 3], pull[PINS * 3];
-} scene;
+} comparison;
 
 typedef struct deviation { /* greatest, mm */
     double f64_mm, f32_mm, at_controls_mm;
 } deviation;
 
 /* Each the vertex that is furthest from those before it; pulls of at most 10 mm. */
-static mrt_result choose_centres(scene *self, error *err)
+static mrt_result choose_centres(comparison *self, error *err)
 {
     const mesh *m = self->mesh;
     double *nearest = malloc((size_t)m->vertex_count * sizeof *nearest);
@@ -457,7 +457,8 @@ static double off_by(const double *at, const double *rest, const long double way
     return (double)sqrtl(sum);
 }
 
-static void compare(deviation *out, scene *self, const csrbf_solver *solver, const reference *plain)
+static void compare(deviation *out, comparison *self, const csrbf_solver *solver,
+                    const reference *plain)
 {
     *out = (deviation){0};
     (void)csrbf_move(solver, &self->moved, &self->rest);
@@ -483,7 +484,7 @@ static void compare(deviation *out, scene *self, const csrbf_solver *solver, con
     }
 }
 
-static mrt_result solve_both(scene *self, const csrbf_settings *settings, uint32_t count,
+static mrt_result solve_both(comparison *self, const csrbf_settings *settings, uint32_t count,
                              deviation *out, error *err)
 {
     reference plain = {.count = count,
@@ -524,7 +525,7 @@ static const struct {
     {CSRBF_WENDLAND_C2, CSRBF_LINEAR, PINS, 60.0},
 };
 
-static mrt_result compare_cases(paper *of, scene *self, error *err)
+static mrt_result compare_cases(paper *of, comparison *self, error *err)
 {
     static const char *const head[] = {"kernel",
                                        "polynomial",
@@ -579,7 +580,7 @@ static mrt_result add_reference(paper *of, error *err)
 {
     char *path = installed_face("moai");
     face_file moai = {0};
-    scene *self = calloc(1, sizeof *self);
+    comparison *self = calloc(1, sizeof *self);
     mrt_result result = path && self ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = face_file_read(&moai, path, NULL, FACE_FILE_USABLE, err);
