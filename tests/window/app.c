@@ -273,7 +273,7 @@ static void what_cannot_be_done_says_why(void **state)
 
 static bool exports_are_over(app *of)
 {
-    return app_exports_going(of) == 0;
+    return exporter_count(app_exporter(of)) == 0;
 }
 
 static void a_take_is_exported_beside_the_stage(void **state)
@@ -301,7 +301,7 @@ static void a_take_is_exported_beside_the_stage(void **state)
 
 static bool export_is_told(app *of)
 {
-    return app_exports_going(of) == 0 || app_export_now(of, 0).done > 0.0;
+    return exporter_count(app_exporter(of)) == 0 || exporter_at(app_exporter(of), 0).done > 0.0;
 }
 
 static void an_export_says_how_far_it_is_and_is_cancelled(void **state)
@@ -314,15 +314,15 @@ static void an_export_says_how_far_it_is_and_is_cancelled(void **state)
     record_a_take(&r);
     (void)snprintf(request.file, sizeof request.file, "%s/pictures/", r.folder);
     assert_int_equal(app_export_take(r.app, app_take_id(r.app), &request), MRT_OK);
-    assert_int_equal(app_exports_going(r.app), 1);
-    assert_string_equal(app_export_now(r.app, 0).file, request.file);
+    assert_int_equal(exporter_count(app_exporter(r.app)), 1);
+    assert_string_equal(exporter_at(app_exporter(r.app), 0).file, request.file);
     assert_true(until(&r, export_is_told));
-    if (app_exports_going(r.app) == 0) { /* nothing can be drawn here */
+    if (exporter_count(app_exporter(r.app)) == 0) { /* nothing can be drawn here */
         close_room(&r);
         skip();
     }
-    assert_string_equal(app_export_now(r.app, 0).doing, "performing");
-    app_cancel_export(r.app, 0);
+    assert_string_equal(exporter_at(app_exporter(r.app), 0).doing, "performing");
+    exporter_cancel(app_exporter(r.app), 0);
     assert_true(until(&r, exports_are_over));
     assert_true(was_said(r.app, "was cancelled"));
     assert_int_not_equal(stat(request.file, &info), 0);

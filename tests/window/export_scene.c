@@ -30,7 +30,7 @@ static bool has_take(scene *s, void *data)
 
 static bool are_exports(scene *s, void *data)
 {
-    return app_exports_going(s->app) == *(uint32_t *)data;
+    return exporter_count(app_exporter(s->app)) == *(uint32_t *)data;
 }
 
 static void open_sized(scene *s, uint32_t width_px, uint32_t height_px, float scale)
@@ -85,7 +85,7 @@ static void what_is_there_is_replaced_when_asked_twice(void **state)
     assert_true(scene_until(&s, are_exports, &none));
     scene_do(&s, ACTION_EXPORT);
     scene_click_word(&s, "Export");
-    assert_int_equal(app_exports_going(s.app), 0);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 0);
     assert_non_null(scene_word_with(&s, "is there already"));
     scene_look(&s, "export_replaces");
     scene_check_words(&s);
@@ -102,7 +102,7 @@ static void what_goes_on_is_seen_and_cancelled(void **state)
     uint32_t none = 0;
     open_with_a_take(&s);
     ask_for_an_export(&s, "Pictures, a folder of PNG");
-    assert_int_equal(app_exports_going(s.app), 1);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 1);
     const ui_word *word = scene_word_with(&s, "Exporting");
     assert_non_null(word);
     scene_click(&s, word->where.x + 4.0f, word->where.y + 4.0f);
@@ -204,7 +204,7 @@ static void quitting_asks_about_an_export_that_goes_on(void **state)
     scene s;
     open_with_a_take(&s);
     ask_for_an_export(&s, "Pictures, a folder of PNG");
-    assert_int_equal(app_exports_going(s.app), 1);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 1);
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
     assert_false(s.is_over);
@@ -214,7 +214,7 @@ static void quitting_asks_about_an_export_that_goes_on(void **state)
     scene_click_word(&s, "Stay");
     scene_frames(&s, 3);
     assert_null(scene_word(&s, "An export goes on"));
-    assert_int_equal(app_exports_going(s.app), 1);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 1);
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
     scene_click_word(&s, "Quit when done");
@@ -317,10 +317,10 @@ static void several_takes_are_exported_and_one_that_fails_stops_no_other(void **
     assert_non_null(scene_word(&s, "Writes night_1.csv and 1 more"));
     scene_check_words(&s);
     scene_click_word(&s, "Export");
-    assert_int_equal(app_exports_going(s.app), 0);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 0);
     assert_non_null(scene_word_with(&s, "is there already"));
     scene_click_word(&s, "Export");
-    assert_int_equal(app_exports_going(s.app), 2);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 2);
     assert_true(scene_until(&s, are_exports, &none));
     assert_int_equal(app_exports_failed(s.app), 1);
     assert_int_equal(stat(path[1], &status), 0);
@@ -344,7 +344,7 @@ static void a_preset_chooses_and_what_is_typed_is_checked(void **state)
     scene_click_word(&s, "1920 x 1080");
     scene_click_word(&s, "Another size");
     scene_click_word(&s, "Export");
-    assert_int_equal(app_exports_going(s.app), 0);
+    assert_int_equal(exporter_count(app_exporter(s.app)), 0);
     assert_non_null(scene_word_with(&s, "The size"));
     scene_look(&s, "export_own");
     scene_check_words(&s);

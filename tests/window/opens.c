@@ -240,7 +240,7 @@ static void a_mesh_without_a_rig_performs_after_one_click(void **state)
 static bool has_drafted(scene *of, void *data)
 {
     (void)data;
-    return !app_is_drafting(of->app) && app_face(of->app)->rig;
+    return !app_notes_of(of->app)->is_drafting && app_face(of->app)->rig;
 }
 
 static double frame_s(void)
@@ -265,12 +265,12 @@ static void a_draft_that_is_left_holds_nothing_up(void **state)
     assert_true(scene_until(&s, rests, NULL));
     scene_frames(&s, 30);
     scene_click_word(&s, "Draft a rig");
-    while (!app_is_drafting(s.app))
+    while (!app_notes_of(s.app)->is_drafting)
         scene_frames(&s, 1);
     assert_true(app_open_face(s.app, SOURCE_DIR "/rigs/moai/moai.rig.json") >= 0);
     const double left_s = frame_s(); /* the rig panel's, which lets the draft go */
     print_message("a draft takes %.2f s, leaving it %.2f s\n", draft_s, left_s);
-    assert_false(app_is_drafting(s.app));
+    assert_false(app_notes_of(s.app)->is_drafting);
     assert_true(left_s < 0.5 * draft_s);
     scene_close(&s);
 }
@@ -360,7 +360,8 @@ static void a_drafted_rig_is_read_again_as_it_was_drafted(void **state)
 static bool asks_mouth(scene *of, void *data)
 {
     (void)data;
-    return !app_is_drafting(of->app) && scene_word(of, "There is no slit between the lips.");
+    return !app_notes_of(of->app)->is_drafting &&
+           scene_word(of, "There is no slit between the lips.");
 }
 
 static bool has_cut(scene *of, void *data)

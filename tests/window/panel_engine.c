@@ -29,7 +29,7 @@ static void say_frames(stand *s)
         status->phase_p99_ms[i] = 0.9 * (i + 1);
     }
     status->lag_p99_ms = 2.4;
-    s->figures = (app_figures){0.31, 0.72, 16.7, 22.3, 14.2, 19.9, 12.1, 21.4};
+    s->notes.figures = (app_figures){0.31, 0.72, 16.7, 22.3, 14.2, 19.9, 12.1, 21.4};
 }
 
 static void it_shows_times_and_what_they_mean(void **state)

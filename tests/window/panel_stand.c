@@ -148,10 +148,10 @@ app_looks *app_looks_of(app *self)
     return &here->looks;
 }
 
-const app_figures *app_figures_of(const app *self)
+app_notes *app_notes_of(app *self)
 {
     (void)self;
-    return &here->figures;
+    return &here->notes;
 }
 
 static void stand_forget(app_step *step)

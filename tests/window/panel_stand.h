@@ -17,7 +17,7 @@ typedef struct stand {
     live_view view;
     live_status status;
     app_looks looks;
-    app_figures figures;
+    app_notes notes;
     /* inputs */
     input *input[STAND_INPUTS];
     char input_text[STAND_INPUTS][256];

@@ -52,34 +52,10 @@ void app_clear_pulls(app *self)
     (void)self;
 }
 
-void app_note_rig_pending(app *self, bool is_pending)
-{
-    (void)self;
-    (void)is_pending;
-}
-
 bool app_take_call(app *self, app_call of)
 {
     (void)self, (void)of;
     return false;
-}
-
-void app_note_drafting(app *self, bool is_drafting)
-{
-    (void)self;
-    (void)is_drafting;
-}
-
-app_mouth app_take_mouth(app *self)
-{
-    (void)self;
-    return APP_MOUTH_UNANSWERED;
-}
-
-void app_note_mouth_asked(app *self, bool is_asked)
-{
-    (void)self;
-    (void)is_asked;
 }
 
 void app_set_rig_saver(app *self, const app_rig_saver *saver)

@@ -123,7 +123,7 @@ static bool is_still(scene *of, void *data)
 static bool is_rig_laid(scene *of, void *data)
 {
     (void)data;
-    return !app_is_rig_pending(of->app);
+    return !app_notes_of(of->app)->is_rig_pending;
 }
 
 static words say_all(void)

@@ -505,7 +505,7 @@ static void figures_are_told(void **state)
     assert_true(counts.fast.panels_p50_ms > 0.0);
     assert_true(counts.fast.latency_p50_ms > 0.0);
     assert_true(counts.fast.latency_p99_ms >= counts.fast.latency_p50_ms);
-    assert_true(app_figures_of(s.app)->draw_p50_ms > 0.0);
+    assert_true(app_notes_of(s.app)->figures.draw_p50_ms > 0.0);
     print_message("panels %.3f ms, 99 %% %.3f ms\n", counts.fast.panels_p50_ms,
                   counts.fast.panels_p99_ms);
     scene_close(&s);

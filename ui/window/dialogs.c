@@ -78,7 +78,7 @@ static void go_on(dialogs *self)
 {
     const dialogs_leaving what = self->leaving;
     self->leaving = DIALOGS_STAYS;
-    if (what == DIALOGS_QUITS && app_exports_going(self->app) > 0)
+    if (what == DIALOGS_QUITS && exporter_count(app_exporter(self->app)) > 0)
         ask_about_exports(self);
     else if (what == DIALOGS_QUITS)
         self->is_over = true;
@@ -116,12 +116,10 @@ static void stay(dialogs *self)
 static void save_and_go(dialogs *self, const app_unsaved *unsaved)
 {
     error err = {0};
-    if (unsaved->save(unsaved->owner, &err) >= 0) {
+    if (app_report(self->app, unsaved->save(unsaved->owner, &err), &err) >= 0)
         go_on(self);
-        return;
-    }
-    news_list_add(app_news(self->app), MRT_LOG_ERROR, "stage", err.text);
-    stay(self);
+    else
+        stay(self);
 }
 
 static void draw_unsaved(dialogs *self)
@@ -200,7 +198,7 @@ static void draw_answers(dialogs *self)
 static void draw_exporting(dialogs *self)
 {
     ui *on = self->ui;
-    const bool is_one = app_exports_going(self->app) == 1;
+    const bool is_one = exporter_count(app_exporter(self->app)) == 1;
     if (!ui_dialog_begin(on, exporting_dialog, "An export goes on", 520.0f)) {
         if (self->asks_exports)
             stay(self); /* Escape */
@@ -208,7 +206,7 @@ static void draw_exporting(dialogs *self)
         return;
     }
     self->asks_exports = true;
-    if (app_exports_going(self->app) == 0) {
+    if (exporter_count(app_exporter(self->app)) == 0) {
         exports_ended(self);
         ui_dialog_end(on);
         return;

@@ -570,7 +570,7 @@ void export_page_ask_going(export_page *self)
 
 static void draw_going(ui *on, app *of, uint32_t index)
 {
-    const export_progress going = app_export_now(of, index);
+    const export_progress going = exporter_at(app_exporter(of), index);
     char words[64], id[24];
     (void)snprintf(id, sizeof id, "export%u", index);
     ui_id_begin(on, id);
@@ -586,7 +586,7 @@ static void draw_going(ui *on, app *of, uint32_t index)
     ui_bar(on, going.done < 0.0 ? 0.0f : (float)going.done, 484.0f, 8.0f, UI_STYLE_GOOD);
     ui_disabled_begin(on, going.is_cancelled);
     if (ui_button(on, "Cancel", UI_PLAIN))
-        app_cancel_export(of, index);
+        exporter_cancel(app_exporter(of), index);
     ui_disabled_end(on);
     ui_id_end(on);
     ui_space(on, 6.0f);
@@ -594,11 +594,11 @@ static void draw_going(ui *on, app *of, uint32_t index)
 
 void export_page_list_going(ui *on, app *of)
 {
-    const uint32_t count = app_exports_going(of);
+    const uint32_t count = exporter_count(app_exporter(of));
     const bool scrolls = count > 3;
     if (count > 1 && ui_button(on, "Cancel all", UI_PLAIN))
         for (uint32_t i = 0; i < count; ++i)
-            app_cancel_export(of, i);
+            exporter_cancel(app_exporter(of), i);
     if (scrolls)
         ui_scroll_begin(on, "going", 0.0f, 280.0f);
     for (uint32_t i = 0; i < count; ++i)
@@ -611,7 +611,7 @@ void export_page_list_going(ui *on, app *of)
 static void draw_exports(export_page *self)
 {
     ui *on = self->ui;
-    const uint32_t count = app_exports_going(self->app);
+    const uint32_t count = exporter_count(app_exporter(self->app));
     if (!ui_dialog_begin(on, going_dialog, "Exports", 520.0f))
         return;
     export_page_list_going(on, self->app);

@@ -153,7 +153,7 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
 {
     char text[160];
     const char *path = app_face_path(of), *slash = strrchr(path, '/');
-    const bool is_drafting = app_is_drafting(of);
+    const bool is_drafting = app_notes_of(of)->is_drafting;
     (void)snprintf(text, sizeof text,
                    is_drafting ? "Looking for the face in %.80s..." : "%.80s has no rig yet",
                    slash ? slash + 1 : path);
@@ -190,13 +190,13 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
 /* A head without a slit between its lips was drafted. */
 static bool asks_mouth(app *of)
 {
-    return app_is_mouth_asked(of) && !app_status(of)->is_recording &&
+    return app_notes_of(of)->is_mouth_asked && !app_status(of)->is_recording &&
            !app_looks_of(of)->is_helping && app_view(of)->number;
 }
 
 static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
 {
-    const bool is_cutting = app_is_drafting(of);
+    const bool is_cutting = app_notes_of(of)->is_drafting;
     const char *text = is_cutting ? "Cutting the mouth..." : APP_MOUTH_QUESTION;
     const float wide = ui_text_width(on, UI_STYLE_DIM, text) + 22.0f + 2.0f * padding;
     const float width = fmaxf(wide, is_cutting ? 150.0f : 260.0f);
@@ -207,11 +207,11 @@ static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
     ui_text(on, UI_STYLE_DIM, text);
     if (!is_cutting) {
         if (ui_button(on, "Cut the mouth", UI_ACCENT))
-            app_answer_mouth(of, APP_MOUTH_CUT);
+            app_notes_of(of)->mouth_answer = APP_MOUTH_CUT;
         ui_hint(on, APP_MOUTH_CUT_HINT);
         ui_same_line(on);
         if (ui_button(on, "Perform as clay", UI_PLAIN))
-            app_answer_mouth(of, APP_MOUTH_CLAY);
+            app_notes_of(of)->mouth_answer = APP_MOUTH_CLAY;
         ui_hint(on, APP_MOUTH_CLAY_HINT);
     }
     ui_panel_end(on);

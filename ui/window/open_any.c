@@ -77,32 +77,19 @@ open_kind open_kind_of(const char *path)
 
 uint32_t open_recent(const settings *from, const char *out[OPEN_RECENT_MAX])
 {
-    uint32_t count = 0;
-    char key[32];
-    for (uint32_t i = 0; i < OPEN_RECENT_MAX; ++i) {
-        (void)snprintf(key, sizeof key, "recent.%u", i);
-        const char *path = settings_text(from, key, "");
-        if (path[0])
-            out[count++] = path;
-    }
-    return count;
+    return settings_list(from, "recent", out, OPEN_RECENT_MAX);
 }
 
 static void note_recent(settings *to, const char *path)
 {
-    const char *before[OPEN_RECENT_MAX];
-    char *kept[OPEN_RECENT_MAX + 1] = {strdup(path)}, key[32];
-    uint32_t count = kept[0] ? 1 : 0;
+    const char *before[OPEN_RECENT_MAX], *kept[OPEN_RECENT_MAX + 1] = {path};
     const uint32_t known = open_recent(to, before);
-    for (uint32_t i = 0; i < known && count > 0; ++i)
-        if (strcmp(before[i], path) != 0 && (kept[count] = strdup(before[i])))
-            count += 1;
-    for (uint32_t i = 0; i < count; ++i) {
-        (void)snprintf(key, sizeof key, "recent.%u", i);
-        if (i < OPEN_RECENT_MAX)
-            settings_set_text(to, key, kept[i]);
-        free(kept[i]);
-    }
+    uint32_t count = 1;
+    for (uint32_t i = 0; i < known; ++i)
+        if (strcmp(before[i], path) != 0)
+            kept[count++] = before[i];
+    settings_set_list(to, "recent", kept, count < OPEN_RECENT_MAX ? count : OPEN_RECENT_MAX,
+                      OPEN_RECENT_MAX);
 }
 
 static mrt_result open_hands(app *of, const char *path)
@@ -110,13 +97,6 @@ static mrt_result open_hands(app *of, const char *path)
     char text[FOLDER_PATH + 16];
     (void)snprintf(text, sizeof text, "log:%s,loop=1", path);
     return app_open_input(of, text);
-}
-
-static mrt_result say(app *of, mrt_result result, const error *err)
-{
-    if (result < 0)
-        news_list_add(app_news(of), MRT_LOG_ERROR, "stage", err->text);
-    return result;
 }
 
 mrt_result open_any(app *of, const char *path)
@@ -137,13 +117,14 @@ mrt_result open_any(app *of, const char *path)
         result = app_attach_voice(of, path);
         break;
     case OPEN_PICTURE:
-        result = say(of, kept_scenery_choose(app_scenery(of), path, &err), &err);
+        result = app_report(of, kept_scenery_choose(app_scenery(of), path, &err), &err);
         break;
     default:
-        return say(of,
-                   error_set(&err, MRT_ERR_FORMAT,
-                             "%s is no show, face, recording of hands, sound or picture", path),
-                   &err);
+        return app_report(of,
+                          error_set(&err, MRT_ERR_FORMAT,
+                                    "%s is no show, face, recording of hands, sound or picture",
+                                    path),
+                          &err);
     }
     if (result >= 0)
         note_recent(app_settings(of), path);

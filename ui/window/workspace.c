@@ -604,11 +604,12 @@ static float put_middle(pen *p, float x)
 static float put_exports(pen *p, float right)
 {
     app *of = p->workspace->app;
-    const uint32_t count = app_exports_going(of);
+    const exporter *exports = app_exporter(of);
+    const uint32_t count = exporter_count(exports);
     char words[64], part[32] = "";
     if (count == 0)
         return right;
-    const export_progress first = app_export_now(of, 0);
+    const export_progress first = exporter_at(exports, 0);
     if (first.done >= 0.0)
         (void)snprintf(part, sizeof part, "%s %.0f %%", count > 1 ? "," : "", 100.0 * first.done);
     if (count > 1)
@@ -648,7 +649,7 @@ static float put_voice(pen *p, float right)
 static void put_right(pen *p, float left)
 {
     app *of = p->workspace->app;
-    const app_figures *fast = app_figures_of(of);
+    const app_figures *fast = &app_notes_of(of)->figures;
     char words[80];
     float x = p->where.x + p->where.width - 10.0f;
     x = put_word(p, x, ACTION_HELP, "?", app_looks_of(of)->is_helping) - 4.0f;
@@ -1092,13 +1093,11 @@ static void look_at_figures(const workspace *self, app_figures *out)
 
 static void tell_figures(workspace *self)
 {
-    app_figures out;
     self->figures_wait_s -= self->screen.dt_s;
     if (self->figures_wait_s > 0.0)
         return;
     self->figures_wait_s = FIGURES_EVERY_S;
-    look_at_figures(self, &out);
-    app_note_figures(self->app, &out);
+    look_at_figures(self, &app_notes_of(self->app)->figures);
     tell_title(self);
     keep_size(self);
 }

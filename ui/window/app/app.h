@@ -63,6 +63,9 @@ news_list *app_news(app *self); /* what was said, for the log panel and the last
 
 /* ---- what is done: errors are said in the news and come back ---- */
 
+/* An error is said in the news, once; the result comes back. */
+mrt_result app_report(app *self, mrt_result result, const error *err);
+
 CHECKED mrt_result app_open_show(app *self, const char *path);
 /* A copy under a new name, which is the open show as soon as it is whole: the news say so. The one
  * before stays as it is now. */
@@ -85,11 +88,8 @@ const char *app_opening_trouble(const app *self);
  * before; the news say how it ended. */
 struct export_request;
 CHECKED mrt_result app_export_take(app *self, int64_t id, const struct export_request *request);
-uint32_t app_exports_going(const app *self);  /* those that wait as well */
-uint32_t app_exports_failed(const app *self); /* of this run; not those that were cancelled */
-/* app_export.h: index 0..app_exports_going - 1. */
-struct export_progress app_export_now(const app *self, uint32_t index);
-void app_cancel_export(app *self, uint32_t index);
+struct exporter *app_exporter(const app *self); /* exporter.h: those that go on or wait */
+uint32_t app_exports_failed(const app *self);   /* of this run; not those that were cancelled */
 
 /* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
  * said in the news. */
@@ -185,18 +185,12 @@ void app_ask(app *self, app_call of);
 bool app_take_call(app *self, app_call of);
 /* A mapping that rests, or else the one of a new stage, performs on the draft. */
 void app_ask_draft(app *self);
-void app_note_drafting(app *self, bool is_drafting); /* [rig panel] */
-bool app_is_drafting(const app *self);
 /* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the
  * answer once. */
 #define APP_MOUTH_QUESTION  "There is no slit between the lips."
 #define APP_MOUTH_CUT_HINT  "The edges between the lips open, with the dark of a mouth behind them."
 #define APP_MOUTH_CLAY_HINT "The skin stays whole: the jaw stretches it, and the lips do not part."
 typedef enum app_mouth { APP_MOUTH_UNANSWERED = 0, APP_MOUTH_CUT, APP_MOUTH_CLAY } app_mouth;
-void app_note_mouth_asked(app *self, bool is_asked); /* [rig panel] */
-bool app_is_mouth_asked(const app *self);
-void app_answer_mouth(app *self, app_mouth answer);
-app_mouth app_take_mouth(app *self);
 
 /* ---- the take that is chosen ---- */
 
@@ -300,18 +294,24 @@ typedef struct app_choice {
 } app_choice;
 app_choice *app_chosen(app *self);
 
-/* ---- how fast the window is: the workspace says it some times a second, the engine panel shows it
- * ----
- */
-
-typedef struct app_figures {
+typedef struct app_figures {                 /* how fast the window is */
     double panels_p50_ms, panels_p99_ms;     /* CPU time of all panels, without the face */
     double interval_p50_ms, interval_p99_ms; /* from one drawn frame to the next */
     double draw_p50_ms, draw_p99_ms;         /* of that: until it is handed to the screen */
     double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted; 0: none */
 } app_figures;
-void app_note_figures(app *self, const app_figures *figures);
-const app_figures *app_figures_of(const app *self); /* never NULL; zeroes at first */
+
+/* ---- what one part of the window tells the others ---- */
+
+typedef struct app_notes {
+    app_figures figures;    /* by the workspace, some times a second; zeroes at first */
+    bool is_drafting;       /* by the rig panel: a first rig is being found */
+    bool is_mouth_asked;    /* by the rig panel: it waits for mouth_answer */
+    app_mouth mouth_answer; /* by whoever asks; the rig panel takes it away */
+    bool is_rig_pending;    /* by the rig panel: the rig as it was changed last is still being laid
+                               on the face; pulls wait for it */
+} app_notes;
+app_notes *app_notes_of(app *self);
 
 /* ---- actions ---- */
 
@@ -363,9 +363,6 @@ void app_hold(app *self, const char *words); /* what began stays: a step of undo
 /* Before the rig is changed: what stays goes, as a step of undo of its own, since it belongs to the
  * rig as it was. */
 void app_clear_pulls(app *self);
-/* The rig as it was changed last is still being laid on the face: pulls wait for it. */
-void app_note_rig_pending(app *self, bool is_pending);
-bool app_is_rig_pending(const app *self);
 
 /* The viewport on the screen, which panels ask for what the pointer does; NULL: none (a test of a
  * panel alone). */

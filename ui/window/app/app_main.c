@@ -6,7 +6,6 @@
 
 #include <limits.h>
 #include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -154,38 +153,6 @@ bool app_take_call(app *self, app_call of)
     return was_asked;
 }
 
-void app_note_drafting(app *self, bool is_drafting)
-{
-    self->is_drafting = is_drafting;
-}
-
-bool app_is_drafting(const app *self)
-{
-    return self->is_drafting;
-}
-
-void app_note_mouth_asked(app *self, bool is_asked)
-{
-    self->is_mouth_asked = is_asked;
-}
-
-bool app_is_mouth_asked(const app *self)
-{
-    return self->is_mouth_asked;
-}
-
-void app_answer_mouth(app *self, app_mouth answer)
-{
-    self->mouth_answer = answer;
-}
-
-app_mouth app_take_mouth(app *self)
-{
-    const app_mouth answer = self->mouth_answer;
-    self->mouth_answer = APP_MOUTH_UNANSWERED;
-    return answer;
-}
-
 app_remote_status app_remote_now(const app *self)
 {
     return remote_status_of(self->remote);
@@ -277,26 +244,24 @@ const char *app_picture_says(const app *self, uint32_t *out_streams)
 static void keep_outputs(app *self)
 {
     outputs *of = live_outputs(self->live);
-    char key[24];
-    for (uint32_t i = 0; i < OUTPUTS_MAX; ++i) {
-        output_status now = {.text = NULL};
-        if (i < outputs_count(of))
-            outputs_status(of, i, &now);
-        (void)snprintf(key, sizeof key, "outputs.%u", i);
-        settings_set_text(self->settings, key, now.text);
+    const char *kept[OUTPUTS_MAX];
+    const uint32_t count = outputs_count(of);
+    for (uint32_t i = 0; i < count; ++i) {
+        output_status now;
+        outputs_status(of, i, &now);
+        kept[i] = now.text;
     }
+    settings_set_list(self->settings, "outputs", kept, count, OUTPUTS_MAX);
 }
 
 /* As they were when the program ended: what they name is looked up among what is loaded. */
 static void open_outputs(app *self)
 {
-    char key[24];
-    for (uint32_t i = 0; i < OUTPUTS_MAX; ++i) {
+    const char *kept[OUTPUTS_MAX];
+    const uint32_t count = settings_list(self->settings, "outputs", kept, OUTPUTS_MAX);
+    for (uint32_t i = 0; i < count; ++i) {
         error err = {""};
-        (void)snprintf(key, sizeof key, "outputs.%u", i);
-        const char *text = settings_text(self->settings, key, NULL);
-        if (text)
-            (void)app_report(self, outputs_add(live_outputs(self->live), text, &err), &err);
+        (void)app_report(self, outputs_add(live_outputs(self->live), kept[i], &err), &err);
     }
 }
 
@@ -581,6 +546,11 @@ app_choice *app_chosen(app *self)
     return &self->choice;
 }
 
+app_notes *app_notes_of(app *self)
+{
+    return &self->notes;
+}
+
 struct viewport *app_viewport(app *self)
 {
     return self->viewport;
@@ -589,16 +559,6 @@ struct viewport *app_viewport(app *self)
 void app_set_viewport(app *self, struct viewport *v)
 {
     self->viewport = v;
-}
-
-void app_note_figures(app *self, const app_figures *figures)
-{
-    self->figures = *figures;
-}
-
-const app_figures *app_figures_of(const app *self)
-{
-    return &self->figures;
 }
 
 void app_set_unsaved(app *self, const app_unsaved *unsaved)
@@ -627,19 +587,9 @@ mrt_result app_export_take(app *self, int64_t id, const export_request *request)
     return app_report(self, result, &err);
 }
 
-uint32_t app_exports_going(const app *self)
+exporter *app_exporter(const app *self)
 {
-    return exporter_count(self->exports);
-}
-
-export_progress app_export_now(const app *self, uint32_t index)
-{
-    return exporter_at(self->exports, index);
-}
-
-void app_cancel_export(app *self, uint32_t index)
-{
-    exporter_cancel(self->exports, index);
+    return self->exports;
 }
 
 /* ---- what the pointer left on the live face, as steps of undo: a pull with Shift, clay, and what
@@ -867,38 +817,10 @@ static void do_performance(app *self, action of)
     }
 }
 
-/* The switch of the looks that an action is. */
-static const struct {
-    action of;
-    size_t offset;
-} switches[] = {
-    {ACTION_VIEW_MIRROR, offsetof(app_looks, is_mirrored)},
-    {ACTION_VIEW_TURNTABLE, offsetof(app_looks, is_turning)},
-    {ACTION_SHOW_HANDS, offsetof(app_looks, shows_hands)},
-    {ACTION_SHOW_VECTORS, offsetof(app_looks, shows_vectors)},
-    {ACTION_SHOW_SUPPORTS, offsetof(app_looks, shows_supports)},
-    {ACTION_SHOW_CONTACTS, offsetof(app_looks, shows_contacts)},
-    {ACTION_SHOW_JAW, offsetof(app_looks, shows_jaw)},
-    {ACTION_OUTPUT, offsetof(app_looks, has_output)},
-    {ACTION_OUTPUT_MIRROR, offsetof(app_looks, is_output_mirrored)},
-    {ACTION_FACE_ONLY, offsetof(app_looks, is_face_only)},
-    {ACTION_TIMELINE, offsetof(app_looks, has_timeline)},
-    {ACTION_HELP, offsetof(app_looks, is_helping)},
-};
-
-/* NULL: it is none. */
-static bool *switch_of(app_looks *looks, action of)
-{
-    for (size_t i = 0; i < sizeof switches / sizeof switches[0]; ++i)
-        if (switches[i].of == of)
-            return (bool *)((char *)looks + switches[i].offset);
-    return NULL;
-}
-
 static void do_look(app *self, action of)
 {
     app_looks *looks = &self->looks;
-    bool *value = switch_of(looks, of);
+    bool *value = app_look_switch(self, of);
     if (value) {
         *value = !*value;
         if (of == ACTION_TIMELINE && *value)
@@ -958,16 +880,6 @@ bool app_wants_to_quit(const app *self)
 void app_stay(app *self)
 {
     self->wants_to_quit = false;
-}
-
-void app_note_rig_pending(app *self, bool is_pending)
-{
-    self->is_rig_pending = is_pending;
-}
-
-bool app_is_rig_pending(const app *self)
-{
-    return self->is_rig_pending;
 }
 
 bool app_has_hand_keys(const app *self)

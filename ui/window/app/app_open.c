@@ -28,38 +28,58 @@
 
 #define WRITE_EVERY_S 4.0
 
-typedef struct look_switch {
-    const char *key;
+/* The switches of the looks: what turns each, and where it is kept; key NULL: it is not. The output
+ * is not opened by itself: a projector is switched on by a person. */
+static const struct look_switch {
+    action of; /* ACTION_NONE: another widget does */
     size_t offset;
+    const char *key;
     bool initial;
-} look_switch;
-
-/* The output is not opened by itself: a projector is switched on by a person. */
-static const look_switch switches[] = {
-    {"looks.hands", offsetof(app_looks, shows_hands), true},
-    {"looks.vectors", offsetof(app_looks, shows_vectors), false},
-    {"looks.supports", offsetof(app_looks, shows_supports), false},
-    {"looks.contacts", offsetof(app_looks, shows_contacts), false},
-    {"looks.jaw", offsetof(app_looks, shows_jaw), false},
-    {"looks.mirrored", offsetof(app_looks, is_mirrored), true},
-    {"looks.turning", offsetof(app_looks, is_turning), false},
-    {"looks.face_only", offsetof(app_looks, is_face_only), false},
-    {"looks.timeline", offsetof(app_looks, has_timeline), true},
-    {"looks.output_mirrored", offsetof(app_looks, is_output_mirrored), false},
-    {"looks.light", offsetof(app_looks, theme.is_light), false},
-    {"looks.colour_safe", offsetof(app_looks, theme.is_colour_safe), false},
+} switches[] = {
+    {ACTION_SHOW_HANDS, offsetof(app_looks, shows_hands), "looks.hands", true},
+    {ACTION_SHOW_VECTORS, offsetof(app_looks, shows_vectors), "looks.vectors", false},
+    {ACTION_SHOW_SUPPORTS, offsetof(app_looks, shows_supports), "looks.supports", false},
+    {ACTION_SHOW_CONTACTS, offsetof(app_looks, shows_contacts), "looks.contacts", false},
+    {ACTION_SHOW_JAW, offsetof(app_looks, shows_jaw), "looks.jaw", false},
+    {ACTION_VIEW_MIRROR, offsetof(app_looks, is_mirrored), "looks.mirrored", true},
+    {ACTION_VIEW_TURNTABLE, offsetof(app_looks, is_turning), "looks.turning", false},
+    {ACTION_FACE_ONLY, offsetof(app_looks, is_face_only), "looks.face_only", false},
+    {ACTION_TIMELINE, offsetof(app_looks, has_timeline), "looks.timeline", true},
+    {ACTION_OUTPUT, offsetof(app_looks, has_output), NULL, false},
+    {ACTION_OUTPUT_MIRROR, offsetof(app_looks, is_output_mirrored), "looks.output_mirrored", false},
+    {ACTION_HELP, offsetof(app_looks, is_helping), NULL, false},
+    {ACTION_NONE, offsetof(app_looks, theme.is_light), "looks.light", false},
+    {ACTION_NONE, offsetof(app_looks, theme.is_colour_safe), "looks.colour_safe", false},
 };
 enum { SWITCHES = sizeof switches / sizeof switches[0] };
 
-static bool *switch_at(app_looks *looks, const look_switch *one)
+static const struct look_number {
+    const char *key;
+    size_t offset;
+    double initial, least, most;
+} numbers[] = {
+    {"looks.timeline_height", offsetof(app_looks, timeline_height), 220.0, 60.0, 2000.0},
+    {"looks.dock_width", offsetof(app_looks, dock_width), (double)THEME_DOCK_WIDTH, 60.0, 1200.0},
+    {"looks.text_size", offsetof(app_looks, text_size), 1.0, 0.8, 2.0},
+};
+enum { NUMBERS = sizeof numbers / sizeof numbers[0] };
+
+static bool *switch_at(app_looks *looks, const struct look_switch *one)
 {
     return (bool *)(void *)((char *)looks + one->offset);
 }
 
-static float length_of(const settings *from, const char *key, double otherwise, double most)
+static float *number_at(app_looks *looks, const struct look_number *one)
 {
-    const double kept = settings_number(from, key, otherwise);
-    return (float)(kept >= 60.0 && kept <= most ? kept : otherwise);
+    return (float *)(void *)((char *)looks + one->offset);
+}
+
+bool *app_look_switch(app *self, action of)
+{
+    for (uint32_t i = 0; i < SWITCHES; ++i)
+        if (of != ACTION_NONE && switches[i].of == of)
+            return switch_at(&self->looks, &switches[i]);
+    return NULL;
 }
 
 void app_looks_read(app *self)
@@ -67,15 +87,18 @@ void app_looks_read(app *self)
     const settings *from = self->settings;
     app_looks *looks = &self->looks;
     for (uint32_t i = 0; i < SWITCHES; ++i)
-        *switch_at(looks, &switches[i]) =
-            settings_number(from, switches[i].key, switches[i].initial) != 0.0;
+        if (switches[i].key)
+            *switch_at(looks, &switches[i]) =
+                settings_number(from, switches[i].key, switches[i].initial) != 0.0;
+    for (uint32_t i = 0; i < NUMBERS; ++i) {
+        const double kept = settings_number(from, numbers[i].key, numbers[i].initial);
+        *number_at(looks, &numbers[i]) =
+            (float)(kept >= numbers[i].least && kept <= numbers[i].most ? kept
+                                                                        : numbers[i].initial);
+    }
     const double kept = settings_number(from, "looks.panel", APP_DEVICES);
     if (kept >= 0.0 && kept < APP_PANELS)
         looks->panel = (app_panel)kept;
-    looks->timeline_height = length_of(from, "looks.timeline_height", 220.0, 2000.0);
-    looks->dock_width = length_of(from, "looks.dock_width", (double)THEME_DOCK_WIDTH, 1200.0);
-    const double text_size = settings_number(from, "looks.text_size", 1.0);
-    looks->text_size = text_size >= 0.8 && text_size <= 2.0 ? (float)text_size : 1.0f;
     key_map_read(&looks->keys, from);
 }
 
@@ -89,12 +112,12 @@ static void keep_looks(app *self)
     settings *to = self->settings;
     app_looks *looks = &self->looks;
     for (uint32_t i = 0; i < SWITCHES; ++i)
-        settings_set_number(to, switches[i].key, *switch_at(looks, &switches[i]) ? 1.0 : 0.0);
+        if (switches[i].key)
+            settings_set_number(to, switches[i].key, *switch_at(looks, &switches[i]) ? 1.0 : 0.0);
+    for (uint32_t i = 0; i < NUMBERS; ++i)
+        settings_set_number(to, numbers[i].key, (double)*number_at(looks, &numbers[i]));
     settings_set_number(to, "looks.panel", (double)looks->panel);
-    settings_set_number(to, "looks.timeline_height", (double)looks->timeline_height);
-    settings_set_number(to, "looks.dock_width", (double)looks->dock_width);
     key_map_keep(&looks->keys, to);
-    settings_set_number(to, "looks.text_size", (double)looks->text_size);
 }
 
 /* What performs, for live_set_mapping; "": none. */
@@ -129,19 +152,12 @@ static bool can_be_opened_again(app *self, const char *text)
 
 static void keep_inputs(app *self)
 {
-    uint32_t kept = 0;
-    char key[24];
-    for (uint32_t i = 0; i < live_input_count(self->live) && kept < INPUT_OPENER_MAX; ++i) {
-        const char *text = live_input_text(self->live, i);
-        if (!can_be_opened_again(self, text))
-            continue;
-        (void)snprintf(key, sizeof key, "inputs.%u", kept++);
-        settings_set_text(self->settings, key, text);
-    }
-    for (; kept < INPUT_OPENER_MAX; ++kept) {
-        (void)snprintf(key, sizeof key, "inputs.%u", kept);
-        settings_set_text(self->settings, key, NULL);
-    }
+    const char *kept[INPUT_OPENER_MAX];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < live_input_count(self->live) && count < INPUT_OPENER_MAX; ++i)
+        if (can_be_opened_again(self, live_input_text(self->live, i)))
+            kept[count++] = live_input_text(self->live, i);
+    settings_set_list(self->settings, "inputs", kept, count, INPUT_OPENER_MAX);
 }
 
 void app_keep_settings_now(app *self)
@@ -876,12 +892,7 @@ static void start_inputs(app *self, const app_options *options, const chosen *na
             (void)app_report(self, input_opener_open(self->inputs, kept, count, false, &err), &err);
         return;
     }
-    for (uint32_t i = 0; i < INPUT_OPENER_MAX; ++i) {
-        char key[24];
-        (void)snprintf(key, sizeof key, "inputs.%u", i);
-        kept[count] = settings_text(self->settings, key, NULL);
-        count += kept[count] != NULL;
-    }
+    count = settings_list(self->settings, "inputs", kept, INPUT_OPENER_MAX);
     (void)app_report(self, input_opener_open(self->inputs, kept, count, true, &err), &err);
 }
 

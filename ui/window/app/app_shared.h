@@ -68,8 +68,8 @@ struct app {
     expressions *expressions;
     remote *remote;
     bool is_called[APP_CALLS];
-    bool is_drafting, is_mouth_asked, has_pulled;
-    app_mouth mouth_answer;
+    bool has_pulled;
+    app_notes notes;
     char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */
@@ -90,10 +90,9 @@ struct app {
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     app_done done[APP_UNDO_MAX];
     uint32_t done_count, all_count;
-    size_t done_bytes;   /* of all of them */
-    bool is_rig_pending; /* it is not on the stage yet as it was left */
-    bool is_rig_shown;   /* in the dock, at the last update */
-    uint32_t rig_floor;  /* done_count as it came there */
+    size_t done_bytes;  /* of all of them */
+    bool is_rig_shown;  /* in the dock, at the last update */
+    uint32_t rig_floor; /* done_count as it came there */
 
     /* ---- recording and playing ---- */
     int64_t leads_in_until_ns; /* clock; 0: nothing is awaited */
@@ -112,7 +111,6 @@ struct app {
     bool is_held;     /* something was pulled that is there to be cleared */
     int64_t ranged;   /* the take whose range of the last run has been looked for */
     struct viewport *viewport;
-    app_figures figures;
     app_unsaved unsaved;
     bool has_unsaved;
     app_rig_saver rig_saver;
@@ -132,8 +130,6 @@ struct app {
 
 /* ---- app_main.c ---- */
 
-/* An error is said in the news, once; the result comes back. */
-mrt_result app_report(app *self, mrt_result result, const error *err);
 __attribute__((format(printf, 3, 4))) void app_say(app *self, int32_t level, const char *format,
                                                    ...);
 
@@ -148,7 +144,8 @@ void app_forget_pulls(app *self);
 
 /* ---- app_open.c ---- */
 
-void app_looks_read(app *self); /* from the settings */
+void app_looks_read(app *self);              /* from the settings */
+bool *app_look_switch(app *self, action of); /* that the action turns; NULL: it turns none */
 /* What is kept between runs: every few seconds, and at the end. */
 void app_keep_settings(app *self, double dt_s);
 void app_keep_settings_now(app *self);

@@ -186,7 +186,7 @@ static const char *why_not_pulled(const app *self, const app_done *step)
 {
     if (step->take || step->step.owner != self)
         return NULL;
-    if (self->is_rig_pending)
+    if (self->notes.is_rig_pending)
         return "what comes next is a pull, and the rig is still being laid on the face";
     if (self->status.is_recording)
         return "not a pull while a take is recorded: end it first";

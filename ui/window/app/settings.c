@@ -40,24 +40,6 @@ static char *default_path(void)
     return strdup(path);
 }
 
-static mrt_result make_folders(const char *path, error *err)
-{
-    char *partial = strdup(path);
-    if (!partial)
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    mrt_result result = MRT_OK;
-    for (char *slash = strchr(partial + 1, '/'); slash && result >= 0;
-         slash = strchr(slash + 1, '/')) {
-        *slash = '\0';
-        if (mkdir(partial, 0755) != 0 && errno != EEXIST)
-            result = error_set(err, MRT_ERR_IO, "%s: the folder could not be made: %s", partial,
-                               strerror(errno));
-        *slash = '/';
-    }
-    free(partial);
-    return result;
-}
-
 static void set_aside(settings *self, const char *why, char *out_note, size_t capacity)
 {
     char *aside = joined(self->path, ".damaged");
@@ -133,7 +115,7 @@ mrt_result settings_write(settings *self, error *err)
     char *text = json_dumps(self->root, DUMP_FLAGS);
     if (!text)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
-    mrt_result result = make_folders(self->path, err);
+    mrt_result result = self->folder[0] ? file_make_folders(self->folder, err) : MRT_OK;
     if (result >= 0)
         result = file_write(self->path, text, strlen(text), err);
     free(text);
@@ -238,6 +220,39 @@ void settings_set_text(settings *self, const char *key, const char *value)
     json_t *text = json_string(value); /* NULL: it is no UTF-8, as paths may be */
     if (text)
         put(self, key, text);
+}
+
+uint32_t settings_list(const settings *self, const char *key, const char **out, uint32_t most)
+{
+    const json_t *list = find(self, key);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < most; ++i) {
+        char index[16];
+        (void)snprintf(index, sizeof index, "%u", i);
+        const char *text = json_string_value(json_object_get(list, index));
+        if (text && text[0])
+            out[count++] = text;
+    }
+    return count;
+}
+
+void settings_set_list(settings *self, const char *key, const char *const *texts, uint32_t count,
+                       uint32_t most)
+{
+    json_t *before = find(self, key);
+    json_t *list = json_is_object(before) ? json_copy(before) : json_object();
+    for (uint32_t i = 0; list && i < most; ++i) {
+        char index[16];
+        (void)snprintf(index, sizeof index, "%u", i);
+        if (i < count)
+            (void)json_object_set_new(list, index, json_string(texts[i]));
+        else
+            (void)json_object_del(list, index);
+    }
+    if (list && (before || json_object_size(list) > 0) && !json_equal(list, before))
+        put(self, key, list);
+    else
+        json_decref(list);
 }
 
 uint32_t settings_keys(const settings *self, const char *key, char ***out)

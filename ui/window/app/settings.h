@@ -25,6 +25,11 @@ const char *settings_text(const settings *self, const char *key,
                                                      changed */
 void settings_set_number(settings *self, const char *key, double value);
 void settings_set_text(settings *self, const char *key, const char *value); /* NULL: removes it */
+/* Texts in their order, as "outputs.0", "outputs.1" ...: `most` at most. Those that are read are
+ * valid until the settings change; those that are set may be texts of the settings. */
+uint32_t settings_list(const settings *self, const char *key, const char **out, uint32_t most);
+void settings_set_list(settings *self, const char *key, const char *const *texts, uint32_t count,
+                       uint32_t most);
 /* The keys one level below `key`; the list and its texts are the caller's to free as one block. */
 uint32_t settings_keys(const settings *self, const char *key, char ***out);
 

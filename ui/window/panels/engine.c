@@ -325,7 +325,7 @@ static void draw_heading(ui *on, float right, const char *words)
 
 static void draw_times(const panel *self, ui *on, const live_status *status)
 {
-    const app_figures *figures = app_figures_of(self->app);
+    const app_figures *figures = &app_notes_of(self->app)->figures;
     engine_plot_draw(on, status, period_ms, 72.0f);
     ui_space(on, 2.0f);
     ui_text(on, UI_STYLE_DIM, "");

@@ -795,7 +795,7 @@ static void go(rig_panel *self, uint64_t number)
     if (!self->model || !rig_model_go(self->model, number))
         rig_panel_say(self, "That change of the rig is too long ago to be undone.");
     self->shown.is_tint_new = self->shown.is_shape_new = true;
-    app_note_rig_pending(self->of, true);
+    app_notes_of(self->of)->is_rig_pending = true;
 }
 
 /* A step's data is the number of the state that it led to. */
@@ -820,7 +820,7 @@ static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *wo
     (void)snprintf(step.words, sizeof step.words, "rig: %s", words);
     app_clear_pulls(self->of);
     app_did(self->of, &step);
-    app_note_rig_pending(self->of, true);
+    app_notes_of(self->of)->is_rig_pending = true;
     self->shown.is_tint_new = self->shown.is_shape_new = true;
 }
 
@@ -1096,6 +1096,7 @@ static void update(panel *self_, double dt_s)
     rig_panel *self = &self_->of;
     const face_file *before = app_face(self->of);
     viewport *view = app_viewport(self->of);
+    app_notes *notes = app_notes_of(self->of);
     follow_face(self, dt_s);
     self->is_draft_wanted |= app_take_call(self->of, APP_CALL_DRAFT);
     open_model(self);
@@ -1103,19 +1104,20 @@ static void update(panel *self_, double dt_s)
         if (self->is_draft_wanted && !rig_model_rig(self->model))
             begin_draft(self);
         self->is_draft_wanted = false;
-        answer_mouth(self, app_take_mouth(self->of));
+        answer_mouth(self, notes->mouth_answer);
+        notes->mouth_answer = APP_MOUTH_UNANSWERED;
         take_draft(self);
         if (app_take_request(self->of, ACTION_SAVE))
             save_as_asked(self);
         if (rig_model_update(self->model, dt_s))
             self->shown.is_tint_new = self->shown.is_shape_new = true;
         give_to_stage(self);
-        app_note_rig_pending(self->of, rig_model_is_pending(self->model));
+        notes->is_rig_pending = rig_model_is_pending(self->model);
         tell_unsaved(self);
         keep_choices(self);
     }
-    app_note_drafting(self->of, self->model && rig_model_is_drafting(self->model));
-    app_note_mouth_asked(self->of, self->model && rig_model_asks_mouth(self->model));
+    notes->is_drafting = self->model && rig_model_is_drafting(self->model);
+    notes->is_mouth_asked = self->model && rig_model_asks_mouth(self->model);
     if (view && self->model && self->is_seen && is_on_stage(self, before))
         rig_panel_face(self, view);
     else if (view)

@@ -502,7 +502,7 @@ static void let_go_of_all(viewport *self)
 static bool can_pull(const viewport *self)
 {
     return app_live(self->of) && view_of(self)->about && !self->stands_in && !self->is_off_stage &&
-           !app_is_rig_pending(self->of);
+           !app_notes_of(self->of)->is_rig_pending;
 }
 
 static bool is_on_chip(const ui_rectangle *chip, const ui_canvas *canvas)
