@@ -10,7 +10,6 @@
 #define LINE_MOST  25.0f
 #define KEY_WIDTH  104.0f
 #define COLUMN     290.0f
-#define REZERO_KEY "hands.rezero_pedal"
 
 /* ---- another key ---- */
 
@@ -186,7 +185,7 @@ enum {
 static void put_pedals(sheet *s, app *of)
 {
     const instance *mapping = live_mapping(app_live(of));
-    const uint32_t rezero = (uint32_t)settings_number(app_settings(of), REZERO_KEY, 0.0);
+    const uint32_t rezero = (uint32_t)settings_number(app_settings(of), PEDAL_REZERO_KEY, 0.0);
     put_title(s, "Pedals now");
     for (uint32_t pedal = 1; pedal <= MRT_MAX_PEDALS; ++pedal) {
         char name[16], words[200] = "";

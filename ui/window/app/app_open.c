@@ -120,23 +120,10 @@ static void keep_looks(app *self)
     key_map_keep(&looks->keys, to);
 }
 
-/* What performs, for live_set_mapping; "": none. */
-static void mapping_text(const app *self, char *out, size_t capacity)
-{
-    char values[PRESET_TEXT];
-    const instance *mapping = live_mapping(self->live);
-    out[0] = '\0';
-    if (!mapping)
-        return;
-    presets_text(mapping, values, sizeof values);
-    (void)snprintf(out, capacity, "%s%s%s", isolate_inner(mapping->type)->id, values[0] ? "," : "",
-                   values);
-}
-
 static void keep_mapping(app *self)
 {
-    char text[PRESET_TEXT + 64];
-    mapping_text(self, text, sizeof text);
+    char text[PRESET_MAPPING];
+    presets_mapping_text(live_mapping(self->live), text, sizeof text);
     settings_set_text(self->settings, "last.mapping", text[0] ? text : self->resting);
 }
 
@@ -645,10 +632,10 @@ void app_ask_draft(app *self)
 /* A face that the mapping does not fit is opened at rest, as at the start. */
 static mrt_result set_face_or_rest(app *self, const face_file *made, const char *path, error *err)
 {
-    char mapping[PRESET_TEXT + 64];
+    char mapping[PRESET_MAPPING];
     error again = {0};
     mrt_result result = live_set_face(self->live, made, path, self->face_unit_mm, err);
-    mapping_text(self, mapping, sizeof mapping);
+    presets_mapping_text(live_mapping(self->live), mapping, sizeof mapping);
     if (result >= 0 || !mapping[0] || live_set_mapping(self->live, "", &again) < 0)
         return result;
     if (live_set_face(self->live, made, path, self->face_unit_mm, &again) >= 0) {

@@ -47,8 +47,8 @@ struct app {
     show *show;
     face_file *face;
     char *face_path;
-    double face_unit_mm;            /* of a mesh alone, as a person said it; 0: nobody did */
-    char resting[PRESET_TEXT + 64]; /* the mapping that the face did not fit; "": none */
+    double face_unit_mm;          /* of a mesh alone, as a person said it; 0: nobody did */
+    char resting[PRESET_MAPPING]; /* the mapping that the face did not fit; "": none */
     live *live;
     const live_view *view;
     live_status status;

@@ -1,6 +1,7 @@
 #include "window/app/presets.h"
 #include "base/text.h"
 #include "stage/input/device_list.h"
+#include "stage/mapping/isolate.h"
 #include "stage/mapping/taught.h"
 
 #include <stdio.h>
@@ -66,6 +67,17 @@ void presets_text(const instance *mapping, char *out, size_t capacity)
         memcpy(out + used, one, (size_t)length + 1);
         used += (size_t)length;
     }
+}
+
+void presets_mapping_text(const instance *mapping, char *out, size_t capacity)
+{
+    char values[PRESET_TEXT];
+    out[0] = '\0';
+    if (!mapping)
+        return;
+    presets_text(mapping, values, sizeof values);
+    (void)snprintf(out, capacity, "%s%s%s", isolate_inner(mapping->type)->id, values[0] ? "," : "",
+                   values);
 }
 
 /* ---- what was taught: the last field, which no parameter's key can begin ---- */

@@ -8,7 +8,8 @@
 
 enum {
     PRESET_NAME = 48,
-    PRESET_TEXT = 8192, /* of values */
+    PRESET_TEXT = 8192,                 /* of values */
+    PRESET_MAPPING = PRESET_TEXT + 256, /* with the mapping's id before them */
     PRESET_KEY = 256,
     PRESET_TAUGHT_MAX = 32 << 10 /* bytes: the settings are one small file */
 };
@@ -24,6 +25,8 @@ const char *presets_kept(const settings *of, const mrt_plugin_type *type, const 
 
 /* The changed values, "push=5,ease=0.2"; cut at a value's end where it does not fit. */
 void presets_text(const instance *mapping, char *out, size_t capacity);
+/* "org.marotte.one_hand,push=5": for live_set_mapping; "" of NULL. */
+void presets_mapping_text(const instance *mapping, char *out, size_t capacity);
 /* The text of a whole preset. taught: of the mapping; size 0: it cannot be taught. To be freed;
  * NULL: no memory. */
 char *presets_make(const instance *mapping, const void *taught, size_t size);

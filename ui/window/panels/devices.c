@@ -1,5 +1,6 @@
 #include "window/panels/devices.h"
 #include "window/panels/calibrate.h"
+#include "window/panels/mapping.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 #include "window/panels/panels.h"
@@ -19,42 +20,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
-
-typedef struct devices_search devices_search;
-
-/* The newest; until the next call. Never waits. */
-typedef struct devices_snapshot {
-    bool is_known; /* a first look is done */
-    const device_list *devices;
-    const calibration_list *calibrations;
-    const char *note; /* what could not be read; "" */
-} devices_snapshot;
-
-enum { DEVICES_PATH = 1024 };
-
-typedef struct devices_panel {
-    app *app;
-    devices_search *search; /* NULL: nothing can be looked for */
-    calibrate_panel *calibrate;
-    devices_snapshot snapshot; /* of this frame */
-    char path[DEVICES_PATH], osc[128];
-    input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
-    uint32_t opening_count, input_count;
-    bool repeats;                    /* a recording begins again at its end */
-    bool shows_page;                 /* the camera's, as soon as it is open */
-    char remote[APP_REMOTE_ADDRESS]; /* the place that is typed */
-    char streams[512];
-    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
-    rezero_counts rezeros; /* as of the frame before */
-    bool was_refused;
-} devices_panel;
-
-/* in the panel and in the news */
-static void devices_panel_say(devices_panel *self, const char *text);
-/* Opens it beside the window. */
-static void devices_panel_add(devices_panel *self, const char *text);
-/* path "": shipped defaults. */
-static void devices_panel_calibrate(devices_panel *self, uint32_t side, const char *path);
 
 /* ---- words ---- */
 
@@ -217,12 +182,13 @@ bool devices_input_text(const device_found *device, char *out, size_t capacity)
 static const int64_t period_ns = 2 * NS_PER_S, interest_ns = 5 * NS_PER_S;
 
 typedef struct findings {
+    bool is_known; /* a first look is done */
     device_list devices;
     calibration_list calibrations;
-    error note;
+    error note; /* what could not be read; "" */
 } findings;
 
-struct devices_search {
+typedef struct devices_search {
     const plugin_list *plugins;
     log_queue *log;
     pthread_t thread;
@@ -231,11 +197,10 @@ struct devices_search {
     findings posted;
     bool has_posted, is_asked, is_stopping;
     int64_t wanted_ns;
-    findings shown; /* [main] */
-    bool is_known;
+    findings shown;          /* [main] */
     log_once already_logged; /* the thread's */
     findings made;
-};
+} devices_search;
 
 /* ---- the thread ---- */
 
@@ -243,7 +208,7 @@ static void look(devices_search *self)
 {
     error err = {""};
     findings *made = &self->made;
-    *made = (findings){.devices = {.count = 0}};
+    *made = (findings){.is_known = true};
     if (device_list_look(&made->devices, self->plugins, self->log, &self->already_logged, &err) < 0)
         made->note = err;
     error note = {""};
@@ -338,19 +303,6 @@ static void devices_search_destroy(devices_search *self)
     free(self);
 }
 
-/* Somebody looks: goes on for some seconds. Never waits. */
-/* The mutex is never held for long: what takes time is done without it. */
-static void devices_search_want(devices_search *self)
-{
-    int64_t now_ns = clock_now_ns();
-    pthread_mutex_lock(&self->mutex);
-    bool was_idle = now_ns - self->wanted_ns >= interest_ns;
-    self->wanted_ns = now_ns;
-    if (was_idle)
-        pthread_cond_signal(&self->change);
-    pthread_mutex_unlock(&self->mutex);
-}
-
 /* As soon as possible: something was plugged in, opened or saved. */
 static void devices_search_again(devices_search *self)
 {
@@ -360,19 +312,83 @@ static void devices_search_again(devices_search *self)
     pthread_mutex_unlock(&self->mutex);
 }
 
-static devices_snapshot devices_search_look(devices_search *self)
+/* The newest, until the next call; whoever asks keeps the search going for some seconds. The mutex
+ * is never held for long: what takes time is done without it. */
+static const findings *devices_search_look(devices_search *self)
 {
+    const int64_t now_ns = clock_now_ns();
     pthread_mutex_lock(&self->mutex);
+    const bool was_idle = now_ns - self->wanted_ns >= interest_ns;
+    self->wanted_ns = now_ns;
+    if (was_idle)
+        pthread_cond_signal(&self->change);
     if (self->has_posted) {
         calibration_list_finish(&self->shown.calibrations);
         self->shown = self->posted;
         self->posted.calibrations = (calibration_list){.count = 0};
         self->has_posted = false;
-        self->is_known = true;
     }
     pthread_mutex_unlock(&self->mutex);
-    return (devices_snapshot){self->is_known, &self->shown.devices, &self->shown.calibrations,
-                              self->shown.note.text};
+    return &self->shown;
+}
+
+/* ---- the panel ---- */
+
+enum { DEVICES_PATH = 1024 };
+
+struct panel {
+    app *app;
+    devices_search *search; /* NULL: nothing can be looked for */
+    calibrate_panel *calibrate;
+    const findings *found; /* of this frame */
+    char path[DEVICES_PATH], osc[128];
+    input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
+    uint32_t opening_count, input_count;
+    bool repeats;                    /* a recording begins again at its end */
+    bool shows_page;                 /* the camera's, as soon as it is open */
+    char remote[APP_REMOTE_ADDRESS]; /* the place that is typed */
+    char streams[512];
+    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
+    rezero_counts rezeros; /* as of the frame before */
+    bool was_refused;
+};
+
+/* ---- what is done ---- */
+
+static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
+
+/* In the panel and in the news. */
+static void say_trouble(panel *self, const char *text)
+{
+    (void)snprintf(self->trouble, sizeof self->trouble, "%s", text);
+    if (text[0])
+        news_list_add(app_news(self->app), MRT_LOG_ERROR, "devices", text);
+}
+
+/* Opens it beside the window. */
+static void open_input(panel *self, const char *text)
+{
+    self->trouble[0] = '\0';
+    (void)!app_open_input(self->app, text); /* says itself why it failed */
+}
+
+static void remove_input(panel *self, uint32_t index)
+{
+    error err = {""};
+    mrt_result result = live_remove_input(app_live(self->app), index, &err);
+    say_trouble(self, result < 0 ? err.text : "");
+}
+
+/* path "": shipped defaults. */
+static void calibrate(panel *self, uint32_t side, const char *path)
+{
+    error err = {""};
+    if (live_calibrate(app_live(self->app), side, path[0] ? path : NULL, &err) < 0) {
+        say_trouble(self, err.text);
+        return;
+    }
+    say_trouble(self, "");
+    settings_set_text(app_settings(self->app), calibration_key[side], path);
 }
 
 /* ---- an input that is open ---- */
@@ -484,15 +500,15 @@ static const char *base_name(const char *path)
 }
 
 /* seen_by: as hand_calibration's input. */
-static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32_t side,
+static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
                              const char *seen_by)
 {
     const char *items[CALIBRATIONS_MAX + 2] = {seen_by[0] ? "as it is seen" : "as shipped"};
     const char *paths[CALIBRATIONS_MAX + 2] = {""};
     const char *used = live_calibration(app_live(self->app), side);
     uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
-    for (uint32_t i = 0; i < self->snapshot.calibrations->count && count <= CALIBRATIONS_MAX; ++i) {
-        const calibration_entry *entry = &self->snapshot.calibrations->entry[i];
+    for (uint32_t i = 0; i < self->found->calibrations.count && count <= CALIBRATIONS_MAX; ++i) {
+        const calibration_entry *entry = &self->found->calibrations.entry[i];
         const bool is_used = used && strcmp(used, entry->path) == 0;
         if (entry->side != side || strcmp(entry->input, seen_by) != 0) {
             chosen = is_used ? 0 : chosen; /* by an input of another kind */
@@ -509,7 +525,7 @@ static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32
         paths[count++] = used;
     }
     if (ui_choice(on, side_name[side], label_width, items, count, &chosen))
-        devices_panel_calibrate(self, side, paths[chosen]);
+        calibrate(self, side, paths[chosen]);
     ui_hint(on, "Whose calibration this hand's sensors are read with.");
     ui_id_begin(on, side_name[side]);
     ui_text(on, UI_STYLE_DIM, "");
@@ -517,7 +533,7 @@ static void draw_calibration(devices_panel *self, ui *on, uint32_t index, uint32
     if (ui_button(on, "Calibrate\xe2\x80\xa6", UI_PLAIN)) {
         error why = {""};
         if (!calibrate_panel_open(self->calibrate, index, side, &why))
-            devices_panel_say(self, why.text);
+            say_trouble(self, why.text);
     }
     ui_hint(on,
             seen_by[0] ? "Flat, fist, spread: ten seconds." : "Ten poses, a minute and a half.");
@@ -543,14 +559,14 @@ static void draw_details(ui *on, const health_report *health, const mrt_channel 
     }
 }
 
-static void set_value(devices_panel *self, input *of, uint32_t index, double value)
+static void set_value(panel *self, input *of, uint32_t index, double value)
 {
     char key[128], text[64];
     error err = {""};
     instance_key(input_plugin(of), index, key, sizeof key);
     (void)snprintf(text, sizeof text, "%.9g", value);
     if (input_set(of, key, text, &err) < 0)
-        devices_panel_say(self, err.text);
+        say_trouble(self, err.text);
 }
 
 static uint32_t label_count(const mrt_param *p)
@@ -561,7 +577,7 @@ static uint32_t label_count(const mrt_param *p)
     return count;
 }
 
-static void draw_param(devices_panel *self, ui *on, input *of, uint32_t index)
+static void draw_param(panel *self, ui *on, input *of, uint32_t index)
 {
     const mrt_param *p = &input_plugin(of)->params[index];
     double value = input_value(of, index);
@@ -593,7 +609,7 @@ static bool has_params(const mrt_plugin_type *type)
     return false;
 }
 
-static void draw_params(devices_panel *self, ui *on, input *of)
+static void draw_params(panel *self, ui *on, input *of)
 {
     const mrt_plugin_type *type = input_plugin(of);
     for (uint32_t i = 0; i < type->param_count; ++i)
@@ -602,7 +618,7 @@ static void draw_params(devices_panel *self, ui *on, input *of)
 }
 
 /* What the program itself gives (the keyboard as a hand) is silent whenever nothing moves it. */
-static bool is_made(const devices_panel *self, const input *of)
+static bool is_made(const panel *self, const input *of)
 {
     return !plugin_list_path_of(app_plugins(self->app), input_plugin(of));
 }
@@ -620,12 +636,12 @@ static bool is_camera(const input *of)
     return strcmp(input_plugin(of)->id, CAMERA_PAGE_PLUGIN) == 0;
 }
 
-static void draw_camera_card(devices_panel *self, ui *on, const char *input_text)
+static void draw_camera_card(panel *self, ui *on, const char *input_text)
 {
     error err = {""};
     if (ui_button(on, "Show its page", UI_PLAIN) &&
         camera_page_show(camera_page_port(input_text), &err) < 0)
-        devices_panel_say(self, err.text);
+        say_trouble(self, err.text);
     ui_hint(on, "In your browser. Start the camera there, and show a hand.");
     if (!camera_page_has_package())
         ui_text_wrapped(on, UI_STYLE_WARNING,
@@ -634,13 +650,13 @@ static void draw_camera_card(devices_panel *self, ui *on, const char *input_text
 }
 
 /* A click opens the input; its page is shown when that has an address. */
-static void use_camera(devices_panel *self)
+static void use_camera(panel *self)
 {
     self->shows_page = true;
-    devices_panel_add(self, "camera");
+    open_input(self, "camera");
 }
 
-static void draw_use_camera(devices_panel *self, ui *on)
+static void draw_use_camera(panel *self, ui *on)
 {
     if (ui_button(on, "Use the camera", UI_PLAIN))
         use_camera(self);
@@ -648,7 +664,7 @@ static void draw_use_camera(devices_panel *self, ui *on)
     ui_space(on, 4.0f);
 }
 
-static void follow_camera(devices_panel *self)
+static void follow_camera(panel *self)
 {
     live *stage = app_live(self->app);
     if (!self->shows_page)
@@ -659,7 +675,7 @@ static void follow_camera(devices_panel *self)
             continue;
         self->shows_page = false;
         if (camera_page_show(camera_page_port(live_input_text(stage, i)), &err) < 0)
-            devices_panel_say(self, err.text);
+            say_trouble(self, err.text);
         return;
     }
     if (app_openings(self->app, self->opening) == 0 && app_opening_trouble(self->app)[0])
@@ -667,7 +683,7 @@ static void follow_camera(devices_panel *self)
 }
 
 /* An input that is open; returns false when it is to be removed. */
-static bool devices_card_draw(devices_panel *self, ui *on, uint32_t index)
+static bool devices_card_draw(panel *self, ui *on, uint32_t index)
 {
     live *stage = app_live(self->app);
     input *of = live_input(stage, index);
@@ -725,7 +741,7 @@ static const char *const state_words[] = {[MRT_DEVICE_READY] = "ready",
 
 /* ---- what is plugged in ---- */
 
-static bool is_open(const devices_panel *self, const device_found *device, bool is_first)
+static bool is_open(const panel *self, const device_found *device, bool is_first)
 {
     const live *stage = app_live(self->app);
     for (uint32_t i = 0; i < live_input_count(stage); ++i)
@@ -745,7 +761,7 @@ static bool is_first_of_plugin(const device_list *list, uint32_t index)
     return true;
 }
 
-static void draw_device(devices_panel *self, ui *on, const device_found *found)
+static void draw_device(panel *self, ui *on, const device_found *found)
 {
     const mrt_device *device = &found->device;
     char text[256];
@@ -757,7 +773,7 @@ static void draw_device(devices_panel *self, ui *on, const device_found *found)
         ui_label(on, "state", ui_available_width(on) - button - 8.0f, THEME_DIM, words);
         ui_width(on, button);
         if (ui_button(on, "Open", UI_PLAIN))
-            devices_panel_add(self, text);
+            open_input(self, text);
         ui_hint(on, text);
     } else {
         ui_text(on, UI_STYLE_WARNING, words);
@@ -767,11 +783,11 @@ static void draw_device(devices_panel *self, ui *on, const device_found *found)
     ui_space(on, 6.0f);
 }
 
-static void draw_found(devices_panel *self, ui *on)
+static void draw_found(panel *self, ui *on)
 {
-    const device_list *list = self->snapshot.devices;
+    const device_list *list = &self->found->devices;
     uint32_t shown = 0;
-    for (uint32_t i = 0; self->snapshot.is_known && i < list->count; ++i) {
+    for (uint32_t i = 0; self->found->is_known && i < list->count; ++i) {
         if (is_open(self, &list->one[i], is_first_of_plugin(list, i)))
             continue;
         ui_id_begin(on, list->one[i].device.address);
@@ -781,33 +797,33 @@ static void draw_found(devices_panel *self, ui *on)
     }
     if (!self->search)
         ui_text_wrapped(on, UI_STYLE_DIM, "Devices cannot be looked for: start marotte again.");
-    else if (!self->snapshot.is_known)
+    else if (!self->found->is_known)
         ui_text(on, UI_STYLE_DIM, "Looking\xe2\x80\xa6");
     else if (shown == 0 && list->count > 0)
         ui_text_wrapped(on, UI_STYLE_DIM, "Everything that is plugged in is open.");
     else if (shown == 0)
         ui_text_wrapped(on, UI_STYLE_DIM,
                         "Nothing was found. Plug in a glove or a pedal: it appears here.");
-    if (self->snapshot.note[0])
-        ui_text_wrapped(on, UI_STYLE_WARNING, self->snapshot.note);
+    if (self->found->note.text[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, self->found->note.text);
 }
 
 /* ---- what has no plug ---- */
 
-static void open_recording(devices_panel *self)
+static void open_recording(panel *self)
 {
     char text[DEVICES_PATH + 32];
     if (!self->path[0])
-        devices_panel_say(self, "Say which recording: the path of a log file.");
+        say_trouble(self, "Say which recording: the path of a log file.");
     else if (strchr(self->path, ','))
-        devices_panel_say(self, "A path with a comma cannot be opened: rename the file.");
+        say_trouble(self, "A path with a comma cannot be opened: rename the file.");
     else {
         (void)snprintf(text, sizeof text, "log:%s%s", self->path, self->repeats ? ",loop=1" : "");
-        devices_panel_add(self, text);
+        open_input(self, text);
     }
 }
 
-static void draw_recording(devices_panel *self, ui *on)
+static void draw_recording(panel *self, ui *on)
 {
     ui_text(on, UI_STYLE_DIM, "A recording of a hand");
     ui_width(on, -(button + 8.0f));
@@ -821,7 +837,7 @@ static void draw_recording(devices_panel *self, ui *on)
     ui_hint(on, "It begins anew at its end, until it is removed.");
 }
 
-static void draw_network(devices_panel *self, ui *on)
+static void draw_network(panel *self, ui *on)
 {
     char text[160];
     ui_text(on, UI_STYLE_DIM, "Over the network (OSC)");
@@ -834,11 +850,11 @@ static void draw_network(devices_panel *self, ui *on)
     if (!ui_button(on, "Open##osc", UI_PLAIN))
         return;
     (void)snprintf(text, sizeof text, "osc:%s", self->osc[0] ? self->osc : "9105");
-    devices_panel_add(self, text);
+    open_input(self, text);
 }
 
 /* What could be opened. */
-static void devices_open_draw(devices_panel *self, ui *on)
+static void devices_open_draw(panel *self, ui *on)
 {
     ui_text(on, UI_STYLE_TITLE, "Plugged in");
     ui_space(on, 2.0f);
@@ -850,76 +866,13 @@ static void devices_open_draw(devices_panel *self, ui *on)
     draw_network(self, on);
 }
 
-/* ---- the panel ---- */
+/* ---- re-zero ---- */
 
 static const char *const pedal_items[MRT_MAX_PEDALS + 1] = {"no pedal", "pedal 1", "pedal 2",
                                                             "pedal 3", "pedal 4"};
-static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
-static const char rezero_key[] = "hands.rezero_pedal";
-
-struct panel {
-    devices_panel of;
-};
-
-/* ---- what is done ---- */
-
-static void devices_panel_say(devices_panel *self, const char *text)
-{
-    (void)snprintf(self->trouble, sizeof self->trouble, "%s", text);
-    if (text[0])
-        news_list_add(app_news(self->app), MRT_LOG_ERROR, "devices", text);
-}
-
-static void devices_panel_add(devices_panel *self, const char *text)
-{
-    self->trouble[0] = '\0';
-    (void)!app_open_input(self->app, text); /* says itself why it failed */
-}
-
-static void remove_input(devices_panel *self, uint32_t index)
-{
-    error err = {""};
-    mrt_result result = live_remove_input(app_live(self->app), index, &err);
-    devices_panel_say(self, result < 0 ? err.text : "");
-}
-
-static void devices_panel_calibrate(devices_panel *self, uint32_t side, const char *path)
-{
-    error err = {""};
-    if (live_calibrate(app_live(self->app), side, path[0] ? path : NULL, &err) < 0) {
-        devices_panel_say(self, err.text);
-        return;
-    }
-    devices_panel_say(self, "");
-    settings_set_text(app_settings(self->app), calibration_key[side], path);
-}
-
-/* ---- kept between runs ---- */
-
-static void use_settings(devices_panel *self)
-{
-    const settings *kept = app_settings(self->app);
-    live *stage = app_live(self->app);
-    double pedal = settings_number(kept, rezero_key, 0.0);
-    if (pedal >= 1.0 && pedal <= MRT_MAX_PEDALS)
-        live_set_rezero_pedal(stage, (uint32_t)pedal);
-    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
-        const char *path = settings_text(kept, calibration_key[side], NULL);
-        const char *used = live_calibration(stage, side);
-        if (!path || (used && strcmp(used, path) == 0))
-            continue;
-        char copy[DEVICES_PATH];
-        (void)snprintf(copy, sizeof copy, "%s", path);
-        error err = {""};
-        if (live_calibrate(stage, side, copy[0] ? copy : NULL, &err) < 0)
-            news_list_add(app_news(self->app), MRT_LOG_WARNING, "devices", err.text);
-    }
-}
-
-/* ---- re-zero ---- */
 
 /* Which of the two was last. */
-static void follow_rezeros(devices_panel *self)
+static void follow_rezeros(panel *self)
 {
     const rezero_counts *now = &app_status(self->app)->rezeros;
     if (now->refused != self->rezeros.refused)
@@ -929,16 +882,16 @@ static void follow_rezeros(devices_panel *self)
     self->rezeros = *now;
 }
 
-static void draw_rezero(devices_panel *self, ui *on)
+static void draw_rezero(panel *self, ui *on)
 {
-    uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), rezero_key, 0.0);
+    uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), PEDAL_REZERO_KEY, 0.0);
     if (ui_button(on, "Re-zero", UI_PLAIN))
         app_do(self->app, ACTION_REZERO);
     ui_hint(on, "Z. The pose that the hands hold now becomes their neutral one. Hold still.");
     ui_same_line(on);
     ui_at(on, 92.0f);
     if (ui_choice(on, "also by", 58.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
-        settings_set_number(app_settings(self->app), rezero_key, (double)pedal);
+        settings_set_number(app_settings(self->app), PEDAL_REZERO_KEY, (double)pedal);
         live_set_rezero_pedal(app_live(self->app), pedal);
     }
     ui_hint(on, "A press of this pedal re-zeroes too; mappings do not see that pedal then.");
@@ -948,7 +901,7 @@ static void draw_rezero(devices_panel *self, ui *on)
 
 /* ---- from afar ---- */
 
-static void draw_remote(devices_panel *self, ui *on)
+static void draw_remote(panel *self, ui *on)
 {
     static const char usual[] = "9110";
     const app_remote_status now = app_remote_now(self->app);
@@ -977,7 +930,7 @@ static void draw_remote(devices_panel *self, ui *on)
 
 /* ---- the picture for other programs ---- */
 
-static void draw_picture(devices_panel *self, ui *on)
+static void draw_picture(panel *self, ui *on)
 {
     static const char *const words[] = {"studio wall", "transparent", "green", "blue"};
     static const char *const colours[] = {"", "transparent", "#00b140", "#0047bb"};
@@ -1023,7 +976,7 @@ static void draw_picture(devices_panel *self, ui *on)
 /* ---- the panel ---- */
 
 /* What was opened beside the window, or closed: what is plugged in is looked at anew. */
-static void follow_inputs(devices_panel *self)
+static void follow_inputs(panel *self)
 {
     const uint32_t count = live_input_count(app_live(self->app));
     if (count != self->input_count && self->search)
@@ -1031,7 +984,7 @@ static void follow_inputs(devices_panel *self)
     self->input_count = count;
 }
 
-static void draw_inputs(devices_panel *self, ui *on)
+static void draw_inputs(panel *self, ui *on)
 {
     live *stage = app_live(self->app);
     uint32_t removed = UINT32_MAX;
@@ -1066,7 +1019,7 @@ static void draw_inputs(devices_panel *self, ui *on)
         remove_input(self, removed);
 }
 
-static void draw_trouble(const devices_panel *self, ui *on)
+static void draw_trouble(const panel *self, ui *on)
 {
     const char *words = self->trouble[0] ? self->trouble : app_opening_trouble(self->app);
     if (!words[0])
@@ -1075,16 +1028,10 @@ static void draw_trouble(const devices_panel *self, ui *on)
     ui_text_wrapped(on, UI_STYLE_BAD, words);
 }
 
-static void draw(panel *self_, ui *on, ui_rectangle where)
+static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    devices_panel *self = &self_->of;
-    static const device_list no_devices = {.count = 0};
-    static const calibration_list no_calibrations = {.count = 0};
-    self->snapshot = (devices_snapshot){false, &no_devices, &no_calibrations, ""};
-    if (self->search) {
-        devices_search_want(self->search);
-        self->snapshot = devices_search_look(self->search);
-    }
+    static const findings nothing;
+    self->found = self->search ? devices_search_look(self->search) : &nothing;
     self->opening_count = app_openings(self->app, self->opening);
     ui_panel_begin(on, "devices", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
@@ -1101,9 +1048,8 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
     ui_panel_end(on);
 }
 
-static void update(panel *self_, double dt_s)
+static void update(panel *self, double dt_s)
 {
-    devices_panel *self = &self_->of;
     uint32_t side;
     (void)dt_s;
     follow_rezeros(self);
@@ -1115,17 +1061,38 @@ static void update(panel *self_, double dt_s)
     const char *kept = calibrate_panel_take_kept(self->calibrate, &side);
     if (!kept)
         return;
-    devices_panel_calibrate(self, side, kept);
+    calibrate(self, side, kept);
     if (self->search)
         devices_search_again(self->search);
+}
+
+/* What was kept of the run before. */
+static void use_settings(panel *self)
+{
+    const settings *kept = app_settings(self->app);
+    live *stage = app_live(self->app);
+    double pedal = settings_number(kept, PEDAL_REZERO_KEY, 0.0);
+    if (pedal >= 1.0 && pedal <= MRT_MAX_PEDALS)
+        live_set_rezero_pedal(stage, (uint32_t)pedal);
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        const char *path = settings_text(kept, calibration_key[side], NULL);
+        const char *used = live_calibration(stage, side);
+        if (!path || (used && strcmp(used, path) == 0))
+            continue;
+        char copy[DEVICES_PATH];
+        (void)snprintf(copy, sizeof copy, "%s", path);
+        error err = {""};
+        if (live_calibrate(stage, side, copy[0] ? copy : NULL, &err) < 0)
+            news_list_add(app_news(self->app), MRT_LOG_WARNING, "devices", err.text);
+    }
 }
 
 static void destroy(panel *self)
 {
     if (!self)
         return;
-    devices_search_destroy(self->of.search);
-    calibrate_panel_destroy(self->of.calibrate);
+    devices_search_destroy(self->search);
+    calibrate_panel_destroy(self->calibrate);
     free(self);
 }
 
@@ -1134,18 +1101,18 @@ static panel *create(app *of)
     panel *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    self->of.app = of;
-    self->of.repeats = true;
-    self->of.calibrate = calibrate_panel_create(of);
-    self->of.search = devices_search_create(app_plugins(of), app_log(of));
-    if (!self->of.calibrate) {
+    self->app = of;
+    self->repeats = true;
+    self->calibrate = calibrate_panel_create(of);
+    self->search = devices_search_create(app_plugins(of), app_log(of));
+    if (!self->calibrate) {
         destroy(self);
         return NULL;
     }
-    use_settings(&self->of);
-    (void)snprintf(self->of.streams, sizeof self->of.streams, "%s", app_picture_now(of)->targets);
-    (void)snprintf(self->of.remote, sizeof self->of.remote, "%s", app_remote_now(of).address);
-    self->of.rezeros = app_status(of)->rezeros;
+    use_settings(self);
+    (void)snprintf(self->streams, sizeof self->streams, "%s", app_picture_now(of)->targets);
+    (void)snprintf(self->remote, sizeof self->remote, "%s", app_remote_now(of).address);
+    self->rezeros = app_status(of)->rezeros;
     return self;
 }
 

@@ -18,12 +18,45 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
-typedef struct mapping_steps mapping_steps;
+enum { MAPPING_GROUPS_MAX = 64, MAPPING_CHOICES_MAX = 128 };
+
+struct panel {
+    app *app;
+    uint32_t tab;
+    char find[64]; /* a part of a parameter's name */
+
+    /* Of the mapping that performs, made anew when its type changes. */
+    const mrt_plugin_type *type; /* may be gone when another face is on the stage */
+    char type_id[128];           /* "": none */
+    const char *group[MAPPING_GROUPS_MAX];
+    uint32_t group_count;
+    float label_width;
+    double *values; /* a scratch, param_count */
+    bool is_held;   /* a slider is dragged: */
+    uint32_t held;  /* which parameter */
+    double held_before;
+
+    char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
+    char preset_name[PRESET_NAME];
+    bool is_naming, was_naming;
+    char **presets; /* their names; one block */
+    uint32_t preset_count;
+    bool presets_are_stale; /* one was kept or deleted, also by undo and redo */
+
+    bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
+    learn learn;
+    char learnt[160]; /* what was linked last, or why not */
+
+    /* ---- the poses of the hand that it was taught, drawn ---- */
+    unsigned char *lessons; /* MRT_STATE; NULL: nothing is known */
+    size_t lessons_size;
+    double lessons_wait_s; /* until they are asked for again */
+    hand_skeleton *skeleton[2];
+};
 
 /* ---- steps ---- */
-
-enum { TEXT = PRESET_TEXT + 256 };
 
 typedef struct change {
     uint32_t id; /* of the parameter: stays when the plugin is reloaded */
@@ -40,11 +73,6 @@ typedef struct step {
     char *preset;  /* a key of the settings: text is its value there, NULL none; NULL: no preset */
 } step;
 
-struct mapping_steps {
-    app *app;
-    uint32_t preset_edition;
-};
-
 enum { BEFORE = 0, AFTER = 1 };
 
 static bool same(double a, double b)
@@ -52,49 +80,20 @@ static bool same(double a, double b)
     return a >= b && a <= b;
 }
 
-/* ---- a mapping in words ---- */
-
-static bool is_short_name_free(const plugin_list *plugins, const mrt_plugin_type *type)
-{
-    const char *name = device_list_plugin_name(type);
-    for (uint32_t i = 0; i < plugins->entry_count; ++i) {
-        const mrt_plugin_type *other = plugins->entry[i].type;
-        if (strcmp(other->id, type->id) != 0 && plugin_interface(other, MRT_MAPPING) &&
-            strcmp(device_list_plugin_name(other), name) == 0)
-            return false;
-    }
-    return true;
-}
-
-/* "one_hand,gain=0.8": what performs now, for live_set_mapping; "" none. */
-static void mapping_steps_text(app *of, char *out, size_t capacity)
-{
-    instance *mapping = live_mapping(app_live(of));
-    char values[PRESET_TEXT];
-    out[0] = '\0';
-    if (!mapping)
-        return;
-    presets_text(mapping, values, sizeof values);
-    bool is_short = is_short_name_free(app_plugins(of), mapping->type);
-    (void)snprintf(out, capacity, "%s%s%s",
-                   is_short ? device_list_plugin_name(mapping->type) : mapping->type->id,
-                   values[0] ? "," : "", values);
-}
-
 /* ---- doing it ---- */
 
-static void say(mapping_steps *self, int32_t level, const char *text)
+static void say(panel *self, int32_t level, const char *text)
 {
     news_list_add(app_news(self->app), level, "mapping", text);
 }
 
-static void set_preset(mapping_steps *self, const char *key, const char *text)
+static void set_preset(panel *self, const char *key, const char *text)
 {
     settings_set_text(app_settings(self->app), key, text);
-    self->preset_edition += 1;
+    self->presets_are_stale = true;
 }
 
-static void go_to(mapping_steps *self, const step *of, int side)
+static void go_to(panel *self, const step *of, int side)
 {
     error err = {""};
     instance *mapping = live_mapping(app_live(self->app));
@@ -152,7 +151,7 @@ static void forget(void *data)
 }
 
 /* Takes the step over. Without memory it is done, but cannot be undone. */
-static void keep(mapping_steps *self, step *made, const char *words)
+static void keep(panel *self, step *made, const char *words)
 {
     step *kept = malloc(sizeof *kept);
     if (!kept) {
@@ -172,7 +171,7 @@ static void keep(mapping_steps *self, step *made, const char *words)
 }
 
 /* What the mapping that performs was taught; to be freed, NULL: nothing, or no memory. */
-static unsigned char *fetch_taught(mapping_steps *self, size_t *out_size)
+static unsigned char *fetch_taught(panel *self, size_t *out_size)
 {
     unsigned char *out = malloc(TAUGHT_BYTES_MAX);
     *out_size = out ? live_taught(app_live(self->app), out, TAUGHT_BYTES_MAX) : 0;
@@ -183,7 +182,7 @@ static unsigned char *fetch_taught(mapping_steps *self, size_t *out_size)
 }
 
 /* The mapping that performs is taught what `of` says, and `made` becomes a step of it too. */
-static void teach(mapping_steps *self, step *made, unsigned char *taught, size_t size)
+static void teach(panel *self, step *made, unsigned char *taught, size_t size)
 {
     error err = {""};
     size_t before_size;
@@ -209,8 +208,8 @@ static void teach(mapping_steps *self, step *made, unsigned char *taught, size_t
 
 /* Sets the parameters of the mapping that performs to these values (param_count, by index), teaches
  * it (NULL: nothing; freed) and makes a step of what differs. `words`: "gain 0.8". */
-static void mapping_steps_set(mapping_steps *self, const double *values, unsigned char *taught,
-                              size_t taught_size, const char *words)
+static void set_values(panel *self, const double *values, unsigned char *taught, size_t taught_size,
+                       const char *words)
 {
     instance *mapping = live_mapping(app_live(self->app));
     if (!mapping) {
@@ -238,8 +237,16 @@ static void mapping_steps_set(mapping_steps *self, const double *values, unsigne
         finish(&made);
 }
 
+/* Every value, as one step. */
+static void set_all(panel *self, const double *values, const char *words)
+{
+    char all[EDIT_TEXT];
+    (void)snprintf(all, sizeof all, "%.50s: %.100s", self->type ? self->type->name : "", words);
+    set_values(self, values, NULL, 0, all);
+}
+
 /* One parameter that has its new value already (it was dragged); `before`: what it was. */
-static void mapping_steps_note(mapping_steps *self, uint32_t index, double before)
+static void note_value(panel *self, uint32_t index, double before)
 {
     instance *mapping = live_mapping(app_live(self->app));
     if (!mapping || index >= mapping->type->param_count)
@@ -262,17 +269,17 @@ static void mapping_steps_note(mapping_steps *self, uint32_t index, double befor
 }
 
 /* Another mapping, by name ("": none). What is wrong with it is said in the news. */
-static void mapping_steps_choose(mapping_steps *self, const char *name)
+static void choose_mapping(panel *self, const char *name)
 {
-    char before[TEXT], after[TEXT], words[EDIT_TEXT];
+    char before[PRESET_MAPPING], after[PRESET_MAPPING], words[EDIT_TEXT];
     error err = {""};
-    mapping_steps_text(self->app, before, sizeof before);
+    presets_mapping_text(live_mapping(app_live(self->app)), before, sizeof before);
     if (live_set_mapping(app_live(self->app), name, &err) < 0) {
         say(self, MRT_LOG_ERROR, err.text);
         return;
     }
-    mapping_steps_text(self->app, after, sizeof after);
     const instance *now = live_mapping(app_live(self->app));
+    presets_mapping_text(now, after, sizeof after);
     (void)snprintf(words, sizeof words, "mapping %.100s",
                    now ? isolate_inner(now->type)->name : "none");
     step made = {.text = {strdup(before), strdup(after)}};
@@ -283,7 +290,7 @@ static void mapping_steps_choose(mapping_steps *self, const char *name)
 }
 
 /* text: of the preset from now on; NULL: none. Without memory it is done, but cannot be undone. */
-static void change_preset(mapping_steps *self, const mrt_plugin_type *type, const char *name,
+static void change_preset(panel *self, const mrt_plugin_type *type, const char *name,
                           const char *text)
 {
     char key[PRESET_KEY], words[EDIT_TEXT];
@@ -305,7 +312,7 @@ static void change_preset(mapping_steps *self, const mrt_plugin_type *type, cons
 
 /* A preset of the mapping that performs is kept (its values, and what it was taught, as they are
  * now), or deleted. `name` is clean. */
-static void mapping_steps_save_preset(mapping_steps *self, const char *name)
+static void save_preset(panel *self, const char *name)
 {
     size_t size = 0;
     const instance *mapping = live_mapping(app_live(self->app));
@@ -326,75 +333,12 @@ static void mapping_steps_save_preset(mapping_steps *self, const char *name)
     free(text);
 }
 
-static void mapping_steps_delete_preset(mapping_steps *self, const char *name)
+static void delete_preset(panel *self, const char *name)
 {
     const instance *mapping = live_mapping(app_live(self->app));
     if (mapping)
         change_preset(self, mapping->type, name, NULL);
 }
-
-/* Counts what was kept and deleted, also by undo and redo. */
-static uint32_t mapping_steps_preset_edition(const mapping_steps *self)
-{
-    return self->preset_edition;
-}
-
-/* NULL: no memory */
-static mapping_steps *mapping_steps_create(app *of)
-{
-    mapping_steps *self = calloc(1, sizeof *self);
-    if (self)
-        self->app = of;
-    return self;
-}
-
-/* its steps are forgotten; NULL is fine */
-static void mapping_steps_destroy(mapping_steps *self)
-{
-    if (!self)
-        return;
-    app_forget_steps(self->app, self);
-    free(self);
-}
-
-enum { MAPPING_GROUPS_MAX = 64, MAPPING_CHOICES_MAX = 128 };
-
-typedef struct mapping_panel {
-    app *app;
-    mapping_steps *steps;
-    uint32_t tab;
-    char find[64]; /* a part of a parameter's name */
-
-    /* Of the mapping that performs, made anew when its type changes. */
-    const mrt_plugin_type *type; /* may be gone when another face is on the stage */
-    char type_id[128];           /* "": none */
-    const char *group[MAPPING_GROUPS_MAX];
-    uint32_t group_count;
-    float label_width;
-    double *values; /* a scratch, param_count */
-    bool is_held;   /* a slider is dragged: */
-    uint32_t held;  /* which parameter */
-    double held_before;
-
-    char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
-    char preset_name[PRESET_NAME];
-    bool is_naming, was_naming;
-    char **presets;                        /* their names; one block */
-    uint32_t preset_count, preset_edition; /* edition: of the steps when they were read */
-
-    bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
-    learn learn;
-    char learnt[160]; /* what was linked last, or why not */
-
-    /* ---- the poses of the hand that it was taught, drawn ---- */
-    unsigned char *lessons; /* MRT_STATE; NULL: nothing is known */
-    size_t lessons_size;
-    double lessons_wait_s; /* until they are asked for again */
-    hand_skeleton *skeleton[2];
-} mapping_panel;
-
-/* Every value, as one step. */
-static void mapping_panel_set(mapping_panel *self, const double *values, const char *words);
 
 /* ---- learning: which finger is meant ---- */
 
@@ -483,22 +427,13 @@ void learn_look(learn *self, const mrt_hand hand[2], double dt_s)
     decide(self);
 }
 
-static bool is_name_of(const char *name, const char *finger)
-{
-    size_t i = 0;
-    for (; name[i] && finger[i]; ++i)
-        if (tolower((unsigned char)name[i]) != finger[i])
-            return false;
-    return name[i] == finger[i];
-}
-
 int learn_finger_of(const mrt_param *param)
 {
     if (!(param->flags & MRT_PARAM_STEPPED) || strcmp(param->group, "Contacts") != 0 ||
         param->min > 0.0 || param->max < 1.0 || param->labels)
         return LEARN_NONE;
     for (int finger = 0; finger < LEARN_FINGERS; ++finger)
-        if (is_name_of(param->name, learn_finger_name[finger]))
+        if (strcasecmp(param->name, learn_finger_name[finger]) == 0)
             return finger;
     return LEARN_NONE;
 }
@@ -582,8 +517,7 @@ static uint32_t label_count(const mrt_param *p)
     return count;
 }
 
-static void draw_labels(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
-                        const char *label)
+static void draw_labels(panel *self, ui *on, instance *mapping, uint32_t index, const char *label)
 {
     const mrt_param *p = &mapping->type->params[index];
     double before = instance_value(mapping, index);
@@ -591,12 +525,11 @@ static void draw_labels(mapping_panel *self, ui *on, instance *mapping, uint32_t
     if (!ui_choice(on, label, self->label_width, p->labels, label_count(p), &chosen))
         return;
     instance_set_value(mapping, index, p->min + (double)chosen);
-    mapping_steps_note(self->steps, index, before);
+    note_value(self, index, before);
 }
 
 /* A drag is one step, from where it began. */
-static void draw_slider(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
-                        const char *label)
+static void draw_slider(panel *self, ui *on, instance *mapping, uint32_t index, const char *label)
 {
     const mrt_param *p = &mapping->type->params[index];
     const ui_range range = {.min = p->min,
@@ -616,14 +549,14 @@ static void draw_slider(mapping_panel *self, ui *on, instance *mapping, uint32_t
         self->held_before = before;
     } else if (!is_held && was_held) {
         self->is_held = false;
-        mapping_steps_note(self->steps, index, self->held_before);
+        note_value(self, index, self->held_before);
     } else if (has_changed && !is_held) {
-        mapping_steps_note(self->steps, index, before);
+        note_value(self, index, before);
     }
 }
 
 /* While the patch panel learns, what is touched is what a fader is to move. */
-static bool is_pointed_at(mapping_panel *self, ui *on, const instance *mapping, uint32_t index)
+static bool is_pointed_at(panel *self, ui *on, const instance *mapping, uint32_t index)
 {
     const mrt_param *p = &mapping->type->params[index];
     app_patch_aim *aim = app_patch_aimed(self->app);
@@ -639,7 +572,7 @@ static bool is_pointed_at(mapping_panel *self, ui *on, const instance *mapping, 
 }
 
 /* One parameter as its widget; a change of it is a step. */
-static void mapping_param_draw(mapping_panel *self, ui *on, instance *mapping, uint32_t index,
+static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t index,
                                const char *name)
 {
     const mrt_param *p = &mapping->type->params[index];
@@ -664,8 +597,7 @@ static void mapping_param_draw(mapping_panel *self, ui *on, instance *mapping, u
 /* ---- all of them, by group ---- */
 
 /* As wide as the group's longest name needs. */
-static void measure_labels(mapping_panel *self, const ui *on, const instance *mapping,
-                           const char *group)
+static void measure_labels(panel *self, const ui *on, const instance *mapping, const char *group)
 {
     float widest = label_least;
     for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
@@ -694,7 +626,7 @@ static bool contains(const char *text, const char *part)
 #define LESSONS_S     2.0 /* a pedal may teach too */
 #define FIGURE_HEIGHT 88.0f
 
-static bool pose_of(const mapping_panel *self, const instance *mapping, const mrt_param *p,
+static bool pose_of(const panel *self, const instance *mapping, const mrt_param *p,
                     float out_rad[MRT_ANGLES])
 {
     const mrt_taught_poses *poses = plugin_interface(mapping->type, MRT_TAUGHT_POSES);
@@ -706,13 +638,13 @@ static bool pose_of(const mapping_panel *self, const instance *mapping, const mr
     return true;
 }
 
-static void follow_lessons(mapping_panel *self, const instance *mapping)
+static void follow_lessons(panel *self, const instance *mapping)
 {
     size_t size;
     if (self->lessons_wait_s > 0.0 || !plugin_interface(mapping->type, MRT_TAUGHT_POSES))
         return;
     self->lessons_wait_s = LESSONS_S;
-    unsigned char *now = fetch_taught(self->steps, &size);
+    unsigned char *now = fetch_taught(self, &size);
     if (!now)
         return;
     free(self->lessons);
@@ -731,7 +663,7 @@ static float cell_width(const ui *on, const instance *mapping, const char *group
     return widest;
 }
 
-static void draw_figure(mapping_panel *self, ui *on, const mrt_param *p, const float *angle_rad,
+static void draw_figure(panel *self, ui *on, const mrt_param *p, const float *angle_rad,
                         float width)
 {
     const mrt_hand *hand = app_view(self->app)->hand;
@@ -747,7 +679,7 @@ static void draw_figure(mapping_panel *self, ui *on, const mrt_param *p, const f
 }
 
 /* Each hand with the button below it that teaches it. */
-static void draw_lessons(mapping_panel *self, ui *on, instance *mapping, const char *group,
+static void draw_lessons(panel *self, ui *on, instance *mapping, const char *group,
                          const char *find)
 {
     const float width = cell_width(on, mapping, group);
@@ -779,8 +711,7 @@ static void draw_lessons(mapping_panel *self, ui *on, instance *mapping, const c
 /* ---- a group ---- */
 
 /* Buttons stand beside each other. */
-static void draw_group(mapping_panel *self, ui *on, instance *mapping, const char *group,
-                       const char *find)
+static void draw_group(panel *self, ui *on, instance *mapping, const char *group, const char *find)
 {
     bool is_after_button = false;
     float angle_rad[MRT_ANGLES];
@@ -821,7 +752,7 @@ static bool finds_in(const instance *mapping, const char *group, const char *fin
     return false;
 }
 
-static void draw_found(mapping_panel *self, ui *on, instance *mapping)
+static void draw_found(panel *self, ui *on, instance *mapping)
 {
     bool has_found = false;
     for (uint32_t i = 0; i < self->group_count; ++i) {
@@ -838,7 +769,7 @@ static void draw_found(mapping_panel *self, ui *on, instance *mapping)
         ui_text(on, UI_STYLE_DIM, "No parameter is called like that.");
 }
 
-static void draw_groups(mapping_panel *self, ui *on, instance *mapping)
+static void draw_groups(panel *self, ui *on, instance *mapping)
 {
     char title[128];
     bool is_small = mapping->type->param_count <= 16;
@@ -858,7 +789,7 @@ static void draw_groups(mapping_panel *self, ui *on, instance *mapping)
     }
 }
 
-static void mapping_params_draw(mapping_panel *self, ui *on, instance *mapping)
+static void mapping_params_draw(panel *self, ui *on, instance *mapping)
 {
     follow_lessons(self, mapping);
     if (mapping->type->param_count == 0) {
@@ -874,7 +805,7 @@ static void mapping_params_draw(mapping_panel *self, ui *on, instance *mapping)
             self->values[i] = learn_finger_of(&mapping->type->params[i]) == LEARN_NONE
                                   ? mapping->type->params[i].initial
                                   : instance_value(mapping, i);
-        mapping_panel_set(self, self->values, "all parameters reset");
+        set_all(self, self->values, "all parameters reset");
     }
     ui_hint(on, "Every parameter as it is at first; links of fingers stay. A double click on one "
                 "resets that one.");
@@ -888,12 +819,12 @@ static void mapping_params_draw(mapping_panel *self, ui *on, instance *mapping)
 
 static const float label_width = 118.0f;
 
-static void draw_pedal(mapping_panel *self, ui *on, const instance *mapping, uint32_t pedal)
+static void draw_pedal(panel *self, ui *on, const instance *mapping, uint32_t pedal)
 {
     char words[256], id[16];
     ui_canvas at;
     float down = app_view(self->app)->pedal[pedal - 1];
-    uint32_t rezero = (uint32_t)settings_number(app_settings(self->app), "hands.rezero_pedal", 0.0);
+    uint32_t rezero = (uint32_t)settings_number(app_settings(self->app), PEDAL_REZERO_KEY, 0.0);
     if (rezero == pedal)
         (void)snprintf(words, sizeof words, "Re-zero");
     else
@@ -915,7 +846,7 @@ static void draw_pedal(mapping_panel *self, ui *on, const instance *mapping, uin
         ui_hint(on, words);
 }
 
-static void mapping_pedals_draw(mapping_panel *self, ui *on, instance *mapping)
+static void mapping_pedals_draw(panel *self, ui *on, instance *mapping)
 {
     char meaning[PEDAL_MEANING];
     uint32_t count = 0;
@@ -945,16 +876,16 @@ static void mapping_pedals_draw(mapping_panel *self, ui *on, instance *mapping)
 
 /* ---- presets ---- */
 
-static void mapping_presets_read(mapping_panel *self)
+static void mapping_presets_read(panel *self)
 {
     free(self->presets);
     self->presets = NULL;
     self->preset_count =
         self->type ? presets_list(app_settings(self->app), self->type, &self->presets) : 0;
-    self->preset_edition = mapping_steps_preset_edition(self->steps);
+    self->presets_are_stale = false;
 }
 
-static void use(mapping_panel *self, const instance *mapping, const char *name)
+static void use(panel *self, const instance *mapping, const char *name)
 {
     error note = {""};
     char words[EDIT_TEXT];
@@ -968,25 +899,25 @@ static void use(mapping_panel *self, const instance *mapping, const char *name)
     if (presets_taught(text, &taught, &taught_size, &why) < 0)
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "mapping", why.text);
     (void)snprintf(words, sizeof words, "%.50s: preset '%s'", mapping->type->name, name);
-    mapping_steps_set(self->steps, self->values, taught, taught_size, words);
+    set_values(self, self->values, taught, taught_size, words);
     if (name != self->preset)
         (void)snprintf(self->preset, sizeof self->preset, "%s", name);
     if (note.text[0])
         news_list_add(app_news(self->app), MRT_LOG_WARNING, "mapping", note.text);
 }
 
-static void save(mapping_panel *self)
+static void save(panel *self)
 {
     char clean[PRESET_NAME];
     if (!presets_clean_name(clean, self->preset_name))
         return;
-    mapping_steps_save_preset(self->steps, clean);
+    save_preset(self, clean);
     (void)snprintf(self->preset, sizeof self->preset, "%s", clean);
     self->is_naming = false;
 }
 
 /* What is set now is the preset that was used last, and no more. */
-static bool is_still(const mapping_panel *self, const instance *mapping)
+static bool is_still(const panel *self, const instance *mapping)
 {
     char now[PRESET_TEXT];
     const char *text =
@@ -997,7 +928,7 @@ static bool is_still(const mapping_panel *self, const instance *mapping)
     return presets_has_values(text, now);
 }
 
-static void draw_naming(mapping_panel *self, ui *on)
+static void draw_naming(panel *self, ui *on)
 {
     if (!self->was_naming)
         ui_input_take_keys(on);
@@ -1020,7 +951,7 @@ static void draw_naming(mapping_panel *self, ui *on)
         self->is_naming = false;
 }
 
-static void draw_list(mapping_panel *self, ui *on, const instance *mapping)
+static void draw_list(panel *self, ui *on, const instance *mapping)
 {
     const char *items[MAPPING_CHOICES_MAX];
     char shown[PRESET_NAME + 16];
@@ -1047,9 +978,9 @@ static void draw_list(mapping_panel *self, ui *on, const instance *mapping)
         "Values of all parameters, and what it was taught, under a name, kept for this mapping.");
 }
 
-static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
+static void mapping_presets_draw(panel *self, ui *on, instance *mapping)
 {
-    if (self->preset_edition != mapping_steps_preset_edition(self->steps))
+    if (self->presets_are_stale)
         mapping_presets_read(self);
     if (self->is_naming) {
         draw_naming(self, on);
@@ -1068,7 +999,7 @@ static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
         return;
     ui_same_line(on);
     if (ui_button(on, "Delete", UI_QUIET))
-        mapping_steps_delete_preset(self->steps, self->preset);
+        delete_preset(self, self->preset);
     ui_hint(on, "Deletes the preset; what is set now stays. Undo brings it back.");
     if (!self->preset[0] || !plugin_interface(mapping->type, MRT_STATE))
         return;
@@ -1082,7 +1013,7 @@ static void mapping_presets_draw(mapping_panel *self, ui *on, instance *mapping)
 
 /* ---- what is linked ---- */
 
-static const char *contact_name(const mapping_panel *self, uint32_t contact)
+static const char *contact_name(const panel *self, uint32_t contact)
 {
     const mrt_face *about = app_view(self->app)->about;
     return about && contact > 0 && contact <= about->contact_count
@@ -1090,7 +1021,7 @@ static const char *contact_name(const mapping_panel *self, uint32_t contact)
                : NULL;
 }
 
-static void set_link(mapping_panel *self, instance *mapping, int finger, uint32_t contact)
+static void set_link(panel *self, instance *mapping, int finger, uint32_t contact)
 {
     char words[EDIT_TEXT];
     const char *name = contact_name(self, contact);
@@ -1104,11 +1035,11 @@ static void set_link(mapping_panel *self, instance *mapping, int finger, uint32_
         (void)snprintf(words, sizeof words, "%s pulls %.100s", learn_finger_name[finger], name);
     else
         (void)snprintf(words, sizeof words, "%s is free again", learn_finger_name[finger]);
-    mapping_panel_set(self, self->values, words);
+    set_all(self, self->values, words);
     (void)snprintf(self->learnt, sizeof self->learnt, "%s", words);
 }
 
-static void draw_links(mapping_panel *self, ui *on, instance *mapping)
+static void draw_links(panel *self, ui *on, instance *mapping)
 {
     uint32_t count = 0;
     char missing[32];
@@ -1136,7 +1067,7 @@ static void draw_links(mapping_panel *self, ui *on, instance *mapping)
 
 /* ---- learning ---- */
 
-static void begin(mapping_panel *self)
+static void begin(panel *self)
 {
     self->is_learning = true;
     self->had_contacts = app_looks_of(self->app)->shows_contacts;
@@ -1145,7 +1076,7 @@ static void begin(mapping_panel *self)
     learn_begin(&self->learn);
 }
 
-static void mapping_learn_end(mapping_panel *self)
+static void mapping_learn_end(panel *self)
 {
     viewport *view = app_viewport(self->app);
     if (!self->is_learning)
@@ -1156,7 +1087,7 @@ static void mapping_learn_end(mapping_panel *self)
         viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
 }
 
-static void follow_click(mapping_panel *self, instance *mapping)
+static void follow_click(panel *self, instance *mapping)
 {
     viewport *view = app_viewport(self->app);
     const viewport_stroke *stroke = view ? viewport_stroke_now(view) : NULL;
@@ -1175,7 +1106,7 @@ static void follow_click(mapping_panel *self, instance *mapping)
     }
 }
 
-static void mapping_learn_update(mapping_panel *self, instance *mapping, double dt_s)
+static void mapping_learn_update(panel *self, instance *mapping, double dt_s)
 {
     viewport *view = app_viewport(self->app);
     if (!self->is_learning)
@@ -1191,7 +1122,7 @@ static void mapping_learn_update(mapping_panel *self, instance *mapping, double 
 }
 
 /* How far each finger of a hand has gone in the last second. */
-static void draw_travel(const mapping_panel *self, ui *on, int first, const char *id)
+static void draw_travel(const panel *self, ui *on, int first, const char *id)
 {
     static const char *const letter[5] = {"thumb", "index", "middle", "ring", "little"};
     ui_canvas at;
@@ -1213,7 +1144,7 @@ static void draw_travel(const mapping_panel *self, ui *on, int first, const char
     ui_canvas_end(on);
 }
 
-static void draw_learning(mapping_panel *self, ui *on)
+static void draw_learning(panel *self, ui *on)
 {
     const mrt_hand *hand = app_view(self->app)->hand;
     char words[96];
@@ -1234,7 +1165,7 @@ static void draw_learning(mapping_panel *self, ui *on)
     ui_hint(on, "Escape");
 }
 
-static void draw_cannot(mapping_panel *self, ui *on, const instance *mapping)
+static void draw_cannot(panel *self, ui *on, const instance *mapping)
 {
     char words[200];
     (void)snprintf(words, sizeof words,
@@ -1243,11 +1174,11 @@ static void draw_cannot(mapping_panel *self, ui *on, const instance *mapping)
                    mapping->type->name);
     ui_text_wrapped(on, UI_STYLE_DIM, words);
     if (ui_button(on, "Perform with Anchored", UI_PLAIN))
-        mapping_steps_choose(self->steps, "anchored");
+        choose_mapping(self, "anchored");
     ui_hint(on, "Another mapping performs from now on; undo brings this one back.");
 }
 
-static void mapping_learn_draw(mapping_panel *self, ui *on, instance *mapping)
+static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
 {
     if (!learn_can(mapping->type)) {
         draw_cannot(self, on, mapping);
@@ -1270,20 +1201,9 @@ static void mapping_learn_draw(mapping_panel *self, ui *on, instance *mapping)
 enum { TAB_PARAMETERS = 0, TAB_PEDALS, TAB_LEARN, TABS };
 static const char *const tabs[TABS] = {"Parameters", "Pedals", "Learn"};
 
-struct panel {
-    mapping_panel of;
-};
-
-static void mapping_panel_set(mapping_panel *self, const double *values, const char *words)
-{
-    char all[EDIT_TEXT];
-    (void)snprintf(all, sizeof all, "%.50s: %.100s", self->type ? self->type->name : "", words);
-    mapping_steps_set(self->steps, values, NULL, 0, all);
-}
-
 /* ---- of the mapping that performs ---- */
 
-static void find_groups(mapping_panel *self)
+static void find_groups(panel *self)
 {
     self->group_count = 0;
     for (uint32_t i = 0; self->type && i < self->type->param_count; ++i) {
@@ -1297,7 +1217,7 @@ static void find_groups(mapping_panel *self)
 }
 
 /* Another mapping performs, or another version of it. Returns it only if there is room to think. */
-static instance *follow_mapping(mapping_panel *self)
+static instance *follow_mapping(panel *self)
 {
     instance *mapping = live_mapping(app_live(self->app));
     const mrt_plugin_type *type = mapping ? mapping->type : NULL;
@@ -1322,7 +1242,7 @@ static instance *follow_mapping(mapping_panel *self)
 
 /* ---- choice ---- */
 
-static void draw_choice(mapping_panel *self, ui *on)
+static void draw_choice(panel *self, ui *on)
 {
     const plugin_list *plugins = app_plugins(self->app);
     const char *items[MAPPING_CHOICES_MAX] = {"none: the mouse alone"};
@@ -1341,7 +1261,7 @@ static void draw_choice(mapping_panel *self, ui *on)
     ui_hint(on, "What makes a face of the hands: another one takes over without a jump.");
     if (!is_other)
         return;
-    mapping_steps_choose(self->steps, types[chosen] ? types[chosen]->id : "");
+    choose_mapping(self, types[chosen] ? types[chosen]->id : "");
 }
 
 /* ---- a process of its own, another version ---- */
@@ -1364,7 +1284,7 @@ static void draw_isolation(ui *on, const instance *mapping, const isolate_counts
         ui_text_wrapped(on, UI_STYLE_WARNING, "The face is held. Choose it again, or another one.");
 }
 
-static void draw_state(mapping_panel *self, ui *on, const instance *mapping)
+static void draw_state(panel *self, ui *on, const instance *mapping)
 {
     const live_status *status = app_status(self->app);
     char words[160];
@@ -1389,7 +1309,7 @@ static void draw_state(mapping_panel *self, ui *on, const instance *mapping)
 
 #define LOW_POINTS 420.0f /* a panel that is lower scrolls as a whole */
 
-static void draw_mapping(mapping_panel *self, ui *on, instance *mapping, bool is_low)
+static void draw_mapping(panel *self, ui *on, instance *mapping, bool is_low)
 {
     ui_text_wrapped(on, UI_STYLE_DIM, mapping->type->about);
     draw_state(self, on, mapping);
@@ -1410,9 +1330,8 @@ static void draw_mapping(mapping_panel *self, ui *on, instance *mapping, bool is
         ui_scroll_end(on);
 }
 
-static void draw(panel *self_, ui *on, ui_rectangle where)
+static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    mapping_panel *self = &self_->of;
     instance *mapping = follow_mapping(self);
     const bool is_low = where.height < LOW_POINTS;
     ui_panel_begin(on, "mapping", where, UI_GROUND_PANEL);
@@ -1431,9 +1350,8 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
     ui_panel_end(on);
 }
 
-static void update(panel *self_, double dt_s)
+static void update(panel *self, double dt_s)
 {
-    mapping_panel *self = &self_->of;
     char preset[PRESET_NAME];
     instance *mapping = follow_mapping(self);
     mapping_learn_update(self, mapping, dt_s);
@@ -1447,13 +1365,13 @@ static void destroy(panel *self)
 {
     if (!self)
         return;
-    mapping_learn_end(&self->of);
-    mapping_steps_destroy(self->of.steps);
+    mapping_learn_end(self);
+    app_forget_steps(self->app, self);
     for (uint32_t side = 0; side < 2; ++side)
-        hand_skeleton_destroy(self->of.skeleton[side]);
-    free(self->of.lessons);
-    free(self->of.values);
-    free(self->of.presets);
+        hand_skeleton_destroy(self->skeleton[side]);
+    free(self->lessons);
+    free(self->values);
+    free(self->presets);
     free(self);
 }
 
@@ -1462,11 +1380,10 @@ static panel *create(app *of)
     panel *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    self->of.app = of;
-    self->of.steps = mapping_steps_create(of);
+    self->app = of;
     for (uint32_t side = 0; side < 2; ++side)
-        self->of.skeleton[side] = hand_skeleton_create(side, HAND_LENGTH_MM);
-    if (self->of.steps && self->of.skeleton[0] && self->of.skeleton[1])
+        self->skeleton[side] = hand_skeleton_create(side, HAND_LENGTH_MM);
+    if (self->skeleton[0] && self->skeleton[1])
         return self;
     destroy(self);
     return NULL;
