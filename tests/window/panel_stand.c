@@ -110,14 +110,6 @@ const char *app_picture_says(const app *self, uint32_t *out_streams)
     return "";
 }
 
-bool app_take_preset(app *self, char *out, size_t capacity)
-{
-    (void)self;
-    (void)snprintf(out, capacity, "%s", here->preset);
-    here->preset[0] = '\0';
-    return out[0] != '\0';
-}
-
 bool app_take_call(app *self, app_call of)
 {
     (void)self, (void)of;

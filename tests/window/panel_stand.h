@@ -45,7 +45,7 @@ typedef struct stand {
     app_patch_aim aim;
     app_picture picture;
     /* from afar */
-    char remote[APP_REMOTE_ADDRESS], preset[64];
+    char remote[APP_REMOTE_ADDRESS];
     /* undo */
     app_step step[STAND_STEPS];
     uint32_t step_count, all_count; /* all: with those that were undone */

@@ -330,14 +330,6 @@ static bool path_typed(const dialogs *self, char out[FOLDER_PATH])
     return true;
 }
 
-static void say_newest(dialogs *self)
-{
-    const news_list *news = app_news(self->app);
-    const uint32_t count = news_list_count(news);
-    (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "%s",
-                   count ? news_list_at(news, count - 1)->text : "it could not be opened");
-}
-
 static void open_path(dialogs *self, const char *path)
 {
     if (open_kind_of(path) == OPEN_FACE && access(path, F_OK) != 0) {
@@ -349,7 +341,8 @@ static void open_path(dialogs *self, const char *path)
     } else if (open_any(self->app, path) >= 0) {
         ui_dialog_close(self->ui);
     } else {
-        say_newest(self);
+        (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "%s",
+                       news_list_newest(app_news(self->app)));
     }
 }
 

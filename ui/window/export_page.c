@@ -366,11 +366,9 @@ static void begin_export(export_page *self)
         (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
     } else if (!needs_a_word(self, name, count)) {
         result = begin_all(self, name, id, count);
-        const news_list *news = app_news(self->app);
-        const uint32_t said = news_list_count(news);
-        if (result < 0 && said > 0)
+        if (result < 0)
             (void)snprintf(self->trouble, sizeof self->trouble, "%s",
-                           news_list_at(news, said - 1)->text);
+                           news_list_newest(app_news(self->app)));
         tell_choice(self, kept, sizeof kept);
         settings_set_text(app_settings(self->app), last_key, kept);
         if (result >= 0)

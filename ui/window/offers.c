@@ -74,6 +74,14 @@ static bool is_without_rig(app *of)
 
 static const float padding = 8.0f, gap = 8.0f, pitch = 31.0f; /* of lines of buttons */
 
+/* At the lower edge of the face, in its middle. */
+static void begin_box(ui *on, const char *id, ui_rectangle over, float width, float height)
+{
+    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
+                              over.y + over.height - height - 8.0f, width, height};
+    ui_panel_begin(on, id, box, UI_GROUND_PANEL);
+}
+
 static float width_of(const ui *on, offer which)
 {
     return ui_text_width(on, UI_STYLE_BODY, offers[which].title) + 22.0f;
@@ -163,9 +171,7 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
     const float width = fmaxf(wide, is_drafting ? 150.0f : 320.0f);
     const float height = 34.0f + (is_drafting ? 0.0f : pitch) + (asks ? pitch : 0.0f);
     mesh_frame wanted = {.mm_per_unit = 0.0};
-    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
-                              over.y + over.height - height - 8.0f, width, height};
-    ui_panel_begin(on, "rig offer", box, UI_GROUND_PANEL);
+    begin_box(on, "rig offer", over, width, height);
     ui_text(on, UI_STYLE_DIM, text);
     if (asks)
         draw_unit(of, on, &wanted);
@@ -201,9 +207,7 @@ static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
     const float wide = ui_text_width(on, UI_STYLE_DIM, text) + 22.0f + 2.0f * padding;
     const float width = fmaxf(wide, is_cutting ? 150.0f : 260.0f);
     const float height = 34.0f + (is_cutting ? 0.0f : pitch);
-    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
-                              over.y + over.height - height - 8.0f, width, height};
-    ui_panel_begin(on, "mouth offer", box, UI_GROUND_PANEL);
+    begin_box(on, "mouth offer", over, width, height);
     ui_text(on, UI_STYLE_DIM, text);
     if (!is_cutting) {
         if (ui_button(on, "Cut the mouth", UI_ACCENT))
@@ -247,9 +251,7 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
     const uint32_t lines = (count + per_line - 1) / per_line;
     const float height = (is_wide ? 34.0f : 12.0f) + (float)lines * pitch;
     width += 2.0f * padding - gap;
-    const ui_rectangle box = {over.x + 0.5f * (over.width - width),
-                              over.y + over.height - height - 8.0f, width, height};
-    ui_panel_begin(on, "offers", box, UI_GROUND_PANEL);
+    begin_box(on, "offers", over, width, height);
     if (is_wide)
         ui_text(on, UI_STYLE_DIM, "Perform with");
     for (uint32_t i = 0; i < count; ++i) {

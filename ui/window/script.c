@@ -30,22 +30,30 @@ void script_random_begin(script_random *self, uint64_t seed)
     (void)draw(self, 1);
 }
 
+static void push(ui *on, ui_event event)
+{
+    ui_push(on, &event);
+}
+
 static void push_move(ui *on, float x, float y)
 {
-    const ui_event event = {.kind = UI_EVENT_MOVE, .x = x, .y = y};
-    ui_push(on, &event);
+    push(on, (ui_event){.kind = UI_EVENT_MOVE, .x = x, .y = y});
 }
 
 static void push_button(ui *on, uint32_t button, bool is_down)
 {
-    const ui_event event = {.kind = UI_EVENT_BUTTON, .code = button, .is_down = is_down};
-    ui_push(on, &event);
+    push(on, (ui_event){.kind = UI_EVENT_BUTTON, .code = button, .is_down = is_down});
 }
 
 static void push_key(ui *on, uint32_t key, bool is_down)
 {
-    const ui_event event = {.kind = UI_EVENT_KEY, .code = key, .is_down = is_down};
-    ui_push(on, &event);
+    push(on, (ui_event){.kind = UI_EVENT_KEY, .code = key, .is_down = is_down});
+}
+
+static void press_and_release(ui *on, uint32_t key)
+{
+    push_key(on, key, true);
+    push_key(on, key, false);
 }
 
 static void go_anywhere(script_random *self, float width, float height)
@@ -112,8 +120,7 @@ static void press_key(script_random *self, ui *on)
         return;
     if (hold)
         push_key(on, hold, true);
-    push_key(on, key, true);
-    push_key(on, key, false);
+    press_and_release(on, key);
     if (hold)
         push_key(on, hold, false);
 }
@@ -121,17 +128,15 @@ static void press_key(script_random *self, ui *on)
 static void type(script_random *self, ui *on)
 {
     const uint32_t length = 1 + draw(self, 6);
-    for (uint32_t i = 0; i < length; ++i) {
-        const ui_event event = {.kind = UI_EVENT_TEXT, .code = 'a' + draw(self, 26)};
-        ui_push(on, &event);
-    }
+    for (uint32_t i = 0; i < length; ++i)
+        push(on, (ui_event){.kind = UI_EVENT_TEXT, .code = 'a' + draw(self, 26)});
 }
 
 static void turn_wheel(script_random *self, ui *on)
 {
-    const ui_event event = {.kind = UI_EVENT_WHEEL, .y = draw(self, 2) ? 1.0f : -1.0f};
+    const float notch = draw(self, 2) ? 1.0f : -1.0f;
     push_move(on, self->x, self->y);
-    ui_push(on, &event);
+    push(on, (ui_event){.kind = UI_EVENT_WHEEL, .y = notch});
 }
 
 /* Whoever has been asked for some seconds gives up some time: behind a question nothing else can be
@@ -150,8 +155,7 @@ void script_random_step(script_random *self, ui *on, float width, float height)
         return;
     }
     if (gives_up(self)) {
-        push_key(on, UI_KEY_ESCAPE, true);
-        push_key(on, UI_KEY_ESCAPE, false);
+        press_and_release(on, UI_KEY_ESCAPE);
         return;
     }
     if (draw(self, 3) == 0) /* people look, too */
@@ -188,9 +192,8 @@ void script_random_step(script_random *self, ui *on, float width, float height)
 
 void script_random_end(script_random *self, ui *on)
 {
-    const ui_event event = {.kind = UI_EVENT_FOCUS, .is_down = false};
     self->steps = 0;
-    ui_push(on, &event);
+    push(on, (ui_event){.kind = UI_EVENT_FOCUS, .is_down = false});
 }
 
 /* ---- a script ---- */
@@ -405,30 +408,17 @@ const char *script_help(void)
 
 /* ---- doing ---- */
 
-static void push(const script_stage *on, ui_event event)
-{
-    ui_push(on->ui, &event);
-}
-
-static void push_modifiers(const script_stage *on, uint32_t modifiers, bool is_down)
+static void push_modifiers(ui *on, uint32_t modifiers, bool is_down)
 {
     static const uint32_t keys[][2] = {
         {UI_SHIFT, UI_KEY_SHIFT}, {UI_CONTROL, UI_KEY_CONTROL}, {UI_ALT, UI_KEY_ALT}};
     for (size_t i = 0; i < 3; ++i)
         if (modifiers & keys[i][0])
-            push(on, (ui_event){.kind = UI_EVENT_KEY, .code = keys[i][1], .is_down = is_down});
-}
-
-static void script_press_key(const script_stage *on, const command *c)
-{
-    push_modifiers(on, c->modifiers, true);
-    push(on, (ui_event){.kind = UI_EVENT_KEY, .code = c->key, .is_down = true});
-    push(on, (ui_event){.kind = UI_EVENT_KEY, .code = c->key});
-    push_modifiers(on, c->modifiers, false);
+            push_key(on, keys[i][1], is_down);
 }
 
 /* UTF-8; what is none is left out. */
-static void push_text(const script_stage *on, const char *text)
+static void push_text(ui *on, const char *text)
 {
     const unsigned char *at = (const unsigned char *)text;
     while (*at) {
@@ -441,11 +431,11 @@ static void push_text(const script_stage *on, const char *text)
     }
 }
 
-static void click(const script_stage *on, double x, double y, uint32_t button)
+static void click(ui *on, double x, double y, uint32_t button)
 {
-    push_move(on->ui, (float)x, (float)y);
-    push_button(on->ui, button, true);
-    push_button(on->ui, button, false);
+    push_move(on, (float)x, (float)y);
+    push_button(on, button, true);
+    push_button(on, button, false);
 }
 
 static mrt_result do_drag(script *self, const command *c, const script_stage *on)
@@ -468,7 +458,7 @@ static mrt_result do_press(script *self, const command *c, const script_stage *o
     const uint32_t count = ui_words(on->ui, &words);
     for (uint32_t i = 0; i < count; ++i)
         if (strcmp(words[i].text, c->text) == 0) {
-            click(on, (double)(words[i].where.x + 0.5f * words[i].where.width),
+            click(on->ui, (double)(words[i].where.x + 0.5f * words[i].where.width),
                   (double)(words[i].where.y + 0.5f * words[i].where.height), 0);
             return MRT_END;
         }
@@ -542,23 +532,24 @@ static mrt_result do_one(script *self, const command *c, const script_stage *on,
         push_button(on->ui, c->button, c->kind == COMMAND_DOWN);
         return MRT_END;
     case COMMAND_CLICK:
-        click(on, c->number[0], c->number[1], c->button);
+        click(on->ui, c->number[0], c->number[1], c->button);
         return MRT_END;
     case COMMAND_DRAG:
         return do_drag(self, c, on);
     case COMMAND_WHEEL:
-        push(on, (ui_event){.kind = UI_EVENT_WHEEL, .y = (float)c->number[0]});
+        push(on->ui, (ui_event){.kind = UI_EVENT_WHEEL, .y = (float)c->number[0]});
         return MRT_END;
     case COMMAND_KEY:
-        script_press_key(on, c);
+        push_modifiers(on->ui, c->modifiers, true);
+        press_and_release(on->ui, c->key);
+        push_modifiers(on->ui, c->modifiers, false);
         return MRT_END;
     case COMMAND_HOLD:
     case COMMAND_RELEASE:
-        push(on,
-             (ui_event){.kind = UI_EVENT_KEY, .code = c->key, .is_down = c->kind == COMMAND_HOLD});
+        push_key(on->ui, c->key, c->kind == COMMAND_HOLD);
         return MRT_END;
     case COMMAND_TYPE:
-        push_text(on, c->text);
+        push_text(on->ui, c->text);
         return MRT_END;
     case COMMAND_DO:
         app_do(on->app, c->act);

@@ -186,15 +186,14 @@ static bool gives_way(const workspace *self, const news_item *to)
 static const news_item *most_serious_of_new(workspace *self)
 {
     const news_list *list = app_news(self->app);
-    const uint32_t count = news_list_count(list);
-    const uint64_t total = news_list_said(list), fresh = total - self->news_shown;
     const news_item *best = NULL;
-    self->news_shown = total;
-    for (uint32_t i = fresh < count ? count - (uint32_t)fresh : 0; i < count; ++i) {
+    for (uint32_t i = news_list_first_after(list, self->news_shown); i < news_list_count(list);
+         ++i) {
         const news_item *item = news_list_at(list, i);
         if (is_for_everybody(item) && (!best || item->level >= best->level))
             best = item;
     }
+    self->news_shown = news_list_said(list);
     return best;
 }
 

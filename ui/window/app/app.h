@@ -9,6 +9,7 @@
 #include "draw/scenery.h"
 #include "window/app/key_map.h"
 #include "window/app/news_list.h"
+#include "window/app/presets.h"
 #include "window/app/settings.h"
 #include "window/app/input_opener.h"
 #include "window/gui/theme.h"
@@ -171,9 +172,6 @@ void app_set_click(app *self, const live_click *to);
 double app_leads_in_s(const app *self); /* until what is performed counts; 0: nothing is awaited */
 /* As a pedal says it: record only begins, stop only ends. False: it is so already. */
 bool app_press(app *self, patch_action of);
-/* A preset of the mapping that performs, for the mapping panel, which takes it: true once. */
-void app_ask_preset(app *self, const char *name);
-bool app_take_preset(app *self, char *out, size_t capacity);
 /* What one part of the window asks of another, which takes it: true once. */
 typedef enum app_call {
     APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
@@ -304,12 +302,14 @@ typedef struct app_figures {                 /* how fast the window is */
 /* ---- what one part of the window tells the others ---- */
 
 typedef struct app_notes {
-    app_figures figures;    /* by the workspace, some times a second; zeroes at first */
-    bool is_drafting;       /* by the rig panel: a first rig is being found */
-    bool is_mouth_asked;    /* by the rig panel: it waits for mouth_answer */
-    app_mouth mouth_answer; /* by whoever asks; the rig panel takes it away */
-    bool is_rig_pending;    /* by the rig panel: the rig as it was changed last is still being laid
-                               on the face; pulls wait for it */
+    char preset[PRESET_NAME]; /* of the mapping that performs, to be used: the mapping panel does,
+                                 and takes it away; "": none */
+    app_figures figures;      /* by the workspace, some times a second; zeroes at first */
+    bool is_drafting;         /* by the rig panel: a first rig is being found */
+    bool is_mouth_asked;      /* by the rig panel: it waits for mouth_answer */
+    app_mouth mouth_answer;   /* by whoever asks; the rig panel takes it away */
+    bool is_rig_pending; /* by the rig panel: the rig as it was changed last is still being laid
+                            on the face; pulls wait for it */
 } app_notes;
 app_notes *app_notes_of(app *self);
 

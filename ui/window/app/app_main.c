@@ -129,18 +129,6 @@ struct expressions *app_expressions(app *self)
     return self->expressions;
 }
 
-void app_ask_preset(app *self, const char *name)
-{
-    (void)snprintf(self->preset_asked, sizeof self->preset_asked, "%s", name);
-}
-
-bool app_take_preset(app *self, char *out, size_t capacity)
-{
-    (void)snprintf(out, capacity, "%s", self->preset_asked);
-    self->preset_asked[0] = '\0';
-    return out[0] != '\0';
-}
-
 void app_ask(app *self, app_call of)
 {
     self->is_called[of] = true;

@@ -589,6 +589,14 @@ static mrt_result read_face(face_file **out, const char *path, const mesh_frame 
     return result;
 }
 
+/* As the person said it, or as it is installed; NULL: no memory. To be freed. */
+static char *path_of_face(const char *given)
+{
+    char *found = installed_face(given), *real = found ? realpath(found, NULL) : NULL;
+    free(found);
+    return real ? real : strdup(given);
+}
+
 /* The notes of a face are for its maker; the panel lists them. Here their number is enough. */
 static void tell_face(app *self)
 {
@@ -670,38 +678,34 @@ static mrt_result put_face(app *self, face_file *made, const char *path, double 
     return MRT_OK;
 }
 
-mrt_result app_open_face(app *self, const char *given)
+/* Reads the face at the path, which is freed, and puts it on the stage. */
+static mrt_result open_face(app *self, char *path, const mesh_frame *frame)
 {
     error err = {0};
     face_file *made = NULL;
-    char *found = installed_face(given), *path = found ? realpath(found, NULL) : NULL;
-    mrt_result result = read_face(&made, path ? path : given, NULL, &err);
-    if (result < 0)
-        (void)app_report(self, result, &err);
-    else
-        result = put_face(self, made, path ? path : given, 0.0);
-    if (result >= 0) {
-        app_forget_pulls(self);
-        tell_face(self);
-    }
-    free(found);
-    free(path);
-    return result;
-}
-
-mrt_result app_set_face_frame(app *self, const mesh_frame *frame)
-{
-    error err = {0};
-    face_file *made = NULL;
-    char *path = strdup(self->face_path);
     mrt_result result = path ? read_face(&made, path, frame, &err)
                              : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
     if (result < 0)
         (void)app_report(self, result, &err);
     else
-        result = put_face(self, made, path, frame->mm_per_unit);
+        result = put_face(self, made, path, frame ? frame->mm_per_unit : 0.0);
     free(path);
     return result;
+}
+
+mrt_result app_open_face(app *self, const char *given)
+{
+    const mrt_result result = open_face(self, path_of_face(given), NULL);
+    if (result >= 0) {
+        app_forget_pulls(self);
+        tell_face(self);
+    }
+    return result;
+}
+
+mrt_result app_set_face_frame(app *self, const mesh_frame *frame)
+{
+    return open_face(self, strdup(self->face_path), frame);
 }
 
 mrt_result app_change_face(app *self, face_file *made)
@@ -735,17 +739,19 @@ static void *read_first_face(void *data)
 {
     face_reading *self = data;
     self->result = error_set(&self->err, MRT_ERR_IO, "no face was found: name one with --face");
-    for (int i = 0; i < 3 && self->result < 0; ++i) {
+    for (int i = 0; i < 3; ++i) {
         if (!self->path[i][0])
             continue;
-        char *found = installed_face(self->path[i]), *real = found ? realpath(found, NULL) : NULL;
-        self->result = read_face(&self->face, real ? real : self->path[i], NULL, &self->err);
-        if (self->result >= 0)
-            self->face_path = strdup(real ? real : self->path[i]);
-        else if (!self->first_err.text[0])
+        char *path = path_of_face(self->path[i]);
+        self->result = path ? read_face(&self->face, path, NULL, &self->err)
+                            : error_set(&self->err, MRT_ERR_MEMORY, "no memory for the face");
+        if (self->result >= 0) {
+            self->face_path = path;
+            return NULL;
+        }
+        free(path);
+        if (!self->first_err.text[0])
             self->first_err = self->err;
-        free(found);
-        free(real);
         if (self->must_be_first)
             break;
     }

@@ -70,7 +70,6 @@ struct app {
     bool is_called[APP_CALLS];
     bool has_pulled;
     app_notes notes;
-    char preset_asked[PRESET_NAME]; /* ""; none */
 
     /* ---- takes ---- */
     app_take_line *line;

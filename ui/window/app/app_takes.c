@@ -1008,8 +1008,7 @@ void app_close_show(app *self, show *of)
         app_say(self, MRT_LOG_WARNING, "%s was deleted, moved or replaced: all of it is in %s",
                 show_path(of), path);
     if (result != MRT_END)
-        fprintf(stderr, "marotte: %s\n",
-                news_list_at(self->news, news_list_count(self->news) - 1)->text);
+        fprintf(stderr, "marotte: %s\n", news_list_newest(self->news));
     show_close(of);
 }
 

@@ -93,3 +93,14 @@ const news_item *news_list_at(const news_list *self, uint32_t index)
 {
     return &self->item[(self->first + index) % NEWS_MAX];
 }
+
+uint32_t news_list_first_after(const news_list *self, uint64_t said)
+{
+    const uint64_t fresh = self->said - said;
+    return fresh < self->count ? self->count - (uint32_t)fresh : 0;
+}
+
+const char *news_list_newest(const news_list *self)
+{
+    return self->count ? news_list_at(self, self->count - 1)->text : "";
+}

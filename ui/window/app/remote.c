@@ -184,7 +184,7 @@ static void do_preset(remote *self, answer *a)
         refuse(a, why);
         return;
     }
-    app_ask_preset(self->of, name);
+    (void)snprintf(app_notes_of(self->of)->preset, PRESET_NAME, "%s", name);
     (void)snprintf(a->says, sizeof a->says, "preset \"%.60s\" of %.60s", name, mapping->type->name);
 }
 
@@ -279,10 +279,8 @@ static void take_command(remote *self, const asker *from, const remote_command *
 static const news_item *newest_word(const remote *self, uint64_t since)
 {
     const news_list *news = app_news(self->of);
-    const uint64_t said = news_list_said(news) - since;
-    const uint32_t count = news_list_count(news);
     const news_item *found = NULL;
-    for (uint32_t i = said < count ? count - (uint32_t)said : 0; i < count; ++i) {
+    for (uint32_t i = news_list_first_after(news, since); i < news_list_count(news); ++i) {
         const news_item *item = news_list_at(news, i);
         if (strcmp(item->source, "stage") == 0 || strcmp(item->source, "mapping") == 0)
             found = item;
@@ -354,13 +352,11 @@ static void tell_all(remote *self, json_t *object)
 static void tell_news(remote *self)
 {
     const news_list *news = app_news(self->of);
-    const uint64_t said = news_list_said(news) - self->news_told;
-    const uint32_t count = news_list_count(news);
     const bool is_recording = app_status(self->of)->is_recording;
-    for (uint32_t i = said < count ? count - (uint32_t)said : 0; i < count; ++i)
+    for (uint32_t i = news_list_first_after(news, self->news_told); i < news_list_count(news); ++i)
         if (news_list_at(news, i)->level >= MRT_LOG_INFO)
             tell_all(self, json_pack("{so}", "news", json_text(news_list_at(news, i)->text)));
-    self->news_told += said;
+    self->news_told = news_list_said(news);
     if (is_recording != self->was_recording)
         tell_all(self, json_pack("{sb}", "recording", (int)is_recording));
     self->was_recording = is_recording;

@@ -23,15 +23,6 @@ struct settings {
 
 /* ---- the file ---- */
 
-static char *joined(const char *a, const char *b)
-{
-    const size_t size = strlen(a) + strlen(b) + 1;
-    char *out = malloc(size);
-    if (out)
-        (void)snprintf(out, size, "%s%s", a, b);
-    return out;
-}
-
 static char *default_path(void)
 {
     char path[PATH_MAX];
@@ -42,8 +33,9 @@ static char *default_path(void)
 
 static void set_aside(settings *self, const char *why, char *out_note, size_t capacity)
 {
-    char *aside = joined(self->path, ".damaged");
-    const bool is_aside = aside && rename(self->path, aside) == 0;
+    char aside[PATH_MAX];
+    const int length = snprintf(aside, sizeof aside, "%s.damaged", self->path);
+    const bool is_aside = length < (int)sizeof aside && rename(self->path, aside) == 0;
     (void)snprintf(out_note, capacity,
                    is_aside ? "the settings made no sense (%s): they are in %s now, and the "
                               "window starts as new"
@@ -51,7 +43,6 @@ static void set_aside(settings *self, const char *why, char *out_note, size_t ca
                               "starts as new",
                    why, is_aside ? aside : self->path);
     text_make_printable(out_note); /* why: with words of the file */
-    free(aside);
 }
 
 /* What there is is read; what makes no sense is put aside; what cannot be read is left alone. */

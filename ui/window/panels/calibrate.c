@@ -32,15 +32,7 @@ typedef struct calibrate_guide {
     guide_judgement judgement; /* of the result */
 } calibrate_guide;
 
-/* What is wrong, then what moves along: a line a sensor worth a word. Returns how many. */
-typedef struct calibrate_finding {
-    char text[200]; /* "ring knuckle moves along with the middle knuckle: 21 %" */
-    bool is_warning;
-} calibrate_finding;
-
 /* ---- a calibration that is being made ---- */
-
-static const float worth_telling = 0.1f; /* rad per rad */
 
 static mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel,
                                         uint32_t count, uint32_t side, const char *name, error *err)
@@ -127,16 +119,11 @@ static void calibrate_guide_sample(calibrate_guide *self, const mrt_sample *samp
     follow(self, guide_sample(self->guide, self->raw, sample->time_ns), step);
 }
 
-static void calibrate_guide_take(calibrate_guide *self)
+/* what: guide_next, which takes the pose as it is, or guide_skip. */
+static void calibrate_guide_advance(calibrate_guide *self, guide_news (*what)(guide *))
 {
     guide_step step = guide_current(self->guide);
-    follow(self, guide_next(self->guide), step);
-}
-
-static void calibrate_guide_skip(calibrate_guide *self)
-{
-    guide_step step = guide_current(self->guide);
-    follow(self, guide_skip(self->guide), step);
+    follow(self, what(self->guide), step);
 }
 
 static void calibrate_guide_back(calibrate_guide *self)
@@ -152,35 +139,6 @@ static void calibrate_guide_again(calibrate_guide *self, guide_step step)
     forget_result(self);
     guide_again(self->guide, step);
     say(self, CALIBRATE_SAYS, "Again: %s. Skip leaves it as it was.", guide_step_name[step]);
-}
-
-/* ---- what came out ---- */
-
-static void tell_cross_talk(float share, int from, int to, calibrate_finding *out)
-{
-    out->is_warning = false;
-    (void)snprintf(out->text, sizeof out->text, "%s moves along with %s: %.0f %%",
-                   sensor_table[to].label, sensor_table[from].label, 100.0 * (double)share);
-}
-
-static uint32_t calibrate_guide_findings(const calibrate_guide *self, calibrate_finding *out,
-                                         uint32_t capacity)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; self->result && i < self->judgement.flaw_count && count < capacity; ++i) {
-        out[count].is_warning = true;
-        guide_flaw_text(&self->judgement.flaw[i], out[count].text, sizeof out[count].text);
-        count += 1;
-    }
-    for (int i = 0; self->result && i < MRT_ANGLES; ++i) {
-        const calibration_sensor *sensor = &self->result->sensor[i];
-        if (sensor->table.count == 0)
-            continue;
-        for (int k = 0; k < MRT_ANGLES; ++k)
-            if (fabsf(sensor->cross_talk[k]) >= worth_telling && count < capacity)
-                tell_cross_talk(sensor->cross_talk[k], i, k, &out[count++]);
-    }
-    return count;
 }
 
 /* Into the user's folder; *out_path is to be freed. hand_length_mm 0: not said. */
@@ -213,7 +171,7 @@ static mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
 
 /* ---- the dialog ---- */
 
-enum { COLUMNS = 2, FINDINGS = 24, PER_FRAME = 512 };
+enum { COLUMNS = 2, PER_FRAME = 512 };
 static const float width = 720.0f, bar_height = 17.0f, news_height = 44.0f, figure_size = 132.0f;
 static const double degrees_per_rad = 57.29577951308232;
 static const char *const side_word[2] = {"left", "right"};
@@ -456,7 +414,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
 {
     ui_disabled_begin(on, self->is_away || self->trouble[0]);
     if (ui_button(on, "Take it now", UI_ACCENT))
-        calibrate_guide_take(&self->guide);
+        calibrate_guide_advance(&self->guide, guide_next);
     ui_hint(on, "Enter. Without waiting until the hand is still.");
     ui_disabled_end(on);
     ui_same_line(on);
@@ -465,7 +423,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
     ui_hint(on, "The pose before, once more.");
     ui_same_line(on);
     if (ui_button(on, "Skip", UI_PLAIN))
-        calibrate_guide_skip(&self->guide);
+        calibrate_guide_advance(&self->guide, guide_skip);
     ui_hint(on, "Goes on without this pose: what it would tell is as shipped.");
     ui_same_line(on);
     ui_at(on, width - 36.0f - 80.0f);
@@ -473,7 +431,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
     if (ui_button(on, "Cancel", UI_QUIET))
         ui_dialog_close(on);
     if (!self->is_away && !self->trouble[0] && ui_pressed(on, UI_KEY_ENTER, 0))
-        calibrate_guide_take(&self->guide);
+        calibrate_guide_advance(&self->guide, guide_next);
 }
 
 /* The pose to make, as one sees the own hand. */
@@ -532,19 +490,36 @@ static void draw_summary(const calibration_file *file, ui *on)
     ui_fact(on, "Worst residual", 130.0f, UI_STYLE_BODY, words);
 }
 
+static const float worth_telling = 0.1f; /* of one sensor in another, rad per rad */
+
+/* What is wrong, then what moves along: a line a sensor worth a word. */
 static void draw_findings(const calibrate_panel *self, ui *on)
 {
-    calibrate_finding finding[FINDINGS];
-    uint32_t count = calibrate_guide_findings(&self->guide, finding, FINDINGS);
+    const guide_judgement *judgement = &self->guide.judgement;
+    char words[200];
+    uint32_t count = judgement->flaw_count;
     ui_scroll_begin(on, "findings", 0.0f, 132.0f);
+    for (uint32_t i = 0; i < judgement->flaw_count; ++i) {
+        guide_flaw_text(&judgement->flaw[i], words, sizeof words);
+        ui_text_wrapped(on, UI_STYLE_WARNING, words);
+    }
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const calibration_sensor *sensor = &self->guide.result->sensor[i];
+        for (int k = 0; k < MRT_ANGLES && sensor->table.count > 0; ++k) {
+            if (!(fabsf(sensor->cross_talk[k]) >= worth_telling))
+                continue;
+            (void)snprintf(words, sizeof words, "%s moves along with %s: %.0f %%",
+                           sensor_table[k].label, sensor_table[i].label,
+                           100.0 * (double)sensor->cross_talk[k]);
+            ui_text_wrapped(on, UI_STYLE_DIM, words);
+            count += 1;
+        }
+    }
     if (count == 0)
         ui_text(on, UI_STYLE_GOOD,
                 self->guide.glove.input[0]
                     ? "Every joint is seen where the poses say that it is."
                     : "Every sensor says the same of the same pose, and alone.");
-    for (uint32_t i = 0; i < count; ++i)
-        ui_text_wrapped(on, finding[i].is_warning ? UI_STYLE_WARNING : UI_STYLE_DIM,
-                        finding[i].text);
     ui_scroll_end(on);
 }
 

@@ -16,9 +16,9 @@ struct panel {
     uint32_t filter, room; /* room: how many are drawn at most */
     int64_t cleared_ms;    /* those until then are not shown */
     bool is_text;
-    char *text; /* AS_TEXT bytes: for marking and copying */
-    uint32_t text_count, text_filter;
-    int64_t text_ms;
+    char *text;         /* AS_TEXT bytes: for marking and copying */
+    uint64_t text_said; /* news_list_said, as it was written; UINT64_MAX: it is not */
+    uint32_t text_filter;
 };
 
 static bool is_shown(const panel *self, const news_item *item)
@@ -107,13 +107,9 @@ static void write_text(panel *self)
 static void draw_as_text(panel *self, ui *on)
 {
     const news_list *news = app_news(self->app);
-    uint32_t count = news_list_count(news);
-    int64_t newest_ms = count > 0 ? news_list_at(news, count - 1)->utc_ms : 0;
-    if (count != self->text_count || newest_ms != self->text_ms ||
-        self->filter != self->text_filter) {
+    if (news_list_said(news) != self->text_said || self->filter != self->text_filter) {
         write_text(self);
-        self->text_count = count;
-        self->text_ms = newest_ms;
+        self->text_said = news_list_said(news);
         self->text_filter = self->filter;
     }
     ui_width(on, 0.0f);
@@ -128,7 +124,7 @@ static void clear(panel *self)
     uint32_t count = news_list_count(news);
     if (count > 0)
         self->cleared_ms = news_list_at(news, count - 1)->utc_ms;
-    self->text_count = UINT32_MAX;
+    self->text_said = UINT64_MAX;
     self->room = PAGE;
 }
 
@@ -170,7 +166,7 @@ static panel *create(app *of)
         return NULL;
     self->app = of;
     self->room = PAGE;
-    self->text_count = UINT32_MAX;
+    self->text_said = UINT64_MAX;
     self->cleared_ms = INT64_MIN;
     self->text = calloc(1, AS_TEXT);
     if (self->text)

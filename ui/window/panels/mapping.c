@@ -1352,12 +1352,13 @@ static void draw(panel *self, ui *on, ui_rectangle where)
 
 static void update(panel *self, double dt_s)
 {
-    char preset[PRESET_NAME];
+    char *preset = app_notes_of(self->app)->preset;
     instance *mapping = follow_mapping(self);
     mapping_learn_update(self, mapping, dt_s);
     self->lessons_wait_s -= dt_s;
-    if (app_take_preset(self->app, preset, sizeof preset) && mapping)
+    if (preset[0] && mapping)
         use(self, mapping, preset);
+    preset[0] = '\0';
     self->was_drawn = false;
 }
 
