@@ -286,6 +286,12 @@ mrt_result file_read_below(file_bytes *out, const char *folder, const char *name
     return result < 0 ? result : file_read(out, path, size_cap, err);
 }
 
+const char *file_name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 char *file_directory(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -295,8 +301,7 @@ char *file_directory(const char *path)
 file_extension file_extension_of(const char *path)
 {
     file_extension out = {""};
-    const char *slash = strrchr(path, '/');
-    const char *name = slash ? slash + 1 : path;
+    const char *name = file_name_of(path);
     const char *dot = strrchr(name, '.');
     if (!dot || dot == name || strlen(dot + 1) >= sizeof out.text)
         return out;

@@ -59,6 +59,8 @@ CHECKED mrt_result file_home_path(char *out, size_t capacity, file_home which, c
 /* Every folder of an absolute path, from the top; what is there stays as it is. */
 CHECKED mrt_result file_make_folders(const char *path, error *err);
 
+/* Behind the last '/' of path: "puppet.rig.json". */
+const char *file_name_of(const char *path);
 /* Directory part of path with its final '/', or "" : a copy for the caller to free; NULL: no
  * memory. */
 char *file_directory(const char *path);

@@ -162,12 +162,6 @@ mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uin
 
 /* ---- all of them ---- */
 
-static const char *file_name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* By the person's name, or the file's where it has none. */
 static void describe(calibration_entry *out, const calibration_file *file, const char *path)
 {

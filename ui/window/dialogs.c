@@ -1,4 +1,5 @@
 #include "window/dialogs.h"
+#include "base/file.h"
 #include "base/installed.h"
 #include "window/app/settings.h"
 
@@ -240,13 +241,20 @@ static const char *const shipped[] = {"puppet", "moai"};
 static void go(dialogs *self, const char *path)
 {
     dialogs_opening *opening = &self->opening;
-    error err = {0};
-    const mrt_result result =
-        folder_go(&opening->at[opening->kind], path, open_endings(opening->kind), &err);
-    (void)snprintf(opening->trouble, sizeof opening->trouble, "%s", result < 0 ? err.text : "");
-    if (result >= 0)
+    opening->trouble = (error){""};
+    if (folder_go(&opening->at[opening->kind], path, open_endings(opening->kind),
+                  &opening->trouble) >= 0)
         settings_set_text(app_settings(self->app), kind_keys[opening->kind],
                           opening->at[opening->kind].path);
+}
+
+/* "/home/me/a.glb" is /home/me, "/a.glb" is /. False: no folder is named. */
+static bool cut_to_folder(char *path)
+{
+    char *slash = strrchr(path, '/');
+    if (slash)
+        *(slash > path ? slash : slash + 1) = '\0';
+    return slash != NULL;
 }
 
 /* Where one of its kind was looked for last, in this run or another; else where the one that is
@@ -268,10 +276,7 @@ static void go_somewhere(dialogs *self)
     show *s = app_show(self->app);
     const char *of = kind == OPEN_FACE ? app_face_path(self->app) : s ? show_path(s) : "";
     (void)snprintf(path, sizeof path, "%s", of);
-    char *slash = strrchr(path, '/');
-    if (slash)
-        *(slash > path ? slash : slash + 1) = '\0';
-    else
+    if (!cut_to_folder(path))
         (void)snprintf(path, sizeof path, "%s", home ? home : "/");
     go(self, path);
     if (!self->opening.at[self->opening.kind].path[0])
@@ -300,7 +305,8 @@ void dialogs_ask_open(dialogs *self, open_kind kind)
     self->opening.kind = kind;
     self->opening.is_asked_first = true;
     self->opening.desktop.is_shown = false;
-    self->opening.name[0] = self->opening.trouble[0] = '\0';
+    self->opening.name[0] = '\0';
+    self->opening.trouble = (error){""};
     go_somewhere(self);
     open_by_desktop(self);
     ui_dialog_open(self->ui, open_dialog);
@@ -330,19 +336,23 @@ static bool path_typed(const dialogs *self, char out[FOLDER_PATH])
     return true;
 }
 
+static void say_not_there(dialogs *self, const char *path)
+{
+    (void)error_set(&self->opening.trouble, MRT_ERR_IO, "%.900s is not there", path);
+}
+
 static void open_path(dialogs *self, const char *path)
 {
     if (open_kind_of(path) == OPEN_FACE && access(path, F_OK) != 0) {
-        (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "%.900s is not there",
-                       path);
+        say_not_there(self, path);
     } else if (open_kind_of(path) == OPEN_FACE) {
         ui_dialog_close(self->ui);
         change_face(self, path);
     } else if (open_any(self->app, path) >= 0) {
         ui_dialog_close(self->ui);
     } else {
-        (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "%s",
-                       news_list_newest(app_news(self->app)));
+        (void)error_set(&self->opening.trouble, MRT_ERR_IO, "%s",
+                        news_list_newest(app_news(self->app)));
     }
 }
 
@@ -363,9 +373,9 @@ static void open_typed(dialogs *self)
 {
     char path[FOLDER_PATH];
     self->opening.is_asked_first = true; /* the field, while the dialog stays */
-    self->opening.trouble[0] = '\0';
+    self->opening.trouble = (error){""};
     if (!path_typed(self, path)) {
-        (void)snprintf(self->opening.trouble, sizeof self->opening.trouble, "the path is too long");
+        (void)error_set(&self->opening.trouble, MRT_ERR_ARGUMENT, "the path is too long");
     } else if (is_folder(path)) {
         go(self, path);
         self->opening.name[0] = '\0';
@@ -377,21 +387,18 @@ static void open_typed(dialogs *self)
 /* Of a file that is not there nothing is made: who wants a new show types its name. */
 static void open_chosen(dialogs *self, const char *path)
 {
-    dialogs_opening *opening = &self->opening;
     char at[FOLDER_PATH];
     (void)snprintf(at, sizeof at, "%s", path);
     if (is_folder(path)) {
         go(self, path);
         return;
     }
-    char *slash = strrchr(at, '/');
-    if (slash)
-        *(slash > at ? slash : slash + 1) = '\0';
+    (void)cut_to_folder(at);
     go(self, at);
     if (access(path, F_OK) == 0)
         open_path(self, path);
     else
-        (void)snprintf(opening->trouble, sizeof opening->trouble, "%.900s is not there", path);
+        say_not_there(self, path);
 }
 
 static void look_what_to_open(dialogs *self)
@@ -557,8 +564,8 @@ static void draw_buttons(dialogs *self)
     char path[FOLDER_PATH];
     const bool is_new = self->opening.name[0] && path_typed(self, path) &&
                         open_kind_of(path) == OPEN_SHOW && access(path, F_OK) != 0;
-    if (self->opening.trouble[0])
-        ui_text_wrapped(on, UI_STYLE_BAD, self->opening.trouble);
+    if (self->opening.trouble.text[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->opening.trouble.text);
     ui_space(on, 8.0f);
     ui_disabled_begin(on, !self->opening.name[0]);
     if (ui_button(on, is_new ? "Create##go" : "Open##go", UI_ACCENT))
@@ -576,7 +583,8 @@ static void draw_tabs(dialogs *self)
     uint32_t kind = opening->kind;
     if (ui_tabs(self->ui, "kinds", kind_names, OPEN_KINDS, &kind)) {
         opening->kind = (open_kind)kind;
-        opening->name[0] = opening->trouble[0] = '\0';
+        opening->name[0] = '\0';
+        opening->trouble = (error){""};
         go_somewhere(self);
     }
 }
@@ -673,18 +681,16 @@ static void choose_saved(dialogs *self, bool is_rig)
     const portal_filter filter = {is_rig ? "Rigs" : "Shows", is_rig ? rig_endings : show_endings};
     char at[FOLDER_PATH];
     saving->is_rig = is_rig;
-    saving->trouble[0] = saving->replaced[0] = '\0';
+    saving->trouble = (error){""};
+    saving->replaced[0] = '\0';
     saving->is_asked_first = true;
     put_free_name(self);
     (void)snprintf(at, sizeof at, "%s", saving->file);
-    char *slash = strrchr(at, '/');
-    if (slash)
-        *slash = '\0';
     ask_desktop(self, &saving->desktop,
                 (portal_question){.is_saving = true,
                                   .title = is_rig ? "Save the rig as" : "Save the show as",
-                                  .folder = slash ? at : "",
-                                  .name = slash ? slash + 1 : at,
+                                  .folder = cut_to_folder(at) ? at : "",
+                                  .name = file_name_of(saving->file),
                                   .filter = &filter,
                                   .filter_count = 1});
 }
@@ -705,19 +711,19 @@ void dialogs_ask_save_as(dialogs *self)
 static void save_as(dialogs *self)
 {
     dialogs_saving *saving = &self->saving;
-    error err = {0};
     put_saved_folder(self);
     put_saved_ending(saving);
     if (saving->is_rig && access(saving->file, F_OK) == 0 &&
         strcmp(saving->replaced, saving->file) != 0) {
         (void)snprintf(saving->replaced, sizeof saving->replaced, "%s", saving->file);
-        (void)snprintf(saving->trouble, sizeof saving->trouble,
-                       "%.900s is there already. Save again replaces it.", saving->file);
+        (void)error_set(&saving->trouble, MRT_ERR_ARGUMENT,
+                        "%.900s is there already. Save again replaces it.", saving->file);
         return;
     }
-    const mrt_result result = saving->is_rig ? app_save_rig_as(self->app, saving->file, &err)
-                                             : app_save_show_as(self->app, saving->file, &err);
-    (void)snprintf(saving->trouble, sizeof saving->trouble, "%s", result < 0 ? err.text : "");
+    saving->trouble = (error){""};
+    const mrt_result result = saving->is_rig
+                                  ? app_save_rig_as(self->app, saving->file, &saving->trouble)
+                                  : app_save_show_as(self->app, saving->file, &saving->trouble);
     if (result >= 0)
         ui_dialog_close(self->ui);
 }
@@ -758,8 +764,8 @@ static void draw_saving(dialogs *self)
                     saving->is_rig
                         ? "In the folder of its mesh, or above it. You go on with the new one."
                         : "A copy of all that is recorded. You go on with the new one.");
-    if (saving->trouble[0])
-        ui_text_wrapped(on, UI_STYLE_BAD, saving->trouble);
+    if (saving->trouble.text[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, saving->trouble.text);
     ui_space(on, 8.0f);
     ui_disabled_begin(on, !saving->file[0]);
     if (ui_button(on, "Save##as", UI_ACCENT))

@@ -20,7 +20,7 @@ typedef struct dialogs_opening { /* the dialog that opens whatever there is */
     open_kind kind;              /* of which it lists files; OPEN_ANY: all */
     folder at[OPEN_KINDS];
     char name[FOLDER_PATH];
-    char trouble[1024];
+    error trouble; /* why it was not done; "" */
     bool is_asked_first;
     dialogs_desktop desktop; /* asks instead of the list */
 } dialogs_opening;
@@ -29,7 +29,7 @@ typedef struct dialogs_saving { /* the show or the rig under another name */
     bool is_rig;
     char file[FOLDER_PATH];
     char replaced[FOLDER_PATH]; /* the file that the person was told is there already */
-    char trouble[1024];
+    error trouble;              /* why it was not done; "" */
     bool is_asked_first;
     dialogs_desktop desktop; /* asks too */
 } dialogs_saving;

@@ -201,7 +201,8 @@ static int64_t newest(const export_page *self)
 void export_page_ask(export_page *self)
 {
     choose(self, settings_text(app_settings(self->app), last_key, ""));
-    self->trouble[0] = self->replaced[0] = '\0';
+    self->trouble = (error){""};
+    self->replaced[0] = '\0';
     self->preset = 0;
     self->ticked_count = 0;
     tick(self, app_take_id(self->app) ? app_take_id(self->app) : newest(self), true);
@@ -294,12 +295,12 @@ static bool needs_a_word(export_page *self, char (*name)[EXPORT_FILE], uint32_t 
     (void)snprintf(self->replaced, sizeof self->replaced, "%s", name[first]);
     self->replaced_count = there;
     if (there == 1)
-        (void)snprintf(self->trouble, sizeof self->trouble,
-                       "%s is there already. Export again replaces it.", name[first]);
+        (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
+                        "%.900s is there already. Export again replaces it.", name[first]);
     else
-        (void)snprintf(self->trouble, sizeof self->trouble,
-                       "%s is there already, and so are %u more. Export again replaces them.",
-                       name[first], there - 1);
+        (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
+                        "%.900s is there already, and so are %u more. Export again replaces them.",
+                        name[first], there - 1);
     return true;
 }
 
@@ -353,22 +354,19 @@ static void begin_export(export_page *self)
     char kept[EXPORT_WORDS];
     int64_t id[EXPORT_TICKS];
     uint32_t count = 0;
-    error err = {""};
+    error *err = &self->trouble;
+    *err = (error){""};
     char(*name)[EXPORT_FILE] = malloc(EXPORT_TICKS * sizeof *name);
-    mrt_result result = name ? name_files(self, name, id, &count, &err)
-                             : error_set(&err, MRT_ERR_MEMORY, "no memory");
-    self->trouble[0] = '\0';
+    mrt_result result = name ? name_files(self, name, id, &count, err)
+                             : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0 && count == 0)
-        result = error_set(&err, MRT_ERR_ARGUMENT, "Tick the takes that are to be exported.");
+        result = error_set(err, MRT_ERR_ARGUMENT, "Tick the takes that are to be exported.");
     if (result >= 0)
-        result = check_look(self, name[0], &err);
-    if (result < 0) {
-        (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
-    } else if (!needs_a_word(self, name, count)) {
+        result = check_look(self, name[0], err);
+    if (result >= 0 && !needs_a_word(self, name, count)) {
         result = begin_all(self, name, id, count);
         if (result < 0)
-            (void)snprintf(self->trouble, sizeof self->trouble, "%s",
-                           news_list_newest(app_news(self->app)));
+            (void)error_set(err, result, "%s", news_list_newest(app_news(self->app)));
         tell_choice(self, kept, sizeof kept);
         settings_set_text(app_settings(self->app), last_key, kept);
         if (result >= 0)
@@ -546,8 +544,8 @@ static void draw_request(export_page *self)
     ui_space(on, 2.0f);
     draw_file(self);
     draw_range(self);
-    if (self->trouble[0])
-        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    if (self->trouble.text[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
     ui_space(on, 6.0f);
     if (ui_button(on, "Export", UI_ACCENT))
         begin_export(self);

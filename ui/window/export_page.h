@@ -21,7 +21,7 @@ typedef struct export_page {
     bool only_range, is_asked_first;
     char replaced[EXPORT_FILE]; /* the first of replaced_count that were told to be there already */
     uint32_t replaced_count;
-    char trouble[EXPORT_FILE + 128];
+    error trouble; /* why nothing was exported; "" */
 } export_page;
 
 void export_page_init(export_page *out, app *of, ui *on);

@@ -1,5 +1,6 @@
 #include "window/offers.h"
 
+#include "base/file.h"
 #include "base/installed.h"
 
 #include <math.h>
@@ -160,11 +161,10 @@ static void reframe(app *of, mesh_frame *wanted, double unit_mm)
 static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
 {
     char text[160];
-    const char *path = app_face_path(of), *slash = strrchr(path, '/');
     const bool is_drafting = app_notes_of(of)->is_drafting;
     (void)snprintf(text, sizeof text,
                    is_drafting ? "Looking for the face in %.80s..." : "%.80s has no rig yet",
-                   slash ? slash + 1 : path);
+                   file_name_of(app_face_path(of)));
     const float wide = ui_text_width(on, UI_STYLE_DIM, text) + 22.0f + 2.0f * padding;
     const double unit_mm = app_face_unit_mm(of);
     const bool asks = !is_drafting && (app_face(of)->mesh.is_unit_guessed || unit_mm > 0.0);

@@ -9,6 +9,7 @@
 #include "window/viewport/viewport.h"
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -372,8 +373,7 @@ static float put_word(pen *p, float right, action of, const char *word, bool is_
 /* "night" of "/home/a/night.marotte"; "puppet" of "puppet.rig.json". */
 static void name_of(const char *path, char *out, size_t capacity)
 {
-    const char *slash = strrchr(path, '/');
-    (void)snprintf(out, capacity, "%s", slash ? slash + 1 : path);
+    (void)snprintf(out, capacity, "%s", file_name_of(path));
     static const char *const endings[] = {".marotte", ".rig.json"};
     for (size_t i = 0; i < 2; ++i) {
         const size_t length = strlen(out), ending = strlen(endings[i]);
@@ -1058,10 +1058,9 @@ static void tell_title(workspace *self)
 {
     char title[600];
     show *s = app_show(self->app);
-    const char *show_name = s ? strrchr(show_path(s), '/') : NULL;
-    const char *face_name = strrchr(app_face_path(self->app), '/');
     (void)snprintf(title, sizeof title, "%.200s, %.200s%s - marotte",
-                   show_name ? show_name + 1 : "no show", face_name ? face_name + 1 : "a face",
+                   s ? file_name_of(show_path(s)) : "no show",
+                   file_name_of(app_face_path(self->app)),
                    app_unsaved_now(self->app) ? " \xe2\x80\xa2" : "");
     if (strcmp(title, self->title) == 0)
         return;

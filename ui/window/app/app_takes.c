@@ -10,6 +10,393 @@
 #include <string.h>
 #include <time.h>
 
+/* ---- the list ---- */
+
+static mrt_result make_room(app *self, size_t count, error *err)
+{
+    if (count <= self->line_room)
+        return MRT_OK;
+    const size_t room = count + 32;
+    app_take_line *line = realloc(self->line, room * sizeof *line);
+    if (line)
+        self->line = line;
+    app_take_key *key = realloc(self->key, room * sizeof *key);
+    if (key)
+        self->key = key;
+    if (!line || !key)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the list of takes");
+    self->line_room = (uint32_t)room;
+    return MRT_OK;
+}
+
+static void fill_line(app_take_line *out, const take *t)
+{
+    *out = (app_take_line){.id = t->id,
+                           .rating = t->rating,
+                           .duration_ns = t->duration_ns,
+                           .created_ns = t->created_ns,
+                           .is_recording = t->is_recording,
+                           .is_deleted = t->is_deleted};
+    (void)snprintf(out->title, sizeof out->title, "%s%s%s%s%u%s%s", t->scene,
+                   t->scene[0] ? "/" : "", t->shot, t->shot[0] ? "/" : "", t->number,
+                   t->name[0] ? " " : "", t->name);
+    (void)snprintf(out->note, sizeof out->note, "%s", t->note);
+    (void)snprintf(out->scene, sizeof out->scene, "%s", t->scene);
+    (void)snprintf(out->shot, sizeof out->shot, "%s", t->shot);
+    (void)snprintf(out->name, sizeof out->name, "%s", t->name);
+    out->number = t->number;
+}
+
+/* A take with edits that this version does not know is shown as far as it goes. Returns whether it
+ * could be read, which is said once. */
+static bool fold_line(app *self, app_take_line *out, const show_take *row, bool was_told)
+{
+    take t = {0};
+    error err = {0};
+    const bool is_read = edit_store_take(&t, self->show, row->id, &err) >= 0;
+    if (!is_read && !was_told)
+        log_pushf(self->log, MRT_LOG_WARNING, "takes", "take %lld: %s", (long long)row->id,
+                  err.text);
+    if (t.id == row->id)
+        fill_line(out, &t);
+    else
+        *out = (app_take_line){.id = row->id, .title = "damaged"};
+    out->over = row->over;
+    out->over_at_ns = row->over_at_ns;
+    take_finish(&t);
+    return is_read;
+}
+
+static bool is_as_before(const app *self, uint32_t index, const show_take *row)
+{
+    const app_take_key *key = &self->key[index];
+    return index < self->line_count && self->line[index].id == row->id && !key->is_stale &&
+           key->edit_head == row->edit_head && key->edit_count == row->edit_count &&
+           key->is_recording == row->is_recording && !row->is_recording;
+}
+
+static void read_list(app *self)
+{
+    show_take *rows = NULL;
+    size_t count = 0;
+    error err = {0};
+    mrt_result result = show_takes(self->show, &rows, &count, &err);
+    if (result >= 0)
+        result = make_room(self, count, &err);
+    if (result < 0 && !self->takes_failed)
+        (void)app_report(self, result, &err);
+    self->takes_failed = result < 0;
+    if (result < 0) {
+        free(rows);
+        return;
+    }
+    for (uint32_t i = 0; i < (uint32_t)count; ++i) {
+        if (is_as_before(self, i, &rows[i]))
+            continue;
+        const bool was_told =
+            i < self->line_count && self->line[i].id == rows[i].id && self->key[i].is_told;
+        const bool is_read = fold_line(self, &self->line[i], &rows[i], was_told);
+        self->key[i] = (app_take_key){.edit_head = rows[i].edit_head,
+                                      .edit_count = rows[i].edit_count,
+                                      .is_recording = rows[i].is_recording,
+                                      .is_told = !is_read};
+    }
+    self->line_count = (uint32_t)count;
+    free(rows);
+}
+
+static const app_take_line *line_of(const app *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            return &self->line[i];
+    return NULL;
+}
+
+uint32_t app_takes(const app *self, const app_take_line **out)
+{
+    *out = self->line;
+    return self->line_count;
+}
+
+static void line_is_stale(app *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            self->key[i].is_stale = true;
+    self->takes_are_stale = true;
+}
+
+/* ---- the one that is chosen ---- */
+
+void app_drop_take(app *self)
+{
+    history_close(self->history);
+    edit_store_close(self->store);
+    self->history = NULL;
+    self->store = NULL;
+    self->chosen = 0;
+    self->choice = (app_choice){.marker = -1};
+    self->edition += 1;
+}
+
+mrt_result app_pick_take(app *self, int64_t id)
+{
+    error err = {0};
+    if (id == self->chosen)
+        return MRT_OK;
+    app_drop_take(self);
+    if (id == 0)
+        return MRT_OK;
+    if (!self->show)
+        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "no show is open"), &err);
+    mrt_result result = edit_store_open(&self->store, self->show, id, clock_utc_ms, &err);
+    if (result >= 0) {
+        const history_store list = edit_store_list(self->store);
+        result = history_open(&self->history, edit_store_bare(self->store), &list, &err);
+    }
+    if (result < 0) {
+        app_drop_take(self);
+        return app_report(self, result, &err);
+    }
+    self->chosen = id;
+    return MRT_OK;
+}
+
+void app_keep_range(app *self)
+{
+    const int64_t shown = live_shown_take(self->live);
+    const transport *t = live_transport(self->live);
+    if (!shown || !self->show)
+        return;
+    settings_set_text(self->settings, "range.show", show_path(self->show));
+    settings_set_number(self->settings, "range.take", (double)shown);
+    settings_set_number(self->settings, "range.in_ns", t->is_looping ? (double)t->loop_in_ns : 0.0);
+    settings_set_number(self->settings, "range.out_ns",
+                        t->is_looping ? (double)t->loop_out_ns : 0.0);
+}
+
+/* Of the take that was on the stage last, from the run before. */
+static void recall_range(app *self)
+{
+    const int64_t of = (int64_t)settings_number(self->settings, "range.take", 0.0);
+    if (self->ranged || of != self->chosen ||
+        strcmp(settings_text(self->settings, "range.show", ""), show_path(self->show)) != 0)
+        return;
+    self->ranged = of;
+    const int64_t in_ns = (int64_t)settings_number(self->settings, "range.in_ns", 0.0);
+    const int64_t out_ns = (int64_t)settings_number(self->settings, "range.out_ns", 0.0);
+    if (in_ns >= 0 && in_ns < out_ns && out_ns <= history_take(self->history)->duration_ns)
+        live_set_loop(self->live, in_ns, out_ns);
+}
+
+static mrt_result show_chosen(app *self)
+{
+    error err = {0};
+    if (!self->history)
+        return MRT_OK;
+    mrt_result result = live_show_take(self->live, history_take(self->history), &err);
+    if (result >= 0)
+        recall_range(self);
+    return app_report(self, result, &err);
+}
+
+mrt_result app_choose_take(app *self, int64_t id)
+{
+    mrt_result result = app_pick_take(self, id);
+    if (result < 0)
+        return result;
+    if (id == 0) {
+        live_show_hands(self->live);
+        return MRT_OK;
+    }
+    if (live_shown_take(self->live) == id)
+        return MRT_OK;
+    self->played_from_ns = 0;
+    return show_chosen(self);
+}
+
+bool app_is_take_shown(const app *self)
+{
+    return self->chosen && live_shown_take(self->live) == self->chosen;
+}
+
+mrt_result app_select_take(app *self, int64_t id)
+{
+    return app_is_take_shown(self) ? app_choose_take(self, id) : app_pick_take(self, id);
+}
+
+/* Of the chosen take. */
+static int64_t head_ns(const app *self)
+{
+    return app_is_take_shown(self) ? live_position(self->live).at_ns : 0;
+}
+
+int64_t app_take_id(const app *self)
+{
+    return self->chosen;
+}
+
+const take *app_take(const app *self)
+{
+    return self->history ? history_take(self->history) : NULL;
+}
+
+uint64_t app_take_edition(const app *self)
+{
+    return self->edition;
+}
+
+const history *app_history(const app *self)
+{
+    return self->history;
+}
+
+/* What is chosen in it may be gone. */
+static void check_choice(app *self)
+{
+    const take *t = app_take(self);
+    bool has_layer = false, has_clip = false, has_armed = false;
+    for (uint32_t i = 0; t && i < t->layer_count; ++i) {
+        has_layer |= t->layer[i].id == self->choice.layer;
+        has_armed |= t->layer[i].id == self->choice.armed;
+        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
+            has_clip |= t->layer[i].clip[k].id == self->choice.clip;
+    }
+    if (!has_layer)
+        self->choice.layer = 0;
+    if (!has_clip)
+        self->choice.clip = 0;
+    if (!has_armed)
+        self->choice.armed = 0;
+    if (!t || self->choice.marker >= (int32_t)t->marker_count)
+        self->choice.marker = -1;
+}
+
+/* After each change of the chosen take: the list and the stage follow. */
+static void take_changed(app *self)
+{
+    self->edition += 1;
+    check_choice(self);
+    line_is_stale(self, self->chosen);
+    if (live_shown_take(self->live) == self->chosen)
+        app_reported(show_chosen(self));
+}
+
+/* ---- once a frame: what the recorder and the stage have done meanwhile ---- */
+
+#define AWAITED_S 10.0
+
+/* The one that is being recorded grows. What begins over a take is not said yet for some frames:
+ * the one before it is whole, and stays as it is. */
+static void follow_recording(app *self)
+{
+    for (uint32_t i = self->line_count; i > 0; --i)
+        if (self->line[i - 1].id == self->status.take && self->key[i - 1].is_recording) {
+            self->line[i - 1].is_recording = self->status.is_recording;
+            if (self->status.is_recording)
+                self->line[i - 1].duration_ns = self->status.recorded_ns;
+            break;
+        }
+}
+
+/* It is in the show as soon as the writer has got to it. */
+static bool lacks_recording(const app *self)
+{
+    return self->status.is_recording && self->status.take && !line_of(self, self->status.take);
+}
+
+/* It is chosen in the list as soon as all of it is in the show. */
+static void await_take(app *self, int64_t id, bool is_kept)
+{
+    self->awaited = id;
+    self->awaited_is_kept = is_kept;
+    self->awaited_s = 0.0;
+}
+
+static bool is_whole(const app *self, int64_t id)
+{
+    for (uint32_t i = 0; i < self->line_count; ++i)
+        if (self->line[i].id == id)
+            return !self->key[i].is_recording;
+    return false;
+}
+
+static void tell_kept(app *self, int64_t id)
+{
+    const app_take_line *line = line_of(self, id);
+    if (line)
+        app_say(self, MRT_LOG_INFO, "kept %.1f s as take %s", 1e-9 * (double)line->duration_ns,
+                line->title);
+}
+
+/* A disk that is full lets it wait; it is in the list when it is there. */
+static void follow_awaited(app *self, double dt_s)
+{
+    const int64_t id = self->awaited;
+    self->awaited_s += dt_s;
+    if (is_whole(self, id)) {
+        self->awaited = 0;
+        if (self->view->mode == LIVE_PERFORMS)
+            app_reported(app_pick_take(self, id));
+        if (self->awaited_is_kept)
+            tell_kept(self, id);
+    } else if (self->awaited_s > AWAITED_S) {
+        self->awaited = 0;
+        app_say(self, MRT_LOG_WARNING, "the take is not in the show yet: the disk is slow");
+    }
+}
+
+/* The stage itself has changed it: its sound was written, and is in it. */
+static void follow_stage_edit(app *self)
+{
+    const int64_t id = live_take_edited(self->live);
+    const app_choice choice = self->choice;
+    if (id == 0)
+        return;
+    line_is_stale(self, id);
+    if (id != self->chosen)
+        return;
+    app_drop_take(self); /* it is read anew */
+    if (app_pick_take(self, id) < 0)
+        return;
+    self->choice = choice;
+    if (live_shown_take(self->live) == id)
+        app_reported(show_chosen(self));
+}
+
+/* What is not as it was recorded, once for each take that comes on the stage. */
+static void tell_note(app *self)
+{
+    const int64_t shown = live_shown_take(self->live);
+    if (shown == self->noted)
+        return;
+    self->noted = shown;
+    for (const char *line = live_take_note(self->live); shown && *line;) {
+        const size_t length = strcspn(line, "\n");
+        app_say(self, MRT_LOG_WARNING, "%.*s", (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+}
+
+void app_takes_update(app *self, double dt_s)
+{
+    self->over_ended_s -= dt_s;
+    follow_stage_edit(self);
+    tell_note(self);
+    if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
+        self->takes_are_stale = false;
+        if (self->show)
+            read_list(self);
+        else
+            self->line_count = 0;
+    }
+    if (self->awaited)
+        follow_awaited(self, dt_s);
+    if (self->status.take)
+        follow_recording(self);
+}
+
 /* ---- undo: edits of takes, which are kept in the show, and the steps of panels ---- */
 
 static void drop(app *self, uint32_t index)
@@ -67,7 +454,7 @@ static app_done step_of(const app *self, int64_t before, int64_t after)
     return out;
 }
 
-static void app_undo_note_take(app *self, int64_t head_before)
+static void note_edits(app *self, int64_t head_before)
 {
     const int64_t head = history_head(self->history);
     const app_done step = step_of(self, head_before, head);
@@ -77,7 +464,7 @@ static void app_undo_note_take(app *self, int64_t head_before)
 }
 
 /* What was done last is said so. */
-static void app_undo_name_last(app *self, const char *words)
+static void name_last_step(app *self, const char *words)
 {
     app_done *last = self->done_count ? &self->done[self->done_count - 1] : NULL;
     if (last)
@@ -85,17 +472,13 @@ static void app_undo_name_last(app *self, const char *words)
 }
 
 /* The chosen take is a copy of that one, and was made just now. */
-static void app_undo_note_copy(app *self, int64_t of, const char *words)
+static void note_copy(app *self, int64_t of, const char *words)
 {
     app_done step = {
         .take = self->chosen, .head_after = 1, .in_front = self->chosen, .copied_from = of};
     (void)snprintf(step.step.words, sizeof step.step.words, "%s", words);
     put(self, &step);
 }
-
-/* After each change of the chosen take: the list and the stage follow. */
-static void app_take_changed(app *self);
-static const app_take_line *app_line_of(const app *self, int64_t id);
 
 /* Another take was chosen since it was done: what it changes is not seen. */
 static bool is_elsewhere(const app *self, const app_done *step)
@@ -108,7 +491,7 @@ static bool is_elsewhere(const app *self, const app_done *step)
 static mrt_result bring_to_front(app *self, const app_done *step, const char *what)
 {
     mrt_result result = app_choose_take(self, step->take);
-    const app_take_line *line = app_line_of(self, step->take);
+    const app_take_line *line = line_of(self, step->take);
     if (result >= 0)
         app_say(self, MRT_LOG_INFO, "take %s is in front again: once more %s %s",
                 line ? line->title : "", what, step->step.words);
@@ -125,7 +508,7 @@ static mrt_result go(app *self, const app_done *step, int64_t head)
     if (result < 0)
         return result;
     result = history_go(self->history, head, &err);
-    app_take_changed(self);
+    take_changed(self);
     if (result >= 0 && step->copied_from && head == step->head_before)
         result = app_select_take(self, step->copied_from);
     return app_report(self, result, &err);
@@ -298,411 +681,7 @@ const char *app_redo_words(const app *self)
     return has_newer(self) ? history_words(self->history, history_head(self->history) + 1) : "";
 }
 
-/* ---- the list of takes, and the one that is chosen ---- */
-
-#define AWAITED_S 10.0
-
-/* ---- the list ---- */
-
-static mrt_result make_room(app *self, size_t count, error *err)
-{
-    if (count <= self->line_room)
-        return MRT_OK;
-    const size_t room = count + 32;
-    app_take_line *line = realloc(self->line, room * sizeof *line);
-    if (line)
-        self->line = line;
-    app_take_key *key = realloc(self->key, room * sizeof *key);
-    if (key)
-        self->key = key;
-    if (!line || !key)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the list of takes");
-    self->line_room = (uint32_t)room;
-    return MRT_OK;
-}
-
-static void fill_line(app_take_line *out, const take *t)
-{
-    *out = (app_take_line){.id = t->id,
-                           .rating = t->rating,
-                           .duration_ns = t->duration_ns,
-                           .created_ns = t->created_ns,
-                           .is_recording = t->is_recording,
-                           .is_deleted = t->is_deleted};
-    (void)snprintf(out->title, sizeof out->title, "%s%s%s%s%u%s%s", t->scene,
-                   t->scene[0] ? "/" : "", t->shot, t->shot[0] ? "/" : "", t->number,
-                   t->name[0] ? " " : "", t->name);
-    (void)snprintf(out->note, sizeof out->note, "%s", t->note);
-    (void)snprintf(out->scene, sizeof out->scene, "%s", t->scene);
-    (void)snprintf(out->shot, sizeof out->shot, "%s", t->shot);
-    (void)snprintf(out->name, sizeof out->name, "%s", t->name);
-    out->number = t->number;
-}
-
-/* A take with edits that this version does not know is shown as far as it goes. Returns whether it
- * could be read, which is said once. */
-static bool fold_line(app *self, app_take_line *out, const show_take *row, bool was_told)
-{
-    take t = {0};
-    error err = {0};
-    const bool is_read = edit_store_take(&t, self->show, row->id, &err) >= 0;
-    if (!is_read && !was_told)
-        log_pushf(self->log, MRT_LOG_WARNING, "takes", "take %lld: %s", (long long)row->id,
-                  err.text);
-    if (t.id == row->id)
-        fill_line(out, &t);
-    else
-        *out = (app_take_line){.id = row->id, .title = "damaged"};
-    out->over = row->over;
-    out->over_at_ns = row->over_at_ns;
-    take_finish(&t);
-    return is_read;
-}
-
-static bool is_as_before(const app *self, uint32_t index, const show_take *row)
-{
-    const app_take_key *key = &self->key[index];
-    return index < self->line_count && self->line[index].id == row->id && !key->is_stale &&
-           key->edit_head == row->edit_head && key->edit_count == row->edit_count &&
-           key->is_recording == row->is_recording && !row->is_recording;
-}
-
-static void read_list(app *self)
-{
-    show_take *rows = NULL;
-    size_t count = 0;
-    error err = {0};
-    mrt_result result = show_takes(self->show, &rows, &count, &err);
-    if (result >= 0)
-        result = make_room(self, count, &err);
-    if (result < 0 && !self->takes_failed)
-        (void)app_report(self, result, &err);
-    self->takes_failed = result < 0;
-    if (result < 0) {
-        free(rows);
-        return;
-    }
-    for (uint32_t i = 0; i < (uint32_t)count; ++i) {
-        if (is_as_before(self, i, &rows[i]))
-            continue;
-        const bool was_told =
-            i < self->line_count && self->line[i].id == rows[i].id && self->key[i].is_told;
-        const bool is_read = fold_line(self, &self->line[i], &rows[i], was_told);
-        self->key[i] = (app_take_key){.edit_head = rows[i].edit_head,
-                                      .edit_count = rows[i].edit_count,
-                                      .is_recording = rows[i].is_recording,
-                                      .is_told = !is_read};
-    }
-    self->line_count = (uint32_t)count;
-    free(rows);
-}
-
-static const app_take_line *app_line_of(const app *self, int64_t id)
-{
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            return &self->line[i];
-    return NULL;
-}
-
-/* The one that is being recorded grows. What begins over a take is not said yet for some frames:
- * the one before it is whole, and stays as it is. */
-static void follow_recording(app *self)
-{
-    for (uint32_t i = self->line_count; i > 0; --i)
-        if (self->line[i - 1].id == self->status.take && self->key[i - 1].is_recording) {
-            self->line[i - 1].is_recording = self->status.is_recording;
-            if (self->status.is_recording)
-                self->line[i - 1].duration_ns = self->status.recorded_ns;
-            break;
-        }
-}
-
-/* It is in the show as soon as the writer has got to it. */
-static bool lacks_recording(const app *self)
-{
-    return self->status.is_recording && self->status.take && !app_line_of(self, self->status.take);
-}
-
-/* It is chosen in the list as soon as all of it is in the show. */
-static void app_await_take(app *self, int64_t id, bool is_kept)
-{
-    self->awaited = id;
-    self->awaited_is_kept = is_kept;
-    self->awaited_s = 0.0;
-}
-
-static bool is_whole(const app *self, int64_t id)
-{
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            return !self->key[i].is_recording;
-    return false;
-}
-
-/* In the list alone: the stage stays what it is. */
-
-/* It is in the show. */
-static void app_tell_kept(app *self, int64_t id);
-
-/* A disk that is full lets it wait; it is in the list when it is there. */
-static void follow_awaited(app *self, double dt_s)
-{
-    const int64_t id = self->awaited;
-    self->awaited_s += dt_s;
-    if (is_whole(self, id)) {
-        self->awaited = 0;
-        if (self->view->mode == LIVE_PERFORMS)
-            app_reported(app_pick_take(self, id));
-        if (self->awaited_is_kept)
-            app_tell_kept(self, id);
-    } else if (self->awaited_s > AWAITED_S) {
-        self->awaited = 0;
-        app_say(self, MRT_LOG_WARNING, "the take is not in the show yet: the disk is slow");
-    }
-}
-
-static void line_is_stale(app *self, int64_t id)
-{
-    for (uint32_t i = 0; i < self->line_count; ++i)
-        if (self->line[i].id == id)
-            self->key[i].is_stale = true;
-    self->takes_are_stale = true;
-}
-
-static mrt_result app_show_chosen(app *self);
-
-/* The stage itself has changed it: its sound was written, and is in it. */
-static void follow_stage_edit(app *self)
-{
-    const int64_t id = live_take_edited(self->live);
-    const app_choice choice = self->choice;
-    if (id == 0)
-        return;
-    line_is_stale(self, id);
-    if (id != self->chosen)
-        return;
-    app_drop_take(self); /* it is read anew */
-    if (app_pick_take(self, id) < 0)
-        return;
-    self->choice = choice;
-    if (live_shown_take(self->live) == id)
-        app_reported(app_show_chosen(self));
-}
-
-/* What is not as it was recorded, once for each take that comes on the stage. */
-static void tell_note(app *self)
-{
-    const int64_t shown = live_shown_take(self->live);
-    if (shown == self->noted)
-        return;
-    self->noted = shown;
-    for (const char *line = live_take_note(self->live); shown && *line;) {
-        const size_t length = strcspn(line, "\n");
-        app_say(self, MRT_LOG_WARNING, "%.*s", (int)length, line);
-        line += length + (line[length] == '\n');
-    }
-}
-
-void app_takes_update(app *self, double dt_s)
-{
-    self->over_ended_s -= dt_s;
-    follow_stage_edit(self);
-    tell_note(self);
-    if (self->takes_are_stale || self->awaited || lacks_recording(self)) {
-        self->takes_are_stale = false;
-        if (self->show)
-            read_list(self);
-        else
-            self->line_count = 0;
-    }
-    if (self->awaited)
-        follow_awaited(self, dt_s);
-    if (self->status.take)
-        follow_recording(self);
-}
-
-uint32_t app_takes(const app *self, const app_take_line **out)
-{
-    *out = self->line;
-    return self->line_count;
-}
-
-/* ---- the one that is chosen ---- */
-
-void app_drop_take(app *self)
-{
-    history_close(self->history);
-    edit_store_close(self->store);
-    self->history = NULL;
-    self->store = NULL;
-    self->chosen = 0;
-    self->choice = (app_choice){.marker = -1};
-    self->edition += 1;
-}
-
-mrt_result app_pick_take(app *self, int64_t id)
-{
-    error err = {0};
-    if (id == self->chosen)
-        return MRT_OK;
-    app_drop_take(self);
-    if (id == 0)
-        return MRT_OK;
-    if (!self->show)
-        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "no show is open"), &err);
-    mrt_result result = edit_store_open(&self->store, self->show, id, clock_utc_ms, &err);
-    if (result >= 0) {
-        const history_store list = edit_store_list(self->store);
-        result = history_open(&self->history, edit_store_bare(self->store), &list, &err);
-    }
-    if (result < 0) {
-        app_drop_take(self);
-        return app_report(self, result, &err);
-    }
-    self->chosen = id;
-    return MRT_OK;
-}
-
-void app_keep_range(app *self)
-{
-    const int64_t shown = live_shown_take(self->live);
-    const transport *t = live_transport(self->live);
-    if (!shown || !self->show)
-        return;
-    settings_set_text(self->settings, "range.show", show_path(self->show));
-    settings_set_number(self->settings, "range.take", (double)shown);
-    settings_set_number(self->settings, "range.in_ns", t->is_looping ? (double)t->loop_in_ns : 0.0);
-    settings_set_number(self->settings, "range.out_ns",
-                        t->is_looping ? (double)t->loop_out_ns : 0.0);
-}
-
-/* Of the take that was on the stage last, from the run before. */
-static void recall_range(app *self)
-{
-    const int64_t of = (int64_t)settings_number(self->settings, "range.take", 0.0);
-    if (self->ranged || of != self->chosen ||
-        strcmp(settings_text(self->settings, "range.show", ""), show_path(self->show)) != 0)
-        return;
-    self->ranged = of;
-    const int64_t in_ns = (int64_t)settings_number(self->settings, "range.in_ns", 0.0);
-    const int64_t out_ns = (int64_t)settings_number(self->settings, "range.out_ns", 0.0);
-    if (in_ns >= 0 && in_ns < out_ns && out_ns <= history_take(self->history)->duration_ns)
-        live_set_loop(self->live, in_ns, out_ns);
-}
-
-static mrt_result app_show_chosen(app *self)
-{
-    error err = {0};
-    if (!self->history)
-        return MRT_OK;
-    mrt_result result = live_show_take(self->live, history_take(self->history), &err);
-    if (result >= 0)
-        recall_range(self);
-    return app_report(self, result, &err);
-}
-
-mrt_result app_choose_take(app *self, int64_t id)
-{
-    mrt_result result = app_pick_take(self, id);
-    if (result < 0)
-        return result;
-    if (id == 0) {
-        live_show_hands(self->live);
-        return MRT_OK;
-    }
-    if (live_shown_take(self->live) == id)
-        return MRT_OK;
-    self->played_from_ns = 0;
-    return app_show_chosen(self);
-}
-
-bool app_is_take_shown(const app *self)
-{
-    return self->chosen && live_shown_take(self->live) == self->chosen;
-}
-
-mrt_result app_select_take(app *self, int64_t id)
-{
-    return app_is_take_shown(self) ? app_choose_take(self, id) : app_pick_take(self, id);
-}
-
-/* Of the chosen take. */
-static int64_t head_ns(const app *self)
-{
-    return app_is_take_shown(self) ? live_position(self->live).at_ns : 0;
-}
-
-mrt_result app_duplicate_take(app *self, int64_t id)
-{
-    error err = {0};
-    int64_t copy = 0;
-    char words[EDIT_TEXT];
-    const app_take_line *line = app_line_of(self, id);
-    if (!self->show || !line)
-        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "there is no such take"), &err);
-    (void)snprintf(words, sizeof words, "duplicate take %.120s", line->title);
-    mrt_result result = edit_store_duplicate(self->show, id, clock_utc_ms, &copy, &err);
-    if (result < 0)
-        return app_report(self, result, &err);
-    self->takes_are_stale = true;
-    result = app_select_take(self, copy);
-    if (result >= 0)
-        app_undo_note_copy(self, id, words);
-    return result;
-}
-
-int64_t app_take_id(const app *self)
-{
-    return self->chosen;
-}
-
-const take *app_take(const app *self)
-{
-    return self->history ? history_take(self->history) : NULL;
-}
-
-uint64_t app_take_edition(const app *self)
-{
-    return self->edition;
-}
-
-const history *app_history(const app *self)
-{
-    return self->history;
-}
-
 /* ---- its edits ---- */
-
-/* What is chosen in it may be gone. */
-static void check_choice(app *self)
-{
-    const take *t = app_take(self);
-    bool has_layer = false, has_clip = false, has_armed = false;
-    for (uint32_t i = 0; t && i < t->layer_count; ++i) {
-        has_layer |= t->layer[i].id == self->choice.layer;
-        has_armed |= t->layer[i].id == self->choice.armed;
-        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
-            has_clip |= t->layer[i].clip[k].id == self->choice.clip;
-    }
-    if (!has_layer)
-        self->choice.layer = 0;
-    if (!has_clip)
-        self->choice.clip = 0;
-    if (!has_armed)
-        self->choice.armed = 0;
-    if (!t || self->choice.marker >= (int32_t)t->marker_count)
-        self->choice.marker = -1;
-}
-
-static void app_take_changed(app *self)
-{
-    self->edition += 1;
-    check_choice(self);
-    line_is_stale(self, self->chosen);
-    if (live_shown_take(self->live) == self->chosen)
-        app_reported(app_show_chosen(self));
-}
 
 static mrt_result check_editable(const app *self, error *err)
 {
@@ -731,8 +710,8 @@ mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
     if (result < 0 && history_go(self->history, before, &ignored) < 0)
         app_say(self, MRT_LOG_ERROR, "%s", ignored.text);
     if (result >= 0)
-        app_undo_note_take(self, before);
-    app_take_changed(self);
+        note_edits(self, before);
+    take_changed(self);
     return app_report(self, result, &err);
 }
 
@@ -750,8 +729,8 @@ mrt_result app_history_go(app *self, int64_t head)
     const int64_t before = history_head(self->history);
     result = history_go(self->history, head, &err);
     if (result >= 0 && head != before)
-        app_undo_note_take(self, before);
-    app_take_changed(self);
+        note_edits(self, before);
+    take_changed(self);
     return app_report(self, result, &err);
 }
 
@@ -768,6 +747,25 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
         self->done[self->done_count - 1].in_front = before;
     if (app_pick_take(self, before) >= 0)
         self->choice = choice;
+    return result;
+}
+
+mrt_result app_duplicate_take(app *self, int64_t id)
+{
+    error err = {0};
+    int64_t copy = 0;
+    char words[EDIT_TEXT];
+    const app_take_line *line = line_of(self, id);
+    if (!self->show || !line)
+        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "there is no such take"), &err);
+    (void)snprintf(words, sizeof words, "duplicate take %.120s", line->title);
+    mrt_result result = edit_store_duplicate(self->show, id, clock_utc_ms, &copy, &err);
+    if (result < 0)
+        return app_report(self, result, &err);
+    self->takes_are_stale = true;
+    result = app_select_take(self, copy);
+    if (result >= 0)
+        note_copy(self, id, words);
     return result;
 }
 
@@ -839,7 +837,7 @@ static void lead_in(app *self, double s, bool counts_in)
 static void begin_live(app *self)
 {
     error err = {0};
-    const app_take_line *line = app_line_of(self, self->chosen);
+    const app_take_line *line = line_of(self, self->chosen);
     if (app_report(self, live_record(self->live, NULL, &err), &err) >= 0 && line)
         app_say(self, MRT_LOG_INFO,
                 "a take of its own: to perform over take %.120s put it on the stage first, by a "
@@ -911,15 +909,7 @@ void app_keep(app *self, int64_t from_ns, int64_t to_ns)
     error err = {0};
     int64_t kept = 0;
     if (app_report(self, live_keep(self->live, from_ns, to_ns, NULL, &kept, &err), &err) >= 0)
-        app_await_take(self, kept, true);
-}
-
-static void app_tell_kept(app *self, int64_t id)
-{
-    const app_take_line *line = app_line_of(self, id);
-    if (line)
-        app_say(self, MRT_LOG_INFO, "kept %.1f s as take %s", 1e-9 * (double)line->duration_ns,
-                line->title);
+        await_take(self, kept, true);
 }
 
 void app_mark(app *self)
@@ -959,7 +949,7 @@ static void take_over(app *self)
         list[i] = &edits[i];
     if (list && app_pick_take(self, self->over_take) >= 0) {
         if (app_edit_all(self, list, count) >= 0)
-            app_undo_name_last(self, "record over the take");
+            name_last_step(self, "record over the take");
     } else if (!list)
         app_say(self, MRT_LOG_ERROR, "no memory: what was performed is a take of its own");
     for (uint32_t i = 0; i < count; ++i)
@@ -1037,7 +1027,7 @@ void app_record_update(app *self)
     if (self->over_take)
         take_over(self);
     else if (has_ended && self->status.take)
-        app_await_take(self, self->status.take, false);
+        await_take(self, self->status.take, false);
 }
 
 /* ---- the transport ---- */
@@ -1050,7 +1040,7 @@ static bool show_it(app *self)
 {
     if (live_shown_take(self->live) == self->chosen && self->view->mode != LIVE_PERFORMS)
         return true;
-    return app_show_chosen(self) >= 0;
+    return show_chosen(self) >= 0;
 }
 
 /* ---- time code from outside ---- */

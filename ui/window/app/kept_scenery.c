@@ -131,7 +131,6 @@ static mrt_result start(kept_scenery *self, char *path, void *bytes, size_t size
 
 mrt_result kept_scenery_choose(kept_scenery *self, const char *path, error *err)
 {
-    const char *slash = strrchr(path, '/');
     show *into = app_show(self->of);
     if (!into || !show_is_writable(into))
         return error_set(err, MRT_ERR_ARGUMENT,
@@ -139,7 +138,7 @@ mrt_result kept_scenery_choose(kept_scenery *self, const char *path, error *err)
                          "written first");
     if (self->reading)
         return error_set(err, MRT_ERR_ARGUMENT, "another picture is being read");
-    return start(self, strdup(path), NULL, 0, "", slash ? slash + 1 : path, err);
+    return start(self, strdup(path), NULL, 0, "", file_name_of(path), err);
 }
 
 /* What the show says is behind the face, from the show. */

@@ -186,7 +186,7 @@ struct calibrate_panel {
     bool is_asked, is_away;
     bool gives_up; /* it was to be closed: whether the poses are to be given up is asked */
     char name[CALIBRATION_NAME], length[16];
-    char trouble[1024];
+    error trouble;
     char *kept;
     uint32_t kept_side;
     bool has_kept;
@@ -238,7 +238,7 @@ bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, 
     self->index = index;
     self->is_asked = true;
     self->is_away = self->gives_up = false;
-    self->trouble[0] = '\0';
+    self->trouble = (error){""};
     (void)snprintf(self->name, sizeof self->name, "%s hand", side_word[side]);
     live_tap(app_live(self->app), index);
     return true;
@@ -289,9 +289,9 @@ void calibrate_panel_update(calibrate_panel *self)
     }
     self->is_away = input_state_of(self->glove) != INPUT_RUNNING;
     if (has_other_channels(self)) {
-        (void)snprintf(self->trouble, sizeof self->trouble,
-                       "The input has other sensors than at the beginning: close this and begin "
-                       "again.");
+        (void)error_set(&self->trouble, MRT_ERR_UNSUPPORTED,
+                        "The input has other sensors than at the beginning: close this and begin "
+                        "again.");
         return;
     }
     for (int i = 0; i < PER_FRAME && live_take_tapped(app_live(self->app), &sample); ++i)
@@ -386,8 +386,8 @@ static void draw_news(const calibrate_panel *self, ui *on)
                                      [CALIBRATE_TOOK] = UI_STYLE_GOOD,
                                      [CALIBRATE_REFUSED] = UI_STYLE_WARNING};
     ui_scroll_begin(on, "news", 0.0f, news_height);
-    if (self->trouble[0])
-        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    if (self->trouble.text[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
     else
         ui_text_wrapped(on, style[self->guide.tone], self->guide.news);
     ui_scroll_end(on);
@@ -412,7 +412,7 @@ static void draw_words(const calibrate_panel *self, ui *on)
 
 static void draw_pose_buttons(calibrate_panel *self, ui *on)
 {
-    ui_disabled_begin(on, self->is_away || self->trouble[0]);
+    ui_disabled_begin(on, self->is_away || self->trouble.text[0]);
     if (ui_button(on, "Take it now", UI_ACCENT))
         calibrate_guide_advance(&self->guide, guide_next);
     ui_hint(on, "Enter. Without waiting until the hand is still.");
@@ -430,7 +430,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
     ui_width(on, 80.0f);
     if (ui_button(on, "Cancel", UI_QUIET))
         ui_dialog_close(on);
-    if (!self->is_away && !self->trouble[0] && ui_pressed(on, UI_KEY_ENTER, 0))
+    if (!self->is_away && !self->trouble.text[0] && ui_pressed(on, UI_KEY_ENTER, 0))
         calibrate_guide_advance(&self->guide, guide_next);
 }
 
@@ -525,21 +525,18 @@ static void draw_findings(const calibrate_panel *self, ui *on)
 
 static void keep(calibrate_panel *self, ui *on)
 {
-    error err = {""};
     char *path = NULL;
     double length_mm = strtod(self->length, NULL);
     bool has_length = length_mm >= HAND_LENGTH_MIN_MM && length_mm <= HAND_LENGTH_MAX_MM;
     if (self->length[0] && !has_length) {
-        (void)snprintf(self->trouble, sizeof self->trouble,
-                       "The hand's length is %d to %d mm, from the wrist to the middle fingertip.",
-                       HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
+        (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
+                        "The hand's length is %d to %d mm, from the wrist to the middle fingertip.",
+                        HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
         return;
     }
-    if (calibrate_guide_keep(&self->guide, self->name, has_length ? length_mm : 0.0, &path, &err) <
-        0) {
-        (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
+    if (calibrate_guide_keep(&self->guide, self->name, has_length ? length_mm : 0.0, &path,
+                             &self->trouble) < 0)
         return;
-    }
     free(self->kept);
     self->kept = path;
     self->kept_side = self->guide.glove.side;
@@ -603,7 +600,7 @@ static void draw_result(calibrate_panel *self, ui *on)
                    sizeof self->length);
     ui_space(on, 4.0f);
     ui_scroll_begin(on, "trouble", 0.0f, 40.0f);
-    ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
     ui_scroll_end(on);
     draw_result_buttons(self, on);
 }

@@ -8,6 +8,7 @@
 #include "window/app/camera_page.h"
 
 #include "base/clock.h"
+#include "base/file.h"
 #include "hand/calibration_folder.h"
 #include "stage/input/device_list.h"
 #include "stage/input/glove_channels.h"
@@ -493,12 +494,6 @@ static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
 
 enum { CALIBRATIONS_MAX = 64 };
 
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* seen_by: as hand_calibration's input. */
 static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
                              const char *seen_by)
@@ -521,7 +516,7 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
     }
     if (chosen == UINT32_MAX) { /* of another folder */
         chosen = count;
-        items[count] = base_name(used);
+        items[count] = file_name_of(used);
         paths[count++] = used;
     }
     if (ui_choice(on, side_name[side], label_width, items, count, &chosen))

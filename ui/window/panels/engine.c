@@ -158,7 +158,7 @@ struct panel {
     csrbf_settings wanted; /* of this frame; radius 0: the rig's */
     double radius_mm;      /* while it is dragged */
     bool is_held;
-    char trouble[1024];
+    error trouble; /* why the solver is not as it was asked for; "" */
     uint64_t memory;
     double memory_s; /* since it was read */
 };
@@ -167,12 +167,8 @@ struct panel {
 
 static bool set_solver(panel *self, const solver_choice *to)
 {
-    error err = {""};
-    self->trouble[0] = '\0';
-    if (app_set_solver(self->app, to->is_own ? &to->as : NULL, &err) >= 0)
-        return true;
-    (void)snprintf(self->trouble, sizeof self->trouble, "%s", err.text);
-    return false;
+    self->trouble = (error){""};
+    return app_set_solver(self->app, to->is_own ? &to->as : NULL, &self->trouble) >= 0;
 }
 
 static solver_choice choice_now(const panel *self)
@@ -251,8 +247,8 @@ static void draw_solver(panel *self, ui *on, const live_view *view)
     ui_hint(on, "What moves the whole face beside the local pulls. Linear, as in the paper, moves "
                 "the back of the head too.");
     draw_radius(self, on, view);
-    if (self->trouble[0])
-        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble);
+    if (self->trouble.text[0])
+        ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
 }
 
 /* ---- how it does ---- */
