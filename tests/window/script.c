@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "window/folder.h"
+#include "window/open_any.h"
 #include "window/scene.h"
 #include "window/script.h"
 
@@ -212,9 +212,9 @@ static void put(const char *name)
 static void a_folder_lists_folders_and_what_is_wanted(void **state)
 {
     static const char *const endings[] = {".marotte", NULL};
-    folder at = {.count = 0};
+    open_folder at = {.count = 0};
     error err = {0};
-    char inner[256], joined[FOLDER_PATH];
+    char inner[256], joined[OPEN_PATH];
     (void)state;
     put("b.marotte");
     put("A.MAROTTE");
@@ -223,24 +223,24 @@ static void a_folder_lists_folders_and_what_is_wanted(void **state)
     put("d\n.marotte");
     (void)snprintf(inner, sizeof inner, "%s/zoo", folder_path);
     assert_int_equal(mkdir(inner, 0755), 0);
-    assert_int_equal(folder_go(&at, folder_path, endings, &err), MRT_OK);
+    assert_int_equal(open_folder_go(&at, folder_path, endings, &err), MRT_OK);
     assert_int_equal(at.count, 4);
     assert_string_equal(at.entry[0].name, "..");
     assert_string_equal(at.entry[1].name, "zoo");
     assert_true(at.entry[1].is_folder);
     assert_string_equal(at.entry[2].name, "A.MAROTTE");
     assert_string_equal(at.entry[3].name, "b.marotte");
-    assert_true(folder_go(&at, "/no/such/folder", endings, &err) < 0);
+    assert_true(open_folder_go(&at, "/no/such/folder", endings, &err) < 0);
     assert_int_equal(at.count, 4);
-    assert_true(folder_join(&at, "b.marotte", joined));
+    assert_true(open_folder_join(&at, "b.marotte", joined));
     assert_non_null(strstr(joined, "/b.marotte"));
-    assert_true(folder_join(&at, "/etc", joined));
+    assert_true(open_folder_join(&at, "/etc", joined));
     assert_string_equal(joined, "/etc");
-    assert_int_equal(folder_go(&at, "/", endings, &err), MRT_OK);
+    assert_int_equal(open_folder_go(&at, "/", endings, &err), MRT_OK);
     assert_string_not_equal(at.entry[0].name, "..");
-    assert_true(folder_join(&at, "tmp", joined));
+    assert_true(open_folder_join(&at, "tmp", joined));
     assert_string_equal(joined, "/tmp");
-    folder_finish(&at);
+    open_folder_finish(&at);
 }
 
 int main(void)

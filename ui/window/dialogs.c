@@ -3,8 +3,6 @@
 #include "base/installed.h"
 #include "window/app/settings.h"
 
-#include "base/timecode.h"
-
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -242,8 +240,8 @@ static void go(dialogs *self, const char *path)
 {
     dialogs_opening *opening = &self->opening;
     opening->trouble = (error){""};
-    if (folder_go(&opening->at[opening->kind], path, open_endings(opening->kind),
-                  &opening->trouble) >= 0)
+    if (open_folder_go(&opening->at[opening->kind], path, open_endings(opening->kind),
+                       &opening->trouble) >= 0)
         settings_set_text(app_settings(self->app), kind_keys[opening->kind],
                           opening->at[opening->kind].path);
 }
@@ -262,7 +260,7 @@ static bool cut_to_folder(char *path)
 static void go_somewhere(dialogs *self)
 {
     const char *home = getenv("HOME");
-    char path[FOLDER_PATH];
+    char path[OPEN_PATH];
     const open_kind kind = self->opening.kind;
     if (self->opening.at[kind].path[0]) {
         go(self, self->opening.at[kind].path); /* as it is now */
@@ -321,16 +319,16 @@ static bool is_folder(const char *path)
 }
 
 /* A show that is typed without its ending has one all the same. */
-static bool path_typed(const dialogs *self, char out[FOLDER_PATH])
+static bool path_typed(const dialogs *self, char out[OPEN_PATH])
 {
     const dialogs_opening *opening = &self->opening;
-    if (!folder_join(&opening->at[opening->kind], opening->name, out))
+    if (!open_folder_join(&opening->at[opening->kind], opening->name, out))
         return false;
     if (opening->kind > OPEN_SHOW || is_folder(out) || access(out, F_OK) == 0 ||
         open_kind_of(out) != OPEN_ANY)
         return true;
     const size_t length = strlen(out);
-    if (length + sizeof ".marotte" > FOLDER_PATH)
+    if (length + sizeof ".marotte" > OPEN_PATH)
         return false;
     memcpy(out + length, ".marotte", sizeof ".marotte");
     return true;
@@ -371,7 +369,7 @@ void dialogs_drop(dialogs *self, const char *path)
 
 static void open_typed(dialogs *self)
 {
-    char path[FOLDER_PATH];
+    char path[OPEN_PATH];
     self->opening.is_asked_first = true; /* the field, while the dialog stays */
     self->opening.trouble = (error){""};
     if (!path_typed(self, path)) {
@@ -387,7 +385,7 @@ static void open_typed(dialogs *self)
 /* Of a file that is not there nothing is made: who wants a new show types its name. */
 static void open_chosen(dialogs *self, const char *path)
 {
-    char at[FOLDER_PATH];
+    char at[OPEN_PATH];
     (void)snprintf(at, sizeof at, "%s", path);
     if (is_folder(path)) {
         go(self, path);
@@ -417,13 +415,13 @@ static void look_what_to_open(dialogs *self)
 /* ---- drawing ---- */
 
 /* What was opened lately, in whatever folder; true: `chosen` is to be opened. */
-static bool draw_recent(dialogs *self, char chosen[FOLDER_PATH])
+static bool draw_recent(dialogs *self, char chosen[OPEN_PATH])
 {
     ui *on = self->ui;
     const char *recent[OPEN_RECENT_MAX];
     const uint32_t count = open_recent(app_settings(self->app), recent);
     const open_kind kind = self->opening.kind;
-    char label[FOLDER_PATH + 32];
+    char label[OPEN_PATH + 32];
     bool is_double = false, any = false;
     for (uint32_t i = 0; i < count; ++i) {
         if ((kind != OPEN_ANY && open_kind_of(recent[i]) != kind) || access(recent[i], R_OK) != 0)
@@ -438,7 +436,7 @@ static bool draw_recent(dialogs *self, char chosen[FOLDER_PATH])
         const ui_row_click click = ui_row(on, label, strcmp(recent[i], self->opening.name) == 0);
         if (click == UI_ROW_NONE)
             continue;
-        (void)snprintf(chosen, FOLDER_PATH, "%s", recent[i]);
+        (void)snprintf(chosen, OPEN_PATH, "%s", recent[i]);
         is_double = click == UI_ROW_DOUBLE_CLICKED;
     }
     if (any != (self->opening.desktop.asked != NULL))
@@ -457,7 +455,7 @@ static void say_size(char *out, size_t capacity, uint64_t bytes)
 }
 
 /* How large a file is and when it was changed, at the end of its row. */
-static void draw_file_facts(ui *on, const folder_entry *entry, float end)
+static void draw_file_facts(ui *on, const open_entry *entry, float end)
 {
     char size[32], day[32] = "";
     struct tm changed;
@@ -475,15 +473,15 @@ static void draw_file_facts(ui *on, const folder_entry *entry, float end)
 }
 
 /* True: `chosen` is to be opened. */
-static bool draw_files(dialogs *self, char chosen[FOLDER_PATH])
+static bool draw_files(dialogs *self, char chosen[OPEN_PATH])
 {
     ui *on = self->ui;
-    const folder *at = &self->opening.at[self->opening.kind];
-    char label[FOLDER_NAME + 48];
+    const open_folder *at = &self->opening.at[self->opening.kind];
+    char label[OPEN_NAME + 48];
     bool is_double = false;
     const float end = ui_available_width(on) - 7.0f;
     for (uint32_t i = 0; i < at->count; ++i) {
-        const folder_entry *entry = &at->entry[i];
+        const open_entry *entry = &at->entry[i];
         (void)snprintf(label, sizeof label, "%s%s##%u", entry->name, entry->is_folder ? "/" : "",
                        i);
         ui_width(on, entry->is_folder ? 0.0f : -file_facts_width);
@@ -494,7 +492,7 @@ static bool draw_files(dialogs *self, char chosen[FOLDER_PATH])
             draw_file_facts(on, entry, end);
         if (click == UI_ROW_NONE)
             continue;
-        (void)snprintf(chosen, FOLDER_PATH, "%s", entry->name);
+        (void)snprintf(chosen, OPEN_PATH, "%s", entry->name);
         is_double = click == UI_ROW_DOUBLE_CLICKED || entry->is_folder;
     }
     if (at->count <= 1)
@@ -507,7 +505,7 @@ static bool draw_files(dialogs *self, char chosen[FOLDER_PATH])
 static void draw_list(dialogs *self)
 {
     ui *on = self->ui;
-    char chosen[FOLDER_PATH];
+    char chosen[OPEN_PATH];
     chosen[0] = '\0';
     ui_scroll_begin(on, "files", 0.0f, self->opening.desktop.asked ? 150.0f : 264.0f);
     bool is_double = draw_recent(self, chosen);
@@ -561,7 +559,7 @@ static void draw_whose_list(dialogs *self)
 static void draw_buttons(dialogs *self)
 {
     ui *on = self->ui;
-    char path[FOLDER_PATH];
+    char path[OPEN_PATH];
     const bool is_new = self->opening.name[0] && path_typed(self, path) &&
                         open_kind_of(path) == OPEN_SHOW && access(path, F_OK) != 0;
     if (self->opening.trouble.text[0])
@@ -641,7 +639,7 @@ static void put_saved_folder(dialogs *self)
 {
     dialogs_saving *saving = &self->saving;
     const char *of = path_of_old(self), *slash = strrchr(of, '/');
-    char whole[FOLDER_PATH];
+    char whole[OPEN_PATH];
     if (!slash || strchr(saving->file, '/') ||
         snprintf(whole, sizeof whole, "%.*s%s", (int)(slash + 1 - of), of, saving->file) >=
             (int)sizeof whole)
@@ -654,7 +652,7 @@ static void put_saved_ending(dialogs_saving *saving)
     const char *ending = endings_of(saving)[0];
     const size_t length = strlen(saving->file);
     if (length > 0 && saving->file[length - 1] != '/' &&
-        !folder_name_ends(saving->file, endings_of(saving)) &&
+        !open_name_ends(saving->file, endings_of(saving)) &&
         length + strlen(ending) < sizeof saving->file)
         memcpy(saving->file + length, ending, strlen(ending) + 1);
 }
@@ -665,7 +663,7 @@ static void put_free_name(dialogs *self)
     dialogs_saving *saving = &self->saving;
     const char *of = path_of_old(self);
     size_t stem = strlen(of);
-    if (folder_name_ends(of, endings_of(saving)))
+    if (open_name_ends(of, endings_of(saving)))
         stem -= strlen(endings_of(saving)[0]);
     for (uint32_t number = 2; number < 1000; ++number) {
         (void)snprintf(saving->file, sizeof saving->file, "%.*s %u%s", (int)stem, of, number,
@@ -679,7 +677,7 @@ static void choose_saved(dialogs *self, bool is_rig)
 {
     dialogs_saving *saving = &self->saving;
     const portal_filter filter = {is_rig ? "Rigs" : "Shows", is_rig ? rig_endings : show_endings};
-    char at[FOLDER_PATH];
+    char at[OPEN_PATH];
     saving->is_rig = is_rig;
     saving->trouble = (error){""};
     saving->replaced[0] = '\0';
@@ -790,7 +788,7 @@ void dialogs_finish(dialogs *self)
     forget_desktop(&self->opening.desktop);
     forget_desktop(&self->saving.desktop);
     for (uint32_t i = 0; i < OPEN_KINDS; ++i)
-        folder_finish(&self->opening.at[i]);
+        open_folder_finish(&self->opening.at[i]);
 }
 
 void dialogs_draw(dialogs *self)

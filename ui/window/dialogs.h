@@ -5,7 +5,6 @@
 #ifndef MAROTTE_UI_WINDOW_DIALOGS_H
 #define MAROTTE_UI_WINDOW_DIALOGS_H
 #include "window/export_page.h"
-#include "window/folder.h"
 #include "window/open_any.h"
 #include "window/portal.h"
 #include "window/gui/ui.h"
@@ -18,8 +17,8 @@ typedef struct dialogs_desktop { /* the desktop's own dialog, beside one of ours
 
 typedef struct dialogs_opening { /* the dialog that opens whatever there is */
     open_kind kind;              /* of which it lists files; OPEN_ANY: all */
-    folder at[OPEN_KINDS];
-    char name[FOLDER_PATH];
+    open_folder at[OPEN_KINDS];
+    char name[OPEN_PATH];
     error trouble; /* why it was not done; "" */
     bool is_asked_first;
     dialogs_desktop desktop; /* asks instead of the list */
@@ -27,9 +26,9 @@ typedef struct dialogs_opening { /* the dialog that opens whatever there is */
 
 typedef struct dialogs_saving { /* the show or the rig under another name */
     bool is_rig;
-    char file[FOLDER_PATH];
-    char replaced[FOLDER_PATH]; /* the file that the person was told is there already */
-    error trouble;              /* why it was not done; "" */
+    char file[OPEN_PATH];
+    char replaced[OPEN_PATH]; /* the file that the person was told is there already */
+    error trouble;            /* why it was not done; "" */
     bool is_asked_first;
     dialogs_desktop desktop; /* asks too */
 } dialogs_saving;
@@ -47,11 +46,11 @@ typedef struct dialogs {
     dialogs_saving saving;
     export_page exports;
     dialogs_leaving leaving;
-    char next_face[FOLDER_PATH]; /* DIALOGS_CHANGES_FACE */
-    bool asks, asks_exports;     /* the question is on the screen */
-    bool waits_for_exports;      /* it was answered: then the program ends */
-    uint32_t failed_exports;     /* when it was asked */
-    bool is_over;                /* the program is to end */
+    char next_face[OPEN_PATH]; /* DIALOGS_CHANGES_FACE */
+    bool asks, asks_exports;   /* the question is on the screen */
+    bool waits_for_exports;    /* it was answered: then the program ends */
+    uint32_t failed_exports;   /* when it was asked */
+    bool is_over;              /* the program is to end */
 } dialogs;
 
 void dialogs_init(dialogs *out, app *of, ui *on);

@@ -185,7 +185,7 @@ enum {
 static void put_pedals(sheet *s, app *of)
 {
     const instance *mapping = live_mapping(app_live(of));
-    const uint32_t rezero = (uint32_t)settings_number(app_settings(of), PEDAL_REZERO_KEY, 0.0);
+    const uint32_t rezero = (uint32_t)settings_number(app_settings(of), APP_REZERO_PEDAL, 0.0);
     put_title(s, "Pedals now");
     for (uint32_t pedal = 1; pedal <= MRT_MAX_PEDALS; ++pedal) {
         char name[16], words[200] = "";

@@ -5,7 +5,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 typedef enum offer {
     OFFER_CAMERA = 0, /* the order in which they are offered */

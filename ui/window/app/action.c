@@ -2,7 +2,6 @@
 #include "window/gui/ui.h"
 
 #include <assert.h>
-#include <stddef.h>
 #include <string.h>
 
 const char *const action_group_name[ACTION_GROUPS] = {"Performance", "Transport", "Edits", "View",

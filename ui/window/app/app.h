@@ -60,6 +60,7 @@ const face_file *app_face(const app *self);
 const char *app_face_path(const app *self);
 show *app_show(app *self); /* NULL: none could be opened */
 settings *app_settings(app *self);
+#define APP_REZERO_PEDAL "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
 news_list *app_news(app *self); /* what was said, for the log panel and the last line */
 
 /* ---- what is done: errors are said in the news and come back ---- */

@@ -3,18 +3,14 @@
 #include "window/gui/theme.h"
 #include "window/app/presets.h"
 
-#include "base/clock.h"
 #include "base/file.h"
-#include "stage/perform/patch_file.h"
 #include "base/text.h"
-#include "stage/take/kept_solver.h"
 #include "take/pack.h"
 #include "take/sound_file.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <pthread.h>
-#include <stdarg.h>
 #include <stdatomic.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -176,22 +172,11 @@ void app_keep_settings(app *self, double dt_s)
 /* ---- how the surface is solved: kept with the show ---- */
 
 /* What the show says of it. */
-static void app_solver_read(app *self)
+static void read_solver(app *self)
 {
-    kept_solver kept;
     error err = {0};
-    if (kept_solver_read(&kept, self->show, &err) < 0)
+    if (kept_solver_read(&self->solver, self->show, &err) < 0)
         app_say(self, MRT_LOG_WARNING, "%s", err.text);
-    self->has_solver = kept.is_kept;
-    self->solver = kept.as;
-}
-
-static mrt_result keep(app *self, error *err)
-{
-    const kept_solver kept = {self->has_solver, self->solver};
-    if (!self->show || !show_is_writable(self->show))
-        return MRT_OK;
-    return kept_solver_write(self->show, &kept, err);
 }
 
 kept_scenery *app_scenery(const app *self)
@@ -201,7 +186,7 @@ kept_scenery *app_scenery(const app *self)
 
 const csrbf_settings *app_solver(const app *self)
 {
-    return self->has_solver ? &self->solver : NULL;
+    return self->solver.is_kept ? &self->solver.as : NULL;
 }
 
 mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err)
@@ -209,10 +194,12 @@ mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err)
     mrt_result result = live_set_solver(self->live, solver, err);
     if (result < 0)
         return result;
-    self->has_solver = solver != NULL;
+    self->solver.is_kept = solver != NULL;
     if (solver)
-        self->solver = *solver;
-    return keep(self, err);
+        self->solver.as = *solver;
+    if (!self->show || !show_is_writable(self->show))
+        return MRT_OK;
+    return kept_solver_write(self->show, &self->solver, err);
 }
 
 /* ---- what is opened: at the start, and when somebody asks ---- */
@@ -290,7 +277,7 @@ static void perform_as_show_says(app *self)
 {
     error err = {0};
     const bool had_own = app_solver(self) != NULL;
-    app_solver_read(self);
+    read_solver(self);
     kept_scenery_read(self->scenery);
     if (had_own || app_solver(self))
         (void)app_report(self, live_set_solver(self->live, app_solver(self), &err), &err);
@@ -379,43 +366,24 @@ static void *copy(void *data)
     return NULL;
 }
 
-/* Of what is committed now. */
-static mrt_result show_copier_begin(show_copier **out, const char *from, const char *to, error *err)
+static void free_copier(show_copier *self)
 {
-    *out = NULL;
-    if (access(to, F_OK) == 0)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s is there already: a show is never written over, choose another name",
-                         to);
-    show_copier *self = calloc(1, sizeof *self);
-    if (self) {
-        self->from = strdup(from);
-        self->to = strdup(to);
-    }
-    if (self && self->from && self->to && pthread_create(&self->thread, NULL, copy, self) == 0) {
-        *out = self;
-        return MRT_OK;
-    }
-    if (self) {
-        free(self->from);
-        free(self->to);
-    }
+    if (!self)
+        return;
+    free(self->from);
+    free(self->to);
     free(self);
-    return error_set(err, MRT_ERR_MEMORY, "no memory to copy the show");
 }
 
 void app_drop_copy(app *self)
 {
-    show_copier *copier = self->copier;
-    if (!copier)
-        return;
-    (void)pthread_join(copier->thread, NULL);
-    free(copier->from);
-    free(copier->to);
-    free(copier);
+    if (self->copier)
+        (void)pthread_join(self->copier->thread, NULL);
+    free_copier(self->copier);
     self->copier = NULL;
 }
 
+/* Of what is committed now. */
 mrt_result app_save_show_as(app *self, const char *path, error *err)
 {
     if (!self->show)
@@ -424,7 +392,22 @@ mrt_result app_save_show_as(app *self, const char *path, error *err)
         return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: end it first");
     if (self->copier)
         return error_set(err, MRT_ERR_ARGUMENT, "the show is being saved already");
-    return show_copier_begin(&self->copier, show_path(self->show), path, err);
+    if (exists(path))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s is there already: a show is never written over, choose another name",
+                         path);
+    show_copier *copier = calloc(1, sizeof *copier);
+    if (copier) {
+        copier->from = strdup(show_path(self->show));
+        copier->to = strdup(path);
+    }
+    if (copier && copier->from && copier->to &&
+        pthread_create(&copier->thread, NULL, copy, copier) == 0) {
+        self->copier = copier;
+        return MRT_OK;
+    }
+    free_copier(copier);
+    return error_set(err, MRT_ERR_MEMORY, "no memory to copy the show");
 }
 
 /* The take that is chosen is the same one in the copy. One that has begun meanwhile is recorded to
@@ -670,32 +653,29 @@ static mrt_result put_face(app *self, face_file *made, const char *path, double 
         return app_report(self, result, &err);
     }
     free_face(self->face);
-    free(self->face_path);
+    free(self->face_path); /* may be `path` */
     self->face = made;
     self->face_path = name;
-    settings_set_text(self->settings, "last.face", path);
+    settings_set_text(self->settings, "last.face", name);
     perform_again(self);
     return MRT_OK;
 }
 
-/* Reads the face at the path, which is freed, and puts it on the stage. */
-static mrt_result open_face(app *self, char *path, const mesh_frame *frame)
+/* frame NULL: as the file says, or its shape. */
+static mrt_result open_face(app *self, const char *path, const mesh_frame *frame)
 {
     error err = {0};
     face_file *made = NULL;
-    mrt_result result = path ? read_face(&made, path, frame, &err)
-                             : error_set(&err, MRT_ERR_MEMORY, "no memory for the face");
-    if (result < 0)
-        (void)app_report(self, result, &err);
-    else
-        result = put_face(self, made, path, frame ? frame->mm_per_unit : 0.0);
-    free(path);
-    return result;
+    const mrt_result result = read_face(&made, path, frame, &err);
+    return result < 0 ? app_report(self, result, &err)
+                      : put_face(self, made, path, frame ? frame->mm_per_unit : 0.0);
 }
 
 mrt_result app_open_face(app *self, const char *given)
 {
-    const mrt_result result = open_face(self, path_of_face(given), NULL);
+    char *path = path_of_face(given);
+    const mrt_result result = open_face(self, path ? path : given, NULL);
+    free(path);
     if (result >= 0) {
         app_forget_pulls(self);
         tell_face(self);
@@ -705,7 +685,7 @@ mrt_result app_open_face(app *self, const char *given)
 
 mrt_result app_set_face_frame(app *self, const mesh_frame *frame)
 {
-    return open_face(self, strdup(self->face_path), frame);
+    return open_face(self, self->face_path, frame);
 }
 
 mrt_result app_change_face(app *self, face_file *made)
@@ -718,10 +698,7 @@ mrt_result app_change_face(app *self, face_file *made)
     }
     *own = *made;
     *made = (face_file){0};
-    char *path = strdup(self->face_path);
-    mrt_result result = put_face(self, own, path ? path : "", self->face_unit_mm);
-    free(path);
-    return result;
+    return put_face(self, own, self->face_path, self->face_unit_mm);
 }
 
 /* ---- the first face, read beside the plugins ---- */
@@ -918,7 +895,7 @@ mrt_result app_open_first(app *self, const app_options *options, error *err)
     chosen named = {NULL, {NULL}, 0};
     mrt_result result = open_first_show(self, options->show_path, err);
     if (result >= 0) {
-        app_solver_read(self);
+        read_solver(self);
         kept_scenery_read(self->scenery);
         result = choose(self, options, &named, err);
     }

@@ -10,6 +10,7 @@
 #include "window/app/presets.h"
 #include "window/app/remote.h"
 
+#include "stage/take/kept_solver.h"
 #include "take/edit_store.h"
 
 enum { APP_UNDO_MAX = 1024, APP_UNDO_BYTES = 512 << 20, APP_PATH = 4096 };
@@ -53,8 +54,7 @@ struct app {
     const live_view *view;
     live_status status;
 
-    csrbf_settings solver; /* radius 0: the rig's */
-    bool has_solver;       /* false: all of it is the rig's */
+    kept_solver solver;
 
     patch patch;
     bool patch_waits; /* it is not on the stage yet */

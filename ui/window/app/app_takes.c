@@ -8,7 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* ---- the list ---- */
 
@@ -582,8 +581,10 @@ const char *app_undo_why_not(const app *self)
 {
     if (self->done_count == 0 && !has_older(self))
         return "there is nothing to undo";
-    if (self->done_count > 0 && why_not_pulled(self, &self->done[self->done_count - 1]))
-        return why_not_pulled(self, &self->done[self->done_count - 1]);
+    const char *why =
+        self->done_count > 0 ? why_not_pulled(self, &self->done[self->done_count - 1]) : NULL;
+    if (why)
+        return why;
     return is_behind_rig(self) ? "what comes next was done to a take, before the rig was in front: "
                                  "leave the Rig panel to go on"
                                : NULL;
@@ -932,33 +933,31 @@ void app_mark(app *self)
 /* The edits that make it a part of the take are one step of undo. */
 static void take_over(app *self)
 {
+    const int64_t over = self->over_take;
     edit *edits = NULL;
     uint32_t count = 0;
     error err = {0};
-    if (!live_take_over(self->live, &edits, &count, &err)) {
-        if (!err.text[0])
-            return; /* it goes on */
-        self->over_take = 0;
-        self->over_ended_s = self->over_is_ended ? 0.0 : OVER_ENDED_S;
-        self->takes_are_stale = true;
+    const bool is_there = live_take_over(self->live, &edits, &count, &err);
+    if (!is_there && !err.text[0])
+        return; /* it goes on */
+    self->over_take = 0;
+    self->over_ended_s = self->over_is_ended ? 0.0 : OVER_ENDED_S;
+    self->takes_are_stale = true;
+    if (!is_there) {
         (void)app_report(self, MRT_ERR_IO, &err);
         return;
     }
     const edit **list = calloc(count ? count : 1, sizeof *list);
     for (uint32_t i = 0; list && i < count; ++i)
         list[i] = &edits[i];
-    if (list && app_pick_take(self, self->over_take) >= 0) {
-        if (app_edit_all(self, list, count) >= 0)
-            name_last_step(self, "record over the take");
-    } else if (!list)
+    if (!list)
         app_say(self, MRT_LOG_ERROR, "no memory: what was performed is a take of its own");
+    else if (app_pick_take(self, over) >= 0 && app_edit_all(self, list, count) >= 0)
+        name_last_step(self, "record over the take");
     for (uint32_t i = 0; i < count; ++i)
         edit_finish(&edits[i]);
     free(edits);
     free(list);
-    self->over_take = 0;
-    self->over_ended_s = self->over_is_ended ? 0.0 : OVER_ENDED_S;
-    self->takes_are_stale = true;
 }
 
 void app_record_finish_over(app *self)
@@ -1288,6 +1287,11 @@ static const take_clip *clip_of(const take *t, uint32_t id, const take_layer **o
     return NULL;
 }
 
+static bool is_within(const take_clip *clip, const take_layer *lane, int64_t at_ns)
+{
+    return at_ns > clip->start_ns + lane->offset_ns && at_ns < clip->end_ns + lane->offset_ns;
+}
+
 /* The clip that is chosen, or the only one that is under the play head. */
 static const take_clip *clip_at(const app *self, int64_t at_ns, const take_layer **out_layer)
 {
@@ -1299,20 +1303,13 @@ static const take_clip *clip_at(const app *self, int64_t at_ns, const take_layer
     for (uint32_t i = 0; t && i < t->layer_count; ++i)
         for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
             const take_layer *lane = &t->layer[i];
-            const take_clip *clip = &lane->clip[k];
-            if (at_ns <= clip->start_ns + lane->offset_ns ||
-                at_ns >= clip->end_ns + lane->offset_ns)
+            if (!is_within(&lane->clip[k], lane, at_ns))
                 continue;
             *out_layer = lane;
-            found = clip;
+            found = &lane->clip[k];
             count += 1;
         }
     return count == 1 ? found : NULL;
-}
-
-static bool is_within(const take_clip *clip, const take_layer *lane, int64_t at_ns)
-{
-    return at_ns > clip->start_ns + lane->offset_ns && at_ns < clip->end_ns + lane->offset_ns;
 }
 
 /* ---- why not ---- */

@@ -1,6 +1,5 @@
 #include "window/panels/devices.h"
 #include "window/panels/calibrate.h"
-#include "window/panels/mapping.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 #include "window/panels/panels.h"
@@ -879,14 +878,14 @@ static void follow_rezeros(panel *self)
 
 static void draw_rezero(panel *self, ui *on)
 {
-    uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), PEDAL_REZERO_KEY, 0.0);
+    uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), APP_REZERO_PEDAL, 0.0);
     if (ui_button(on, "Re-zero", UI_PLAIN))
         app_do(self->app, ACTION_REZERO);
     ui_hint(on, "Z. The pose that the hands hold now becomes their neutral one. Hold still.");
     ui_same_line(on);
     ui_at(on, 92.0f);
     if (ui_choice(on, "also by", 58.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
-        settings_set_number(app_settings(self->app), PEDAL_REZERO_KEY, (double)pedal);
+        settings_set_number(app_settings(self->app), APP_REZERO_PEDAL, (double)pedal);
         live_set_rezero_pedal(app_live(self->app), pedal);
     }
     ui_hint(on, "A press of this pedal re-zeroes too; mappings do not see that pedal then.");
@@ -1066,7 +1065,7 @@ static void use_settings(panel *self)
 {
     const settings *kept = app_settings(self->app);
     live *stage = app_live(self->app);
-    double pedal = settings_number(kept, PEDAL_REZERO_KEY, 0.0);
+    double pedal = settings_number(kept, APP_REZERO_PEDAL, 0.0);
     if (pedal >= 1.0 && pedal <= MRT_MAX_PEDALS)
         live_set_rezero_pedal(stage, (uint32_t)pedal);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {

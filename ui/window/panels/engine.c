@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/pool.h"
 #include "stage/live/live.h"
+#include "stage/take/kept_solver.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -144,13 +145,8 @@ static const char *const phase_help[LIVE_PHASES] = {
     "Hands, mapping, guard.", "Bones and control vectors.", "Every vertex, skull, normals.",
     "The face is handed to the window."};
 
-typedef struct solver_choice {
-    bool is_own; /* false: all of it is the rig's */
-    csrbf_settings as;
-} solver_choice;
-
 typedef struct solver_step {
-    solver_choice before, after;
+    kept_solver before, after;
 } solver_step;
 
 struct panel {
@@ -165,16 +161,16 @@ struct panel {
 
 /* ---- the solver ---- */
 
-static bool set_solver(panel *self, const solver_choice *to)
+static bool set_solver(panel *self, const kept_solver *to)
 {
     self->trouble = (error){""};
-    return app_set_solver(self->app, to->is_own ? &to->as : NULL, &self->trouble) >= 0;
+    return app_set_solver(self->app, to->is_kept ? &to->as : NULL, &self->trouble) >= 0;
 }
 
-static solver_choice choice_now(const panel *self)
+static kept_solver choice_now(const panel *self)
 {
     const csrbf_settings *own = app_solver(self->app);
-    return own ? (solver_choice){true, *own} : (solver_choice){.is_own = false};
+    return own ? (kept_solver){true, *own} : (kept_solver){.is_kept = false};
 }
 
 static void undo(void *owner, void *data)
@@ -189,7 +185,7 @@ static void redo(void *owner, void *data)
 
 static void choose(panel *self, const csrbf_settings *solver, const char *words)
 {
-    const solver_choice before = choice_now(self), after = {true, *solver};
+    const kept_solver before = choice_now(self), after = {true, *solver};
     if (!set_solver(self, &after))
         return;
     const solver_step made = {before, after};
@@ -389,9 +385,9 @@ static void draw(panel *self, ui *on, ui_rectangle where)
 {
     const live_view *view = app_view(self->app);
     const live_status *status = app_status(self->app);
-    const solver_choice now = choice_now(self);
-    self->wanted = now.is_own ? now.as : view->solver;
-    if (!now.is_own)
+    const kept_solver now = choice_now(self);
+    self->wanted = now.is_kept ? now.as : view->solver;
+    if (!now.is_kept)
         self->wanted.radius = 0.0;
     ui_panel_begin(on, "engine", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);

@@ -10,7 +10,6 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "stage/input/device_list.h"
 #include "stage/mapping/taught.h"
 
 #include <ctype.h>
@@ -824,7 +823,7 @@ static void draw_pedal(panel *self, ui *on, const instance *mapping, uint32_t pe
     char words[256], id[16];
     ui_canvas at;
     float down = app_view(self->app)->pedal[pedal - 1];
-    uint32_t rezero = (uint32_t)settings_number(app_settings(self->app), PEDAL_REZERO_KEY, 0.0);
+    uint32_t rezero = (uint32_t)settings_number(app_settings(self->app), APP_REZERO_PEDAL, 0.0);
     if (rezero == pedal)
         (void)snprintf(words, sizeof words, "Re-zero");
     else

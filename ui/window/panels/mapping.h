@@ -36,7 +36,6 @@ uint32_t learn_param_of(const mrt_plugin_type *type, int finger);
 bool learn_can(const mrt_plugin_type *type); /* it links some finger */
 
 enum { PEDAL_MEANING = 64 };
-#define PEDAL_REZERO_KEY "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
 /* False: it is no such parameter. out: "Anchor". */
 bool pedal_table_meaning(const mrt_param *param, char out[PEDAL_MEANING]);
 /* "Anchor, Hold": what pedal 1..4 does by these values (param_count); "" nothing. */
