@@ -63,19 +63,60 @@ settings *app_settings(app *self);
 #define APP_REZERO_PEDAL "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
 news_list *app_news(app *self); /* what was said, for the log panel and the last line */
 
-/* ---- what is done: errors are said in the news and come back ---- */
-
-/* An error is said in the news, once; the result comes back. */
+/* An error is said in the news, once, and comes back: as all do that follow here, but for those
+ * that give it to their caller. */
 mrt_result app_report(app *self, mrt_result result, const error *err);
+
+/* ---- the show, and what is kept with it: how the surface is solved, the scene ---- */
 
 CHECKED mrt_result app_open_show(app *self, const char *path);
 /* A copy under a new name, which is the open show as soon as it is whole: the news say so. The one
  * before stays as it is now. */
 CHECKED mrt_result app_save_show_as(app *self, const char *path, error *err);
+
+/* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
+ * said in the news. */
+const csrbf_settings *app_solver(const app *self);
+CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
+
+/* Lights, wall and picture behind, camera views. */
+typedef struct kept_scenery kept_scenery;
+kept_scenery *app_scenery(const app *self); /* kept_scenery.h */
+
+/* ---- the face and its rig ---- */
+
 CHECKED mrt_result app_open_face(app *self, const char *path);
 /* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
  * on with it. Takes what is in `face` over, also when it fails: `face` is zeroed. */
 CHECKED mrt_result app_change_face(app *self, face_file *face);
+
+/* The face's mesh, which has no rig, read again with that unit and those axes: a person sees what
+ * its shape does not say. Of a unit that nobody said mm_per_unit is 0. */
+CHECKED mrt_result app_set_face_frame(app *self, const mesh_frame *frame);
+double app_face_unit_mm(const app *self); /* as it was said so; 0: it was not */
+
+/* Work that is not on the disk yet (a rig): whoever has some says so. The title has a dot then, and
+ * before the program ends or another face is opened the person is asked: save, leave it, stay. */
+typedef struct app_unsaved {
+    void *owner;
+    char words[EDIT_TEXT]; /* "the rig puppet.rig.json" */
+    mrt_result (*save)(void *owner, error *err);
+    void (*leave)(void *owner); /* it is given up */
+} app_unsaved;
+void app_set_unsaved(app *self, const app_unsaved *unsaved); /* copied; NULL: none */
+const app_unsaved *app_unsaved_now(const app *self);         /* NULL: none */
+
+/* Whoever edits the rig of the face says how it is saved under another name. */
+typedef struct app_rig_saver {
+    void *owner;
+    const char *(*path)(void *owner); /* where it would be saved; NULL: the face has no rig */
+    mrt_result (*save_as)(void *owner, const char *path, error *err);
+} app_rig_saver;
+void app_set_rig_saver(app *self, const app_rig_saver *saver); /* copied; NULL: none */
+const char *app_rig_path(const app *self);                     /* NULL: there is no rig to save */
+CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
+
+/* ---- inputs ---- */
 
 /* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1": opened beside the window; it joins the stage
  * when it is open, behind a take that is being recorded. What goes wrong then is said in the news
@@ -86,29 +127,20 @@ void app_give_up_opening(app *self, uint64_t id);
 /* Why the last one that came did not join; "" it did. */
 const char *app_opening_trouble(const app *self);
 
-/* As a file for other programs, in a process beside the window, after those that were asked for
- * before; the news say how it ended. */
-struct export_request;
-CHECKED mrt_result app_export_take(app *self, int64_t id, const struct export_request *request);
-struct exporter *app_exporter(const app *self); /* exporter.h: those that go on or wait */
-uint32_t app_exports_failed(const app *self);   /* of this run; not those that were cancelled */
-
-/* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
- * said in the news. */
-const csrbf_settings *app_solver(const app *self);
-CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
-
-/* ---- the scene: lights, wall and picture behind, camera views; kept with the show ---- */
-
-typedef struct kept_scenery kept_scenery;
-kept_scenery *app_scenery(const app *self); /* kept_scenery.h */
-
 /* ---- outputs: where the face goes; kept between runs, and open from the start ---- */
 
 /* "vmc:192.168.1.20:39540,names=arkit". What is wrong is in the news, and by app_output_trouble. */
 CHECKED mrt_result app_add_output(app *self, const char *text);
 void app_remove_output(app *self, uint32_t index);
 const char *app_output_trouble(const app *self); /* why the last one was not added; "" it was */
+
+/* ---- the picture for other programs ---- */
+
+const app_picture *app_picture_now(const app *self);
+void app_set_picture(app *self, const app_picture *wanted);
+/* What whoever sends them has to say: how many streams there are, and what is wrong; "". */
+void app_note_picture(app *self, const char *says, uint32_t streams);
+const char *app_picture_says(const app *self, uint32_t *out_streams);
 
 /* ---- the patch ---- */
 
@@ -125,15 +157,7 @@ typedef struct app_patch_aim {
 } app_patch_aim;
 app_patch_aim *app_patch_aimed(app *self);
 
-/* ---- the picture for other programs ---- */
-
-const app_picture *app_picture_now(const app *self);
-void app_set_picture(app *self, const app_picture *wanted);
-/* What whoever sends them has to say: how many streams there are, and what is wrong; "". */
-void app_note_picture(app *self, const char *says, uint32_t streams);
-const char *app_picture_says(const app *self, uint32_t *out_streams);
-
-/* ---- from afar ---- */
+/* ---- remote control, expressions, time code ---- */
 
 enum { APP_REMOTE_ADDRESS = 160 };
 typedef struct app_remote_status {
@@ -146,52 +170,14 @@ typedef struct app_remote_status {
 app_remote_status app_remote_now(const app *self);   /* texts until the next frame */
 void app_set_remote(app *self, const char *address); /* "[HOST:]PORT", "": off; kept */
 struct expressions *app_expressions(app *self);      /* expressions.h */
+
 /* The time code from outside as it is now; false: none runs. */
 bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);
 /* The chosen take plays where the time code from outside is, as long as that runs; kept. */
 bool app_chases(const app *self);
 void app_set_chases(app *self, bool chases);
-/* The face's mesh, which has no rig, read again with that unit and those axes: a person sees what
- * its shape does not say. Of a unit that nobody said mm_per_unit is 0. */
-CHECKED mrt_result app_set_face_frame(app *self, const mesh_frame *frame);
-double app_face_unit_mm(const app *self); /* as it was said so; 0: it was not */
-/* The sound of a file becomes that of the chosen take once it is read, which goes on beside all
- * else: one at a time. */
-CHECKED mrt_result app_attach_voice(app *self, const char *path);
-double app_voice_part(const app *self); /* 0..1 of it is read; < 0: none is being read */
-/* What comes before a recording that R, a pedal or a remote control begins, s, 0 to 60; kept. While
- * it counts in nothing moves by itself, and R gives it up; then a take that is performed over plays
- * for the pre-roll before the hands take over. */
-typedef struct app_lead_in {
-    double count_in_s, preroll_s;
-} app_lead_in;
-app_lead_in app_lead_in_of(const app *self);
-void app_set_lead_in(app *self, app_lead_in to);
-/* The click of whoever performs; kept. Why there is none, where that is so, the news say. */
-live_click app_click(const app *self);
-void app_set_click(app *self, const live_click *to);
-double app_leads_in_s(const app *self); /* until what is performed counts; 0: nothing is awaited */
-/* As a pedal says it: record only begins, stop only ends. False: it is so already. */
-bool app_press(app *self, patch_action of);
-/* What one part of the window asks of another, which takes it: true once. */
-typedef enum app_call {
-    APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
-    APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
-    APP_CALL_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
-    APP_CALLS
-} app_call;
-void app_ask(app *self, app_call of);
-bool app_take_call(app *self, app_call of);
-/* A mapping that rests, or else the one of a new stage, performs on the draft. */
-void app_ask_draft(app *self);
-/* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the
- * answer once. */
-#define APP_MOUTH_QUESTION  "There is no slit between the lips."
-#define APP_MOUTH_CUT_HINT  "The edges between the lips open, with the dark of a mouth behind them."
-#define APP_MOUTH_CLAY_HINT "The skin stays whole: the jaw stretches it, and the lips do not part."
-typedef enum app_mouth { APP_MOUTH_UNANSWERED = 0, APP_MOUTH_CUT, APP_MOUTH_CLAY } app_mouth;
 
-/* ---- the take that is chosen ---- */
+/* ---- takes: the list, and the one that is chosen ---- */
 
 typedef struct app_take_line { /* of the list; what was deleted can be restored */
     int64_t id;
@@ -212,14 +198,25 @@ CHECKED mrt_result app_choose_take(app *self, int64_t id);      /* 0: none; show
 CHECKED mrt_result app_select_take(app *self, int64_t id);
 bool app_is_take_shown(const app *self); /* the chosen one is on the stage; else it stands at 0 */
 const take *app_take(const app *self);   /* NULL: none; until the next edit */
-/* Makes a take of what was performed between two instants of the host's clock; it is chosen in the
- * list once all of it is in the show. */
-void app_keep(app *self, int64_t from_ns, int64_t to_ns);
+
+/* What is chosen on the timeline: for split, remove, mute. */
+typedef struct app_choice {
+    uint32_t layer, clip; /* ids; 0: none */
+    int32_t marker;       /* -1: none */
+    bool is_take;         /* the take itself, in the list: for remove */
+    uint32_t armed;       /* layer that recording over the take goes into
+                             (overdub_plan.into_layer); 0: a new one */
+} app_choice;
+app_choice *app_chosen(app *self);
+
 /* Of the chosen take, which comes to the stage if it is not there. Nothing while one is recorded.
  */
 void app_seek(app *self, int64_t at_ns);
 void app_set_range(app *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
 uint64_t app_take_edition(const app *self);                   /* grows with each change of it */
+
+/* ---- its edits, and undo of whatever is done in the window ---- */
+
 /* The copy is chosen, and on the stage if that one was; one step of undo. */
 CHECKED mrt_result app_duplicate_take(app *self, int64_t id);
 /* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
@@ -231,6 +228,7 @@ CHECKED mrt_result app_edit(app *self, const edit *e);
 CHECKED mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count);
 /* Another take than the chosen one (rating, name in the list). */
 CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
+
 /* Of the chosen take, and of everything else that is done in the window. "trim 'mouth' ..."; "". */
 const char *app_undo_words(const app *self);
 const char *app_redo_words(const app *self);
@@ -262,59 +260,43 @@ static inline void app_did_with(app *self, app_step *step, const void *data, siz
 size_t app_undo_bytes(const app *self); /* of all steps that are kept */
 void app_forget_steps(app *self, const void *owner);
 
-/* Work that is not on the disk yet (a rig): whoever has some says so. The title has a dot then, and
- * before the program ends or another face is opened the person is asked: save, leave it, stay. */
-typedef struct app_unsaved {
-    void *owner;
-    char words[EDIT_TEXT]; /* "the rig puppet.rig.json" */
-    mrt_result (*save)(void *owner, error *err);
-    void (*leave)(void *owner); /* it is given up */
-} app_unsaved;
-void app_set_unsaved(app *self, const app_unsaved *unsaved); /* copied; NULL: none */
-const app_unsaved *app_unsaved_now(const app *self);         /* NULL: none */
+/* ---- recording ---- */
 
-/* Whoever edits the rig of the face says how it is saved under another name. */
-typedef struct app_rig_saver {
-    void *owner;
-    const char *(*path)(void *owner); /* where it would be saved; NULL: the face has no rig */
-    mrt_result (*save_as)(void *owner, const char *path, error *err);
-} app_rig_saver;
-void app_set_rig_saver(app *self, const app_rig_saver *saver); /* copied; NULL: none */
-const char *app_rig_path(const app *self);                     /* NULL: there is no rig to save */
-CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
+/* What comes before a recording that R, a pedal or a remote control begins, s, 0 to 60; kept. While
+ * it counts in nothing moves by itself, and R gives it up; then a take that is performed over plays
+ * for the pre-roll before the hands take over. */
+typedef struct app_lead_in {
+    double count_in_s, preroll_s;
+} app_lead_in;
+app_lead_in app_lead_in_of(const app *self);
+void app_set_lead_in(app *self, app_lead_in to);
+/* The click of whoever performs; kept. Why there is none, where that is so, the news say. */
+live_click app_click(const app *self);
+void app_set_click(app *self, const live_click *to);
+double app_leads_in_s(const app *self); /* until what is performed counts; 0: nothing is awaited */
 
-/* What is chosen on the timeline: for split, remove, mute. */
-typedef struct app_choice {
-    uint32_t layer, clip; /* ids; 0: none */
-    int32_t marker;       /* -1: none */
-    bool is_take;         /* the take itself, in the list: for remove */
-    uint32_t armed;       /* layer that recording over the take goes into
-                             (overdub_plan.into_layer); 0: a new one */
-} app_choice;
-app_choice *app_chosen(app *self);
+/* As a pedal says it: record only begins, stop only ends. False: it is so already. */
+bool app_press(app *self, patch_action of);
 
-typedef struct app_figures {                 /* how fast the window is */
-    double panels_p50_ms, panels_p99_ms;     /* CPU time of all panels, without the face */
-    double interval_p50_ms, interval_p99_ms; /* from one drawn frame to the next */
-    double draw_p50_ms, draw_p99_ms;         /* of that: until it is handed to the screen */
-    double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted; 0: none */
-} app_figures;
+/* Makes a take of what was performed between two instants of the host's clock; it is chosen in the
+ * list once all of it is in the show. */
+void app_keep(app *self, int64_t from_ns, int64_t to_ns);
 
-/* ---- what one part of the window tells the others ---- */
+/* The sound of a file becomes that of the chosen take once it is read, which goes on beside all
+ * else: one at a time. */
+CHECKED mrt_result app_attach_voice(app *self, const char *path);
+double app_voice_part(const app *self); /* 0..1 of it is read; < 0: none is being read */
 
-typedef struct app_notes {
-    char preset[PRESET_NAME]; /* of the mapping that performs, to be used: the mapping panel does,
-                                 and takes it away; "": none */
-    app_figures figures;      /* by the workspace, some times a second; zeroes at first */
-    bool is_drafting;         /* by the rig panel: a first rig is being found */
-    bool is_mouth_asked;      /* by the rig panel: it waits for mouth_answer */
-    app_mouth mouth_answer;   /* by whoever asks; the rig panel takes it away */
-    bool is_rig_pending; /* by the rig panel: the rig as it was changed last is still being laid
-                            on the face; pulls wait for it */
-} app_notes;
-app_notes *app_notes_of(app *self);
+/* ---- exports ---- */
 
-/* ---- actions ---- */
+/* As a file for other programs, in a process beside the window, after those that were asked for
+ * before; the news say how it ended. */
+struct export_request;
+CHECKED mrt_result app_export_take(app *self, int64_t id, const struct export_request *request);
+struct exporter *app_exporter(const app *self); /* exporter.h: those that go on or wait */
+uint32_t app_exports_failed(const app *self);   /* of this run; not those that were cancelled */
+
+/* ---- actions, and how all of it is shown ---- */
 
 typedef enum app_heat {
     APP_HEAT_NONE = 0,
@@ -348,6 +330,7 @@ typedef struct app_looks { /* how it is shown; kept between runs */
     float text_size; /* how much larger than usual everything is: 0.8 .. 2 */
 } app_looks;
 app_looks *app_looks_of(app *self);
+
 /* What actions ask of the window and the panels, taken by them: true once. */
 bool app_take_request(app *self, action of);
 
@@ -356,6 +339,9 @@ void app_do(app *self, action of);
 bool app_wants_to_quit(const app *self);
 void app_stay(app *self);                /* it is not to be quit after all */
 bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
+
+/* ---- what the pointer leaves on the live face ---- */
+
 /* Something that the pointer pulled or kneaded stays, until Neutral or another face. */
 bool app_is_held(const app *self);
 bool app_has_pulled(const app *self);        /* the pointer took hold of the face in this run */
@@ -364,6 +350,46 @@ void app_hold(app *self, const char *words); /* what began stays: a step of undo
 /* Before the rig is changed: what stays goes, as a step of undo of its own, since it belongs to the
  * rig as it was. */
 void app_clear_pulls(app *self);
+
+/* ---- what one part of the window asks of the others, and tells them ---- */
+
+/* What one part of the window asks of another, which takes it: true once. */
+typedef enum app_call {
+    APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
+    APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
+    APP_CALL_DRAFT,      /* a first rig for the face, which has none, of the rig panel */
+    APP_CALLS
+} app_call;
+void app_ask(app *self, app_call of);
+bool app_take_call(app *self, app_call of);
+/* A mapping that rests, or else the one of a new stage, performs on the draft. */
+void app_ask_draft(app *self);
+
+/* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the
+ * answer once. */
+#define APP_MOUTH_QUESTION  "There is no slit between the lips."
+#define APP_MOUTH_CUT_HINT  "The edges between the lips open, with the dark of a mouth behind them."
+#define APP_MOUTH_CLAY_HINT "The skin stays whole: the jaw stretches it, and the lips do not part."
+typedef enum app_mouth { APP_MOUTH_UNANSWERED = 0, APP_MOUTH_CUT, APP_MOUTH_CLAY } app_mouth;
+
+typedef struct app_figures {                 /* how fast the window is */
+    double panels_p50_ms, panels_p99_ms;     /* CPU time of all panels, without the face */
+    double interval_p50_ms, interval_p99_ms; /* from one drawn frame to the next */
+    double draw_p50_ms, draw_p99_ms;         /* of that: until it is handed to the screen */
+    double latency_p50_ms, latency_p99_ms; /* live sample measured to its face submitted; 0: none */
+} app_figures;
+
+typedef struct app_notes {
+    char preset[PRESET_NAME]; /* of the mapping that performs, to be used: the mapping panel does,
+                                 and takes it away; "": none */
+    app_figures figures;      /* by the workspace, some times a second; zeroes at first */
+    bool is_drafting;         /* by the rig panel: a first rig is being found */
+    bool is_mouth_asked;      /* by the rig panel: it waits for mouth_answer */
+    app_mouth mouth_answer;   /* by whoever asks; the rig panel takes it away */
+    bool is_rig_pending; /* by the rig panel: the rig as it was changed last is still being laid
+                            on the face; pulls wait for it */
+} app_notes;
+app_notes *app_notes_of(app *self);
 
 /* The viewport on the screen, which panels ask for what the pointer does; NULL: none (a test of a
  * panel alone). */
