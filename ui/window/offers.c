@@ -23,12 +23,17 @@ static const struct {
     {"Mouse", "Drag the face itself. With Shift it stays, with Ctrl it is clay."},
 };
 
+/* A face is there, and nothing that an offer would be in the way of. */
+static bool can_be_asked(app *of)
+{
+    return !app_status(of)->is_recording && !app_looks_of(of)->is_helping && app_view(of)->number;
+}
+
 static bool is_empty(app *of)
 {
     input_opening opening[INPUT_OPENINGS_MAX];
     return live_input_count(app_live(of)) == 0 && app_openings(of, opening) == 0 &&
-           !app_has_hand_keys(of) && !app_has_pulled(of) && !app_take_id(of) &&
-           !app_status(of)->is_recording && !app_looks_of(of)->is_helping && app_view(of)->number;
+           !app_has_hand_keys(of) && !app_has_pulled(of) && !app_take_id(of);
 }
 
 static bool is_there(app *of, offer which)
@@ -67,9 +72,7 @@ static void accept(app *of, offer which)
 static bool is_without_rig(app *of)
 {
     const face_file *file = app_face(of);
-    return file && !file->rig && !live_mapping(app_live(of)) &&
-           app_view(of)->mode == LIVE_PERFORMS && !app_status(of)->is_recording &&
-           !app_looks_of(of)->is_helping && app_view(of)->number;
+    return file && !file->rig && !live_mapping(app_live(of)) && app_view(of)->mode == LIVE_PERFORMS;
 }
 
 static const float padding = 8.0f, gap = 8.0f, pitch = 31.0f; /* of lines of buttons */
@@ -193,12 +196,6 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
 }
 
 /* A head without a slit between its lips was drafted. */
-static bool asks_mouth(app *of)
-{
-    return app_notes_of(of)->is_mouth_asked && !app_status(of)->is_recording &&
-           !app_looks_of(of)->is_helping && app_view(of)->number;
-}
-
 static void draw_mouth_offer(app *of, ui *on, ui_rectangle over)
 {
     const bool is_cutting = app_notes_of(of)->is_drafting;
@@ -225,14 +222,13 @@ void offers_draw(app *of, ui *on, ui_rectangle over, bool *is_gone)
     offer list[OFFERS];
     uint32_t count = 0, per_line;
     float width = 0.0f;
-    if (app_looks_of(of)->panel ==
-        APP_RIG) /* the face is worked on, and Rig offers a draft itself */
-        return;
+    if (app_looks_of(of)->panel == APP_RIG || !can_be_asked(of))
+        return; /* in Rig the face is worked on, and a draft is offered there */
     if (is_without_rig(of)) {
         draw_rig_offer(of, on, over);
         return;
     }
-    if (asks_mouth(of)) {
+    if (app_notes_of(of)->is_mouth_asked) {
         draw_mouth_offer(of, on, over);
         return;
     }

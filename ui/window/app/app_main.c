@@ -43,7 +43,7 @@ static bool patch_path(const app *self, char *out, size_t capacity)
 }
 
 /* As it was when the program ended. */
-static void app_patch_read(app *self)
+static void read_patch(app *self)
 {
     char path[PATH_MAX];
     error err = {""};
@@ -53,7 +53,7 @@ static void app_patch_read(app *self)
     self->patch_waits = self->patch.count > 0;
 }
 
-static void app_patch_keep(app *self)
+static void keep_patch(app *self)
 {
     char path[PATH_MAX], *text = NULL;
     error err = {""};
@@ -75,7 +75,7 @@ void app_set_patch(app *self, const patch *p)
 {
     self->patch = *p;
     self->patch_waits = true;
-    app_patch_keep(self);
+    keep_patch(self);
 }
 
 app_patch_aim *app_patch_aimed(app *self)
@@ -105,7 +105,7 @@ static void obey_presses(app *self)
     }
 }
 
-static void app_patch_update(app *self)
+static void update_patch(app *self)
 {
     error err = {""};
     obey_presses(self);
@@ -120,26 +120,9 @@ static void app_patch_update(app *self)
     (void)app_report(self, result, &err);
 }
 
-/* ---- from afar ---- */
+/* ---- remote control ---- */
 
 static const char remote_key[] = "remote.place";
-
-struct expressions *app_expressions(app *self)
-{
-    return self->expressions;
-}
-
-void app_ask(app *self, app_call of)
-{
-    self->is_called[of] = true;
-}
-
-bool app_take_call(app *self, app_call of)
-{
-    const bool was_asked = self->is_called[of];
-    self->is_called[of] = false;
-    return was_asked;
-}
 
 app_remote_status app_remote_now(const app *self)
 {
@@ -326,7 +309,7 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     }
     self->keeps_settings = true;
     self->takes_are_stale = true;
-    app_patch_read(self);
+    read_patch(self);
     open_outputs(self);
     const live_click click = app_click(self);
     app_set_click(self, &click);
@@ -428,7 +411,7 @@ void app_update(app *self, double dt_s)
     follow_sound(self);
     app_record_update(self);
     self->patch_waits |= expressions_update(self->expressions, dt_s);
-    app_patch_update(self);
+    update_patch(self);
     remote_update(self->remote, dt_s);
     report_exports(self);
     app_undo_update(self);
@@ -532,6 +515,23 @@ news_list *app_news(app *self)
 app_choice *app_chosen(app *self)
 {
     return &self->choice;
+}
+
+struct expressions *app_expressions(app *self)
+{
+    return self->expressions;
+}
+
+void app_ask(app *self, app_call of)
+{
+    self->is_called[of] = true;
+}
+
+bool app_take_call(app *self, app_call of)
+{
+    const bool was_asked = self->is_called[of];
+    self->is_called[of] = false;
+    return was_asked;
 }
 
 app_notes *app_notes_of(app *self)

@@ -16,7 +16,7 @@ struct panel {
     uint32_t filter, room; /* room: how many are drawn at most */
     int64_t cleared_ms;    /* those until then are not shown */
     bool is_text;
-    char *text;         /* AS_TEXT bytes: for marking and copying */
+    char text[AS_TEXT]; /* for marking and copying */
     uint64_t text_said; /* news_list_said, as it was written; UINT64_MAX: it is not */
     uint32_t text_filter;
 };
@@ -153,9 +153,6 @@ static void draw(panel *self, ui *on, ui_rectangle where)
 
 static void destroy(panel *self)
 {
-    if (!self)
-        return;
-    free(self->text);
     free(self);
 }
 
@@ -168,11 +165,7 @@ static panel *create(app *of)
     self->room = PAGE;
     self->text_said = UINT64_MAX;
     self->cleared_ms = INT64_MIN;
-    self->text = calloc(1, AS_TEXT);
-    if (self->text)
-        return self;
-    free(self);
-    return NULL;
+    return self;
 }
 
 const panel_type panel_log = {create, destroy, draw, NULL};

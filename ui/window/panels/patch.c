@@ -35,7 +35,7 @@ struct panel {
     bool is_known[LIVE_INPUTS];
     float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* when it began */
 
-    char (*item)[ITEM]; /* of the list that is drawn */
+    char item[ITEMS_MAX][ITEM]; /* of the list that is drawn */
     const char *items[ITEMS_MAX];
     uint32_t item_count;
 };
@@ -69,11 +69,6 @@ static void change(panel *self, const char *words)
     (void)snprintf(self->words, sizeof self->words, "%s", words);
 }
 
-static void choose_last(panel *self)
-{
-    self->chosen = self->work.count - 1;
-}
-
 static void add(panel *self, const patch_connection *c)
 {
     if (self->work.count == PATCH_CONNECTIONS_MAX)
@@ -81,7 +76,7 @@ static void add(panel *self, const patch_connection *c)
     char words[EDIT_TEXT];
     self->work.connection[self->work.count++] = *c;
     patch_connection_describe(c, words, sizeof words);
-    choose_last(self);
+    self->chosen = self->work.count - 1;
     change(self, words);
 }
 
@@ -275,11 +270,6 @@ static void update(panel *self, double dt_s)
 
 /* ---- lists ---- */
 
-static void clear_items(panel *self)
-{
-    self->item_count = 0;
-}
-
 static void add_item(panel *self, const char *text)
 {
     if (self->item_count == ITEMS_MAX)
@@ -304,7 +294,7 @@ static void list_targets(panel *self, patch_kind kind)
     const mrt_face *about = app_view(self->app)->about;
     const instance *mapping = live_mapping(app_live(self->app));
     const face_file *file = app_face(self->app);
-    clear_items(self);
+    self->item_count = 0;
     for (uint32_t i = 0; kind == PATCH_PARAM && mapping && i < mapping->type->param_count; ++i) {
         char key[ITEM];
         instance_key(mapping->type, i, key, sizeof key);
@@ -329,7 +319,7 @@ static void list_targets(panel *self, patch_kind kind)
 
 static void list_sources(panel *self, const heard *now)
 {
-    clear_items(self);
+    self->item_count = 0;
     for (uint32_t i = 0; i < now->frame.input_count; ++i)
         for (uint32_t c = 0; c < now->inputs[i].count; ++c) {
             patch_connection of = patch_connection_of(PATCH_DOF);
@@ -730,7 +720,6 @@ static void destroy(panel *self)
     if (!self)
         return;
     app_forget_steps(self->app, self);
-    free(self->item);
     free(self);
 }
 
@@ -741,11 +730,7 @@ static panel *create(app *of)
         return NULL;
     self->app = of;
     self->chosen = NOBODY;
-    self->item = calloc(ITEMS_MAX, sizeof *self->item);
-    if (self->item)
-        return self;
-    free(self);
-    return NULL;
+    return self;
 }
 
 const panel_type panel_patch = {create, destroy, draw, update};
