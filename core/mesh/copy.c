@@ -1,27 +1,6 @@
 #include "mesh/copy.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-typedef struct copying {
-    bool failed; /* no memory: what is copied from then on is NULL */
-} copying;
-
-static void *copy_array(copying *c, const void *from, size_t count, size_t item_size)
-{
-    if (!from)
-        return NULL;
-    void *out = malloc(count * item_size + 1);
-    c->failed = c->failed || !out;
-    if (out && count * item_size > 0)
-        memcpy(out, from, count * item_size);
-    return out;
-}
-
-static char *copy_text(copying *c, const char *text)
-{
-    return copy_array(c, text, text ? strlen(text) + 1 : 0, 1);
-}
+#include "base/arrays.h"
 
 static void copy_materials(copying *c, mesh *out, const mesh *m)
 {
@@ -91,7 +70,7 @@ static void copy_skin(copying *c, mesh *out, const mesh *m)
 
 mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
 {
-    copying c = {false};
+    copying c = {0};
     size_t vertices = (size_t)m->vertex_count * 3, corners = (size_t)m->triangle_count * 3;
     *out = *m;
     out->position = copy_array(&c, m->position, vertices, sizeof *m->position);
@@ -118,7 +97,7 @@ mrt_result mesh_copy(mesh *out, const mesh *m, error *err)
 
 mrt_result topology_copy(topology *out, const topology *t, error *err)
 {
-    copying c = {false};
+    copying c = {0};
     size_t count = t->vertex_count, loops = t->border_loop_count;
     *out = *t;
     out->neighbour_start =

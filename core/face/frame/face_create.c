@@ -146,11 +146,10 @@ static mrt_result create_field(face *f, uint32_t bone, error *err)
     field->solver = csrbf_solver_create(f->control_capacity);
     field->weight = create_stream(f);
     field->pull = create_stream(f);
-    field->wanted = calloc((size_t)f->rest.block_count + 1, 1);
-    field->carried = calloc((size_t)f->rest.block_count + 1, 1);
-    field->control = calloc((size_t)f->control_capacity + 1, sizeof *field->control);
-    if (!field->solver || !field->weight || !field->pull || !field->wanted || !field->carried ||
-        !field->control)
+    field->wanted = arrays_add(&f->arrays, f->rest.block_count, 1);
+    field->carried = arrays_add(&f->arrays, f->rest.block_count, 1);
+    field->control = arrays_add(&f->arrays, f->control_capacity, sizeof *field->control);
+    if (!field->solver || !field->weight || !field->pull || f->arrays.failed)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the fields of %u bones",
                          f->bone_count);
     field->pivot = pivot_of(f, bone);
@@ -217,29 +216,26 @@ static mrt_result create_places(face *f, error *err)
 
 static mrt_result create_controls(face *f, error *err)
 {
+    arrays *a = &f->arrays;
     size_t controls = f->control_capacity, rows_of_columns = f->columns.capacity;
     double **const rows[] = {&f->g,    &f->position, &f->scratch, &f->gain, &f->tip,
                              &f->step, &f->pull,     &f->from,    &f->to};
-    bool made = true;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
-        *rows[i] = calloc(3 * controls + 1, sizeof **rows[i]);
-        made = made && *rows[i];
-    }
-    f->weight = calloc(3 * rows_of_columns + 1, sizeof *f->weight);
-    f->next_weight = calloc(3 * rows_of_columns + 1, sizeof *f->next_weight);
-    f->given = calloc(3 * rows_of_columns + 1, sizeof *f->given);
-    f->grip = calloc(controls + 1, sizeof *f->grip);
-    f->rotation = calloc(controls + 1, sizeof *f->rotation);
-    f->next_grip = calloc(controls + 1, sizeof *f->next_grip);
+    double **const weights[] = {&f->weight, &f->next_weight, &f->given};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
+        *rows[i] = arrays_add(a, 3 * controls, sizeof **rows[i]);
+    for (size_t i = 0; i < sizeof weights / sizeof *weights; ++i)
+        *weights[i] = arrays_add(a, 3 * rows_of_columns, sizeof **weights[i]);
+    f->grip = arrays_add(a, controls, sizeof *f->grip);
+    f->rotation = arrays_add(a, controls, sizeof *f->rotation);
+    f->next_grip = arrays_add(a, controls, sizeof *f->next_grip);
     mrt_result result = create_places(f, err);
     if (result < 0)
         return result;
     size_t cross_rows = f->bone_count > 1 ? rows_of_columns : 0;
-    f->cross = calloc(cross_rows * f->grip_place.padded_count + 1, sizeof *f->cross);
-    if (made && f->weight && f->next_weight && f->given && f->grip && f->rotation && f->next_grip &&
-        f->cross)
-        return MRT_OK;
-    return error_set(err, MRT_ERR_MEMORY, "no memory for %u controls", f->control_capacity);
+    f->cross = arrays_add(a, cross_rows * f->grip_place.padded_count, sizeof *f->cross);
+    return a->failed
+               ? error_set(err, MRT_ERR_MEMORY, "no memory for %u controls", f->control_capacity)
+               : MRT_OK;
 }
 
 static uint32_t main_bone(const face *f, uint32_t vertex)
@@ -262,9 +258,9 @@ static mrt_result create_contacts(face *f, const mesh *m, error *err)
 {
     const rig *r = f->rig;
     f->contact_count = r ? r->contact_count : 0;
-    f->contact = calloc((size_t)f->contact_count + 1, sizeof *f->contact);
-    f->contact_slot = calloc((size_t)f->contact_count + 1, sizeof *f->contact_slot);
-    if (!f->contact || !f->contact_slot)
+    f->contact = arrays_add(&f->arrays, f->contact_count, sizeof *f->contact);
+    f->contact_slot = arrays_add(&f->arrays, f->contact_count, sizeof *f->contact_slot);
+    if (f->arrays.failed)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u contacts", f->contact_count);
     for (uint32_t i = 0; i < f->contact_count; ++i) {
         const rig_contact *c = &r->contact[i];
@@ -355,16 +351,6 @@ mrt_result face_create(face **out, const rig *r, const mesh *m, const topology *
     return result < 0 ? result : face_create_bound(out, r, m, &b, control_capacity, err);
 }
 
-static void destroy_field(face_field *field)
-{
-    csrbf_solver_destroy(field->solver);
-    free(field->weight);
-    free(field->pull);
-    free(field->wanted);
-    free(field->carried);
-    free(field->control);
-}
-
 void face_destroy(face *f)
 {
     if (!f)
@@ -377,30 +363,22 @@ void face_destroy(face *f)
                            &f->grip_place,
                            &f->limit.shown_before,
                            &f->limit.shown_after};
-    double *const rows[] = {f->g,    f->position, f->scratch, f->gain,   f->tip,         f->step,
-                            f->pull, f->from,     f->to,      f->weight, f->next_weight, f->given};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)
         points_destroy(all[i]);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
-        free(rows[i]);
-    for (uint32_t bone = 0; bone < RIG_BONES_MAX; ++bone)
-        destroy_field(&f->field[bone]);
+    for (uint32_t bone = 0; bone < RIG_BONES_MAX; ++bone) {
+        csrbf_solver_destroy(f->field[bone].solver);
+        free(f->field[bone].weight);
+        free(f->field[bone].pull);
+    }
     binding_destroy(&f->binding);
     projection_destroy(&f->projection);
-    face_shapes_destroy(f);
-    face_shown_destroy(f);
+    free(f->shapes.learnt);
+    stamps_destroy(&f->blocks.written);
     points_order_destroy(&f->order);
     columns_destroy(&f->columns);
     free(f->mobility);
-    free(f->skin);
     surface_meter_destroy(f->surface_meter);
-    face_limit_destroy(f);
-    free(f->contact);
-    free(f->contact_slot);
-    free(f->grip);
-    free(f->rotation);
-    free(f->next_grip);
-    free(f->cross);
+    arrays_free(&f->arrays);
     free(f);
 }
 

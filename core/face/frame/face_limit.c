@@ -119,7 +119,7 @@ static inline float larger(float a, float b)
     return b > a ? b : a;
 }
 
-/* ---- made and unmade ---- */
+/* ---- made ---- */
 
 static size_t group_count(const face *f)
 {
@@ -195,90 +195,49 @@ static void list_blocks(face *f)
 mrt_result face_limit_create(face *f, error *err)
 {
     face_limit *l = &f->limit;
-    size_t vertices = (size_t)f->rest.padded_count + 1, blocks = (size_t)f->rest.block_count + 1;
-    size_t controls = (size_t)f->control_capacity + 1, groups = group_count(f) + 1;
-    l->posed = calloc(vertices, sizeof *l->posed);
-    l->added = calloc(vertices, sizeof *l->added);
-    l->share = calloc(vertices, sizeof *l->share);
-    l->is_posed = calloc(blocks, 1);
-    l->is_added = calloc(blocks, 1);
-    l->is_changed = calloc(blocks, 1);
-    l->group = calloc(groups, sizeof *l->group);
-    l->patch = calloc(groups, sizeof *l->patch);
+    arrays *a = &f->arrays;
+    size_t vertices = f->rest.padded_count, blocks = f->rest.block_count;
+    size_t controls = f->control_capacity, groups = group_count(f) + 1;
+    size_t weighed = f->columns.capacity, skin = f->skin_count;
     l->loops = strain_loops_now();
-    l->pull_bound = calloc(groups, sizeof *l->pull_bound);
-    l->change = calloc(groups, sizeof *l->change);
-    l->carried = calloc(groups * CARRIERS, sizeof *l->carried);
-    l->block = calloc((size_t)3 * f->skin_count + 1, sizeof *l->block);
-    l->apart = calloc((size_t)CARRIERS * CARRIERS, sizeof *l->apart);
-    l->still = calloc(vertices, sizeof *l->still);
-    l->bones_around = calloc(vertices, sizeof *l->bones_around);
-    l->wanted = calloc(groups, sizeof *l->wanted);
-    l->candidate = calloc((size_t)f->skin_count + 1, sizeof *l->candidate);
-    l->bounded = calloc((size_t)3 * f->columns.capacity + 1, sizeof *l->bounded);
-    l->steepest = calloc(groups * ((size_t)f->columns.capacity + 1), sizeof *l->steepest);
-    l->g = calloc(3 * controls, sizeof *l->g);
-    l->longest = calloc((size_t)f->skin_count + 1, sizeof *l->longest);
-    l->pose_weight = calloc((size_t)3 * f->columns.capacity + 1, sizeof *l->pose_weight);
-    l->asked = calloc(3 * controls, sizeof *l->asked);
-    l->centre = calloc(3 * controls, sizeof *l->centre);
-    l->step = calloc(vertices, sizeof *l->step);
-    l->ridge = calloc(controls, sizeof *l->ridge);
-    l->strain = calloc(controls, sizeof *l->strain);
-    l->tip_share = calloc(controls, sizeof *l->tip_share);
-    l->likeness = calloc(controls * controls, sizeof *l->likeness);
-    l->scratch = calloc(CSRBF_SOFTEN_SCRATCH(controls), sizeof *l->scratch);
-    if (!l->posed || !l->added || !l->g || !l->share || !l->is_posed || !l->is_added || !l->group ||
-        !l->pull_bound || !l->change || !l->carried || !l->apart || !l->block || !l->still ||
-        !l->bones_around || !l->wanted || !l->candidate || !l->bounded || !l->steepest ||
-        !l->is_changed || !l->longest || !l->pose_weight || !l->asked || !l->centre || !l->step ||
-        !l->ridge || !l->strain || !l->tip_share || !l->likeness || !l->scratch)
+    l->posed = arrays_add(a, vertices, sizeof *l->posed);
+    l->added = arrays_add(a, vertices, sizeof *l->added);
+    l->share = arrays_add(a, vertices, sizeof *l->share);
+    l->step = arrays_add(a, vertices, sizeof *l->step);
+    l->still = arrays_add(a, vertices, sizeof *l->still);
+    l->bones_around = arrays_add(a, vertices, sizeof *l->bones_around);
+    l->is_posed = arrays_add(a, blocks, 1);
+    l->is_added = arrays_add(a, blocks, 1);
+    l->is_changed = arrays_add(a, blocks, 1);
+    l->group = arrays_add(a, groups, sizeof *l->group);
+    l->patch = arrays_add(a, groups, sizeof *l->patch);
+    l->pull_bound = arrays_add(a, groups, sizeof *l->pull_bound);
+    l->change = arrays_add(a, groups, sizeof *l->change);
+    l->wanted = arrays_add(a, groups, sizeof *l->wanted);
+    l->carried = arrays_add(a, groups * CARRIERS, sizeof *l->carried);
+    l->steepest = arrays_add(a, groups * (weighed + 1), sizeof *l->steepest);
+    l->apart = arrays_add(a, (size_t)CARRIERS * CARRIERS, sizeof *l->apart);
+    l->block = arrays_add(a, 3 * skin, sizeof *l->block);
+    l->candidate = arrays_add(a, skin, sizeof *l->candidate);
+    l->longest = arrays_add(a, skin, sizeof *l->longest);
+    l->bounded = arrays_add(a, 3 * weighed, sizeof *l->bounded);
+    l->pose_weight = arrays_add(a, 3 * weighed, sizeof *l->pose_weight);
+    l->g = arrays_add(a, 3 * controls, sizeof *l->g);
+    l->asked = arrays_add(a, 3 * controls, sizeof *l->asked);
+    l->centre = arrays_add(a, 3 * controls, sizeof *l->centre);
+    l->ridge = arrays_add(a, controls, sizeof *l->ridge);
+    l->strain = arrays_add(a, controls, sizeof *l->strain);
+    l->tip_share = arrays_add(a, controls, sizeof *l->tip_share);
+    l->likeness = arrays_add(a, controls * controls, sizeof *l->likeness);
+    l->scratch = arrays_add(a, CSRBF_SOFTEN_SCRATCH(controls), sizeof *l->scratch);
+    if (a->failed)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the limits of %u triangles",
                          f->skin_count);
     measure_rest(f);
     measure_turns(f);
     measure_still(f);
     list_blocks(f);
-    l->made = f->shapes.longest;
-    f->shapes.longest = NULL;
     return MRT_OK;
-}
-
-void face_limit_destroy(face *f)
-{
-    face_limit *l = &f->limit;
-    free(l->posed);
-    free(l->added);
-    free(l->share);
-    free(l->g);
-    free(l->is_posed);
-    free(l->group);
-    free(l->patch);
-    free(l->pull_bound);
-    free(l->change);
-    free(l->carried);
-    free(l->apart);
-    free(l->block);
-    free(l->still);
-    free(l->bones_around);
-    free(l->wanted);
-    free(l->candidate);
-    free(l->bounded);
-    free(l->is_added);
-    free(l->steepest);
-    free(l->is_changed);
-    free(l->longest);
-    free(l->made);
-    free(l->pose_weight);
-    free(l->asked);
-    free(l->centre);
-    free(l->step);
-    free(l->ridge);
-    free(l->strain);
-    free(l->tip_share);
-    free(l->likeness);
-    free(l->scratch);
-    *l = (face_limit){0};
 }
 
 /* ---- triangles ---- */
@@ -875,7 +834,7 @@ static float stretch_strain(const face *f, size_t t, float stretch)
         uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
         float longest = stretch * l->longest[t][e];
         if (is_shaped(f)) /* as it is made to be it is not torn */
-            longest = fmaxf(longest, made_stretch * l->made[t][e]);
+            longest = fmaxf(longest, made_stretch * f->shapes.longest[t][e]);
         float least = room_least * longest;
         float room = longest - length_of(l->posed[a], l->posed[b]);
         float strain = length_of(l->added[a], l->added[b]) / (room > least ? room : least);

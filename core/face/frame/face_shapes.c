@@ -44,6 +44,7 @@ static const uint64_t bytes_most = UINT64_C(1) << 30;
 /* ---- made ---- */
 
 typedef struct learning {
+    arrays arrays; /* those below */
     face *f;
     const mesh *m;
     float (*row)[4], (*posed)[4], (*change)[4]; /* padded_count: of the shape at hand */
@@ -547,57 +548,45 @@ static mrt_result learn_shape(learning *l, uint32_t target, float *kept, error *
     return MRT_OK;
 }
 
-static void forget_learning(learning *l)
-{
-    free(l->row);
-    free(l->posed);
-    free(l->change);
-    free(l->triangle);
-    free(l->normal);
-    for (uint32_t b = 0; b < RIG_BONES_MAX; ++b)
-        free(l->point[b]);
-}
-
 static bool begin_learning(learning *l)
 {
     const face *f = l->f;
-    size_t vertices = (size_t)f->rest.padded_count + 1;
-    l->row = calloc(vertices, sizeof *l->row);
-    l->change = calloc(vertices, sizeof *l->change);
-    l->posed = calloc(vertices, sizeof *l->posed);
-    l->triangle = calloc((size_t)f->skin_count + 1, sizeof *l->triangle);
-    l->normal = calloc((size_t)f->skin_count + 1, sizeof *l->normal);
-    bool made = l->row && l->change && l->posed && l->triangle && l->normal;
-    for (uint32_t b = 0; made && b < f->bone_count; ++b) {
-        l->point[b] = calloc(FIT_POINTS, sizeof *l->point[b]);
-        made = l->point[b] != NULL;
-        if (made)
-            choose_points(l, b);
-    }
-    return made;
+    arrays *a = &l->arrays;
+    size_t vertices = f->rest.padded_count;
+    l->row = arrays_add(a, vertices, sizeof *l->row);
+    l->change = arrays_add(a, vertices, sizeof *l->change);
+    l->posed = arrays_add(a, vertices, sizeof *l->posed);
+    l->triangle = arrays_add(a, f->skin_count, sizeof *l->triangle);
+    l->normal = arrays_add(a, f->skin_count, sizeof *l->normal);
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        l->point[b] = arrays_add(a, FIT_POINTS, sizeof *l->point[b]);
+    for (uint32_t b = 0; !a->failed && b < f->bone_count; ++b)
+        choose_points(l, b);
+    return !a->failed;
 }
 
-static bool make_room(face_shapes *s, uint32_t count, uint32_t controls)
+static void make_room(face *f, uint32_t count)
 {
-    size_t k = (size_t)count + 1, rows = k * (3 * (size_t)controls + 1);
-    s->shape = calloc(k, sizeof *s->shape);
-    s->part = calloc(k * CARRIERS, sizeof *s->part);
-    s->weight = calloc(k, sizeof *s->weight);
-    s->asked = calloc(k, sizeof *s->asked);
-    s->at = calloc(rows, sizeof *s->at);
-    s->whole = calloc(rows, sizeof *s->whole);
-    s->h = calloc(k * k, sizeof *s->h);
-    s->b = calloc(k, sizeof *s->b);
-    s->few = calloc(k, sizeof *s->few);
-    s->low = calloc(k, sizeof *s->low);
-    s->high = calloc(k, sizeof *s->high);
-    s->given = calloc(k, sizeof *s->given);
-    s->strain = calloc(k, sizeof *s->strain);
-    s->scratch = calloc(SHAPE_SOLVE_SCRATCH(k), sizeof *s->scratch);
-    s->y = calloc(3 * (size_t)controls + 1, sizeof *s->y);
-    s->left = calloc(3 * (size_t)controls + 1, sizeof *s->left);
-    return s->shape && s->part && s->weight && s->asked && s->at && s->whole && s->h && s->b &&
-           s->few && s->low && s->high && s->given && s->strain && s->scratch && s->y && s->left;
+    face_shapes *s = &f->shapes;
+    arrays *a = &f->arrays;
+    size_t controls = f->control_capacity, k = (size_t)count + 1, rows = k * (3 * controls + 1);
+    s->shape = arrays_add(a, k, sizeof *s->shape);
+    s->part = arrays_add(a, k * CARRIERS, sizeof *s->part);
+    s->weight = arrays_add(a, k, sizeof *s->weight);
+    s->asked = arrays_add(a, k, sizeof *s->asked);
+    s->at = arrays_add(a, rows, sizeof *s->at);
+    s->whole = arrays_add(a, rows, sizeof *s->whole);
+    s->h = arrays_add(a, k * k, sizeof *s->h);
+    s->b = arrays_add(a, k, sizeof *s->b);
+    s->few = arrays_add(a, k, sizeof *s->few);
+    s->low = arrays_add(a, k, sizeof *s->low);
+    s->high = arrays_add(a, k, sizeof *s->high);
+    s->given = arrays_add(a, k, sizeof *s->given);
+    s->strain = arrays_add(a, k, sizeof *s->strain);
+    s->scratch = arrays_add(a, SHAPE_SOLVE_SCRATCH(k), sizeof *s->scratch);
+    s->y = arrays_add(a, 3 * controls, sizeof *s->y);
+    s->left = arrays_add(a, 3 * controls, sizeof *s->left);
+    s->longest = arrays_add(a, f->skin_count, sizeof *s->longest);
 }
 
 uint32_t face_shapes_of(const mesh *m)
@@ -620,10 +609,9 @@ mrt_result face_shapes_create(face *f, const mesh *m, error *err)
     if (!f->wants_shapes || !f->rig || count == 0)
         return MRT_OK;
     s->learnt = malloc(count * each * sizeof *s->learnt);
-    s->longest = calloc((size_t)f->skin_count + 1, sizeof *s->longest);
-    if (!s->learnt || !s->longest || !make_room(s, count, f->control_capacity) ||
-        !begin_learning(&l)) {
-        forget_learning(&l);
+    make_room(f, count);
+    if (!s->learnt || f->arrays.failed || !begin_learning(&l)) {
+        arrays_free(&l.arrays);
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u shapes", count);
     }
     measure_dofs(&l);
@@ -633,7 +621,7 @@ mrt_result face_shapes_create(face *f, const mesh *m, error *err)
     mrt_result result = MRT_OK;
     for (uint32_t t = 0; t < count && result >= 0; ++t)
         result = learn_shape(&l, t, s->learnt + s->count * each, err);
-    forget_learning(&l);
+    arrays_free(&l.arrays);
     if (result < 0)
         return result;
     for (uint32_t i = 0; i < s->count; ++i)
@@ -662,30 +650,6 @@ void face_shapes_fill(face *f)
     free(s->learnt);
     s->learnt = NULL;
     columns_note(&f->columns, f->shape_column_count);
-}
-
-void face_shapes_destroy(face *f)
-{
-    face_shapes *s = &f->shapes;
-    free(s->shape);
-    free(s->part);
-    free(s->weight);
-    free(s->asked);
-    free(s->at);
-    free(s->whole);
-    free(s->h);
-    free(s->b);
-    free(s->few);
-    free(s->low);
-    free(s->high);
-    free(s->given);
-    free(s->strain);
-    free(s->scratch);
-    free(s->y);
-    free(s->left);
-    free(s->learnt);
-    free(s->longest);
-    *s = (face_shapes){0};
 }
 
 /* ---- an engagement ---- */

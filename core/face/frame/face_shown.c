@@ -13,7 +13,7 @@ static uint32_t words_of(uint32_t column_count)
     return (column_count + COLUMNS_WORD - 1) / COLUMNS_WORD;
 }
 
-/* ---- made and unmade ---- */
+/* ---- made ---- */
 
 static bool is_whole(const float *weight)
 {
@@ -41,34 +41,21 @@ static uint8_t bone_of_block(const face *f, uint32_t block)
 mrt_result face_shown_create(face *f, error *err)
 {
     face_blocks *s = &f->blocks;
-    size_t blocks = (size_t)f->rest.block_count + 1;
-    s->is_stale = malloc(blocks);
-    s->is_rest = malloc(blocks);
-    s->carrier = malloc(blocks);
-    s->bone = malloc(blocks);
-    s->weight = calloc((size_t)3 * f->columns.capacity + 1, sizeof *s->weight);
-    s->changed = calloc((size_t)words_of(f->columns.capacity) + 1, sizeof *s->changed);
-    s->of_controls = calloc((size_t)words_of(f->columns.capacity) + 1, sizeof *s->of_controls);
-    if (!s->is_stale || !s->is_rest || !s->carrier || !s->bone || !s->weight || !s->changed ||
-        !s->of_controls)
+    arrays *a = &f->arrays;
+    size_t blocks = f->rest.block_count, words = words_of(f->columns.capacity);
+    s->is_stale = arrays_add(a, blocks, 1);
+    s->is_rest = arrays_add(a, blocks, 1);
+    s->carrier = arrays_add(a, blocks, 1);
+    s->bone = arrays_add(a, blocks, 1);
+    s->weight = arrays_add(a, (size_t)3 * f->columns.capacity, sizeof *s->weight);
+    s->changed = arrays_add(a, words, sizeof *s->changed);
+    s->of_controls = arrays_add(a, words, sizeof *s->of_controls);
+    if (a->failed)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u blocks of vertices",
                          f->rest.block_count);
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
         s->bone[block] = bone_of_block(f, block);
     return stamps_create(&s->written, f->rest.block_count, err);
-}
-
-void face_shown_destroy(face *f)
-{
-    face_blocks *s = &f->blocks;
-    free(s->is_stale);
-    free(s->is_rest);
-    free(s->carrier);
-    free(s->bone);
-    free(s->weight);
-    free(s->changed);
-    free(s->of_controls);
-    stamps_destroy(&s->written);
 }
 
 /* ---- what changes ---- */

@@ -56,7 +56,7 @@ static int by_slot(const void *a, const void *b)
 
 mrt_result face_skin_create(face *f, const mesh *m, error *err)
 {
-    f->skin = malloc(3 * ((size_t)m->triangle_count + 1) * sizeof *f->skin);
+    f->skin = arrays_add(&f->arrays, 3 * ((size_t)m->triangle_count + 1), sizeof *f->skin);
     if (!f->skin)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u triangles", m->triangle_count);
     list_skin(f, m);

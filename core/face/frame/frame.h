@@ -2,6 +2,7 @@
  * for each other. */
 #ifndef MAROTTE_FACE_FRAME_FRAME_H
 #define MAROTTE_FACE_FRAME_FRAME_H
+#include "base/arrays.h"
 #include "face/frame/blend.h"
 #include "face/face.h"
 #include "face/frame/projection.h"
@@ -70,7 +71,6 @@ typedef struct face_limit {
     bool is_added_given; /* `added` is what shapes and pulls of the frame at hand add */
     float (*step)[4];    /* of each vertex: what clay was to move by */
     float (*longest)[3]; /* of each triangle of skin: its edges at rest, mm */
-    float (*made)[3];    /* likewise, in any of its own shapes; NULL: it has none */
     double *pose_weight; /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
     points shown_before, shown_after; /* clay, before and after a step */
@@ -115,11 +115,12 @@ typedef struct face_shapes {
     uint32_t derived;            /* bits: those, when it was found */
     double *h, *few, *b, *low, *high, *y, *left, *scratch; /* shape_solve.h; few: of b */
     double *given, *strain; /* face_limit.c: the part of each that is given */
-    float *learnt;          /* until the columns are filled */
-    float (*longest)[3];    /* until face_limit_create: edges of the skin, in any shape, mm */
+    float *learnt;          /* until the columns are filled; freed then */
+    float (*longest)[3];    /* of each triangle of skin: its edges in any shape, mm */
 } face_shapes;
 
 struct face {
+    arrays arrays;  /* all but what says otherwise */
     const rig *rig; /* or NULL */
     binding binding;
     bones bones;
@@ -209,7 +210,6 @@ CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, cons
 /* Before there are columns; and when there are. */
 CHECKED mrt_result face_shapes_create(face *f, const mesh *m, error *err);
 void face_shapes_fill(face *f);
-void face_shapes_destroy(face *f);
 /* The controls have taken hold. */
 void face_shapes_engage(face *f);
 /* The weights of a frame; resolved: the degrees of freedom, in and out. */
@@ -233,7 +233,6 @@ const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *ou
 /* ---- face_limit.c ---- */
 
 CHECKED mrt_result face_limit_create(face *f, error *err);
-void face_limit_destroy(face *f);
 /* The columns have become others. */
 void face_limit_engage(face *f);
 /* f->given := f->weight, less of what the controls pull where the skin would fold or tear; notes
@@ -249,7 +248,6 @@ double face_stretch_most(const csrbf_settings *settings);
 /* ---- face_shown.c ---- */
 
 CHECKED mrt_result face_shown_create(face *f, error *err);
-void face_shown_destroy(face *f);
 /* A block of the origin, or of what is to be the origin, has been written. */
 void face_touch(face *f, uint32_t block, const points *origin);
 void face_touch_all(face *f);

@@ -1,5 +1,6 @@
 #include "face/rig.h"
 
+#include "base/arrays.h"
 #include "base/file.h"
 #include "face/rig/rig_document.h"
 
@@ -173,23 +174,6 @@ uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t
 
 /* ---- copies ---- */
 
-typedef struct copying {
-    bool failed; /* no memory: what is copied from then on is NULL */
-    size_t bytes;
-} copying;
-
-static void *copy_array(copying *c, const void *from, size_t count, size_t item_size)
-{
-    if (!from)
-        return NULL;
-    void *out = malloc(count * item_size + 1);
-    c->failed = c->failed || !out;
-    c->bytes += count * item_size;
-    if (out)
-        memcpy(out, from, count * item_size);
-    return out;
-}
-
 /* All of `capacity`, those beyond `count` zeroed: rigs have room for more bones than they have. */
 static void *copy_roomy(copying *c, const void *from, size_t count, size_t capacity,
                         size_t item_size)
@@ -200,11 +184,6 @@ static void *copy_roomy(copying *c, const void *from, size_t count, size_t capac
     if (out && count > 0)
         memcpy(out, from, count * item_size);
     return out;
-}
-
-static char *copy_text(copying *c, const char *text)
-{
-    return copy_array(c, text, text ? strlen(text) + 1 : 0, 1);
 }
 
 static void copy_select(copying *c, rig_select *out, const rig_select *from)
