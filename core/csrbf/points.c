@@ -338,3 +338,24 @@ double points_bounds_distance_squared(const points_bounds *bounds, const double 
     }
     return sum;
 }
+
+uint32_t points_nearest(const points *p, vec3 at)
+{
+    const double x[3] = {at.x, at.y, at.z};
+    double best = (double)INFINITY;
+    uint32_t found = 0;
+    for (uint32_t block = 0; block < p->block_count; ++block) {
+        uint32_t first = block * POINTS_BLOCK;
+        if (points_bounds_distance_squared(&p->block[block], x) >= best)
+            continue;
+        for (uint32_t slot = first; slot < first + POINTS_BLOCK && slot < p->count; ++slot) {
+            vec3 way = vec3_sub(points_place(p, slot), at);
+            double square = vec3_dot(way, way);
+            if (square < best) {
+                best = square;
+                found = slot;
+            }
+        }
+    }
+    return found;
+}

@@ -5,6 +5,7 @@
 #ifndef MAROTTE_CSRBF_POINTS_H
 #define MAROTTE_CSRBF_POINTS_H
 #include "base/error.h"
+#include "base/rigid.h"
 
 #include <stdint.h>
 
@@ -48,6 +49,12 @@ void points_update_bounds(points *p);
 void points_update_block(points *p, uint32_t block); /* one block of it */
 /* The vertex in a slot. */
 void points_at(double out[3], const points *p, size_t slot);
+static inline vec3 points_place(const points *p, size_t slot)
+{
+    return (vec3){(double)p->x[slot], (double)p->y[slot], (double)p->z[slot]};
+}
+/* The slot of the vertex nearest to `at`, of several the lowest. */
+uint32_t points_nearest(const points *p, vec3 at);
 /* out := x, y, z; returns it. */
 const float *const *points_streams(const points *p, const float *out[3]);
 /* Bounds of all vertices, from the bounds of the blocks. */

@@ -53,16 +53,4 @@ CHECKED mrt_result binding_create(binding *out, const rig *r, const mesh *m, con
 CHECKED mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, error *err);
 void binding_destroy(binding *b);
 
-/* The fill alone (weights.c): fills the NaNs of bare marks over the surface into out->weight and
- * out->mobility, which are allocated; smooth also around single marks (weights_laplace.h). What is
- * missing to a sum of 1 at a marked vertex goes to the parent of the bone marked most. Pieces of
- * the surface without any mark follow the nearest vertices in space (weights_follow.h). A contact
- * of whose mobility nothing is said has 1; without any mobility above 0, all that is not marked
- * has 1. Then the vertices of which `painted` says something else get that, and what it changes
- * fades out from there within a few edges (laplace_fade): a stroke that passes over softly into
- * what was filled changes nothing beyond it. painted: NULL: nothing is.
- */
-CHECKED mrt_result binding_fill(binding *out, const bind_marks *bare, const bind_marks *painted,
-                                const rig *r, const mesh *m, const topology *t, error *err);
-
 #endif

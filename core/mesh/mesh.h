@@ -129,6 +129,8 @@ typedef struct mesh {
 /* Allocates position and triangle, zeroed, with one part "" and one grey material. */
 CHECKED mrt_result mesh_create(mesh *out, uint32_t vertex_count, uint32_t triangle_count,
                                error *err);
+/* Deep; on error `out` is zeroed. [any] */
+CHECKED mrt_result mesh_copy(mesh *out, const mesh *m, error *err);
 /* Frees everything; accepts NULL and a zeroed mesh. */
 void mesh_destroy(mesh *m);
 

@@ -4,7 +4,7 @@
  * any thread. */
 #ifndef MAROTTE_MESH_TOPOLOGY_H
 #define MAROTTE_MESH_TOPOLOGY_H
-#include "base/error.h"
+#include "mesh/mesh.h"
 
 typedef struct topology {
     uint32_t vertex_count;
@@ -21,5 +21,12 @@ typedef struct topology {
 } topology;
 
 void topology_destroy(topology *t); /* accepts NULL and zeroed */
+/* Deep; on error `out` is zeroed. [any] */
+CHECKED mrt_result topology_copy(topology *out, const topology *t, error *err);
+
+/* The connected pieces of the surface. out_piece: vertex_count; *out_count for vertices of no
+ * accepted triangle. */
+CHECKED mrt_result topology_pieces(uint32_t *out_piece, uint32_t *out_count, const mesh *m,
+                                   const topology *t, error *err);
 
 #endif

@@ -11,7 +11,7 @@
 
 #include "base/file.h"
 #include "io/read/mesh_images.h"
-#include "mesh/copy.h"
+#include "mesh/topology.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
 
 #include "mesh_gltf_document.h"
 
-#include "mesh/copy.h"
+#include "mesh/topology.h"
 
 #include <math.h>
 

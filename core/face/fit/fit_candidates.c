@@ -2,6 +2,7 @@
 
 #include "base/rigid.h"
 #include "face/weights/weights_nearest.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,26 +23,20 @@ typedef struct choosing {
     uint32_t half_count;
 } choosing;
 
-static vec3 position_of(const mesh *m, uint32_t vertex)
-{
-    const float *p = m->position + 3 * (size_t)vertex;
-    return (vec3){(double)p[0], (double)p[1], (double)p[2]};
-}
-
 static bool is_midline(const choosing *c, uint32_t v)
 {
-    return fabs(position_of(c->mesh, v).x - c->middle_x) <= MIDLINE_TOLERANCE * c->width;
+    return fabs(mesh_place(c->mesh, v).x - c->middle_x) <= MIDLINE_TOLERANCE * c->width;
 }
 
 /* UINT32_MAX: none near enough. */
 static uint32_t mirrored(const choosing *c, uint32_t v)
 {
-    vec3 to = position_of(c->mesh, v);
+    vec3 to = mesh_place(c->mesh, v);
     to.x = 2 * c->middle_x - to.x;
     uint32_t other = nearest_find(c->skin, (float[3]){(float)to.x, (float)to.y, (float)to.z});
     if (other == UINT32_MAX || other == v)
         return UINT32_MAX;
-    double off = vec3_length(vec3_sub(position_of(c->mesh, other), to));
+    double off = vec3_length(vec3_sub(mesh_place(c->mesh, other), to));
     return off <= MIRROR_TOLERANCE * c->width ? other : UINT32_MAX;
 }
 
@@ -52,9 +47,9 @@ static vec3 normal_of(const mesh *m, uint32_t vertex)
         const uint32_t *corner = m->triangle + 3 * (size_t)i;
         if (corner[0] != vertex && corner[1] != vertex && corner[2] != vertex)
             continue;
-        vec3 a = position_of(m, corner[0]);
-        sum = vec3_add(sum, vec3_cross(vec3_sub(position_of(m, corner[1]), a),
-                                       vec3_sub(position_of(m, corner[2]), a)));
+        vec3 a = mesh_place(m, corner[0]);
+        sum = vec3_add(sum, vec3_cross(vec3_sub(mesh_place(m, corner[1]), a),
+                                       vec3_sub(mesh_place(m, corner[2]), a)));
     }
     return vec3_normalised(sum, (vec3){0, 0, 1});
 }
@@ -77,13 +72,13 @@ static double ray_meets(vec3 from, vec3 direction, vec3 a, vec3 b, vec3 c)
 static bool is_hidden(const choosing *c, uint32_t vertex)
 {
     const mesh *m = c->mesh;
-    vec3 from = position_of(m, vertex), normal = normal_of(m, vertex);
+    vec3 from = mesh_place(m, vertex), normal = normal_of(m, vertex);
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         const uint32_t *corner = m->triangle + 3 * (size_t)i;
         if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex)
             continue;
-        double at = ray_meets(from, normal, position_of(m, corner[0]), position_of(m, corner[1]),
-                              position_of(m, corner[2]));
+        double at = ray_meets(from, normal, mesh_place(m, corner[0]), mesh_place(m, corner[1]),
+                              mesh_place(m, corner[2]));
         if (at > 1e-3 && at < c->reach_mm)
             return true;
     }
@@ -96,8 +91,8 @@ static bool measure_skin(choosing *c)
     for (uint32_t v = 0; v < c->mesh->vertex_count; v++) {
         if (!c->is_skin[v])
             continue;
-        low = fmin(low, position_of(c->mesh, v).x);
-        high = fmax(high, position_of(c->mesh, v).x);
+        low = fmin(low, mesh_place(c->mesh, v).x);
+        high = fmax(high, mesh_place(c->mesh, v).x);
     }
     c->middle_x = (low + high) / 2;
     c->width = high - low;
@@ -109,7 +104,7 @@ static void collect_half(choosing *c)
     for (uint32_t v = 0; v < c->mesh->vertex_count; v++) {
         if (!c->is_skin[v])
             continue;
-        bool is_left = position_of(c->mesh, v).x > c->middle_x + MIDLINE_TOLERANCE * c->width;
+        bool is_left = mesh_place(c->mesh, v).x > c->middle_x + MIDLINE_TOLERANCE * c->width;
         if (!is_left && !is_midline(c, v))
             continue;
         c->far[c->half_count] = HUGE_VAL;
@@ -119,9 +114,9 @@ static void collect_half(choosing *c)
 
 static void note_chosen(choosing *c, uint32_t chosen)
 {
-    vec3 at = position_of(c->mesh, chosen);
+    vec3 at = mesh_place(c->mesh, chosen);
     for (uint32_t i = 0; i < c->half_count; i++) {
-        vec3 d = vec3_sub(position_of(c->mesh, c->half[i]), at);
+        vec3 d = vec3_sub(mesh_place(c->mesh, c->half[i]), at);
         c->far[i] = fmin(c->far[i], vec3_dot(d, d));
     }
 }

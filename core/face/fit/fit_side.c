@@ -1,5 +1,7 @@
 #include "face/fit/fit_side.h"
 
+#include "mesh/place.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,12 +12,6 @@
 static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory to fit the targets");
-}
-
-static vec3 position_of(const mesh *m, uint32_t vertex)
-{
-    const float *p = m->position + 3 * (size_t)vertex;
-    return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
 static float share_of(const fit_side *s, uint32_t bone, uint32_t vertex)
@@ -182,7 +178,7 @@ mrt_result fit_side_create(fit_side *out, const rig *r, const mesh *m, binding *
         return no_memory(err);
     }
     for (uint32_t k = 0; k < contact_count; k++)
-        out->start[k] = position_of(m, vertex[k]);
+        out->start[k] = mesh_place(m, vertex[k]);
     mrt_result result = face_create_bound(&out->face, r, m, b, contact_count + 1, err);
     if (result == MRT_OK) {
         out->binding = face_binding(out->face);

@@ -2,7 +2,6 @@
 
 #include "face/fit/fit_candidates.h"
 #include "face/fit/fit_side.h"
-#include "face/weights/pieces.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -402,7 +401,7 @@ static mrt_result find_places(uint8_t *is_place, const suggesting *s, const mesh
     uint32_t *piece = malloc(room * sizeof *piece), *size = calloc(room, sizeof *size);
     uint32_t count = 0, largest = 0;
     mrt_result result =
-        piece != NULL && size != NULL ? pieces_find(piece, &count, m, t, err) : no_memory(err);
+        piece != NULL && size != NULL ? topology_pieces(piece, &count, m, t, err) : no_memory(err);
     for (uint32_t v = 0; result == MRT_OK && v < t->vertex_count; v++)
         size[piece[v]]++;
     for (uint32_t c = 0; result == MRT_OK && c < count; c++)

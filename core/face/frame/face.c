@@ -89,7 +89,7 @@ void face_pose_weights(face *f, double *weight, const rigid *pose)
 
 /* ---- the shape without its pose ---- */
 
-static bool is_posed(const face *f)
+bool face_is_posed(const face *f)
 {
     const rigid still = rigid_identity();
     for (uint32_t b = 0; b < f->bone_count; ++b)
@@ -128,7 +128,7 @@ static void copy_block(points *out, const points *from, uint32_t block)
 void face_bake(face *f, points *out)
 {
     columns *c = &f->columns;
-    bool posed = is_posed(f);
+    bool posed = face_is_posed(f);
     memcpy(f->next_weight, f->given, (size_t)3 * f->control_column_count * sizeof *f->given);
     face_shapes_unlead(f, f->next_weight);
     columns_weigh(c, f->next_weight, f->control_column_count);
@@ -261,9 +261,7 @@ face_control face_control_at(const face *f, uint32_t control)
 
 vec3 face_contact_now(const face *f, uint32_t contact)
 {
-    double at[3];
-    points_at(at, &f->shown, f->contact_slot[contact - 1]);
-    return (vec3){at[0], at[1], at[2]};
+    return points_place(&f->shown, f->contact_slot[contact - 1]);
 }
 
 face_columns face_columns_now(const face *f)

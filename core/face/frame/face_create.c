@@ -1,4 +1,5 @@
 #include "face/frame/frame.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -53,8 +54,7 @@ static vec3 find_incisor(const rig *r, const mesh *m, const binding *b)
     }
     if (found == RIG_NONE)
         return (vec3){0, 0, 0};
-    const float *at = m->position + (size_t)3 * found;
-    return (vec3){(double)at[0], (double)at[1], (double)at[2]};
+    return mesh_place(m, found);
 }
 
 /* 1 + the bone that a vertex is rigid on; 0: skin. */

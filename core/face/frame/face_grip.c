@@ -8,28 +8,6 @@ static const double mobility_exact = 0.1;  /* below, a control lands short */
 static const double mobility_least = 0.01; /* below, it moves nothing */
 static const double riding_begins = 0.5, riding_ends = 0.9;
 
-/* Ties: the lowest slot. */
-static uint32_t nearest_slot(const points *p, vec3 at)
-{
-    const double x[3] = {at.x, at.y, at.z};
-    double best = (double)INFINITY;
-    uint32_t found = 0;
-    for (uint32_t block = 0; block < p->block_count; ++block) {
-        if (points_bounds_distance_squared(&p->block[block], x) >= best)
-            continue;
-        uint32_t first = block * POINTS_BLOCK;
-        for (uint32_t slot = first; slot < first + POINTS_BLOCK && slot < p->count; ++slot) {
-            double dx = (double)p->x[slot] - at.x, dy = (double)p->y[slot] - at.y;
-            double dz = (double)p->z[slot] - at.z, q = dx * dx + dy * dy + dz * dz;
-            if (q < best) {
-                best = q;
-                found = slot;
-            }
-        }
-    }
-    return found;
-}
-
 /* The bones with the greatest shares, of those that count. */
 static void join_bones(face_grip *grip, uint32_t bone_count)
 {
@@ -82,7 +60,7 @@ static uint32_t slot_at(const face *f, vec3 at, uint32_t contact)
 {
     if (contact > 0)
         return f->contact_slot[contact - 1];
-    return f->bone_count == 1 && f->field[0].is_whole ? 0 : nearest_slot(&f->shown, at);
+    return f->bone_count == 1 && f->field[0].is_whole ? 0 : points_nearest(&f->shown, at);
 }
 
 void face_grip_at(face_grip *out, const face *f, vec3 at, uint32_t contact)

@@ -148,11 +148,9 @@ static void measure_rest(face *f)
     for (size_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + 3 * t;
         for (size_t e = 0; e < 3; ++e) {
-            double a[3], b[3];
-            points_at(a, &f->rest, corner[e]);
-            points_at(b, &f->rest, corner[e == 2 ? 0 : e + 1]);
-            f->limit.longest[t][e] =
-                (float)vec3_length((vec3){b[0] - a[0], b[1] - a[1], b[2] - a[2]});
+            vec3 from = points_place(&f->rest, corner[e]);
+            vec3 to = points_place(&f->rest, corner[e == 2 ? 0 : e + 1]);
+            f->limit.longest[t][e] = (float)vec3_length(vec3_sub(to, from));
         }
         const points *p = &f->rest;
         limit_patch *patch = &f->limit.patch[t / GROUP];
@@ -405,9 +403,8 @@ static void enclose_group(face *f, size_t group)
             centre[axis] += at[axis] / (double)count;
     }
     for (size_t i = 0; i < count; ++i) {
-        double at[3];
-        points_at(at, f->origin, corner[i]);
-        vec3 way = {at[0] - centre[0], at[1] - centre[1], at[2] - centre[2]};
+        vec3 middle = {centre[0], centre[1], centre[2]};
+        vec3 way = vec3_sub(points_place(f->origin, corner[i]), middle);
         square = fmax(square, vec3_dot(way, way));
     }
     for (int axis = 0; axis < 3; ++axis)
@@ -565,22 +562,13 @@ void face_limit_engage(face *f)
     know_lone_rooms(f);
 }
 
-static bool is_still(const face *f)
-{
-    const rigid still = rigid_identity();
-    for (uint32_t b = 0; b < f->bone_count; ++b)
-        if (f->bones.moves[b] && memcmp(&f->pose[b], &still, sizeof still) != 0)
-            return false;
-    return true;
-}
-
 /* What the bones do, of which nothing is known yet but that. */
 static void begin_pose(face *f)
 {
     face_limit *l = &f->limit;
     bool was_at_rest = l->is_pose_known && l->is_at_rest;
     l->is_pose_known = true;
-    l->is_at_rest = is_still(f);
+    l->is_at_rest = !face_is_posed(f);
     for (uint32_t b = 0; b < f->bone_count; ++b)
         for (int i = 0; i < 9; ++i)
             l->turned[b][i] = (float)(f->pose[b].r[i / 3][i % 3] - (i % 4 == 0 ? 1.0 : 0.0));
@@ -846,9 +834,8 @@ static float stretch_strain(const face *f, size_t t, float stretch)
 /* How near a control is to a triangle: 1 there, 0 from the radius on. */
 static double near_grip(const face *f, size_t t, uint32_t control)
 {
-    double at[3], radius = f->settings.radius;
-    points_at(at, f->origin, f->skin[3 * t]);
-    vec3 way = vec3_sub((vec3){at[0], at[1], at[2]}, f->grip[control].start);
+    double radius = f->settings.radius;
+    vec3 way = vec3_sub(points_place(f->origin, f->skin[3 * t]), f->grip[control].start);
     double q = vec3_dot(way, way) / (radius * radius);
     return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
 }

@@ -62,13 +62,6 @@ static uint32_t dofs_of(const bones *b, uint32_t bone)
     return one->kind == BONE_BALL ? one->turn_count : 0;
 }
 
-static vec3 place_of(const points *p, size_t slot)
-{
-    double at[3];
-    points_at(at, p, slot);
-    return (vec3){at[0], at[1], at[2]};
-}
-
 static float weight_of(const face *f, uint32_t carrier, size_t slot)
 {
     float sum = 0.0f;
@@ -126,7 +119,7 @@ static double left_over(const learning *l, uint32_t bone, const float *dof, vec3
     bones_pose(pose, &l->f->bones, dof);
     for (uint32_t i = 0; i < l->points[bone]; ++i) {
         uint32_t slot = l->point[bone][i];
-        vec3 at = place_of(&l->f->rest, slot);
+        vec3 at = points_place(&l->f->rest, slot);
         vec3 off = vec3_sub(vec3_add(at, row_of(l, slot)), rigid_apply(&pose[bone], at));
         sum += vec3_dot(off, off);
         if (out)
@@ -194,7 +187,7 @@ static double part_of(const learning *l, uint32_t bone, const float *dof)
     double whole = 0.0, left = 0.0;
     bones_pose(pose, &f->bones, dof);
     for (size_t slot = 0; slot < f->rest.count; ++slot) {
-        vec3 at = place_of(&f->rest, slot), way = row_of(l, slot);
+        vec3 at = points_place(&f->rest, slot), way = row_of(l, slot);
         vec3 moved = vec3_sub(rigid_apply(&pose[bone], at), at);
         vec3 off = vec3_sub(way, vec3_scale(moved, (double)f->field[bone].weight[slot]));
         whole += vec3_dot(way, way);
@@ -245,7 +238,7 @@ static double take_bones_out(learning *l, const rigid *pose)
     double whole = 0.0, left = 0.0;
     for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
         blend here = blend_in_shape(f, pose, slot);
-        vec3 offset = row_of(l, slot), at = place_of(&f->rest, slot);
+        vec3 offset = row_of(l, slot), at = points_place(&f->rest, slot);
         vec3 moved = blend_moves(&here, at), rest = vec3_sub(offset, moved);
         set_row(l->posed, slot, vec3_add(at, moved));
         set_row(l->row, slot, vec3_scale(rest, fmin(1.0, 10.0 * (double)f->mobility[slot])));
@@ -269,9 +262,9 @@ static void turn_normals(learning *l, const rigid *pose)
             share[b] = (double)(weight[corner[0]] + weight[corner[1]] + weight[corner[2]]) / 3.0;
         }
         blend here = blend_of(share, pose, f->bones.moves, f->bone_count);
-        vec3 at = place_of(&f->rest, corner[0]);
-        vec3 normal = vec3_cross(vec3_sub(place_of(&f->rest, corner[1]), at),
-                                 vec3_sub(place_of(&f->rest, corner[2]), at));
+        vec3 at = points_place(&f->rest, corner[0]);
+        vec3 normal = vec3_cross(vec3_sub(points_place(&f->rest, corner[1]), at),
+                                 vec3_sub(points_place(&f->rest, corner[2]), at));
         normal = vec3_add(normal, matrix3x3_apply(&here.rotation, normal));
         l->normal[t][0] = (float)normal.x;
         l->normal[t][1] = (float)normal.y;
@@ -654,26 +647,6 @@ void face_shapes_fill(face *f)
 
 /* ---- an engagement ---- */
 
-static uint32_t nearest_of(const points *p, vec3 at)
-{
-    const double x[3] = {at.x, at.y, at.z};
-    double best = (double)INFINITY;
-    uint32_t found = 0;
-    for (uint32_t block = 0; block < p->block_count; ++block) {
-        uint32_t first = block * POINTS_BLOCK;
-        if (points_bounds_distance_squared(&p->block[block], x) >= best)
-            continue;
-        for (uint32_t slot = first; slot < first + POINTS_BLOCK && slot < p->count; ++slot) {
-            vec3 way = vec3_sub(place_of(p, slot), at);
-            if (vec3_dot(way, way) < best) {
-                best = vec3_dot(way, way);
-                found = slot;
-            }
-        }
-    }
-    return found;
-}
-
 /* With the bones at rest, for a weight of 1. */
 static vec3 shape_at(const face *f, const face_shape_part *part, uint32_t slot)
 {
@@ -694,7 +667,7 @@ void face_shapes_engage(face *f)
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         uint32_t slot = grip->contact > 0 ? f->contact_slot[grip->contact - 1]
-                                          : nearest_of(&f->base, grip->start);
+                                          : points_nearest(&f->base, grip->start);
         for (uint32_t p = 0; p < s->part_count; ++p) {
             double *at = s->at + s->part[p].shape * stride + (size_t)3 * k;
             vec3 here = shape_at(f, &s->part[p], slot);

@@ -4,15 +4,11 @@
 #include <math.h>
 #include <stdlib.h>
 
-static vec3 vertex_at(const points *p, uint32_t slot)
-{
-    return (vec3){(double)p->x[slot], (double)p->y[slot], (double)p->z[slot]};
-}
-
 vec3 face_skin_area(const points *p, const uint32_t *corner)
 {
-    vec3 a = vertex_at(p, corner[0]);
-    return vec3_cross(vec3_sub(vertex_at(p, corner[1]), a), vec3_sub(vertex_at(p, corner[2]), a));
+    vec3 a = points_place(p, corner[0]);
+    return vec3_cross(vec3_sub(points_place(p, corner[1]), a),
+                      vec3_sub(points_place(p, corner[2]), a));
 }
 
 /* Of the square of its longest edge, twice a triangle's area: flatter ones are needles, as scans
@@ -24,7 +20,7 @@ static bool is_needle(const points *p, const uint32_t *corner)
 {
     double longest = 0.0;
     for (int i = 0; i < 3; ++i) {
-        vec3 edge = vec3_sub(vertex_at(p, corner[i]), vertex_at(p, corner[(i + 1) % 3]));
+        vec3 edge = vec3_sub(points_place(p, corner[i]), points_place(p, corner[(i + 1) % 3]));
         longest = fmax(longest, vec3_dot(edge, edge));
     }
     return !(vec3_length(face_skin_area(p, corner)) > flattest * longest);
@@ -122,7 +118,7 @@ double face_worst_place(const face *f, vec3 *out_rest)
     const uint32_t *corner = f->skin + (size_t)3 * triangle;
     *out_rest = (vec3){0, 0, 0};
     for (int i = 0; i < 3 && f->skin_count > 0; ++i)
-        *out_rest = vec3_add(*out_rest, vec3_scale(vertex_at(&f->rest, corner[i]), 1.0 / 3.0));
+        *out_rest = vec3_add(*out_rest, vec3_scale(points_place(&f->rest, corner[i]), 1.0 / 3.0));
     return determinant;
 }
 

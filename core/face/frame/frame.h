@@ -191,6 +191,8 @@ void face_bake(face *f, points *out);
 void face_pose_columns(face *f);
 /* weight: those of the bones for these poses, behind the first control_column_count. */
 void face_pose_weights(face *f, double *weight, const rigid *pose);
+/* Some bone that moves is not at rest. */
+bool face_is_posed(const face *f);
 /* Puts the dofs and poses of a frame in force. */
 void face_take_pose(face *f, const float *dof, const rigid *pose);
 

@@ -29,13 +29,6 @@ static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
     return f;
 }
 
-static vec3 vertex_at(const points *p, size_t slot)
-{
-    double x[3];
-    points_at(x, p, slot);
-    return (vec3){x[0], x[1], x[2]};
-}
-
 /* |q| */
 static double scaled_size(const proxy_frame *f, vec3 x)
 {
@@ -256,7 +249,7 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
         const projection_block *b = &p->block[i];
         proxy_frame f = frame_of(&p->proxy[b->proxy], pose);
         for (size_t v = 0; v < POINTS_BLOCK; ++v) {
-            vec3 x = vertex_at(shown, (size_t)b->block * POINTS_BLOCK + v);
+            vec3 x = points_place(shown, (size_t)b->block * POINTS_BLOCK + v);
             double size = scaled_size(&f, x), lowest = 1.0 + (double)b->floor[v];
             if (b->band[v] > 0.0f && size < lowest && size > 1e-6)
                 deepest =
@@ -286,7 +279,7 @@ static bool fill_block(projection_block *out, const proxy_frame *f, const points
     bool any = false;
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
         size_t slot = (size_t)out->block * POINTS_BLOCK + i;
-        vec3 x = vertex_at(rest, slot);
+        vec3 x = points_place(rest, slot);
         double size = scaled_size(f, x), height = size - 1.0;
         double mm_per_height = vec3_length(vec3_sub(x, f->centre)) / size;
         out->inside[i] = -1.0f;

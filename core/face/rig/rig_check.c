@@ -3,6 +3,7 @@
 #include "face/bones.h"
 #include "face/rig/rig_document.h"
 #include "face/rig/rig_anatomy.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -213,7 +214,7 @@ static double wedge(const mesh *m, uint32_t triangle, vec3 from)
 {
     vec3 p[3];
     for (size_t i = 0; i < 3; ++i)
-        p[i] = vec3_sub(rig_mirror_position(m, m->triangle[(size_t)triangle * 3 + i]), from);
+        p[i] = vec3_sub(mesh_place(m, m->triangle[(size_t)triangle * 3 + i]), from);
     return vec3_dot(p[0], vec3_cross(p[1], p[2]));
 }
 
@@ -405,8 +406,8 @@ static hole measure_hole(const checking *c, uint32_t loop)
     uint32_t first = t->border_loop_start[loop], end = t->border_loop_start[loop + 1];
     hole out = {.vertex_count = end - first};
     for (uint32_t i = first; i < end; ++i) {
-        vec3 a = rig_mirror_position(c->m, t->border_vertex[i]);
-        vec3 b = rig_mirror_position(c->m, t->border_vertex[i + 1 < end ? i + 1 : first]);
+        vec3 a = mesh_place(c->m, t->border_vertex[i]);
+        vec3 b = mesh_place(c->m, t->border_vertex[i + 1 < end ? i + 1 : first]);
         out.length_mm += vec3_length(vec3_sub(a, b));
         out.centre = vec3_add(out.centre, vec3_scale(a, 1.0 / (end - first)));
     }
@@ -493,7 +494,7 @@ static bool weights_differ(const binding *b, uint32_t first, uint32_t second)
 
 static bool are_twins(const mesh *m, uint32_t a, uint32_t b)
 {
-    vec3 d = vec3_sub(rig_mirror_position(m, a), rig_mirror_position(m, b));
+    vec3 d = vec3_sub(mesh_place(m, a), mesh_place(m, b));
     return vec3_dot(d, d) < twin_reach_mm * twin_reach_mm;
 }
 
@@ -526,7 +527,7 @@ static void check_side(checking *c, uint32_t index, const json_path *path)
     const rig_contact *contact = &c->r->contact[index];
     size_t length = strlen(contact->name);
     const char *end = length > 2 ? contact->name + length - 2 : "";
-    double x = rig_mirror_position(c->m, contact->vertex).x;
+    double x = mesh_place(c->m, contact->vertex).x;
     x -= c->head ? c->head->middle_x : 0.0;
     bool is_left = strcmp(end, ".l") == 0, is_right = strcmp(end, ".r") == 0;
     if ((is_left && x < 0.0) || (is_right && x > 0.0))
@@ -544,9 +545,9 @@ static void check_mirror(checking *c, uint32_t index, const json_path *path)
         return;
     const rig_contact *other = &c->r->contact[contact->mirror];
     double middle_x = c->head ? c->head->middle_x : 0.0, distance_mm;
-    vec3 image = rig_mirror_position(c->m, contact->vertex);
+    vec3 image = mesh_place(c->m, contact->vertex);
     image.x = 2.0 * middle_x - image.x;
-    double off_mm = vec3_length(vec3_sub(image, rig_mirror_position(c->m, other->vertex)));
+    double off_mm = vec3_length(vec3_sub(image, mesh_place(c->m, other->vertex)));
     if (off_mm <= mirror_reach_mm)
         return;
     uint32_t better = rig_mirror_of(c->m, NULL, contact->vertex, middle_x, &distance_mm);
@@ -578,8 +579,8 @@ static void check_mobility(checking *c, uint32_t index, const json_path *path)
 
 static double distance_between(const checking *c, uint32_t a, uint32_t b)
 {
-    return vec3_length(vec3_sub(rig_mirror_position(c->m, c->r->contact[a].vertex),
-                                rig_mirror_position(c->m, c->r->contact[b].vertex)));
+    return vec3_length(vec3_sub(mesh_place(c->m, c->r->contact[a].vertex),
+                                mesh_place(c->m, c->r->contact[b].vertex)));
 }
 
 static void check_spacing(checking *c)
@@ -665,7 +666,7 @@ static bool find_incisor(vec3 *out, const checking *c, uint32_t jaw)
     bool found = c->r->bone[jaw].has_incisor;
     *out = c->r->bone[jaw].incisor;
     for (uint32_t v = 0; c->marks && !c->r->bone[jaw].has_incisor && v < c->m->vertex_count; ++v) {
-        vec3 p = rig_mirror_position(c->m, v);
+        vec3 p = mesh_place(c->m, v);
         if (c->marks->rigid_bone[v] != jaw || (found && p.z <= out->z))
             continue;
         *out = p;

@@ -5,6 +5,7 @@
 #include "face/weights/weights_laplace.h"
 #include "face/face.h"
 #include "face/rig_check.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -371,7 +372,7 @@ static json_t *hidden_vertices(const drafting *d, double deep_mm)
     for (uint32_t v = 0; v < count; ++v) {
         uint32_t first = v;
         while (v < count && (double)d->a.hidden_mm[v] > deep_mm &&
-               rig_mirror_position(d->m, v).y < d->head.lip_upper_y + 0.3 * d->reach_mm)
+               mesh_place(d->m, v).y < d->head.lip_upper_y + 0.3 * d->reach_mm)
             ++v;
         if (v > first)
             json_array_append_new(list, v == first + 1 ? json_integer((json_int_t)first)
@@ -488,7 +489,7 @@ static bool find_lids(lid_edges *out, const drafting *d, const anatomy_eye *eye)
     bool has_upper = false, has_lower = false;
     double from = -1.2, to = 1.2;
     for (uint32_t v = 0; v < d->m->vertex_count; ++v) {
-        vec3 p = vec3_sub(rig_mirror_position(d->m, v), eye->centre);
+        vec3 p = vec3_sub(mesh_place(d->m, v), eye->centre);
         if (!d->a.is_face[v] || fabs(p.x) > 0.35 * eye->radius_mm || p.z < 0.25 * eye->radius_mm ||
             vec3_length(p) > LID_REACH * eye->radius_mm)
             continue;
@@ -981,12 +982,12 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
 {
     const rig_head *head = &a->head;
     const double far = (double)INFINITY;
-    uint32_t *near = malloc(((size_t)m->vertex_count + 1) * sizeof *near), count = 0, end[2];
-    uint32_t *before = malloc(((size_t)m->vertex_count + 1) * sizeof *before);
+    uint32_t *near = malloc(((size_t)m->vertex_count + 1) * sizeof *near), count = 0;
+    uint32_t *before = malloc(((size_t)m->vertex_count + 1) * sizeof *before), end[2] = {0, 0};
     double *way = malloc(((size_t)m->vertex_count + 1) * sizeof *way), off[2] = {far, far};
     bool has_memory = near && before && way;
     for (uint32_t v = 0; has_memory && v < m->vertex_count; ++v) {
-        vec3 p = rig_mirror_position(m, v);
+        vec3 p = mesh_place(m, v);
         before[v] = RIG_NONE;
         way[v] = -1.0; /* not of those near the mouth, or done */
         if (!a->is_face[v] || mesh_point(m, v) != v ||
@@ -1019,8 +1020,7 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
         for (uint32_t k = 0;
              !is_done && k < t->neighbour_start[next + 1] - t->neighbour_start[next]; ++k) {
             uint32_t to = t->neighbour[t->neighbour_start[next] + k];
-            double through =
-                way[next] + line_cost(l, rig_mirror_position(m, next), rig_mirror_position(m, to));
+            double through = way[next] + line_cost(l, mesh_place(m, next), mesh_place(m, to));
             if (way[to] >= 0.0 && through < way[to]) {
                 way[to] = through;
                 before[to] = next;

@@ -44,6 +44,4 @@ CHECKED bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, 
 uint32_t rig_mirror_of(const mesh *m, const uint8_t *is_face, uint32_t vertex, double middle_x,
                        double *out_distance_mm);
 
-vec3 rig_mirror_position(const mesh *m, uint32_t vertex);
-
 #endif

@@ -1,6 +1,7 @@
 #include "face/rig/rig_poses.h"
 
 #include "mesh/arkit.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -257,8 +258,7 @@ static bool place_on(vec3 *out, const head *of, const char *contact)
     uint32_t at = rig_find_contact(of->rig, contact);
     if (at == RIG_NONE || of->rig->contact[at].vertex >= of->mesh->vertex_count)
         return false;
-    const float *p = of->mesh->position + (size_t)3 * of->rig->contact[at].vertex;
-    *out = (vec3){(double)p[0], (double)p[1], (double)p[2]};
+    *out = mesh_place(of->mesh, of->rig->contact[at].vertex);
     return true;
 }
 

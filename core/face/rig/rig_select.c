@@ -2,7 +2,7 @@
 
 #include "base/budget.h"
 #include "face/rig/rig_document.h"
-#include "face/weights/pieces.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -178,12 +178,6 @@ static const char *path_of(const rig_select *select)
     return select->path ? select->path : "select";
 }
 
-static vec3 position_of(const mesh *m, uint32_t vertex)
-{
-    const float *p = m->position + (size_t)vertex * 3;
-    return (vec3){(double)p[0], (double)p[1], (double)p[2]};
-}
-
 static mrt_result pay(selecting *s, const rig_select *select, uint64_t steps, error *err)
 {
     mrt_result result = budget_spend_work(&s->budget, steps, err);
@@ -328,7 +322,7 @@ static bool is_in_ellipsoid(vec3 p, vec3 centre, vec3 radii)
 static void select_shape(float *out, const rig_select *select, const mesh *m)
 {
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 p = position_of(m, v);
+        vec3 p = mesh_place(m, v);
         bool is_in = select->kind == SELECT_BOX ? is_in_box(p, select->a, select->b)
                      : select->kind == SELECT_ELLIPSOID
                          ? is_in_ellipsoid(p, select->a, select->b)
@@ -435,7 +429,7 @@ static mrt_result find_pieces(selecting *s, error *err)
     if (s->piece)
         return MRT_OK;
     s->piece = malloc(((size_t)s->m->vertex_count + 1) * sizeof *s->piece);
-    return s->piece ? pieces_find(s->piece, &s->piece_count, s->m, s->t, err) : no_memory(err);
+    return s->piece ? topology_pieces(s->piece, &s->piece_count, s->m, s->t, err) : no_memory(err);
 }
 
 static mrt_result select_piece(float *out, const rig_select *select, selecting *s, error *err)

@@ -1,7 +1,8 @@
 #include "face/bind.h"
-#include "face/weights/pieces.h"
-#include "face/weights/weights_follow.h"
+#include "base/arrays.h"
 #include "face/weights/weights_laplace.h"
+#include "face/weights/weights_nearest.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,16 +13,22 @@
 #define RIPPLE 0.004f
 
 typedef struct weights {
+    arrays arrays; /* those below */
     const bind_marks *marks, *painted;
     const rig *rig;
     const mesh *mesh;
-    const topology *topology;
     uint32_t *component; /* vertex_count: of the surface; component_count for isolated vertices */
     uint32_t component_count;
     uint8_t *is_given, *is_free, *is_settled; /* vertex_count each */
     uint8_t *has_mark;                        /* component_count + 1 */
     laplace laplace;
 } weights;
+
+static mrt_result no_memory(const mesh *m, error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
+                     m->vertex_count);
+}
 
 /* ---- what is given ---- */
 
@@ -184,6 +191,122 @@ static void normalise_filled(const weights *w, float *weight)
     share_out_filled(w, weight);
 }
 
+/* ---- whom the pieces of surface follow that no region speaks of: lashes, brows, the film of
+ * tears ---- */
+
+/* How far from the nearest to the furthest vertex of a piece its roots reach. */
+#define ROOTS 0.25
+
+typedef struct following {
+    arrays arrays; /* those below */
+    const weights *w;
+    uint8_t *is_leader;   /* vertex_count: scratch */
+    int32_t *vote;        /* component_count + 1: > 0: it follows what is rigid */
+    double *least, *most; /* component_count + 1: squared distances from the leaders */
+    uint32_t *on_rigid;   /* vertex_count; the nearest that is not rigid is in out_leader */
+} following;
+
+static double distance_squared(const mesh *m, size_t v, size_t other)
+{
+    double sum = 0;
+    if (other == UINT32_MAX)
+        return HUGE_VAL;
+    for (size_t a = 0; a < 3; a++) {
+        double d = (double)m->position[3 * v + a] - (double)m->position[3 * other + a];
+        sum += d * d;
+    }
+    return sum;
+}
+
+typedef enum kind { SOFT, RIGID } kind;
+
+static mrt_result find_nearest(following *f, uint32_t *out, kind of, error *err)
+{
+    const weights *w = f->w;
+    const mesh *m = w->mesh;
+    for (uint32_t v = 0; v < m->vertex_count; v++) {
+        kind is = w->marks->rigid_bone[v] != UINT32_MAX ? RIGID : SOFT;
+        f->is_leader[v] = w->is_settled[v] && is == of;
+    }
+    nearest *n = nearest_create(m->position, f->is_leader, m->vertex_count);
+    if (n == NULL)
+        return no_memory(m, err);
+    for (uint32_t v = 0; v < m->vertex_count; v++)
+        out[v] = w->is_settled[v] ? UINT32_MAX : nearest_find(n, m->position + 3 * (size_t)v);
+    nearest_destroy(n);
+    return MRT_OK;
+}
+
+static void choose_kind(following *f, uint32_t *leader)
+{
+    const weights *w = f->w;
+    const mesh *m = w->mesh;
+    for (uint32_t v = 0; v < m->vertex_count; v++) {
+        if (w->is_settled[v])
+            continue;
+        bool is_rigid = distance_squared(m, v, f->on_rigid[v]) < distance_squared(m, v, leader[v]);
+        f->vote[w->component[v]] += is_rigid ? 1 : -1;
+    }
+    for (uint32_t v = 0; v < m->vertex_count; v++)
+        if (leader[v] == UINT32_MAX ||
+            (f->vote[w->component[v]] > 0 && f->on_rigid[v] != UINT32_MAX))
+            leader[v] = f->on_rigid[v];
+}
+
+static void find_roots(following *f, uint8_t *is_root, const uint32_t *leader)
+{
+    const weights *w = f->w;
+    const mesh *m = w->mesh;
+    for (uint32_t c = 0; c <= w->component_count; c++)
+        f->least[c] = HUGE_VAL;
+    for (uint32_t v = 0; v < m->vertex_count; v++) {
+        uint32_t c = w->component[v];
+        if (leader[v] == UINT32_MAX)
+            continue;
+        f->least[c] = fmin(f->least[c], distance_squared(m, v, leader[v]));
+        f->most[c] = fmax(f->most[c], distance_squared(m, v, leader[v]));
+    }
+    for (uint32_t v = 0; v < m->vertex_count; v++) {
+        uint32_t c = w->component[v];
+        double least = sqrt(f->least[c]), most = sqrt(f->most[c]);
+        double reach = least + ROOTS * (most - least);
+        is_root[v] = leader[v] != UINT32_MAX &&
+                     (c == w->component_count ||
+                      distance_squared(m, v, leader[v]) <= reach * reach * (1 + 1e-12));
+    }
+}
+
+/* A piece follows what is rigid or what is not, whichever more of its vertices are nearer to: a
+ * lash must not hang on the eyeball with one end and on the lid with the other. out_leader
+ * (vertex_count): the nearest settled vertex of that kind; UINT32_MAX for settled ones, and where
+ * nothing is settled. is_given: 1 for the vertices close to their leaders, the roots; the rest of
+ * the piece hangs on these: the tip of a lash goes with the lid, not with the brow that it points
+ * at. */
+static mrt_result find_leaders(weights *w, uint32_t *out_leader, error *err)
+{
+    following f = {.w = w};
+    arrays *a = &f.arrays;
+    size_t vertices = w->mesh->vertex_count, components = w->component_count + (size_t)1;
+    f.is_leader = arrays_add(a, vertices, 1);
+    f.vote = arrays_add(a, components, sizeof *f.vote);
+    f.least = arrays_add(a, components, sizeof *f.least);
+    f.most = arrays_add(a, components, sizeof *f.most);
+    f.on_rigid = arrays_add(a, vertices, sizeof *f.on_rigid);
+    mrt_result result = a->failed ? no_memory(w->mesh, err) : MRT_OK;
+    if (result == MRT_OK)
+        result = find_nearest(&f, out_leader, SOFT, err);
+    if (result == MRT_OK)
+        result = find_nearest(&f, f.on_rigid, RIGID, err);
+    if (result == MRT_OK) {
+        choose_kind(&f, out_leader);
+        find_roots(&f, w->is_given, out_leader);
+    }
+    arrays_free(a);
+    return result;
+}
+
+/* ---- filled ---- */
+
 /* What is not settled takes the values of the vertices that it follows, at its roots, and is filled
  * from there. value: column_count by vertex_count. Afterwards is_free says what was filled. */
 static mrt_result follow(weights *w, float *value, uint32_t column_count, error *err)
@@ -191,12 +314,9 @@ static mrt_result follow(weights *w, float *value, uint32_t column_count, error 
     size_t count = w->mesh->vertex_count;
     uint32_t *leader = malloc((count + 1) * sizeof *leader);
     if (leader == NULL)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
-                         w->mesh->vertex_count);
-    follow_scene scene = {w->mesh->position,  w->mesh->vertex_count, w->component,
-                          w->component_count, w->marks->rigid_bone,  w->is_settled};
+        return no_memory(w->mesh, err);
     spread(w, value, column_count);
-    mrt_result result = follow_find(leader, w->is_given, &scene, err);
+    mrt_result result = find_leaders(w, leader, err);
     for (size_t v = 0; result == MRT_OK && v < count; v++) {
         w->is_free[v] =
             !w->is_settled[v] && !w->is_given[v] && mesh_point(w->mesh, (uint32_t)v) == v;
@@ -361,8 +481,7 @@ static mrt_result paint(weights *w, binding *out, error *err)
     size_t count = (size_t)w->mesh->vertex_count * w->rig->bone_count;
     float *change = calloc(count + 1, sizeof *change);
     if (change == NULL)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
-                         w->mesh->vertex_count);
+        return no_memory(w->mesh, err);
     mrt_result result = paint_weights(w, out->weight, change, err);
     if (result == MRT_OK)
         result = paint_mobility(w, out->mobility, change, err);
@@ -370,32 +489,30 @@ static mrt_result paint(weights *w, binding *out, error *err)
     return result;
 }
 
-static bool allocate(weights *w)
-{
-    size_t count = w->mesh->vertex_count + (size_t)1;
-    w->component = malloc(count * sizeof *w->component);
-    w->is_given = calloc(count, 1);
-    w->is_free = calloc(count, 1);
-    w->is_settled = calloc(count, 1);
-    w->has_mark = calloc(count, 1);
-    return w->component != NULL && w->is_given != NULL && w->is_free != NULL &&
-           w->is_settled != NULL && w->has_mark != NULL;
-}
-
-mrt_result binding_fill(binding *out, const bind_marks *bare, const bind_marks *painted,
-                        const rig *r, const mesh *m, const topology *t, error *err)
+/* The fill: fills the NaNs of bare marks over the surface into out->weight and out->mobility, which
+ * are allocated; smooth also around single marks (weights_laplace.h). What is missing to a sum of 1
+ * at a marked vertex goes to the parent of the bone marked most. Pieces of the surface without any
+ * mark follow the nearest vertices in space. A contact of whose mobility nothing is said has 1;
+ * without any mobility above 0, all that is not marked has 1. Then the vertices of which `painted`
+ * (NULL: nothing is) says something else get that, and what it changes fades out from there within
+ * a few edges (laplace_fade): a stroke that passes over softly into what was filled changes nothing
+ * beyond it. */
+static mrt_result fill(binding *out, const bind_marks *bare, const bind_marks *painted,
+                       const rig *r, const mesh *m, const topology *t, error *err)
 {
     if (r->bone_count == 0 || r->bone_count > RIG_BONES_MAX || t->vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "weights need 1 to %d bones (here %u) and the mesh's own topology",
                          RIG_BONES_MAX, r->bone_count);
-    weights w = {.marks = bare, .painted = painted, .rig = r, .mesh = m, .topology = t};
-    mrt_result result = MRT_OK;
-    if (!allocate(&w))
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for the weights of %u vertices",
-                           m->vertex_count);
+    weights w = {.marks = bare, .painted = painted, .rig = r, .mesh = m};
+    w.component = arrays_add(&w.arrays, m->vertex_count, sizeof *w.component);
+    w.is_given = arrays_add(&w.arrays, m->vertex_count, 1);
+    w.is_free = arrays_add(&w.arrays, m->vertex_count, 1);
+    w.is_settled = arrays_add(&w.arrays, m->vertex_count, 1);
+    w.has_mark = arrays_add(&w.arrays, m->vertex_count, 1);
+    mrt_result result = w.arrays.failed ? no_memory(m, err) : MRT_OK;
     if (result == MRT_OK)
-        result = pieces_find(w.component, &w.component_count, m, t, err);
+        result = topology_pieces(w.component, &w.component_count, m, t, err);
     if (result == MRT_OK)
         result = laplace_create(&w.laplace, m, t, err);
     if (result == MRT_OK)
@@ -409,10 +526,155 @@ mrt_result binding_fill(binding *out, const bind_marks *bare, const bind_marks *
         spread(&w, out->mobility, 1);
     }
     laplace_destroy(&w.laplace);
-    free(w.component);
-    free(w.is_given);
-    free(w.is_free);
-    free(w.is_settled);
-    free(w.has_mark);
+    arrays_free(&w.arrays);
     return result;
+}
+
+/* ---- the binding ---- */
+
+static mrt_result allocate(binding *out, uint32_t bone_count, uint32_t vertex_count,
+                           uint32_t contact_count, error *err)
+{
+    *out = (binding){
+        .vertex_count = vertex_count,
+        .bone_count = bone_count,
+        .weight = calloc((size_t)bone_count * vertex_count + 1, sizeof(float)),
+        .mobility = calloc(vertex_count + (size_t)1, sizeof(float)),
+        .contact_position = calloc(contact_count + (size_t)1, sizeof(vec3)),
+        .contact_normal = calloc(contact_count + (size_t)1, sizeof(vec3)),
+    };
+    if (out->weight != NULL && out->mobility != NULL && out->contact_position != NULL &&
+        out->contact_normal != NULL)
+        return MRT_OK;
+    binding_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory to bind %u bones to %u vertices", bone_count,
+                     vertex_count);
+}
+
+static bool is_corner(const mesh *m, const uint32_t *corner, uint32_t point)
+{
+    return mesh_point(m, corner[0]) == point || mesh_point(m, corner[1]) == point ||
+           mesh_point(m, corner[2]) == point;
+}
+
+/* Of the triangles at the vertex's point, weighted by area. */
+static vec3 normal_at(const mesh *m, uint32_t vertex)
+{
+    vec3 sum = {0, 0, 0};
+    for (uint32_t i = 0; i < m->triangle_count; i++) {
+        const uint32_t *corner = m->triangle + 3 * (size_t)i;
+        if (!is_corner(m, corner, mesh_point(m, vertex)))
+            continue;
+        vec3 a = mesh_place(m, corner[0]);
+        sum = vec3_add(sum, vec3_cross(vec3_sub(mesh_place(m, corner[1]), a),
+                                       vec3_sub(mesh_place(m, corner[2]), a)));
+    }
+    return vec3_normalised(sum, (vec3){0, 0, 1});
+}
+
+static mrt_result place_contacts(binding *out, const rig *r, const mesh *m, error *err)
+{
+    for (uint32_t c = 0; c < r->contact_count; c++) {
+        uint32_t vertex = r->contact[c].vertex;
+        if (vertex >= m->vertex_count)
+            return error_set(err, MRT_ERR_ARGUMENT,
+                             "%s: $.contacts[%u].vertex: %u, but the mesh has %u vertices: choose "
+                             "another vertex for \"%s\"",
+                             r->path != NULL ? r->path : "rig", c, vertex, m->vertex_count,
+                             r->contact[c].name);
+        out->contact_position[c] = mesh_place(m, vertex);
+        out->contact_normal[c] = normal_at(m, vertex);
+    }
+    return MRT_OK;
+}
+
+/* A contact that names its bone rides on it alone. */
+static void hold_contacts(bind_marks *marks, const rig *r, const mesh *m)
+{
+    for (uint32_t c = 0; c < r->contact_count; c++) {
+        const rig_contact *contact = &r->contact[c];
+        if (contact->bone == RIG_NONE || marks->rigid_bone[contact->vertex] != RIG_NONE)
+            continue;
+        uint32_t point = mesh_point(m, contact->vertex);
+        for (uint32_t v = point; v < (m->point ? m->vertex_count : point + 1); v++)
+            for (uint32_t b = 0; b < r->bone_count && mesh_point(m, v) == point; b++)
+                marks->weight[(size_t)b * m->vertex_count + v] = b == contact->bone ? 1 : 0;
+    }
+}
+
+static bool is_painted(const rig *r)
+{
+    for (uint32_t i = 0; i < r->region_count; i++)
+        if (rig_region_is_paint(&r->region[i]))
+            return true;
+    return false;
+}
+
+static mrt_result bind_everything_free(binding *out, const mesh *m, error *err)
+{
+    mrt_result result = allocate(out, 1, m->vertex_count, 0, err);
+    for (uint32_t v = 0; result == MRT_OK && v < m->vertex_count; v++)
+        out->weight[v] = out->mobility[v] = 1;
+    return result;
+}
+
+mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topology *t, error *err)
+{
+    *out = (binding){0};
+    if (r == NULL)
+        return bind_everything_free(out, m, err);
+    mrt_result result = allocate(out, r->bone_count, m->vertex_count, r->contact_count, err);
+    if (result != MRT_OK)
+        return result;
+    bind_marks marks = {0}, bare = {0};
+    const bool paints = is_painted(r);
+    result = place_contacts(out, r, m, err);
+    if (result == MRT_OK)
+        result = bind_marks_create(&marks, r, m, t, err);
+    if (result == MRT_OK && paints)
+        result = bind_marks_create_bare(&bare, r, m, t, err);
+    if (result == MRT_OK)
+        hold_contacts(&marks, r, m);
+    if (result == MRT_OK && paints)
+        hold_contacts(&bare, r, m);
+    if (result == MRT_OK)
+        result = fill(out, paints ? &bare : &marks, paints ? &marks : NULL, r, m, t, err);
+    bind_marks_destroy(&marks);
+    bind_marks_destroy(&bare);
+    if (result != MRT_OK)
+        binding_destroy(out);
+    return result;
+}
+
+static void *copy_of(const void *from, size_t size)
+{
+    void *out = from ? malloc(size + 1) : NULL;
+    if (out)
+        memcpy(out, from, size);
+    return out;
+}
+
+mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, error *err)
+{
+    size_t count = b->vertex_count, contacts = contact_count * sizeof(vec3);
+    *out = *b;
+    out->weight = copy_of(b->weight, count * b->bone_count * sizeof *b->weight);
+    out->mobility = copy_of(b->mobility, count * sizeof *b->mobility);
+    out->contact_position = copy_of(b->contact_position, contacts);
+    out->contact_normal = copy_of(b->contact_normal, contacts);
+    if (out->weight && out->mobility && (out->contact_position || !b->contact_position) &&
+        (out->contact_normal || !b->contact_normal))
+        return MRT_OK;
+    binding_destroy(out);
+    return error_set(err, MRT_ERR_MEMORY, "no memory to bind %u bones to %u vertices",
+                     b->bone_count, b->vertex_count);
+}
+
+void binding_destroy(binding *b)
+{
+    free(b->weight);
+    free(b->mobility);
+    free(b->contact_position);
+    free(b->contact_normal);
+    *b = (binding){0};
 }

@@ -1,6 +1,7 @@
 #include "face/weights/weights_laplace.h"
 
 #include "base/rigid.h"
+#include "mesh/place.h"
 
 #include <cholmod.h>
 #include <math.h>
@@ -18,12 +19,6 @@
 #define TENSION_WIDTHS 8.0
 /* Changes fade to a sixth in each ring of edges. */
 #define FADE 2.0
-
-static vec3 position_of(const mesh *m, uint32_t vertex)
-{
-    const float *p = m->position + 3 * (size_t)vertex;
-    return (vec3){(double)p[0], (double)p[1], (double)p[2]};
-}
 
 /* The place of `to` in the row of `from`; SIZE_MAX when they are no neighbours. */
 static size_t edge_of(const topology *t, uint32_t from, uint32_t to)
@@ -53,8 +48,8 @@ static void add_triangle(laplace *l, const mesh *m, const uint32_t corner[3])
 {
     for (int i = 0; i < 3; i++) {
         uint32_t a = corner[i], b = corner[(i + 1) % 3], c = corner[(i + 2) % 3];
-        vec3 to_b = vec3_sub(position_of(m, b), position_of(m, a));
-        vec3 to_c = vec3_sub(position_of(m, c), position_of(m, a));
+        vec3 to_b = vec3_sub(mesh_place(m, b), mesh_place(m, a));
+        vec3 to_c = vec3_sub(mesh_place(m, c), mesh_place(m, a));
         double twice_area = vec3_length(vec3_cross(to_b, to_c));
         double cosine = vec3_dot(to_b, to_c);
         l->stiffness[a] += twice_area / 6;

@@ -7,7 +7,6 @@
 #include "face/rig_check.h"
 #include "face/rig_draft.h"
 #include "face/rig_edit.h"
-#include "mesh/copy.h"
 #include "mesh/mesh.h"
 #include "stage/perform/face_file.h"
 
