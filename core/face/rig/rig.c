@@ -1,7 +1,6 @@
 #include "face/rig.h"
 
 #include "base/arrays.h"
-#include "base/file.h"
 #include "face/rig/rig_document.h"
 
 #include <stdlib.h>
@@ -9,55 +8,25 @@
 
 static const uint64_t fnv_offset = 14695981039346656037u, fnv_prime = 1099511628211u;
 
-static mrt_result finish_reading(rig *out, rig_document *d, const char *path, error *err)
+void rig_select_free_ranges(rig_select *select)
 {
-    out->document = d;
-    out->path = strdup(path);
-    mrt_result result =
-        out->path ? rig_fill(out, d, err) : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
-    if (result < 0)
-        rig_destroy(out);
-    return result;
+    free(select->first);
+    free(select->last);
+    free(select->value);
+    select->first = select->last = NULL;
+    select->value = NULL;
+    select->range_count = 0;
 }
 
-static mrt_result read_within(rig *out, const char *path, const char *folder, error *err)
+void rig_select_finish(rig_select *select)
 {
-    rig_document *d = NULL;
-    mrt_result result = rig_document_read(&d, path, folder, err);
-    if (result >= 0)
-        result = finish_reading(out, d, path, err);
-    if (result < 0 && err && strncmp(err->text, path, strlen(path)) != 0)
-        error_prefix(err, path);
-    return result;
-}
-
-mrt_result rig_read(rig *out, const char *path, error *err)
-{
-    *out = (rig){0};
-    char *folder = file_directory(path);
-    if (!folder)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
-    mrt_result result = read_within(out, path, folder, err);
-    free(folder);
-    return result;
-}
-
-mrt_result rig_read_trusted(rig *out, const char *path, error *err)
-{
-    *out = (rig){0};
-    return read_within(out, path, NULL, err);
-}
-
-mrt_result rig_parse(rig *out, const void *data, size_t size, const char *path, error *err)
-{
-    *out = (rig){0};
-    rig_document *d = NULL;
-    mrt_result result = rig_document_parse(&d, data, size, path, err);
-    if (result >= 0)
-        result = finish_reading(out, d, path, err);
-    if (result < 0)
-        error_prefix(err, path);
-    return result;
+    for (uint32_t i = 0; select->child && i < select->child_count; ++i)
+        rig_select_finish(&select->child[i]);
+    free(select->child);
+    free(select->path);
+    free(select->name);
+    rig_select_free_ranges(select);
+    *select = (rig_select){0};
 }
 
 static void free_bones(rig *r)
@@ -143,6 +112,16 @@ const rig_contact_set *rig_find_contact_set(const rig *r, const char *name)
         if (strcmp(r->contact_set[i].name, name) == 0)
             return &r->contact_set[i];
     return NULL;
+}
+
+bool rig_select_uses_paint(const rig_select *select, const char *name)
+{
+    if (select->kind == SELECT_PAINTED && strcmp(select->name, name) == 0)
+        return true;
+    for (uint32_t i = 0; i < select->child_count; ++i)
+        if (rig_select_uses_paint(&select->child[i], name))
+            return true;
+    return false;
 }
 
 bool rig_region_is_paint(const rig_region *region)

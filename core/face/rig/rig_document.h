@@ -100,9 +100,33 @@ extern const rig_bone rig_adult_jaw; /* the limits of one, where a file says non
 CHECKED mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_unit,
                                     error *err);
 void rig_select_finish(rig_select *select);
+void rig_select_free_ranges(rig_select *select); /* of vertices, or of what is painted */
+bool rig_select_uses_paint(const rig_select *select, const char *name); /* it, or one within */
+/* What a file calls a kind of selector, and its two points if it has some; NULL else. */
+typedef struct rig_select_words {
+    const char *key, *first, *second;
+} rig_select_words;
+const rig_select_words *rig_select_words_of(rig_select_kind kind);
 json_t *rig_number_to_json(double value); /* a whole number without a point */
 json_t *rig_point_to_json(vec3 point, double mm_per_unit);
 vec3 rig_round_axis(vec3 axis); /* as a file has it: to 1e-6, no longer quite of length 1 */
+
+/* ---- what was painted ----
+ *
+ * "paints": { "jaw": ["120-180:ff", "204:0c1f33"] } in the file, ranges of a selector in memory.
+ * Values are 255ths, two digits 0-9a-f each: of all vertices of a range, or of those that follow
+ * one. [any] */
+
+/* Out of the budget (NULL: it was read before) fills first, last, value, range_count; neighbours of
+ * one value are one range, 0 is left away. */
+CHECKED mrt_result rig_paint_parse(rig_select *out, const json_node *at, budget *b, error *err);
+json_t *rig_paint_to_json(const rig_select *select); /* NULL: no memory */
+bool rig_paint_equals(const rig_select *a, const rig_select *b);
+/* Of a dense array; what was there is freed. */
+CHECKED mrt_result rig_paint_set(rig_select *out, const uint8_t *value, uint32_t vertex_count,
+                                 error *err);
+
+/* ---- degrees of freedom ---- */
 
 /* What a degree of freedom of a pose is measured in. */
 typedef enum rig_dof_unit { RIG_DOF_UNKNOWN = 0, RIG_DOF_RAD, RIG_DOF_MM } rig_dof_unit;

@@ -2,7 +2,6 @@
 
 #include "base/angle.h"
 #include "face/rig/rig_document.h"
-#include "face/rig/rig_paint.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -102,14 +101,14 @@ static void set_select_path(rig_select *select, const char *path)
         free(select->path);
         select->path = copy;
     }
+    const char *key = rig_select_words_of(select->kind)->key;
+    const bool is_list = select->kind == SELECT_ALL || select->kind == SELECT_ANY;
     for (uint32_t i = 0; i < select->child_count; ++i) {
         char child[PATH_TEXT];
-        if (select->kind == SELECT_NOT || select->kind == SELECT_PIECES_INSIDE)
-            (void)snprintf(child, sizeof child, "%.400s.%s", path,
-                           select->kind == SELECT_NOT ? "not" : "pieces_inside");
+        if (is_list)
+            (void)snprintf(child, sizeof child, "%.400s.%s[%u]", path, key, i);
         else
-            (void)snprintf(child, sizeof child, "%.400s.%s[%u]", path,
-                           select->kind == SELECT_ALL ? "all" : "any", i);
+            (void)snprintf(child, sizeof child, "%.400s.%s", path, key);
         set_select_path(&select->child[i], child);
     }
 }
@@ -290,21 +289,11 @@ static bool is_soft(const uint8_t *value, uint32_t vertex_count)
     return false;
 }
 
-static bool uses_paint(const rig_select *select, const char *name)
-{
-    if (select->kind == SELECT_PAINTED && strcmp(select->name, name) == 0)
-        return true;
-    for (uint32_t i = 0; i < select->child_count; ++i)
-        if (uses_paint(&select->child[i], name))
-            return true;
-    return false;
-}
-
 static bool is_paint_taken(const rig *r, uint32_t index, const char *name)
 {
     uint32_t file;
     for (uint32_t i = 0; i < r->region_count; ++i)
-        if (i != index && uses_paint(&r->region[i].select, name))
+        if (i != index && rig_select_uses_paint(&r->region[i].select, name))
             return true;
     return r->document && rig_document_paint(r->document, name, &file).value;
 }
@@ -315,7 +304,7 @@ static void choose_paint_name(const rig *r, uint32_t index, char out[RIG_NAME_MA
     const rig_region *region = &r->region[index];
     bool is_own = region->select.kind == SELECT_PAINTED;
     for (uint32_t i = 0; is_own && i < r->region_count; ++i)
-        is_own = i == index || !uses_paint(&r->region[i].select, region->select.name);
+        is_own = i == index || !rig_select_uses_paint(&r->region[i].select, region->select.name);
     const char *base = is_own                     ? region->select.name
                        : region->name             ? region->name
                        : region->bone != RIG_NONE ? r->bone[region->bone].name
@@ -483,10 +472,6 @@ static void make_jaw(rig_bone *out, vec3 at, double half_mm)
     const vec3 half = {half_mm, 0.0, 0.0};
     out->hinge_left = round_position(vec3_add(at, half), nowhere);
     out->hinge_right = round_position(vec3_sub(at, half), nowhere);
-    out->open_max_rad = rig_adult_jaw.open_max_rad;
-    out->lateral_mm = rig_adult_jaw.lateral_mm;
-    out->forward_mm = rig_adult_jaw.forward_mm;
-    out->slide_mm = rig_adult_jaw.slide_mm;
 }
 
 static void make_ball(rig_bone *out, vec3 at, double half_mm)
@@ -514,7 +499,8 @@ mrt_result rig_edit_add_bone(rig *r, const char *name, rig_bone_kind kind, vec3 
         result = check_new_bone(r, kind, at, half_mm, err);
     if (result < 0)
         return result;
-    rig_bone made = {.name = strdup(name), .kind = kind, .parent = 0};
+    rig_bone made = kind == BONE_JAW ? rig_adult_jaw : (rig_bone){.kind = kind};
+    made.name = strdup(name);
     if (kind == BONE_JAW)
         make_jaw(&made, at, half_mm);
     if (kind == BONE_BALL)

@@ -1,4 +1,4 @@
-#include "face/rig/rig_paint.h"
+#include "face/rig/rig_document.h"
 
 #include "base/text.h"
 

@@ -3,8 +3,6 @@
 #include "base/angle.h"
 #include "base/file.h"
 #include "base/text.h"
-#include "face/rig.h"
-#include "face/rig/rig_paint.h"
 #include "mesh/cut.h"
 
 #include <math.h>
@@ -32,30 +30,32 @@ enum {
     GROUP_MAX = 255
 };
 
-static const struct {
-    const char *key;
-    rig_select_kind kind;
-} kinds[] = {{"vertices", SELECT_VERTICES},
-             {"group", SELECT_GROUP},
-             {"attribute", SELECT_ATTRIBUTE},
-             {"box", SELECT_BOX},
-             {"ellipsoid", SELECT_ELLIPSOID},
-             {"half_space", SELECT_HALF_SPACE},
-             {"within", SELECT_WITHIN},
-             {"all", SELECT_ALL},
-             {"any", SELECT_ANY},
-             {"not", SELECT_NOT},
-             {"painted", SELECT_PAINTED},
-             {"piece", SELECT_PIECE},
-             {"pieces_inside", SELECT_PIECES_INSIDE},
-             {"joint", SELECT_JOINT}};
-enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
+static const rig_select_words words[] = {[SELECT_VERTICES] = {"vertices", NULL, NULL},
+                                         [SELECT_GROUP] = {"group", NULL, NULL},
+                                         [SELECT_ATTRIBUTE] = {"attribute", NULL, NULL},
+                                         [SELECT_BOX] = {"box", "low", "high"},
+                                         [SELECT_ELLIPSOID] = {"ellipsoid", "centre", "radii"},
+                                         [SELECT_HALF_SPACE] = {"half_space", "point", "normal"},
+                                         [SELECT_WITHIN] = {"within", NULL, NULL},
+                                         [SELECT_ALL] = {"all", NULL, NULL},
+                                         [SELECT_ANY] = {"any", NULL, NULL},
+                                         [SELECT_NOT] = {"not", NULL, NULL},
+                                         [SELECT_PAINTED] = {"painted", NULL, NULL},
+                                         [SELECT_PIECE] = {"piece", NULL, NULL},
+                                         [SELECT_PIECES_INSIDE] = {"pieces_inside", NULL, NULL},
+                                         [SELECT_JOINT] = {"joint", NULL, NULL}};
+enum { KIND_COUNT = sizeof words / sizeof *words };
 static const char kind_list[] = "one of vertices, group, attribute, box, ellipsoid, half_space, "
                                 "within, all, any, not, painted, piece, pieces_inside, joint";
 
 static mrt_result no_memory(error *err)
 {
     return error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
+}
+
+const rig_select_words *rig_select_words_of(rig_select_kind kind)
+{
+    return &words[kind];
 }
 
 /* ---- vertices ---- */
@@ -101,14 +101,15 @@ static mrt_result parse_vertices(rig_select *out, const json_node *at, error *er
 
 /* ---- shapes ---- */
 
-static mrt_result parse_two_points(rig_select *out, const json_node *at, const char *first,
-                                   const char *second, const selecting *s, error *err)
+static mrt_result parse_two_points(rig_select *out, const json_node *at, const selecting *s,
+                                   error *err)
 {
+    const rig_select_words *word = &words[out->kind];
     mrt_result result = json_node_object(at, "an object", err);
     if (result < 0)
         return result;
-    json_node a = json_node_member(at, first), b = json_node_member(at, second);
-    const char *const known[] = {first, second, NULL};
+    json_node a = json_node_member(at, word->first), b = json_node_member(at, word->second);
+    const char *const known[] = {word->first, word->second, NULL};
     rig_json_note_unknown(s->note, at, known);
     result = rig_json_point(&out->a, &a, s->mm_per_unit, err);
     double scale = out->kind == SELECT_HALF_SPACE ? 1.0 : s->mm_per_unit;
@@ -117,7 +118,7 @@ static mrt_result parse_two_points(rig_select *out, const json_node *at, const c
 
 static mrt_result parse_box(rig_select *out, const json_node *at, const selecting *s, error *err)
 {
-    mrt_result result = parse_two_points(out, at, "low", "high", s, err);
+    mrt_result result = parse_two_points(out, at, s, err);
     if (result < 0)
         return result;
     if (out->a.x > out->b.x || out->a.y > out->b.y || out->a.z > out->b.z)
@@ -130,7 +131,7 @@ static mrt_result parse_box(rig_select *out, const json_node *at, const selectin
 static mrt_result parse_ellipsoid(rig_select *out, const json_node *at, const selecting *s,
                                   error *err)
 {
-    mrt_result result = parse_two_points(out, at, "centre", "radii", s, err);
+    mrt_result result = parse_two_points(out, at, s, err);
     if (result < 0)
         return result;
     if (!(out->b.x > 0.0 && out->b.y > 0.0 && out->b.z > 0.0))
@@ -142,7 +143,7 @@ static mrt_result parse_ellipsoid(rig_select *out, const json_node *at, const se
 static mrt_result parse_half_space(rig_select *out, const json_node *at, const selecting *s,
                                    error *err)
 {
-    mrt_result result = parse_two_points(out, at, "point", "normal", s, err);
+    mrt_result result = parse_two_points(out, at, s, err);
     if (result < 0)
         return result;
     if (!(vec3_length(out->b) > 1e-9))
@@ -247,23 +248,22 @@ static mrt_result parse_select_kind(rig_select *out, const json_node *at, select
     return json_node_unexpected(err, at, kind_list);
 }
 
-static mrt_result find_select_kind(rig_select *out, const char **out_key, const json_node *at,
-                                   const selecting *s, error *err)
+static mrt_result find_select_kind(rig_select *out, const json_node *at, const selecting *s,
+                                   error *err)
 {
-    const char *known[KIND_COUNT + 1] = {NULL};
+    const char *known[KIND_COUNT] = {NULL};
     mrt_result result = json_node_object(at, "an object", err);
     if (result < 0)
         return result;
-    for (size_t i = 0; i < KIND_COUNT; ++i) {
-        known[i] = kinds[i].key;
-        if (!json_object_get(at->value, kinds[i].key))
+    for (int kind = SELECT_NOTHING + 1; kind < KIND_COUNT; ++kind) {
+        known[kind - 1] = words[kind].key;
+        if (!json_object_get(at->value, words[kind].key))
             continue;
         if (out->kind != SELECT_NOTHING)
             return error_set(err, MRT_ERR_FORMAT,
                              "%s: says both %s and %s; join them with \"all\" or \"any\"",
-                             at->path.text, *out_key, kinds[i].key);
-        out->kind = kinds[i].kind;
-        *out_key = kinds[i].key;
+                             at->path.text, words[out->kind].key, words[kind].key);
+        out->kind = (rig_select_kind)kind;
     }
     if (out->kind == SELECT_NOTHING)
         return json_node_unexpected(err, at, kind_list);
@@ -279,14 +279,13 @@ static mrt_result parse_select(rig_select *out, const json_node *at, selecting *
                          "%s: selectors may be %d deep and %d in all; use groups or attributes",
                          at->path.text, DEPTH_MAX, NODES_MAX);
     s->node_count += 1;
-    const char *key = "";
-    mrt_result result = find_select_kind(out, &key, at, s, err);
+    mrt_result result = find_select_kind(out, at, s, err);
     if (result < 0)
         return result;
     out->path = strdup(at->path.text);
     if (!out->path)
         return no_memory(err);
-    json_node value = json_node_member(at, key);
+    json_node value = json_node_member(at, words[out->kind].key);
     s->depth += 1;
     result = parse_select_kind(out, &value, s, err);
     s->depth -= 1;
@@ -302,32 +301,12 @@ mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_
     return result;
 }
 
-void rig_select_free_ranges(rig_select *select)
-{
-    free(select->first);
-    free(select->last);
-    free(select->value);
-    select->first = select->last = NULL;
-    select->value = NULL;
-    select->range_count = 0;
-}
-
-void rig_select_finish(rig_select *select)
-{
-    for (uint32_t i = 0; select->child && i < select->child_count; ++i)
-        rig_select_finish(&select->child[i]);
-    free(select->child);
-    free(select->path);
-    free(select->name);
-    rig_select_free_ranges(select);
-    *select = (rig_select){0};
-}
-
 /* ---- bones ---- */
 
 static const double radian_per_degree = ANGLE_PI / 180.0;
 /* Of an adult (Ferrario 2005, Travers 2000). */
-const rig_bone rig_adult_jaw = {.open_max_rad = 32.0 * ANGLE_PI / 180.0,
+const rig_bone rig_adult_jaw = {.kind = BONE_JAW,
+                                .open_max_rad = 32.0 * ANGLE_PI / 180.0,
                                 .lateral_mm = 10.0,
                                 .forward_mm = 8.0,
                                 .slide_mm = 12.0};
@@ -392,11 +371,10 @@ static mrt_result read_hinge(rig_bone *bone, const reading *in, error *err)
 
 static mrt_result read_jaw(rig_bone *bone, const reading *in, error *err)
 {
-    bone->kind = BONE_JAW;
-    bone->open_max_rad = rig_adult_jaw.open_max_rad;
-    bone->lateral_mm = rig_adult_jaw.lateral_mm;
-    bone->forward_mm = rig_adult_jaw.forward_mm;
-    bone->slide_mm = rig_adult_jaw.slide_mm;
+    rig_bone jaw = rig_adult_jaw;
+    jaw.name = bone->name;
+    jaw.parent = bone->parent;
+    *bone = jaw;
     mrt_result result = read_hinge(bone, in, err);
     json_node open = json_node_member(&in->node, "open_deg");
     if (result >= 0 && open.value)
@@ -551,7 +529,7 @@ static mrt_result add_default_skull(rig *r, error *err)
 {
     r->bone[0] = (rig_bone){.name = strdup("skull"), .parent = RIG_NONE};
     r->bone_count = 1;
-    return r->bone[0].name ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the rig");
+    return r->bone[0].name ? MRT_OK : no_memory(err);
 }
 
 static mrt_result fill_bones(rig *r, rig_document *d, error *err)
@@ -1167,5 +1145,57 @@ mrt_result rig_fill(rig *r, rig_document *d, error *err)
     mrt_result result = MRT_OK;
     for (size_t i = 0; result >= 0 && i < sizeof steps / sizeof *steps; ++i)
         result = steps[i](r, d, err);
+    return result;
+}
+
+/* ---- files ---- */
+
+static mrt_result finish_reading(rig *out, rig_document *d, const char *path, error *err)
+{
+    out->document = d;
+    out->path = strdup(path);
+    mrt_result result = out->path ? rig_fill(out, d, err) : no_memory(err);
+    if (result < 0)
+        rig_destroy(out);
+    return result;
+}
+
+static mrt_result read_within(rig *out, const char *path, const char *folder, error *err)
+{
+    rig_document *d = NULL;
+    mrt_result result = rig_document_read(&d, path, folder, err);
+    if (result >= 0)
+        result = finish_reading(out, d, path, err);
+    if (result < 0 && err && strncmp(err->text, path, strlen(path)) != 0)
+        error_prefix(err, path);
+    return result;
+}
+
+mrt_result rig_read(rig *out, const char *path, error *err)
+{
+    *out = (rig){0};
+    char *folder = file_directory(path);
+    if (!folder)
+        return no_memory(err);
+    mrt_result result = read_within(out, path, folder, err);
+    free(folder);
+    return result;
+}
+
+mrt_result rig_read_trusted(rig *out, const char *path, error *err)
+{
+    *out = (rig){0};
+    return read_within(out, path, NULL, err);
+}
+
+mrt_result rig_parse(rig *out, const void *data, size_t size, const char *path, error *err)
+{
+    *out = (rig){0};
+    rig_document *d = NULL;
+    mrt_result result = rig_document_parse(&d, data, size, path, err);
+    if (result >= 0)
+        result = finish_reading(out, d, path, err);
+    if (result < 0)
+        error_prefix(err, path);
     return result;
 }

@@ -1,14 +1,17 @@
-#include "face/rig.h"
+#include "face/rig/rig_document.h"
 
 #include "base/angle.h"
 #include "base/file.h"
-#include "face/rig/rig_document.h"
-#include "face/rig/rig_paint.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to write the rig");
+}
 
 /* ---- selectors as JSON ---- */
 
@@ -46,66 +49,50 @@ static json_t *children_to_json(const rig_select *select, double mm_per_unit)
     return out;
 }
 
-static json_t *select_to_json(const rig_select *select, double mm_per_unit)
+static json_t *points_to_json(const rig_select *select, double a_unit, double b_unit)
 {
-    json_t *a = rig_point_to_json(select->a, mm_per_unit);
-    json_t *b = rig_point_to_json(select->b, mm_per_unit);
-    json_t *direction = rig_point_to_json(select->b, 1.0);
-    json_t *out = NULL;
+    const rig_select_words *word = rig_select_words_of(select->kind);
+    return pair_to_json(word->first, rig_point_to_json(select->a, a_unit), word->second,
+                        rig_point_to_json(select->b, b_unit));
+}
+
+/* What stands behind the key of its kind. */
+static json_t *select_value_to_json(const rig_select *select, double mm_per_unit)
+{
     switch (select->kind) {
     case SELECT_VERTICES:
-        out = json_pack("{so}", "vertices", vertices_to_json(select));
-        break;
+        return vertices_to_json(select);
     case SELECT_GROUP:
-        out = json_pack("{ss}", "group", select->name);
-        break;
     case SELECT_ATTRIBUTE:
-        out = json_pack("{ss}", "attribute", select->name);
-        break;
-    case SELECT_BOX:
-        out = json_pack("{so}", "box", pair_to_json("low", json_incref(a), "high", json_incref(b)));
-        break;
-    case SELECT_ELLIPSOID:
-        out = json_pack("{so}", "ellipsoid",
-                        pair_to_json("centre", json_incref(a), "radii", json_incref(b)));
-        break;
-    case SELECT_HALF_SPACE:
-        out = json_pack("{so}", "half_space",
-                        pair_to_json("point", json_incref(a), "normal", json_incref(direction)));
-        break;
-    case SELECT_WITHIN:
-        out = json_pack("{so}", "within",
-                        pair_to_json("mm", rig_number_to_json(select->within_mm), "of",
-                                     json_integer((json_int_t)select->vertex)));
-        break;
-    case SELECT_ALL:
-        out = json_pack("{so}", "all", children_to_json(select, mm_per_unit));
-        break;
-    case SELECT_ANY:
-        out = json_pack("{so}", "any", children_to_json(select, mm_per_unit));
-        break;
-    case SELECT_NOT:
-        out = json_pack("{so}", "not", select_to_json(&select->child[0], mm_per_unit));
-        break;
     case SELECT_PAINTED:
-        out = json_pack("{ss}", "painted", select->name);
-        break;
-    case SELECT_PIECE:
-        out = json_pack("{sI}", "piece", (json_int_t)select->vertex);
-        break;
-    case SELECT_PIECES_INSIDE:
-        out = json_pack("{so}", "pieces_inside", select_to_json(&select->child[0], mm_per_unit));
-        break;
     case SELECT_JOINT:
-        out = json_pack("{ss}", "joint", select->name);
-        break;
+        return json_string(select->name);
+    case SELECT_BOX:
+    case SELECT_ELLIPSOID:
+        return points_to_json(select, mm_per_unit, mm_per_unit);
+    case SELECT_HALF_SPACE:
+        return points_to_json(select, mm_per_unit, 1.0);
+    case SELECT_WITHIN:
+        return pair_to_json("mm", rig_number_to_json(select->within_mm), "of",
+                            json_integer((json_int_t)select->vertex));
+    case SELECT_ALL:
+    case SELECT_ANY:
+        return children_to_json(select, mm_per_unit);
+    case SELECT_NOT:
+    case SELECT_PIECES_INSIDE:
+        return select_to_json(&select->child[0], mm_per_unit);
+    case SELECT_PIECE:
+        return json_integer((json_int_t)select->vertex);
     case SELECT_NOTHING:
         break;
     }
-    json_decref(a);
-    json_decref(b);
-    json_decref(direction);
-    return out;
+    return NULL;
+}
+
+static json_t *select_to_json(const rig_select *select, double mm_per_unit)
+{
+    json_t *value = select_value_to_json(select, mm_per_unit);
+    return value ? json_pack("{so}", rig_select_words_of(select->kind)->key, value) : NULL;
 }
 
 /* ---- selectors compared ---- */
@@ -262,10 +249,10 @@ static void write_jaw(json_t *out, const rig_bone *bone, const writing *w)
     json_t *hinge = get_object(out, "hinge");
     set_point(hinge, "left", bone->hinge_left, w);
     set_point(hinge, "right", bone->hinge_right, w);
-    set_range(out, "open_deg", bone->open_min_rad, bone->open_max_rad, 32.0 * radian_per_degree);
-    set_number(out, "lateral_mm", bone->lateral_mm, 1.0, 10.0);
-    set_number(out, "forward_mm", bone->forward_mm, 1.0, 8.0);
-    set_number(out, "slide_mm", bone->slide_mm, 1.0, 12.0);
+    set_range(out, "open_deg", bone->open_min_rad, bone->open_max_rad, rig_adult_jaw.open_max_rad);
+    set_number(out, "lateral_mm", bone->lateral_mm, 1.0, rig_adult_jaw.lateral_mm);
+    set_number(out, "forward_mm", bone->forward_mm, 1.0, rig_adult_jaw.forward_mm);
+    set_number(out, "slide_mm", bone->slide_mm, 1.0, rig_adult_jaw.slide_mm);
     if (bone->has_incisor)
         set_point(out, "incisor", bone->incisor, w);
     else
@@ -477,11 +464,9 @@ static json_t *set_to_json(const rig *r, uint32_t index)
 
 /* ---- any entry ---- */
 
-/* Entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its source (NULL:
- * none), whose file has source_mm_per_unit, in which only what differs is changed. NULL: no memory.
- */
-static json_t *written_entry(const rig *r, rig_section section, uint32_t index,
-                             const json_t *source, double source_mm_per_unit, double mm_per_unit)
+/* Entry `index` of a section as JSON for a file of `mm_per_unit`: a copy of its source, if it has
+ * one, in which only what differs is changed. NULL: no memory. */
+static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, double mm_per_unit)
 {
     static void (*const write[])(json_t *, const writing *,
                                  uint32_t) = {[RIG_BONES] = write_bone,
@@ -491,8 +476,10 @@ static json_t *written_entry(const rig *r, rig_section section, uint32_t index,
                                               [RIG_POSES] = write_pose};
     if (section == RIG_SETS)
         return set_to_json(r, index);
-    writing w = {r, source_mm_per_unit, mm_per_unit};
-    json_t *out = source ? json_deep_copy(source) : json_object();
+    const rig_document *d = r->document;
+    const rig_entry *source = rig_source(r, section, index);
+    writing w = {r, source ? d->file[source->file].mm_per_unit : mm_per_unit, mm_per_unit};
+    json_t *out = source ? json_deep_copy(source->node.value) : json_object();
     if (out)
         write[section](out, &w, index);
     return out;
@@ -508,20 +495,10 @@ typedef struct painting { /* the file that is written */
 
 /* ---- which paints are named ---- */
 
-static bool select_names(const rig_select *select, const char *name)
-{
-    if (select->kind == SELECT_PAINTED && strcmp(select->name, name) == 0)
-        return true;
-    for (uint32_t i = 0; i < select->child_count; ++i)
-        if (select_names(&select->child[i], name))
-            return true;
-    return false;
-}
-
 static bool rig_names(const rig *r, const char *name)
 {
     for (uint32_t i = 0; i < r->region_count; ++i)
-        if (select_names(&r->region[i].select, name))
+        if (rig_select_uses_paint(&r->region[i].select, name))
             return true;
     return false;
 }
@@ -625,17 +602,12 @@ static mrt_result write_paints(json_t *root, const rig *r, error *err)
     else if (json_is_object(json_object_get(root, "paints")))
         (void)json_object_del(root, "paints");
     json_decref(p.paints);
-    return p.failed ? error_set(err, MRT_ERR_MEMORY, "no memory to write the rig") : MRT_OK;
+    return p.failed ? no_memory(err) : MRT_OK;
 }
 
 /* ---- the file ---- */
 
 enum { DUMP_FLAGS = JSON_ENCODE_ANY | JSON_REAL_PRECISION(15) };
-
-static mrt_result no_memory(error *err)
-{
-    return error_set(err, MRT_ERR_MEMORY, "no memory to write the rig");
-}
 
 /* ---- paths ---- */
 
@@ -706,8 +678,6 @@ static bool is_same_directory(const char *a, const char *b)
     return same;
 }
 
-/* ---- entries and where they came from ---- */
-
 static uint32_t entry_count_of(const rig *r, rig_section section)
 {
     const uint32_t count[RIG_SECTIONS] = {
@@ -715,30 +685,6 @@ static uint32_t entry_count_of(const rig *r, rig_section section)
         [RIG_CONTACTS] = r->contact_count, [RIG_PROXIES] = r->proxy_count,
         [RIG_POSES] = r->pose_count,       [RIG_SETS] = r->contact_set_count};
     return count[section];
-}
-
-static const char *entry_name(const rig *r, rig_section section, uint32_t index)
-{
-    switch (section) {
-    case RIG_BONES:
-        return r->bone[index].name;
-    case RIG_CONTACTS:
-        return r->contact[index].name;
-    case RIG_POSES:
-        return r->pose[index].name;
-    case RIG_SETS:
-        return r->contact_set[index].name;
-    default:
-        return NULL;
-    }
-}
-
-static json_t *entry_to_json(const rig *r, rig_section section, uint32_t index, double mm_per_unit)
-{
-    const rig_document *d = r->document;
-    const rig_entry *source = rig_source(r, section, index);
-    return written_entry(r, section, index, source ? source->node.value : NULL,
-                         source ? d->file[source->file].mm_per_unit : mm_per_unit, mm_per_unit);
 }
 
 /* ---- the whole file ---- */
@@ -750,7 +696,7 @@ static mrt_result put_section(json_t *root, const rig *r, rig_section section, e
     int failed = all == NULL;
     for (uint32_t i = 0; !failed && i < entry_count_of(r, section); ++i) {
         json_t *entry = entry_to_json(r, section, i, r->mm_per_unit);
-        failed = section == RIG_SETS ? json_object_set_new(all, entry_name(r, section, i), entry)
+        failed = section == RIG_SETS ? json_object_set_new(all, r->contact_set[i].name, entry)
                                      : json_array_append_new(all, entry);
     }
     bool is_empty = json_object_size(all) + json_array_size(all) == 0;
