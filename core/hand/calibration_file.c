@@ -53,8 +53,6 @@ static mrt_result read_choice(uint32_t *out, const json_node *at, const char *co
     return json_node_unexpected(err, at, expected);
 }
 
-/* ---- reading ---- */
-
 const char *const calibration_source_name[CALIBRATION_SOURCES] = {"shipped", "zeroed", "measured",
                                                                   "imported"};
 static const char *const side_name[2] = {"left", "right"};
@@ -160,6 +158,15 @@ static mrt_result read_ranges(calibration_sensor *out, const json_node *at, erro
     return result;
 }
 
+static mrt_result find_sensor(int *out, const char *key, const json_node *at, error *err)
+{
+    *out = sensor_find(key);
+    return *out >= 0 ? MRT_OK
+                     : error_set(err, MRT_ERR_FORMAT,
+                                 "%s: there is no sensor of that name, as in \"index.mpj\"",
+                                 at->path.text);
+}
+
 static mrt_result read_cross_talk(calibration_sensor *out, const json_node *of, error *err)
 {
     json_node at = json_node_member(of, "cross_talk");
@@ -172,11 +179,10 @@ static mrt_result read_cross_talk(calibration_sensor *out, const json_node *of, 
     for (void *i = json_object_iter(object); i; i = json_object_iter_next(object, i)) {
         const char *key = json_object_iter_key(i);
         json_node member = json_node_member(&at, key);
-        int sensor = sensor_find(key);
-        if (sensor < 0)
-            return error_set(err, MRT_ERR_FORMAT,
-                             "%s: there is no sensor of that name, as in \"index.mpj\"",
-                             member.path.text);
+        int sensor;
+        result = find_sensor(&sensor, key, &member, err);
+        if (result < 0)
+            return result;
         double share = 0;
         result = json_node_number(&share, &member, -cross_talk_cap, cross_talk_cap, err);
         if (result < 0)
@@ -229,11 +235,10 @@ static mrt_result read_sensors(calibration_file *out, const json_node *root, err
     for (void *i = json_object_iter(object); i; i = json_object_iter_next(object, i)) {
         const char *key = json_object_iter_key(i);
         json_node member = json_node_member(&at, key);
-        int sensor = sensor_find(key);
-        if (sensor < 0)
-            return error_set(err, MRT_ERR_FORMAT,
-                             "%s: there is no sensor of that name, as in \"index.mpj\"",
-                             member.path.text);
+        int sensor;
+        result = find_sensor(&sensor, key, &member, err);
+        if (result < 0)
+            return result;
         result = read_sensor(out, sensor, &member, err);
         if (result < 0)
             return result;
@@ -428,7 +433,7 @@ static void set_file(json_writer *writer, json_t *root, const calibration_file *
     set(writer, root, "marotte_calibration", json_integer(1));
     set(writer, root, "name", json_string(file->name));
     set(writer, root, "date", json_string(file->date));
-    set(writer, root, "hand", json_string(file->side == MRT_LEFT ? "left" : "right"));
+    set(writer, root, "hand", json_string(side_name[file->side == MRT_LEFT ? 0 : 1]));
     if (file->input[0])
         set(writer, root, "input", json_string(file->input));
     else

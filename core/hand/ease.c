@@ -1,5 +1,4 @@
 #include "hand/ease.h"
-#include "hand/gap.h"
 
 #include <math.h>
 #include <string.h>

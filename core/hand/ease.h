@@ -1,10 +1,19 @@
 /* hand/ease.h - values that change in one step are shown going there smoothly within a quarter of a
  * second: angles and a tracked wrist after a gap in their samples (a device was lost and came
- * back: gap.h), and the offsets of a re-zero. Smoothstep in sample time: a function of the samples
- * alone. [frame]; no allocation. */
+ * back), and the offsets of a re-zero. Smoothstep in sample time: a function of the samples
+ * alone. And when the samples of a hand have broken off. [frame]; no allocation. */
 #ifndef MAROTTE_HAND_EASE_H
 #define MAROTTE_HAND_EASE_H
 #include <marotte/plugin.h>
+
+/* After a longer silence what was before says nothing about now. */
+#define HAND_GAP_NS 250000000LL
+
+/* A step backwards in time is as much a break as a silence. */
+static inline bool hand_is_gap(int64_t last_ns, int64_t time_ns)
+{
+    return time_ns < last_ns || (uint64_t)time_ns - (uint64_t)last_ns > (uint64_t)HAND_GAP_NS;
+}
 
 #define EASE_SPAN_NS 250000000LL /* how long it takes */
 

@@ -1,7 +1,7 @@
 #include "hand/filter.h"
 
 #include "base/angle.h"
-#include "hand/gap.h"
+#include "hand/ease.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,5 +1,6 @@
 #include "hand/still.h"
-#include "hand/gap.h"
+
+#include "hand/ease.h"
 
 #include <math.h>
 #include <string.h>

@@ -30,16 +30,16 @@ typedef struct virtualhand_text {
 static const double CENTIMETRES_MAX = 1000.0, GAIN_MAX = 1e3;
 enum { NUMBERS_MAX = 4, SHOWN_TEXT = 48 };
 
-typedef struct reader {
+typedef struct virtualhand_reader {
     text_view rest;
     uint32_t line_number;
     const char *name;
     bool has_calibration, has_geometry;
     virtualhand_text *out;
     error *err;
-} reader;
+} virtualhand_reader;
 
-static mrt_result unexpected(const reader *self, text_view line, const char *expected)
+static mrt_result unexpected(const virtualhand_reader *self, text_view line, const char *expected)
 {
     char shown[SHOWN_TEXT];
     text_copy(shown, sizeof shown, line);
@@ -47,7 +47,7 @@ static mrt_result unexpected(const reader *self, text_view line, const char *exp
                      self->name, self->line_number, expected, shown);
 }
 
-static mrt_result ended(const reader *self, const char *expected)
+static mrt_result ended(const virtualhand_reader *self, const char *expected)
 {
     return error_set(self->err, MRT_ERR_FORMAT, "%.120s: line %u: the file ends, expected %s",
                      self->name, self->line_number, expected);
@@ -60,7 +60,7 @@ static bool begins_with(text_view line, const char *words)
 }
 
 /* The next line that is neither empty nor a comment, trimmed; false at the end. */
-static bool next_line(reader *self, text_view *out)
+static bool next_line(virtualhand_reader *self, text_view *out)
 {
     while (text_next_line(&self->rest, out)) {
         self->line_number += 1;
@@ -84,8 +84,8 @@ static bool read_numbers(text_view line, double *out, int least, int most)
     return count >= least;
 }
 
-static mrt_result expect_numbers(reader *self, double *out, int least, int most, double cap,
-                                 const char *expected)
+static mrt_result expect_numbers(virtualhand_reader *self, double *out, int least, int most,
+                                 double cap, const char *expected)
 {
     text_view line;
     double number[NUMBERS_MAX] = {0};
@@ -111,7 +111,7 @@ static bool read_whole(double number, int32_t low, int32_t high, int32_t *out)
 
 /* ---- the first part ---- */
 
-static mrt_result read_joint(reader *self, uint32_t finger, int32_t joint)
+static mrt_result read_joint(virtualhand_reader *self, uint32_t finger, int32_t joint)
 {
     static const char expected[] = "\"joint offset gain gesture\", joints 0 to 3 in order";
     double number[NUMBERS_MAX] = {0};
@@ -130,7 +130,7 @@ static mrt_result read_joint(reader *self, uint32_t finger, int32_t joint)
     return MRT_OK;
 }
 
-static mrt_result read_finger(reader *self, text_view line)
+static mrt_result read_finger(virtualhand_reader *self, text_view line)
 {
     static const char expected[] = "\"FINGER 0:\" to \"FINGER 5:\", each once";
     text_view rest = line, word;
@@ -152,7 +152,7 @@ static mrt_result read_finger(reader *self, text_view line)
 
 /* ---- the second part ---- */
 
-static mrt_result read_side(reader *self)
+static mrt_result read_side(virtualhand_reader *self)
 {
     static const char expected[] = "\"RIGHT HAND.\" or \"LEFT HAND.\"";
     text_view line;
@@ -165,7 +165,7 @@ static mrt_result read_side(reader *self)
     return MRT_OK;
 }
 
-static mrt_result read_counts(reader *self)
+static mrt_result read_counts(virtualhand_reader *self)
 {
     static const char expected[] =
         "fingers (5 or 6), joints (2 to 4), thumb roll and hand roll in degrees";
@@ -184,7 +184,7 @@ static mrt_result read_counts(reader *self)
     return MRT_OK;
 }
 
-static mrt_result read_shape(reader *self, uint32_t finger)
+static mrt_result read_shape(virtualhand_reader *self, uint32_t finger)
 {
     double number[NUMBERS_MAX] = {0};
     mrt_result result = expect_numbers(self, number, 1, 1, 1e6, "a finger's colour, one number");
@@ -196,7 +196,7 @@ static mrt_result read_shape(reader *self, uint32_t finger)
     return result;
 }
 
-static mrt_result read_geometry(reader *self)
+static mrt_result read_geometry(virtualhand_reader *self)
 {
     double number[NUMBERS_MAX] = {0};
     mrt_result result = read_side(self);
@@ -220,7 +220,7 @@ static bool is_point(text_view line)
     return read_numbers(line, number, 3, 3);
 }
 
-static mrt_result read_part(reader *self, text_view line)
+static mrt_result read_part(virtualhand_reader *self, text_view line)
 {
     if (begins_with(line, "GLOVE CALIBRATION")) {
         if (self->has_calibration)
@@ -242,7 +242,7 @@ static mrt_result read_part(reader *self, text_view line)
                       "GLOVE CALIBRATION, FINGER k:, 3D HAND GEOMETRY or a comment with '!'");
 }
 
-static mrt_result read_version(reader *self)
+static mrt_result read_version(virtualhand_reader *self)
 {
     text_view line = {self->rest.at, self->rest.at};
     (void)text_next_line(&self->rest, &line);
@@ -260,7 +260,7 @@ static mrt_result read_version(reader *self)
         self->name, shown);
 }
 
-static mrt_result check_complete(const reader *self)
+static mrt_result check_complete(const virtualhand_reader *self)
 {
     for (int finger = 0; finger < VIRTUALHAND_FINGERS; ++finger)
         if (!self->out->gain[finger][0].given)
@@ -277,7 +277,8 @@ static mrt_result parse_text(virtualhand_text *out, const void *bytes, size_t si
                              const char *name, error *err)
 {
     memset(out, 0, sizeof *out);
-    reader self = {.rest = text_view_of(bytes, size), .name = name, .out = out, .err = err};
+    virtualhand_reader self = {
+        .rest = text_view_of(bytes, size), .name = name, .out = out, .err = err};
     mrt_result result = read_version(&self);
     text_view line;
     while (result >= 0 && next_line(&self, &line))

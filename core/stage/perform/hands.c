@@ -2,7 +2,6 @@
 #include "base/angle.h"
 #include "base/bytes.h"
 #include "hand/ease.h"
-#include "hand/gap.h"
 #include "hand/sensor.h"
 #include "hand/still.h"
 
