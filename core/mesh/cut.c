@@ -1,5 +1,7 @@
 #include "mesh/cut.h"
 
+#include "base/arrays.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,7 @@ static const float dark[4] = {0.025f, 0.008f, 0.007f, 1.0f};
 typedef enum fan_side { SIDE_UNKNOWN = 0, SIDE_UPPER, SIDE_LOWER } fan_side;
 
 typedef struct cutting {
+    arrays arrays; /* those below */
     mesh *m;
     uint32_t *chain, count;   /* points, from the subject's right to the left */
     int32_t *chain_index;     /* vertex_count: of a point in the chain; NOT_THERE */
@@ -348,31 +351,18 @@ static void put_part(cutting *c, char *name, char *material_name)
 
 static mrt_result allocate(cutting *c, uint32_t count, error *err)
 {
-    size_t vertices = (size_t)c->m->vertex_count + 1, triangles = (size_t)c->m->triangle_count + 1;
-    c->chain = malloc(((size_t)count + 1) * sizeof *c->chain);
-    c->chain_index = malloc(vertices * sizeof *c->chain_index);
-    c->twin = malloc(vertices * sizeof *c->twin);
-    c->fan = malloc(triangles * sizeof *c->fan);
-    c->side = malloc(triangles);
-    if (!c->chain || !c->chain_index || !c->twin || !c->fan || !c->side)
+    arrays *a = &c->arrays;
+    size_t vertices = c->m->vertex_count, triangles = c->m->triangle_count;
+    c->chain = arrays_add(a, count, sizeof *c->chain);
+    c->chain_index = arrays_add(a, vertices, sizeof *c->chain_index);
+    c->twin = arrays_add(a, vertices, sizeof *c->twin);
+    c->fan = arrays_add(a, triangles, sizeof *c->fan);
+    c->side = arrays_add(a, triangles, sizeof *c->side);
+    if (a->failed)
         return no_memory(err);
     memset(c->chain_index, 0xff, vertices * sizeof *c->chain_index);
     memset(c->twin, 0xff, vertices * sizeof *c->twin);
     return MRT_OK;
-}
-
-static void finish(cutting *c)
-{
-    free(c->chain);
-    free(c->chain_index);
-    free(c->twin);
-    free(c->fan);
-    free(c->side);
-    free(c->from);
-    free(c->host);
-    free(c->deep);
-    free(c->at);
-    free(c->bag);
 }
 
 static mrt_result open_mouth(cutting *c, error *err)
@@ -380,16 +370,16 @@ static mrt_result open_mouth(cutting *c, error *err)
     /* Every corner of the lower side, twins for the bag, the bag's rings and its end. */
     const size_t loop = 2 * (size_t)c->count, triangles = (2 * RINGS + 1) * loop;
     const size_t vertices = (size_t)6 * c->fan_count + (RINGS + 2) * loop + 1;
-    uint32_t *ring = malloc(2 * loop * sizeof *ring);
+    arrays *a = &c->arrays;
+    uint32_t *ring = arrays_add(a, 2 * loop, sizeof *ring);
     char *name = strdup("mouth"), *material_name = strdup("mouth");
-    c->from = malloc(vertices * sizeof *c->from);
-    c->host = malloc(vertices * sizeof *c->host);
-    c->deep = malloc(vertices * sizeof *c->deep);
-    c->at = malloc(vertices * sizeof *c->at);
-    c->bag = malloc(triangles * sizeof *c->bag);
-    if (!ring || !name || !material_name || !c->from || !c->deep || !c->at || !c->bag || !c->host ||
-        !say_points(c->m) || !grow_all(c->m, vertices, triangles)) {
-        free(ring);
+    c->from = arrays_add(a, vertices, sizeof *c->from);
+    c->host = arrays_add(a, vertices, sizeof *c->host);
+    c->deep = arrays_add(a, vertices, sizeof *c->deep);
+    c->at = arrays_add(a, vertices, sizeof *c->at);
+    c->bag = arrays_add(a, triangles, sizeof *c->bag);
+    if (a->failed || !name || !material_name || !say_points(c->m) ||
+        !grow_all(c->m, vertices, triangles)) {
         free(name);
         free(material_name);
         return no_memory(err);
@@ -404,7 +394,6 @@ static mrt_result open_mouth(cutting *c, error *err)
     c->m->path = NULL;
     mesh_note(c->m, "mouth: opened along %u edges, with a bag of %u triangles behind it",
               c->count - 1, c->bag_count);
-    free(ring);
     return MRT_OK;
 }
 
@@ -424,6 +413,6 @@ mrt_result mesh_cut_mouth(mesh *m, const uint32_t *chain, uint32_t count, error 
         result = find_sides(&c, err);
     if (result >= 0)
         result = open_mouth(&c, err);
-    finish(&c);
+    arrays_free(&c.arrays);
     return result;
 }

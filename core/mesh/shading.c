@@ -1,5 +1,7 @@
 #include "mesh/shading.h"
 
+#include "base/arrays.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -316,8 +318,9 @@ void shading_update(shading *self, const shading_shape *now)
 
 /* ---- made: which triangles touch each block, and which blocks touch each other ---- */
 
-/* The mesh while it is taken in. */
-typedef struct source {
+/* Which triangles each vertex has, while the blocks are made. */
+typedef struct incidence {
+    arrays arrays; /* those below */
     const uint32_t *triangle, *smooth;
     uint32_t triangle_count, vertex_count, block_count;
     uint32_t *start, *of; /* the triangles of each vertex that stands for others, ascending */
@@ -325,37 +328,27 @@ typedef struct source {
     uint32_t *owner;      /* triangle_count: 1 + that block */
     uint32_t *entry;      /* block_count: where the block is among the neighbours of `whose` */
     uint32_t *whose;      /* block_count: 1 + the block */
-} source;
+} incidence;
 
-static void free_source(source *s)
+static bool incidence_allocate(incidence *s)
 {
-    free(s->start);
-    free(s->of);
-    free(s->local);
-    free(s->owner);
-    free(s->entry);
-    free(s->whose);
+    arrays *a = &s->arrays;
+    s->start = arrays_add(a, (size_t)s->vertex_count + 1, sizeof *s->start);
+    s->of = arrays_add(a, (size_t)3 * s->triangle_count, sizeof *s->of);
+    s->local = arrays_add(a, s->triangle_count, sizeof *s->local);
+    s->owner = arrays_add(a, s->triangle_count, sizeof *s->owner);
+    s->entry = arrays_add(a, s->block_count, sizeof *s->entry);
+    s->whose = arrays_add(a, s->block_count, sizeof *s->whose);
+    return !a->failed;
 }
 
-static bool allocate_source(source *s)
-{
-    size_t triangles = (size_t)s->triangle_count + 1, blocks = (size_t)s->block_count + 1;
-    s->start = calloc((size_t)s->vertex_count + 2, sizeof *s->start);
-    s->of = malloc(3 * triangles * sizeof *s->of);
-    s->local = calloc(triangles, sizeof *s->local);
-    s->owner = calloc(triangles, sizeof *s->owner);
-    s->entry = calloc(blocks, sizeof *s->entry);
-    s->whose = calloc(blocks, sizeof *s->whose);
-    return s->start && s->of && s->local && s->owner && s->entry && s->whose;
-}
-
-static uint32_t smooth_of(const source *s, uint32_t vertex)
+static uint32_t smooth_of(const incidence *s, uint32_t vertex)
 {
     return s->smooth ? s->smooth[vertex] : vertex;
 }
 
 /* start is shifted by one while it is filled. */
-static void list_triangles(source *s)
+static void list_triangles(incidence *s)
 {
     size_t corners = (size_t)3 * s->triangle_count;
     for (size_t i = 0; i < corners; ++i)
@@ -368,13 +361,14 @@ static void list_triangles(source *s)
 
 /* ---- made: one block ---- */
 
-static uint32_t lanes_of_block(const source *s, uint32_t block)
+static uint32_t lanes_of_block(const incidence *s, uint32_t block)
 {
     uint32_t left = s->vertex_count - block * SHADING_BLOCK;
     return left < SHADING_BLOCK ? left : SHADING_BLOCK;
 }
 
-static uint32_t local_of(source *s, uint32_t *corner, shading_block *b, uint32_t block, uint32_t t)
+static uint32_t local_of(incidence *s, uint32_t *corner, shading_block *b, uint32_t block,
+                         uint32_t t)
 {
     if (s->owner[t] != 1 + block) {
         s->owner[t] = 1 + block;
@@ -387,7 +381,7 @@ static uint32_t local_of(source *s, uint32_t *corner, shading_block *b, uint32_t
 }
 
 /* The table of a block and what is beyond it; self->corner and more NULL: only counts. */
-static void take_triangles(shading *self, source *s, uint32_t block)
+static void take_triangles(shading *self, incidence *s, uint32_t block)
 {
     shading_block *b = &self->block[block];
     b->triangle_count = b->more_count = 0;
@@ -410,7 +404,7 @@ static void take_triangles(shading *self, source *s, uint32_t block)
     }
 }
 
-static void end_table(shading *self, const source *s, uint32_t block)
+static void end_table(shading *self, const incidence *s, uint32_t block)
 {
     for (uint32_t lane = 0; lane < SHADING_BLOCK; ++lane) {
         uint32_t v = block * SHADING_BLOCK + lane;
@@ -421,7 +415,8 @@ static void end_table(shading *self, const source *s, uint32_t block)
     }
 }
 
-static void note_neighbour(shading *self, source *s, uint32_t block, uint32_t other, uint32_t lane)
+static void note_neighbour(shading *self, incidence *s, uint32_t block, uint32_t other,
+                           uint32_t lane)
 {
     shading_block *b = &self->block[block];
     if (s->whose[other] != 1 + block) {
@@ -436,7 +431,7 @@ static void note_neighbour(shading *self, source *s, uint32_t block, uint32_t ot
 }
 
 /* self->neighbour NULL: only counts. */
-static void take_neighbours(shading *self, source *s, uint32_t block)
+static void take_neighbours(shading *self, incidence *s, uint32_t block)
 {
     self->block[block].neighbour_count = 0;
     for (uint32_t lane = 0; lane < lanes_of_block(s, block); ++lane) {
@@ -452,7 +447,7 @@ static void take_neighbours(shading *self, source *s, uint32_t block)
 
 /* ---- made: all blocks ---- */
 
-static void take_blocks(shading *self, source *s)
+static void take_blocks(shading *self, incidence *s)
 {
     memset(s->owner, 0, s->triangle_count * sizeof *s->owner);
     memset(s->whose, 0, s->block_count * sizeof *s->whose);
@@ -463,7 +458,7 @@ static void take_blocks(shading *self, source *s)
 }
 
 /* Counted first, then filled. */
-static bool list_blocks(shading *self, source *s)
+static bool list_blocks(shading *self, incidence *s)
 {
     uint32_t triangles = 0, more = 0, neighbours = 0;
     take_blocks(self, s);
@@ -490,17 +485,17 @@ static bool list_blocks(shading *self, source *s)
 static bool take_in(shading *self, const uint32_t *triangle, uint32_t triangle_count,
                     const uint32_t *smooth)
 {
-    source s = {.triangle = triangle,
-                .smooth = smooth,
-                .triangle_count = triangle_count,
-                .vertex_count = self->vertex_count,
-                .block_count = self->block_count};
-    bool done = allocate_source(&s);
+    incidence s = {.triangle = triangle,
+                   .smooth = smooth,
+                   .triangle_count = triangle_count,
+                   .vertex_count = self->vertex_count,
+                   .block_count = self->block_count};
+    bool done = incidence_allocate(&s);
     if (done) {
         list_triangles(&s);
         done = list_blocks(self, &s);
     }
-    free_source(&s);
+    arrays_free(&s.arrays);
     return done;
 }
 

@@ -1,5 +1,7 @@
 #include "mesh/surface_meter.h"
 
+#include "base/arrays.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +26,7 @@ typedef struct surface_made { /* of an edge, in all shapes that were learnt and 
 } surface_made;
 
 struct surface_meter {
+    arrays arrays; /* those below */
     uint32_t vertex_count, triangle_count, edge_count;
     uint32_t *corner; /* triangle_count by 3 */
     surface_edge *edge;
@@ -161,21 +164,21 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
                                 uint32_t vertex_count, const uint32_t *triangle,
                                 uint32_t triangle_count, error *err)
 {
-    size_t room = (size_t)triangle_count + 1;
+    size_t count = triangle_count;
     surface_meter *self = *out = calloc(1, sizeof *self);
-    half_edge *half = malloc(3 * room * sizeof *half);
+    half_edge *half = malloc((3 * count + 1) * sizeof *half);
+    arrays *a = self ? &self->arrays : NULL;
     if (self) {
-        self->corner = malloc(3 * room * sizeof *self->corner);
-        self->edge = malloc(3 * room * sizeof *self->edge);
-        self->normal = malloc(room * sizeof *self->normal);
-        self->number = malloc(room * sizeof *self->number);
-        self->sharpest = malloc(room * sizeof *self->sharpest);
-        self->edge_of = malloc(room * sizeof *self->edge_of);
-        self->inverse_area = malloc(room * sizeof *self->inverse_area);
-        self->against = malloc(room);
+        self->corner = arrays_add(a, 3 * count, sizeof *self->corner);
+        self->edge = arrays_add(a, 3 * count, sizeof *self->edge);
+        self->normal = arrays_add(a, count, sizeof *self->normal);
+        self->number = arrays_add(a, count, sizeof *self->number);
+        self->sharpest = arrays_add(a, count, sizeof *self->sharpest);
+        self->edge_of = arrays_add(a, count, sizeof *self->edge_of);
+        self->inverse_area = arrays_add(a, count, sizeof *self->inverse_area);
+        self->against = arrays_add(a, count, 1);
     }
-    if (!self || !half || !self->corner || !self->edge || !self->normal || !self->number ||
-        !self->sharpest || !self->edge_of || !self->inverse_area || !self->against) {
+    if (!self || !half || a->failed) {
         free(half);
         surface_meter_destroy(self);
         *out = NULL;
@@ -193,7 +196,7 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
 mrt_result surface_meter_learn(surface_meter *self, const float *const at[3], error *err)
 {
     if (!self->made) {
-        self->made = malloc(((size_t)self->edge_count + 1) * sizeof *self->made);
+        self->made = arrays_add(&self->arrays, self->edge_count, sizeof *self->made);
         if (!self->made)
             return error_set(err, MRT_ERR_MEMORY, "no memory for %u edges", self->edge_count);
         for (uint32_t i = 0; i < self->edge_count; ++i) {
@@ -221,15 +224,7 @@ void surface_meter_destroy(surface_meter *self)
 {
     if (!self)
         return;
-    free(self->corner);
-    free(self->edge);
-    free(self->made);
-    free(self->normal);
-    free(self->inverse_area);
-    free(self->number);
-    free(self->edge_of);
-    free(self->sharpest);
-    free(self->against);
+    arrays_free(&self->arrays);
     free(self);
 }
 

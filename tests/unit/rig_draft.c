@@ -658,7 +658,7 @@ static void vertices_without_a_mirror_image_are_counted(void **state)
             (void)rig_mirror_of(&m, NULL, v, middle_x, &nearest_mm);
             expected += nearest_mm > reach_mm;
         }
-        assert_true(rig_mirror_count_alone(&count, &example, &m, middle_x, reach_mm));
+        assert_true(rig_mirror_count_alone(&count, &example, &m, NULL, middle_x, reach_mm));
         assert_int_equal(count, expected);
     }
     mesh_destroy(&m);
@@ -673,9 +673,9 @@ static void a_flat_mesh_without_mirror_images_is_no_work(void **state)
     mesh m = mesh_of(COUNT);
     for (uint32_t v = 0; v < COUNT; ++v)
         m.position[3 * v] = 1.0f + draw(&random), m.position[3 * v + 2] = 1000.0f * draw(&random);
-    assert_true(rig_mirror_count_alone(&count, &example, &m, 0.0, 0.5));
+    assert_true(rig_mirror_count_alone(&count, &example, &m, NULL, 0.0, 0.5));
     assert_int_equal(count, COUNT);
-    assert_true(rig_mirror_count_alone(&count, &example, &m, 0.0, 1e-300));
+    assert_true(rig_mirror_count_alone(&count, &example, &m, NULL, 0.0, 1e-300));
     assert_int_equal(count, COUNT);
     mesh_destroy(&m);
 }

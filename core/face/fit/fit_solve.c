@@ -9,24 +9,18 @@ enum { POSE_STEPS = 24, DAMPING_TRIES = 8 };
 mrt_result fit_solver_create(fit_solver *out, const bones *b, const fit_gram *gram, double ridge,
                              error *err)
 {
-    size_t columns = gram->column_count + (size_t)1, unknown = 3 * (size_t)gram->control_count;
-    *out = (fit_solver){
-        .bones = b,
-        .gram = gram,
-        .ridge = ridge,
-        .unknown = (uint32_t)unknown,
-        .weight = malloc(3 * columns * sizeof(double)),
-        .slope = malloc(MRT_MAX_DOFS * 3 * columns * sizeof(double)),
-        .matrix = malloc((unknown * unknown + 1) * sizeof(double)),
-        .vector = malloc((unknown + 1) * sizeof(double)),
-        .cross = malloc((MRT_MAX_DOFS * unknown + 1) * sizeof(double)),
-        .product = malloc(3 * columns * sizeof(double)),
-        .control_column = malloc(columns * sizeof(uint32_t)),
-        .control_start = calloc(gram->control_count + (size_t)2, sizeof(uint32_t)),
-    };
-    if (out->weight == NULL || out->slope == NULL || out->matrix == NULL || out->vector == NULL ||
-        out->cross == NULL || out->product == NULL || out->control_column == NULL ||
-        out->control_start == NULL) {
+    size_t column_count = gram->column_count, unknown = 3 * (size_t)gram->control_count;
+    *out = (fit_solver){.bones = b, .gram = gram, .ridge = ridge, .unknown = (uint32_t)unknown};
+    arrays *a = &out->arrays;
+    out->weight = arrays_add(a, 3 * column_count, sizeof *out->weight);
+    out->slope = arrays_add(a, MRT_MAX_DOFS * 3 * column_count, sizeof *out->slope);
+    out->matrix = arrays_add(a, unknown * unknown, sizeof *out->matrix);
+    out->vector = arrays_add(a, unknown, sizeof *out->vector);
+    out->cross = arrays_add(a, MRT_MAX_DOFS * unknown, sizeof *out->cross);
+    out->product = arrays_add(a, 3 * column_count, sizeof *out->product);
+    out->control_column = arrays_add(a, column_count, sizeof *out->control_column);
+    out->control_start = arrays_add(a, gram->control_count + (size_t)1, sizeof *out->control_start);
+    if (a->failed) {
         fit_solver_destroy(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory to fit %u controls", gram->control_count);
     }
@@ -42,14 +36,7 @@ mrt_result fit_solver_create(fit_solver *out, const bones *b, const fit_gram *gr
 
 void fit_solver_destroy(fit_solver *s)
 {
-    free(s->weight);
-    free(s->slope);
-    free(s->matrix);
-    free(s->vector);
-    free(s->cross);
-    free(s->product);
-    free(s->control_column);
-    free(s->control_start);
+    arrays_free(&s->arrays);
     *s = (fit_solver){0};
 }
 

@@ -4,9 +4,11 @@
  * Inside the room. [main] */
 #ifndef MAROTTE_FACE_FIT_SOLVE_H
 #define MAROTTE_FACE_FIT_SOLVE_H
+#include "base/arrays.h"
 #include "face/fit/fit_gram.h"
 
 typedef struct fit_solver {
+    arrays arrays; /* those below */
     const bones *bones;
     const fit_gram *gram;
     double ridge;     /* on the pulls, in parts of the mean diagonal of their matrix; > 0 */

@@ -3,6 +3,7 @@
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
 #include "face/rig/rig_poses.h"
+#include "mesh/place.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -98,6 +99,7 @@ typedef struct eye {
 } eye;
 
 struct face_weights {
+    arrays arrays; /* of the sets */
     const rig *rig;
     bones bones;
     uint32_t vertex_count, point_count, row_count;
@@ -143,6 +145,7 @@ static const struct {
                  {"ou", "viseme_U"}};
 
 typedef struct making {
+    arrays arrays; /* position, and the offsets of the meanings */
     face_weights *self;
     face *f;
     const mesh *m;
@@ -333,15 +336,12 @@ static mrt_result choose_points(making *k, error *err)
                 best = v;
         if (best == count)
             break;
-        const float *at = k->m->position + (size_t)3 * best;
         uint32_t p = self->point_count++;
         self->vertex[p] = best;
-        self->rest[p] = (vec3){(double)at[0], (double)at[1], (double)at[2]};
+        self->rest[p] = mesh_place(k->m, best);
         shares_of(self->share[p], b, best);
         for (uint32_t v = 0; v < count; ++v) {
-            const float *to = k->m->position + (size_t)3 * v;
-            vec3 way = {(double)to[0] - self->rest[p].x, (double)to[1] - self->rest[p].y,
-                        (double)to[2] - self->rest[p].z};
+            vec3 way = vec3_sub(mesh_place(k->m, v), self->rest[p]);
             near[v] = fmin(near[v], vec3_length(way));
         }
     }
@@ -366,9 +366,8 @@ static double reach_of(const making *k, uint32_t d)
     uint32_t count = 0, bone = b->dof[d].bone;
     dof[d] = 0.5f * (b->dof[d].max > 0.0f ? b->dof[d].max : b->dof[d].min);
     bones_pose(pose, b, dof);
-    for (size_t v = 0; v < k->m->vertex_count; ++v) {
-        const float *p = k->m->position + 3 * v;
-        vec3 at = {(double)p[0], (double)p[1], (double)p[2]};
+    for (uint32_t v = 0; v < k->m->vertex_count; ++v) {
+        vec3 at = mesh_place(k->m, v);
         if (!(bound->weight[bone * (size_t)bound->vertex_count + v] > 0.5f))
             continue;
         vec3 way = vec3_sub(rigid_apply(&pose[bone], at), at);
@@ -397,30 +396,18 @@ static void choose_dofs(making *k)
 
 /* ---- made: the least squares ---- */
 
-static bool set_create(shape_set *out, uint32_t count, uint32_t rows)
+static void set_create(shape_set *out, arrays *a, uint32_t count, uint32_t rows)
 {
     out->count = count;
-    out->column = calloc((size_t)rows * count + 1, sizeof *out->column);
-    out->h = calloc((size_t)count * count, sizeof *out->h);
-    out->few = calloc((size_t)5 * count, sizeof *out->few);
-    out->scratch = calloc(SHAPE_SOLVE_SCRATCH(count), sizeof *out->scratch);
-    out->is_there = calloc(count, sizeof *out->is_there);
-    if (!out->column || !out->h || !out->few || !out->scratch || !out->is_there)
-        return false;
-    out->b = out->few + count;
-    out->low = out->b + count;
-    out->high = out->low + count;
-    out->weight = out->high + count;
-    return true;
-}
-
-static void set_destroy(shape_set *s)
-{
-    free(s->column);
-    free(s->h);
-    free(s->few);
-    free(s->scratch);
-    free(s->is_there);
+    out->column = arrays_add(a, (size_t)rows * count, sizeof *out->column);
+    out->h = arrays_add(a, (size_t)count * count, sizeof *out->h);
+    out->few = arrays_add(a, count, sizeof *out->few);
+    out->b = arrays_add(a, count, sizeof *out->b);
+    out->low = arrays_add(a, count, sizeof *out->low);
+    out->high = arrays_add(a, count, sizeof *out->high);
+    out->weight = arrays_add(a, count, sizeof *out->weight);
+    out->scratch = arrays_add(a, SHAPE_SOLVE_SCRATCH(count), sizeof *out->scratch);
+    out->is_there = arrays_add(a, count, sizeof *out->is_there);
 }
 
 static void fill_column(shape_set *s, uint32_t at, const face_weights *self, const meaning *from)
@@ -473,9 +460,10 @@ static void set_finish(shape_set *s, const face_weights *self, double price)
 static mrt_result fill_sets(making *k, error *err)
 {
     face_weights *self = k->self;
-    if (!set_create(&self->arkit, ARKIT_SHAPES, self->row_count) ||
-        !set_create(&self->expressions, OH + 1, self->row_count) ||
-        !set_create(&self->visemes, FACE_VISEMES, self->row_count))
+    set_create(&self->arkit, &self->arrays, ARKIT_SHAPES, self->row_count);
+    set_create(&self->expressions, &self->arrays, OH + 1, self->row_count);
+    set_create(&self->visemes, &self->arrays, FACE_VISEMES, self->row_count);
+    if (self->arrays.failed)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the weights of a face");
     for (uint32_t i = 0; i < ARKIT_SHAPES; ++i)
         if (k->of[i].is_there)
@@ -571,13 +559,10 @@ static mrt_result prepare(making *k, error *err)
     self->jaw_open = arkit_find("jawOpen");
     self->mouth_close = arkit_find("mouthClose");
     self->head = self->rig ? rig_find_bone(self->rig, "skull") : RIG_NONE;
-    k->position = malloc(((size_t)3 * k->m->vertex_count + 1) * sizeof *k->position);
-    bool is_enough = k->position != NULL;
-    for (uint32_t i = 0; i < MEANINGS; ++i) {
-        k->of[i].offset = calloc((size_t)3 * k->m->vertex_count + 1, sizeof(float));
-        is_enough = is_enough && k->of[i].offset;
-    }
-    if (!is_enough)
+    k->position = arrays_add(&k->arrays, (size_t)3 * k->m->vertex_count, sizeof *k->position);
+    for (uint32_t i = 0; i < MEANINGS; ++i)
+        k->of[i].offset = arrays_add(&k->arrays, (size_t)3 * k->m->vertex_count, sizeof(float));
+    if (k->arrays.failed)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the shapes of %u vertices",
                          k->m->vertex_count);
     return MRT_OK;
@@ -620,9 +605,7 @@ mrt_result face_weights_create(face_weights **out, face *f, const rig *r, const 
         k->solver.stretch_most = r ? r->solver.stretch_most : 0.0; /* as it is performed */
         result = make(k, err);
         face_reset(f);
-        free(k->position);
-        for (uint32_t i = 0; i < MEANINGS; ++i)
-            free(k->of[i].offset);
+        arrays_free(&k->arrays);
     }
     free(k);
     if (result < 0)
@@ -636,9 +619,7 @@ void face_weights_destroy(face_weights *self)
 {
     if (!self)
         return;
-    set_destroy(&self->arkit);
-    set_destroy(&self->expressions);
-    set_destroy(&self->visemes);
+    arrays_free(&self->arrays);
     free(self);
 }
 

@@ -1,5 +1,6 @@
 #include "face/rig_check.h"
 
+#include "base/arrays.h"
 #include "face/bones.h"
 #include "face/rig/rig_document.h"
 #include "face/rig/rig_anatomy.h"
@@ -131,7 +132,7 @@ static void check_symmetry(checking *c)
     const double reach_mm = 0.5;
     double middle_x = c->head ? c->head->middle_x : 0.0;
     uint32_t count, example;
-    if (!rig_mirror_count_alone(&count, &example, c->m, middle_x, reach_mm)) {
+    if (!rig_mirror_count_alone(&count, &example, c->m, NULL, middle_x, reach_mm)) {
         c->is_out_of_memory = true;
         return;
     }
@@ -145,6 +146,7 @@ static void check_symmetry(checking *c)
 /* ---- connected pieces ---- */
 
 typedef struct pieces {
+    arrays arrays;       /* those below */
     uint32_t *of_vertex; /* vertex_count */
     bool *is_marked;     /* count: a region speaks of one of its vertices */
     bool *is_open;
@@ -152,15 +154,6 @@ typedef struct pieces {
     uint32_t *size;
     uint32_t count;
 } pieces;
-
-static void pieces_finish(pieces *p)
-{
-    free(p->of_vertex);
-    free(p->is_marked);
-    free(p->is_open);
-    free(p->volume);
-    free(p->size);
-}
 
 static void flood(pieces *p, uint32_t *stack, uint32_t from, const topology *t)
 {
@@ -182,12 +175,10 @@ static void flood(pieces *p, uint32_t *stack, uint32_t from, const topology *t)
 static bool label_pieces(pieces *p, const mesh *m, const topology *t)
 {
     size_t room = (size_t)m->vertex_count + 1;
-    uint32_t *stack = malloc(room * sizeof *stack);
-    p->of_vertex = malloc(room * sizeof *p->of_vertex);
-    if (!stack || !p->of_vertex) {
-        free(stack);
+    uint32_t *stack = arrays_add(&p->arrays, room, sizeof *stack);
+    p->of_vertex = arrays_add(&p->arrays, room, sizeof *p->of_vertex);
+    if (p->arrays.failed)
         return false;
-    }
     memset(p->of_vertex, 0xff, room * sizeof *p->of_vertex);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
         if (mesh_point(m, v) != v)
@@ -197,7 +188,6 @@ static bool label_pieces(pieces *p, const mesh *m, const topology *t)
         flood(p, stack, v, t);
         p->count += 1;
     }
-    free(stack);
     return true;
 }
 
@@ -240,12 +230,11 @@ static bool pieces_make(pieces *p, const checking *c)
     *p = (pieces){0};
     if (!label_pieces(p, c->m, c->t))
         return false;
-    size_t room = (size_t)p->count + 1;
-    p->is_marked = calloc(room, sizeof *p->is_marked);
-    p->is_open = calloc(room, sizeof *p->is_open);
-    p->volume = calloc(room, sizeof *p->volume);
-    p->size = calloc(room, sizeof *p->size);
-    if (!p->is_marked || !p->is_open || !p->volume || !p->size)
+    p->is_marked = arrays_add(&p->arrays, p->count, sizeof *p->is_marked);
+    p->is_open = arrays_add(&p->arrays, p->count, sizeof *p->is_open);
+    p->volume = arrays_add(&p->arrays, p->count, sizeof *p->volume);
+    p->size = arrays_add(&p->arrays, p->count, sizeof *p->size);
+    if (p->arrays.failed)
         return false;
     measure_pieces(p, c);
     return true;
@@ -454,7 +443,7 @@ static void check_surface(checking *c)
     } else {
         c->is_out_of_memory = true;
     }
-    pieces_finish(&p);
+    arrays_free(&p.arrays);
     check_holes(c);
     if (c->t->rejected_count > 0)
         report(c, RIG_NOTE, "$.mesh",

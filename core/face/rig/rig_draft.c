@@ -52,6 +52,8 @@ static const char *const sure[] = {[BY_SHAPE] = "by its shape: likely",
                                    [BY_NAME] = "by its name: sure",
                                    [BY_SKELETON] = "by the skeleton: sure"};
 
+static const double degree_per_radian = 57.29577951308232;
+
 #define HEAD_LEAST_MM 10.0 /* places are said to 0.1 mm */
 
 /* To 0.1 mm. */
@@ -284,6 +286,11 @@ static json_t *ellipsoid(vec3 centre, vec3 radii)
                      point_of(radii));
 }
 
+static json_t *box(vec3 low, vec3 high)
+{
+    return json_pack("{s{so, so}}", "box", "low", point_of(low), "high", point_of(high));
+}
+
 static void add_region(drafting *d, const char *bone, const char *key, json_t *value,
                        json_t *select)
 {
@@ -321,8 +328,7 @@ static json_t *free_part(const drafting *d)
         vec3 low = {head->middle_x - wide, head->chin.y - NECK * reach,
                     head->nose.z - 0.62 * depth};
         vec3 high = {head->middle_x + wide, head->nose.y + 1.1 * reach, head->nose.z + depth};
-        json_array_append_new(list, of_face(d, json_pack("{s{so, so}}", "box", "low", point_of(low),
-                                                         "high", point_of(high))));
+        json_array_append_new(list, of_face(d, box(low, high)));
     }
     for (uint32_t i = 0; i < d->a.piece_count && json_array_size(list) < REGIONS_MAX; ++i)
         if (d->a.piece[i].kind == PIECE_UNKNOWN)
@@ -405,8 +411,8 @@ static void add_mobile_face(drafting *d)
                  head->nose.z + 0.1 * depth};
     vec3 neck = {head->middle_x, head->chin.y - 0.1 * reach, 0.0};
     bool has_eyes = d->a.eye[0].is_found || d->a.eye[1].is_found;
-    json_t *front = json_pack("[{s{so, so}}{so}]", "box", "low", point_of(low), "high",
-                              point_of(high), "not", hidden_vertices(d, LIPS_DEEP * reach));
+    json_t *front =
+        json_pack("[o{so}]", box(low, high), "not", hidden_vertices(d, LIPS_DEEP * reach));
     if (has_eyes)
         json_array_append_new(front, json_pack("{so}", "not", around_eyes(d, EYE_FREE)));
     add_region(d, NULL, "mobility", json_integer(0),
@@ -517,7 +523,7 @@ static void add_lid(drafting *d, const char *side, const char *which, const anat
                           json_pack("{ss, s{so, sf}, s[{ss, s[fii], s[ii]}]}", "name", name, "ball",
                                     "centre", point_of(eye->centre), "radius_mm",
                                     round(10.0 * r) / 10.0, "turns", "name", "close", "axis", sign,
-                                    0, 0, "deg", -8, (int)floor(close_rad * 57.29577951308232)));
+                                    0, 0, "deg", -8, (int)floor(close_rad * degree_per_radian)));
     /* A plane through the ball's axis, a little beyond the corners of the eye. */
     vec3 up = {0.0, sign * cos(0.5 * edge), -sign * sin(0.5 * edge)};
     vec3 front = {eye->centre.x, eye->centre.y, eye->centre.z + 0.25 * r};
@@ -540,16 +546,15 @@ static void draft_lids(drafting *d)
         double r = eye->radius_mm, gap = edges.upper - edges.lower;
         vec3 far = {1.8 * r, 1.7 * r, 1.8 * r}, wide = {2.6 * r, 2.2 * r, 2.5 * r};
         vec3 low = vec3_sub(eye->centre, wide), high = vec3_add(eye->centre, wide);
-        add_region(
-            d, "skull", "weight", json_integer(1),
-            of_face(d, json_pack("{s[{s{so, so}}{so}]}", "all", "box", "low", point_of(low), "high",
-                                 point_of(high), "not", ellipsoid(eye->centre, far))));
+        add_region(d, "skull", "weight", json_integer(1),
+                   of_face(d, json_pack("{s[o{so}]}", "all", box(low, high), "not",
+                                        ellipsoid(eye->centre, far))));
         add_lid(d, sides[i], "upper", eye, 1.0, edges.upper, 0.75 * gap);
         add_lid(d, sides[i], "lower", eye, -1.0, -edges.lower, 0.25 * gap);
         rig_note(&d->confirm,
                  "bones lid_upper.%s and lid_lower.%s: the skin around the ball of the eye, %.0f "
                  "degrees open: a guess",
-                 sides[i], sides[i], gap * 57.29577951308232);
+                 sides[i], sides[i], gap * degree_per_radian);
     }
 }
 
@@ -647,7 +652,7 @@ static void draft_jaw(drafting *d)
      * skin only stretches. */
     double gap_mm = 50.0 / 225.0 * (head->top_y - head->chin.y);
     double open =
-        2.0 * asin(fmin(0.5 * gap_mm / fmax(turn_mm, 0.5 * gap_mm), 1.0)) * 57.29577951308232;
+        2.0 * asin(fmin(0.5 * gap_mm / fmax(turn_mm, 0.5 * gap_mm), 1.0)) * degree_per_radian;
     int open_deg = (int)fmin(fmax(round(open), 16.0), 32.0);
     double size = (head->top_y - head->chin.y) / 225.0; /* an adult's numbers, to size */
     json_array_append_new(
@@ -931,7 +936,7 @@ static mrt_result try_bones(rig *r, drafting *d, trial *out, error *err)
         *all[i].end = part * wanted;
         if (all[i].is_lid && wanted > 0.0 && part < 0.5)
             out->has_lids = false;
-        if (all[i].is_jaw_open && *all[i].end < CLAY_OPEN_DEG / 57.29577951308232)
+        if (all[i].is_jaw_open && *all[i].end < CLAY_OPEN_DEG / degree_per_radian)
             out->opens = false;
         if (part < 1.0)
             rig_note(&d->confirm,

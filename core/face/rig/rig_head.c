@@ -76,8 +76,8 @@ static bool has_partner(const placed *sorted, size_t count, const mesh *m, vec3 
     return false;
 }
 
-static bool count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
-                        const uint8_t *is_face, double middle_x, double reach_mm)
+bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
+                            const uint8_t *is_face, double middle_x, double reach_mm)
 {
     size_t count = 0;
     *out_count = 0;
@@ -103,12 +103,6 @@ static bool count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *
     }
     free(sorted);
     return true;
-}
-
-bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
-                            double middle_x, double reach_mm)
-{
-    return count_alone(out_count, out_example, m, NULL, middle_x, reach_mm);
 }
 
 uint32_t rig_mirror_of(const mesh *m, const uint8_t *is_face, uint32_t vertex, double middle_x,
@@ -412,8 +406,8 @@ static mrt_result choose_plane(double *out_x, const mesh *m, const uint8_t *is_f
     const double middle = 0.5 * (box->low.x + box->high.x),
                  reach_mm = 0.002 * (box->high.y - box->low.y);
     uint32_t at_zero, at_middle, example, count = 0;
-    if (!count_alone(&at_zero, &example, m, is_face, 0.0, reach_mm) ||
-        !count_alone(&at_middle, &example, m, is_face, middle, reach_mm))
+    if (!rig_mirror_count_alone(&at_zero, &example, m, is_face, 0.0, reach_mm) ||
+        !rig_mirror_count_alone(&at_middle, &example, m, is_face, middle, reach_mm))
         return error_set(err, MRT_ERR_MEMORY, "no memory to measure the head");
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         count += !is_face || is_face[v];

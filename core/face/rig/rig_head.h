@@ -35,9 +35,9 @@ bool rig_head_hit(vec3 *out_point, uint32_t *out_vertex, const mesh *m, const ui
 /* ---- left and right: mirror images in a plane x = c ---- */
 
 /* How many vertices have no other one (or themselves) within reach_mm of their mirror image;
- * out_example: one of them. false: no memory. */
+ * out_example: one of them. is_face: of those; NULL: of all. false: no memory. */
 CHECKED bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const mesh *m,
-                                    double middle_x, double reach_mm);
+                                    const uint8_t *is_face, double middle_x, double reach_mm);
 
 /* The vertex nearest to the mirror image of `vertex`, and how far it is from it, mm. Looks at
  * every vertex; is_face: of those. */

@@ -81,11 +81,11 @@ static bool find_middle(brush *self)
     self->middle_mm = 0.5 * ((double)low[0] + (double)high[0]);
     rig_head head;
     uint32_t alone, alone_in_head, example;
-    if (!rig_mirror_count_alone(&alone, &example, self->m, self->middle_mm, reach_mm))
+    if (!rig_mirror_count_alone(&alone, &example, self->m, NULL, self->middle_mm, reach_mm))
         return false;
     if (alone == 0 || rig_head_measure(&head, self->m, NULL, NULL) < 0)
         return true;
-    if (!rig_mirror_count_alone(&alone_in_head, &example, self->m, head.middle_x, reach_mm))
+    if (!rig_mirror_count_alone(&alone_in_head, &example, self->m, NULL, head.middle_x, reach_mm))
         return false;
     if (alone_in_head < alone)
         self->middle_mm = head.middle_x;
