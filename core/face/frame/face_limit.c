@@ -1,27 +1,33 @@
-/* No performance folds: where the pulls would fold the skin or tear it, as much less of them is
- * given as that takes.
+/* Pulls that would fold or tear the skin are given in part only. face_limit_pull, at the end of the
+ * file, is the whole of it; it goes through these steps:
  *
- * How much can be given. The bones pose a triangle; the controls add a field whose gradient in it
- * is G. Let m be the most that G squeezes the triangle (the negated least eigenvalue of G's
- * symmetric part in its plane) and t how steeply G tilts it. If s times the pulls is given, the
- * triangle is moved by I + s G. As long as its strain s (m / M + t / T) <= 1, with M < 1, I + s G
- * is positive definite in its plane: it does not turn over, and its normal turns by less than atan
- * T (strain.h has M and T). The strain is linear in s, so the largest strain of all triangles says
- * how much can be given. A triangle that the bones have tilted already has less T left, unless its
- * area along the way says that it may turn over.
+ * 1. Strain (measure_strain). The bones pose a triangle. What the controls add has a gradient G in
+ *    it, and a part s of the pulls, 0..1, maps the posed triangle by I + s G. Let m be how much G
+ *    compresses the triangle (the least eigenvalue of the symmetric part of G in its plane,
+ *    negated), and t how steep G is along its normal. The strain of the triangle is
+ *      s (m / M + t / T),   M < 1 and T as in strain.h.
+ *    At a strain of 1 or less I + s G is positive definite in the plane of the triangle, so that it
+ *    does not turn over, and its normal turns by less than atan T. The strain grows in proportion
+ *    to s: 1 over the largest strain of all triangles is the part that can be given. Two things
+ *    are added: an edge that becomes too long counts as strain too (stretch_strain); and where the
+ *    bones have tilted a triangle already less of T is left (leave_tilts), unless its area along
+ *    the way says that it does not turn over (turn_over_strain).
+ * 2. Who gives way (yield_pulls). Where the strain is above 1 the pulls near it give way to each
+ *    other first: they are softened by a ridge that grows with the strain (csrbf/soften.h). What
+ *    is then still too much is taken from all pulls by one factor. The result is a function of the
+ *    pulls and the pose: earlier frames do not matter.
+ * 3. Bends (unbend). Triangles that turn far are judged edge by edge against their neighbours, as
+ *    they will be shown; pulls near an edge that is bent too far give way to it.
+ * 4. A head with shapes of its own (part_shaped). Its strain is that of a fold (strain_fold), which
+ *    does not grow in proportion to the pulls: the part that can be given is searched for.
+ * 5. A face without a rig (unfold). Its field is one of space and can fold behind the skin, where
+ *    there is no triangle: the largest part is given that keeps the determinant of the field's
+ *    map above a bound.
  *
- * Who gives way. Where the strain is above 1, the pulls around give way to each other first, the
- * more the further it is above (csrbf/soften.h). What is then still too much is taken from all
- * alike. It is a function of the pulls: the same face, whatever frames were before.
- *
- * What is looked at. Triangles lie in groups. How steep a column is at most in a group is known
- * since the engagement; with the column's weights that bounds the strain there, and only groups
- * that can be above 1 are computed. Where triangles have turned far, the edges around them are
- * judged as they are shown.
- *
- * Without a rig the field is one of space: what lies behind the skin may fold where no triangle
- * tells. So the field itself is looked at too, and the largest part of the pulls given that leaves
- * room.
+ * To be quick, triangles lie in groups of GROUP. How steep each column is at most in a group is
+ * found once for an engagement (face_limit_engage); with the weights of the columns that is a bound
+ * for the strain of the group, and only groups whose bound is above 1 are computed. What the bounds
+ * leave out cannot be above 1, so they change no result.
  *
  * What a drag may fold is judged where it is dragged: face_drag.c. */
 #include "base/angle.h"
