@@ -69,6 +69,14 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to change the rig");
 }
 
+/* Those behind item `index`, which is finished, move up. */
+static void close_array(void *item, uint32_t *count, uint32_t index, size_t size)
+{
+    char *at = (char *)item + index * size;
+    memmove(at, at + size, (*count - index - 1) * size);
+    *count -= 1;
+}
+
 /* *out is owned: freed, and a copy of `name` instead. On error it stays. */
 static mrt_result replace_name(char **out, const char *name, error *err)
 {
@@ -154,14 +162,21 @@ static mrt_result check_says(const rig *r, const rig_edit_says *says, error *err
     return MRT_OK;
 }
 
+/* `other`: which has the name; index: which is to get it. */
+static mrt_result check_free(uint32_t other, uint32_t index, const char *what, const char *name,
+                             error *err)
+{
+    return other == RIG_NONE || other == index
+               ? MRT_OK
+               : error_set(err, MRT_ERR_ARGUMENT,
+                           "another %s is called \"%s\"; choose another name", what, name);
+}
+
 static mrt_result check_region_name(const rig *r, uint32_t index, const char *name, error *err)
 {
     mrt_result result = check_name(name, err);
-    uint32_t other = result < 0 ? RIG_NONE : rig_edit_find_region(r, name);
-    if (other != RIG_NONE && other != index)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "another region is called \"%s\"; choose another name", name);
-    return result;
+    return result < 0 ? result
+                      : check_free(rig_edit_find_region(r, name), index, "region", name, err);
 }
 
 uint32_t rig_edit_find_region(const rig *r, const char *name)
@@ -214,9 +229,7 @@ mrt_result rig_edit_remove_region(rig *r, uint32_t index, error *err)
         return result;
     rig_select_finish(&r->region[index].select);
     free(r->region[index].name);
-    memmove(&r->region[index], &r->region[index + 1],
-            (r->region_count - index - 1) * sizeof *r->region);
-    r->region_count -= 1;
+    close_array(r->region, &r->region_count, index, sizeof *r->region);
     set_region_paths(r);
     return MRT_OK;
 }
@@ -424,11 +437,7 @@ static mrt_result check_bone_name(const rig *r, uint32_t index, const char *name
     if (result >= 0 && strlen(name) > BONE_NAME_MAX)
         return error_set(err, MRT_ERR_ARGUMENT, "the name of a bone has at most %d letters",
                          BONE_NAME_MAX);
-    uint32_t other = result < 0 ? RIG_NONE : rig_find_bone(r, name);
-    if (other != RIG_NONE && other != index)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "another bone is called \"%s\"; choose another name", name);
-    return result;
+    return result < 0 ? result : check_free(rig_find_bone(r, name), index, "bone", name, err);
 }
 
 /* ---- added ---- */
@@ -515,6 +524,69 @@ mrt_result rig_edit_add_bone(rig *r, const char *name, rig_bone_kind kind, vec3 
     return MRT_OK;
 }
 
+/* ---- degrees of freedom in poses ---- */
+
+/* Whether it is one of the bone; turn: that one alone, or NULL. */
+static bool is_dof(const char *dof, const char *bone, const char *turn)
+{
+    const size_t length = strlen(bone);
+    return strncmp(dof, bone, length) == 0 && dof[length] == '.' &&
+           (!turn || strcmp(dof + length + 1, turn) == 0);
+}
+
+static void forget_in_poses(rig *r, const char *bone, const char *turn)
+{
+    for (uint32_t i = 0; i < r->pose_count; ++i) {
+        rig_pose *pose = &r->pose[i];
+        uint32_t kept = 0;
+        for (uint32_t k = 0; k < pose->dof_count; ++k) {
+            if (is_dof(pose->dof_name[k], bone, turn)) {
+                free(pose->dof_name[k]);
+                continue;
+            }
+            pose->dof_name[kept] = pose->dof_name[k];
+            pose->dof_value[kept++] = pose->dof_value[k];
+        }
+        pose->dof_count = kept;
+    }
+}
+
+/* Those of the bone, or of one of its turns (NULL: of all, whose names stay). All names are made
+ * before any is put in: on error nothing has changed. */
+static mrt_result rename_in_poses(rig *r, const char *bone, const char *new_bone, const char *turn,
+                                  const char *new_turn, error *err)
+{
+    uint32_t wanted = 0, count = 0;
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        for (uint32_t k = 0; k < r->pose[i].dof_count; ++k)
+            wanted += is_dof(r->pose[i].dof_name[k], bone, turn);
+    char **made = calloc(wanted + 1u, sizeof *made);
+    bool has_all = made != NULL;
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        for (uint32_t k = 0; has_all && k < r->pose[i].dof_count; ++k) {
+            char text[2 * RIG_NAME_MAX + 2];
+            const char *dof = r->pose[i].dof_name[k];
+            if (!is_dof(dof, bone, turn))
+                continue;
+            (void)snprintf(text, sizeof text, "%s.%s", new_bone,
+                           turn ? new_turn : dof + strlen(bone) + 1);
+            made[count] = strdup(text);
+            has_all = made[count++] != NULL;
+        }
+    for (uint32_t i = 0, next = 0; has_all && i < r->pose_count; ++i)
+        for (uint32_t k = 0; k < r->pose[i].dof_count; ++k) {
+            char **dof = &r->pose[i].dof_name[k];
+            if (!is_dof(*dof, bone, turn))
+                continue;
+            free(*dof);
+            *dof = made[next++];
+        }
+    for (uint32_t i = 0; !has_all && i < count; ++i)
+        free(made[i]);
+    free(made);
+    return has_all ? MRT_OK : no_memory(err);
+}
+
 /* ---- taken out ---- */
 
 static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
@@ -538,27 +610,6 @@ static void give_to_heir(rig *r, uint32_t removed, uint32_t heir)
         r->bone[i].parent = heir_of(r->bone[i].parent, removed, heir);
 }
 
-/* What is behind the bone's name in that of one of its ways to move; NULL: another bone's. */
-static const char *motion_of(const char *dof, const char *bone)
-{
-    const size_t length = strlen(bone);
-    return strncmp(dof, bone, length) == 0 && dof[length] == '.' ? dof + length + 1 : NULL;
-}
-
-static void take_bone_out_of_pose(rig_pose *pose, const char *bone)
-{
-    uint32_t kept = 0;
-    for (uint32_t i = 0; i < pose->dof_count; ++i) {
-        if (motion_of(pose->dof_name[i], bone)) {
-            free(pose->dof_name[i]);
-            continue;
-        }
-        pose->dof_name[kept] = pose->dof_name[i];
-        pose->dof_value[kept++] = pose->dof_value[i];
-    }
-    pose->dof_count = kept;
-}
-
 static mrt_result check_stays(const rig *r, uint32_t index, error *err)
 {
     mrt_result result = check_index(index, r->bone_count, "bone", err);
@@ -574,65 +625,15 @@ mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
     if (result < 0)
         return result;
     const uint32_t parent = r->bone[index].parent;
-    for (uint32_t i = 0; i < r->pose_count; ++i)
-        take_bone_out_of_pose(&r->pose[i], r->bone[index].name);
+    forget_in_poses(r, r->bone[index].name, NULL);
     give_to_heir(r, index, parent == RIG_NONE ? 0 : parent);
     finish_bone(&r->bone[index]);
-    memmove(&r->bone[index], &r->bone[index + 1], (r->bone_count - index - 1) * sizeof *r->bone);
-    r->bone_count -= 1;
+    close_array(r->bone, &r->bone_count, index, sizeof *r->bone);
     r->bone[r->bone_count] = (rig_bone){0};
     return MRT_OK;
 }
 
 /* ---- one of them ---- */
-
-static uint32_t count_moves(const rig *r, const char *bone)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < r->pose_count; ++i)
-        for (uint32_t k = 0; k < r->pose[i].dof_count; ++k)
-            count += motion_of(r->pose[i].dof_name[k], bone) != NULL;
-    return count;
-}
-
-/* Makes the new names, or puts those that were made into the poses, in the same order. Returns how
- * many. */
-static uint32_t visit_moves(rig *r, const char *before, const char *name, char **made, bool is_made)
-{
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < r->pose_count; ++i)
-        for (uint32_t k = 0; k < r->pose[i].dof_count; ++k) {
-            char text[2 * RIG_NAME_MAX + 2];
-            const char *motion = motion_of(r->pose[i].dof_name[k], before);
-            if (!motion)
-                continue;
-            if (is_made) {
-                free(r->pose[i].dof_name[k]);
-                r->pose[i].dof_name[k] = made[count++];
-                continue;
-            }
-            (void)snprintf(text, sizeof text, "%s.%s", name, motion);
-            made[count] = strdup(text);
-            if (!made[count++])
-                return count - 1;
-        }
-    return count;
-}
-
-/* All names are made before any is put in: on error nothing has changed. */
-static mrt_result rename_bone_in_poses(rig *r, const char *before, const char *name, error *err)
-{
-    const uint32_t wanted = count_moves(r, before);
-    char **made = calloc(wanted + 1u, sizeof *made);
-    uint32_t count = made ? visit_moves(r, before, name, made, false) : 0;
-    mrt_result result = made && count == wanted ? MRT_OK : no_memory(err);
-    if (result >= 0)
-        (void)visit_moves(r, before, name, made, true);
-    for (uint32_t i = 0; result < 0 && i < count; ++i)
-        free(made[i]);
-    free(made);
-    return result;
-}
 
 static mrt_result check_turn_names(const rig_bone *bone, const char *name, error *err)
 {
@@ -655,7 +656,7 @@ mrt_result rig_edit_name_bone(rig *r, uint32_t index, const char *name, error *e
     if (result >= 0 && !copy)
         return no_memory(err);
     if (result >= 0)
-        result = rename_bone_in_poses(r, r->bone[index].name, name, err);
+        result = rename_in_poses(r, r->bone[index].name, name, NULL, NULL, err);
     if (result < 0) {
         free(copy);
         return result;
@@ -774,66 +775,6 @@ static mrt_result round_turn(rig_turn *out, const rig_turn *turn, const rig_turn
     return check_way(out, err);
 }
 
-/* ---- names in poses ---- */
-
-static bool is_dof(const char *dof, const char *bone, const char *turn)
-{
-    const size_t length = strlen(bone);
-    return strncmp(dof, bone, length) == 0 && dof[length] == '.' &&
-           strcmp(dof + length + 1, turn) == 0;
-}
-
-static uint32_t dof_index_in(const rig_pose *pose, const char *bone, const char *turn)
-{
-    uint32_t i = 0;
-    while (i < pose->dof_count && !is_dof(pose->dof_name[i], bone, turn))
-        i += 1;
-    return i;
-}
-
-static void forget_in_poses(rig *r, const char *bone, const char *turn)
-{
-    for (uint32_t i = 0; i < r->pose_count; ++i) {
-        rig_pose *pose = &r->pose[i];
-        const uint32_t at = dof_index_in(pose, bone, turn);
-        if (at == pose->dof_count)
-            continue;
-        free(pose->dof_name[at]);
-        pose->dof_count -= 1;
-        for (uint32_t k = at; k < pose->dof_count; ++k) {
-            pose->dof_name[k] = pose->dof_name[k + 1];
-            pose->dof_value[k] = pose->dof_value[k + 1];
-        }
-    }
-}
-
-/* All names are made before any is put in: on error nothing has changed. */
-static mrt_result rename_turn_in_poses(rig *r, const char *bone, const char *turn, const char *name,
-                                       error *err)
-{
-    char text[2 * RIG_NAME_MAX + 2];
-    char **made = calloc(r->pose_count + 1u, sizeof *made);
-    bool has_all = made != NULL;
-    (void)snprintf(text, sizeof text, "%s.%s", bone, name);
-    for (uint32_t i = 0; has_all && i < r->pose_count; ++i) {
-        if (dof_index_in(&r->pose[i], bone, turn) == r->pose[i].dof_count)
-            continue;
-        made[i] = strdup(text);
-        has_all = made[i] != NULL;
-    }
-    for (uint32_t i = 0; made && i < r->pose_count; ++i) {
-        if (has_all && made[i]) {
-            char **dof = &r->pose[i].dof_name[dof_index_in(&r->pose[i], bone, turn)];
-            char *old = *dof;
-            *dof = made[i];
-            made[i] = old;
-        }
-        free(made[i]);
-    }
-    free(made);
-    return has_all ? MRT_OK : no_memory(err);
-}
-
 /* ---- changes ---- */
 
 mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn, uint32_t *out_index,
@@ -874,9 +815,7 @@ mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err
         return error_set(err, MRT_ERR_UNSUPPORTED, "a ball has one turn at least: this one stays");
     forget_in_poses(r, ball->name, ball->turn[turn].name);
     free(ball->turn[turn].name);
-    memmove(&ball->turn[turn], &ball->turn[turn + 1],
-            (ball->turn_count - turn - 1) * sizeof *ball->turn);
-    ball->turn_count -= 1;
+    close_array(ball->turn, &ball->turn_count, turn, sizeof *ball->turn);
     ball->turn[ball->turn_count] = (rig_turn){0};
     return MRT_OK;
 }
@@ -895,7 +834,7 @@ mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_tur
     if (result < 0)
         return result;
     made.name = strdup(to->name);
-    result = made.name ? rename_turn_in_poses(r, ball->name, there->name, made.name, err)
+    result = made.name ? rename_in_poses(r, ball->name, ball->name, there->name, made.name, err)
                        : no_memory(err);
     if (result < 0) {
         free(made.name);
@@ -911,11 +850,7 @@ mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_tur
 static mrt_result check_contact_name(const rig *r, uint32_t index, const char *name, error *err)
 {
     mrt_result result = check_name(name, err);
-    uint32_t other = result < 0 ? RIG_NONE : rig_find_contact(r, name);
-    if (other != RIG_NONE && other != index)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "another contact is called \"%s\"; choose another name", name);
-    return result;
+    return result < 0 ? result : check_free(rig_find_contact(r, name), index, "contact", name, err);
 }
 
 mrt_result rig_edit_add_contact(rig *r, const char *name, uint32_t vertex, uint32_t *out_index,
@@ -979,9 +914,7 @@ mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
     if (result < 0)
         return result;
     free(r->contact[index].name);
-    memmove(&r->contact[index], &r->contact[index + 1],
-            (r->contact_count - index - 1) * sizeof *r->contact);
-    r->contact_count -= 1;
+    close_array(r->contact, &r->contact_count, index, sizeof *r->contact);
     for (uint32_t i = 0; i < r->contact_count; ++i) {
         if (r->contact[i].mirror == index)
             r->contact[i].mirror = RIG_NONE;
@@ -1134,9 +1067,7 @@ mrt_result rig_edit_remove_proxy(rig *r, uint32_t index, error *err)
     mrt_result result = check_index(index, r->proxy_count, "ellipsoid", err);
     if (result < 0)
         return result;
-    memmove(&r->proxy[index], &r->proxy[index + 1],
-            (r->proxy_count - index - 1) * sizeof *r->proxy);
-    r->proxy_count -= 1;
+    close_array(r->proxy, &r->proxy_count, index, sizeof *r->proxy);
     return MRT_OK;
 }
 
@@ -1239,8 +1170,7 @@ mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err)
     if (result < 0)
         return result;
     rig_pose_finish(&r->pose[index]);
-    memmove(&r->pose[index], &r->pose[index + 1], (r->pose_count - index - 1) * sizeof *r->pose);
-    r->pose_count -= 1;
+    close_array(r->pose, &r->pose_count, index, sizeof *r->pose);
     return MRT_OK;
 }
 
