@@ -5,6 +5,7 @@
 #include "base/rigid.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 typedef struct matrix3x3 {
@@ -37,6 +38,19 @@ static inline vec3 matrix3x3_apply(const matrix3x3 *m, vec3 x)
     return (vec3){m->at[0][0] * x.x + m->at[0][1] * x.y + m->at[0][2] * x.z,
                   m->at[1][0] * x.x + m->at[1][1] * x.y + m->at[1][2] * x.z,
                   m->at[2][0] * x.x + m->at[2][1] * x.y + m->at[2][2] * x.z};
+}
+
+/* Row k of an array of rows of three. */
+static inline vec3 vec3_row(const double *rows, size_t k)
+{
+    return (vec3){rows[3 * k], rows[3 * k + 1], rows[3 * k + 2]};
+}
+
+static inline void vec3_set_row(double *rows, size_t k, vec3 value)
+{
+    rows[3 * k] = value.x;
+    rows[3 * k + 1] = value.y;
+    rows[3 * k + 2] = value.z;
 }
 
 /* How far x is moved. */

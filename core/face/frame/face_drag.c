@@ -28,32 +28,18 @@ static void show_free(face *f)
     face_show(f);
 }
 
-static vec3 row_of(const double *rows, uint32_t k)
-{
-    const double *row = rows + (size_t)3 * k;
-    return (vec3){row[0], row[1], row[2]};
-}
-
-static void set_row(double *rows, uint32_t k, vec3 value)
-{
-    double *row = rows + (size_t)3 * k;
-    row[0] = value.x;
-    row[1] = value.y;
-    row[2] = value.z;
-}
-
 /* f->from, f->to, f->gain: the way with the bones at rest. */
 static void carry_back(face *f, const double *from, const double *to, uint32_t count,
                        const rigid *pose)
 {
     for (uint32_t k = 0; k < count; ++k) {
         face_grip *grip = &f->next_grip[k];
-        face_grip_at(grip, f, row_of(from, k), 0);
+        face_grip_at(grip, f, vec3_row(from, k), 0);
         blend posed = face_blend_at(f, grip, pose);
         double held = face_share_held(f, grip) * grip->mobility;
         f->gain[k] = grip->is_dropped ? 0.0 : 1.0 / held;
-        set_row(f->from, k, grip->start);
-        set_row(f->to, k, blend_undo(&posed, row_of(to, k)));
+        vec3_set_row(f->from, k, grip->start);
+        vec3_set_row(f->to, k, blend_undo(&posed, vec3_row(to, k)));
     }
 }
 
@@ -256,9 +242,9 @@ static void note_held_tips(face *f, uint32_t count)
 {
     double most = 0.0;
     for (uint32_t k = 0; k < count; ++k) {
-        const double *to = f->to + (size_t)3 * k, *at = f->position + (size_t)3 * k;
+        vec3 missing = vec3_sub(vec3_row(f->to, k), vec3_row(f->position, k));
         if (f->limit.tip_share[k] < 1.0)
-            most = fmax(most, vec3_length((vec3){to[0] - at[0], to[1] - at[1], to[2] - at[2]}));
+            most = fmax(most, vec3_length(missing));
     }
     f->meter.held_back_mm = most;
 }
@@ -314,10 +300,10 @@ mrt_result face_drag(face *f, const csrbf_settings *settings, const double *from
     show_free(f);
     for (uint32_t k = 0; out_reached && k < count; ++k) {
         blend posed = face_blend_at(f, &f->next_grip[k], pose);
-        set_row(out_reached, k,
-                out_step->limited || f->limit.tip_share[k] < 1.0
-                    ? blend_apply(&posed, row_of(f->position, k))
-                    : row_of(to, k));
+        vec3_set_row(out_reached, k,
+                     out_step->limited || f->limit.tip_share[k] < 1.0
+                         ? blend_apply(&posed, vec3_row(f->position, k))
+                         : vec3_row(to, k));
     }
     return MRT_OK;
 }

@@ -34,9 +34,7 @@ static mrt_result factor_fields(face *f, const csrbf_settings *settings, const f
         const face_field *field = &f->field[b];
         for (uint32_t i = 0; i < field->control_count; ++i) {
             vec3 start = grip[field->control[i]].start;
-            f->position[3 * i] = start.x;
-            f->position[3 * i + 1] = start.y;
-            f->position[3 * i + 2] = start.z;
+            vec3_set_row(f->position, i, start);
         }
         mrt_result result =
             csrbf_factor(field->solver, settings, f->position, NULL, field->control_count, err);

@@ -35,16 +35,11 @@ static void ask_of_jaw(face *f, const rigid *pose, const double *end, double *ta
             others.share[bone] = 0.0;
         }
         blend other = face_blend_at(f, &others, pose);
-        vec3 way = {end[3 * k] - others.start.x, end[3 * k + 1] - others.start.y,
-                    end[3 * k + 2] - others.start.z};
+        vec3 way = vec3_sub(vec3_row(end, k), others.start);
         way = vec3_scale(vec3_sub(way, blend_moves(&other, others.start)), 1.0 / jaw_share);
         vec3 to = rigid_apply(&out, vec3_add(others.start, way));
-        target[3 * k] = to.x;
-        target[3 * k + 1] = to.y;
-        target[3 * k + 2] = to.z;
-        f->position[3 * k] = others.start.x;
-        f->position[3 * k + 1] = others.start.y;
-        f->position[3 * k + 2] = others.start.z;
+        vec3_set_row(target, k, to);
+        vec3_set_row(f->position, k, others.start);
     }
 }
 
@@ -108,7 +103,7 @@ static vec3 stray(const face *f, uint32_t k, const rigid *pose)
             continue;
         for (uint32_t i = 0; i < field->control_count; ++i, row += f->grip_place.padded_count) {
             const double *g = f->g + (size_t)3 * field->control[i];
-            here = vec3_add(here, vec3_scale((vec3){g[0], g[1], g[2]}, (double)*row));
+            here = vec3_add(here, vec3_scale(vec3_row(g, 0), (double)*row));
         }
         sum = vec3_add(sum, vec3_scale(rigid_rotate(&pose[b], here), grip->share[b]));
     }
@@ -125,9 +120,7 @@ static void solve_grips(face *f, const double *end, const rigid *pose)
         for (uint32_t k = 0; k < f->control_count; ++k) {
             vec3 rest = {f->position[3 * k], f->position[3 * k + 1], f->position[3 * k + 2]};
             vec3 g = matrix3x3_apply(&f->rotation[k], vec3_sub(rest, stray(f, k, pose)));
-            f->g[3 * k] = g.x;
-            f->g[3 * k + 1] = g.y;
-            f->g[3 * k + 2] = g.z;
+            vec3_set_row(f->g, k, g);
         }
 }
 
@@ -142,13 +135,11 @@ static mrt_result weigh_controls(face *f, const rigid *pose, double *out_slope, 
             continue;
         for (uint32_t i = 0; i < field->control_count; ++i) {
             const double *g = f->g + (size_t)3 * field->control[i];
-            vec3 turned = {g[0], g[1], g[2]};
+            vec3 turned = vec3_row(g, 0);
             memcpy(f->scratch + 3 * i, g, 3 * sizeof *g);
             if (f->bones.moves[b])
                 turned = rigid_rotate(&pose[b], turned);
-            weight[3 * i] = turned.x;
-            weight[3 * i + 1] = turned.y;
-            weight[3 * i + 2] = turned.z;
+            vec3_set_row(weight, i, turned);
         }
         mrt_result result = csrbf_solve(field->solver, f->scratch, err);
         if (result < 0)
@@ -218,12 +209,9 @@ void face_ride(const face *f, double *end, const uint8_t *rides, const float *do
             continue;
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);
-        vec3 pulled = {grip->start.x + end[3 * k], grip->start.y + end[3 * k + 1],
-                       grip->start.z + end[3 * k + 2]};
+        vec3 pulled = vec3_add(grip->start, vec3_row(end, k));
         vec3 to = blend_apply(&posed, vec3_add(pulled, face_shapes_led_at(f, k, driven)));
-        end[3 * k] = to.x;
-        end[3 * k + 1] = to.y;
-        end[3 * k + 2] = to.z;
+        vec3_set_row(end, k, to);
     }
 }
 
@@ -235,10 +223,8 @@ void face_unride(const face *f, double *end, const float *dof)
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);
-        vec3 at_rest = blend_undo(&posed, (vec3){end[3 * k], end[3 * k + 1], end[3 * k + 2]});
+        vec3 at_rest = blend_undo(&posed, vec3_row(end, k));
         vec3 pull = vec3_sub(vec3_sub(at_rest, grip->start), face_shapes_led_at(f, k, driven));
-        end[3 * k] = pull.x;
-        end[3 * k + 1] = pull.y;
-        end[3 * k + 2] = pull.z;
+        vec3_set_row(end, k, pull);
     }
 }

@@ -722,7 +722,7 @@ static void follow_pulls(face *f)
     for (uint32_t column = f->shape_column_count; column < f->control_column_count; ++column) {
         const double *now = f->given + (size_t)3 * column;
         double *before = l->bounded + (size_t)3 * column;
-        vec3 way = {now[0] - before[0], now[1] - before[1], now[2] - before[2]};
+        vec3 way = vec3_sub(vec3_row(now, 0), vec3_row(before, 0));
         float size = (float)vec3_length(way);
         memcpy(before, now, 3 * sizeof *now);
         if (size > 0.0f)
@@ -1062,9 +1062,7 @@ static void compare_controls(face *f)
     uint32_t count = f->control_count;
     for (size_t i = 0; i < count; ++i) {
         const face_grip *a = &f->grip[i];
-        l->centre[3 * i] = a->start.x;
-        l->centre[3 * i + 1] = a->start.y;
-        l->centre[3 * i + 2] = a->start.z;
+        vec3_set_row(l->centre, i, a->start);
         for (size_t j = 0; j < count; ++j) {
             const face_grip *b = &f->grip[j];
             double ab = 0.0, aa = 0.0, bb = 0.0;
@@ -1088,12 +1086,10 @@ static void find_asked(face *f)
         for (uint32_t i = 0; i < field->control_count; ++i) {
             const double *w = f->weight + (size_t)3 * (field->first_column + i);
             double *g = f->limit.asked + (size_t)3 * field->control[i];
-            vec3 pull = {w[0], w[1], w[2]};
+            vec3 pull = vec3_row(w, 0);
             if (f->bones.moves[b])
                 pull = rigid_rotate(&back, pull);
-            g[0] = pull.x;
-            g[1] = pull.y;
-            g[2] = pull.z;
+            vec3_set_row(g, 0, pull);
         }
     }
 }
@@ -1108,12 +1104,10 @@ static void give(face *f)
         for (uint32_t i = 0; i < field->control_count; ++i) {
             const double *g = f->limit.g + (size_t)3 * field->control[i];
             double *w = f->given + (size_t)3 * (field->first_column + i);
-            vec3 pull = {g[0], g[1], g[2]};
+            vec3 pull = vec3_row(g, 0);
             if (f->bones.moves[b])
                 pull = rigid_rotate(&f->pose[b], pull);
-            w[0] = pull.x;
-            w[1] = pull.y;
-            w[2] = pull.z;
+            vec3_set_row(w, 0, pull);
         }
     }
 }
@@ -1137,8 +1131,7 @@ static void note_held_back(face *f)
 {
     double most = 0.0;
     for (uint32_t k = 0; k < f->control_count; ++k) {
-        const double *asked = f->limit.asked + (size_t)3 * k, *given = f->limit.g + (size_t)3 * k;
-        vec3 missing = {asked[0] - given[0], asked[1] - given[1], asked[2] - given[2]};
+        vec3 missing = vec3_sub(vec3_row(f->limit.asked, k), vec3_row(f->limit.g, k));
         missing = vec3_scale(missing, f->grip[k].mobility);
         missing = vec3_add(missing, face_shapes_missing(f, k));
         most = fmax(most, vec3_length(missing));

@@ -707,7 +707,7 @@ static void find_responses(face *f, uint32_t derived)
         for (uint32_t k = 0; k < f->control_count; ++k) {
             const double *at = s->at + i * stride + (size_t)3 * k;
             double *whole = s->whole + i * stride + (size_t)3 * k;
-            vec3 way = {at[0], at[1], at[2]};
+            vec3 way = vec3_row(at, 0);
             if (one->bones & derived) {
                 blend posed = face_blend_at(f, &f->grip[k], pose);
                 vec3 start = f->grip[k].start;
@@ -715,9 +715,7 @@ static void find_responses(face *f, uint32_t derived)
             }
             if (f->grip[k].is_dropped)
                 way = (vec3){0, 0, 0};
-            whole[0] = way.x;
-            whole[1] = way.y;
-            whole[2] = way.z;
+            vec3_set_row(whole, 0, way);
         }
     }
     for (uint32_t i = 0; i < s->count; ++i) {
@@ -812,11 +810,9 @@ static void begin_frame(face *f, const float *resolved, uint32_t derived, const 
     for (uint32_t k = 0; k < f->control_count; ++k) {
         const face_grip *grip = &f->grip[k];
         blend posed = face_blend_at(f, grip, pose);
-        vec3 at = {end[3 * k], end[3 * k + 1], end[3 * k + 2]};
+        vec3 at = vec3_row(end, k);
         vec3 way = vec3_sub(blend_undo(&posed, at), grip->start);
-        s->y[3 * k] = grip->is_dropped ? 0.0 : way.x;
-        s->y[3 * k + 1] = grip->is_dropped ? 0.0 : way.y;
-        s->y[3 * k + 2] = grip->is_dropped ? 0.0 : way.z;
+        vec3_set_row(s->y, k, grip->is_dropped ? (vec3){0, 0, 0} : way);
     }
     for (uint32_t i = 0; i < s->count; ++i) {
         const face_shape *one = &s->shape[i];
@@ -944,7 +940,7 @@ static vec3 sum_at(const face *f, uint32_t control, const double *weight)
     for (uint32_t i = 0; i < s->count; ++i) {
         const double *at = s->at + (size_t)3 * (f->control_capacity * (size_t)i + control);
         if (weight[i] != 0.0)
-            sum = vec3_add(sum, vec3_scale((vec3){at[0], at[1], at[2]}, s->amount * weight[i]));
+            sum = vec3_add(sum, vec3_scale(vec3_row(at, 0), s->amount * weight[i]));
     }
     return sum;
 }

@@ -643,9 +643,7 @@ static bool take_frame(face_weights *self, const float *position, const float *d
         blend here = blend_of(self->share[p], self->pose, b->moves, b->bone_count);
         vec3 back = blend_undo(&here, (vec3){(double)at[0], (double)at[1], (double)at[2]});
         vec3 way = vec3_sub(back, self->rest[p]);
-        self->y[3 * p] = way.x;
-        self->y[3 * p + 1] = way.y;
-        self->y[3 * p + 2] = way.z;
+        vec3_set_row(self->y, p, way);
         sum += vec3_dot(way, way);
     }
     for (uint32_t i = 0; i < self->dof_row_count; ++i) {
