@@ -431,14 +431,9 @@ static mrt_result collect(rig_document *d, error *err)
 
 /* ---- reading and freeing ---- */
 
-mrt_result rig_document_read(rig_document **out, const char *path, const char *folder, error *err)
+/* The entries of what was read with this result; on an error it is freed. */
+static mrt_result finish_reading(rig_document **out, mrt_result result, error *err)
 {
-    *out = calloc(1, sizeof **out);
-    if (!*out)
-        return no_memory(err);
-    (*out)->is_trusted = folder == NULL;
-    loading l = {.document = *out, .folder = folder};
-    mrt_result result = load_file(&l, path, NULL, err);
     if (result >= 0)
         result = collect(*out, err);
     if (result >= 0)
@@ -446,6 +441,16 @@ mrt_result rig_document_read(rig_document **out, const char *path, const char *f
     rig_document_destroy(*out);
     *out = NULL;
     return result;
+}
+
+mrt_result rig_document_read(rig_document **out, const char *path, const char *folder, error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (!*out)
+        return no_memory(err);
+    (*out)->is_trusted = folder == NULL;
+    loading l = {.document = *out, .folder = folder};
+    return finish_reading(out, load_file(&l, path, NULL, err), err);
 }
 
 mrt_result rig_document_parse(rig_document **out, const void *data, size_t size, const char *path,
@@ -462,13 +467,7 @@ mrt_result rig_document_parse(rig_document **out, const void *data, size_t size,
     if (result >= 0 && json_object_get(root, "include"))
         result = error_set(err, MRT_ERR_UNSUPPORTED,
                            "$.include: a rig that is no file cannot include one");
-    if (result >= 0)
-        result = collect(*out, err);
-    if (result >= 0)
-        return result;
-    rig_document_destroy(*out);
-    *out = NULL;
-    return result;
+    return finish_reading(out, result, err);
 }
 
 void rig_document_hold(rig_document *d)
