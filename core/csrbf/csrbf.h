@@ -2,7 +2,7 @@
  * functions, d(x) = sum_i alpha_i phi(|x - c_i| / R) + p(x) with d(c_i) = g_i.
  * Formulas: research on the method, Wendland 1995 (kernels), Kojekine/Savchenko 2002 (the solve).
  * The solver; what it is asked is in settings.h, what is done with a field over time in shape.h.
- * Solve in float64, centres in a canonical order (merge.h): results do not depend on the order of
+ * Solve in float64, centres in a canonical order (saddle.h): results do not depend on the order of
  * the controls, and have the same bits on every build. Pure but for the solver's own memory;
  * [frame] everything except create/destroy. */
 #ifndef MAROTTE_CSRBF_CSRBF_H

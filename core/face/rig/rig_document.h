@@ -93,8 +93,6 @@ json_path rig_entry_path(const rig *r, rig_section section, uint32_t index);
 
 /* ---- what reading, writing and changing share ---- */
 
-/* All of `r`; on error it is left such that rig_destroy frees it. */
-CHECKED mrt_result rig_fill(rig *r, rig_document *d, error *err);
 extern const rig_bone rig_adult_jaw; /* the limits of one, where a file says none */
 /* A selector alone, to be finished also on error; of what is painted only the name. */
 CHECKED mrt_result rig_select_parse(rig_select *out, const json_node *at, double mm_per_unit,

@@ -1134,7 +1134,8 @@ static void note_unknown_roots(rig *r, const rig_document *d)
     }
 }
 
-mrt_result rig_fill(rig *r, rig_document *d, error *err)
+/* All of `r`; on error it is left such that rig_destroy frees it. */
+static mrt_result fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
         allocate,     fill_name,   fill_mesh,        fill_frame,   fill_cut_mouth,
@@ -1154,7 +1155,7 @@ static mrt_result finish_reading(rig *out, rig_document *d, const char *path, er
 {
     out->document = d;
     out->path = strdup(path);
-    mrt_result result = out->path ? rig_fill(out, d, err) : no_memory(err);
+    mrt_result result = out->path ? fill(out, d, err) : no_memory(err);
     if (result < 0)
         rig_destroy(out);
     return result;
