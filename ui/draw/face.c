@@ -447,8 +447,6 @@ static void face_compute_normals(draw_face *self, const float *position);
 
 void draw_face_update(draw_face *self, const float *position, const float *normal)
 {
-    GLint bound = 0;
-    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
     face_measure(self, position, NULL);
     if (!normal) {
         face_compute_normals(self, position);
@@ -457,7 +455,6 @@ void draw_face_update(draw_face *self, const float *position, const float *norma
     replace(self->position_buffer, position, self->vertex_count);
     replace(self->normal_buffer, normal, self->vertex_count);
     self->seen = (stamps_reader){.seen = 0};
-    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
 }
 
 static uint32_t count_new(const draw_face *self, const stamps *changed)
@@ -481,13 +478,10 @@ bool draw_face_follow(draw_face *self, const float *position, const float *norma
         stamps_read(&self->seen, changed);
         return true;
     }
-    GLint bound = 0;
-    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
     face_measure(self, position, changed);
     replace_changed(self, self->position_buffer, position, changed);
     replace_changed(self, self->normal_buffer, normal, changed);
     stamps_read(&self->seen, changed);
-    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)bound);
     return true;
 }
 

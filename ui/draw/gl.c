@@ -121,82 +121,26 @@ GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *def
     return 0;
 }
 
-static const GLenum switches[GL_STATE_SWITCHES] = {
-    GL_BLEND,        GL_CULL_FACE,           GL_DEPTH_TEST,     GL_SCISSOR_TEST,
-    GL_STENCIL_TEST, GL_POLYGON_OFFSET_FILL, GL_MULTISAMPLE,    GL_FRAMEBUFFER_SRGB,
-    GL_DEPTH_CLAMP,  GL_PRIMITIVE_RESTART,   GL_COLOR_LOGIC_OP, GL_RASTERIZER_DISCARD};
-static const GLenum pack_names[4] = {GL_PACK_ALIGNMENT, GL_PACK_ROW_LENGTH, GL_PACK_SKIP_ROWS,
-                                     GL_PACK_SKIP_PIXELS};
-static const GLenum unpack_names[4] = {GL_UNPACK_ALIGNMENT, GL_UNPACK_ROW_LENGTH,
-                                       GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS};
-
-static void save_transfers(gl_state *out)
+/* What drawing here starts from, and leaves behind. */
+static void set_usual_state(void)
 {
-    for (int i = 0; i < 4; ++i) {
-        glGetIntegerv(pack_names[i], &out->pack[i]);
-        glGetIntegerv(unpack_names[i], &out->unpack[i]);
-    }
-    glGetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &out->pack_buffer);
-    glGetIntegerv(GL_PIXEL_UNPACK_BUFFER_BINDING, &out->unpack_buffer);
-}
-
-static void save_textures(gl_state *out)
-{
-    glGetIntegerv(GL_ACTIVE_TEXTURE, &out->unit);
-    for (GLuint i = 0; i < GL_STATE_UNITS; ++i) {
-        glActiveTexture(GL_TEXTURE0 + i);
-        glGetIntegerv(GL_TEXTURE_BINDING_2D, &out->texture[i]);
-        glGetIntegerv(GL_TEXTURE_BINDING_2D_MULTISAMPLE, &out->multisample_texture[i]);
-        glGetIntegerv(GL_SAMPLER_BINDING, &out->sampler[i]);
-    }
-}
-
-static void save(gl_state *out)
-{
-    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &out->draw_framebuffer);
-    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &out->read_framebuffer);
-    glGetIntegerv(GL_CURRENT_PROGRAM, &out->program);
-    glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &out->vertex_array);
-    glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &out->array_buffer);
-    glGetIntegerv(GL_VIEWPORT, out->viewport);
-    glGetIntegerv(GL_SCISSOR_BOX, out->scissor);
-    glGetIntegerv(GL_BLEND_SRC_RGB, &out->blend_source[0]);
-    glGetIntegerv(GL_BLEND_SRC_ALPHA, &out->blend_source[1]);
-    glGetIntegerv(GL_BLEND_DST_RGB, &out->blend_destination[0]);
-    glGetIntegerv(GL_BLEND_DST_ALPHA, &out->blend_destination[1]);
-    glGetIntegerv(GL_BLEND_EQUATION_RGB, &out->blend_equation[0]);
-    glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &out->blend_equation[1]);
-    glGetIntegerv(GL_CULL_FACE_MODE, &out->cull_face);
-    glGetIntegerv(GL_FRONT_FACE, &out->front_face);
-    glGetIntegerv(GL_DEPTH_FUNC, &out->depth_function);
-    out->polygon_mode[0] = out->polygon_mode[1] = GL_FILL; /* core drivers may set one value */
-    glGetIntegerv(GL_POLYGON_MODE, out->polygon_mode);
-    glGetFloatv(GL_COLOR_CLEAR_VALUE, out->clear_colour);
-    glGetFloatv(GL_POLYGON_OFFSET_FACTOR, &out->polygon_offset[0]);
-    glGetFloatv(GL_POLYGON_OFFSET_UNITS, &out->polygon_offset[1]);
-    glGetFloatv(GL_POINT_SIZE, &out->point_size);
-    glGetDoublev(GL_DEPTH_CLEAR_VALUE, &out->clear_depth);
-    glGetBooleanv(GL_COLOR_WRITEMASK, out->colour_mask);
-    glGetBooleanv(GL_DEPTH_WRITEMASK, &out->depth_mask);
-    for (int i = 0; i < GL_STATE_SWITCHES; ++i)
-        out->enabled[i] = glIsEnabled(switches[i]);
-    save_textures(out);
-    save_transfers(out);
-}
-
-static void set_switch(GLenum name, bool on)
-{
-    if (on)
-        glEnable(name);
-    else
-        glDisable(name);
-}
-
-void gl_state_enter(gl_state *out)
-{
-    save(out);
-    for (int i = 0; i < GL_STATE_SWITCHES; ++i)
-        set_switch(switches[i], switches[i] == GL_MULTISAMPLE);
+    static const GLenum off[] = {GL_BLEND,
+                                 GL_CULL_FACE,
+                                 GL_DEPTH_TEST,
+                                 GL_SCISSOR_TEST,
+                                 GL_STENCIL_TEST,
+                                 GL_POLYGON_OFFSET_FILL,
+                                 GL_FRAMEBUFFER_SRGB,
+                                 GL_DEPTH_CLAMP,
+                                 GL_PRIMITIVE_RESTART,
+                                 GL_COLOR_LOGIC_OP,
+                                 GL_RASTERIZER_DISCARD};
+    static const GLenum transfer[] = {GL_PACK_ROW_LENGTH,  GL_PACK_SKIP_ROWS,
+                                      GL_PACK_SKIP_PIXELS, GL_UNPACK_ROW_LENGTH,
+                                      GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_PIXELS};
+    for (size_t i = 0; i < sizeof off / sizeof off[0]; ++i)
+        glDisable(off[i]);
+    glEnable(GL_MULTISAMPLE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glDepthMask(GL_TRUE);
     glDepthFunc(GL_LESS);
@@ -206,59 +150,48 @@ void gl_state_enter(gl_state *out)
     glBlendEquation(GL_FUNC_ADD);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
-    for (int i = 0; i < 4; ++i) {
-        glPixelStorei(pack_names[i], i == 0);
-        glPixelStorei(unpack_names[i], i == 0);
-    }
-    for (GLuint i = 0; i < GL_STATE_UNITS; ++i)
-        glBindSampler(i, 0);
+    glPixelStorei(GL_PACK_ALIGNMENT, 1);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    for (size_t i = 0; i < sizeof transfer / sizeof transfer[0]; ++i)
+        glPixelStorei(transfer[i], 0);
+    for (GLuint unit = 0; unit < GL_UNITS; ++unit)
+        glBindSampler(unit, 0);
     glActiveTexture(GL_TEXTURE0);
+    glBindVertexArray(0);
+    glUseProgram(0);
 }
 
-static void leave_textures(const gl_state *state)
+void gl_state_enter(gl_state *out)
 {
-    for (GLuint i = 0; i < GL_STATE_UNITS; ++i) {
-        glActiveTexture(GL_TEXTURE0 + i);
-        glBindTexture(GL_TEXTURE_2D, (GLuint)state->texture[i]);
-        glBindTexture(GL_TEXTURE_2D_MULTISAMPLE, (GLuint)state->multisample_texture[i]);
-        glBindSampler(i, (GLuint)state->sampler[i]);
-    }
-    glActiveTexture((GLenum)state->unit);
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &out->draw_framebuffer);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &out->read_framebuffer);
+    glGetIntegerv(GL_VIEWPORT, out->viewport);
+    set_usual_state();
 }
 
 void gl_state_leave(const gl_state *state)
 {
-    leave_textures(state);
-    for (int i = 0; i < 4; ++i) {
-        glPixelStorei(pack_names[i], state->pack[i]);
-        glPixelStorei(unpack_names[i], state->unpack[i]);
-    }
-    glBindBuffer(GL_PIXEL_PACK_BUFFER, (GLuint)state->pack_buffer);
-    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, (GLuint)state->unpack_buffer);
-    for (int i = 0; i < GL_STATE_SWITCHES; ++i)
-        set_switch(switches[i], state->enabled[i]);
-    glColorMask(state->colour_mask[0], state->colour_mask[1], state->colour_mask[2],
-                state->colour_mask[3]);
-    glDepthMask(state->depth_mask);
-    glDepthFunc((GLenum)state->depth_function);
-    glClearDepth(state->clear_depth);
-    glClearColor(state->clear_colour[0], state->clear_colour[1], state->clear_colour[2],
-                 state->clear_colour[3]);
-    glPointSize(state->point_size);
-    glPolygonOffset(state->polygon_offset[0], state->polygon_offset[1]);
-    glPolygonMode(GL_FRONT_AND_BACK, (GLenum)state->polygon_mode[0]);
-    glFrontFace((GLenum)state->front_face);
-    glCullFace((GLenum)state->cull_face);
-    glBlendEquationSeparate((GLenum)state->blend_equation[0], (GLenum)state->blend_equation[1]);
-    glBlendFuncSeparate((GLenum)state->blend_source[0], (GLenum)state->blend_destination[0],
-                        (GLenum)state->blend_source[1], (GLenum)state->blend_destination[1]);
-    glScissor(state->scissor[0], state->scissor[1], state->scissor[2], state->scissor[3]);
+    set_usual_state();
     glViewport(state->viewport[0], state->viewport[1], state->viewport[2], state->viewport[3]);
-    glBindBuffer(GL_ARRAY_BUFFER, (GLuint)state->array_buffer);
-    glBindVertexArray((GLuint)state->vertex_array);
-    glUseProgram((GLuint)state->program);
     gl_bind_framebuffer(GL_DRAW_FRAMEBUFFER, (GLuint)state->draw_framebuffer);
     gl_bind_framebuffer(GL_READ_FRAMEBUFFER, (GLuint)state->read_framebuffer);
+}
+
+void gl_read_picture(uint8_t *out_rgba, uint32_t width, uint32_t height)
+{
+    const size_t row_size = (size_t)width * 4;
+    glPixelStorei(GL_PACK_ALIGNMENT, 4);
+    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+    glReadPixels(0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA, GL_UNSIGNED_BYTE, out_rgba);
+    for (uint32_t row = 0; row < height / 2; ++row) {
+        uint8_t *above = out_rgba + row * row_size;
+        uint8_t *below = out_rgba + (height - 1 - row) * row_size;
+        for (size_t i = 0; i < row_size; ++i) {
+            const uint8_t kept = above[i];
+            above[i] = below[i];
+            below[i] = kept;
+        }
+    }
 }
 
 /* Mesa's software renderer (llvmpipe; 22.3.6, and main when this was written) frees the fence of a

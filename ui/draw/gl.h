@@ -1,6 +1,6 @@
 /* draw/gl.h - what every drawing file needs of OpenGL: is there a context, does this program
- * compile, where one scene ends, and leaving the state of a window as it was. The thread of the
- * context. */
+ * compile, where one scene ends, and the state that drawing starts from and leaves. The thread of
+ * the context. */
 #ifndef MAROTTE_UI_DRAW_GL_H
 #define MAROTTE_UI_DRAW_GL_H
 #include "base/error.h"
@@ -34,19 +34,19 @@ void gl_begin_scenes(void);
 /* Before a thread's context is destroyed or let go. */
 void gl_forget_scenes(void);
 
-enum { GL_STATE_UNITS = 5, GL_STATE_SWITCHES = 12 };
-typedef struct gl_state { /* of the caller: a window, a user interface */
-    GLint draw_framebuffer, read_framebuffer, program, vertex_array, array_buffer, unit;
-    GLint texture[GL_STATE_UNITS], multisample_texture[GL_STATE_UNITS], sampler[GL_STATE_UNITS];
-    GLint viewport[4], scissor[4], pack[4], unpack[4], pack_buffer, unpack_buffer;
-    GLint blend_source[2], blend_destination[2], blend_equation[2];
-    GLint cull_face, front_face, depth_function, polygon_mode[2];
-    GLfloat clear_colour[4], polygon_offset[2], point_size;
-    GLdouble clear_depth;
-    GLboolean colour_mask[4], depth_mask, enabled[GL_STATE_SWITCHES];
+/* Of the framebuffer that is bound for reading; RGBA, rows from the top (OpenGL's first row is the
+ * lowest). */
+void gl_read_picture(uint8_t *out_rgba, uint32_t width, uint32_t height);
+
+enum { GL_UNITS = 5 };    /* of textures, that drawing here uses */
+typedef struct gl_state { /* of the caller: where it draws */
+    GLint draw_framebuffer, read_framebuffer, viewport[4];
 } gl_state;
-/* Saves, then sets what drawing here starts from: nothing enabled, everything written. */
+/* Saves it, then sets what drawing here starts from: nothing enabled, everything written, nothing
+ * bound. */
 void gl_state_enter(gl_state *out);
+/* The same, drawn to the caller's framebuffers again: textures and buffers are bound anew by
+ * whoever uses them. */
 void gl_state_leave(const gl_state *state);
 
 #endif

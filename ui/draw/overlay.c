@@ -3,7 +3,6 @@
 #include "draw/camera.h"
 #include "draw/face.h"
 #include "draw/gl.h"
-#include "draw/renderer.h"
 #include "draw/shaders.h"
 #include "draw/target.h"
 
@@ -139,7 +138,7 @@ bool draw_unproject(float out[3], const draw_camera *camera, const uint32_t rect
 
 /* ---- what lies over it ---- */
 
-typedef struct overlays_view { /* of one draw_overlay */
+typedef struct overlays_view { /* of one drawing */
     draw_camera camera;        /* made safe */
     matrix4 projection;        /* that of the face */
     uint32_t width, height;    /* of the rectangle */
@@ -515,14 +514,29 @@ static void draw_seen(const overlays *self, uint32_t opaque_count)
     draw_lines(self, 0, self->line_count, 1.0f);
 }
 
-/* The framebuffer and the viewport are set, the state is gl_state_enter's. */
-static void overlays_draw(overlays *self, const overlays_view *view, const overlay_item *item,
-                          uint32_t count)
+static const float lift_share = 0.008f; /* of the face's height */
+
+void overlays_draw(overlays *self, draw_target *target, const draw_face *face,
+                   const draw_camera *camera, const float to_light[3], const uint32_t rectangle[4],
+                   const overlay_item *item, uint32_t count)
 {
-    make_instances(self, view, item, count);
+    GLint place[4];
+    if (count == 0 || !target_place(place, target, rectangle))
+        return;
+    overlays_view view = {.camera = *camera,
+                          .width = rectangle[2],
+                          .height = rectangle[3],
+                          .lift_mm = lift_share * face->height_mm,
+                          .to_light = {to_light[0], to_light[1], to_light[2]}};
+    view.projection = camera_projection(camera, (float)view.width / (float)view.height,
+                                        face->centre, face->radius_mm);
+    gl_state before;
+    gl_state_enter(&before);
+    target_begin(target, place);
+    make_instances(self, &view, item, count);
     uint32_t opaque_count = self->solid_count - self->skin_count;
-    load(&self->line, view, self->lines, self->line_count * sizeof *self->lines);
-    load(&self->solid, view, self->solids, self->solid_count * sizeof *self->solids);
+    load(&self->line, &view, self->lines, self->line_count * sizeof *self->lines);
+    load(&self->solid, &view, self->solids, self->solid_count * sizeof *self->solids);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_DEPTH_CLAMP);
     glEnable(GL_BLEND);
@@ -530,36 +544,5 @@ static void overlays_draw(overlays *self, const overlays_view *view, const overl
     glCullFace(GL_BACK);
     draw_hidden(self, opaque_count);
     draw_seen(self, opaque_count);
-}
-
-/* ---- over a face ---- */
-
-static const float lift_share = 0.008f; /* of the face's height */
-
-void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *face,
-                  const draw_camera *camera, const uint32_t rectangle[4], const overlay_item *item,
-                  uint32_t count)
-{
-    uint32_t width = rectangle[2], height = rectangle[3];
-    if (count == 0 || width == 0 || height == 0 || rectangle[0] >= target->width ||
-        rectangle[1] >= target->height || width > SIDE_LIMIT || height > SIDE_LIMIT)
-        return;
-    overlays_view view = {.camera = camera_made_safe(camera),
-                          .width = width,
-                          .height = height,
-                          .lift_mm = lift_share * face->height_mm};
-    view.projection = camera_projection(&view.camera, (float)width / (float)height, face->centre,
-                                        face->radius_mm);
-    renderer_light(self, view.to_light, LIGHTING_KEY, view.camera.yaw_rad);
-    GLint side = (GLint)target->side, x = (GLint)rectangle[0] * side;
-    GLint y = ((GLint)target->height - (GLint)rectangle[1] - (GLint)height) * side;
-    gl_state before;
-    gl_state_enter(&before);
-    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(x, y, (GLsizei)width * side, (GLsizei)height * side);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(x, y, (GLsizei)width * side, (GLsizei)height * side);
-    overlays_draw(self->overlays, &view, item, count);
-    target->stale = true;
     gl_state_leave(&before);
 }

@@ -23,6 +23,15 @@ void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *fac
                   const draw_camera *camera, const uint32_t rectangle[4], const overlay_item *item,
                   uint32_t count);
 
+typedef struct overlays overlays; /* the programs and buffers that draw them */
+
+overlays *overlays_create(error *err); /* NULL: failed */
+void overlays_destroy(overlays *self);
+/* As draw_overlay; to_light: unit, towards what lights the solids. */
+void overlays_draw(overlays *self, draw_target *target, const draw_face *face,
+                   const draw_camera *camera, const float to_light[3], const uint32_t rectangle[4],
+                   const overlay_item *item, uint32_t count);
+
 /* Where the ray through a pixel of the rectangle meets the face as shown: the nearest triangle that
  * faces the eye. */
 typedef struct draw_hit {

@@ -1,7 +1,6 @@
 /* draw_preview MESH OUT.png [yaw_deg pitch_deg]... : a mesh file from several sides on one picture,
  * for whoever models a face. */
-#include "draw/draw.h"
-#include "io/export.h"
+#include "draw/offscreen.h"
 #include "io/mesh_file.h"
 
 #include <stdio.h>
@@ -40,8 +39,8 @@ static uint32_t read_views(int argc, char **argv, view_angles out[VIEWS_MAX])
     return (uint32_t)argc / 2;
 }
 
-static void draw_views(draw_renderer *renderer, draw_target *target, const draw_face *face,
-                       const mesh *m, const view_angles *view, uint32_t view_count)
+static void draw_views(const offscreen *on, const mesh *m, const view_angles *view,
+                       uint32_t view_count)
 {
     const float degree = 3.14159265f / 180.0f, ink[4] = {0.72f, 0.74f, 0.78f, 1.0f};
     float low[3], high[3];
@@ -50,35 +49,26 @@ static void draw_views(draw_renderer *renderer, draw_target *target, const draw_
     for (uint32_t i = 0; i < view_count; ++i) {
         camera.yaw_rad = view[i].yaw_deg * degree;
         camera.pitch_rad = view[i].pitch_deg * degree;
-        draw_render(renderer, target, face, &camera, i * VIEW_WIDTH, 0, VIEW_WIDTH, VIEW_HEIGHT);
+        draw_render(on->renderer, on->target, on->face, &camera, i * VIEW_WIDTH, 0, VIEW_WIDTH,
+                    VIEW_HEIGHT);
         char label[64];
         snprintf(label, sizeof label, "yaw %g°  pitch %g°", (double)view[i].yaw_deg,
                  (double)view[i].pitch_deg);
-        draw_text(renderer, target, label, (float)(i * VIEW_WIDTH) + 16.0f, VIEW_HEIGHT - 36.0f,
-                  20.0f, ink);
+        draw_text(on->renderer, on->target, label, (float)(i * VIEW_WIDTH) + 16.0f,
+                  VIEW_HEIGHT - 36.0f, 20.0f, ink);
     }
 }
 
 static mrt_result draw_picture(const mesh *m, const char *path, const view_angles *view,
                                uint32_t view_count, error *err)
 {
-    uint32_t width = view_count * VIEW_WIDTH;
-    mrt_result result = MRT_ERR_UNSUPPORTED;
-    uint8_t *pixels = malloc((size_t)width * VIEW_HEIGHT * 4);
-    draw_context *context = draw_context_create(err);
-    draw_target *target = context ? draw_target_create(width, VIEW_HEIGHT, err) : NULL;
-    draw_renderer *renderer = target ? draw_renderer_create(err) : NULL;
-    draw_face *face = renderer ? draw_face_create(m, err) : NULL;
-    if (face && pixels) {
-        draw_views(renderer, target, face, m, view, view_count);
-        draw_read(target, pixels);
-        result = png_write(path, pixels, width, VIEW_HEIGHT, err);
-    }
-    draw_face_destroy(face);
-    draw_renderer_destroy(renderer);
-    draw_target_destroy(target);
-    draw_context_destroy(context);
-    free(pixels);
+    offscreen on;
+    mrt_result result = offscreen_init(&on, m, view_count * VIEW_WIDTH, VIEW_HEIGHT, err);
+    if (result < 0)
+        return result;
+    draw_views(&on, m, view, view_count);
+    result = offscreen_save(&on, path, err);
+    offscreen_finish(&on);
     return result;
 }
 

@@ -194,9 +194,10 @@ typedef struct view { /* one draw_render */
     float shadow_radius_mm;
 } view;
 
-/* The lights turn with the camera like a studio around a turntable, so that every view is lit. */
-void renderer_light(const draw_renderer *self, float out[3], lighting_lamp_name lamp,
-                    float camera_yaw_rad)
+/* Unit, towards the light. Lights turn with the camera like a studio around a turntable, so that
+ * every view is lit. */
+static void turn_light(const draw_renderer *self, float out[3], lighting_lamp_name lamp,
+                       float camera_yaw_rad)
 {
     const float *at = self->light.lamp[lamp].direction;
     float s = (float)sin((double)camera_yaw_rad), c = (float)cos((double)camera_yaw_rad);
@@ -453,33 +454,29 @@ static void draw_face_lit(const draw_renderer *self, const draw_face *face, cons
 void draw_render(draw_renderer *self, draw_target *target, const draw_face *face,
                  const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 {
-    if (width == 0 || height == 0 || x >= target->width || y >= target->height ||
-        width > SIDE_LIMIT || height > SIDE_LIMIT)
+    const uint32_t rectangle[4] = {x, y, width, height};
+    GLint place[4];
+    if (!target_place(place, target, rectangle))
         return;
-    GLint side = (GLint)target->side;
     view v = {.camera = camera_made_safe(camera),
-              .x = (GLint)x * side,
-              .y = ((GLint)target->height - (GLint)y - (GLint)height) * side,
-              .width = (GLsizei)width * side,
-              .height = (GLsizei)height * side,
-              .side = side,
+              .x = place[0],
+              .y = place[1],
+              .width = place[2],
+              .height = place[3],
+              .side = (GLint)target->side,
               .shadow_radius_mm = face->radius_mm * 1.02f};
     for (lighting_lamp_name lamp = 0; lamp < LIGHTING_LAMPS; ++lamp)
-        renderer_light(self, v.light[lamp], lamp, v.camera.yaw_rad);
+        turn_light(self, v.light[lamp], lamp, v.camera.yaw_rad);
     v.shadow_projection =
         camera_light_projection(v.light[LIGHTING_KEY], face->centre, v.shadow_radius_mm);
     gl_state before;
     gl_state_enter(&before);
     draw_shadow(self, face, &v);
-    gl_bind_framebuffer(GL_FRAMEBUFFER, target->framebuffer);
-    glViewport(v.x, v.y, v.width, v.height);
-    glEnable(GL_SCISSOR_TEST);
-    glScissor(v.x, v.y, v.width, v.height);
+    target_begin(target, place);
     glClear(GL_DEPTH_BUFFER_BIT);
     if (self->has_ground)
         clear_ground(self);
     draw_face_lit(self, face, &v);
-    target->stale = true;
     target->is_clear = self->has_ground && self->ground[3] < 1.0f;
     gl_state_leave(&before);
 }
@@ -512,6 +509,16 @@ void draw_strokes(draw_renderer *self, draw_target *target, const draw_stroke *s
                   uint32_t count)
 {
     strokes_draw(self->strokes, target, stroke, count);
+}
+
+void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *face,
+                  const draw_camera *camera, const uint32_t rectangle[4], const overlay_item *item,
+                  uint32_t count)
+{
+    const draw_camera safe = camera_made_safe(camera);
+    float to_light[3];
+    turn_light(self, to_light, LIGHTING_KEY, safe.yaw_rad);
+    overlays_draw(self->overlays, target, face, &safe, to_light, rectangle, item, count);
 }
 
 bool draw_project(float out_px[2], const draw_camera *camera, const uint32_t rectangle[4],

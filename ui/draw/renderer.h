@@ -6,12 +6,7 @@
 #include "draw/annotations.h"
 #include "draw/face.h"
 #include "draw/lighting.h"
-
-/* The programs and buffers that draw_overlay uses. (overlay.c) */
-typedef struct overlays overlays;
-
-overlays *overlays_create(error *err); /* NULL: failed */
-void overlays_destroy(overlays *self);
+#include "draw/overlay.h"
 
 typedef struct renderer_face_program {
     GLuint program;
@@ -67,11 +62,5 @@ struct draw_renderer {
     strokes *strokes;
     overlays *overlays;
 };
-
-enum { SIDE_LIMIT = 32768 }; /* pixels of a rectangle */
-
-/* Unit, towards the light, for a camera that has turned so far. */
-void renderer_light(const draw_renderer *self, float out[3], lighting_lamp_name lamp,
-                    float camera_yaw_rad);
 
 #endif

@@ -188,6 +188,31 @@ static void resolve(draw_target *self)
     self->stale = false;
 }
 
+enum { RECTANGLE_MAX = 32768 };
+
+bool target_place(GLint out[4], const draw_target *self, const uint32_t rectangle[4])
+{
+    const uint32_t width = rectangle[2], height = rectangle[3];
+    const GLint side = (GLint)self->side;
+    if (width == 0 || height == 0 || rectangle[0] >= self->width || rectangle[1] >= self->height ||
+        width > RECTANGLE_MAX || height > RECTANGLE_MAX)
+        return false;
+    out[0] = (GLint)rectangle[0] * side;
+    out[1] = ((GLint)self->height - (GLint)rectangle[1] - (GLint)height) * side;
+    out[2] = (GLint)width * side;
+    out[3] = (GLint)height * side;
+    return true;
+}
+
+void target_begin(draw_target *self, const GLint place[4])
+{
+    gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
+    glViewport(place[0], place[1], place[2], place[3]);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(place[0], place[1], place[2], place[3]);
+    self->stale = true;
+}
+
 uint32_t draw_target_texture(draw_target *self)
 {
     gl_state before;
@@ -197,27 +222,12 @@ uint32_t draw_target_texture(draw_target *self)
     return self->picture;
 }
 
-/* OpenGL's first row is the lowest. */
-static void turn_over(uint8_t *rows, size_t row_size, uint32_t row_count)
-{
-    for (uint32_t row = 0; row < row_count / 2; ++row) {
-        uint8_t *above = rows + row * row_size, *below = rows + (row_count - 1 - row) * row_size;
-        for (size_t i = 0; i < row_size; ++i) {
-            uint8_t kept = above[i];
-            above[i] = below[i];
-            below[i] = kept;
-        }
-    }
-}
-
 void draw_read(draw_target *self, uint8_t *out_rgba)
 {
     gl_state before;
     gl_state_enter(&before);
     resolve(self);
     gl_bind_framebuffer(GL_READ_FRAMEBUFFER, self->picture_framebuffer);
-    glReadPixels(0, 0, (GLsizei)self->width, (GLsizei)self->height, GL_RGBA, GL_UNSIGNED_BYTE,
-                 out_rgba);
-    turn_over(out_rgba, (size_t)self->width * 4, self->height);
+    gl_read_picture(out_rgba, self->width, self->height);
     gl_state_leave(&before);
 }

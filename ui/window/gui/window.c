@@ -168,22 +168,6 @@ static void window_clear(uint32_t width_px, uint32_t height_px)
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
-/* OpenGL's first row is the lowest. */
-static void turn_over(uint8_t *rgba, uint32_t width, uint32_t height, bool is_clear)
-{
-    const size_t row_size = (size_t)width * 4;
-    for (uint32_t row = 0; row < height / 2; ++row) {
-        uint8_t *above = rgba + row * row_size, *below = rgba + (height - 1 - row) * row_size;
-        for (size_t i = 0; i < row_size; ++i) {
-            const uint8_t kept = above[i];
-            above[i] = below[i];
-            below[i] = kept;
-        }
-    }
-    for (size_t i = 3; i < row_size * height && !is_clear; i += 4)
-        rgba[i] = 255;
-}
-
 static mrt_result window_sheet_init(window_sheet *out, uint32_t width, uint32_t height, error *err)
 {
     *out = (window_sheet){.width_px = width, .height_px = height};
@@ -221,10 +205,9 @@ static mrt_result window_write_picture(uint32_t width_px, uint32_t height_px, bo
     if (!rgba)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory for a picture of %u x %u", png_path,
                          width_px, height_px);
-    glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
-    glReadPixels(0, 0, (GLsizei)width_px, (GLsizei)height_px, GL_RGBA, GL_UNSIGNED_BYTE, rgba);
-    turn_over(rgba, width_px, height_px, is_clear);
+    gl_read_picture(rgba, width_px, height_px);
+    for (size_t i = 3; i < (size_t)width_px * height_px * 4 && !is_clear; i += 4)
+        rgba[i] = 255;
     mrt_result result = png_write(png_path, rgba, width_px, height_px, err);
     free(rgba);
     return result;
