@@ -1,6 +1,7 @@
 #include "window/timeline/worker.h"
 
 #include "base/clock.h"
+#include "base/slot.h"
 #include "stage/take/kept_solver.h"
 #include "take/edit_store.h"
 
@@ -11,7 +12,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-enum { WORKER_CURVES_MAX = 32, WORKER_SAMPLES = 512, WORKER_FRAMES = 1 << 18 };
+enum { WORKER_CURVES_MAX = 32, WORKER_SAMPLES = 512, WORKER_FRAMES = 1 << 18, WORKER_PATH = 4096 };
 
 typedef struct worker_curve { /* of a performance */
     int64_t performance, from_ns;
@@ -23,6 +24,7 @@ typedef struct worker_curve { /* of a performance */
 typedef struct worker_reader { /* [thread] */
     const plugin_list *plugins;
     log_queue *log; /* what recordings have to say was said when they were made */
+    char show_path[WORKER_PATH], face_path[WORKER_PATH]; /* that were opened; "": none */
     show *show;
     face_file face;
     bool has_face;
@@ -41,27 +43,26 @@ typedef struct worker_reader { /* [thread] */
     char note[256];
 } worker_reader;
 
+typedef struct order {                                   /* what main wants */
+    char show_path[WORKER_PATH], face_path[WORKER_PATH]; /* "": none */
+    timeline_request request;
+    uint64_t number; /* grows with every change */
+    bool ends;
+} order;
+
 struct timeline_worker {
     pthread_mutex_t lock; /* held for copies and swaps only */
     pthread_cond_t wake;
     pthread_t thread;
-    bool has_thread, ends;
-    /* from main; under the lock */
-    char *show_path, *face_path;
-    uint64_t show_number, request_number;
-    timeline_request request;
-    /* to main; under the lock */
-    timeline_result *ready;
-    bool is_fresh;
-    timeline_comps *comps_ready;
+    bool has_thread; /* [main] */
+    order wanted;    /* main writes it under the lock */
+    order taken;     /* [thread] */
+    publish_slot slot;
+    timeline_result result[3];   /* of the slot: to main */
+    timeline_comps *comps_ready; /* to main; under the lock */
     bool has_comps;
-    /* [main] */
-    timeline_result *front;
-    timeline_comps *comps;
-    timeline_request requested;
-    /* [thread] */
-    timeline_result *back;
-    worker_reader reader;
+    timeline_comps *comps; /* [main] */
+    worker_reader reader;  /* [thread] */
 };
 
 /* ---- what is read ---- */
@@ -71,10 +72,11 @@ static void note(worker_reader *self, const error *err)
     (void)snprintf(self->note, sizeof self->note, "%.255s", err->text);
 }
 
-static void open_face(worker_reader *self, const char *path)
+static void open_face(worker_reader *self)
 {
     error err = {""};
-    if (!path || face_file_read(&self->face, path, NULL, FACE_FILE_USABLE, &err) < 0) {
+    if (!self->face_path[0] ||
+        face_file_read(&self->face, self->face_path, NULL, FACE_FILE_USABLE, &err) < 0) {
         note(self, &err);
         return;
     }
@@ -85,18 +87,19 @@ static void open_face(worker_reader *self, const char *path)
 }
 
 /* Opens what the paths name; what fails is noted. */
-static void worker_reader_open(worker_reader *self, const char *show_path, const char *face_path)
+static void worker_reader_open(worker_reader *self, const order *now)
 {
     error err = {""};
-    self->note[0] = '\0';
-    if (!show_path)
+    memcpy(self->show_path, now->show_path, sizeof self->show_path);
+    memcpy(self->face_path, now->face_path, sizeof self->face_path);
+    if (!self->show_path[0])
         return;
-    if (show_open(&self->show, show_path, SHOW_READ, &err) < 0) {
+    if (show_open(&self->show, self->show_path, SHOW_READ, &err) < 0) {
         self->show = NULL;
         note(self, &err);
         return;
     }
-    open_face(self, face_path);
+    open_face(self);
     self->world = (replay_world){
         .show = self->show, .plugins = self->plugins, .log = self->log, .scratch = self->scratch};
 }
@@ -411,17 +414,6 @@ static void timeline_comps_free(timeline_comps *comps)
 
 /* ---- the thread ---- */
 
-typedef struct command { /* what main last said */
-    uint64_t show_number, request_number;
-    char *show_path, *face_path; /* copies, when the show is another one */
-    bool is_other_show, ends;
-} command;
-
-static char *copy_of(const char *text)
-{
-    return text ? strdup(text) : NULL;
-}
-
 static void wait_until(timeline_worker *self, int64_t from_now_ns)
 {
     struct timespec until;
@@ -432,37 +424,26 @@ static void wait_until(timeline_worker *self, int64_t from_now_ns)
     (void)pthread_cond_timedwait(&self->wake, &self->lock, &until);
 }
 
-/* Waits while nothing is to be done: until something is said, or a recording may have gone on. */
-static command next_command(timeline_worker *self, const command *last, bool is_idle,
-                            timeline_request *request)
+/* Waits while nothing is to be done: until something is said, or a recording may have gone on.
+ * True: something was said. */
+static bool take_order(timeline_worker *self, bool is_idle)
 {
-    command out = *last;
     pthread_mutex_lock(&self->lock);
-    if (is_idle && !self->ends && self->request_number == last->request_number &&
-        self->show_number == last->show_number)
+    if (is_idle && self->wanted.number == self->taken.number)
         wait_until(self, AGAIN_NS);
-    out.ends = self->ends;
-    out.is_other_show = self->show_number != last->show_number;
-    out.show_path = out.is_other_show ? copy_of(self->show_path) : NULL;
-    out.face_path = out.is_other_show ? copy_of(self->face_path) : NULL;
-    out.show_number = self->show_number;
-    out.request_number = self->request_number;
-    if (self->request_number != last->request_number)
-        *request = self->request;
+    const bool is_new = self->wanted.number != self->taken.number;
+    if (is_new)
+        self->taken = self->wanted;
     pthread_mutex_unlock(&self->lock);
-    return out;
+    return is_new;
 }
 
-static void publish(timeline_worker *self, const timeline_request *request, bool is_complete)
+static void publish(timeline_worker *self, bool is_complete)
 {
-    worker_reader_fill(&self->reader, request, self->back);
-    self->back->is_complete = is_complete;
-    pthread_mutex_lock(&self->lock);
-    timeline_result *result = self->ready;
-    self->ready = self->back;
-    self->is_fresh = true;
-    pthread_mutex_unlock(&self->lock);
-    self->back = result;
+    timeline_result *result = &self->result[slot_back(&self->slot)];
+    worker_reader_fill(&self->reader, &self->taken.request, result);
+    result->is_complete = is_complete;
+    slot_publish(&self->slot);
 }
 
 static void publish_comps(timeline_worker *self, timeline_comps *comps)
@@ -477,47 +458,38 @@ static void publish_comps(timeline_worker *self, timeline_comps *comps)
     timeline_comps_free(old);
 }
 
-static void change_show(timeline_worker *self, command *now)
+static void change_show(worker_reader *self, const order *now)
 {
-    if (!now->is_other_show)
+    if (strcmp(self->show_path, now->show_path) == 0 &&
+        strcmp(self->face_path, now->face_path) == 0)
         return;
-    worker_reader_close(&self->reader);
-    worker_reader_open(&self->reader, now->show_path, now->face_path);
-    free(now->show_path);
-    free(now->face_path);
-    now->show_path = now->face_path = NULL;
+    worker_reader_close(self);
+    worker_reader_open(self, now);
 }
 
 static void *run(void *data)
 {
     timeline_worker *self = data;
-    timeline_request *request = calloc(1, sizeof *request);
-    command last = {0};
+    const timeline_request *request = &self->taken.request;
     bool is_idle = false, was_idle = false;
     int64_t published_ns = 0, known_then = -1;
     (void)setpriority(PRIO_PROCESS, 0, NICENESS); /* on Linux: of this thread */
-    while (request) {
-        command told = next_command(self, &last, is_idle, request);
-        bool is_new = told.request_number != last.request_number || told.is_other_show;
-        last = told;
-        if (told.ends) {
-            free(told.show_path);
-            free(told.face_path);
+    for (;;) {
+        const bool is_new = take_order(self, is_idle);
+        if (self->taken.ends)
             break;
-        }
-        change_show(self, &told);
+        change_show(&self->reader, &self->taken);
         publish_comps(self, worker_reader_comps(&self->reader, request));
         is_idle = !worker_reader_step(&self->reader, request);
         int64_t now_ns = clock_now_ns(), known = worker_reader_known(&self->reader);
         bool is_due = is_idle || now_ns - published_ns > PUBLISH_NS;
         if (is_new || (is_due && (known != known_then || is_idle != was_idle))) {
-            publish(self, request, is_idle);
+            publish(self, is_idle);
             published_ns = now_ns;
             known_then = known;
             was_idle = is_idle;
         }
     }
-    free(request);
     worker_reader_close(&self->reader);
     return NULL;
 }
@@ -529,17 +501,23 @@ timeline_worker *timeline_worker_create(const plugin_list *plugins)
     timeline_worker *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    self->front = calloc(1, sizeof *self->front);
-    self->ready = calloc(1, sizeof *self->ready);
-    self->back = calloc(1, sizeof *self->back);
     self->reader.log = log_queue_create();
     self->reader.plugins = plugins;
+    slot_init(&self->slot);
     (void)pthread_mutex_init(&self->lock, NULL);
     (void)pthread_cond_init(&self->wake, NULL);
-    if (self->front && self->ready && self->back && self->reader.log)
+    if (self->reader.log)
         return self;
     timeline_worker_destroy(self);
     return NULL;
+}
+
+/* What was changed of `wanted`, under the lock, is to be taken. */
+static void end_order(timeline_worker *self)
+{
+    self->wanted.number += 1;
+    (void)pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->lock);
 }
 
 void timeline_worker_destroy(timeline_worker *self)
@@ -547,9 +525,8 @@ void timeline_worker_destroy(timeline_worker *self)
     if (!self)
         return;
     pthread_mutex_lock(&self->lock);
-    self->ends = true;
-    (void)pthread_cond_signal(&self->wake);
-    pthread_mutex_unlock(&self->lock);
+    self->wanted.ends = true;
+    end_order(self);
     if (self->has_thread)
         (void)pthread_join(self->thread, NULL);
     (void)pthread_cond_destroy(&self->wake);
@@ -558,32 +535,20 @@ void timeline_worker_destroy(timeline_worker *self)
     timeline_comps_free(self->comps_ready);
     if (self->reader.log)
         log_queue_destroy(self->reader.log);
-    free(self->front);
-    free(self->ready);
-    free(self->back);
-    free(self->show_path);
-    free(self->face_path);
     free(self);
-}
-
-static bool is_same(const char *a, const char *b)
-{
-    return (!a && !b) || (a && b && strcmp(a, b) == 0);
 }
 
 void timeline_worker_set_show(timeline_worker *self, const char *show_path, const char *face_path)
 {
-    if (is_same(self->show_path, show_path) && is_same(self->face_path, face_path))
+    order *wanted = &self->wanted;
+    show_path = show_path ? show_path : "";
+    face_path = face_path ? face_path : "";
+    if (strcmp(wanted->show_path, show_path) == 0 && strcmp(wanted->face_path, face_path) == 0)
         return;
-    char *show_copy = copy_of(show_path), *face_copy = copy_of(face_path);
     pthread_mutex_lock(&self->lock);
-    free(self->show_path);
-    free(self->face_path);
-    self->show_path = show_copy;
-    self->face_path = face_copy;
-    self->show_number += 1;
-    (void)pthread_cond_signal(&self->wake);
-    pthread_mutex_unlock(&self->lock);
+    (void)snprintf(wanted->show_path, sizeof wanted->show_path, "%s", show_path);
+    (void)snprintf(wanted->face_path, sizeof wanted->face_path, "%s", face_path);
+    end_order(self);
 }
 
 static bool is_same_strips(const timeline_request *a, const timeline_request *b)
@@ -603,29 +568,19 @@ static bool is_same_request(const timeline_request *a, const timeline_request *b
 
 void timeline_worker_request(timeline_worker *self, const timeline_request *request)
 {
-    if (is_same_request(request, &self->requested))
+    if (is_same_request(request, &self->wanted.request))
         return;
-    self->requested = *request;
     pthread_mutex_lock(&self->lock);
-    self->request = *request;
-    self->request_number += 1;
-    (void)pthread_cond_signal(&self->wake);
-    pthread_mutex_unlock(&self->lock);
+    self->wanted.request = *request;
+    end_order(self);
     if (!self->has_thread)
         self->has_thread = pthread_create(&self->thread, NULL, run, self) == 0;
 }
 
 const timeline_result *timeline_worker_look(timeline_worker *self)
 {
-    pthread_mutex_lock(&self->lock);
-    if (self->is_fresh) {
-        timeline_result *result = self->front;
-        self->front = self->ready;
-        self->ready = result;
-        self->is_fresh = false;
-    }
-    pthread_mutex_unlock(&self->lock);
-    return self->front;
+    (void)slot_take(&self->slot);
+    return &self->result[slot_front(&self->slot)];
 }
 
 const timeline_comps *timeline_worker_comps(timeline_worker *self)
