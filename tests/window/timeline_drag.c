@@ -114,12 +114,12 @@ static void the_head_has_switches_and_a_gain(void **state)
     static const timeline_part part[] = {TIMELINE_MUTE, TIMELINE_SOLO, TIMELINE_ADDITIVE,
                                          TIMELINE_ARM};
     for (uint32_t i = 0; i < TIMELINE_SWITCHES; ++i) {
-        timeline_box box = timeline_switch_box(&s.rows, &s.rows.row[0], i);
+        ui_rectangle box = timeline_switch_box(&s.rows, &s.rows.row[0], i);
         timeline_hit at = timeline_hit_at(&under, box.x + 3.0f, box.y + 3.0f);
         assert_int_equal(at.part, part[i]);
         assert_int_equal(at.layer, 3);
     }
-    timeline_box box = timeline_gain_box(&s.rows, &s.rows.row[1]);
+    ui_rectangle box = timeline_gain_box(&s.rows, &s.rows.row[1]);
     assert_int_equal(timeline_hit_at(&under, box.x + 3.0f, box.y + 3.0f).part, TIMELINE_GAIN);
     assert_int_equal(timeline_hit_at(&under, 20.0f, 50.0f).part, TIMELINE_NAME);
     take_finish(&s.take);

@@ -7,7 +7,6 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "window/timeline/journal.h"
 #include "window/timeline/timeline.h"
 
 static const mrt_channel channels[2] = {{"a", "rad", 1, 1, 0, 2}, {"b", "rad", 2, 1, 0, 2}};

@@ -243,7 +243,7 @@ static void enter_names_a_marker_and_leaving_does_not(void **state)
 
 static void click_switch(stand *s, uint32_t index)
 {
-    timeline_box box = timeline_switch_box(&s->panel->rows, &s->panel->rows.row[0], index);
+    ui_rectangle box = timeline_switch_box(&s->panel->rows, &s->panel->rows.row[0], index);
     stand_click(s, box.x + 8.0f, box.y + 8.0f);
 }
 
@@ -271,7 +271,7 @@ static void gain_is_dragged_and_names_are_dragged_into_another_order(void **stat
 {
     (void)state;
     stand *s = open_stand();
-    timeline_box box = timeline_gain_box(&s->panel->rows, &s->panel->rows.row[0]);
+    ui_rectangle box = timeline_gain_box(&s->panel->rows, &s->panel->rows.row[0]);
     stand_drag(s, box.x + 40.0f, box.y + 8.0f, box.x + 10.0f, box.y + 8.0f);
     assert_string_equal(s->edited[0], "layer.gain");
     assert_float_equal(s->take.layer[1].gain, 0.75, 1e-9);

@@ -164,6 +164,12 @@ typedef struct ui_canvas {
     int32_t button; /* that is dragging, or was in its last frame: 0..2; -1: none */
     bool is_hovered, is_pressed, is_dragging, is_released, is_double_clicked;
 } ui_canvas;
+/* The pointer is over that part of it; where: on the screen. */
+static inline bool ui_canvas_is_over(const ui_canvas *canvas, ui_rectangle where)
+{
+    return canvas->is_hovered &&
+           ui_rectangle_has(where, canvas->where.x + canvas->x, canvas->where.y + canvas->y);
+}
 /* is_released comes with the last position: apply the drag in it too. */
 void ui_canvas_begin(ui *self, const char *id, float width, float height, ui_canvas *out);
 void ui_canvas_end(ui *self); /* what was drawn within is clipped to it */

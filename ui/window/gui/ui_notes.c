@@ -104,11 +104,6 @@ uint32_t ui_notes_controls(const ui_notes *self, const ui_control **out)
     return self->control_count;
 }
 
-static bool contains(ui_rectangle r, float x, float y)
-{
-    return x >= r.x && x < r.x + r.width && y >= r.y && y < r.y + r.height;
-}
-
 static uint32_t channel(uint32_t colour, uint32_t shift)
 {
     return colour >> shift & 0xffu;
@@ -132,7 +127,7 @@ static uint32_t ground_at(const ui_notes *self, uint32_t on, float x, float y)
     uint32_t ground = 0;
     for (uint32_t i = 0; i < self->box_count; ++i) {
         const box *b = &self->box[i];
-        if (b->surface > on || !contains(b->where, x, y))
+        if (b->surface > on || !ui_rectangle_has(b->where, x, y))
             continue;
         uint32_t alpha = channel(b->colour, 0);
         if (alpha == 0)
@@ -160,30 +155,17 @@ void ui_notes_word(ui_notes *self, uint32_t on, const ui_word *word)
     self->word_surface[self->word_count++] = on;
 }
 
-static bool meet(ui_rectangle a, ui_rectangle b)
-{
-    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height &&
-           b.y < a.y + a.height;
-}
-
-static bool is_within(ui_rectangle inner, ui_rectangle outer)
-{
-    return inner.x >= outer.x && inner.y >= outer.y &&
-           inner.x + inner.width <= outer.x + outer.width &&
-           inner.y + inner.height <= outer.y + outer.height;
-}
-
 /* By a popup, or by something opaque of a panel that lies over it. */
 static bool is_hidden(const ui_notes *self, uint32_t index)
 {
     const uint32_t on = self->word_surface[index];
     const ui_rectangle where = self->word[index].where;
     for (uint32_t i = on + 1; i < self->surface_count; ++i)
-        if (self->surface[i].is_popup && meet(self->surface[i].where, where))
+        if (self->surface[i].is_popup && ui_rectangles_meet(self->surface[i].where, where))
             return true;
     for (uint32_t i = 0; i < self->box_count && !self->surface[on].is_popup; ++i)
         if (self->box[i].surface > on && channel(self->box[i].colour, 0) == 255 &&
-            is_within(where, self->box[i].where))
+            ui_rectangle_is_within(where, self->box[i].where))
             return true;
     return false;
 }

@@ -50,6 +50,24 @@ typedef struct ui_rectangle {
     float x, y, width, height;
 } ui_rectangle;
 
+static inline bool ui_rectangle_has(ui_rectangle r, float x, float y)
+{
+    return x >= r.x && x < r.x + r.width && y >= r.y && y < r.y + r.height;
+}
+
+static inline bool ui_rectangles_meet(ui_rectangle a, ui_rectangle b)
+{
+    return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height &&
+           b.y < a.y + a.height;
+}
+
+static inline bool ui_rectangle_is_within(ui_rectangle inner, ui_rectangle outer)
+{
+    return inner.x >= outer.x && inner.y >= outer.y &&
+           inner.x + inner.width <= outer.x + outer.width &&
+           inner.y + inner.height <= outer.y + outer.height;
+}
+
 /* A word that was drawn: tests look for overlapping and cut text. */
 typedef struct ui_word {
     ui_rectangle where; /* of the ink */

@@ -19,18 +19,16 @@ const take_layer *timeline_layer(const take *t, uint32_t id)
     return NULL;
 }
 
-typedef struct found {
-    const take_layer *layer;
-    const take_clip *clip;
-} found;
-
-static found find_clip(const take *t, uint32_t id)
+const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer)
 {
     for (uint32_t i = 0; i < t->layer_count; ++i)
         for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
-            if (t->layer[i].clip[k].id == id)
-                return (found){&t->layer[i], &t->layer[i].clip[k]};
-    return (found){NULL, NULL};
+            if (t->layer[i].clip[k].id == id) {
+                *out_layer = &t->layer[i];
+                return &t->layer[i].clip[k];
+            }
+    *out_layer = NULL;
+    return NULL;
 }
 
 static int64_t within(int64_t value, int64_t low, int64_t high)
@@ -40,32 +38,24 @@ static int64_t within(int64_t value, int64_t low, int64_t high)
 
 timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming)
 {
-    switch (part) {
-    case TIMELINE_CLIP:
-        return TIMELINE_DRAG_MOVE;
-    case TIMELINE_CLIP_START:
-        return is_retiming ? TIMELINE_DRAG_SPEED_START : TIMELINE_DRAG_START;
-    case TIMELINE_CLIP_END:
-        return is_retiming ? TIMELINE_DRAG_SPEED_END : TIMELINE_DRAG_END;
-    case TIMELINE_FADE_IN:
-        return TIMELINE_DRAG_FADE_IN;
-    case TIMELINE_FADE_OUT:
-        return TIMELINE_DRAG_FADE_OUT;
-    case TIMELINE_MARKER:
-        return TIMELINE_DRAG_MARKER;
-    case TIMELINE_SOUND_BODY:
-        return TIMELINE_DRAG_SOUND;
-    case TIMELINE_SOUND_START:
-        return TIMELINE_DRAG_SOUND_START;
-    case TIMELINE_SOUND_END:
-        return TIMELINE_DRAG_SOUND_END;
-    case TIMELINE_GAIN:
-        return TIMELINE_DRAG_GAIN;
-    case TIMELINE_NAME:
-        return TIMELINE_DRAG_ORDER;
-    default:
-        return TIMELINE_DRAG_NONE;
-    }
+    static const timeline_drag_kind kinds[TIMELINE_PARTS] = {
+        [TIMELINE_CLIP] = TIMELINE_DRAG_MOVE,
+        [TIMELINE_CLIP_START] = TIMELINE_DRAG_START,
+        [TIMELINE_CLIP_END] = TIMELINE_DRAG_END,
+        [TIMELINE_FADE_IN] = TIMELINE_DRAG_FADE_IN,
+        [TIMELINE_FADE_OUT] = TIMELINE_DRAG_FADE_OUT,
+        [TIMELINE_MARKER] = TIMELINE_DRAG_MARKER,
+        [TIMELINE_SOUND_BODY] = TIMELINE_DRAG_SOUND,
+        [TIMELINE_SOUND_START] = TIMELINE_DRAG_SOUND_START,
+        [TIMELINE_SOUND_END] = TIMELINE_DRAG_SOUND_END,
+        [TIMELINE_GAIN] = TIMELINE_DRAG_GAIN,
+        [TIMELINE_NAME] = TIMELINE_DRAG_ORDER,
+    };
+    if (is_retiming && part == TIMELINE_CLIP_START)
+        return TIMELINE_DRAG_SPEED_START;
+    if (is_retiming && part == TIMELINE_CLIP_END)
+        return TIMELINE_DRAG_SPEED_END;
+    return kinds[part];
 }
 
 void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take *t,
@@ -87,13 +77,14 @@ void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take
 static void move(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
                  int64_t at_ns, uint32_t onto_layer)
 {
-    found f = find_clip(t, self->clip);
-    if (!f.clip)
+    const take_layer *layer;
+    const take_clip *clip = timeline_clip(t, self->clip, &layer);
+    if (!clip)
         return;
-    int64_t start_ns = f.clip->start_ns + f.layer->offset_ns;
+    int64_t start_ns = clip->start_ns + layer->offset_ns;
     int64_t wanted_ns = timeline_snap_span(snap, start_ns + at_ns - self->grabbed_ns,
-                                           f.clip->end_ns - f.clip->start_ns, &self->snapped_ns);
-    bool is_other = onto_layer && onto_layer != f.layer->id;
+                                           clip->end_ns - clip->start_ns, &self->snapped_ns);
+    bool is_other = onto_layer && onto_layer != layer->id;
     if (wanted_ns == start_ns && !is_other)
         return;
     edit_init(out, EDIT_CLIP_MOVE);
@@ -123,14 +114,15 @@ static int64_t dragged_edge(timeline_drag *self, const timeline_snap *snap, int6
 static void trim(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
                  int64_t at_ns)
 {
-    found f = find_clip(t, self->clip);
-    if (!f.clip)
+    const take_layer *layer;
+    const take_clip *clip = timeline_clip(t, self->clip, &layer);
+    if (!clip)
         return;
     bool is_start = self->kind == TIMELINE_DRAG_START;
-    int64_t offset_ns = f.layer->offset_ns;
-    int64_t edge_ns = (is_start ? f.clip->start_ns : f.clip->end_ns) + offset_ns;
-    int64_t low_ns = is_start ? earliest_ns(f.clip) : f.clip->start_ns + SHORTEST_NS;
-    int64_t high_ns = is_start ? f.clip->end_ns - SHORTEST_NS : latest_ns(f.clip);
+    int64_t offset_ns = layer->offset_ns;
+    int64_t edge_ns = (is_start ? clip->start_ns : clip->end_ns) + offset_ns;
+    int64_t low_ns = is_start ? earliest_ns(clip) : clip->start_ns + SHORTEST_NS;
+    int64_t high_ns = is_start ? clip->end_ns - SHORTEST_NS : latest_ns(clip);
     if (low_ns > high_ns)
         return;
     int64_t wanted_ns =
@@ -148,13 +140,14 @@ static void trim(edit *out, timeline_drag *self, const take *t, const timeline_s
 static void retime(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
                    int64_t at_ns)
 {
-    found f = find_clip(t, self->clip);
-    if (!f.clip)
+    const take_layer *layer;
+    const take_clip *clip = timeline_clip(t, self->clip, &layer);
+    if (!clip)
         return;
     bool is_start = self->kind == TIMELINE_DRAG_SPEED_START;
-    int64_t offset_ns = f.layer->offset_ns, length_ns = f.clip->end_ns - f.clip->start_ns;
-    int64_t edge_ns = (is_start ? f.clip->start_ns : f.clip->end_ns) + offset_ns;
-    int64_t stays_ns = (is_start ? f.clip->end_ns : f.clip->start_ns) + offset_ns;
+    int64_t offset_ns = layer->offset_ns, length_ns = clip->end_ns - clip->start_ns;
+    int64_t edge_ns = (is_start ? clip->start_ns : clip->end_ns) + offset_ns;
+    int64_t stays_ns = (is_start ? clip->end_ns : clip->start_ns) + offset_ns;
     int64_t wanted_ns = dragged_edge(self, snap, edge_ns, at_ns);
     int64_t wanted_length_ns = is_start ? stays_ns - wanted_ns : wanted_ns - stays_ns;
     wanted_length_ns = within(wanted_length_ns, length_ns / 100 + SHORTEST_NS, length_ns * 100);
@@ -169,14 +162,15 @@ static void retime(edit *out, timeline_drag *self, const take *t, const timeline
 static void fade(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
                  int64_t at_ns)
 {
-    found f = find_clip(t, self->clip);
-    if (!f.clip)
+    const take_layer *layer;
+    const take_clip *clip = timeline_clip(t, self->clip, &layer);
+    if (!clip)
         return;
     bool is_in = self->kind == TIMELINE_DRAG_FADE_IN;
-    int64_t offset_ns = f.layer->offset_ns, length_ns = f.clip->end_ns - f.clip->start_ns;
-    int64_t fade_ns = is_in ? f.clip->fade_in_ns : f.clip->fade_out_ns;
-    int64_t other_ns = is_in ? f.clip->fade_out_ns : f.clip->fade_in_ns;
-    int64_t foot_ns = (is_in ? f.clip->start_ns : f.clip->end_ns) + offset_ns;
+    int64_t offset_ns = layer->offset_ns, length_ns = clip->end_ns - clip->start_ns;
+    int64_t fade_ns = is_in ? clip->fade_in_ns : clip->fade_out_ns;
+    int64_t other_ns = is_in ? clip->fade_out_ns : clip->fade_in_ns;
+    int64_t foot_ns = (is_in ? clip->start_ns : clip->end_ns) + offset_ns;
     int64_t top_ns = dragged_edge(self, snap, is_in ? foot_ns + fade_ns : foot_ns - fade_ns, at_ns);
     int64_t wanted_ns =
         within(is_in ? top_ns - foot_ns : foot_ns - top_ns, 0, length_ns - other_ns);
@@ -352,7 +346,7 @@ void timeline_drag_finish(timeline_drag *self)
 #define FADE_NS          100000000LL /* of a span that is punched in; less where it is short */
 #define COMP_SHORTEST_NS 20000000LL  /* that can be swiped */
 
-static bool meets(const take_layer *layer, own_region region)
+bool timeline_moves(const take_layer *layer, own_region region)
 {
     const own_part *part = own_part_of(region);
     for (uint32_t i = 0; i < layer->own_count; ++i)
@@ -384,7 +378,7 @@ static origin find_origin(const take *from, own_region region, int64_t at_ns)
         uint32_t index = is_all ? n : from->layer_count - 1 - n;
         const take_layer *layer = &from->layer[index];
         const take_clip *clip = clip_at(layer, at_ns);
-        if (clip && own_layer_is_heard(from, index) && (is_all || meets(layer, region)))
+        if (clip && own_layer_is_heard(from, index) && (is_all || timeline_moves(layer, region)))
             return (origin){layer, clip};
     }
     return (origin){NULL, NULL};

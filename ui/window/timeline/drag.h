@@ -40,6 +40,8 @@ typedef struct timeline_drag {
 } timeline_drag;
 
 const take_layer *timeline_layer(const take *t, uint32_t id); /* NULL: none */
+const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
+bool timeline_moves(const take_layer *layer, own_region region); /* something of it */
 
 /* What a press on a part begins; is_retiming: with Alt on an edge. */
 timeline_drag_kind timeline_drag_kind_of(timeline_part part, bool is_retiming);

@@ -1,10 +1,15 @@
-#include "window/timeline/journal.h"
+/* The journal of the last half hour: how much the inputs moved in it, and how it is drawn while no
+ * take is chosen, with the takes that were made in it. */
+#include "window/timeline/timeline.h"
 
 #include "base/clock.h"
+#include "base/hash.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #define SEEN_SHARE  16.0f /* of a range in a bin, times this: as high as a input_lane is */
 #define SHORTEST_NS 200000000LL
@@ -126,4 +131,242 @@ bool timeline_keep_span(int64_t *io_from_ns, int64_t *io_to_ns, int64_t now_ns, 
     *io_from_ns = from_ns < now_ns - reach_ns ? now_ns - reach_ns : from_ns;
     *io_to_ns = to_ns > now_ns - NOW_NS ? now_ns : to_ns;
     return *io_to_ns - *io_from_ns >= SHORTEST_NS;
+}
+
+/* ---- drawn ---- */
+
+#define SPAN_LEAST_NS (10 * NS_PER_S)
+#define SPAN_MOST_NS  (1800 * NS_PER_S)
+#define LANE_MOST     56.0f
+#define TAKES_HEIGHT  22.0f
+
+typedef struct strip { /* of the journal */
+    float x, y, width, height, lanes_y;
+    int64_t now_ns, from_ns; /* by the monotonic clock */
+} strip;
+
+static float x_of(const strip *s, int64_t at_ns)
+{
+    return s->x +
+           s->width * (float)((double)(at_ns - s->from_ns) / (double)(s->now_ns - s->from_ns));
+}
+
+static int64_t ns_of(const strip *s, float x)
+{
+    return s->from_ns +
+           (int64_t)((double)(x - s->x) / (double)s->width * (double)(s->now_ns - s->from_ns));
+}
+
+static int64_t utc_ns(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (int64_t)now.tv_sec * NS_PER_S + now.tv_nsec;
+}
+
+/* ---- ruler ---- */
+
+static int64_t step_of(const strip *s)
+{
+    static const int64_t steps_s[] = {1, 2, 5, 10, 15, 30, 60, 120, 300, 600};
+    double point_ns = (double)(s->now_ns - s->from_ns) / (double)s->width;
+    size_t i = 0;
+    while (i + 1 < sizeof steps_s / sizeof steps_s[0] &&
+           (double)(steps_s[i] * NS_PER_S) / point_ns < 70.0)
+        i += 1;
+    return steps_s[i] * NS_PER_S;
+}
+
+static void paint_ruler(ui *on, const strip *s)
+{
+    int64_t step_ns = step_of(s);
+    for (int64_t ago_ns = 0; ago_ns <= s->now_ns - s->from_ns; ago_ns += step_ns) {
+        char words[24];
+        int64_t ago_s = ago_ns / NS_PER_S;
+        float x = x_of(s, s->now_ns - ago_ns);
+        if (ago_s == 0)
+            (void)snprintf(words, sizeof words, "now");
+        else if (ago_s < 60)
+            (void)snprintf(words, sizeof words, "\u2212%d s", (int)ago_s);
+        else
+            (void)snprintf(words, sizeof words, "\u2212%d:%02d", (int)(ago_s / 60),
+                           (int)(ago_s % 60));
+        float width = ui_text_width(on, UI_STYLE_NUMBER, words);
+        if (x - width - 6.0f < s->x)
+            break;
+        ui_draw_line(on, x, s->lanes_y - 6.0f, x, s->lanes_y, THEME_RULE, 1.0f);
+        ui_draw_text(on, x - width - 4.0f, s->lanes_y - 20.0f, UI_STYLE_NUMBER, THEME_DIM, 0.0f,
+                     words);
+    }
+}
+
+/* ---- takes ---- */
+
+static const app_take_line *line_of(panel *self, int64_t id)
+{
+    const app_take_line *line;
+    uint32_t count = app_takes(self->app, &line);
+    for (uint32_t i = count; i-- > 0;)
+        if (line[i].id == id)
+            return &line[i];
+    return NULL;
+}
+
+static void paint_take(panel *self, ui *on, const strip *s, const timeline_span *span,
+                       int64_t ahead_ns)
+{
+    const app_take_line *line = line_of(self, span->take);
+    int64_t end_ns = line && line->is_recording ? s->now_ns : span->end_ns - ahead_ns;
+    float x0 = x_of(s, span->start_ns - ahead_ns), x1 = x_of(s, end_ns);
+    if (x1 < s->x || !line || line->is_deleted)
+        return;
+    x0 = x0 < s->x ? s->x : x0;
+    uint32_t colour = line->is_recording ? 0x6b2f2dffu : THEME_RAISED;
+    ui_rectangle box = {x0, s->y + 2.0f, x1 - x0 < 2.0f ? 2.0f : x1 - x0, TAKES_HEIGHT - 4.0f};
+    ui_draw_box(on, box, colour, 3.0f);
+    if (box.width > 30.0f)
+        ui_draw_text(on, x0 + 6.0f, s->y + 3.0f, UI_STYLE_BODY, THEME_TEXT, box.width - 10.0f,
+                     line->title);
+}
+
+static void paint_takes(panel *self, ui *on, const strip *s)
+{
+    int64_t ahead_ns = utc_ns() - s->now_ns;
+    for (uint32_t i = self->result->span_count; i-- > 0;)
+        paint_take(self, on, s, &self->result->span[i], ahead_ns);
+}
+
+/* ---- lanes ---- */
+
+/* The text says which device; of two alike the place in memory tells them apart. */
+uint64_t timeline_journal_input(live *stage, uint32_t index)
+{
+    const char *text = live_input_text(stage, index);
+    return hash_bytes((uint64_t)(uintptr_t)live_input(stage, index), text, text ? strlen(text) : 0);
+}
+
+/* In whole columns of whole bins, so that what is past stands still in its shape. */
+static void paint_movement(panel *self, ui *on, const strip *s, uint32_t lane, float y,
+                           float height)
+{
+    double point_ns = (double)(s->now_ns - s->from_ns) / (double)s->width;
+    int64_t bins = (int64_t)(2.0 * point_ns / (double)JOURNAL_BIN_NS);
+    int64_t step_ns = (bins < 1 ? 1 : bins) * JOURNAL_BIN_NS;
+    uint32_t count = 0;
+    const uint64_t of = timeline_journal_input(app_live(self->app), lane);
+    for (int64_t at_ns = s->from_ns / step_ns * step_ns;
+         at_ns <= s->now_ns && count < TIMELINE_COLUMNS_MAX; at_ns += step_ns) {
+        float most = timeline_journal_read(self->journal, of, at_ns, at_ns + step_ns);
+        float x = x_of(s, at_ns + step_ns / 2);
+        self->column_x[count] = x < s->x + s->width ? x : s->x + s->width;
+        self->column_low[count] = y + height - 2.0f;
+        self->column_high[count] = y + height - 2.0f - (height - 5.0f) * most;
+        self->column_line[2 * count] = self->column_x[count];
+        self->column_line[2 * count + 1] = self->column_high[count];
+        count += 1;
+    }
+    if (count < 2)
+        return;
+    ui_draw_area(on, self->column_x, self->column_low, self->column_high, count,
+                 TIMELINE_CURVE_FILL);
+    ui_draw_lines(on, self->column_line, count, TIMELINE_CURVE_COLOUR, 1.0f);
+}
+
+static void paint_lanes(panel *self, ui *on, const strip *s)
+{
+    live *stage = app_live(self->app);
+    uint32_t inputs = live_input_count(stage), shown = 0;
+    float room = s->y + s->height - s->lanes_y;
+    uint32_t count = inputs < JOURNAL_LANES ? inputs : JOURNAL_LANES;
+    float height = count ? room / (float)count : room;
+    height = height > LANE_MOST ? LANE_MOST : height;
+    for (uint32_t i = 0; i < count; ++i, ++shown) {
+        float y = s->lanes_y + height * (float)i;
+        ui_draw_box(on, (ui_rectangle){s->x, y, s->width, height - 1.0f}, THEME_WELL, 0.0f);
+        ui_draw_text(on, self->rows.x + 10.0f, y + 0.5f * (height - 17.0f), UI_STYLE_BODY,
+                     THEME_TEXT, TIMELINE_HEAD_WIDTH - 20.0f, input_name(live_input(stage, i)));
+        ui_clip_begin(on, (ui_rectangle){s->x, y, s->width, height});
+        paint_movement(self, on, s, i, y, height);
+        ui_clip_end(on);
+    }
+}
+
+/* ---- keeping ---- */
+
+static void keep_swiped(panel *self, const strip *s)
+{
+    int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns;
+    if (timeline_keep_span(&from_ns, &to_ns, s->now_ns, app_status(self->app)->journal_ns))
+        app_keep(self->app, from_ns, to_ns);
+}
+
+static void paint_span(panel *self, ui *on, const strip *s)
+{
+    char words[32];
+    int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns;
+    float x0 = x_of(s, from_ns < to_ns ? from_ns : to_ns);
+    float x1 = x_of(s, from_ns < to_ns ? to_ns : from_ns);
+    x1 = x1 > s->x + s->width ? s->x + s->width : x1;
+    ui_rectangle box = {x0, s->lanes_y, x1 - x0, s->y + s->height - s->lanes_y};
+    ui_draw_box(on, box, 0xd9a44133u, 0.0f);
+    ui_draw_frame(on, box, THEME_ACCENT, 0.0f, 1.5f);
+    (void)snprintf(words, sizeof words, "keep %.1f s",
+                   (double)(from_ns < to_ns ? to_ns - from_ns : from_ns - to_ns) * 1e-9);
+    float width = ui_text_width(on, UI_STYLE_STRONG, words);
+    if (box.width > width + 12.0f)
+        ui_draw_text(on, x0 + 6.0f, s->lanes_y + 3.0f, UI_STYLE_STRONG, THEME_ACCENT, 0.0f, words);
+}
+
+static void handle_pointer(panel *self, ui *on, const ui_canvas *canvas, const strip *s)
+{
+    float x = canvas->where.x + canvas->x;
+    if (canvas->is_hovered && canvas->wheel_y != 0.0f) {
+        double factor = canvas->wheel_y > 0.0f ? 0.8 : 1.25;
+        double span_ns = (double)self->journal_span_ns * factor;
+        self->journal_span_ns = span_ns < (double)SPAN_LEAST_NS  ? SPAN_LEAST_NS
+                                : span_ns > (double)SPAN_MOST_NS ? SPAN_MOST_NS
+                                                                 : (int64_t)span_ns;
+    }
+    if (canvas->is_pressed && canvas->button == 0 && x >= s->x) {
+        self->gesture = GESTURE_KEEP;
+        self->span_from_ns = self->span_to_ns = ns_of(s, x);
+    }
+    if (self->gesture != GESTURE_KEEP)
+        return;
+    if (ui_is_down(on, UI_KEY_ESCAPE))
+        self->gesture = GESTURE_NONE;
+    self->span_to_ns = ns_of(s, x < s->x ? s->x : x);
+    if (!canvas->is_released)
+        return;
+    self->gesture = GESTURE_NONE;
+    keep_swiped(self, s);
+}
+
+void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
+{
+    const live_status *status = app_status(self->app);
+    int64_t now_ns = clock_now_ns();
+    strip s = {.x = self->axis.x,
+               .y = self->rows.y,
+               .width = self->axis.width,
+               .height = self->rows.height,
+               .lanes_y = self->rows.y + TIMELINE_RULER_HEIGHT,
+               .now_ns = now_ns,
+               .from_ns = now_ns - self->journal_span_ns};
+    handle_pointer(self, on, canvas, &s);
+    s.from_ns = now_ns - self->journal_span_ns;
+    ui_draw_box(on, (ui_rectangle){self->rows.x, s.y, self->rows.width, TIMELINE_RULER_HEIGHT},
+                THEME_BAR, 0.0f);
+    ui_draw_text(on, self->rows.x + 10.0f, s.y + 4.0f, UI_STYLE_STRONG, THEME_TEXT,
+                 TIMELINE_HEAD_WIDTH - 20.0f, "Always recorded");
+    ui_draw_text(on, self->rows.x + 10.0f, s.y + 21.0f, UI_STYLE_BODY, THEME_DIM,
+                 TIMELINE_HEAD_WIDTH - 20.0f,
+                 status->can_record ? "swipe over it to keep it" : "not now: see the log");
+    ui_clip_begin(on, (ui_rectangle){s.x, s.y, s.width, s.height});
+    paint_takes(self, on, &s);
+    paint_ruler(on, &s);
+    ui_clip_end(on);
+    paint_lanes(self, on, &s);
+    if (self->gesture == GESTURE_KEEP)
+        paint_span(self, on, &s);
 }

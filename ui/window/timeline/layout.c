@@ -46,28 +46,28 @@ void timeline_rows_lay(timeline_rows *out, const take *t, uint32_t comp_count, f
         out->row[i].y += out->lanes_y - out->scroll;
 }
 
-timeline_box timeline_switch_box(const timeline_rows *rows, const timeline_row *row, uint32_t index)
+ui_rectangle timeline_switch_box(const timeline_rows *rows, const timeline_row *row, uint32_t index)
 {
-    return (timeline_box){rows->x + 8.0f + (float)index * (TIMELINE_SWITCH_SIZE + 4.0f),
+    return (ui_rectangle){rows->x + 8.0f + (float)index * (TIMELINE_SWITCH_SIZE + 4.0f),
                           row->y + row->height - TIMELINE_SWITCH_SIZE - 4.0f, TIMELINE_SWITCH_SIZE,
                           TIMELINE_SWITCH_SIZE};
 }
 
-timeline_box timeline_gain_box(const timeline_rows *rows, const timeline_row *row)
+ui_rectangle timeline_gain_box(const timeline_rows *rows, const timeline_row *row)
 {
     float x = rows->x + 8.0f + (float)TIMELINE_SWITCHES * (TIMELINE_SWITCH_SIZE + 4.0f);
     if (row->kind == TIMELINE_SOUND)
         x = rows->x + 8.0f;
-    return (timeline_box){x, row->y + row->height - TIMELINE_SWITCH_SIZE - 4.0f,
+    return (ui_rectangle){x, row->y + row->height - TIMELINE_SWITCH_SIZE - 4.0f,
                           rows->x + TIMELINE_HEAD_WIDTH - 8.0f - x, TIMELINE_SWITCH_SIZE};
 }
 
-timeline_box timeline_clip_box(const timeline_row *row, const timeline_axis *axis,
+ui_rectangle timeline_clip_box(const timeline_row *row, const timeline_axis *axis,
                                const take_layer *layer, const take_clip *clip)
 {
     float x0 = timeline_axis_x(axis, clip->start_ns + layer->offset_ns);
     float x1 = timeline_axis_x(axis, clip->end_ns + layer->offset_ns);
-    return (timeline_box){x0, row->y + 2.0f, x1 - x0, row->height - 4.0f};
+    return (ui_rectangle){x0, row->y + 2.0f, x1 - x0, row->height - 4.0f};
 }
 
 uint32_t timeline_first_clip(const take_layer *layer, int64_t from_ns)
@@ -84,11 +84,6 @@ uint32_t timeline_first_clip(const take_layer *layer, int64_t from_ns)
 }
 
 /* ---- hitting ---- */
-
-static bool is_in(timeline_box box, float x, float y)
-{
-    return x >= box.x && x < box.x + box.width && y >= box.y && y < box.y + box.height;
-}
 
 static bool is_near(float a, float b, float reach)
 {
@@ -132,7 +127,7 @@ static timeline_hit hit_ruler(const timeline_under *under, float x, float y)
 }
 
 static timeline_part part_of_clip(const timeline_axis *axis, const take_clip *clip,
-                                  timeline_box box, float x, float y)
+                                  ui_rectangle box, float x, float y)
 {
     float from = x - box.x, until = box.x + box.width - x;
     float edge = box.width < 4.0f * EDGE ? box.width / 4.0f : EDGE;
@@ -160,10 +155,10 @@ static timeline_hit hit_clips(const timeline_under *under, timeline_hit hit, flo
     int64_t at_ns = timeline_axis_ns(under->axis, x);
     for (uint32_t i = timeline_first_clip(layer, at_ns - 1); i < layer->clip_count; ++i) {
         const take_clip *clip = &layer->clip[i];
-        timeline_box box = timeline_clip_box(row, under->axis, layer, clip);
+        ui_rectangle box = timeline_clip_box(row, under->axis, layer, clip);
         if (box.x > x)
             break;
-        if (!is_in(box, x, y))
+        if (!ui_rectangle_has(box, x, y))
             continue;
         timeline_part part = part_of_clip(under->axis, clip, box, x, y);
         if (hit.clip && part == TIMELINE_CLIP && hit.part != TIMELINE_CLIP)
@@ -184,10 +179,10 @@ static timeline_hit hit_head(const timeline_under *under, timeline_hit hit, floa
         return hit;
     if (row->kind == TIMELINE_LAYER)
         hit.layer = under->take->layer[row->index].id;
-    if (is_in(timeline_gain_box(under->rows, row), x, y))
+    if (ui_rectangle_has(timeline_gain_box(under->rows, row), x, y))
         hit.part = TIMELINE_GAIN;
     for (uint32_t i = 0; row->kind == TIMELINE_LAYER && i < TIMELINE_SWITCHES; ++i)
-        if (is_in(timeline_switch_box(under->rows, row, i), x, y))
+        if (ui_rectangle_has(timeline_switch_box(under->rows, row, i), x, y))
             hit.part = part[i];
     return hit;
 }

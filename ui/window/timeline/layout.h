@@ -4,6 +4,7 @@
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_LAYOUT_H
 #define MAROTTE_UI_WINDOW_TIMELINE_LAYOUT_H
 #include "take/edit.h"
+#include "window/gui/ui_types.h"
 #include "window/timeline/axis.h"
 
 enum { TIMELINE_COMPS_MAX = 12, TIMELINE_ROWS_MAX = EDIT_LAYERS_MAX + 1 + TIMELINE_COMPS_MAX };
@@ -65,7 +66,8 @@ typedef enum timeline_part {
     TIMELINE_SOLO,
     TIMELINE_ADDITIVE,
     TIMELINE_ARM,
-    TIMELINE_GAIN
+    TIMELINE_GAIN,
+    TIMELINE_PARTS
 } timeline_part;
 typedef struct timeline_hit {
     timeline_part part;
@@ -90,15 +92,12 @@ timeline_hit timeline_hit_at(const timeline_under *under, float x, float y);
 /* The switches of a row's head: mute, solo, additive, arm, from the left. */
 enum { TIMELINE_SWITCHES = 4 };
 #define TIMELINE_SWITCH_SIZE 18.0f
-typedef struct timeline_box {
-    float x, y, width, height;
-} timeline_box;
-timeline_box timeline_switch_box(const timeline_rows *rows, const timeline_row *row,
+ui_rectangle timeline_switch_box(const timeline_rows *rows, const timeline_row *row,
                                  uint32_t index);
-timeline_box timeline_gain_box(const timeline_rows *rows, const timeline_row *row);
+ui_rectangle timeline_gain_box(const timeline_rows *rows, const timeline_row *row);
 
 /* A clip on the screen. */
-timeline_box timeline_clip_box(const timeline_row *row, const timeline_axis *axis,
+ui_rectangle timeline_clip_box(const timeline_row *row, const timeline_axis *axis,
                                const take_layer *layer, const take_clip *clip);
 /* The first clip of the layer that may still be seen at from_ns (of the take's timeline): clips
  * before it have ended. */

@@ -26,7 +26,7 @@ int64_t timeline_sound_ns(const panel *self)
                : 0;
 }
 
-static timeline_hit timeline_hit_now(const panel *self, const ui_canvas *canvas)
+static timeline_hit hit_now(const panel *self, const ui_canvas *canvas)
 {
     timeline_under under = {.rows = &self->rows,
                             .axis = &self->axis,
@@ -149,7 +149,7 @@ static void press_left(panel *self, const ui_canvas *canvas, timeline_hit hit)
 
 static void press(panel *self, const ui_canvas *canvas)
 {
-    timeline_hit hit = timeline_hit_now(self, canvas);
+    timeline_hit hit = hit_now(self, canvas);
     self->pressed = hit;
     self->pressed_ns = self->span_from_ns = self->span_to_ns = pointed_ns(self, canvas);
     self->gesture = GESTURE_NONE;
@@ -305,7 +305,7 @@ static void click(panel *self, const ui_canvas *canvas)
     const take *t = app_take(self->app);
     const take_layer *lane = t ? timeline_layer(t, self->pressed.layer) : NULL;
     app_choice *choice = app_chosen(self->app);
-    timeline_hit hit = timeline_hit_now(self, canvas);
+    timeline_hit hit = hit_now(self, canvas);
     if (!lane || hit.part != self->pressed.part || hit.layer != self->pressed.layer)
         return;
     if (hit.part == TIMELINE_MUTE)
@@ -410,7 +410,7 @@ static void lay_back(panel *self, uint32_t comp)
 
 static void double_click(panel *self, ui *on, const ui_canvas *canvas)
 {
-    timeline_hit hit = timeline_hit_now(self, canvas);
+    timeline_hit hit = hit_now(self, canvas);
     self->gesture = GESTURE_NONE;
     self->menu_ns = pointed_ns(self, canvas);
     if (hit.part == TIMELINE_RANGE || hit.part == TIMELINE_SCRUB)
@@ -431,70 +431,42 @@ static void double_click(panel *self, ui *on, const ui_canvas *canvas)
 
 /* ---- what it looks like ---- */
 
-static const char *hint_of(const panel *self, timeline_hit hit)
-{
-    switch (hit.part) {
-    case TIMELINE_MUTE:
-        return "Mute: the layer is not heard.";
-    case TIMELINE_SOLO:
-        return "Solo: only layers that are solo are heard.";
-    case TIMELINE_ADDITIVE:
-        return "Additive: it adds to the layers below. Off: where it has a clip it takes over.";
-    case TIMELINE_ARM:
-        return "Arm: recording over the take goes into this layer.";
-    case TIMELINE_GAIN:
-        return "Gain: drag across; a double click makes it 100 %.";
-    case TIMELINE_COMP_BODY:
-        return "Swipe over a span: it comes into the take, for the parts that are chosen above. "
-               "Alt: "
-               "the take below is laid earlier or later; a double click lays it back.";
-    case TIMELINE_CLIP_START:
-    case TIMELINE_CLIP_END:
-        return self->gesture == GESTURE_NONE
-                   ? "Drag: the clip begins or ends elsewhere. Alt: it is stretched, slower or "
-                     "faster."
-                   : "";
-    case TIMELINE_SOUND_START:
-    case TIMELINE_SOUND_END:
-        return self->gesture == GESTURE_NONE ? "Drag: the sound is heard from or up to elsewhere."
-                                             : "";
-    case TIMELINE_MARKER:
-        return self->gesture == GESTURE_NONE ? "Drag it; a double click names it." : "";
-    default:
-        return "";
-    }
-}
+#define TRIM_HINT       "Drag: the clip begins or ends elsewhere. Alt: it is stretched, slower or faster."
+#define TRIM_SOUND_HINT "Drag: the sound is heard from or up to elsewhere."
+
+static const struct {
+    ui_cursor cursor;
+    const char *hint; /* NULL: none */
+} looks[TIMELINE_PARTS] = {
+    [TIMELINE_MUTE] = {UI_CURSOR_HAND, "Mute: the layer is not heard."},
+    [TIMELINE_SOLO] = {UI_CURSOR_HAND, "Solo: only layers that are solo are heard."},
+    [TIMELINE_ADDITIVE] = {UI_CURSOR_HAND,
+                           "Additive: it adds to the layers below. Off: where it has "
+                           "a clip it takes over."},
+    [TIMELINE_ARM] = {UI_CURSOR_HAND, "Arm: recording over the take goes into this layer."},
+    [TIMELINE_GAIN] = {UI_CURSOR_ACROSS, "Gain: drag across; a double click makes it 100 %."},
+    [TIMELINE_COMP_BODY] = {UI_CURSOR_CROSS,
+                            "Swipe over a span: it comes into the take, for the parts that are "
+                            "chosen above. Alt: the take below is laid earlier or later; a double "
+                            "click lays it back."},
+    [TIMELINE_CLIP_START] = {UI_CURSOR_ACROSS, TRIM_HINT},
+    [TIMELINE_CLIP_END] = {UI_CURSOR_ACROSS, TRIM_HINT},
+    [TIMELINE_SOUND_START] = {UI_CURSOR_ACROSS, TRIM_SOUND_HINT},
+    [TIMELINE_SOUND_END] = {UI_CURSOR_ACROSS, TRIM_SOUND_HINT},
+    [TIMELINE_MARKER] = {UI_CURSOR_ACROSS, "Drag it; a double click names it."},
+    [TIMELINE_RANGE_IN] = {UI_CURSOR_ACROSS, NULL},
+    [TIMELINE_RANGE_OUT] = {UI_CURSOR_ACROSS, NULL},
+    [TIMELINE_FADE_IN] = {UI_CURSOR_ACROSS, NULL},
+    [TIMELINE_FADE_OUT] = {UI_CURSOR_ACROSS, NULL},
+};
 
 static ui_cursor cursor_of(const panel *self, timeline_hit hit)
 {
-    if (self->gesture == GESTURE_PAN)
+    const timeline_part part = self->gesture == GESTURE_NONE ? hit.part : self->pressed.part;
+    const bool is_body = part == TIMELINE_CLIP || part == TIMELINE_SOUND_BODY;
+    if (self->gesture == GESTURE_PAN || (self->gesture == GESTURE_EDIT && is_body))
         return UI_CURSOR_MOVE;
-    timeline_part part = self->gesture == GESTURE_NONE ? hit.part : self->pressed.part;
-    switch (part) {
-    case TIMELINE_CLIP_START:
-    case TIMELINE_CLIP_END:
-    case TIMELINE_SOUND_START:
-    case TIMELINE_SOUND_END:
-    case TIMELINE_RANGE_IN:
-    case TIMELINE_RANGE_OUT:
-    case TIMELINE_FADE_IN:
-    case TIMELINE_FADE_OUT:
-    case TIMELINE_GAIN:
-    case TIMELINE_MARKER:
-        return UI_CURSOR_ACROSS;
-    case TIMELINE_COMP_BODY:
-        return UI_CURSOR_CROSS;
-    case TIMELINE_MUTE:
-    case TIMELINE_SOLO:
-    case TIMELINE_ADDITIVE:
-    case TIMELINE_ARM:
-        return UI_CURSOR_HAND;
-    case TIMELINE_CLIP:
-    case TIMELINE_SOUND_BODY:
-        return self->gesture == GESTURE_EDIT ? UI_CURSOR_MOVE : UI_CURSOR_ARROW;
-    default:
-        return UI_CURSOR_ARROW;
-    }
+    return looks[part].cursor;
 }
 
 void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas)
@@ -512,8 +484,10 @@ void timeline_mouse(panel *self, ui *on, const ui_canvas *canvas)
         release(self, canvas);
     if (canvas->is_double_clicked)
         double_click(self, on, canvas);
-    timeline_hit hit = timeline_hit_now(self, canvas);
-    self->hint = self->gesture == GESTURE_NONE && canvas->is_hovered ? hint_of(self, hit) : "";
+    timeline_hit hit = hit_now(self, canvas);
+    self->hint = looks[hit.part].hint;
+    if (!self->hint || self->gesture != GESTURE_NONE || !canvas->is_hovered)
+        self->hint = "";
     if (canvas->is_hovered || self->gesture != GESTURE_NONE)
         ui_set_cursor(on, cursor_of(self, hit));
 }

@@ -17,11 +17,9 @@ typedef struct switch_row { /* along a row of the corner */
 static bool put_word(switch_row *p, const char *word, float width, bool is_on, bool is_bright,
                      bool *out_over)
 {
-    float x = p->canvas->where.x + p->canvas->x, y = p->canvas->where.y + p->canvas->y;
     float text = ui_text_width(p->on, UI_STYLE_BODY, word);
     ui_rectangle box = {p->x, p->y, width > 0.0f ? width : text + 12.0f, HEIGHT};
-    *out_over = p->canvas->is_hovered && x >= box.x && x < box.x + box.width && y >= box.y &&
-                y < box.y + box.height;
+    *out_over = ui_canvas_is_over(p->canvas, box);
     uint32_t ground = is_on && is_bright ? THEME_ACCENT : is_on ? THEME_RAISED : THEME_BAR;
     uint32_t ink = is_on && is_bright ? THEME_STAGE : is_on ? THEME_TEXT : THEME_DIM;
     if (!is_on && *out_over)
@@ -90,8 +88,6 @@ void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
 /* ---- the ruler ---- */
 
 #define FLAG_MOST 110.0f
-
-/* ---- ticks ---- */
 
 static void paint_ticks(panel *self, ui *on)
 {
@@ -170,8 +166,6 @@ static void paint_markers(panel *self, ui *on, const take *t)
     }
 }
 
-/* ---- */
-
 void timeline_paint_ruler(panel *self, ui *on)
 {
     const take *t = timeline_take(self);
@@ -245,7 +239,7 @@ static ui_rectangle body_of(const panel *self, const timeline_row *row, const ta
     return (ui_rectangle){x0, row->y + 2.0f, x1 > x0 ? x1 - x0 : 0.0f, row->height - 4.0f};
 }
 
-static void timeline_paint_wave(panel *self, ui *on, const timeline_row *row, const take *t)
+static void paint_wave(panel *self, ui *on, const timeline_row *row, const take *t)
 {
     const timeline_result *result = self->result;
     if (result->audio != t->audio.audio || result->about.rate_hz == 0)
@@ -326,7 +320,7 @@ static void flush(panel *self, ui *on, uint32_t count, look as, bool is_afar)
         ui_draw_lines(on, self->column_line, count, as.curve, 1.0f);
 }
 
-static void paint_curve(panel *self, ui *on, timeline_box box, const take_layer *lane,
+static void paint_curve(panel *self, ui *on, ui_rectangle box, const take_layer *lane,
                         const take_clip *clip, const timeline_strip *strip, look as)
 {
     const activity_bin *bin = self->result->bin + strip->first_bin;
@@ -356,7 +350,7 @@ static void paint_curve(panel *self, ui *on, timeline_box box, const take_layer 
 
 /* ---- fades: what they take away is dark ---- */
 
-static void paint_fades(panel *self, ui *on, timeline_box box, const take_clip *clip)
+static void paint_fades(panel *self, ui *on, ui_rectangle box, const take_clip *clip)
 {
     float in = (float)((double)clip->fade_in_ns / self->axis.ns_per_point);
     float out = (float)((double)clip->fade_out_ns / self->axis.ns_per_point);
@@ -373,7 +367,7 @@ static void paint_fades(panel *self, ui *on, timeline_box box, const take_clip *
     }
 }
 
-static void paint_handles(panel *self, ui *on, timeline_box box, const take_clip *clip)
+static void paint_handles(panel *self, ui *on, ui_rectangle box, const take_clip *clip)
 {
     float in = (float)((double)clip->fade_in_ns / self->axis.ns_per_point);
     float out = (float)((double)clip->fade_out_ns / self->axis.ns_per_point);
@@ -402,7 +396,7 @@ static void write_words(char *out, size_t capacity, const take_clip *clip)
                        clip->smooth_s * 1000.0);
 }
 
-static void paint_words(panel *self, ui *on, timeline_box box, const take_clip *clip)
+static void paint_words(panel *self, ui *on, ui_rectangle box, const take_clip *clip)
 {
     char words[96];
     float x = box.x < self->axis.x ? self->axis.x : box.x;
@@ -417,24 +411,24 @@ static void paint_words(panel *self, ui *on, timeline_box box, const take_clip *
 
 /* ---- all of it ---- */
 
-static timeline_box seen_part(const panel *self, timeline_box box)
+static ui_rectangle seen_part(const panel *self, ui_rectangle box)
 {
     float left = self->axis.x - 20.0f, right = self->axis.x + self->axis.width + 20.0f;
     float x0 = box.x < left ? left : box.x;
     float x1 = box.x + box.width > right ? right : box.x + box.width;
-    return (timeline_box){x0, box.y, x1 - x0, box.height};
+    return (ui_rectangle){x0, box.y, x1 - x0, box.height};
 }
 
-static void timeline_paint_clip(panel *self, ui *on, timeline_box box, const take_layer *lane,
-                                const take_clip *clip, uint32_t owner, bool is_heard)
+static void paint_clip(panel *self, ui *on, ui_rectangle box, const take_layer *lane,
+                       const take_clip *clip, uint32_t owner, bool is_heard)
 {
     const app_choice *choice = app_chosen(self->app);
     bool is_chosen = owner == 0 && choice->clip == clip->id;
     look as = look_of(clip, is_heard);
-    timeline_box part = seen_part(self, box);
-    if (part.width <= 0.0f)
+    ui_rectangle where = seen_part(self, box);
+    if (where.width <= 0.0f)
         return;
-    ui_rectangle where = {part.x, part.y, part.width < 1.0f ? 1.0f : part.width, part.height};
+    where.width = where.width < 1.0f ? 1.0f : where.width;
     ui_draw_box(on, where, as.ground, 3.0f);
     const timeline_strip *strip = timeline_result_strip(self->result, owner, clip->id);
     ui_clip_begin(on, where);
@@ -451,8 +445,7 @@ static void timeline_paint_clip(panel *self, ui *on, timeline_box box, const tak
 }
 
 /* Where two clips share an instant: both slopes. */
-static void timeline_paint_overlaps(panel *self, ui *on, const timeline_row *row,
-                                    const take_layer *lane)
+static void paint_overlaps(panel *self, ui *on, const timeline_row *row, const take_layer *lane)
 {
     uint32_t first = timeline_first_clip(lane, self->axis.from_ns);
     int64_t until_ns = timeline_axis_until_ns(&self->axis);
@@ -472,28 +465,25 @@ static void timeline_paint_overlaps(panel *self, ui *on, const timeline_row *row
     }
 }
 
-/* ---- rows ---- */
-
 /* ---- heads ---- */
 
-static void paint_switch(ui *on, timeline_box box, const char *letter, bool is_on, uint32_t colour)
+static void paint_switch(ui *on, ui_rectangle box, const char *letter, bool is_on, uint32_t colour)
 {
-    ui_rectangle where = {box.x, box.y, box.width, box.height};
     float width = ui_text_width(on, UI_STYLE_BODY, letter);
-    ui_draw_box(on, where, is_on ? colour : THEME_RAISED, 4.0f);
+    ui_draw_box(on, box, is_on ? colour : THEME_RAISED, 4.0f);
     ui_draw_text(on, box.x + 0.5f * (box.width - width), box.y, UI_STYLE_BODY,
                  is_on ? THEME_STAGE : THEME_DIM, 0.0f, letter);
 }
 
 static void paint_gain(panel *self, ui *on, const timeline_row *row, double gain)
 {
-    timeline_box box = timeline_gain_box(&self->rows, row);
+    ui_rectangle box = timeline_gain_box(&self->rows, row);
     char words[24];
     (void)snprintf(words, sizeof words, "%.0f %%", gain * 100.0);
     float width = ui_text_width(on, UI_STYLE_NUMBER, words);
     float share = (float)(gain / 2.0), y = box.y + box.height - 2.0f;
     share = share > 1.0f ? 1.0f : share;
-    ui_draw_box(on, (ui_rectangle){box.x, box.y, box.width, box.height}, THEME_WELL, 4.0f);
+    ui_draw_box(on, box, THEME_WELL, 4.0f);
     ui_draw_box(on, (ui_rectangle){box.x, y, box.width * share, 2.0f},
                 gain == 1.0 ? 0x4a5058ffu : THEME_ACCENT, 1.0f);
     ui_draw_text(on, box.x + box.width - width - 5.0f, box.y, UI_STYLE_NUMBER,
@@ -561,8 +551,8 @@ static void paint_clips(panel *self, ui *on, const timeline_row *row, const take
         const take_clip *clip = &lane->clip[i];
         if (clip->start_ns + lane->offset_ns > until_ns)
             return;
-        timeline_paint_clip(self, on, timeline_clip_box(row, &self->axis, lane, clip), lane, clip,
-                            owner, is_heard);
+        paint_clip(self, on, timeline_clip_box(row, &self->axis, lane, clip), lane, clip, owner,
+                   is_heard);
     }
 }
 
@@ -587,9 +577,9 @@ static void paint_lane(panel *self, ui *on, const timeline_row *row, const take 
     if (row->kind == TIMELINE_LAYER) {
         const take_layer *lane = &t->layer[row->index];
         paint_clips(self, on, row, lane, 0, own_layer_is_heard(t, row->index));
-        timeline_paint_overlaps(self, on, row, lane);
+        paint_overlaps(self, on, row, lane);
     } else if (row->kind == TIMELINE_SOUND)
-        timeline_paint_wave(self, on, row, t);
+        paint_wave(self, on, row, t);
     else {
         if (self->comps->take[row->index].layer_count > 0) {
             const take_layer lane = timeline_comp_lane(self, row->index);

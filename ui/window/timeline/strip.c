@@ -22,13 +22,6 @@ typedef struct pen { /* along the strip */
 
 /* ---- buttons ---- */
 
-static bool is_over(const pen *p, ui_rectangle box)
-{
-    float x = p->canvas->where.x + p->canvas->x, y = p->canvas->where.y + p->canvas->y;
-    return p->canvas->is_hovered && x >= box.x && x < box.x + box.width && y >= box.y &&
-           y < box.y + box.height;
-}
-
 static void say_hint(pen *p, const char *title, const char *help, const char *keys,
                      const char *why_not)
 {
@@ -46,7 +39,7 @@ typedef struct button {
 static button place_button(pen *p, float width, bool is_on, bool can)
 {
     button out = {.box = {p->x, p->y, width, ICON_HEIGHT}};
-    bool is_hovered = is_over(p, out.box);
+    bool is_hovered = ui_canvas_is_over(p->canvas, out.box);
     if (is_on)
         ui_draw_box(p->on, out.box, THEME_RAISED, 4.0f);
     else if (is_hovered && can)
@@ -144,7 +137,7 @@ static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
     bool can = app_can(p->self->app, of, &why_not);
     button b = place_button(p, ICON_WIDTH, is_on, can);
     sign(p->on, b.box.x + 0.5f * b.box.width, b.box.y + 0.5f * b.box.height, b.ink);
-    if (is_over(p, b.box))
+    if (ui_canvas_is_over(p->canvas, b.box))
         action_hint(p, of, can || !why_not ? "" : why_not);
     if (b.is_pressed)
         app_do(p->self->app, of);
@@ -171,7 +164,7 @@ static void put_action_word(pen *p, action of, const char *word, bool is_on)
     float x = p->x;
     bool can = app_can(p->self->app, of, &why_not);
     bool is_pressed = put_word(p, word, is_on, can);
-    if (is_over(p, last_box(p, x)))
+    if (ui_canvas_is_over(p->canvas, last_box(p, x)))
         action_hint(p, of, can || !why_not ? "" : why_not);
     if (is_pressed)
         app_do(p->self->app, of);
@@ -275,11 +268,6 @@ static void put_transport(pen *p)
     put_lead_in(p);
 }
 
-static void ask_history(pen *p)
-{
-    ui_dialog_open(p->on, "timeline_history");
-}
-
 /* From the right end. */
 static float undo_width(const pen *p)
 {
@@ -293,8 +281,8 @@ static void put_undo(pen *p)
     const history *edits = app_history(p->self->app);
     float x = p->x;
     if (put_word(p, "History", false, edits && history_last(edits) > 0))
-        ask_history(p);
-    if (is_over(p, last_box(p, x)))
+        ui_dialog_open(p->on, "timeline_history");
+    if (ui_canvas_is_over(p->canvas, last_box(p, x)))
         say_hint(p, "History", "All edits of this take; a click goes there.", "", "");
 }
 

@@ -8,6 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define BIN_POINTS  1.5f /* across, of a curve */
+#define NARROW      1100.0f
+#define NARROW_LIST 200.0f
+
+/* ---- other takes, laid under the chosen one ---- */
+
 /* TIMELINE_COMPS_MAX: it lies where it was recorded. */
 static uint32_t find(const panel *self, int64_t of, int64_t id)
 {
@@ -109,24 +115,24 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
 
 /* ---- whose takes they are ---- */
 
-static void timeline_slide_finish(panel *self);
-
-/* The ids are of the takes of one show. */
-static void timeline_slide_follow(panel *self, const char *show_path)
-{
-    if (self->slid_show && strcmp(self->slid_show, show_path) == 0)
-        return;
-    timeline_slide_finish(self);
-    self->slid_show = strdup(show_path);
-    memset(self->slid, 0, sizeof self->slid);
-}
-
-static void timeline_slide_finish(panel *self)
+static void forget_slides(panel *self)
 {
     app_forget_steps(self->app, self);
     free(self->slid_show);
     self->slid_show = NULL;
 }
+
+/* The ids are of the takes of one show. */
+static void follow_show(panel *self, const char *show_path)
+{
+    if (self->slid_show && strcmp(self->slid_show, show_path) == 0)
+        return;
+    forget_slides(self);
+    self->slid_show = strdup(show_path);
+    memset(self->slid, 0, sizeof self->slid);
+}
+
+/* ---- which parts of the face a layer moves ---- */
 
 static bool has_pattern(const take_layer *lane, const char *pattern)
 {
@@ -184,10 +190,6 @@ void timeline_own_words(const take_layer *lane, char *out, size_t capacity)
             append(out, capacity, lane->own[i]);
 }
 
-#define BIN_POINTS  1.5f /* across, of a curve */
-#define NARROW      1100.0f
-#define NARROW_LIST 200.0f
-
 /* ---- what the files share ---- */
 
 const take *timeline_take(const panel *self)
@@ -233,18 +235,6 @@ void timeline_say(panel *self, const error *err)
         news_list_add(app_news(self->app), MRT_LOG_WARNING, "timeline", err->text);
 }
 
-const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer)
-{
-    for (uint32_t i = 0; i < t->layer_count; ++i)
-        for (uint32_t k = 0; k < t->layer[i].clip_count; ++k)
-            if (t->layer[i].clip[k].id == id) {
-                *out_layer = &t->layer[i];
-                return &t->layer[i].clip[k];
-            }
-    *out_layer = NULL;
-    return NULL;
-}
-
 double timeline_clip_speed(const take_clip *clip)
 {
     int64_t source_ns =
@@ -263,13 +253,9 @@ void timeline_edit(panel *self, edit *e)
 static uint32_t lanes_of(const take_layer *of)
 {
     uint32_t out = 0;
-    for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
-        const own_part *part = own_part_of((own_region)region);
-        for (uint32_t i = 0; i < part->pattern_count; ++i)
-            for (uint32_t k = 0; k < of->own_count; ++k)
-                if (own_patterns_meet(part->pattern[i], of->own[k]))
-                    out |= 1u << region;
-    }
+    for (uint32_t region = 0; region < OWN_REGION_COUNT && of->own_count > 0; ++region)
+        if (timeline_moves(of, (own_region)region))
+            out |= 1u << region;
     return out ? out : 1u << (ACTIVITY_LANES - 1);
 }
 
@@ -327,8 +313,6 @@ static void request_sound(panel *self, const take *t)
     self->request.audio_pairs = pairs > WAVEFORM_PAIRS_MAX ? WAVEFORM_PAIRS_MAX : pairs;
 }
 
-/* ---- what is to be computed ---- */
-
 static void request_comps(panel *self, const take *t)
 {
     const app_take_line *line;
@@ -350,7 +334,7 @@ static void request(panel *self)
     const take *t = timeline_take(self);
     const app_take_line *line;
     show *from = app_show(self->app);
-    timeline_slide_follow(self, from ? show_path(from) : "");
+    follow_show(self, from ? show_path(from) : "");
     timeline_worker_set_show(self->worker, from ? show_path(from) : NULL, app_face_path(self->app));
     timeline_request_clear(&self->request);
     for (uint32_t i = 0; t && i < t->layer_count; ++i)
@@ -478,7 +462,7 @@ static void destroy(panel *self)
 {
     if (!self)
         return;
-    timeline_slide_finish(self);
+    forget_slides(self);
     timeline_worker_destroy(self->worker);
     timeline_journal_destroy(self->journal);
     timeline_takes_finish(&self->takes);

@@ -1,5 +1,5 @@
 /* window/timeline/timeline.h - the state of the timeline's panel, which its files share: timeline.c
- * puts the panel together, paint.c draws a take, paint_journal.c what is shown while no take is
+ * puts the panel together, paint.c draws a take, journal.c has what is shown while no take is
  * chosen, mouse.c turns the pointer into gestures, menu.c has the menus and dialogs, strip.c the
  * transport above, take_list.c the list beside it. No other room includes this header. [main] */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_TIMELINE_H
@@ -7,7 +7,6 @@
 #include "window/panels/panels.h"
 #include "window/gui/theme.h"
 #include "window/timeline/drag.h"
-#include "window/timeline/journal.h"
 #include "window/timeline/worker.h"
 
 #define TIMELINE_LIST_WIDTH   250.0f
@@ -68,6 +67,30 @@ void timeline_takes_finish(timeline_takes *self); /* accepts zeroed */
 void timeline_takes_duration(char *out, size_t capacity, int64_t duration_ns);
 /* All words of `words` are in the title or the note, in any case. */
 bool timeline_takes_matches(const app_take_line *line, const char *words);
+
+/* ---- how much each input moved in the last half hour, as long as nobody recorded: bins of a tenth
+ * of a second, written while the window looks, in memory that does not grow (journal.c; the journal
+ * itself: take/journal.h). Pure; time is any clock's that does not go back ---- */
+
+enum { JOURNAL_LANES = 9, JOURNAL_BINS = 18000 }; /* 30 min */
+#define JOURNAL_BIN_NS 100000000LL
+
+typedef struct timeline_journal timeline_journal;
+
+timeline_journal *timeline_journal_create(void);       /* NULL: no memory */
+void timeline_journal_destroy(timeline_journal *self); /* NULL is fine */
+/* The newest sample of an input, seen at now_ns; its channels say what a whole movement is. of:
+ * which input, whatever its place among them; the one that was not seen for longest makes room. */
+void timeline_journal_note(timeline_journal *self, uint64_t of, int64_t now_ns,
+                           const mrt_sample *sample, const mrt_channel *channel);
+/* The greatest movement between two instants, 0..1: of a lane's channels, as a mean share of their
+ * range in a tenth of a second, made visible. 0 where nothing is known. */
+float timeline_journal_read(const timeline_journal *self, uint64_t of, int64_t from_ns,
+                            int64_t to_ns);
+
+/* Of a span that somebody swiped, in either direction, what can be kept: the journal reaches back
+ * reach_ns, and what ends near now ends now. False: too short. */
+bool timeline_keep_span(int64_t *io_from_ns, int64_t *io_to_ns, int64_t now_ns, int64_t reach_ns);
 
 /* What the pointer does, beside drags that are edits (drag.h). */
 typedef enum timeline_gesture {
@@ -157,8 +180,7 @@ timeline_code timeline_code_now(const panel *self);
 int64_t timeline_head_ns(const panel *self);
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
 void timeline_fit(panel *self);
-void timeline_say(panel *self, const error *err); /* as news */
-const take_clip *timeline_clip(const take *t, uint32_t id, const take_layer **out_layer);
+void timeline_say(panel *self, const error *err);  /* as news */
 double timeline_clip_speed(const take_clip *clip); /* of all of it */
 void timeline_edit(panel *self, edit *e);          /* makes it, and finishes it */
 
@@ -193,7 +215,7 @@ void timeline_ask_clip(panel *self, ui *on, uint32_t id);
 void timeline_ask_marker(panel *self, ui *on, int32_t marker);
 void timeline_dialogs(panel *self, ui *on);
 
-/* paint_journal.c */
+/* journal.c */
 uint64_t timeline_journal_input(live *stage, uint32_t index); /* for timeline_journal_note */
 void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas);
 

@@ -113,18 +113,6 @@ static float viewport_aspect(const viewport *self);
 
 static const float label_gap = 4.0f; /* between a dot and its name */
 
-static bool overlap(const ui_rectangle *a, const ui_rectangle *b)
-{
-    return a->x < b->x + b->width && b->x < a->x + a->width && a->y < b->y + b->height &&
-           b->y < a->y + a->height;
-}
-
-static bool is_inside(const ui_rectangle *a, const ui_rectangle *of)
-{
-    return a->x >= of->x && a->y >= of->y && a->x + a->width <= of->x + of->width &&
-           a->y + a->height <= of->y + of->height;
-}
-
 static ui_rectangle name_of(const viewport_label *l)
 {
     return (ui_rectangle){l->at_x, l->at_y, l->width, l->height};
@@ -145,17 +133,17 @@ static void put(viewport_label *l, int side, float dot)
     l->at_y = side == 2 ? l->y - away - l->height : side == 3 ? l->y + away : middle_y;
 }
 
-static bool is_free(const viewport_label *label, uint32_t count, uint32_t self,
-                    const ui_rectangle *within, float dot)
+static bool is_free(const viewport_label *label, uint32_t count, uint32_t self, ui_rectangle within,
+                    float dot)
 {
     ui_rectangle name = name_of(&label[self]);
-    if (!is_inside(&name, within))
+    if (!ui_rectangle_is_within(name, within))
         return false;
     for (uint32_t i = 0; i < count; ++i) {
         ui_rectangle other_dot = dot_of(&label[i], dot), other = name_of(&label[i]);
-        if (i != self && overlap(&name, &other_dot))
+        if (i != self && ui_rectangles_meet(name, other_dot))
             return false;
-        if (i < self && label[i].is_placed && overlap(&name, &other))
+        if (i < self && label[i].is_placed && ui_rectangles_meet(name, other))
             return false;
     }
     return true;
@@ -167,7 +155,7 @@ void viewport_labels_place(viewport_label *label, uint32_t count, ui_rectangle w
         label[i].is_placed = false;
         for (int side = 0; side < SIDES && !label[i].is_placed; ++side) {
             put(&label[i], side, dot);
-            label[i].is_placed = is_free(label, count, i, &within, dot);
+            label[i].is_placed = is_free(label, count, i, within, dot);
         }
     }
 }
@@ -505,19 +493,13 @@ static bool can_pull(const viewport *self)
            !app_notes_of(self->of)->is_rig_pending;
 }
 
-static bool is_on_chip(const ui_rectangle *chip, const ui_canvas *canvas)
-{
-    const float x = canvas->where.x + canvas->x, y = canvas->where.y + canvas->y;
-    return x >= chip->x && x < chip->x + chip->width && y >= chip->y && y < chip->y + chip->height;
-}
-
 static void press_left(viewport *self, const ui_canvas *canvas)
 {
-    if (is_on_chip(&self->chip, canvas)) {
+    if (ui_canvas_is_over(canvas, self->chip)) {
         app_do(self->of, ACTION_NEUTRAL);
         return;
     }
-    if (is_on_chip(&self->mirrored, canvas)) {
+    if (ui_canvas_is_over(canvas, self->mirrored)) {
         app_do(self->of, ACTION_VIEW_MIRROR);
         return;
     }
@@ -847,10 +829,7 @@ static void ink_contacts(const viewport *self, ui *on)
     uint32_t contact[VIEWPORT_LABELS_MAX], count = 0;
     if (self->contact && add_label(self, on, self->contact - 1, &label[count]))
         contact[count++] = self->contact - 1;
-    uint32_t all = view->contact_count < self->face.rig->contact_count
-                       ? view->contact_count
-                       : self->face.rig->contact_count;
-    for (uint32_t i = 0; shows && i < all && count < VIEWPORT_LABELS_MAX; ++i)
+    for (uint32_t i = 0; shows && i < contact_count(self) && count < VIEWPORT_LABELS_MAX; ++i)
         if (i + 1 != self->contact && add_label(self, on, i, &label[count]))
             contact[count++] = i;
     const ui_rectangle within = {4.0f, 4.0f, self->where.width - 8.0f, self->where.height - 8.0f};
