@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- where a ray meets the face ---- */
 
@@ -137,6 +138,29 @@ bool draw_unproject(float out[3], const draw_camera *camera, const uint32_t rect
 }
 
 /* ---- what lies over it ---- */
+
+static void set_point(float out[3], vec3 at)
+{
+    out[0] = (float)at.x;
+    out[1] = (float)at.y;
+    out[2] = (float)at.z;
+}
+
+overlay_item overlay_line(vec3 from, vec3 to, float width_px, const float rgba[4])
+{
+    overlay_item out = {.kind = OVERLAY_LINE, .width_px = width_px};
+    set_point(out.from, from);
+    set_point(out.to, to);
+    memcpy(out.rgba, rgba, sizeof out.rgba);
+    return out;
+}
+
+overlay_item overlay_dot(vec3 at, float width_px, const float rgba[4])
+{
+    overlay_item out = overlay_line(at, at, width_px, rgba);
+    out.kind = OVERLAY_DOT;
+    return out;
+}
 
 typedef struct overlays_view { /* of one drawing */
     draw_camera camera;        /* made safe */

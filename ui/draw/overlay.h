@@ -3,6 +3,7 @@
  * of the context. */
 #ifndef MAROTTE_UI_DRAW_OVERLAY_H
 #define MAROTTE_UI_DRAW_OVERLAY_H
+#include "base/rigid.h"
 #include "draw/draw.h"
 
 typedef enum overlay_kind {
@@ -18,6 +19,8 @@ typedef struct overlay_item {
     float from[3], to[3], radius_mm, width_px;
     float rgba[4]; /* sRGB, 0..1 */
 } overlay_item;
+overlay_item overlay_line(vec3 from, vec3 to, float width_px, const float rgba[4]);
+overlay_item overlay_dot(vec3 at, float width_px, const float rgba[4]);
 /* Into the rectangle where draw_render has just drawn the face, with the same camera. */
 void draw_overlay(draw_renderer *self, draw_target *target, const draw_face *face,
                   const draw_camera *camera, const uint32_t rectangle[4], const overlay_item *item,

@@ -48,27 +48,33 @@ static double dot(const float *a, const float *b)
     return (double)a[0] * (double)b[0] + (double)a[1] * (double)b[1] + (double)a[2] * (double)b[2];
 }
 
-static bool find_normals(brush *self)
+void brush_find_normals(float *out, const mesh *m, const float *position, float *scratch)
+{
+    const size_t count = m->vertex_count;
+    float *normal = scratch, *at = scratch + 3 * count;
+    for (size_t v = 0; v < count; ++v)
+        for (size_t i = 0; i < 3; ++i)
+            at[i * count + v] = position[v * 3 + i];
+    normals_smooth(normal, normal + count, normal + 2 * count, at, at + count, at + 2 * count,
+                   m->vertex_count, m->triangle, m->triangle_count);
+    for (size_t v = 0; v < count; ++v)
+        for (size_t i = 0; i < 3; ++i)
+            out[v * 3 + i] = normal[i * count + v];
+}
+
+static bool take_normals(brush *self)
 {
     const mesh *m = self->m;
-    size_t count = m->vertex_count;
+    const size_t count = m->vertex_count;
     if (m->normal) {
         memcpy(self->normal, m->normal, count * 3 * sizeof *self->normal);
         return true;
     }
-    float *soa = malloc((count * 6 + 1) * sizeof *soa);
-    if (!soa)
-        return false;
-    for (size_t v = 0; v < count; ++v)
-        for (size_t i = 0; i < 3; ++i)
-            soa[(3 + i) * count + v] = m->position[v * 3 + i];
-    normals_smooth(soa, soa + count, soa + 2 * count, soa + 3 * count, soa + 4 * count,
-                   soa + 5 * count, m->vertex_count, m->triangle, m->triangle_count);
-    for (size_t v = 0; v < count; ++v)
-        for (size_t i = 0; i < 3; ++i)
-            self->normal[v * 3 + i] = soa[i * count + v];
-    free(soa);
-    return true;
+    float *scratch = malloc((count * 6 + 1) * sizeof *scratch);
+    if (scratch)
+        brush_find_normals(self->normal, m, m->position, scratch);
+    free(scratch);
+    return scratch != NULL;
 }
 
 /* The middle of the head; of all that there is where that fits better or no head is found. */
@@ -124,7 +130,7 @@ mrt_result brush_create(brush **out, const mesh *m, const topology *t, error *er
     self->m = m;
     self->t = t;
     self->last_vertex = NONE;
-    if (allocate(self) && find_middle(self) && find_normals(self))
+    if (allocate(self) && find_middle(self) && take_normals(self))
         return MRT_OK;
     brush_destroy(self);
     *out = NULL;

@@ -37,7 +37,9 @@ const uint32_t *brush_touched(const brush *self, uint32_t *out_count);
  * alike. UINT32_MAX: none is near. */
 uint32_t brush_mirror_of(const brush *self, uint32_t vertex);
 const float *brush_normals(const brush *self); /* vertex_count by 3: of the mesh at rest */
-double brush_middle_mm(const brush *self);     /* x of the plane of symmetry */
+/* Smooth ones at other positions of a mesh: both vertex_count by 3; scratch: 6 by vertex_count. */
+void brush_find_normals(float *out, const mesh *m, const float *position, float *scratch);
+double brush_middle_mm(const brush *self); /* x of the plane of symmetry */
 
 typedef enum rig_ink {
     RIG_INK_RIDES = 0, /* a share of a bone */

@@ -79,37 +79,13 @@ void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, 
 
 /* ---- what it looks like ---- */
 
-static void set_place(float out[3], vec3 at)
-{
-    out[0] = (float)at.x;
-    out[1] = (float)at.y;
-    out[2] = (float)at.z;
-}
-
-static overlay_item line(vec3 from, vec3 to, float width_px, const float rgba[4])
-{
-    overlay_item out = {.kind = OVERLAY_LINE, .width_px = width_px};
-    set_place(out.from, from);
-    set_place(out.to, to);
-    memcpy(out.rgba, rgba, sizeof out.rgba);
-    return out;
-}
-
-static overlay_item dot(vec3 at, float width_px, const float rgba[4])
-{
-    overlay_item out = {.kind = OVERLAY_DOT, .width_px = width_px};
-    set_place(out.from, at);
-    memcpy(out.rgba, rgba, sizeof out.rgba);
-    return out;
-}
-
 static uint32_t draw_handle(overlay_item *out, vec3 at, float width_px, const float rgba[4])
 {
     uint32_t count = 0;
     for (int i = 0; i < LAYERS; ++i)
-        out[count++] = dot(at, width_px + 3.0f, rim_rgba);
+        out[count++] = overlay_dot(at, width_px + 3.0f, rim_rgba);
     for (int i = 0; i < LAYERS; ++i)
-        out[count++] = dot(at, width_px, rgba);
+        out[count++] = overlay_dot(at, width_px, rgba);
     return count;
 }
 
@@ -122,7 +98,7 @@ static uint32_t draw_arc(overlay_item *out, const rig_edit_jaw *jaw)
         double angle = jaw->open_max_rad * (double)(i + 1) / ARC_STEPS;
         rigid turn = rigid_turn(jaw->left, axis, angle);
         vec3 now = rigid_apply(&turn, jaw->incisor);
-        out[i] = line(before, now, 2.0f, arc_rgba);
+        out[i] = overlay_line(before, now, 2.0f, arc_rgba);
         before = now;
     }
     return ARC_STEPS;
@@ -134,7 +110,7 @@ uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *j
     vec3 position[RIG_HANDLES];
     rig_gizmo_positions(position, jaw);
     for (int i = 0; i < LAYERS; ++i)
-        out[count++] = line(jaw->right, jaw->left, 3.0f, axis_rgba);
+        out[count++] = overlay_line(jaw->right, jaw->left, 3.0f, axis_rgba);
     if (jaw->has_incisor)
         count += draw_arc(out + count, jaw);
     for (int i = 0; i < RIG_HANDLES; ++i) {

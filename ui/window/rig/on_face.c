@@ -2,10 +2,8 @@
  * handles of the jaw that are dragged), and how the rig is shown (tints, the face at rest or with
  * its jaw tried, dots, the axis). */
 #include "window/rig/panel.h"
-#include "window/rig/gizmo.h"
 
 #include "base/angle.h"
-#include "mesh/normals.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,7 +26,7 @@ static rig_ray ray_of(const viewport_stroke *s)
 
 /* ---- the brush ---- */
 
-static void say_ink(const rig_panel *self, char *out, size_t capacity)
+static void say_ink(const panel *self, char *out, size_t capacity)
 {
     const rig *r = rig_model_rig(self->model);
     const rig_stroke_ink *ink = &self->painting.ink;
@@ -42,7 +40,7 @@ static void say_ink(const rig_panel *self, char *out, size_t capacity)
         (void)snprintf(out, capacity, "paint %s", words[ink->ink]);
 }
 
-static rig_stroke_ink ink_now(const rig_panel *self, uint32_t modifiers)
+static rig_stroke_ink ink_now(const panel *self, uint32_t modifiers)
 {
     rig_stroke_ink ink = self->painting.ink;
     ink.region = self->region;
@@ -55,7 +53,7 @@ static rig_stroke_ink ink_now(const rig_panel *self, uint32_t modifiers)
     return ink;
 }
 
-static void begin_stroke(rig_panel *self, const viewport_stroke *s)
+static void begin_stroke(panel *self, const viewport_stroke *s)
 {
     error err = {""};
     rig_painting *painting = &self->painting;
@@ -71,7 +69,7 @@ static void begin_stroke(rig_panel *self, const viewport_stroke *s)
         brush_begin(rig_model_brush(self->model), &painting->shape);
 }
 
-static void move_stroke(rig_panel *self, const viewport_stroke *s)
+static void move_stroke(panel *self, const viewport_stroke *s)
 {
     error err = {""};
     brush *b = rig_model_brush(self->model);
@@ -81,9 +79,8 @@ static void move_stroke(rig_panel *self, const viewport_stroke *s)
     self->shown.is_tint_new = true;
 }
 
-void rig_panel_end_stroke(rig_panel *self)
+void rig_panel_end_stroke(panel *self)
 {
-    error err = {""};
     char words[96];
     uint32_t changed = 0;
     rig_stroke *stroke = self->painting.stroke;
@@ -94,16 +91,16 @@ void rig_panel_end_stroke(rig_panel *self)
     if (rig_stroke_bone(stroke, BRUSH_HERE) == RIG_NONE && self->painting.ink.ink != RIG_INK_REGION)
         (void)snprintf(words, sizeof words, "erase paint");
     rig *r = rig_panel_begin(self);
-    mrt_result result = r ? rig_stroke_end(stroke, r, &changed, &err) : MRT_ERR_MEMORY;
+    mrt_result result = r ? rig_stroke_end(stroke, r, &changed, &self->err) : MRT_ERR_MEMORY;
     if (r && result >= 0 && changed == 0)
         rig_model_abandon(self->model);
     else if (r)
-        (void)rig_panel_finish(self, result, &err, words);
+        (void)rig_panel_finish(self, result, words);
     rig_stroke_destroy(stroke);
     self->shown.is_tint_new = true;
 }
 
-static void paint(rig_panel *self, viewport *view)
+static void paint(panel *self, viewport *view)
 {
     const viewport_stroke *s = viewport_stroke_now(view);
     rig_painting *painting = &self->painting;
@@ -119,7 +116,7 @@ static void paint(rig_panel *self, viewport *view)
 
 /* ---- contacts ---- */
 
-static vec3 rig_panel_contact_at(const rig_panel *self, uint32_t contact)
+static vec3 place_of_contact(const panel *self, uint32_t contact)
 {
     const mesh *m = rig_model_mesh(self->model);
     const rig_placing *placing = &self->placing;
@@ -130,7 +127,7 @@ static vec3 rig_panel_contact_at(const rig_panel *self, uint32_t contact)
 }
 
 /* The contact whose dot the pointer is at, on the side of the face that is seen. */
-static uint32_t contact_at(const rig_panel *self, const viewport_stroke *s)
+static uint32_t contact_at(const panel *self, const viewport_stroke *s)
 {
     const rig *r = rig_model_rig(self->model);
     const float *normal = brush_normals(rig_model_brush((rig_model *)(uintptr_t)self->model));
@@ -138,7 +135,7 @@ static uint32_t contact_at(const rig_panel *self, const viewport_stroke *s)
     uint32_t best = RIG_NONE;
     double reach = reach_points;
     for (uint32_t i = 0; i < r->contact_count; ++i) {
-        vec3 at = rig_panel_contact_at(self, i);
+        vec3 at = place_of_contact(self, i);
         if (r->contact[i].vertex >= rig_model_mesh(self->model)->vertex_count ||
             vec3_dot(vec3_of(normal + (size_t)r->contact[i].vertex * 3), vec3_sub(ray.eye, at)) <
                 0.0 ||
@@ -161,9 +158,8 @@ static void new_name(const rig *r, char *out, size_t capacity)
     while (rig_find_contact(r, out) != RIG_NONE);
 }
 
-static void add_contact(rig_panel *self, uint32_t vertex)
+static void add_contact(panel *self, uint32_t vertex)
 {
-    error err = {""};
     char name[RIG_PANEL_NAME];
     uint32_t index;
     rig *r = rig_panel_begin(self);
@@ -171,27 +167,26 @@ static void add_contact(rig_panel *self, uint32_t vertex)
     if (!r)
         return;
     new_name(r, name, sizeof name);
-    mrt_result result = rig_edit_add_contact(r, name, vertex, &index, &err);
-    if (rig_panel_finish(self, result, &err, "add a contact"))
+    mrt_result result = rig_edit_add_contact(r, name, vertex, &index, &self->err);
+    if (rig_panel_finish(self, result, "add a contact"))
         rig_panel_choose(self, RIG_TAB_CONTACTS, index);
 }
 
 /* Its mirror goes with it. */
-static void put_contact(rig_panel *self, uint32_t vertex)
+static void put_contact(panel *self, uint32_t vertex)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (!r)
         return;
-    mrt_result result = rig_edit_move_contact(r, self->contact, vertex, &err);
+    mrt_result result = rig_edit_move_contact(r, self->contact, vertex, &self->err);
     uint32_t mirror = r->contact[self->contact].mirror;
     uint32_t image = brush_mirror_of(rig_model_brush(self->model), vertex);
     if (result >= 0 && self->is_even && mirror != RIG_NONE && image != UINT32_MAX)
-        result = rig_edit_move_contact(r, mirror, image, &err);
-    (void)rig_panel_finish(self, result, &err, "put a contact elsewhere");
+        result = rig_edit_move_contact(r, mirror, image, &self->err);
+    (void)rig_panel_finish(self, result, "put a contact elsewhere");
 }
 
-static void press_contact(rig_panel *self, const viewport_stroke *s)
+static void press_contact(panel *self, const viewport_stroke *s)
 {
     rig_placing *placing = &self->placing;
     uint32_t contact = contact_at(self, s);
@@ -204,7 +199,7 @@ static void press_contact(rig_panel *self, const viewport_stroke *s)
     placing->pressed = ray_of(s);
 }
 
-static void drag_contact(rig_panel *self, const viewport_stroke *s)
+static void drag_contact(panel *self, const viewport_stroke *s)
 {
     rig_placing *placing = &self->placing;
     rig_ray now = ray_of(s);
@@ -216,7 +211,7 @@ static void drag_contact(rig_panel *self, const viewport_stroke *s)
     }
 }
 
-static void place_contacts(rig_panel *self, viewport *view)
+static void place_contacts(panel *self, viewport *view)
 {
     const viewport_stroke *s = viewport_stroke_now(view);
     rig_placing *placing = &self->placing;
@@ -235,18 +230,17 @@ static void place_contacts(rig_panel *self, viewport *view)
 
 /* ---- the jaw ---- */
 
-void rig_panel_put_jaw(rig_panel *self)
+void rig_panel_put_jaw(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     self->jawing.is_changing = false;
     if (!r)
         return;
-    mrt_result result = rig_edit_set_jaw(r, rig_find_jaw(r), &self->jawing.jaw, &err);
-    (void)rig_panel_finish(self, result, &err, "change the jaw");
+    mrt_result result = rig_edit_set_jaw(r, rig_find_jaw(r), &self->jawing.jaw, &self->err);
+    (void)rig_panel_finish(self, result, "change the jaw");
 }
 
-static void take_handle(rig_panel *self, const rig_ray *ray)
+static void take_handle(panel *self, const rig_ray *ray)
 {
     rig_jawing *jawing = &self->jawing;
     vec3 at[RIG_HANDLES], on_plane;
@@ -260,7 +254,7 @@ static void take_handle(rig_panel *self, const rig_ray *ray)
     jawing->is_changing = true;
 }
 
-static void drag_handle(rig_panel *self, const rig_ray *ray)
+static void drag_handle(panel *self, const rig_ray *ray)
 {
     rig_jawing *jawing = &self->jawing;
     vec3 at[RIG_HANDLES], to;
@@ -272,7 +266,7 @@ static void drag_handle(rig_panel *self, const rig_ray *ray)
                   brush_middle_mm(rig_model_brush(self->model)));
 }
 
-static void turn_jaw(rig_panel *self, viewport *view)
+static void turn_jaw(panel *self, viewport *view)
 {
     const rig *r = rig_model_rig(self->model);
     const viewport_stroke *s = viewport_stroke_now(view);
@@ -292,28 +286,6 @@ static void turn_jaw(rig_panel *self, viewport *view)
         return;
     jawing->held = RIG_HANDLES;
     rig_panel_put_jaw(self);
-}
-
-/* ---- */
-
-/* tints, shape, gizmo */
-static void rig_panel_show(rig_panel *self, viewport *view);
-
-void rig_panel_face(rig_panel *self, viewport *view)
-{
-    bool has_rig = rig_model_rig(self->model) != NULL;
-    bool paints = has_rig && self->tab == RIG_TAB_REGIONS && self->painting.is_on;
-    if (!paints)
-        rig_panel_end_stroke(self);
-    if (paints)
-        paint(self, view);
-    else if (has_rig && self->tab == RIG_TAB_CONTACTS)
-        place_contacts(self, view);
-    else if (has_rig && self->tab == RIG_TAB_JAW)
-        turn_jaw(self, view);
-    else
-        viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
-    rig_panel_show(self, view);
 }
 
 /* ---- how the rig is shown ---- */
@@ -357,12 +329,12 @@ void rig_panel_shown_finish(rig_shown *shown)
 
 /* ---- tints ---- */
 
-static bool is_of_mobility(const rig_panel *self)
+static bool is_of_mobility(const panel *self)
 {
     return self->painting.ink.ink == RIG_INK_FREE || self->painting.ink.ink == RIG_INK_STILL;
 }
 
-static void tint_all(rig_panel *self)
+static void tint_all(panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
     float *rgb = self->shown.rgb;
@@ -374,7 +346,7 @@ static void tint_all(rig_panel *self)
         rig_tint_bones(rgb, &work->rig, face_binding(work->face));
 }
 
-static void tint_region(rig_panel *self, const rig *r)
+static void tint_region(panel *self, const rig *r)
 {
     float colour[3];
     const rig_region *region = &r->region[self->region];
@@ -387,7 +359,7 @@ static void tint_region(rig_panel *self, const rig *r)
 }
 
 /* What the stroke has touched so far, over what is known. */
-static void tint_stroke(rig_panel *self, const rig *r)
+static void tint_stroke(panel *self, const rig *r)
 {
     static const float erased[3] = {0.34f, 0.33f, 0.32f};
     const rig_stroke *stroke = self->painting.stroke;
@@ -408,7 +380,7 @@ static void tint_stroke(rig_panel *self, const rig *r)
     }
 }
 
-static void tell_tint(rig_panel *self, viewport *view, const rig *r)
+static void tell_tint(panel *self, viewport *view, const rig *r)
 {
     rig_shown *shown = &self->shown;
     bool is_tinted = self->tab == RIG_TAB_REGIONS;
@@ -432,19 +404,10 @@ static void tell_tint(rig_panel *self, viewport *view, const rig *r)
 
 /* ---- the shape ---- */
 
-static void find_normals(rig_panel *self)
+static void find_normals(panel *self)
 {
-    const mesh *m = rig_model_mesh(self->model);
-    size_t count = m->vertex_count;
-    float *s = self->shown.scratch;
-    for (size_t v = 0; v < count; ++v)
-        for (size_t i = 0; i < 3; ++i)
-            s[(3 + i) * count + v] = self->shown.position[v * 3 + i];
-    normals_smooth(s, s + count, s + 2 * count, s + 3 * count, s + 4 * count, s + 5 * count,
-                   m->vertex_count, m->triangle, m->triangle_count);
-    for (size_t v = 0; v < count; ++v)
-        for (size_t i = 0; i < 3; ++i)
-            self->shown.normal[v * 3 + i] = s[i * count + v];
+    rig_shown *shown = &self->shown;
+    brush_find_normals(shown->normal, rig_model_mesh(self->model), shown->position, shown->scratch);
 }
 
 static void set_dof(float *dof, const bones *b, const char *name, double value)
@@ -487,7 +450,7 @@ static void try_turns(float *dof, const bones *b, const rig *now, const rig_part
     }
 }
 
-static bool tries_turns(const rig_panel *self)
+static bool tries_turns(const panel *self)
 {
     const rig *r = rig_model_rig(self->model);
     const uint32_t bone = self->parting.bone;
@@ -496,7 +459,7 @@ static bool tries_turns(const rig_panel *self)
 }
 
 /* The jaw, or the chosen ball. False: nothing can be tried. */
-static bool pose_face(rig_panel *self)
+static bool pose_face(panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
     const bool is_jaw = self->tab == RIG_TAB_JAW;
@@ -516,7 +479,7 @@ static bool pose_face(rig_panel *self)
     return true;
 }
 
-static void tell_shape(rig_panel *self, viewport *view)
+static void tell_shape(panel *self, viewport *view)
 {
     rig_shown *shown = &self->shown;
     bool paints = self->tab == RIG_TAB_REGIONS && self->painting.is_on;
@@ -542,32 +505,22 @@ static void tell_shape(rig_panel *self, viewport *view)
 
 /* ---- things in space ---- */
 
-static overlay_item dot_at(vec3 at, float width_px, const float rgba[4])
-{
-    overlay_item out = {.kind = OVERLAY_DOT, .width_px = width_px};
-    out.from[0] = (float)at.x;
-    out.from[1] = (float)at.y;
-    out.from[2] = (float)at.z;
-    memcpy(out.rgba, rgba, sizeof out.rgba);
-    return out;
-}
-
 /* Those behind something are drawn faintly: twice, so that they are found. */
-static uint32_t add_contacts(const rig_panel *self, overlay_item *out)
+static uint32_t add_contacts(const panel *self, overlay_item *out)
 {
     uint32_t contacts = rig_model_rig(self->model)->contact_count, count = 0;
     for (uint32_t i = 0; i < contacts && count + 4 <= ITEMS_MAX; ++i) {
         bool is_chosen = i == self->contact;
-        vec3 at = rig_panel_contact_at(self, i);
+        vec3 at = place_of_contact(self, i);
         float width_px = is_chosen ? 12.0f : 8.0f;
-        out[count++] = dot_at(at, width_px + 2.0f, rim_rgba);
-        out[count++] = dot_at(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
-        out[count++] = dot_at(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
+        out[count++] = overlay_dot(at, width_px + 2.0f, rim_rgba);
+        out[count++] = overlay_dot(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
+        out[count++] = overlay_dot(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
     }
     return count;
 }
 
-static void tell_items(const rig_panel *self, viewport *view)
+static void tell_items(const panel *self, viewport *view)
 {
     overlay_item item[ITEMS_MAX];
     uint32_t count = 0;
@@ -582,7 +535,7 @@ static void tell_items(const rig_panel *self, viewport *view)
 
 /* ---- */
 
-static void rig_panel_show(rig_panel *self, viewport *view)
+static void show_rig(panel *self, viewport *view)
 {
     const rig *r = rig_model_rig(self->model);
     if (!r || !allocate(&self->shown, rig_model_mesh(self->model)->vertex_count)) {
@@ -596,7 +549,24 @@ static void rig_panel_show(rig_panel *self, viewport *view)
     tell_items(self, view);
 }
 
-void rig_panel_release(rig_panel *self, viewport *view)
+void rig_panel_face(panel *self, viewport *view)
+{
+    bool has_rig = rig_model_rig(self->model) != NULL;
+    bool paints = has_rig && self->tab == RIG_TAB_REGIONS && self->painting.is_on;
+    if (!paints)
+        rig_panel_end_stroke(self);
+    if (paints)
+        paint(self, view);
+    else if (has_rig && self->tab == RIG_TAB_CONTACTS)
+        place_contacts(self, view);
+    else if (has_rig && self->tab == RIG_TAB_JAW)
+        turn_jaw(self, view);
+    else
+        viewport_set_use(view, VIEWPORT_PERFORMS, 0.0f);
+    show_rig(self, view);
+}
+
+void rig_panel_release(panel *self, viewport *view)
 {
     if (self->shown.is_released)
         return;

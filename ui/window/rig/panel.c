@@ -1,7 +1,6 @@
 /* The rig panel: which vertex rides on what, where the face can be pulled, and what is wrong with
  * it. */
 #include "window/rig/panel.h"
-#include "window/rig/gizmo.h"
 #include "window/gui/theme.h"
 
 #include "base/file.h"
@@ -68,7 +67,7 @@ static void choose_ink(rig_stroke_ink *ink, const rig_stroke_ink *chosen)
     ink->bone = chosen->bone;
 }
 
-static void draw_ink(rig_panel *self, ui *on, const rig *r)
+static void draw_ink(panel *self, ui *on, const rig *r)
 {
     static const char eraser_hint[] = "Shift while painting is the eraser too.";
     ink_list list;
@@ -95,7 +94,7 @@ static void draw_ink(rig_panel *self, ui *on, const rig *r)
                 : "This region is not given vertex by vertex: \"To paint\" makes it so.");
 }
 
-static void take_keys(rig_panel *self, const ui *on)
+static void take_keys(panel *self, const ui *on)
 {
     double *radius = &self->painting.shape.radius_mm;
     if (ui_pressed(on, '[', 0))
@@ -108,7 +107,7 @@ static void take_keys(rig_panel *self, const ui *on)
         *radius = radius_range.max;
 }
 
-static void rig_panel_draw_brush(rig_panel *self, ui *on)
+static void draw_brush(panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
     rig_painting *painting = &self->painting;
@@ -142,7 +141,7 @@ static void rig_panel_draw_brush(rig_panel *self, ui *on)
 /* ---- regions: the list, and what the chosen one says ---- */
 
 enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
-static const float chip_width = 8.0f, size_width = 62.0f, size_end = 292.0f;
+static const float chip_width = 8.0f, size_width = 62.0f;
 static const float list_least = 150.0f, list_most = 420.0f;         /* points high */
 static const float below_list = 235.0f, below_list_chosen = 405.0f; /* what comes below it */
 
@@ -207,7 +206,7 @@ static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
 }
 
 /* After the row of what is chosen: it is brought into sight once, wherever it was chosen. */
-static void follow_chosen(rig_panel *self, ui *on)
+static void follow_chosen(panel *self, ui *on)
 {
     if (self->is_to_follow)
         ui_scroll_to_row(on);
@@ -227,26 +226,31 @@ static void draw_chip(ui *on, uint32_t colour, uint32_t index)
     ui_canvas_end(on);
 }
 
-static void draw_size(const rig_panel *self, ui *on, uint32_t index)
+void rig_panel_write_right(ui *on, const char *words)
+{
+    ui_same_line(on);
+    ui_at(on, RIG_PANEL_RIGHT - ui_text_width(on, UI_STYLE_DIM, words));
+    ui_text(on, UI_STYLE_DIM, words);
+}
+
+static void draw_size(const panel *self, ui *on, uint32_t index)
 {
     const rig_work *work = rig_model_work(self->model);
     char text[32] = "\xe2\x80\xa6";
     if (rig_model_is_laid(self->model) && work->region_size && index < work->rig.region_count)
         (void)snprintf(text, sizeof text, "%u", work->region_size[index]);
-    ui_same_line(on);
-    ui_at(on, size_end - ui_text_width(on, UI_STYLE_DIM, text));
-    ui_text(on, UI_STYLE_DIM, text);
+    rig_panel_write_right(on, text);
     ui_hint(on, "How many vertices it has.");
 }
 
-static float list_height(const rig_panel *self, const ui *on)
+static float list_height(const panel *self, const ui *on)
 {
     float below = self->region == RIG_NONE ? below_list : below_list_chosen;
     float left = ui_available_height(on) - below;
     return left < list_least ? list_least : left > list_most ? list_most : left;
 }
 
-static void draw_region_list(rig_panel *self, ui *on, const rig *r)
+static void draw_region_list(panel *self, ui *on, const rig *r)
 {
     ui_scroll_begin(on, "regions", 0.0f, list_height(self, on));
     for (uint32_t i = 0; i < r->region_count; ++i) {
@@ -266,87 +270,74 @@ static void draw_region_list(rig_panel *self, ui *on, const rig *r)
 
 /* ---- changes ---- */
 
-static void add(rig_panel *self)
+static void add(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     uint32_t index = RIG_NONE;
     rig_edit_says says = {0, false, 1.0, (double)NAN};
     if (!r)
         return;
-    mrt_result result = rig_edit_add_region(r, NULL, &says, &index, &err);
-    if (rig_panel_finish(self, result, &err, "add a region"))
+    mrt_result result = rig_edit_add_region(r, NULL, &says, &index, &self->err);
+    if (rig_panel_finish(self, result, "add a region"))
         rig_panel_choose(self, RIG_TAB_REGIONS, index);
 }
 
-static void remove_region(rig_panel *self, uint32_t index)
+static void remove_region(panel *self, uint32_t index)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r)
-        (void)rig_panel_finish(self, rig_edit_remove_region(r, index, &err), &err,
+        (void)rig_panel_finish(self, rig_edit_remove_region(r, index, &self->err),
                                "take out a region");
 }
 
-static void move(rig_panel *self, uint32_t index, uint32_t to)
+static void move(panel *self, uint32_t index, uint32_t to)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r &&
-        rig_panel_finish(self, rig_edit_move_region(r, index, to, &err), &err, "move a region"))
+        rig_panel_finish(self, rig_edit_move_region(r, index, to, &self->err), "move a region"))
         self->region = to;
 }
 
 /* What its selector gives becomes its own vertices. */
-static void make_paint(rig_panel *self, uint32_t index)
+static void make_paint(panel *self, uint32_t index)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     const mesh *m = rig_model_mesh(self->model);
     float *share = self->shown.share;
     if (!r || !share)
         return;
     uint8_t *value = (uint8_t *)self->shown.scratch;
-    mrt_result result =
-        bind_select(share, &r->region[index].select, m, rig_model_topology(self->model), &err);
+    mrt_result result = bind_select(share, &r->region[index].select, m,
+                                    rig_model_topology(self->model), &self->err);
     for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v)
         value[v] = (uint8_t)(share[v] * 255.0f + 0.5f);
     if (result >= 0)
-        result = rig_edit_paint(r, index, value, m->vertex_count, &err);
-    (void)rig_panel_finish(self, result, &err, "give a region its vertices one by one");
+        result = rig_edit_paint(r, index, value, m->vertex_count, &self->err);
+    (void)rig_panel_finish(self, result, "give a region its vertices one by one");
 }
 
-static void set_says(rig_panel *self, const rig_edit_says *says, const char *words)
+static void set_says(panel *self, const rig_edit_says *says, const char *words)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r)
-        (void)rig_panel_finish(self, rig_edit_set_region(r, self->region, says, &err), &err, words);
+        (void)rig_panel_finish(self, rig_edit_set_region(r, self->region, says, &self->err), words);
 }
 
 /* ---- the chosen one ---- */
 
-static void draw_region_name(rig_panel *self, ui *on, const rig_region *region)
+static void draw_region_name(panel *self, ui *on, const rig_region *region)
 {
-    error err = {""};
-    uint32_t number = (uint32_t)rig_model_number(self->model);
-    if (self->region_name_of != self->region || self->region_name_number != number) {
-        (void)snprintf(self->region_name, sizeof self->region_name, "%s",
-                       region->name ? region->name : "");
-        self->region_name_of = self->region;
-        self->region_name_number = number;
-    }
-    ui_width(on, -1.0f);
-    if (!ui_input(on, "region name", "no name", self->region_name, sizeof self->region_name))
+    if (!rig_panel_draw_name(self, on, "no name", &self->region_name, self->region,
+                             region->name ? region->name : ""))
         return;
     rig *r = rig_panel_begin(self);
     if (r)
-        (void)rig_panel_finish(self, rig_edit_name_region(r, self->region, self->region_name, &err),
-                               &err, "name a region");
-    self->region_name_of = RIG_NONE;
+        (void)rig_panel_finish(
+            self, rig_edit_name_region(r, self->region, self->region_name.text, &self->err),
+            "name a region");
 }
 
-static void draw_buttons(rig_panel *self, ui *on, const rig *r)
+static void draw_buttons(panel *self, ui *on, const rig *r)
 {
     uint32_t index = self->region;
     ui_disabled_begin(on, index == 0);
@@ -376,7 +367,7 @@ static region_kind kind_of(const rig_edit_says *says)
     return says->is_rigid ? KIND_RIGID : isnan(says->weight) ? KIND_MOBILITY : KIND_RIDES;
 }
 
-static void change_kind(rig_panel *self, const rig_edit_says *says, region_kind kind)
+static void change_kind(panel *self, const rig_edit_says *says, region_kind kind)
 {
     rig_edit_says next = {says->bone, kind == KIND_RIGID, (double)NAN, (double)NAN};
     if (kind != KIND_MOBILITY && next.bone == RIG_NONE)
@@ -388,7 +379,7 @@ static void change_kind(rig_panel *self, const rig_edit_says *says, region_kind 
     set_says(self, &next, "change what a region says");
 }
 
-static void draw_region_bone(rig_panel *self, ui *on, const rig *r, const rig_edit_says *says)
+static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_says *says)
 {
     const char *items[BONE_ITEMS];
     uint32_t index = says->bone == RIG_NONE ? 0 : says->bone, kind = (uint32_t)kind_of(says);
@@ -422,7 +413,7 @@ static bool is_said_alike(const rig_edit_says *a, const rig_region *b)
     return same_weight && same_mobility && isnan(a->mobility) == isnan(b->mobility);
 }
 
-static void draw_shares(rig_panel *self, ui *on, const rig_region *region)
+static void draw_shares(panel *self, ui *on, const rig_region *region)
 {
     rig_edit_says *says = &self->says;
     bool is_held = false;
@@ -442,7 +433,7 @@ static void draw_shares(rig_panel *self, ui *on, const rig_region *region)
     set_says(self, &next, "change a region's share");
 }
 
-static void draw_chosen_region(rig_panel *self, ui *on, const rig *r)
+static void draw_chosen_region(panel *self, ui *on, const rig *r)
 {
     char words[WORDS];
     const rig_region *region = &r->region[self->region];
@@ -462,7 +453,7 @@ static void draw_chosen_region(rig_panel *self, ui *on, const rig *r)
 
 /* ---- */
 
-static void rig_panel_draw_regions(rig_panel *self, ui *on)
+static void draw_regions(panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
     draw_region_list(self, on, r);
@@ -475,12 +466,12 @@ static void rig_panel_draw_regions(rig_panel *self, ui *on)
     if (self->region != RIG_NONE && self->region < rig_model_rig(self->model)->region_count)
         draw_chosen_region(self, on, rig_model_rig(self->model));
     ui_rule(on);
-    rig_panel_draw_brush(self, on);
+    draw_brush(self, on);
 }
 
 /* ---- contacts: the list, and the chosen one ---- */
 
-static const float vertex_width = 62.0f, vertex_end = 292.0f;
+static const float vertex_width = 62.0f;
 static const float contact_list_least = 130.0f, contact_list_most = 480.0f,
                    below_contact_list = 175.0f; /* points high */
 
@@ -492,7 +483,7 @@ static float contact_list_height(const ui *on)
                                       : left;
 }
 
-static void draw_contact_list(rig_panel *self, ui *on, const rig *r)
+static void draw_contact_list(panel *self, ui *on, const rig *r)
 {
     ui_scroll_begin(on, "contacts", 0.0f, contact_list_height(on));
     for (uint32_t i = 0; i < r->contact_count; ++i) {
@@ -504,9 +495,7 @@ static void draw_contact_list(rig_panel *self, ui *on, const rig *r)
             rig_panel_choose(self, RIG_TAB_CONTACTS, i == self->contact ? RIG_NONE : i);
         if (i == self->contact)
             follow_chosen(self, on);
-        ui_same_line(on);
-        ui_at(on, vertex_end - ui_text_width(on, UI_STYLE_DIM, vertex));
-        ui_text(on, UI_STYLE_DIM, vertex);
+        rig_panel_write_right(on, vertex);
     }
     if (r->contact_count == 0)
         ui_text_wrapped(on, UI_STYLE_DIM, "None yet: nothing can be pulled by name.");
@@ -515,30 +504,21 @@ static void draw_contact_list(rig_panel *self, ui *on, const rig *r)
 
 /* ---- the chosen one ---- */
 
-static void draw_contact_name(rig_panel *self, ui *on, const rig *r)
+static void draw_contact_name(panel *self, ui *on, const rig *r)
 {
-    error err = {""};
-    rig_placing *placing = &self->placing;
-    uint32_t number = (uint32_t)rig_model_number(self->model);
-    if (placing->name_of != self->contact || placing->name_number != number) {
-        (void)snprintf(placing->name, sizeof placing->name, "%s", r->contact[self->contact].name);
-        placing->name_of = self->contact;
-        placing->name_number = number;
-    }
-    ui_width(on, -1.0f);
-    if (!ui_input(on, "contact name", "name", placing->name, sizeof placing->name))
+    rig_naming *naming = &self->placing.name;
+    if (!rig_panel_draw_name(self, on, "name", naming, self->contact,
+                             r->contact[self->contact].name))
         return;
     rig *changed = rig_panel_begin(self);
     if (changed)
-        (void)rig_panel_finish(self,
-                               rig_edit_name_contact(changed, self->contact, placing->name, &err),
-                               &err, "name a contact");
-    placing->name_of = RIG_NONE;
+        (void)rig_panel_finish(
+            self, rig_edit_name_contact(changed, self->contact, naming->text, &self->err),
+            "name a contact");
 }
 
-static void draw_contact_bone(rig_panel *self, ui *on, const rig *r)
+static void draw_contact_bone(panel *self, ui *on, const rig *r)
 {
-    error err = {""};
     const char *items[BONE_ITEMS] = {"by its vertex"};
     uint32_t bone = r->contact[self->contact].bone, index = bone == RIG_NONE ? 0 : bone + 1;
     for (uint32_t i = 0; i < r->bone_count; ++i)
@@ -548,35 +528,34 @@ static void draw_contact_bone(rig_panel *self, ui *on, const rig *r)
     rig *changed = rig_panel_begin(self);
     bone = index == 0 ? RIG_NONE : index - 1;
     if (changed)
-        (void)rig_panel_finish(self, rig_edit_ride(changed, self->contact, bone, &err), &err,
+        (void)rig_panel_finish(self, rig_edit_ride(changed, self->contact, bone, &self->err),
                                "change what a contact rides on");
 }
 
-static void mirror(rig_panel *self)
+static void mirror(panel *self)
 {
-    error err = {""};
     rig *changed = rig_panel_begin(self);
     if (!changed)
         return;
     uint32_t image =
         brush_mirror_of(rig_model_brush(self->model), changed->contact[self->contact].vertex);
-    mrt_result result =
-        image == UINT32_MAX
-            ? error_set(&err, MRT_ERR_ARGUMENT, "there is no vertex on the other side of this one")
-            : rig_edit_mirror_contact(changed, self->contact, image, &err);
-    (void)rig_panel_finish(self, result, &err, "mirror a contact");
+    mrt_result result = image == UINT32_MAX
+                            ? error_set(&self->err, MRT_ERR_ARGUMENT,
+                                        "there is no vertex on the other side of this one")
+                            : rig_edit_mirror_contact(changed, self->contact, image, &self->err);
+    (void)rig_panel_finish(self, result, "mirror a contact");
 }
 
-static void remove_contact(rig_panel *self)
+static void remove_contact(panel *self)
 {
-    error err = {""};
     rig *changed = rig_panel_begin(self);
-    if (changed && rig_panel_finish(self, rig_edit_remove_contact(changed, self->contact, &err),
-                                    &err, "take out a contact"))
+    if (changed &&
+        rig_panel_finish(self, rig_edit_remove_contact(changed, self->contact, &self->err),
+                         "take out a contact"))
         self->contact = RIG_NONE;
 }
 
-static void draw_chosen_contact(rig_panel *self, ui *on, const rig *r)
+static void draw_chosen_contact(panel *self, ui *on, const rig *r)
 {
     const rig_contact *contact = &r->contact[self->contact];
     uint64_t number = rig_model_number(self->model);
@@ -597,7 +576,7 @@ static void draw_chosen_contact(rig_panel *self, ui *on, const rig *r)
         remove_contact(self);
 }
 
-static void rig_panel_draw_contacts(rig_panel *self, ui *on)
+static void draw_contacts(panel *self, ui *on)
 {
     rig_placing *placing = &self->placing;
     draw_contact_list(self, on, rig_model_rig(self->model));
@@ -645,7 +624,7 @@ static void title_of(const rig *r, const rig_finding *finding, uint32_t number, 
     }
 }
 
-static void go_to(rig_panel *self, const rig *r, const rig_finding *finding)
+static void go_to(panel *self, const rig *r, const rig_finding *finding)
 {
     uint32_t index;
     rig_edit_kind kind = rig_edit_kind_at(r, finding->path, &index);
@@ -658,7 +637,7 @@ static void go_to(rig_panel *self, const rig *r, const rig_finding *finding)
     self->shown.is_shape_new = true;
 }
 
-static void draw_finding(rig_panel *self, ui *on, const rig *r, const rig_finding *finding,
+static void draw_finding(panel *self, ui *on, const rig *r, const rig_finding *finding,
                          uint32_t number)
 {
     static const ui_style style[] = {
@@ -673,7 +652,7 @@ static void draw_finding(rig_panel *self, ui *on, const rig *r, const rig_findin
     ui_space(on, 4.0f);
 }
 
-static void draw_confirm(rig_panel *self, ui *on)
+static void draw_confirm(panel *self, ui *on)
 {
     char line[512];
     if (!self->confirm || !ui_section(on, "Guessed by the draft", true))
@@ -712,14 +691,14 @@ static void draw_summary(const rig_work *work, const rig *r, bool is_laid, ui *o
     ui_text_wrapped(on, errors ? UI_STYLE_BAD : warnings ? UI_STYLE_WARNING : UI_STYLE_GOOD, text);
 }
 
-static void rig_panel_cut_mouth(rig_panel *self)
+static void cut_mouth(panel *self)
 {
     error err = {""};
     rig_panel_say(self, rig_model_cut_mouth(self->model, &err) < 0 ? err.text : "");
 }
 
 /* As the empty stage asks it too. */
-static void draw_mouth_question(rig_panel *self, ui *on)
+static void draw_mouth_question(panel *self, ui *on)
 {
     if (!rig_model_asks_mouth(self->model))
         return;
@@ -727,7 +706,7 @@ static void draw_mouth_question(rig_panel *self, ui *on)
     ui_text_wrapped(on, UI_STYLE_BODY, is_cutting ? "Cutting the mouth..." : APP_MOUTH_QUESTION);
     ui_disabled_begin(on, is_cutting);
     if (ui_button(on, "Cut the mouth", UI_ACCENT))
-        rig_panel_cut_mouth(self);
+        cut_mouth(self);
     ui_hint(on, APP_MOUTH_CUT_HINT);
     ui_same_line(on);
     if (ui_button(on, "Perform as clay", UI_PLAIN))
@@ -737,7 +716,7 @@ static void draw_mouth_question(rig_panel *self, ui *on)
     ui_space(on, 6.0f);
 }
 
-static void rig_panel_draw_check(rig_panel *self, ui *on)
+static void draw_check(panel *self, ui *on)
 {
     const rig_work *work = rig_model_work(self->model);
     const rig *r = rig_model_rig(self->model);
@@ -768,27 +747,23 @@ static void rig_panel_draw_check(rig_panel *self, ui *on)
 
 static const double look_after_s = 1.5; /* for what was kept, when the panel is not seen */
 
-struct panel {
-    rig_panel of;
-};
-
 /* ---- what is said ---- */
 
-void rig_panel_say(rig_panel *self, const char *trouble)
+void rig_panel_say(panel *self, const char *trouble)
 {
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", trouble);
     if (trouble[0])
         news_list_add(app_news(self->of), MRT_LOG_ERROR, "rig", trouble);
 }
 
-static void tell(rig_panel *self, const char *text)
+static void tell(panel *self, const char *text)
 {
     news_list_add(app_news(self->of), MRT_LOG_INFO, "rig", text);
 }
 
 /* ---- changes ---- */
 
-static void go(rig_panel *self, uint64_t number)
+static void go(panel *self, uint64_t number)
 {
     rig_panel_end_stroke(self);
     self->jawing.is_changing = self->is_says_held = self->parting.is_held = false;
@@ -809,7 +784,7 @@ static void redo(void *owner, void *data)
     go(owner, (uintptr_t)data);
 }
 
-static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *words)
+static void note_step(panel *self, uint64_t number, const char *words)
 {
     const rig *made = rig_model_rig(self->model);
     app_step step = {.owner = self,
@@ -824,27 +799,43 @@ static void rig_panel_note_step(rig_panel *self, uint64_t number, const char *wo
     self->shown.is_tint_new = self->shown.is_shape_new = true;
 }
 
-rig *rig_panel_begin(rig_panel *self)
+rig *rig_panel_begin(panel *self)
 {
-    error err = {""};
-    rig *out = rig_model_begin(self->model, &err);
+    self->err.text[0] = '\0';
+    rig *out = rig_model_begin(self->model, &self->err);
     if (!out)
-        rig_panel_say(self, err.text);
+        rig_panel_say(self, self->err.text);
     return out;
 }
 
-bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, const char *words)
+bool rig_panel_finish(panel *self, mrt_result result, const char *words)
 {
-    rig_panel_say(self, result < 0 ? err->text : "");
+    rig_panel_say(self, result < 0 ? self->err.text : "");
     if (result < 0) {
         rig_model_abandon(self->model);
         return false;
     }
-    rig_panel_note_step(self, rig_model_commit(self->model), words);
+    note_step(self, rig_model_commit(self->model), words);
     return true;
 }
 
-void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index)
+bool rig_panel_draw_name(const panel *self, ui *on, const char *hint, rig_naming *naming,
+                         uint32_t of, const char *name)
+{
+    const uint32_t number = (uint32_t)rig_model_number(self->model);
+    if (naming->of != of || naming->number != number) {
+        (void)snprintf(naming->text, sizeof naming->text, "%s", name);
+        naming->of = of;
+        naming->number = number;
+    }
+    ui_width(on, -1.0f);
+    if (!ui_input(on, "name", hint, naming->text, sizeof naming->text))
+        return false;
+    naming->of = RIG_NONE;
+    return strcmp(naming->text, name) != 0;
+}
+
+void rig_panel_choose(panel *self, rig_tab tab, uint32_t index)
 {
     self->tab = tab;
     self->is_to_follow = true;
@@ -858,7 +849,7 @@ void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index)
 
 /* ---- which face ---- */
 
-static void forget_face(rig_panel *self)
+static void forget_face(panel *self)
 {
     rig_panel_end_stroke(self);
     app_forget_steps(self->of, self);
@@ -871,21 +862,21 @@ static void forget_face(rig_panel *self)
     self->confirm = NULL;
     self->region = self->contact = RIG_NONE;
     self->is_draft_wanted = false;
-    self->placing = (rig_placing){.name_of = RIG_NONE};
+    self->placing = (rig_placing){.name.of = RIG_NONE};
     self->jawing = (rig_jawing){.held = RIG_HANDLES};
     rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
     self->painting.is_on = false;
     self->trouble[0] = '\0';
 }
 
-static bool is_same_face(const rig_panel *self, const face_file *file)
+static bool is_same_face(const panel *self, const face_file *file)
 {
     const char *path = app_face_path(self->of);
     return file && self->stage_path && path && file->rig == self->stage_rig &&
            file->mesh.position == self->stage_position && strcmp(path, self->stage_path) == 0;
 }
 
-static void note_face(rig_panel *self)
+static void note_face(panel *self)
 {
     const face_file *file = app_face(self->of);
     const char *path = app_face_path(self->of);
@@ -896,7 +887,7 @@ static void note_face(rig_panel *self)
     self->stage_path = strdup(path ? path : "");
 }
 
-static void follow_face(rig_panel *self, double dt_s)
+static void follow_face(panel *self, double dt_s)
 {
     const face_file *file = app_face(self->of);
     self->known_s += dt_s;
@@ -914,7 +905,7 @@ static void follow_face(rig_panel *self, double dt_s)
 }
 
 /* Not before it is needed: the first face should be on the screen by then. */
-static void open_model(rig_panel *self)
+static void open_model(panel *self)
 {
     error err = {""};
     const face_file *file = app_face(self->of);
@@ -934,7 +925,7 @@ static void open_model(rig_panel *self)
 
 /* ---- the stage ---- */
 
-static void give_to_stage(rig_panel *self)
+static void give_to_stage(panel *self)
 {
     if (app_status(self->of)->is_recording)
         return; /* later: the face of a take does not change */
@@ -950,7 +941,7 @@ static void give_to_stage(rig_panel *self)
 /* ---- the file ---- */
 
 /* The first rig of a mesh alone: from now on it is the face, so that the show names it. */
-static void open_saved(rig_panel *self, const char *path)
+static void open_saved(panel *self, const char *path)
 {
     char copy[RIG_PANEL_PATH];
     (void)snprintf(copy, sizeof copy, "%s", path);
@@ -959,7 +950,7 @@ static void open_saved(rig_panel *self, const char *path)
 
 static mrt_result save(void *owner, error *err)
 {
-    rig_panel *self = owner;
+    panel *self = owner;
     rig_panel_end_stroke(self);
     mrt_result result = rig_model_save(self->model, err);
     if (result < 0)
@@ -976,7 +967,7 @@ static mrt_result save(void *owner, error *err)
 
 static void leave(void *owner)
 {
-    rig_panel *self = owner;
+    panel *self = owner;
     rig_model_leave(self->model);
 }
 
@@ -986,14 +977,14 @@ static const char *file_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-static void save_as_asked(rig_panel *self)
+static void save_as_asked(panel *self)
 {
     error err = {""};
     if (save(self, &err) < 0)
         rig_panel_say(self, err.text);
 }
 
-static void tell_unsaved(rig_panel *self)
+static void tell_unsaved(panel *self)
 {
     bool is_unsaved = !rig_model_is_saved(self->model);
     if (is_unsaved == self->was_unsaved)
@@ -1007,14 +998,14 @@ static void tell_unsaved(rig_panel *self)
 
 static const char *path_to_save(void *owner)
 {
-    const rig_panel *self = owner;
+    const panel *self = owner;
     return self->model && rig_model_rig(self->model) ? rig_model_path(self->model) : NULL;
 }
 
 /* What is not saved is in the new file, and the stage goes on with that one. */
 static mrt_result save_elsewhere(void *owner, const char *path, error *err)
 {
-    rig_panel *self = owner;
+    panel *self = owner;
     char text[RIG_PANEL_TROUBLE];
     rig_panel_end_stroke(self);
     if (app_status(self->of)->is_recording)
@@ -1032,7 +1023,7 @@ static mrt_result save_elsewhere(void *owner, const char *path, error *err)
 
 /* ---- each frame ---- */
 
-static void keep_choices(rig_panel *self)
+static void keep_choices(panel *self)
 {
     const rig *r = rig_model_rig(self->model);
     if (!r || self->region >= r->region_count)
@@ -1044,13 +1035,13 @@ static void keep_choices(rig_panel *self)
     rig_panel_keep_part(self);
 }
 
-static void begin_draft(rig_panel *self)
+static void begin_draft(panel *self)
 {
     error err = {""};
     rig_panel_say(self, rig_model_draft(self->model, &err) < 0 ? err.text : "");
 }
 
-static void take_draft(rig_panel *self)
+static void take_draft(panel *self)
 {
     rig_model_drafted made = {.result = MRT_OK};
     if (!rig_model_take_draft(self->model, &made))
@@ -1063,7 +1054,7 @@ static void take_draft(rig_panel *self)
     }
     free(self->confirm);
     self->confirm = made.confirm;
-    rig_panel_note_step(self, made.number, made.has_cut ? "cut the mouth" : "draft");
+    note_step(self, made.number, made.has_cut ? "cut the mouth" : "draft");
     rig_panel_choose(self, RIG_TAB_CHECK, 0);
     if (!self->is_seen) {
         char text[128], keys[KEY_WORDS + 4];
@@ -1076,24 +1067,23 @@ static void take_draft(rig_panel *self)
 
 /* What is edited is what the viewport shows: a mouth that was cut, or is whole again, comes to the
  * stage a moment later. */
-static bool is_on_stage(const rig_panel *self, const face_file *before)
+static bool is_on_stage(const panel *self, const face_file *before)
 {
     const face_file *file = app_face(self->of);
     return file && file == before &&
            file->mesh.vertex_count == rig_model_mesh(self->model)->vertex_count;
 }
 
-static void answer_mouth(rig_panel *self, app_mouth answer)
+static void answer_mouth(panel *self, app_mouth answer)
 {
     if (answer == APP_MOUTH_CUT)
-        rig_panel_cut_mouth(self);
+        cut_mouth(self);
     else if (answer == APP_MOUTH_CLAY)
         rig_model_leave_clay(self->model);
 }
 
-static void update(panel *self_, double dt_s)
+static void update(panel *self, double dt_s)
 {
-    rig_panel *self = &self_->of;
     const face_file *before = app_face(self->of);
     viewport *view = app_viewport(self->of);
     app_notes *notes = app_notes_of(self->of);
@@ -1127,7 +1117,7 @@ static void update(panel *self_, double dt_s)
 
 /* ---- drawn ---- */
 
-static void draw_head(rig_panel *self, ui *on)
+static void draw_head(panel *self, ui *on)
 {
     char text[128];
     if (!rig_model_rig(self->model)) {
@@ -1151,7 +1141,7 @@ static void draw_head(rig_panel *self, ui *on)
     ui_hint(on, keys);
 }
 
-static void draw_kept(rig_panel *self, ui *on)
+static void draw_kept(panel *self, ui *on)
 {
     uint64_t number;
     error err = {""};
@@ -1162,7 +1152,7 @@ static void draw_kept(rig_panel *self, ui *on)
         mrt_result result = rig_model_take_kept(self->model, &number, &err);
         rig_panel_say(self, result < 0 ? err.text : "");
         if (result >= 0)
-            rig_panel_note_step(self, number, "take up what was not saved");
+            note_step(self, number, "take up what was not saved");
     }
     ui_same_line(on);
     if (ui_button(on, "Forget them", UI_QUIET))
@@ -1170,7 +1160,7 @@ static void draw_kept(rig_panel *self, ui *on)
     ui_rule(on);
 }
 
-static void draw_without_rig(rig_panel *self, ui *on)
+static void draw_without_rig(panel *self, ui *on)
 {
     char label[128], path[1024];
     const char *beside = rig_model_beside(self->model);
@@ -1194,7 +1184,7 @@ static void draw_without_rig(rig_panel *self, ui *on)
         ui_text(on, UI_STYLE_DIM, "Looking for the face...");
 }
 
-static void check_title(const rig_panel *self, char *out, size_t capacity)
+static void check_title(const panel *self, char *out, size_t capacity)
 {
     const rig_work *work = rig_model_work(self->model);
     uint32_t errors = work ? rig_findings_count(&work->findings, RIG_ERROR) : 0;
@@ -1205,11 +1195,10 @@ static void check_title(const rig_panel *self, char *out, size_t capacity)
         (void)snprintf(out, capacity, "Check");
 }
 
-static void draw_tabs(rig_panel *self, ui *on)
+static void draw_tabs(panel *self, ui *on)
 {
-    static void (*const draw_tab[RIG_TABS])(rig_panel *, ui *) = {
-        rig_panel_draw_regions, rig_panel_draw_contacts, rig_panel_draw_jaw, rig_panel_draw_parts,
-        rig_panel_draw_check};
+    static void (*const draw_tab[RIG_TABS])(panel *, ui *) = {
+        draw_regions, draw_contacts, rig_panel_draw_jaw, rig_panel_draw_parts, draw_check};
     char check[32];
     uint32_t before = self->tab;
     check_title(self, check, sizeof check);
@@ -1224,9 +1213,8 @@ static void draw_tabs(rig_panel *self, ui *on)
     ui_scroll_end(on);
 }
 
-static void draw(panel *self_, ui *on, ui_rectangle where)
+static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    rig_panel *self = &self_->of;
     self->is_seen = true;
     ui_panel_begin(on, "rig", where, UI_GROUND_PANEL);
     if (!self->model) {
@@ -1249,13 +1237,12 @@ static void draw(panel *self_, ui *on, ui_rectangle where)
 
 static panel *create(app *of)
 {
-    panel *out = calloc(1, sizeof *out);
-    if (!out)
+    panel *self = calloc(1, sizeof *self);
+    if (!self)
         return NULL;
-    rig_panel *self = &out->of;
     self->of = of;
-    self->region = self->contact = self->region_name_of = RIG_NONE;
-    self->placing.name_of = RIG_NONE;
+    self->region = self->contact = self->region_name.of = RIG_NONE;
+    self->placing.name.of = RIG_NONE;
     self->jawing.held = RIG_HANDLES;
     rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
     self->is_even = true;
@@ -1263,17 +1250,17 @@ static panel *create(app *of)
     self->painting.ink = (rig_stroke_ink){.ink = RIG_INK_RIDES, .strength = 1.0};
     self->shown.is_released = true;
     app_set_rig_saver(of, &(app_rig_saver){self, path_to_save, save_elsewhere});
-    return out;
+    return self;
 }
 
-static void destroy(panel *self_)
+static void destroy(panel *self)
 {
-    if (!self_)
+    if (!self)
         return;
-    forget_face(&self_->of);
-    app_set_rig_saver(self_->of.of, NULL);
-    free(self_->of.stage_path);
-    free(self_);
+    forget_face(self);
+    app_set_rig_saver(self->of, NULL);
+    free(self->stage_path);
+    free(self);
 }
 
 const panel_type panel_rig = {create, destroy, draw, update};

@@ -10,7 +10,8 @@
 #include "window/rig/model.h"
 #include "window/viewport/viewport.h"
 
-#define RIG_PANEL_LABEL 74.0f /* points: where the widgets of a line begin */
+#define RIG_PANEL_LABEL 74.0f  /* points: where the widgets of a line begin */
+#define RIG_PANEL_RIGHT 292.0f /* where rows end */
 
 typedef enum rig_tab {
     RIG_TAB_REGIONS = 0,
@@ -30,14 +31,18 @@ typedef struct rig_painting { /* the brush */
     rig_stroke *stroke; /* NULL: none is being made */
 } rig_painting;
 
-typedef struct rig_placing {       /* of contacts, on the face */
-    bool is_adding;                /* the next click places a new one */
-    bool is_pressed;               /* on the dot of the chosen contact */
-    bool is_moving;                /* and was dragged */
-    rig_ray pressed;               /* where */
-    uint32_t vertex;               /* where it is dragged to */
-    char name[RIG_PANEL_NAME];     /* as typed */
-    uint32_t name_of, name_number; /* of which contact and state that is */
+typedef struct rig_naming { /* of one of a list, as it is typed */
+    char text[RIG_PANEL_NAME];
+    uint32_t of, number; /* of which and which state that is */
+} rig_naming;
+
+typedef struct rig_placing { /* of contacts, on the face */
+    bool is_adding;          /* the next click places a new one */
+    bool is_pressed;         /* on the dot of the chosen contact */
+    bool is_moving;          /* and was dragged */
+    rig_ray pressed;         /* where */
+    uint32_t vertex;         /* where it is dragged to */
+    rig_naming name;
 } rig_placing;
 
 typedef struct rig_jawing {                /* the axis, and how the jaw moves about it */
@@ -48,11 +53,6 @@ typedef struct rig_jawing {                /* the axis, and how the jaw moves ab
     double open_deg, aside_mm, forward_mm; /* tried */
     double gap_mm;                         /* of the incisors, as tried */
 } rig_jawing;
-
-typedef struct rig_naming { /* of one of a list, as it is typed */
-    char text[RIG_PANEL_NAME];
-    uint32_t of, number; /* of which and which state that is */
-} rig_naming;
 
 typedef struct rig_parting {    /* bones, what skin does not enter, poses */
     uint32_t bone, proxy, pose; /* that is chosen, at most one of them; RIG_NONE */
@@ -77,7 +77,7 @@ typedef struct rig_shown {       /* what the viewport was told */
     bool stands_in, is_shape_new;
 } rig_shown;
 
-typedef struct rig_panel {
+struct panel {
     app *of;
     rig_model *model; /* NULL: there is no face, or no memory */
     const rig *stage_rig;
@@ -89,13 +89,13 @@ typedef struct rig_panel {
     bool is_seen, was_unsaved;
     bool is_draft_wanted; /* as soon as there is a model */
     uint32_t tab;
+    error err;                       /* of the change that is made */
     char trouble[RIG_PANEL_TROUBLE]; /* of the last thing that was done; "" */
     char *confirm;                   /* of a draft, lines; NULL */
     uint32_t region, contact;        /* that is chosen; RIG_NONE */
     bool is_to_follow;               /* it was chosen: its row is to be seen */
     bool is_even;                    /* both sides alike: strokes, contacts, the jaw */
-    char region_name[RIG_PANEL_NAME];
-    uint32_t region_name_of, region_name_number;
+    rig_naming region_name;
     rig_edit_says says; /* of the chosen region while a slider is held */
     bool is_says_held;
     rig_painting painting;
@@ -103,34 +103,39 @@ typedef struct rig_panel {
     rig_jawing jawing;
     rig_parting parting;
     rig_shown shown;
-} rig_panel;
+};
 
 /* ---- changes: begin, change the copy, finish; one step of undo (panel.c) ---- */
 
-rig *rig_panel_begin(rig_panel *self); /* NULL: it is said why */
-/* words: "paint jaw". On result < 0 nothing has changed, and it is said why. */
-bool rig_panel_finish(rig_panel *self, mrt_result result, const error *err, const char *words);
-void rig_panel_say(rig_panel *self, const char *trouble);            /* "": nothing */
-void rig_panel_choose(rig_panel *self, rig_tab tab, uint32_t index); /* a region, a contact */
+rig *rig_panel_begin(panel *self); /* NULL: it is said why */
+/* words: "paint jaw". On result < 0 nothing has changed, and it is said why: self->err. */
+bool rig_panel_finish(panel *self, mrt_result result, const char *words);
+void rig_panel_say(panel *self, const char *trouble);            /* "": nothing */
+void rig_panel_choose(panel *self, rig_tab tab, uint32_t index); /* a region, a contact */
+
+/* A name that is typed; true: it was ended and is another one. */
+bool rig_panel_draw_name(const panel *self, ui *on, const char *hint, rig_naming *naming,
+                         uint32_t of, const char *name);
+void rig_panel_write_right(ui *on, const char *words); /* at the end of a row */
 
 /* ---- on the face (on_face.c) ---- */
 
-void rig_panel_face(rig_panel *self, viewport *view);    /* each frame in which it is seen */
-void rig_panel_release(rig_panel *self, viewport *view); /* when it no longer is */
-void rig_panel_end_stroke(rig_panel *self);
+void rig_panel_face(panel *self, viewport *view);    /* each frame in which it is seen */
+void rig_panel_release(panel *self, viewport *view); /* when it no longer is */
+void rig_panel_end_stroke(panel *self);
 void rig_panel_shown_finish(rig_shown *shown);
-void rig_panel_put_jaw(rig_panel *self); /* what is shown of it into the rig */
+void rig_panel_put_jaw(panel *self); /* what is shown of it into the rig */
 
 /* ---- the tabs that are in parts.c ---- */
 
-void rig_panel_draw_jaw(rig_panel *self, ui *on);
-void rig_panel_draw_parts(rig_panel *self, ui *on);
+void rig_panel_draw_jaw(panel *self, ui *on);
+void rig_panel_draw_parts(panel *self, ui *on);
 /* At most one of the three. */
-void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint32_t pose);
-void rig_panel_keep_part(rig_panel *self); /* what is chosen may be gone */
+void rig_panel_choose_part(panel *self, uint32_t bone, uint32_t proxy, uint32_t pose);
+void rig_panel_keep_part(panel *self); /* what is chosen may be gone */
 /* The chosen pose into shown.position; false: it cannot be shown. */
-bool rig_panel_show_pose(rig_panel *self);
+bool rig_panel_show_pose(panel *self);
 /* What is chosen, as lines and dots. Returns how many. */
-uint32_t rig_panel_part_items(const rig_panel *self, overlay_item *out, uint32_t capacity);
+uint32_t rig_panel_part_items(const panel *self, overlay_item *out, uint32_t capacity);
 
 #endif

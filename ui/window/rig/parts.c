@@ -42,26 +42,24 @@ static uint32_t way_of(vec3 axis)
 
 /* ---- changes ---- */
 
-static void set_turn(rig_panel *self, const rig_turn *to, const char *words)
+static void set_turn(panel *self, const rig_turn *to, const char *words)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r)
         (void)rig_panel_finish(
-            self, rig_edit_set_turn(r, self->parting.bone, self->parting.turn, to, &err), &err,
+            self, rig_edit_set_turn(r, self->parting.bone, self->parting.turn, to, &self->err),
             words);
 }
 
-static void rig_panel_choose_turn(rig_panel *self, uint32_t turn);
+static void choose_turn(panel *self, uint32_t turn);
 
-static void remove_turn(rig_panel *self)
+static void remove_turn(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self,
-                              rig_edit_remove_turn(r, self->parting.bone, self->parting.turn, &err),
-                              &err, "take out a turn"))
-        rig_panel_choose_turn(self, RIG_NONE);
+    if (r && rig_panel_finish(
+                 self, rig_edit_remove_turn(r, self->parting.bone, self->parting.turn, &self->err),
+                 "take out a turn"))
+        choose_turn(self, RIG_NONE);
 }
 
 static bool has_turn(const rig_bone *ball, const char *name)
@@ -81,9 +79,8 @@ static bool has_axis(const rig_bone *ball, vec3 axis)
 }
 
 /* The first way that it does not turn yet. */
-static void add_turn(rig_panel *self, const rig_bone *ball)
+static void add_turn(panel *self, const rig_bone *ball)
 {
-    error err = {""};
     char name[RIG_PANEL_NAME];
     uint32_t way = 0, index = RIG_NONE;
     while (way < WAYS - 1 && has_axis(ball, ways[way].axis))
@@ -93,9 +90,10 @@ static void add_turn(rig_panel *self, const rig_bone *ball)
         (void)snprintf(name, sizeof name, "%s %u", ways[way].name, number);
     const rig_turn made = {name, ways[way].axis, -15.0 * degree, 15.0 * degree};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_add_turn(r, self->parting.bone, &made, &index, &err),
-                              &err, "add a turn"))
-        rig_panel_choose_turn(self, index);
+    if (r &&
+        rig_panel_finish(self, rig_edit_add_turn(r, self->parting.bone, &made, &index, &self->err),
+                         "add a turn"))
+        choose_turn(self, index);
 }
 
 /* ---- one of them ---- */
@@ -125,7 +123,7 @@ static bool draw_own_axis(ui *on, vec3 *axis)
     return is_held;
 }
 
-static void draw_turn_try(rig_panel *self, ui *on, const rig_turn *turn)
+static void draw_turn_try(panel *self, ui *on, const rig_turn *turn)
 {
     double *tried_rad = &self->parting.tried_rad[self->parting.turn];
     const double before_rad = *tried_rad;
@@ -143,7 +141,7 @@ static bool is_changed(const rig_turn *a, const rig_turn *b)
 }
 
 /* The way that is chosen, or its own. True: a slider is held. */
-static bool draw_turn_axis(rig_panel *self, ui *on, rig_turn *now)
+static bool draw_turn_axis(panel *self, ui *on, rig_turn *now)
 {
     rig_parting *parting = &self->parting;
     const char *items[WAYS + 1];
@@ -161,11 +159,7 @@ static bool draw_turn_axis(rig_panel *self, ui *on, rig_turn *now)
     return way == OWN_WAY && draw_own_axis(on, &now->axis);
 }
 
-/* A name that is typed; true: it was ended and is another one. */
-static bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
-                                const char *name);
-
-static void draw_turn(rig_panel *self, ui *on, const rig_bone *ball)
+static void draw_turn(panel *self, ui *on, const rig_bone *ball)
 {
     rig_parting *parting = &self->parting;
     const rig_turn *turn = &ball->turn[parting->turn];
@@ -175,7 +169,7 @@ static void draw_turn(rig_panel *self, ui *on, const rig_bone *ball)
         *now = *turn;
     now->name = turn->name;
     ui_id_begin(on, "turn");
-    if (rig_panel_draw_name(self, on, &parting->turn_name,
+    if (rig_panel_draw_name(self, on, "name", &parting->turn_name,
                             parting->bone * RIG_TURNS_MAX + parting->turn, turn->name)) {
         rig_turn named = *turn;
         named.name = parting->turn_name.text;
@@ -199,7 +193,7 @@ static void draw_turn(rig_panel *self, ui *on, const rig_bone *ball)
 
 /* ---- all ---- */
 
-static void rig_panel_choose_turn(rig_panel *self, uint32_t turn)
+static void choose_turn(panel *self, uint32_t turn)
 {
     rig_parting *parting = &self->parting;
     parting->turn = turn;
@@ -210,20 +204,20 @@ static void rig_panel_choose_turn(rig_panel *self, uint32_t turn)
 }
 
 /* of a ball */
-static void rig_panel_draw_turns(rig_panel *self, ui *on, uint32_t bone)
+static void draw_turns(panel *self, ui *on, uint32_t bone)
 {
     const uint64_t number = rig_model_number(self->model);
     const rig_bone *ball = &rig_model_rig(self->model)->bone[bone];
     rig_parting *parting = &self->parting;
     if (parting->turn != RIG_NONE && parting->turn >= ball->turn_count)
-        rig_panel_choose_turn(self, RIG_NONE);
+        choose_turn(self, RIG_NONE);
     for (uint32_t i = 0; i < ball->turn_count; ++i) {
         char label[UNDO_WORDS];
         const rig_turn *turn = &ball->turn[i];
         (void)snprintf(label, sizeof label, "%.60s, %.4g%s to %.4g%s##turn%u", turn->name,
                        turn->min_rad / degree, unit, turn->max_rad / degree, unit, i);
         if (ui_row(on, label, i == parting->turn) != UI_ROW_NONE)
-            rig_panel_choose_turn(self, i == parting->turn ? RIG_NONE : i);
+            choose_turn(self, i == parting->turn ? RIG_NONE : i);
     }
     if (parting->turn != RIG_NONE)
         draw_turn(self, on, ball);
@@ -238,7 +232,7 @@ static void rig_panel_draw_turns(rig_panel *self, ui *on, uint32_t bone)
 
 /* ---- shown ---- */
 
-bool rig_panel_show_pose(rig_panel *self)
+bool rig_panel_show_pose(panel *self)
 {
     error err;
     const rig_work *work = rig_model_work(self->model);
@@ -269,7 +263,7 @@ static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
 }
 
 /* NULL: it can be made. */
-static const char *why_not(const rig_panel *self)
+static const char *why_not(const panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
     const live_view *view = app_view(self->of);
@@ -280,50 +274,48 @@ static const char *why_not(const rig_panel *self)
     return NULL;
 }
 
-static void add_pose(rig_panel *self)
+static void add_pose(panel *self)
 {
-    error err = {""};
     rig_pose made;
     char name[RIG_PANEL_NAME];
     uint32_t index = RIG_NONE;
     const rig_work *work = rig_model_work(self->model);
     const live_view *view = app_view(self->of);
     const csrbf_settings solver = app_view(self->of)->solver;
-    mrt_result result =
-        rig_poses_of(&made, free_pose_name(rig_model_rig(self->model), name), work->face,
-                     MRT_MAX_VECTORS, &work->rig, &solver, view->contact, view->meter.dof, &err);
+    mrt_result result = rig_poses_of(&made, free_pose_name(rig_model_rig(self->model), name),
+                                     work->face, MRT_MAX_VECTORS, &work->rig, &solver,
+                                     view->contact, view->meter.dof, &self->err);
     if (result < 0) {
-        rig_panel_say(self, err.text);
+        rig_panel_say(self, self->err.text);
         return;
     }
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_add_pose(r, &made, &index, &err), &err, "add a pose"))
+    if (r && rig_panel_finish(self, rig_edit_add_pose(r, &made, &index, &self->err), "add a pose"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, index);
     rig_pose_finish(&made);
 }
 
-static void remove_pose(rig_panel *self)
+static void remove_pose(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_remove_pose(r, self->parting.pose, &err), &err,
+    if (r && rig_panel_finish(self, rig_edit_remove_pose(r, self->parting.pose, &self->err),
                               "take out a pose"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
 }
 
-static void name_pose(rig_panel *self)
+static void name_pose(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r)
         (void)rig_panel_finish(
-            self, rig_edit_name_pose(r, self->parting.pose, self->parting.pose_name.text, &err),
-            &err, "name a pose");
+            self,
+            rig_edit_name_pose(r, self->parting.pose, self->parting.pose_name.text, &self->err),
+            "name a pose");
 }
 
 /* ---- drawn ---- */
 
-static void draw_chosen(rig_panel *self, ui *on, const rig *r)
+static void draw_chosen(panel *self, ui *on, const rig *r)
 {
     char words[UNDO_WORDS];
     const uint32_t index = self->parting.pose;
@@ -331,7 +323,7 @@ static void draw_chosen(rig_panel *self, ui *on, const rig *r)
     const uint64_t number = rig_model_number(self->model);
     ui_id_begin(on, "pose");
     (void)snprintf(words, sizeof words, "%u pulls, %u turns", pose->pull_count, pose->dof_count);
-    if (rig_panel_draw_name(self, on, &self->parting.pose_name, index, pose->name))
+    if (rig_panel_draw_name(self, on, "name", &self->parting.pose_name, index, pose->name))
         name_pose(self);
     ui_fact(on, "Holds", RIG_PANEL_LABEL, UI_STYLE_BODY, words);
     if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
@@ -340,7 +332,7 @@ static void draw_chosen(rig_panel *self, ui *on, const rig *r)
 }
 
 /* a section of the parts */
-static void rig_panel_draw_poses(rig_panel *self, ui *on)
+static void draw_poses(panel *self, ui *on)
 {
     const char *why = why_not(self);
     ui_disabled_begin(on, why != NULL);
@@ -374,7 +366,7 @@ static const char *const kind_items[] = {"a rigid part", "a jaw, with a hinge",
 
 /* ---- what is chosen ---- */
 
-void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint32_t pose)
+void rig_panel_choose_part(panel *self, uint32_t bone, uint32_t proxy, uint32_t pose)
 {
     rig_parting *parting = &self->parting;
     parting->bone = bone;
@@ -382,11 +374,11 @@ void rig_panel_choose_part(rig_panel *self, uint32_t bone, uint32_t proxy, uint3
     parting->pose = pose;
     parting->is_held = false;
     parting->bone_name.of = parting->pose_name.of = RIG_NONE;
-    rig_panel_choose_turn(self, RIG_NONE);
+    choose_turn(self, RIG_NONE);
     self->shown.is_shape_new = true;
 }
 
-void rig_panel_keep_part(rig_panel *self)
+void rig_panel_keep_part(panel *self)
 {
     const rig *r = rig_model_rig(self->model);
     const rig_parting *now = &self->parting;
@@ -397,29 +389,13 @@ void rig_panel_keep_part(rig_panel *self)
         rig_panel_choose_part(self, bone, proxy, pose);
 }
 
-static bool rig_panel_draw_name(const rig_panel *self, ui *on, rig_naming *naming, uint32_t of,
-                                const char *name)
-{
-    const uint32_t number = (uint32_t)rig_model_number(self->model);
-    if (naming->of != of || naming->number != number) {
-        (void)snprintf(naming->text, sizeof naming->text, "%s", name);
-        naming->of = of;
-        naming->number = number;
-    }
-    ui_width(on, -1.0f);
-    if (!ui_input(on, "name", "name", naming->text, sizeof naming->text))
-        return false;
-    naming->of = RIG_NONE;
-    return strcmp(naming->text, name) != 0;
-}
-
 /* ---- where something lies: sliders that are a step of undo once they are let go ---- */
 
 typedef struct bounds {
     vec3 low, high;
 } bounds;
 
-static bounds bounds_of(const rig_panel *self)
+static bounds bounds_of(const panel *self)
 {
     float low[3], high[3];
     mesh_bounds(rig_model_mesh(self->model), low, high);
@@ -439,7 +415,7 @@ static bool draw_mm(ui *on, const char *label, double low, double high, double *
     return ui_slider_is_held(on);
 }
 
-static bool draw_place(const rig_panel *self, ui *on, vec3 *at)
+static bool draw_place(const panel *self, ui *on, vec3 *at)
 {
     const bounds b = bounds_of(self);
     bool is_held = draw_mm(on, "Across", b.low.x, b.high.x, &at->x);
@@ -447,7 +423,7 @@ static bool draw_place(const rig_panel *self, ui *on, vec3 *at)
     return draw_mm(on, "Forward", b.low.z, b.high.z, &at->z) || is_held;
 }
 
-static double size_of(const rig_panel *self)
+static double size_of(const panel *self)
 {
     const bounds b = bounds_of(self);
     return vec3_length(vec3_sub(b.high, b.low));
@@ -455,7 +431,7 @@ static double size_of(const rig_panel *self)
 
 /* ---- bones ---- */
 
-static void list_bones(rig_panel *self, ui *on, const rig *r)
+static void list_bones(panel *self, ui *on, const rig *r)
 {
     for (uint32_t i = 0; i < r->bone_count; ++i) {
         char label[UNDO_WORDS];
@@ -463,10 +439,7 @@ static void list_bones(rig_panel *self, ui *on, const rig *r)
         ui_width(on, -96.0f);
         if (ui_row(on, label, i == self->parting.bone) != UI_ROW_NONE)
             rig_panel_choose_part(self, i == self->parting.bone ? RIG_NONE : i, RIG_NONE, RIG_NONE);
-        const char *words = kind_words[r->bone[i].kind];
-        ui_same_line(on);
-        ui_at(on, 292.0f - ui_text_width(on, UI_STYLE_DIM, words));
-        ui_text(on, UI_STYLE_DIM, words);
+        rig_panel_write_right(on, kind_words[r->bone[i].kind]);
     }
 }
 
@@ -481,9 +454,8 @@ static const char *free_bone_name(const rig *r, rig_bone_kind kind, char out[RIG
 }
 
 /* Where it can be seen and taken hold of: a jaw before the ears, a ball in the middle. */
-static void add_bone(rig_panel *self)
+static void add_bone(panel *self)
 {
-    error err = {""};
     char name[RIG_PANEL_NAME];
     uint32_t index = RIG_NONE;
     const bounds b = bounds_of(self);
@@ -494,33 +466,31 @@ static void add_bone(rig_panel *self)
     if (!r)
         return;
     mrt_result result = rig_edit_add_bone(r, free_bone_name(r, kind, name), kind, middle_of(&b),
-                                          fmax(half_mm, 1.0), &index, &err);
-    if (rig_panel_finish(self, result, &err, "add a bone"))
+                                          fmax(half_mm, 1.0), &index, &self->err);
+    if (rig_panel_finish(self, result, "add a bone"))
         rig_panel_choose_part(self, index, RIG_NONE, RIG_NONE);
 }
 
-static void remove_bone(rig_panel *self)
+static void remove_bone(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_remove_bone(r, self->parting.bone, &err), &err,
+    if (r && rig_panel_finish(self, rig_edit_remove_bone(r, self->parting.bone, &self->err),
                               "take out a bone"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
 }
 
-static void name_bone(rig_panel *self)
+static void name_bone(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r)
         (void)rig_panel_finish(
-            self, rig_edit_name_bone(r, self->parting.bone, self->parting.bone_name.text, &err),
-            &err, "name a bone");
+            self,
+            rig_edit_name_bone(r, self->parting.bone, self->parting.bone_name.text, &self->err),
+            "name a bone");
 }
 
-static void draw_ball(rig_panel *self, ui *on, const rig_bone *bone)
+static void draw_ball(panel *self, ui *on, const rig_bone *bone)
 {
-    error err = {""};
     rig_parting *parting = &self->parting;
     if (!parting->is_held) {
         parting->centre = bone->centre;
@@ -535,8 +505,9 @@ static void draw_ball(rig_panel *self, ui *on, const rig_bone *bone)
     rig *r = rig_panel_begin(self);
     if (r)
         (void)rig_panel_finish(
-            self, rig_edit_set_ball(r, parting->bone, parting->centre, parting->radii.x, &err),
-            &err, "move a ball");
+            self,
+            rig_edit_set_ball(r, parting->bone, parting->centre, parting->radii.x, &self->err),
+            "move a ball");
 }
 
 static bool has_region(const rig *r, uint32_t bone)
@@ -547,18 +518,17 @@ static bool has_region(const rig *r, uint32_t bone)
     return false;
 }
 
-static void add_region(rig_panel *self)
+static void add_region(panel *self)
 {
-    error err = {""};
     uint32_t index = RIG_NONE;
     const rig_edit_says says = {self->parting.bone, false, 1.0, (double)NAN};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_add_region(r, NULL, &says, &index, &err), &err,
+    if (r && rig_panel_finish(self, rig_edit_add_region(r, NULL, &says, &index, &self->err),
                               "add a region"))
         rig_panel_choose(self, RIG_TAB_REGIONS, index);
 }
 
-static void draw_what_rides(rig_panel *self, ui *on)
+static void draw_what_rides(panel *self, ui *on)
 {
     ui_text_wrapped(on, UI_STYLE_WARNING,
                     "No region says what rides on it: until then the stage has the rig as it was "
@@ -569,9 +539,8 @@ static void draw_what_rides(rig_panel *self, ui *on)
 }
 
 /* On one that is listed before it. */
-static void draw_parent(rig_panel *self, ui *on, const rig *r)
+static void draw_parent(panel *self, ui *on, const rig *r)
 {
-    error err = {""};
     const char *items[RIG_BONES_MAX + 1];
     const uint32_t index = self->parting.bone, nothing = index;
     const uint32_t before = r->bone[index].parent == RIG_NONE ? nothing : r->bone[index].parent;
@@ -584,11 +553,11 @@ static void draw_parent(rig_panel *self, ui *on, const rig *r)
     rig *to = rig_panel_begin(self);
     if (to)
         (void)rig_panel_finish(
-            self, rig_edit_ride_bone(to, index, chosen == nothing ? RIG_NONE : chosen, &err), &err,
+            self, rig_edit_ride_bone(to, index, chosen == nothing ? RIG_NONE : chosen, &self->err),
             "change what a bone rides on");
 }
 
-static void draw_bone(rig_panel *self, ui *on, const rig *r)
+static void draw_bone(panel *self, ui *on, const rig *r)
 {
     const uint32_t index = self->parting.bone;
     const rig_bone *bone = &r->bone[index];
@@ -596,7 +565,7 @@ static void draw_bone(rig_panel *self, ui *on, const rig *r)
     const bool stays = index == 0 || strcmp(bone->name, "skull") == 0;
     ui_id_begin(on, "bone");
     ui_disabled_begin(on, stays);
-    if (rig_panel_draw_name(self, on, &self->parting.bone_name, index, bone->name))
+    if (rig_panel_draw_name(self, on, "name", &self->parting.bone_name, index, bone->name))
         name_bone(self);
     ui_disabled_end(on);
     if (number == rig_model_number(self->model) && !stays)
@@ -606,7 +575,7 @@ static void draw_bone(rig_panel *self, ui *on, const rig *r)
     if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
         draw_ball(self, on, bone);
     if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
-        rig_panel_draw_turns(self, on, index);
+        draw_turns(self, on, index);
     if (number == rig_model_number(self->model) && bone->kind == BONE_JAW)
         ui_text_wrapped(on, UI_STYLE_DIM, "Its axis is dragged where \"Jaw\" is open.");
     ui_disabled_begin(on, stays);
@@ -617,12 +586,12 @@ static void draw_bone(rig_panel *self, ui *on, const rig *r)
     ui_id_end(on);
 }
 
-static void draw_bones(rig_panel *self, ui *on)
+static void draw_bones(panel *self, ui *on)
 {
     list_bones(self, on, rig_model_rig(self->model));
     if (self->parting.bone != RIG_NONE)
         draw_bone(self, on, rig_model_rig(self->model));
-    ui_width(on, -(292.0f - removes_at + 16.0f));
+    ui_width(on, -(RIG_PANEL_RIGHT - removes_at + 16.0f));
     (void)ui_choice(on, "New", RIG_PANEL_LABEL, kind_items, 3, &self->parting.kind);
     ui_hint(on, "What kind of bone \"Add\" makes.");
     ui_same_line(on);
@@ -634,9 +603,8 @@ static void draw_bones(rig_panel *self, ui *on)
 
 /* ---- ellipsoids ---- */
 
-static void add_proxy(rig_panel *self)
+static void add_proxy(panel *self)
 {
-    error err = {""};
     uint32_t index = RIG_NONE;
     const bounds b = bounds_of(self);
     const vec3 half = vec3_scale(vec3_sub(b.high, b.low), 0.5);
@@ -645,30 +613,28 @@ static void add_proxy(rig_panel *self)
         .centre = middle_of(&b),
         .radii = {fmax(0.6 * half.x, 1.0), fmax(0.6 * half.y, 1.0), fmax(0.6 * half.z, 1.0)}};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_add_proxy(r, &made, &index, &err), &err,
+    if (r && rig_panel_finish(self, rig_edit_add_proxy(r, &made, &index, &self->err),
                               "add an ellipsoid"))
         rig_panel_choose_part(self, RIG_NONE, index, RIG_NONE);
 }
 
-static void remove_proxy(rig_panel *self)
+static void remove_proxy(panel *self)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
-    if (r && rig_panel_finish(self, rig_edit_remove_proxy(r, self->parting.proxy, &err), &err,
+    if (r && rig_panel_finish(self, rig_edit_remove_proxy(r, self->parting.proxy, &self->err),
                               "take out an ellipsoid"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
 }
 
-static void set_proxy(rig_panel *self, const rig_proxy *to, const char *words)
+static void set_proxy(panel *self, const rig_proxy *to, const char *words)
 {
-    error err = {""};
     rig *r = rig_panel_begin(self);
     if (r)
-        (void)rig_panel_finish(self, rig_edit_set_proxy(r, self->parting.proxy, to, &err), &err,
+        (void)rig_panel_finish(self, rig_edit_set_proxy(r, self->parting.proxy, to, &self->err),
                                words);
 }
 
-static void draw_proxy(rig_panel *self, ui *on, const rig *r)
+static void draw_proxy(panel *self, ui *on, const rig *r)
 {
     rig_parting *parting = &self->parting;
     rig_proxy proxy = r->proxy[parting->proxy];
@@ -700,7 +666,7 @@ static void draw_proxy(rig_panel *self, ui *on, const rig *r)
     ui_id_end(on);
 }
 
-static void draw_proxies(rig_panel *self, ui *on)
+static void draw_proxies(panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
     for (uint32_t i = 0; i < r->proxy_count; ++i) {
@@ -726,19 +692,13 @@ static void draw_proxies(rig_panel *self, ui *on)
 
 static uint32_t put_ring(overlay_item *out, vec3 centre, vec3 a, vec3 b)
 {
+    vec3 from = vec3_add(centre, a);
     for (uint32_t i = 0; i < RING_STEPS; ++i) {
-        overlay_item *line = &out[i];
-        *line = (overlay_item){.kind = OVERLAY_LINE, .width_px = 1.5f};
-        memcpy(line->rgba, ring_rgba, sizeof line->rgba);
-        for (uint32_t end = 0; end < 2; ++end) {
-            const double turn = 2.0 * ANGLE_PI * (double)(i + end) / RING_STEPS;
-            const vec3 at =
-                vec3_add(centre, vec3_add(vec3_scale(a, cos(turn)), vec3_scale(b, sin(turn))));
-            float *to = end == 0 ? line->from : line->to;
-            to[0] = (float)at.x;
-            to[1] = (float)at.y;
-            to[2] = (float)at.z;
-        }
+        const double turn = 2.0 * ANGLE_PI * (double)(i + 1) / RING_STEPS;
+        const vec3 to =
+            vec3_add(centre, vec3_add(vec3_scale(a, cos(turn)), vec3_scale(b, sin(turn))));
+        out[i] = overlay_line(from, to, 1.5f, ring_rgba);
+        from = to;
     }
     return RING_STEPS;
 }
@@ -749,18 +709,12 @@ static uint32_t put_ellipsoid(overlay_item *out, vec3 centre, vec3 radii)
     uint32_t count = put_ring(out, centre, x, y);
     count += put_ring(out + count, centre, y, z);
     count += put_ring(out + count, centre, z, x);
-    for (uint32_t i = 0; i < 2; ++i) { /* the rim first */
-        overlay_item dot = {.kind = OVERLAY_DOT, .width_px = i == 0 ? 11.0f : 8.0f};
-        memcpy(dot.rgba, i == 0 ? rim_rgba : ring_rgba, sizeof dot.rgba);
-        dot.from[0] = (float)centre.x;
-        dot.from[1] = (float)centre.y;
-        dot.from[2] = (float)centre.z;
-        out[count++] = dot;
-    }
+    out[count++] = overlay_dot(centre, 11.0f, rim_rgba); /* the rim first */
+    out[count++] = overlay_dot(centre, 8.0f, ring_rgba);
     return count;
 }
 
-uint32_t rig_panel_part_items(const rig_panel *self, overlay_item *out, uint32_t capacity)
+uint32_t rig_panel_part_items(const panel *self, overlay_item *out, uint32_t capacity)
 {
     const rig *r = rig_model_rig(self->model);
     const rig_parting *parting = &self->parting;
@@ -779,14 +733,14 @@ uint32_t rig_panel_part_items(const rig_panel *self, overlay_item *out, uint32_t
 
 /* ---- */
 
-void rig_panel_draw_parts(rig_panel *self, ui *on)
+void rig_panel_draw_parts(panel *self, ui *on)
 {
     if (ui_section(on, "Bones", true))
         draw_bones(self, on);
     if (ui_section(on, "What skin does not enter", true))
         draw_proxies(self, on);
     if (ui_section(on, "Poses", true))
-        rig_panel_draw_poses(self, on);
+        draw_poses(self, on);
 }
 
 /* ---- the jaw: its axis and limits, tried on the face ---- */
@@ -804,7 +758,7 @@ static bool draw_number(ui *on, const char *label, const ui_range *range, double
     return has_changed || ui_slider_is_held(on);
 }
 
-static void draw_limits(rig_panel *self, ui *on)
+static void draw_limits(panel *self, ui *on)
 {
     rig_jawing *jawing = &self->jawing;
     double open_deg = jawing->jaw.open_max_rad / degree;
@@ -838,7 +792,7 @@ static void draw_jaw_place(ui *on, const char *label, vec3 at)
     ui_fact(on, label, RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
 }
 
-static void draw_jaw_axis(rig_panel *self, ui *on)
+static void draw_jaw_axis(panel *self, ui *on)
 {
     rig_edit_jaw *jaw = &self->jawing.jaw;
     bool has_incisor = jaw->has_incisor;
@@ -861,7 +815,7 @@ static void draw_jaw_axis(rig_panel *self, ui *on)
     rig_panel_put_jaw(self);
 }
 
-static void draw_jaw_try(rig_panel *self, ui *on)
+static void draw_jaw_try(panel *self, ui *on)
 {
     rig_jawing *jawing = &self->jawing;
     ui_range open = {jawing->jaw.open_min_rad / degree,
@@ -891,7 +845,7 @@ static void draw_jaw_try(rig_panel *self, ui *on)
         self->shown.is_shape_new = true;
 }
 
-void rig_panel_draw_jaw(rig_panel *self, ui *on)
+void rig_panel_draw_jaw(panel *self, ui *on)
 {
     const rig *r = rig_model_rig(self->model);
     uint32_t jaw = rig_find_jaw(r);
