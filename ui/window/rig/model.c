@@ -1,10 +1,7 @@
 #include "window/rig/model.h"
 
 #include "base/file.h"
-#include "face/bind.h"
-#include "face/face.h"
 #include "face/rig.h"
-#include "face/rig_check.h"
 #include "face/rig_draft.h"
 #include "face/rig_edit.h"
 #include "mesh/mesh.h"
@@ -24,17 +21,7 @@ typedef struct rig_keep {
     bool is_begun;
 } rig_keep;
 
-typedef struct rig_worker rig_worker;
-
-/* the files stay */
-static void rig_keep_close(rig_keep *self);
-
 /* ---- the file that keeps what is not saved ---- */
-
-static mrt_result no_memory_to_keep(error *err)
-{
-    return error_set(err, MRT_ERR_MEMORY, "no memory to keep the rig");
-}
 
 /* FNV-1a of the rig's folder: rigs of one name in several folders are kept side by side. */
 static uint32_t hash_of(const char *text, size_t length)
@@ -73,6 +60,15 @@ static bool is_there(const char *path)
     return path && access(path, F_OK) == 0;
 }
 
+/* The files stay. */
+static void rig_keep_close(rig_keep *self)
+{
+    free(self->path);
+    free(self->old_path);
+    free(self->taken_path);
+    *self = (rig_keep){0};
+}
+
 /* Looks whether something is kept of the rig at rig_path. folder "": nothing is kept. */
 static mrt_result rig_keep_open(rig_keep *out, const char *folder, const char *rig_path, error *err)
 {
@@ -83,7 +79,7 @@ static mrt_result rig_keep_open(rig_keep *out, const char *folder, const char *r
     char *moved = out->path ? with_ending(out->path, ".before") : NULL;
     if (!moved) {
         rig_keep_close(out);
-        return no_memory_to_keep(err);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to keep the rig");
     }
     if (is_there(out->path)) {
         out->old_path = strdup(out->path);
@@ -93,14 +89,6 @@ static mrt_result rig_keep_open(rig_keep *out, const char *folder, const char *r
     }
     free(moved);
     return MRT_OK;
-}
-
-static void rig_keep_close(rig_keep *self)
-{
-    free(self->path);
-    free(self->old_path);
-    free(self->taken_path);
-    *self = (rig_keep){0};
 }
 
 /* The old file may lie where the new one is to be. */
@@ -140,28 +128,6 @@ static void rig_keep_end(rig_keep *self)
     self->is_begun = false;
 }
 
-/* what is of another time goes */
-static void rig_keep_drop_old(rig_keep *self)
-{
-    if (self->old_path)
-        (void)unlink(self->old_path);
-    free(self->old_path);
-    self->old_path = NULL;
-}
-
-static bool rig_keep_has_old(const rig_keep *self)
-{
-    return self->old_path != NULL;
-}
-
-/* What is of another time. */
-static mrt_result rig_keep_read(const rig_keep *self, rig *out, error *err)
-{
-    if (!self->old_path)
-        return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
-    return rig_read_trusted(out, self->old_path, err);
-}
-
 /* refuses one for another mesh */
 static mrt_result rig_keep_take(rig_keep *self, const rig *r, const mesh *m, error *err)
 {
@@ -185,14 +151,14 @@ typedef struct order { /* what is asked */
     char *keep_path; /* NULL: no file is written */
 } order;
 
-struct rig_worker {
+typedef struct rig_worker {
     pthread_t thread;
     pthread_mutex_t lock; /* of all below */
     pthread_cond_t news;
     order *waiting;
     rig_work *done;
     bool is_working, is_ending;
-};
+} rig_worker;
 
 static void destroy_order(order *o)
 {
@@ -203,14 +169,19 @@ static void destroy_order(order *o)
     free(o);
 }
 
+static void free_file(face_file *file)
+{
+    face_file_destroy(file);
+    free(file);
+}
+
 /* NULL is fine */
 static void rig_work_destroy(rig_work *work)
 {
     if (!work)
         return;
     face_destroy(work->face);
-    face_file_destroy(work->file);
-    free(work->file);
+    free_file(work->file);
     rig_findings_finish(&work->findings);
     rig_destroy(&work->rig);
     free(work->region_size);
@@ -289,8 +260,7 @@ static void count_regions(rig_work *work, const order *o)
 static void drop_what_failed(rig_work *work)
 {
     face_destroy(work->face);
-    face_file_destroy(work->file);
-    free(work->file);
+    free_file(work->file);
     work->face = NULL;
     work->file = NULL;
 }
@@ -523,12 +493,6 @@ mrt_result rig_model_create(rig_model **out, const face_file *of, const char *pa
     else
         *out = self;
     return result;
-}
-
-static void free_file(face_file *file)
-{
-    face_file_destroy(file);
-    free(file);
 }
 
 /* Changes of the last moment, which the worker has not written. */
@@ -1005,7 +969,7 @@ mrt_result rig_model_save_as(rig_model *self, const char *path, error *err)
 
 bool rig_model_has_kept(const rig_model *self)
 {
-    return rig_keep_has_old(&self->keep);
+    return self->keep.old_path != NULL;
 }
 
 /* A rig of another time that cuts the mouth of this mesh. */
@@ -1026,7 +990,9 @@ static mrt_result cut_for(rig_model *self, const rig *r, error *err)
 mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err)
 {
     rig kept;
-    mrt_result result = rig_keep_read(&self->keep, &kept, err);
+    if (!self->keep.old_path)
+        return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
+    mrt_result result = rig_read_trusted(&kept, self->keep.old_path, err);
     if (result < 0)
         return result;
     result = cut_for(self, &kept, err);
@@ -1039,7 +1005,10 @@ mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err
 
 void rig_model_drop_kept(rig_model *self)
 {
-    rig_keep_drop_old(&self->keep);
+    if (self->keep.old_path)
+        (void)unlink(self->keep.old_path);
+    free(self->keep.old_path);
+    self->keep.old_path = NULL;
 }
 
 void rig_model_leave(rig_model *self)

@@ -1,5 +1,4 @@
 #include "window/timeline/timeline.h"
-#include "window/gui/ui.h"
 
 #include "base/clock.h"
 #include "base/text.h"
@@ -128,8 +127,8 @@ static void put_over(timeline_takes *self, const app_take_line *line, uint32_t i
 
 /* Each frame; nothing while there is no memory. What is searched for, chosen or being recorded is
  * not folded away. */
-static void timeline_takes_look(timeline_takes *self, const app_take_line *line, uint32_t count,
-                                int64_t chosen)
+static void lay_out_rows(timeline_takes *self, const app_take_line *line, uint32_t count,
+                         int64_t chosen)
 {
     self->count = 0;
     if (!reserve(self, count))
@@ -448,14 +447,6 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
 
 /* ---- menu and question ---- */
 
-static const app_take_line *find_line(const app_take_line *line, uint32_t count, int64_t id)
-{
-    for (uint32_t i = 0; i < count; ++i)
-        if (line[i].id == id)
-            return &line[i];
-    return NULL;
-}
-
 static void ask_take(panel *self, ui *on, int64_t id)
 {
     error err = {""};
@@ -488,9 +479,10 @@ static void delete_take(panel *self, const app_take_line *line)
 
 static void menu(panel *self, ui *on, const app_take_line *line, uint32_t count)
 {
-    const app_take_line *of = find_line(line, count, self->takes_menu);
+    const uint32_t at = find_index(line, count, self->takes_menu);
+    const app_take_line *of = &line[at];
     char keys[KEY_WORDS];
-    if (!of || !ui_menu_begin(on, "takes_menu"))
+    if (at == count || !ui_menu_begin(on, "takes_menu"))
         return;
     if (ui_menu_item(on, "Show on the stage", "", !of->is_deleted && !of->is_recording))
         choose_take(self, of->id);
@@ -637,7 +629,7 @@ void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)
     ui_canvas canvas;
     ui_panel_begin(on, "timeline_takes", where, UI_GROUND_PANEL);
     put_filter(self, on, count);
-    timeline_takes_look(&self->takes, line, count, app_take_id(self->app));
+    lay_out_rows(&self->takes, line, count, app_take_id(self->app));
     ui_canvas_begin(on, "takes", 0.0f, has_back ? -BACK_HEIGHT : 0.0f, &canvas);
     ui_draw_box(on, canvas.where, THEME_WELL, 4.0f);
     if (canvas.is_hovered)

@@ -1,4 +1,5 @@
 #include "window/viewport/camera.h"
+#include "draw/camera.h"
 #include "draw/overlay.h"
 
 #include <math.h>
@@ -64,9 +65,8 @@ void viewport_camera_pan(viewport_camera *self, float right, float down, float h
     self->glided_s = -1.0;
     draw_camera *now = &self->now;
     float mm = 2.0f * tanf(0.5f * now->field_of_view_rad) * now->distance_mm / height;
-    float sy = sinf(now->yaw_rad), cy = cosf(now->yaw_rad);
-    float sp = sinf(now->pitch_rad), cp = cosf(now->pitch_rad);
-    const float to_right[3] = {cy, 0.0f, -sy}, to_top[3] = {-sy * sp, cp, -cy * sp};
+    float to_right[3], to_top[3], back[3];
+    camera_axes_of(now, to_right, to_top, back);
     for (int i = 0; i < 3; ++i)
         now->target[i] += mm * (down * to_top[i] - right * to_right[i]);
     limit(self);

@@ -2,6 +2,7 @@
 #include "window/gui/theme.h"
 
 #include "csrbf/kernel.h"
+#include "draw/camera.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,6 +28,11 @@ static void set_point(float out[3], vec3 at)
 static vec3 vec3_of(mrt_vec3 a)
 {
     return (vec3){(double)a.x, (double)a.y, (double)a.z};
+}
+
+static vec3 vec3_at(const float at[3])
+{
+    return (vec3){(double)at[0], (double)at[1], (double)at[2]};
 }
 
 void viewport_scene_add(viewport_scene *self, const overlay_item *item)
@@ -59,16 +65,15 @@ typedef struct hand_stance {
 static hand_stance hand_stance_of(const viewport_scene_of *of, uint32_t side)
 {
     const draw_camera *c = of->camera;
-    double sy = sin((double)c->yaw_rad), cy = cos((double)c->yaw_rad);
-    double sp = sin((double)c->pitch_rad), cp = cos((double)c->pitch_rad);
-    vec3 right = {cy, 0.0, -sy}, up = {-sy * sp, cp, -cy * sp}, back = {sy * cp, sp, cy * cp};
+    float axes[3][3];
+    camera_axes_of(c, axes[0], axes[1], axes[2]);
+    vec3 right = vec3_at(axes[0]), up = vec3_at(axes[1]), back = vec3_at(axes[2]);
     double high = 2.0 * tan(0.5 * (double)c->field_of_view_rad) * (double)c->distance_mm;
     double wide = high * (double)of->aspect;
     double across = wide * (0.5 - hand_edge) * (side == MRT_RIGHT ? -1.0 : 1.0);
     hand_stance pose = {.mm = high * hand_share / hand_length_mm, .right = right};
-    vec3 target = {(double)c->target[0], (double)c->target[1], (double)c->target[2]};
-    pose.wrist =
-        vec3_add(vec3_add(target, vec3_scale(right, across)), vec3_scale(up, hand_up * high));
+    pose.wrist = vec3_add(vec3_add(vec3_at(c->target), vec3_scale(right, across)),
+                          vec3_scale(up, hand_up * high));
     double st = sin(hand_tilt_rad), ct = cos(hand_tilt_rad);
     pose.up = vec3_add(vec3_scale(up, ct), vec3_scale(back, st));
     pose.out = vec3_sub(vec3_scale(back, ct), vec3_scale(up, st));
@@ -302,6 +307,15 @@ void viewport_scene_make(viewport_scene *out, const viewport_scene_of *of)
 
 /* ---- the texture ---- */
 
+typedef struct picture_key { /* all that a picture depends on beside shape, colours and items */
+    draw_camera camera;
+    lighting light;
+    bool has_backdrop, has_ground;
+    draw_fit fit; /* of the backdrop */
+    uint64_t backdrop_number;
+    float ground[4];
+} picture_key;
+
 struct viewport_picture {
     draw_renderer *renderer;
     draw_target *target;
@@ -310,14 +324,8 @@ struct viewport_picture {
     uint32_t vertex_count;
     float *shape; /* vertex_count by 3: as drawn last, while has_shape */
     bool has_shape, has_colours, is_stale;
-    draw_camera camera;
-    lighting light;
-    draw_fit fit;
-    bool has_backdrop;
-    uint64_t backdrop_number;
-    bool has_ground;
-    float ground[4];
-    viewport_scene scene;
+    picture_key drawn;
+    viewport_scene scene; /* likewise */
     uint64_t count, shape_count;
 };
 
@@ -421,38 +429,34 @@ static draw_fit fit_of(const viewport_picture_look *look)
     return look->scenery ? look->scenery->fit : DRAW_COVER;
 }
 
-static bool is_same(const viewport_picture *self, const viewport_picture_look *look)
+/* Zeroed where nothing is said: may be compared. */
+static void make_key(picture_key *out, const viewport_picture_look *look)
 {
-    uint32_t count = look->scene ? look->scene->count : 0;
-    const bool is_same_ground =
-        self->has_ground == (look->ground != NULL) &&
-        (!look->ground || memcmp(self->ground, look->ground, sizeof self->ground) == 0);
-    const bool is_same_backdrop =
-        self->has_backdrop == (look->backdrop != NULL) &&
-        (!look->backdrop ||
-         (self->backdrop_number == look->backdrop_number && self->fit == fit_of(look)));
-    return !self->is_stale && is_same_ground && is_same_backdrop &&
-           memcmp(&self->light, light_of(look), sizeof self->light) == 0 &&
-           memcmp(&self->camera, &look->camera, sizeof look->camera) == 0 &&
-           count == self->scene.count &&
-           (count == 0 ||
-            memcmp(self->scene.item, look->scene->item, count * sizeof *look->scene->item) == 0);
+    memset(out, 0, sizeof *out);
+    out->camera = look->camera;
+    out->light = *light_of(look);
+    out->has_backdrop = look->backdrop != NULL;
+    out->has_ground = look->ground != NULL;
+    if (look->backdrop) {
+        out->fit = fit_of(look);
+        out->backdrop_number = look->backdrop_number;
+    }
+    if (look->ground)
+        memcpy(out->ground, look->ground, sizeof out->ground);
 }
 
-static void keep(viewport_picture *self, const viewport_picture_look *look)
+static bool is_same_scene(const viewport_scene *kept, const viewport_scene *scene)
 {
-    self->is_stale = false;
-    self->camera = look->camera;
-    self->light = *light_of(look);
-    self->fit = fit_of(look);
-    self->has_backdrop = look->backdrop != NULL;
-    self->backdrop_number = look->backdrop_number;
-    self->has_ground = look->ground != NULL;
-    if (look->ground)
-        memcpy(self->ground, look->ground, sizeof self->ground);
-    self->scene.count = look->scene ? look->scene->count : 0;
-    if (self->scene.count > 0)
-        memcpy(self->scene.item, look->scene->item, self->scene.count * sizeof *self->scene.item);
+    const uint32_t count = scene ? scene->count : 0;
+    return count == kept->count &&
+           (count == 0 || memcmp(kept->item, scene->item, count * sizeof *scene->item) == 0);
+}
+
+static void keep_scene(viewport_scene *kept, const viewport_scene *scene)
+{
+    kept->count = scene ? scene->count : 0;
+    if (kept->count > 0)
+        memcpy(kept->item, scene->item, kept->count * sizeof *kept->item);
 }
 
 uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_look *look,
@@ -464,7 +468,10 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
     }
     if (!has_target(self, look->width, look->height, err))
         return 0;
-    if (!is_same(self, look)) {
+    picture_key key;
+    make_key(&key, look);
+    if (self->is_stale || memcmp(&key, &self->drawn, sizeof key) != 0 ||
+        !is_same_scene(&self->scene, look->scene)) {
         const uint32_t whole[4] = {0, 0, look->width, look->height};
         draw_light(self->renderer, light_of(look));
         draw_behind(self->renderer, look->backdrop, fit_of(look));
@@ -476,7 +483,9 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
         if (look->scene)
             draw_overlay(self->renderer, self->target, self->face, &look->camera, whole,
                          look->scene->item, look->scene->count);
-        keep(self, look);
+        keep_scene(&self->scene, look->scene);
+        memcpy(&self->drawn, &key, sizeof key);
+        self->is_stale = false;
         self->count += 1;
     }
     return draw_target_texture(self->target);

@@ -1,6 +1,7 @@
 #include "window/viewport/viewport.h"
 #include "base/hash.h"
 #include "window/app/kept_scenery.h"
+#include "draw/camera.h"
 #include "draw/overlay.h"
 #include "window/gui/theme.h"
 #include "window/viewport/camera.h"
@@ -24,12 +25,6 @@ typedef struct viewport_grip {
     float depth_mm;  /* towards the viewer, by the wheel */
     float at[3];     /* mm: where it is to be now */
 } viewport_grip;
-
-typedef struct viewport_grip_view { /* through what the pointer is seen */
-    const draw_camera *camera;
-    const uint32_t *rectangle; /* 4 */
-    float pixel[2];            /* of the pointer */
-} viewport_grip_view;
 
 typedef enum viewport_drag { /* what the button that is down does */
                              VIEWPORT_DRAGS_NOTHING = 0,
@@ -107,9 +102,9 @@ struct viewport {
     viewport_stroke stroke;
 };
 
-static void viewport_say(const viewport *self, int32_t level, const char *text);
-static void viewport_keep_camera(viewport *self);
-static float viewport_aspect(const viewport *self);
+static void say(const viewport *self, int32_t level, const char *text);
+static void keep_camera(viewport *self);
+static float aspect_of(const viewport *self);
 
 static const float label_gap = 4.0f; /* between a dot and its name */
 
@@ -165,66 +160,48 @@ void viewport_labels_place(viewport_label *label, uint32_t count, ui_rectangle w
 /* Away from what is held the camera is its own business: at most so much of its distance. */
 static const float most_lift = 0.5f;
 
-static void towards_eye(float out[3], const draw_camera *camera)
-{
-    float sy = sinf(camera->yaw_rad), cy = cosf(camera->yaw_rad);
-    float sp = sinf(camera->pitch_rad), cp = cosf(camera->pitch_rad);
-    out[0] = sy * cp;
-    out[1] = sp;
-    out[2] = cy * cp;
-}
-
 /* The place under the pointer in the plane of what is held, lifted. */
-static bool place_under(float out[3], const viewport_grip *self, const viewport_grip_view *view)
+static bool place_under(float out[3], const viewport *self)
 {
-    float back[3];
-    if (!draw_unproject(out, view->camera, view->rectangle, view->pixel, self->begin))
+    const draw_camera *camera = &self->camera.now;
+    float right[3], up[3], back[3];
+    if (!draw_unproject(out, camera, self->rectangle, self->pointer_px, self->grip.begin))
         return false;
-    towards_eye(back, view->camera);
+    camera_axes_of(camera, right, up, back);
     for (int i = 0; i < 3; ++i)
-        out[i] += self->depth_mm * back[i];
+        out[i] += self->grip.depth_mm * back[i];
     return true;
 }
 
 /* Takes hold of `rest`, which is shown at `shown`: neither jumps under the pointer. */
-static void viewport_grip_take(viewport_grip *self, pointer_grip how, const float rest[3],
-                               const float shown[3], const viewport_grip_view *view)
+static void take_grip(viewport *self, pointer_grip how, const float rest[3], const float shown[3])
 {
-    *self = (viewport_grip){.holds = true, .how = how};
-    memcpy(self->rest, rest, sizeof self->rest);
-    memcpy(self->begin, shown, sizeof self->begin);
-    memcpy(self->at, shown, sizeof self->at);
+    viewport_grip *grip = &self->grip;
+    *grip = (viewport_grip){.holds = true, .how = how};
+    memcpy(grip->rest, rest, sizeof grip->rest);
+    memcpy(grip->begin, shown, sizeof grip->begin);
+    memcpy(grip->at, shown, sizeof grip->at);
     float under[3];
-    if (!place_under(under, self, view))
+    if (!place_under(under, self))
         return;
     for (int i = 0; i < 3; ++i)
-        self->offset[i] = shown[i] - under[i];
+        grip->offset[i] = shown[i] - under[i];
 }
 
-/* In the plane that faces the camera. */
-static void viewport_grip_drag(viewport_grip *self, const viewport_grip_view *view)
+/* In the plane that faces the camera; towards_mm: nearer to the viewer, more. */
+static void drag_grip(viewport *self, float towards_mm)
 {
+    viewport_grip *grip = &self->grip;
+    const float most = most_lift * self->camera.now.distance_mm;
     float under[3];
-    if (!self->holds || !place_under(under, self, view))
+    if (!grip->holds)
+        return;
+    if (towards_mm != 0.0f)
+        grip->depth_mm = fminf(fmaxf(grip->depth_mm + towards_mm, -most), most);
+    if (!place_under(under, self))
         return;
     for (int i = 0; i < 3; ++i)
-        self->at[i] = under[i] + self->offset[i];
-}
-
-/* towards_mm: towards the viewer, more. */
-static void viewport_grip_lift(viewport_grip *self, float towards_mm,
-                               const viewport_grip_view *view)
-{
-    if (!self->holds)
-        return;
-    float most = most_lift * view->camera->distance_mm;
-    self->depth_mm = fminf(fmaxf(self->depth_mm + towards_mm, -most), most);
-    viewport_grip_drag(self, view);
-}
-
-static void viewport_grip_let_go(viewport_grip *self)
-{
-    self->holds = false;
+        grip->at[i] = under[i] + grip->offset[i];
 }
 
 /* ---- what the pointer finds and does ---- */
@@ -251,7 +228,7 @@ static float face_height(const viewport *self)
 }
 
 /* of the support of what is pulled */
-static double viewport_radius_mm(const viewport *self)
+static double reach_mm(const viewport *self)
 {
     double rigs = view_of(self)->solver.radius;
     return self->radius_mm > 0.0 ? self->radius_mm
@@ -262,7 +239,7 @@ static double viewport_radius_mm(const viewport *self)
 /* ---- places ---- */
 
 /* Points from the canvas's top left; false: behind the eye. */
-static bool viewport_to_points(const viewport *self, const float at[3], float *out_x, float *out_y)
+static bool to_points(const viewport *self, const float at[3], float *out_x, float *out_y)
 {
     float px[2];
     if (!draw_project(px, &self->camera.now, self->rectangle, at))
@@ -288,29 +265,17 @@ static uint32_t contact_count(const viewport *self)
 }
 
 /* Where a contact is in the shape that is shown, and whether that side of it is seen. */
-static void viewport_contact_at(const viewport *self, uint32_t contact, float out[3])
+static void place_of_contact(const viewport *self, uint32_t contact, float out[3])
 {
     memcpy(out, self->shape + (size_t)self->face.rig->contact[contact].vertex * 3, 3 * sizeof *out);
 }
 
-static void eye_of(const viewport *self, float out[3], float out_forward[3])
-{
-    const draw_camera *c = &self->camera.now;
-    float sy = sinf(c->yaw_rad), cy = cosf(c->yaw_rad);
-    float sp = sinf(c->pitch_rad), cp = cosf(c->pitch_rad);
-    const float back[3] = {sy * cp, sp, cy * cp};
-    for (int i = 0; i < 3; ++i) {
-        out[i] = c->target[i] + c->distance_mm * back[i];
-        out_forward[i] = -back[i];
-    }
-}
-
-static bool viewport_contact_is_seen(const viewport *self, uint32_t contact)
+static bool contact_is_seen(const viewport *self, uint32_t contact)
 {
     const float *normal = self->normal + (size_t)self->face.rig->contact[contact].vertex * 3;
-    float eye[3], forward[3], at[3], facing = 0.0f;
-    eye_of(self, eye, forward);
-    viewport_contact_at(self, contact, at);
+    float eye[3], at[3], facing = 0.0f;
+    camera_eye(&self->camera.now, eye);
+    place_of_contact(self, contact, at);
     for (int i = 0; i < 3; ++i)
         facing += normal[i] * (eye[i] - at[i]);
     return facing > 0.0f;
@@ -324,11 +289,11 @@ static uint32_t find_contact(const viewport *self, const ui_canvas *canvas)
     float nearest = reach_points;
     for (uint32_t i = 0; i < contact_count(self); ++i) {
         float at[3], x, y;
-        viewport_contact_at(self, i, at);
-        if (!viewport_to_points(self, at, &x, &y))
+        place_of_contact(self, i, at);
+        if (!to_points(self, at, &x, &y))
             continue;
         float away = hypotf(x - canvas->x, y - canvas->y);
-        if (away > nearest || !viewport_contact_is_seen(self, i))
+        if (away > nearest || !contact_is_seen(self, i))
             continue;
         nearest = away;
         best = i + 1;
@@ -370,19 +335,21 @@ static void rest_of_hit(const viewport *self, float out[3])
 
 static void tell_ray(viewport *self, viewport_stroke *out)
 {
-    float through[3], squared = 0.0f;
-    eye_of(self, out->eye, out->forward);
-    memcpy(through, self->camera.now.target, sizeof through);
+    const draw_camera *camera = &self->camera.now;
+    float right[3], up[3], back[3], squared = 0.0f;
+    camera_eye(camera, out->eye);
+    camera_axes_of(camera, right, up, back);
     bool is_seen =
-        draw_unproject(out->ray, &self->camera.now, self->rectangle, self->pointer_px, through);
+        draw_unproject(out->ray, camera, self->rectangle, self->pointer_px, camera->target);
     for (int i = 0; i < 3; ++i) {
+        out->forward[i] = -back[i];
         out->ray[i] = is_seen ? out->ray[i] - out->eye[i] : out->forward[i];
         squared += out->ray[i] * out->ray[i];
     }
     for (int i = 0; i < 3; ++i)
         out->ray[i] /= squared > 0.0f ? sqrtf(squared) : 1.0f;
     out->point_rad =
-        self->where.height > 0.0f ? self->camera.now.field_of_view_rad / self->where.height : 0.0f;
+        self->where.height > 0.0f ? camera->field_of_view_rad / self->where.height : 0.0f;
 }
 
 static void tell_stroke(viewport *self, const ui_canvas *canvas)
@@ -405,12 +372,6 @@ static void tell_stroke(viewport *self, const ui_canvas *canvas)
 
 /* ---- the face is pulled ---- */
 
-static viewport_grip_view grip_view(const viewport *self)
-{
-    return (viewport_grip_view){
-        &self->camera.now, self->rectangle, {self->pointer_px[0], self->pointer_px[1]}};
-}
-
 static void tell_stage(const viewport *self, pointer_grip how, bool stays)
 {
     live_point(app_live(self->of), how, self->grip.rest, self->grip.at, stays, self->radius_mm);
@@ -423,14 +384,13 @@ static void take_hold(viewport *self, const ui_canvas *canvas)
         const mrt_contact *contact = &view_of(self)->about->contacts[self->contact - 1];
         const float exactly[3] = {contact->rest.x, contact->rest.y, contact->rest.z};
         memcpy(rest, exactly, sizeof rest);
-        viewport_contact_at(self, self->contact - 1, shown);
+        place_of_contact(self, self->contact - 1, shown);
     } else {
         rest_of_hit(self, rest);
         memcpy(shown, self->hit.at, sizeof shown);
     }
-    viewport_grip_view view = grip_view(self);
     bool kneads = (canvas->modifiers & UI_CONTROL) != 0;
-    viewport_grip_take(&self->grip, kneads ? POINTER_KNEADS : POINTER_PULLS, rest, shown, &view);
+    take_grip(self, kneads ? POINTER_KNEADS : POINTER_PULLS, rest, shown);
     self->drag = VIEWPORT_HOLDS;
     app_begin_pull(self->of);
     tell_stage(self, self->grip.how, false);
@@ -447,10 +407,8 @@ static void hold_pull(viewport *self)
 
 static void drag_hold(viewport *self, const ui_canvas *canvas)
 {
-    viewport_grip_view view = grip_view(self);
-    viewport_grip_drag(&self->grip, &view);
-    if (canvas->wheel_y != 0.0f && !(canvas->modifiers & UI_ALT))
-        viewport_grip_lift(&self->grip, canvas->wheel_y * notch_share * face_height(self), &view);
+    const bool lifts = !(canvas->modifiers & UI_ALT);
+    drag_grip(self, lifts ? canvas->wheel_y * notch_share * face_height(self) : 0.0f);
     bool stays = (canvas->modifiers & UI_SHIFT) != 0;
     if (canvas->is_released) {
         tell_stage(self, POINTER_AWAY, stays);
@@ -458,18 +416,18 @@ static void drag_hold(viewport *self, const ui_canvas *canvas)
             app_hold(self->of, "clay");
         else if (stays)
             hold_pull(self);
-        viewport_grip_let_go(&self->grip);
+        self->grip.holds = false;
     } else {
         tell_stage(self, self->grip.how, stays);
     }
 }
 
 /* of whatever is held */
-static void viewport_let_go(viewport *self)
+static void let_go(viewport *self)
 {
     if (self->drag == VIEWPORT_HOLDS && app_live(self->of))
         tell_stage(self, POINTER_AWAY, false);
-    viewport_grip_let_go(&self->grip);
+    self->grip.holds = false;
     self->drag = VIEWPORT_DRAGS_NOTHING;
 }
 
@@ -479,7 +437,7 @@ static void let_go_of_all(viewport *self)
     const mrt_contact *contact = &view_of(self)->about->contacts[self->contact - 1];
     const float rest[3] = {contact->rest.x, contact->rest.y, contact->rest.z};
     float at[3];
-    viewport_contact_at(self, self->contact - 1, at);
+    place_of_contact(self, self->contact - 1, at);
     if (app_is_held(self->of))
         app_begin_pull(self->of);
     live_point(app_live(self->of), POINTER_LETS_GO, rest, at, false, 0.0);
@@ -545,7 +503,7 @@ static void move(viewport *self, const ui_canvas *canvas)
 static void change_radius(viewport *self, float notches)
 {
     double most = radius_most_share * (double)face_height(self);
-    double radius = viewport_radius_mm(self) * pow(radius_step, (double)notches);
+    double radius = reach_mm(self) * pow(radius_step, (double)notches);
     self->radius_mm = fmin(fmax(radius, radius_least_mm), most);
     self->radius_shown_s = radius_shown_for_s;
     settings_set_number(app_settings(self->of), radius_key, self->radius_mm);
@@ -561,12 +519,12 @@ static void turn_wheel(viewport *self, const ui_canvas *canvas)
         viewport_camera_zoom(&self->camera, canvas->wheel_y, self->rectangle, self->pointer_px);
 }
 
-static void viewport_point(viewport *self, const ui_canvas *canvas)
+static void follow_pointer(viewport *self, const ui_canvas *canvas)
 {
     self->is_off_stage = view_of(self)->mode == LIVE_SHOWS;
     take_pixel(self, canvas);
     if (canvas->button < 0)
-        viewport_let_go(self); /* somebody else has the pointer now */
+        let_go(self); /* somebody else has the pointer now */
     turn_wheel(self, canvas);
     if (self->drag != VIEWPORT_HOLDS)
         find(self, canvas);
@@ -602,9 +560,9 @@ static uint64_t surface_of(const mesh *m)
     return hash;
 }
 
-static void viewport_drop_face(viewport *self)
+static void drop_face(viewport *self)
 {
-    viewport_let_go(self);
+    let_go(self);
     float **arrays[] = {&self->shape, &self->normal, &self->stand_in, &self->rgb, &self->paint};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
         free(*arrays[i]);
@@ -622,7 +580,7 @@ static void viewport_drop_face(viewport *self)
 
 static bool take_face(viewport *self, const viewport_face *now, error *err)
 {
-    viewport_drop_face(self);
+    drop_face(self);
     self->face = *now;
     const mesh *m = &now->file->mesh;
     size_t size = (size_t)m->vertex_count * 3 * sizeof(float);
@@ -653,7 +611,7 @@ static void take_rig(viewport *self, const viewport_face *now)
     if (memcmp(low, self->low, sizeof low) != 0 || memcmp(high, self->high, sizeof high) != 0) {
         memcpy(self->low, low, sizeof low);
         memcpy(self->high, high, sizeof high);
-        viewport_camera_init(&self->camera, low, high, viewport_aspect(self));
+        viewport_camera_init(&self->camera, low, high, aspect_of(self));
     }
     self->face = *now;
     self->contact = 0;
@@ -662,7 +620,7 @@ static void take_rig(viewport *self, const viewport_face *now)
     self->heat_shown = APP_HEAT_NONE;
 }
 
-static void viewport_follow_face(viewport *self)
+static void follow_face(viewport *self)
 {
     const face_file *file = app_face(self->of);
     viewport_face now = {file, NULL, NULL, NULL, 0};
@@ -678,17 +636,17 @@ static void viewport_follow_face(viewport *self)
         return;
     }
     if (!file)
-        viewport_drop_face(self);
+        drop_face(self);
     self->face = now;
     self->surface = surface;
     self->has_face = file && take_face(self, &now, &err);
     if (file && !self->has_face)
-        viewport_say(self, MRT_LOG_ERROR, err.text);
+        say(self, MRT_LOG_ERROR, err.text);
     if (!self->has_face)
         return;
     if (self->has_camera)
-        viewport_keep_camera(self);
-    viewport_camera_init(&self->camera, self->low, self->high, viewport_aspect(self));
+        keep_camera(self);
+    viewport_camera_init(&self->camera, self->low, self->high, aspect_of(self));
     if (!self->has_camera) /* as the program was left; another head is looked at whole */
         viewport_camera_recall(&self->camera, &self->camera_kept);
     self->has_camera = true;
@@ -696,7 +654,7 @@ static void viewport_follow_face(viewport *self)
 
 /* ---- which shape ---- */
 
-static void viewport_follow_shape(viewport *self)
+static void follow_shape(viewport *self)
 {
     const live_view *view = app_view(self->of);
     size_t count = (size_t)self->face.vertex_count * 3;
@@ -737,7 +695,7 @@ static bool has_heat(viewport *self)
     error err = {{0}};
     if (viewport_heat_create(&self->heat, self->face.file, &err) >= 0)
         return true;
-    viewport_say(self, MRT_LOG_ERROR, err.text);
+    say(self, MRT_LOG_ERROR, err.text);
     app_looks_of(self->of)->heat = APP_HEAT_NONE;
     return false;
 }
@@ -764,7 +722,7 @@ static void show_heat(viewport *self, app_heat kind)
     self->has_colours = true;
 }
 
-static void viewport_follow_colours(viewport *self)
+static void follow_colours(viewport *self)
 {
     app_heat kind = app_looks_of(self->of)->heat;
     if (self->has_paint) {
@@ -810,8 +768,8 @@ static const char *contact_name(const viewport *self, uint32_t contact)
 static bool add_label(const viewport *self, const ui *on, uint32_t contact, viewport_label *out)
 {
     float at[3];
-    viewport_contact_at(self, contact, at);
-    if (!viewport_contact_is_seen(self, contact) || !viewport_to_points(self, at, &out->x, &out->y))
+    place_of_contact(self, contact, at);
+    if (!contact_is_seen(self, contact) || !to_points(self, at, &out->x, &out->y))
         return false;
     out->width = ui_text_width(on, UI_STYLE_BODY, contact_name(self, contact)) + 8.0f;
     out->height = ui_text_height(on, UI_STYLE_BODY) + 2.0f;
@@ -884,7 +842,7 @@ static void ink_ring(const viewport *self, ui *on, float radius_mm, uint32_t col
         for (int i = 0; i < 3; ++i)
             at[i] =
                 self->hit.at[i] + radius_mm * (cosf(around) * side[i] + sinf(around) * other[i]);
-        if (!viewport_to_points(self, at, &x, &y))
+        if (!to_points(self, at, &x, &y))
             return;
         xy[2 * p] = self->where.x + x;
         xy[2 * p + 1] = self->where.y + y;
@@ -896,7 +854,7 @@ static void ink_ring(const viewport *self, ui *on, float radius_mm, uint32_t col
 static void write_beside(const viewport *self, ui *on, const float at[3], const char *text)
 {
     float x, y;
-    if (!viewport_to_points(self, at, &x, &y))
+    if (!to_points(self, at, &x, &y))
         return;
     float width = ui_text_width(on, UI_STYLE_BODY, text);
     float height = ui_text_height(on, UI_STYLE_BODY);
@@ -971,7 +929,7 @@ static void ink_mirrored(viewport *self, ui *on)
 static void ink_hold(const viewport *self, ui *on)
 {
     float x, y;
-    if (!viewport_to_points(self, self->grip.at, &x, &y))
+    if (!to_points(self, self->grip.at, &x, &y))
         return;
     ui_draw_ring(on, self->where.x + x, self->where.y + y, 7.5f, THEME_ACCENT, 2.0f);
     write_at_edge(self, on,
@@ -1002,10 +960,10 @@ static void ink_pointer(const viewport *self, ui *on)
     }
     double half = viewport_half_radius(app_view(self->of)->solver.kernel);
     if (!self->contact || self->radius_shown_s > 0.0)
-        ink_ring(self, on, (float)(half * viewport_radius_mm(self)), 0xd9a441a0u);
+        ink_ring(self, on, (float)(half * reach_mm(self)), 0xd9a441a0u);
     if (self->radius_shown_s > 0.0) {
         char text[64];
-        snprintf(text, sizeof text, "Reach %.0f mm", viewport_radius_mm(self));
+        snprintf(text, sizeof text, "Reach %.0f mm", reach_mm(self));
         write_beside(self, on, self->hit.at, text);
     }
 }
@@ -1206,7 +1164,7 @@ static void ink_hand_keys(const viewport *self, ui *on)
     }
 }
 
-static void viewport_ink(const viewport *self, ui *on)
+static void ink_all(const viewport *self, ui *on)
 {
     ink_contacts(self, on);
     ink_pointer(self, on);
@@ -1222,7 +1180,7 @@ static const char *const camera_key[DRAW_VIEW_NUMBERS] = {
     "viewport.camera.target_x", "viewport.camera.target_y",  "viewport.camera.target_z"};
 static const char output_key[] = "viewport.output_from_front"; /* 1: whatever the camera does */
 
-static void viewport_say(const viewport *self, int32_t level, const char *text)
+static void say(const viewport *self, int32_t level, const char *text)
 {
     news_list_add(app_news(self->of), level, "picture", text);
 }
@@ -1268,7 +1226,7 @@ viewport *viewport_create(app *of, error *err)
     return self;
 }
 
-static void viewport_keep_camera(viewport *self)
+static void keep_camera(viewport *self)
 {
     const draw_camera_view now = viewport_camera_keep(&self->camera);
     if (memcmp(&now, &self->camera_kept, sizeof now) == 0)
@@ -1297,9 +1255,9 @@ void viewport_destroy(viewport *self)
     if (!self)
         return;
     if (self->has_camera)
-        viewport_keep_camera(self);
+        keep_camera(self);
     virtual_hand_destroy(self->hand);
-    viewport_drop_face(self);
+    drop_face(self);
     viewport_picture_destroy(self->picture);
     for (int i = 0; i < VIEWPORT_TAKERS; ++i)
         viewport_picture_destroy(self->output[i]);
@@ -1309,7 +1267,7 @@ void viewport_destroy(viewport *self)
     free(self);
 }
 
-static float viewport_aspect(const viewport *self)
+static float aspect_of(const viewport *self)
 {
     return (float)self->rectangle[2] / (float)self->rectangle[3];
 }
@@ -1395,13 +1353,13 @@ static uint32_t pixels(float length)
 
 static void take_place(viewport *self, const ui_canvas *canvas, float scale)
 {
-    float before = self->rectangle[3] ? viewport_aspect(self) : 0.0f;
+    float before = self->rectangle[3] ? aspect_of(self) : 0.0f;
     self->where = canvas->where;
     self->px_per_point = scale;
     self->rectangle[2] = pixels(canvas->where.width * scale);
     self->rectangle[3] = pixels(canvas->where.height * scale);
-    if (self->has_camera && fabsf(viewport_aspect(self) - before) > 1e-3f)
-        viewport_camera_fit(&self->camera, self->low, self->high, viewport_aspect(self));
+    if (self->has_camera && fabsf(aspect_of(self) - before) > 1e-3f)
+        viewport_camera_fit(&self->camera, self->low, self->high, aspect_of(self));
 }
 
 static void make_scene(viewport *self)
@@ -1411,7 +1369,7 @@ static void make_scene(viewport *self)
                             .file = self->face.file,
                             .looks = looks,
                             .camera = &self->camera.now,
-                            .aspect = viewport_aspect(self),
+                            .aspect = aspect_of(self),
                             .px_per_point = self->px_per_point,
                             .contact_position = self->shape,
                             .stands_in = self->stands_in};
@@ -1437,7 +1395,7 @@ static const draw_backdrop *backdrop_of(viewport *self)
     if (of->rgba)
         self->backdrop = draw_backdrop_create(of->width, of->height, of->rgba, &err);
     if (of->rgba && !self->backdrop)
-        viewport_say(self, MRT_LOG_WARNING, err.text);
+        say(self, MRT_LOG_WARNING, err.text);
     return self->backdrop;
 }
 
@@ -1455,28 +1413,28 @@ static uint32_t draw_picture(viewport *self)
     error err = {{0}};
     uint32_t texture = viewport_picture_draw(self->picture, &look, &err);
     if (!texture && !self->has_failed)
-        viewport_say(self, MRT_LOG_ERROR, err.text);
+        say(self, MRT_LOG_ERROR, err.text);
     self->has_failed = !texture;
     return texture;
 }
 
 static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
 {
-    viewport_follow_shape(self);
-    viewport_point(self, canvas);
-    viewport_follow_colours(self);
+    follow_shape(self);
+    follow_pointer(self, canvas);
+    follow_colours(self);
     make_scene(self);
     uint32_t texture = ui_is_hidden(on) ? 0 : draw_picture(self);
     if (texture)
         ui_draw_image(on, canvas->where, texture, app_looks_of(self->of)->is_mirrored);
-    viewport_ink(self, on);
+    ink_all(self, on);
     ink_chip(self, on);
     ink_mirrored(self, on);
     ink_quality(self, on);
     bool is_moving = self->drag != VIEWPORT_DRAGS_NOTHING || self->camera.glided_s >= 0.0 ||
                      app_looks_of(self->of)->is_turning;
     if (!is_moving)
-        viewport_keep_camera(self);
+        keep_camera(self);
 }
 
 void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
@@ -1486,7 +1444,7 @@ void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
     ui_canvas_begin(on, "face", 0.0f, 0.0f, &canvas);
     ui_on_face_begin(on);
     take_place(self, &canvas, scale);
-    viewport_follow_face(self);
+    follow_face(self);
     if (self->has_face)
         draw_face_in(self, on, &canvas);
     ui_on_face_end(on);
