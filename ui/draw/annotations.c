@@ -1,6 +1,5 @@
 #include "draw/annotations.h"
 #include "draw/gl.h"
-#include "draw/shaders.h"
 #include "draw/target.h"
 
 #include <ft2build.h>

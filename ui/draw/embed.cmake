@@ -1,6 +1,6 @@
 # cmake -DOUT=shaders.c -DSOURCES=a.vert;b.frag -P embed.cmake: GLSL files as C arrays. Not string
 # literals: C11 promises only 4095 bytes for one.
-set(code "#include \"draw/shaders.h\"\n")
+set(code "#include \"draw/gl.h\"\n")
 foreach(source IN LISTS SOURCES)
   get_filename_component(file ${source} NAME)
   string(REGEX REPLACE "\\.glsl$" "" name ${file})

@@ -1,7 +1,6 @@
 #include "draw/face.h"
 
 #include "draw/camera.h"
-#include "draw/shaders.h"
 #include "mesh/normals.h"
 
 #include <ctype.h>

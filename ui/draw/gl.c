@@ -1,6 +1,5 @@
 #include "draw/gl.h"
 #include "draw/draw.h"
-#include "draw/shaders.h"
 
 #include <epoxy/egl.h>
 

@@ -4,9 +4,10 @@
 #ifndef MAROTTE_UI_DRAW_GL_H
 #define MAROTTE_UI_DRAW_GL_H
 #include "base/error.h"
-#include "draw/shaders.h"
 
 #include <epoxy/gl.h>
+
+#include <stddef.h>
 
 /* Whether this thread has a current context, by EGL or GLX. libepoxy ends the process when a GL
  * function is called without one, so this is asked first. */
@@ -15,6 +16,19 @@ bool gl_is_current(void);
 CHECKED mrt_result gl_check_current(error *err);
 /* MRT_OK, or what glGetError says about `what`; clears every pending error. */
 CHECKED mrt_result gl_check_error(const char *what, error *err);
+
+/* ---- programs; the texts of shaders/ are built into the library ---- */
+
+typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
+    const char *name, *text;
+    size_t size;
+} gl_source;
+
+extern const gl_source shaders_common, shaders_screen_vert, shaders_background_frag,
+    shaders_resolve_frag, shaders_depth_vert, shaders_depth_frag, shaders_face_vert,
+    shaders_face_frag, shaders_letters_vert, shaders_letters_frag, shaders_strokes_vert,
+    shaders_strokes_frag, shaders_overlay_line_vert, shaders_overlay_line_frag,
+    shaders_overlay_solid_vert, shaders_overlay_solid_frag;
 
 typedef enum gl_stage { GL_STAGE_VERTEX, GL_STAGE_FRAGMENT, GL_STAGE_COUNT } gl_stage;
 /* 0: failed. Every stage sees `defines` ("" or lines of #define) and the text of common.glsl before

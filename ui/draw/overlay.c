@@ -3,7 +3,6 @@
 #include "draw/camera.h"
 #include "draw/face.h"
 #include "draw/gl.h"
-#include "draw/shaders.h"
 #include "draw/target.h"
 
 #include <math.h>

@@ -1,7 +1,6 @@
 #include "draw/camera.h"
 #include "draw/face.h"
 #include "draw/renderer.h"
-#include "draw/shaders.h"
 #include "draw/target.h"
 
 #include <math.h>

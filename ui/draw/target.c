@@ -1,5 +1,4 @@
 #include "draw/target.h"
-#include "draw/shaders.h"
 
 #include <stdlib.h>
 

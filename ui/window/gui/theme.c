@@ -21,7 +21,6 @@ static const named names[] = {
     {THEME_ACCENT, 0x784d00ffu, 0xf2e64effu, 0x6a5000ffu},
     {THEME_ACCENT_HOVER, 0x5f3d00ffu, 0xf7ef86ffu, 0x524000ffu},
     {THEME_RECORD, 0xa8140fffu, 0xff8247ffu, 0x700058ffu},
-    {THEME_RECORD_HOVER, 0x8a0d09ffu, 0xff9a6affu, 0x640041ffu},
     {THEME_GOOD, 0x1f5f2bffu, 0x5cc8ffffu, 0x0058a8ffu},
     {THEME_WARNING, 0x7d4300ffu, 0xf0d860ffu, 0x665300ffu},
     {THEME_BAD, 0xa01a28ffu, 0xff8c94ffu, 0x640040ffu},
@@ -29,13 +28,13 @@ static const named names[] = {
     {THEME_RIGHT, 0x8b3f17ffu, 0xe8993affu, 0x8a4000ffu},
 };
 
-static double linear(uint32_t part)
+double theme_linear(uint32_t part)
 {
     const double s = (double)(part & 0xffu) / 255.0;
     return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
 }
 
-static uint32_t coded(double part)
+uint32_t theme_coded(double part)
 {
     if (!(part > 0.0))
         return 0;
@@ -49,7 +48,8 @@ static uint32_t coded(double part)
 /* Oklab (Ottosson 2020): the lightness between those of stage and text is turned round. */
 static uint32_t turned_round(uint32_t colour)
 {
-    const double r = linear(colour >> 24), g = linear(colour >> 16), b = linear(colour >> 8);
+    const double r = theme_linear(colour >> 24), g = theme_linear(colour >> 16),
+                 b = theme_linear(colour >> 8);
     const double l = cbrt(0.4122214708 * r + 0.5363325363 * g + 0.0514459929 * b);
     const double m = cbrt(0.2119034982 * r + 0.6806995451 * g + 0.1073969566 * b);
     const double s = cbrt(0.0883024619 * r + 0.2817188376 * g + 0.6299787005 * b);
@@ -60,9 +60,9 @@ static uint32_t turned_round(uint32_t colour)
     const double l2 = pow(turned + 0.3963377774 * x + 0.2158037573 * y, 3.0);
     const double m2 = pow(turned - 0.1055613458 * x - 0.0638541728 * y, 3.0);
     const double s2 = pow(turned - 0.0894841775 * x - 1.2914855480 * y, 3.0);
-    return coded(4.0767416621 * l2 - 3.3077115913 * m2 + 0.2309699292 * s2) << 24 |
-           coded(-1.2684380046 * l2 + 2.6097574011 * m2 - 0.3413193965 * s2) << 16 |
-           coded(-0.0041960863 * l2 - 0.7034186147 * m2 + 1.7076147010 * s2) << 8;
+    return theme_coded(4.0767416621 * l2 - 3.3077115913 * m2 + 0.2309699292 * s2) << 24 |
+           theme_coded(-1.2684380046 * l2 + 2.6097574011 * m2 - 0.3413193965 * s2) << 16 |
+           theme_coded(-0.0041960863 * l2 - 0.7034186147 * m2 + 1.7076147010 * s2) << 8;
 }
 
 uint32_t theme_colour(theme of, uint32_t colour)

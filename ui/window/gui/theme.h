@@ -26,7 +26,6 @@
 #define THEME_OFF     0x5a5f66ffu /* a sign of what cannot be done now */
 
 #define THEME_ACCENT_HOVER 0xe6b65cffu
-#define THEME_RECORD_HOVER 0xff8278ffu
 
 typedef struct theme {
     bool is_light;
@@ -37,6 +36,9 @@ typedef struct theme {
 /* `colour`, of the dark theme, in that theme; its alpha stays. One that has no name here keeps its
  * hue, and is as dark in the light theme as it is light in the dark one. */
 uint32_t theme_colour(theme of, uint32_t colour);
+/* A part of a colour as on a screen, 0..255, as light, 0..1; and back. */
+double theme_linear(uint32_t part);
+uint32_t theme_coded(double part);
 
 #define THEME_BODY_POINTS  14.0f
 #define THEME_TITLE_POINTS 15.0f

@@ -30,11 +30,6 @@ enum ui_font {
     UI_FONTS
 };
 
-struct ui_tint { /* a colour as it was said, and as it is in the theme */
-    uint32_t said, shown;
-};
-constexpr uint32_t UI_TINTS = 128; /* a power of two */
-
 struct ui_grip { /* of the canvas that is dragged */
     ImGuiID id;
     int button;
@@ -49,8 +44,7 @@ struct ui {
     ui_screen screen;
     float scale; /* pixels a point, of the fonts that are loaded */
     ImFont *font[UI_FONTS];
-    theme look, wanted_look; /* of this frame; of the next */
-    ui_tint tint[UI_TINTS];
+    theme look, wanted_look;    /* of this frame; of the next */
     int plain_depth;            /* on the face: colours are shown as they are said */
     bool is_drawing, has_drawn; /* OpenGL side was started; has what it draws with */
     ui_cursor cursor;
@@ -107,19 +101,13 @@ static ui_rectangle ui_points_box(const ui *self, const ImRect &r)
 }
 
 /* As it is in the theme. */
-static uint32_t ui_shown(ui *self, uint32_t colour)
+static uint32_t ui_shown(const ui *self, uint32_t colour)
 {
-    if (!self->look.is_light && !self->look.is_colour_safe)
-        return colour;
-    if (self->plain_depth > 0)
-        return theme_colour(theme{false, self->look.is_colour_safe}, colour);
-    ui_tint *kept = &self->tint[(colour * 2654435761u >> 16) & (UI_TINTS - 1)];
-    if (kept->said != colour)
-        *kept = ui_tint{colour, theme_colour(self->look, colour)};
-    return kept->shown;
+    const bool is_light = self->look.is_light && self->plain_depth == 0;
+    return theme_colour(theme{is_light, self->look.is_colour_safe}, colour);
 }
 
-static ImU32 ui_ink(ui *self, uint32_t said)
+static ImU32 ui_ink(const ui *self, uint32_t said)
 {
     const uint32_t colour = ui_shown(self, said);
     return IM_COL32(colour >> 24, colour >> 16 & 0xffu, colour >> 8 & 0xffu, colour & 0xffu);
@@ -170,6 +158,12 @@ static ImFont *ui_style_font(const ui *self, ui_style style)
     default:
         return self->font[UI_FONT_BODY];
     }
+}
+
+/* Of "Name##id". */
+static const char *shown_end(const char *label)
+{
+    return ImGui::FindRenderedTextEnd(label);
 }
 
 static ImVec2 ui_measure(const ImFont *font, const char *begin, const char *end)
@@ -440,7 +434,7 @@ static void make_digits_even(ImFont *font)
     }
 }
 
-void ui_fonts_load(ui *self)
+static void load_fonts(ui *self)
 {
     ImFontAtlas *atlas = ImGui::GetIO().Fonts;
     const float body = THEME_BODY_POINTS * self->scale, title = THEME_TITLE_POINTS * self->scale,
@@ -611,11 +605,6 @@ static ui_pressing ui_press_item(ui *self, const char *label, ImVec2 size, ImGui
     return out;
 }
 
-static const char *shown_end(const char *label)
-{
-    return ImGui::FindRenderedTextEnd(label);
-}
-
 /* ---- buttons and checks ---- */
 
 typedef struct button_look {
@@ -629,8 +618,6 @@ static button_look look_of(const ui *self, ui_emphasis emphasis)
     switch (emphasis) {
     case UI_ACCENT:
         return button_look{THEME_ACCENT, THEME_ACCENT_HOVER, THEME_STAGE};
-    case UI_RECORD:
-        return button_look{THEME_RECORD, THEME_RECORD_HOVER, THEME_STAGE};
     case UI_QUIET:
         return button_look{0, THEME_RAISED, THEME_TEXT};
     case UI_PLAIN:
@@ -891,14 +878,7 @@ static void ui_leave_popup(ui *self)
         self->surface = self->surface_below[self->popup_depth];
 }
 
-/* ---- of the last widget ---- */
-
-/* Of the last widget. */
-static bool ui_is_hovered(const ui *self)
-{
-    (void)self;
-    return ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled);
-}
+/* ---- hints ---- */
 
 static void put_hint(ui *self, const char *text)
 {
@@ -923,7 +903,7 @@ void ui_hint(ui *self, const char *text)
     ImGuiID id = ImGui::GetItemID();
     if (text[0])
         ui_notes_hint(self->notes);
-    if (!ui_is_hovered(self)) {
+    if (!ImGui::IsItemHovered(ImGuiHoveredFlags_AllowWhenDisabled)) {
         if (id && self->hinted == id)
             self->hinted = 0;
         return;
@@ -992,7 +972,7 @@ bool ui_menu_begin(ui *self, const char *id)
 
 bool ui_menu_item(ui *self, const char *label, const char *keys, bool is_enabled)
 {
-    const char *end = ImGui::FindRenderedTextEnd(label);
+    const char *end = shown_end(label);
     ImFont *font = self->font[UI_FONT_BODY];
     const float padding = ui_whole_px(self, 7.0f), gap = ui_whole_px(self, 24.0f);
     const float key_width = keys && keys[0] ? gap + ui_measure(font, keys, nullptr).x : 0.0f;
@@ -1122,7 +1102,7 @@ static ImRect put_label(ui *self, const char *label, float label_width)
     if (left > 0.0f) {
         ImRect box(at, at + ImVec2(left - ui_px(self, 6.0f), high));
         ui_put_text_in(self, self->font[UI_FONT_BODY], box, 0.0f, THEME_DIM, label,
-                       ImGui::FindRenderedTextEnd(label));
+                       shown_end(label));
         window->DC.CursorPos.x += left;
     }
     const float width = ui_take_width(self, ImMax(room - left, 1.0f));
@@ -1179,7 +1159,7 @@ bool ui_choice(ui *self, const char *label, float label_width, const char *const
     words.Min.x += ui_whole_px(self, 8.0f);
     words.Max.x -= ui_whole_px(self, 22.0f);
     ui_put_text_in(self, self->font[UI_FONT_BODY], words, 0.0f, ui_colour_here(self, THEME_TEXT),
-                   shown, ImGui::FindRenderedTextEnd(shown));
+                   shown, shown_end(shown));
     return has_changed;
 }
 
@@ -1430,11 +1410,6 @@ void ui_canvas_end(ui *self)
 
 /* ---- shapes ---- */
 
-static ImDrawList *list_of_window(void)
-{
-    return ImGui::GetWindowDrawList();
-}
-
 void ui_draw_box(ui *self, ui_rectangle where, uint32_t colour, float rounding)
 {
     ui_put_box(self, ui_px_box(self, where), colour, ui_px(self, rounding));
@@ -1443,20 +1418,20 @@ void ui_draw_box(ui *self, ui_rectangle where, uint32_t colour, float rounding)
 void ui_draw_frame(ui *self, ui_rectangle where, uint32_t colour, float rounding, float thickness)
 {
     const ImRect box = ui_px_box(self, where);
-    list_of_window()->AddRect(box.Min, box.Max, ui_ink(self, colour), ui_px(self, rounding), 0,
-                              ui_px(self, thickness));
+    ImGui::GetWindowDrawList()->AddRect(box.Min, box.Max, ui_ink(self, colour),
+                                        ui_px(self, rounding), 0, ui_px(self, thickness));
 }
 
 void ui_draw_line(ui *self, float x0, float y0, float x1, float y1, uint32_t colour,
                   float thickness)
 {
-    list_of_window()->AddLine(ui_px2(self, x0, y0), ui_px2(self, x1, y1), ui_ink(self, colour),
-                              ui_px(self, thickness));
+    ImGui::GetWindowDrawList()->AddLine(ui_px2(self, x0, y0), ui_px2(self, x1, y1),
+                                        ui_ink(self, colour), ui_px(self, thickness));
 }
 
 void ui_draw_lines(ui *self, const float *xy, uint32_t count, uint32_t colour, float thickness)
 {
-    ImDrawList *list = list_of_window();
+    ImDrawList *list = ImGui::GetWindowDrawList();
     for (uint32_t i = 0; i < count; ++i)
         list->PathLineTo(ui_px2(self, xy[2 * i], xy[2 * i + 1]));
     list->PathStroke(ui_ink(self, colour), 0, ui_px(self, thickness));
@@ -1467,17 +1442,16 @@ void ui_draw_area(ui *self, const float *x, const float *low, const float *high,
                   uint32_t colour)
 {
     constexpr uint32_t part_max = 8192; /* columns: indices have 16 bits */
-    ImDrawList *list = list_of_window();
+    ImDrawList *list = ImGui::GetWindowDrawList();
     const ImVec2 white = ImGui::GetDrawListSharedData()->TexUvWhitePixel;
+    const ImU32 ink = ui_ink(self, colour);
     for (uint32_t first = 0; first + 1 < count; first += part_max - 1) {
         const uint32_t columns = ImMin(count - first, part_max);
         list->PrimReserve(static_cast<int>(6 * (columns - 1)), static_cast<int>(2 * columns));
         const unsigned int base = list->_VtxCurrentIdx;
         for (uint32_t i = 0; i < columns; ++i) {
-            list->PrimWriteVtx(ui_px2(self, x[first + i], low[first + i]), white,
-                               ui_ink(self, colour));
-            list->PrimWriteVtx(ui_px2(self, x[first + i], high[first + i]), white,
-                               ui_ink(self, colour));
+            list->PrimWriteVtx(ui_px2(self, x[first + i], low[first + i]), white, ink);
+            list->PrimWriteVtx(ui_px2(self, x[first + i], high[first + i]), white, ink);
         }
         for (uint32_t i = 0; i + 1 < columns; ++i) {
             const unsigned int corner = base + 2 * i, order[] = {0, 1, 3, 0, 3, 2};
@@ -1489,20 +1463,21 @@ void ui_draw_area(ui *self, const float *x, const float *low, const float *high,
 
 void ui_draw_disc(ui *self, float x, float y, float radius, uint32_t colour)
 {
-    list_of_window()->AddCircleFilled(ui_px2(self, x, y), ui_px(self, radius),
-                                      ui_ink(self, colour));
+    ImGui::GetWindowDrawList()->AddCircleFilled(ui_px2(self, x, y), ui_px(self, radius),
+                                                ui_ink(self, colour));
 }
 
 void ui_draw_ring(ui *self, float x, float y, float radius, uint32_t colour, float thickness)
 {
-    list_of_window()->AddCircle(ui_px2(self, x, y), ui_px(self, radius), ui_ink(self, colour), 0,
-                                ui_px(self, thickness));
+    ImGui::GetWindowDrawList()->AddCircle(ui_px2(self, x, y), ui_px(self, radius),
+                                          ui_ink(self, colour), 0, ui_px(self, thickness));
 }
 
 void ui_draw_triangle(ui *self, const float xy[6], uint32_t colour)
 {
-    list_of_window()->AddTriangleFilled(ui_px2(self, xy[0], xy[1]), ui_px2(self, xy[2], xy[3]),
-                                        ui_px2(self, xy[4], xy[5]), ui_ink(self, colour));
+    ImGui::GetWindowDrawList()->AddTriangleFilled(ui_px2(self, xy[0], xy[1]),
+                                                  ui_px2(self, xy[2], xy[3]),
+                                                  ui_px2(self, xy[4], xy[5]), ui_ink(self, colour));
 }
 
 void ui_draw_text(ui *self, float x, float y, ui_style style, uint32_t colour, float max_width,
@@ -1516,8 +1491,9 @@ void ui_draw_image(ui *self, ui_rectangle where, uint32_t texture, bool is_mirro
 {
     const ImRect box = ui_px_box(self, where);
     const float left = is_mirrored ? 1.0f : 0.0f;
-    list_of_window()->AddImage(reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)),
-                               box.Min, box.Max, ImVec2(left, 1.0f), ImVec2(1.0f - left, 0.0f));
+    ImGui::GetWindowDrawList()->AddImage(
+        reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), box.Min, box.Max,
+        ImVec2(left, 1.0f), ImVec2(1.0f - left, 0.0f));
     ui_notes_box(self->notes, self->surface, where, 0);
 }
 
@@ -1722,7 +1698,7 @@ static void set_scale(ui *self, float scale)
     if (self->scale == scale)
         return;
     self->scale = scale;
-    ui_fonts_load(self);
+    load_fonts(self);
     set_style(self);
     /* The texture of the old fonts alone: its buffers, made anew, are believed to be as large as
      * those before (imgui_impl_opengl3 1.86), and nothing is drawn any more. */
@@ -1738,7 +1714,6 @@ static void set_look(ui *self)
         self->look.is_colour_safe == self->wanted_look.is_colour_safe)
         return;
     self->look = self->wanted_look;
-    std::memset(self->tint, 0, sizeof self->tint);
     set_style(self);
 }
 
@@ -1861,7 +1836,7 @@ void ui_panel_begin(ui *self, const char *id, ui_rectangle where, ui_ground grou
     ImGui::PushClipRect(box.Min, box.Max, false); /* to its edge, not to half its padding */
     self->surface = ui_notes_surface(self->notes, where, false);
     if (ground != UI_GROUND_NONE)
-        ui_put_box(self, box, ground == UI_GROUND_BAR ? THEME_BAR : THEME_PANEL, 0.0f);
+        ui_put_box(self, box, THEME_PANEL, 0.0f);
 }
 
 void ui_panel_end(ui *self)

@@ -49,7 +49,7 @@ void ui_on_face_end(ui *self);
 
 /* ---- places: panels have fixed rectangles; what is in them flows downwards ---- */
 
-typedef enum ui_ground { UI_GROUND_NONE = 0, UI_GROUND_BAR, UI_GROUND_PANEL } ui_ground;
+typedef enum ui_ground { UI_GROUND_NONE = 0, UI_GROUND_PANEL } ui_ground;
 /* Everything is drawn between these two. */
 void ui_panel_begin(ui *self, const char *id, ui_rectangle where, ui_ground ground);
 void ui_panel_end(ui *self);
@@ -99,7 +99,7 @@ float ui_text_height(const ui *self, ui_style style);
 
 /* ---- widgets: true when the person changed something; a label "Name##id" shows "Name" ---- */
 
-typedef enum ui_emphasis { UI_PLAIN = 0, UI_ACCENT, UI_QUIET, UI_RECORD } ui_emphasis;
+typedef enum ui_emphasis { UI_PLAIN = 0, UI_ACCENT, UI_QUIET } ui_emphasis;
 bool ui_button(ui *self, const char *label, ui_emphasis emphasis);
 bool ui_check(ui *self, const char *label, bool *value);
 /* The label to the left in the first `label_width` points. */

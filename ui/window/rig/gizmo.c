@@ -1,4 +1,5 @@
 #include "window/rig/gizmo.h"
+#include "window/gui/theme.h"
 
 #include <math.h>
 #include <string.h>
@@ -144,18 +145,14 @@ void rig_tint_of_bone(float out[3], const rig *r, uint32_t bone)
     memcpy(out, found, 3 * sizeof *out);
 }
 
-static uint32_t to_screen(float linear)
-{
-    float coded =
-        linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
-    return (uint32_t)(coded * 255.0f + 0.5f);
-}
-
 uint32_t rig_tint_chip(const rig *r, uint32_t bone)
 {
     float rgb[3];
+    uint32_t out = 0;
     rig_tint_of_bone(rgb, r, bone);
-    return to_screen(rgb[0]) << 24 | to_screen(rgb[1]) << 16 | to_screen(rgb[2]) << 8 | 0xffu;
+    for (int i = 0; i < 3; ++i)
+        out = out << 8 | theme_coded((double)rgb[i]);
+    return out << 8 | 0xffu;
 }
 
 void rig_tint_mix(float rgb[3], const float colour[3], float share)

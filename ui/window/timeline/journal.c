@@ -303,15 +303,14 @@ static void keep_swiped(panel *self, const strip *s)
 static void paint_span(panel *self, ui *on, const strip *s)
 {
     char words[32];
-    int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns;
-    float x0 = x_of(s, from_ns < to_ns ? from_ns : to_ns);
-    float x1 = x_of(s, from_ns < to_ns ? to_ns : from_ns);
+    int64_t from_ns, to_ns;
+    timeline_span_now(self, &from_ns, &to_ns);
+    float x0 = x_of(s, from_ns), x1 = x_of(s, to_ns);
     x1 = x1 > s->x + s->width ? s->x + s->width : x1;
     ui_rectangle box = {x0, s->lanes_y, x1 - x0, s->y + s->height - s->lanes_y};
     ui_draw_box(on, box, 0xd9a44133u, 0.0f);
     ui_draw_frame(on, box, THEME_ACCENT, 0.0f, 1.5f);
-    (void)snprintf(words, sizeof words, "keep %.1f s",
-                   (double)(from_ns < to_ns ? to_ns - from_ns : from_ns - to_ns) * 1e-9);
+    (void)snprintf(words, sizeof words, "keep %.1f s", (double)(to_ns - from_ns) * 1e-9);
     float width = ui_text_width(on, UI_STYLE_STRONG, words);
     if (box.width > width + 12.0f)
         ui_draw_text(on, x0 + 6.0f, s->lanes_y + 3.0f, UI_STYLE_STRONG, THEME_ACCENT, 0.0f, words);

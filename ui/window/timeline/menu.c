@@ -212,16 +212,9 @@ static uint32_t gather_own(char (*out)[TAKE_NAME], const take_layer *lane, uint3
         for (uint32_t i = 0; regions & 1u << region && i < part->pattern_count; ++i)
             (void)snprintf(out[count++], TAKE_NAME, "%s", part->pattern[i]);
     }
-    for (uint32_t i = 0; lane && i < lane->own_count && count < EDIT_OWN_MAX; ++i) {
-        bool is_free = true;
-        for (uint32_t region = 0; region < OWN_REGION_COUNT && is_free; ++region) {
-            const own_part *part = own_part_of((own_region)region);
-            for (uint32_t k = 0; before & 1u << region && k < part->pattern_count; ++k)
-                is_free = is_free && strcmp(part->pattern[k], lane->own[i]) != 0;
-        }
-        if (is_free)
+    for (uint32_t i = 0; lane && i < lane->own_count && count < EDIT_OWN_MAX; ++i)
+        if (!timeline_is_of_regions(lane->own[i], before))
             (void)snprintf(out[count++], TAKE_NAME, "%s", lane->own[i]);
-    }
     return count;
 }
 

@@ -332,11 +332,8 @@ static void end_edit(panel *self)
 
 static void end_range(panel *self)
 {
-    int64_t in_ns = self->span_from_ns, out_ns = self->span_to_ns;
-    if (in_ns > out_ns) {
-        in_ns = self->span_to_ns;
-        out_ns = self->span_from_ns;
-    }
+    int64_t in_ns, out_ns;
+    timeline_span_now(self, &in_ns, &out_ns);
     if (in_ns < out_ns)
         app_set_range(self->app, in_ns < 0 ? 0 : in_ns, out_ns);
 }
@@ -348,8 +345,8 @@ static void end_swipe(panel *self)
     error err = {""};
     if (!t || comp == UINT32_MAX)
         return;
-    int64_t in_ns = self->span_from_ns < self->span_to_ns ? self->span_from_ns : self->span_to_ns;
-    int64_t out_ns = self->span_from_ns < self->span_to_ns ? self->span_to_ns : self->span_from_ns;
+    int64_t in_ns, out_ns;
+    timeline_span_now(self, &in_ns, &out_ns);
     edit made[TIMELINE_DRAG_EDITS];
     const edit *list[TIMELINE_DRAG_EDITS];
     uint32_t count =

@@ -561,9 +561,9 @@ static void paint_swipe(panel *self, ui *on, const timeline_row *row)
     if (self->gesture != GESTURE_SWIPE || row->kind != TIMELINE_COMP || self->pressed.row < 0 ||
         &self->rows.row[self->pressed.row] != row)
         return;
-    int64_t from_ns = self->span_from_ns, to_ns = self->span_to_ns;
-    float x0 = timeline_axis_x(&self->axis, from_ns < to_ns ? from_ns : to_ns);
-    float x1 = timeline_axis_x(&self->axis, from_ns < to_ns ? to_ns : from_ns);
+    int64_t from_ns, to_ns;
+    timeline_span_now(self, &from_ns, &to_ns);
+    float x0 = timeline_axis_x(&self->axis, from_ns), x1 = timeline_axis_x(&self->axis, to_ns);
     ui_rectangle where = {x0, row->y + 1.0f, x1 - x0, row->height - 2.0f};
     ui_draw_box(on, where, 0xd9a44155u, 3.0f);
     ui_draw_frame(on, where, THEME_ACCENT, 3.0f, 1.5f);

@@ -159,7 +159,7 @@ uint32_t timeline_own_regions(const take_layer *lane)
     return out;
 }
 
-static bool is_of_regions(const char *pattern, uint32_t regions)
+bool timeline_is_of_regions(const char *pattern, uint32_t regions)
 {
     for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
         const own_part *part = own_part_of((own_region)region);
@@ -186,7 +186,7 @@ void timeline_own_words(const take_layer *lane, char *out, size_t capacity)
         if (regions & 1u << region)
             append(out, capacity, own_part_of((own_region)region)->name);
     for (uint32_t i = 0; i < lane->own_count; ++i)
-        if (!is_of_regions(lane->own[i], regions))
+        if (!timeline_is_of_regions(lane->own[i], regions))
             append(out, capacity, lane->own[i]);
 }
 
@@ -208,17 +208,21 @@ int64_t timeline_head_ns(const panel *self)
     return app_is_take_shown(self->app) ? live_position(app_live(self->app)).at_ns : 0;
 }
 
+void timeline_span_now(const panel *self, int64_t *out_from_ns, int64_t *out_to_ns)
+{
+    const bool is_turned = self->span_from_ns > self->span_to_ns;
+    *out_from_ns = is_turned ? self->span_to_ns : self->span_from_ns;
+    *out_to_ns = is_turned ? self->span_from_ns : self->span_to_ns;
+}
+
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns)
 {
     const transport *move =
         app_is_take_shown(self->app) ? live_transport(app_live(self->app)) : NULL;
     *out_in_ns = move ? move->loop_in_ns : 0;
     *out_out_ns = move ? move->loop_out_ns : 0;
-    if (self->gesture == GESTURE_RANGE) {
-        bool is_turned = self->span_from_ns > self->span_to_ns;
-        *out_in_ns = is_turned ? self->span_to_ns : self->span_from_ns;
-        *out_out_ns = is_turned ? self->span_from_ns : self->span_to_ns;
-    }
+    if (self->gesture == GESTURE_RANGE)
+        timeline_span_now(self, out_in_ns, out_out_ns);
     return *out_in_ns < *out_out_ns;
 }
 

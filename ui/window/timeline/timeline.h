@@ -179,6 +179,8 @@ const take *timeline_take(const panel *self);
 timeline_code timeline_code_now(const panel *self);
 int64_t timeline_head_ns(const panel *self);
 bool timeline_range(const panel *self, int64_t *out_in_ns, int64_t *out_out_ns);
+/* What is swiped or dragged, in order. */
+void timeline_span_now(const panel *self, int64_t *out_from_ns, int64_t *out_to_ns);
 void timeline_fit(panel *self);
 void timeline_say(panel *self, const error *err);  /* as news */
 double timeline_clip_speed(const take_clip *clip); /* of all of it */
@@ -186,6 +188,7 @@ void timeline_edit(panel *self, edit *e);          /* makes it, and finishes it 
 
 void timeline_own_words(const take_layer *lane, char *out, size_t capacity);
 uint32_t timeline_own_regions(const take_layer *lane); /* bits; those whose patterns it has */
+bool timeline_is_of_regions(const char *pattern, uint32_t regions);
 /* Of a comp lane: how much later it lies than its own time; 0 at first. */
 int64_t timeline_comp_later_ns(const panel *self, uint32_t index);
 void timeline_comp_slide(panel *self, uint32_t index, int64_t later_ns);

@@ -1,4 +1,5 @@
 #include "window/viewport/heat.h"
+#include "window/gui/theme.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,8 +27,7 @@ static const double floor_part = 0.4, floor_most_mm = 2.0, proxy_reach_mm = 60.0
 
 static float channel(uint32_t colour, int index)
 {
-    float coded = (float)(colour >> (24 - 8 * index) & 255u) / 255.0f;
-    return coded <= 0.04045f ? coded / 12.92f : powf((coded + 0.055f) / 1.055f, 2.4f);
+    return (float)theme_linear(colour >> (24 - 8 * index));
 }
 
 static void set_colour(float out[3], uint32_t colour)
