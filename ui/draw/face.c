@@ -442,7 +442,19 @@ static void replace_changed(const draw_face *self, GLuint buffer, const float *v
 }
 
 /* self->normal := smooth normals of the shape, joined at seams. */
-static void face_compute_normals(draw_face *self, const float *position);
+static void face_compute_normals(draw_face *self, const float *position)
+{
+    float *const *lane = self->lane;
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        for (int axis = 0; axis < 3; ++axis)
+            lane[axis][v] = position[(size_t)v * 3 + (size_t)axis];
+    normals_smooth(lane[3], lane[4], lane[5], lane[0], lane[1], lane[2], self->vertex_count,
+                   self->triangle, self->triangle_count);
+    seams_join(&self->seam, lane[3], lane[4], lane[5]);
+    for (uint32_t v = 0; v < self->vertex_count; ++v)
+        for (int axis = 0; axis < 3; ++axis)
+            self->normal[(size_t)v * 3 + (size_t)axis] = lane[3 + axis][v];
+}
 
 void draw_face_update(draw_face *self, const float *position, const float *normal)
 {
@@ -616,20 +628,6 @@ static void sort_by_material(draw_face *self, const mesh *m)
         self->batch_count = 1;
         self->batch[0] = (face_batch){.look = mesh_material_grey()};
     }
-}
-
-static void face_compute_normals(draw_face *self, const float *position)
-{
-    float *const *lane = self->lane;
-    for (uint32_t v = 0; v < self->vertex_count; ++v)
-        for (int axis = 0; axis < 3; ++axis)
-            lane[axis][v] = position[(size_t)v * 3 + (size_t)axis];
-    normals_smooth(lane[3], lane[4], lane[5], lane[0], lane[1], lane[2], self->vertex_count,
-                   self->triangle, self->triangle_count);
-    seams_join(&self->seam, lane[3], lane[4], lane[5]);
-    for (uint32_t v = 0; v < self->vertex_count; ++v)
-        for (int axis = 0; axis < 3; ++axis)
-            self->normal[(size_t)v * 3 + (size_t)axis] = lane[3 + axis][v];
 }
 
 static GLuint add_buffer(GLenum target, size_t size, const void *data, GLenum usage)

@@ -51,7 +51,15 @@ static void set_turn(panel *self, const rig_turn *to, const char *words)
             words);
 }
 
-static void choose_turn(panel *self, uint32_t turn);
+static void choose_turn(panel *self, uint32_t turn)
+{
+    rig_parting *parting = &self->parting;
+    parting->turn = turn;
+    parting->is_turn_held = parting->has_own_axis = false;
+    parting->turn_name.of = RIG_NONE;
+    memset(parting->tried_rad, 0, sizeof parting->tried_rad);
+    self->shown.is_shape_new = true;
+}
 
 static void remove_turn(panel *self)
 {
@@ -191,18 +199,6 @@ static void draw_turn(panel *self, ui *on, const rig_bone *ball)
     ui_id_end(on);
 }
 
-/* ---- all ---- */
-
-static void choose_turn(panel *self, uint32_t turn)
-{
-    rig_parting *parting = &self->parting;
-    parting->turn = turn;
-    parting->is_turn_held = parting->has_own_axis = false;
-    parting->turn_name.of = RIG_NONE;
-    memset(parting->tried_rad, 0, sizeof parting->tried_rad);
-    self->shown.is_shape_new = true;
-}
-
 /* of a ball */
 static void draw_turns(panel *self, ui *on, uint32_t bone)
 {
@@ -331,7 +327,6 @@ static void draw_chosen(panel *self, ui *on, const rig *r)
     ui_id_end(on);
 }
 
-/* a section of the parts */
 static void draw_poses(panel *self, ui *on)
 {
     const char *why = why_not(self);

@@ -44,7 +44,7 @@ void timeline_axis_place(timeline_axis *self, float x, float width)
 
 float timeline_axis_x(const timeline_axis *self, int64_t at_ns)
 {
-    return self->x + (float)((double)(at_ns - self->from_ns) / self->ns_per_point);
+    return self->x + timeline_axis_points(self, at_ns - self->from_ns);
 }
 
 int64_t timeline_axis_ns(const timeline_axis *self, float x)
@@ -60,6 +60,11 @@ int64_t timeline_axis_until_ns(const timeline_axis *self)
 int64_t timeline_axis_span_ns(const timeline_axis *self, float points)
 {
     return rounded((double)points * self->ns_per_point);
+}
+
+float timeline_axis_points(const timeline_axis *self, int64_t span_ns)
+{
+    return (float)((double)span_ns / self->ns_per_point);
 }
 
 void timeline_axis_zoom(timeline_axis *self, float x, double factor)

@@ -27,6 +27,7 @@ float timeline_axis_x(const timeline_axis *self, int64_t at_ns);
 int64_t timeline_axis_ns(const timeline_axis *self, float x);
 int64_t timeline_axis_until_ns(const timeline_axis *self); /* at its right end */
 int64_t timeline_axis_span_ns(const timeline_axis *self, float points);
+float timeline_axis_points(const timeline_axis *self, int64_t span_ns);
 
 /* factor > 1: shows less. What is at x stays there. */
 void timeline_axis_zoom(timeline_axis *self, float x, double factor);

@@ -131,8 +131,8 @@ static timeline_part part_of_clip(const timeline_axis *axis, const take_clip *cl
 {
     float from = x - box.x, until = box.x + box.width - x;
     float edge = box.width < 4.0f * EDGE ? box.width / 4.0f : EDGE;
-    float in = (float)((double)clip->fade_in_ns / axis->ns_per_point);
-    float out = (float)((double)clip->fade_out_ns / axis->ns_per_point);
+    float in = timeline_axis_points(axis, clip->fade_in_ns);
+    float out = timeline_axis_points(axis, clip->fade_out_ns);
     bool is_top = y < box.y + CORNER && box.width >= 4.0f * CORNER;
     if (is_top && is_near(from, in, CORNER) && (in > 0.0f || from < CORNER))
         return TIMELINE_FADE_IN;

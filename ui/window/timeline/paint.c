@@ -352,8 +352,8 @@ static void paint_curve(panel *self, ui *on, ui_rectangle box, const take_layer 
 
 static void paint_fades(panel *self, ui *on, ui_rectangle box, const take_clip *clip)
 {
-    float in = (float)((double)clip->fade_in_ns / self->axis.ns_per_point);
-    float out = (float)((double)clip->fade_out_ns / self->axis.ns_per_point);
+    float in = timeline_axis_points(&self->axis, clip->fade_in_ns);
+    float out = timeline_axis_points(&self->axis, clip->fade_out_ns);
     float right = box.x + box.width, bottom = box.y + box.height;
     if (in > 0.5f) {
         const float corner[6] = {box.x, box.y, box.x + in, box.y, box.x, bottom};
@@ -369,8 +369,8 @@ static void paint_fades(panel *self, ui *on, ui_rectangle box, const take_clip *
 
 static void paint_handles(panel *self, ui *on, ui_rectangle box, const take_clip *clip)
 {
-    float in = (float)((double)clip->fade_in_ns / self->axis.ns_per_point);
-    float out = (float)((double)clip->fade_out_ns / self->axis.ns_per_point);
+    float in = timeline_axis_points(&self->axis, clip->fade_in_ns);
+    float out = timeline_axis_points(&self->axis, clip->fade_out_ns);
     if (box.width < 44.0f)
         return;
     ui_draw_disc(on, box.x + (in > 4.0f ? in : 4.0f), box.y + 4.0f, 3.0f, THEME_TEXT);
@@ -401,7 +401,7 @@ static void paint_words(panel *self, ui *on, ui_rectangle box, const take_clip *
     char words[96];
     float x = box.x < self->axis.x ? self->axis.x : box.x;
     float right = box.x + box.width, end = self->axis.x + self->axis.width;
-    float fade = box.x + (float)((double)clip->fade_in_ns / self->axis.ns_per_point);
+    float fade = box.x + timeline_axis_points(&self->axis, clip->fade_in_ns);
     x = fade > x && clip->fade_in_ns > 0 ? fade : x;
     float width = (right < end ? right : end) - x - 18.0f;
     write_words(words, sizeof words, clip);

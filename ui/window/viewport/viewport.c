@@ -102,9 +102,33 @@ struct viewport {
     viewport_stroke stroke;
 };
 
-static void say(const viewport *self, int32_t level, const char *text);
-static void keep_camera(viewport *self);
-static float aspect_of(const viewport *self);
+/* ---- what the parts share ---- */
+
+static void say(const viewport *self, int32_t level, const char *text)
+{
+    news_list_add(app_news(self->of), level, "picture", text);
+}
+
+static const char *const camera_key[DRAW_VIEW_NUMBERS] = {
+    "viewport.camera.yaw_rad",  "viewport.camera.pitch_rad", "viewport.camera.distance",
+    "viewport.camera.target_x", "viewport.camera.target_y",  "viewport.camera.target_z"};
+
+static void keep_camera(viewport *self)
+{
+    const draw_camera_view now = viewport_camera_keep(&self->camera);
+    if (memcmp(&now, &self->camera_kept, sizeof now) == 0)
+        return;
+    self->camera_kept = now;
+    for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
+        settings_set_number(app_settings(self->of), camera_key[i], now.number[i]);
+}
+
+static float aspect_of(const viewport *self)
+{
+    return (float)self->rectangle[2] / (float)self->rectangle[3];
+}
+
+/* ---- names beside dots ---- */
 
 static const float label_gap = 4.0f; /* between a dot and its name */
 
@@ -874,12 +898,10 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
 
 static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* fewer look coarse */
 
-static float hand_keys_height(const viewport *self, const ui *on);
-
 /* How far down the picture's upper corners begin. */
 static float below_keys(const viewport *self, const ui *on)
 {
-    return virtual_hand_has_keys(self->hand) ? hand_keys_height(self, on) : 0.0f;
+    return virtual_hand_keys_height(self->hand, on, self->where.width);
 }
 
 /* That the picture is not as sharp as it will be. */
@@ -1058,132 +1080,18 @@ static void ink_heat(const viewport *self, ui *on)
     ui_draw_text(on, x, y + 12.0f + line, UI_STYLE_BODY, THEME_TEXT, inner, text);
 }
 
-/* ---- which key moves which finger ---- */
-
-typedef struct key_cell {
-    const char *name, *down, *up; /* up NULL: one key */
-    int finger;                   /* 0 thumb .. 4 little; -1: none */
-} key_cell;
-static const key_cell cells[] = {{"Thumb", "Space", "B", 0},    {"Index", "J", "U", 1},
-                                 {"Middle", "K", "I", 2},       {"Ring", "L", "O", 3},
-                                 {"Little", ";", "P", 4},       {"Spread", "N", "M", -1},
-                                 {"Wrist", "arrows", NULL, -1}, {"Other hand", "Shift+Y", NULL, -1},
-                                 {"End", "Esc", NULL, -1}};
-enum { CELLS = sizeof cells / sizeof *cells };
-static const float cell_gap = 16.0f, cap_gap = 4.0f;
-
-static float cap_width(const ui *on, const char *key)
-{
-    return fmaxf(ui_text_width(on, UI_STYLE_BODY, key) + 12.0f, 24.0f);
-}
-
-static float cell_width(const ui *on, const key_cell *cell)
-{
-    float caps = cap_width(on, cell->down);
-    if (cell->up)
-        caps += cap_gap + cap_width(on, cell->up);
-    return fmaxf(caps, ui_text_width(on, UI_STYLE_BODY, cell->name));
-}
-
-static void ink_cap(ui *on, float x, float y, const char *key, bool is_down)
-{
-    float width = cap_width(on, key), height = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    float words = ui_text_width(on, UI_STYLE_BODY, key);
-    ui_draw_box(on, (ui_rectangle){x, y, width, height}, is_down ? THEME_ACCENT : THEME_RAISED,
-                3.0f);
-    ui_draw_text(on, x + 0.5f * (width - words), y + 2.0f, UI_STYLE_BODY,
-                 is_down ? THEME_STAGE : THEME_TEXT, 0.0f, key);
-}
-
-static void ink_cell(const viewport *self, ui *on, float x, float y, const key_cell *cell)
-{
-    float intent = cell->finger < 0 ? 0.0f : virtual_hand_fingers(self->hand)[cell->finger];
-    float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
-    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, 0.0f, cell->name);
-    ink_cap(on, x, y + line, cell->down, intent > 0.1f);
-    if (cell->up)
-        ink_cap(on, x + cap_width(on, cell->down) + cap_gap, y + line, cell->up, intent < -0.1f);
-}
-
-static const char *hand_title(const viewport *self)
-{
-    return virtual_hand_side(self->hand) == MRT_LEFT ? "Left hand" : "Right hand";
-}
-
-/* The cells from `first` on that a line has room for, behind the title at first; *out_wide: with
- * it.
- */
-static int cells_of_line(const viewport *self, const ui *on, int first, float *out_wide)
-{
-    const float room = self->where.width - 2.0f * margin - 24.0f;
-    float wide = first == 0 ? ui_text_width(on, UI_STYLE_BODY, hand_title(self)) : -cell_gap;
-    int end = first;
-    while (end < CELLS && (end == first || wide + cell_gap + cell_width(on, &cells[end]) <= room))
-        wide += cell_gap + cell_width(on, &cells[end++]);
-    *out_wide = wide + 24.0f;
-    return end - first;
-}
-
-static float cells_height(const ui *on)
-{
-    return 2.0f * (ui_text_height(on, UI_STYLE_BODY) + 4.0f) + 16.0f;
-}
-
-/* With what is between it and what lies below. */
-static float hand_keys_height(const viewport *self, const ui *on)
-{
-    float wide, high = 0.0f;
-    for (int first = 0; first < CELLS; first += cells_of_line(self, on, first, &wide))
-        high += cells_height(on);
-    return high + 8.0f;
-}
-
-static void ink_hand_keys(const viewport *self, ui *on)
-{
-    const bool is_left = virtual_hand_side(self->hand) == MRT_LEFT;
-    const float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f, high = cells_height(on);
-    const float behind = ui_text_width(on, UI_STYLE_BODY, hand_title(self));
-    float y = self->where.y + 8.0f;
-    if (!virtual_hand_has_keys(self->hand))
-        return;
-    for (int first = 0; first < CELLS; y += high) {
-        float wide;
-        const int end = first + cells_of_line(self, on, first, &wide);
-        const ui_rectangle box = {self->where.x + 0.5f * (self->where.width - wide), y, wide, high};
-        float x = box.x + 12.0f;
-        ui_draw_box(on, box, plate | 0x20u, 5.0f);
-        if (first == 0)
-            ui_draw_text(on, x, y + 8.0f + 0.5f * line, UI_STYLE_BODY,
-                         is_left ? THEME_LEFT : THEME_RIGHT, 0.0f, hand_title(self));
-        x += first == 0 ? behind : -cell_gap;
-        for (; first < end; ++first) {
-            x += cell_gap;
-            ink_cell(self, on, x, y + 8.0f, &cells[first]);
-            x += cell_width(on, &cells[first]);
-        }
-    }
-}
-
 static void ink_all(const viewport *self, ui *on)
 {
     ink_contacts(self, on);
     ink_pointer(self, on);
     set_cursor(self, on);
     ink_heat(self, on);
-    ink_hand_keys(self, on);
+    virtual_hand_draw_keys(self->hand, on, self->where);
 }
 
 /* ---- the viewport ---- */
 
-static const char *const camera_key[DRAW_VIEW_NUMBERS] = {
-    "viewport.camera.yaw_rad",  "viewport.camera.pitch_rad", "viewport.camera.distance",
-    "viewport.camera.target_x", "viewport.camera.target_y",  "viewport.camera.target_z"};
 static const char output_key[] = "viewport.output_from_front"; /* 1: whatever the camera does */
-
-static void say(const viewport *self, int32_t level, const char *text)
-{
-    news_list_add(app_news(self->of), level, "picture", text);
-}
 
 /* ---- made and unmade ---- */
 
@@ -1226,16 +1134,6 @@ viewport *viewport_create(app *of, error *err)
     return self;
 }
 
-static void keep_camera(viewport *self)
-{
-    const draw_camera_view now = viewport_camera_keep(&self->camera);
-    if (memcmp(&now, &self->camera_kept, sizeof now) == 0)
-        return;
-    self->camera_kept = now;
-    for (int i = 0; i < DRAW_VIEW_NUMBERS; ++i)
-        settings_set_number(app_settings(self->of), camera_key[i], now.number[i]);
-}
-
 draw_camera_view viewport_view(const viewport *self)
 {
     return viewport_camera_keep(&self->camera);
@@ -1265,11 +1163,6 @@ void viewport_destroy(viewport *self)
     draw_renderer_destroy(self->renderer);
     free(self->extra);
     free(self);
-}
-
-static float aspect_of(const viewport *self)
-{
-    return (float)self->rectangle[2] / (float)self->rectangle[3];
 }
 
 /* ---- the camera ---- */

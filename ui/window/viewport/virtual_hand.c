@@ -394,17 +394,108 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepa
     give(self, self->side, self->still_s >= settle_s ? FEED_RESTS : FEED_MOVES);
 }
 
-bool virtual_hand_has_keys(const virtual_hand *self)
+/* ---- which key moves which finger ---- */
+
+typedef struct key_cell {
+    const char *name, *down, *up; /* up NULL: one key */
+    int finger;                   /* 0 thumb .. 4 little; -1: none */
+} key_cell;
+static const key_cell cells[] = {{"Thumb", "Space", "B", 0},    {"Index", "J", "U", 1},
+                                 {"Middle", "K", "I", 2},       {"Ring", "L", "O", 3},
+                                 {"Little", ";", "P", 4},       {"Spread", "N", "M", -1},
+                                 {"Wrist", "arrows", NULL, -1}, {"Other hand", "Shift+Y", NULL, -1},
+                                 {"End", "Esc", NULL, -1}};
+enum { CELLS = sizeof cells / sizeof *cells };
+static const uint32_t plate = 0x101113e8u; /* below words that lie on the face */
+static const float cell_gap = 16.0f, cap_gap = 4.0f;
+
+static float cap_width(const ui *on, const char *key)
 {
-    return self->has_keys;
+    return fmaxf(ui_text_width(on, UI_STYLE_BODY, key) + 12.0f, 24.0f);
 }
 
-uint32_t virtual_hand_side(const virtual_hand *self)
+static float cell_width(const ui *on, const key_cell *cell)
 {
-    return self->side;
+    float caps = cap_width(on, cell->down);
+    if (cell->up)
+        caps += cap_gap + cap_width(on, cell->up);
+    return fmaxf(caps, ui_text_width(on, UI_STYLE_BODY, cell->name));
 }
 
-const float *virtual_hand_fingers(const virtual_hand *self)
+static void ink_cap(ui *on, float x, float y, const char *key, bool is_down)
 {
-    return self->intent.finger;
+    float width = cap_width(on, key), height = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
+    float words = ui_text_width(on, UI_STYLE_BODY, key);
+    ui_draw_box(on, (ui_rectangle){x, y, width, height}, is_down ? THEME_ACCENT : THEME_RAISED,
+                3.0f);
+    ui_draw_text(on, x + 0.5f * (width - words), y + 2.0f, UI_STYLE_BODY,
+                 is_down ? THEME_STAGE : THEME_TEXT, 0.0f, key);
+}
+
+static void ink_cell(const virtual_hand *self, ui *on, float x, float y, const key_cell *cell)
+{
+    float intent = cell->finger < 0 ? 0.0f : self->intent.finger[cell->finger];
+    float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f;
+    ui_draw_text(on, x, y, UI_STYLE_BODY, THEME_DIM, 0.0f, cell->name);
+    ink_cap(on, x, y + line, cell->down, intent > 0.1f);
+    if (cell->up)
+        ink_cap(on, x + cap_width(on, cell->down) + cap_gap, y + line, cell->up, intent < -0.1f);
+}
+
+static const char *hand_title(const virtual_hand *self)
+{
+    return self->side == MRT_LEFT ? "Left hand" : "Right hand";
+}
+
+/* The cells from `first` on that a line has room for, behind the title at first; *out_wide: with
+ * it.
+ */
+static int cells_of_line(const virtual_hand *self, const ui *on, float width, int first,
+                         float *out_wide)
+{
+    const float room = width - 48.0f;
+    float wide = first == 0 ? ui_text_width(on, UI_STYLE_BODY, hand_title(self)) : -cell_gap;
+    int end = first;
+    while (end < CELLS && (end == first || wide + cell_gap + cell_width(on, &cells[end]) <= room))
+        wide += cell_gap + cell_width(on, &cells[end++]);
+    *out_wide = wide + 24.0f;
+    return end - first;
+}
+
+static float cells_height(const ui *on)
+{
+    return 2.0f * (ui_text_height(on, UI_STYLE_BODY) + 4.0f) + 16.0f;
+}
+
+float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width)
+{
+    float wide, high = 8.0f; /* what is between it and what lies below */
+    for (int first = 0; first < CELLS; first += cells_of_line(self, on, width, first, &wide))
+        high += cells_height(on);
+    return self->has_keys ? high : 0.0f;
+}
+
+void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where)
+{
+    const float line = ui_text_height(on, UI_STYLE_BODY) + 4.0f, high = cells_height(on);
+    const float behind = ui_text_width(on, UI_STYLE_BODY, hand_title(self));
+    float y = where.y + 8.0f;
+    if (!self->has_keys)
+        return;
+    for (int first = 0; first < CELLS; y += high) {
+        float wide;
+        const int end = first + cells_of_line(self, on, where.width, first, &wide);
+        const ui_rectangle box = {where.x + 0.5f * (where.width - wide), y, wide, high};
+        float x = box.x + 12.0f;
+        ui_draw_box(on, box, plate, 5.0f);
+        if (first == 0)
+            ui_draw_text(on, x, y + 8.0f + 0.5f * line, UI_STYLE_BODY,
+                         self->side == MRT_LEFT ? THEME_LEFT : THEME_RIGHT, 0.0f, hand_title(self));
+        x += first == 0 ? behind : -cell_gap;
+        for (; first < end; ++first) {
+            x += cell_gap;
+            ink_cell(self, on, x, y + 8.0f, &cells[first]);
+            x += cell_width(on, &cells[first]);
+        }
+    }
 }

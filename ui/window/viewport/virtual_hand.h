@@ -67,9 +67,9 @@ void virtual_hand_destroy(virtual_hand *self);
 void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepad *pad,
                          double dt_s);
 
-bool virtual_hand_has_keys(const virtual_hand *self); /* show which key does what */
-uint32_t virtual_hand_side(const virtual_hand *self); /* MRT_LEFT, MRT_RIGHT */
-/* How far down each finger is asked now, for the legend: -1 .. 1. */
-const float *virtual_hand_fingers(const virtual_hand *self);
+/* Which key does what, and what is pressed now, along the upper edge of the face; while the
+ * keyboard is the hand. How high that is in so wide a picture; 0: it is not there. */
+void virtual_hand_draw_keys(const virtual_hand *self, ui *on, ui_rectangle where);
+float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width);
 
 #endif
