@@ -317,7 +317,7 @@ static void comp(take *t, const take *from, int64_t later_ms, uint32_t regions, 
     error err = {""};
     int64_t in_ns = in_ms * help_ms, out_ns = out_ms * help_ms;
     uint32_t count =
-        timeline_comp_edits(made, t, from, later_ms * help_ms, regions, 0, &in_ns, &out_ns, &err);
+        timeline_comp_edits(made, t, from, later_ms * help_ms, regions, &in_ns, &out_ns, &err);
     if (count == 0)
         fail_msg("%s", err.text);
     for (uint32_t i = 0; i < count; ++i) {
@@ -380,12 +380,12 @@ static void a_swipe_is_kept_to_what_there_is(void **state)
     error err = {""};
     int64_t in_ns = 200 * help_ms, out_ns = 2000 * help_ms;
     assert_int_equal(
-        timeline_comp_edits(made, &t, &from, 0, 1u << OWN_MOUTH, 0, &in_ns, &out_ns, &err), 1);
+        timeline_comp_edits(made, &t, &from, 0, 1u << OWN_MOUTH, &in_ns, &out_ns, &err), 1);
     assert_int_equal(in_ns, 1000 * help_ms);
     edit_finish(&made[0]);
     in_ns = 20 * help_s, out_ns = 22 * help_s;
     assert_int_equal(
-        timeline_comp_edits(made, &t, &from, 0, 1u << OWN_MOUTH, 0, &in_ns, &out_ns, &err), 0);
+        timeline_comp_edits(made, &t, &from, 0, 1u << OWN_MOUTH, &in_ns, &out_ns, &err), 0);
     assert_non_null(strstr(err.text, "shows nothing"));
     take_finish(&t);
     take_finish(&from);

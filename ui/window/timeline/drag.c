@@ -434,11 +434,6 @@ static bool clamp_span(const take *from, int64_t later_ns, uint32_t regions, int
     return has_some;
 }
 
-static uint32_t lowest_layer(const take *t)
-{
-    return t->layer_count ? t->layer[0].id : 0;
-}
-
 static uint32_t give_up(edit *out, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
@@ -447,8 +442,8 @@ static uint32_t give_up(edit *out, uint32_t count)
 }
 
 uint32_t timeline_comp_edits(edit out[TIMELINE_DRAG_EDITS], const take *t, const take *from,
-                             int64_t later_ns, uint32_t regions, uint32_t layer, int64_t *in_ns,
-                             int64_t *out_ns, error *err)
+                             int64_t later_ns, uint32_t regions, int64_t *in_ns, int64_t *out_ns,
+                             error *err)
 {
     bool is_all = regions == TIMELINE_ALL_REGIONS;
     if (!clamp_span(from, later_ns, regions, in_ns, out_ns) ||
@@ -468,7 +463,7 @@ uint32_t timeline_comp_edits(edit out[TIMELINE_DRAG_EDITS], const take *t, const
             continue;
         edit *e = &out[count++];
         edit_init(e, is_all ? EDIT_PUNCH : EDIT_COMP);
-        e->layer = !is_all ? 0 : layer ? layer : lowest_layer(t);
+        e->layer = is_all && t->layer_count ? t->layer[0].id : 0;
         e->regions = is_all ? 0 : 1u << region;
         if (fill(e, o, later_ns, *in_ns, *out_ns, err) < 0)
             return give_up(out, count);

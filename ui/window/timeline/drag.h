@@ -60,10 +60,10 @@ void timeline_drag_finish(timeline_drag *self); /* accepts zeroed */
 #define TIMELINE_ALL_REGIONS ((1u << OWN_REGION_COUNT) - 1u)
 /* The edits that show `from`'s span in..out in `t`, their timelines laid on each other (`from` so
  * much later): each of the regions from the layer that moves it there; all of them at once, from
- * the lowest layer, punched into `layer` (0: the lowest). Returns how many; 0: `err` says why.
+ * the lowest layer, punched into the lowest. Returns how many; 0: `err` says why.
  * in..out become what is possible. Each is to be finished. */
 uint32_t timeline_comp_edits(edit out[TIMELINE_DRAG_EDITS], const take *t, const take *from,
-                             int64_t later_ns, uint32_t regions, uint32_t layer, int64_t *in_ns,
-                             int64_t *out_ns, error *err);
+                             int64_t later_ns, uint32_t regions, int64_t *in_ns, int64_t *out_ns,
+                             error *err);
 
 #endif

@@ -351,7 +351,7 @@ static void end_swipe(panel *self)
     const edit *list[TIMELINE_DRAG_EDITS];
     uint32_t count =
         timeline_comp_edits(made, t, &self->comps->take[comp], timeline_comp_later_ns(self, comp),
-                            self->regions, 0, &in_ns, &out_ns, &err);
+                            self->regions, &in_ns, &out_ns, &err);
     for (uint32_t i = 0; i < count; ++i)
         list[i] = &made[i];
     if (count)

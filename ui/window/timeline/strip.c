@@ -131,50 +131,47 @@ static void action_hint(pen *p, action of, const char *why_not)
     say_hint(p, entry->title, step[0] ? step : entry->help, keys, why_not);
 }
 
+/* What is said of its button, and what a click on it does. */
+static void end_action(pen *p, action of, const button *b, bool can, const char *why_not)
+{
+    if (ui_canvas_is_over(p->canvas, b->box))
+        action_hint(p, of, can || !why_not ? "" : why_not);
+    if (b->is_pressed)
+        app_do(p->self->app, of);
+}
+
 static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
 {
     const char *why_not = "";
     bool can = app_can(p->self->app, of, &why_not);
     button b = place_button(p, ICON_WIDTH, is_on, can);
     sign(p->on, b.box.x + 0.5f * b.box.width, b.box.y + 0.5f * b.box.height, b.ink);
-    if (ui_canvas_is_over(p->canvas, b.box))
-        action_hint(p, of, can || !why_not ? "" : why_not);
-    if (b.is_pressed)
-        app_do(p->self->app, of);
+    end_action(p, of, &b, can, why_not);
 }
 
 /* A word as a button. */
-static bool put_word(pen *p, const char *word, bool is_on, bool can)
+static button put_word(pen *p, const char *word, bool can)
 {
     float width = ui_text_width(p->on, UI_STYLE_BODY, word);
-    button b = place_button(p, width + 14.0f, is_on, can);
+    button b = place_button(p, width + 14.0f, false, can);
     float y = b.box.y + 0.5f * (ICON_HEIGHT - ui_text_height(p->on, UI_STYLE_BODY));
     ui_draw_text(p->on, b.box.x + 7.0f, y, UI_STYLE_BODY, can ? b.ink : THEME_DIM, 0.0f, word);
-    return b.is_pressed;
+    return b;
 }
 
-static ui_rectangle last_box(const pen *p, float x)
-{
-    return (ui_rectangle){x, p->y, p->x - 2.0f - x, ICON_HEIGHT};
-}
-
-static void put_action_word(pen *p, action of, const char *word, bool is_on)
+static void put_action_word(pen *p, action of, const char *word)
 {
     const char *why_not = "";
-    float x = p->x;
     bool can = app_can(p->self->app, of, &why_not);
-    bool is_pressed = put_word(p, word, is_on, can);
-    if (ui_canvas_is_over(p->canvas, last_box(p, x)))
-        action_hint(p, of, can || !why_not ? "" : why_not);
-    if (is_pressed)
-        app_do(p->self->app, of);
+    button b = put_word(p, word, can);
+    end_action(p, of, &b, can, why_not);
 }
 
 /* Where there is none its key still does it. */
 static void put_word_with_room(pen *p, action of, const char *word)
 {
     if (p->x + ui_text_width(p->on, UI_STYLE_BODY, word) + 16.0f < p->undo)
-        put_action_word(p, of, word, false);
+        put_action_word(p, of, word);
 }
 
 /* ---- what stands there ---- */
@@ -216,12 +213,12 @@ static void put_speed(pen *p, double speed)
     (void)snprintf(words, sizeof words, "%.3g\u00d7", speed);
     float own = ui_text_width(p->on, UI_STYLE_NUMBER, words);
     if (has_room)
-        put_action_word(p, ACTION_SLOWER, "\u2212", false);
+        put_action_word(p, ACTION_SLOWER, "\u2212");
     ui_draw_text(p->on, p->x + 0.5f * (width - own), p->y + 7.0f, UI_STYLE_NUMBER,
                  app_take(p->self->app) ? THEME_TEXT : THEME_DIM, 0.0f, words);
     p->x += width + 2.0f;
     if (has_room)
-        put_action_word(p, ACTION_FASTER, "+", false);
+        put_action_word(p, ACTION_FASTER, "+");
     p->x += GAP - 4.0f;
 }
 
@@ -279,10 +276,10 @@ static void put_undo(pen *p)
     put_action(p, ACTION_UNDO, sign_undo, false);
     put_action(p, ACTION_REDO, sign_redo, false);
     const history *edits = app_history(p->self->app);
-    float x = p->x;
-    if (put_word(p, "History", false, edits && history_last(edits) > 0))
+    button b = put_word(p, "History", edits && history_last(edits) > 0);
+    if (b.is_pressed)
         ui_dialog_open(p->on, "timeline_history");
-    if (ui_canvas_is_over(p->canvas, last_box(p, x)))
+    if (ui_canvas_is_over(p->canvas, b.box))
         say_hint(p, "History", "All edits of this take; a click goes there.", "", "");
 }
 

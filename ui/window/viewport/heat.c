@@ -16,12 +16,25 @@ struct viewport_heat {
 /* Colours as on a screen; what is drawn is linear. */
 static const uint32_t palette[PALETTE] = {0x4f7fb8ffu, 0xc96a55ffu, 0x6fae8cffu, 0xb98fc4ffu,
                                           0xd2b45affu, 0x5fb0b5ffu, 0xc98aa0ffu, 0x8f9a5fffu};
-static const uint32_t mobility_stop[VIEWPORT_HEAT_STOPS] = {0x2b2f38ffu, 0x4b4a4dffu, 0x7c6b4dffu,
-                                                            0xb08b46ffu, 0xe8c46bffu};
-static const uint32_t strain_stop[VIEWPORT_HEAT_STOPS] = {0x3f7fd6ffu, 0x5f86b4ffu, 0x83868cffu,
-                                                          0xc08a55ffu, 0xe8843affu};
-static const uint32_t skull_stop[VIEWPORT_HEAT_STOPS] = {0x5f6670ffu, 0x847a62ffu, 0xb98a48ffu,
-                                                         0xd9683fffu, 0xe23a34ffu};
+static const viewport_heat_legend legends[APP_HEATS] = {
+    [APP_HEAT_NONE] = {.title = ""},
+    [APP_HEAT_WEIGHTS] = {.title = "Bones"},
+    [APP_HEAT_MOBILITY] = {.title = "Mobility",
+                           .low = "0 % rigid",
+                           .high = "100 % free",
+                           .stop = {0x2b2f38ffu, 0x4b4a4dffu, 0x7c6b4dffu, 0xb08b46ffu,
+                                    0xe8c46bffu}},
+    [APP_HEAT_STRAIN] = {.title = "Strain",
+                         .low = "50 % area",
+                         .mid = "100 %",
+                         .high = "200 %",
+                         .stop = {0x3f7fd6ffu, 0x5f86b4ffu, 0x83868cffu, 0xc08a55ffu, 0xe8843affu}},
+    [APP_HEAT_PENETRATION] = {.title = "Way to the skull",
+                              .low = "0 % at rest",
+                              .high = "100 % touches",
+                              .stop = {0x5f6670ffu, 0x847a62ffu, 0xb98a48ffu, 0xd9683fffu,
+                                       0xe23a34ffu}},
+};
 
 static const double floor_part = 0.4, floor_most_mm = 2.0, proxy_reach_mm = 60.0;
 
@@ -40,11 +53,11 @@ typedef struct ramp {
     float stop[VIEWPORT_HEAT_STOPS][3];
 } ramp;
 
-static ramp ramp_of(const uint32_t stop[VIEWPORT_HEAT_STOPS])
+static ramp ramp_of(app_heat kind)
 {
     ramp r;
     for (int i = 0; i < VIEWPORT_HEAT_STOPS; ++i)
-        set_colour(r.stop[i], stop[i]);
+        set_colour(r.stop[i], legends[kind].stop[i]);
     return r;
 }
 
@@ -130,14 +143,14 @@ static void colour_weights(const viewport_heat *self, float *out_rgb)
 
 static void colour_mobility(const viewport_heat *self, float *out_rgb)
 {
-    const ramp r = ramp_of(mobility_stop);
+    const ramp r = ramp_of(APP_HEAT_MOBILITY);
     for (uint32_t v = 0; v < self->binding.vertex_count; ++v)
         ramp_at(out_rgb + (size_t)v * 3, &r, self->binding.mobility[v]);
 }
 
 static void colour_strain(const viewport_heat *self, float *out_rgb, const float *position)
 {
-    const ramp r = ramp_of(strain_stop);
+    const ramp r = ramp_of(APP_HEAT_STRAIN);
     add_areas(self->area, &self->file->mesh, position);
     for (uint32_t v = 0; v < self->binding.vertex_count; ++v) {
         float rest = self->rest_area[v], ratio = rest > 0.0f ? self->area[v] / rest : 1.0f;
@@ -175,7 +188,7 @@ static double share_gone(const rig_proxy *proxy, const rigid *into, vec3 rest, v
 static void colour_skull(const viewport_heat *self, float *out_rgb, const float *position,
                          const rigid *bone)
 {
-    const ramp colours = ramp_of(skull_stop);
+    const ramp colours = ramp_of(APP_HEAT_PENETRATION);
     const rig *r = self->file->rig;
     uint32_t proxy_count = r ? r->proxy_count : 0;
     rigid into[RIG_BONES_MAX];
@@ -213,31 +226,11 @@ bool viewport_heat_is_fixed(app_heat kind)
 
 /* ---- what they mean ---- */
 
-static void set_stops(viewport_heat_legend *out, const uint32_t stop[VIEWPORT_HEAT_STOPS])
-{
-    for (int i = 0; i < VIEWPORT_HEAT_STOPS; ++i)
-        out->stop[i] = stop[i];
-}
-
 void viewport_heat_legend_of(const viewport_heat *self, app_heat kind, viewport_heat_legend *out)
 {
-    *out = (viewport_heat_legend){.title = ""};
-    if (kind == APP_HEAT_WEIGHTS) {
-        out->title = "Bones";
+    *out = legends[kind];
+    if (kind == APP_HEAT_WEIGHTS)
         out->bone_count = self->binding.bone_count;
-    } else if (kind == APP_HEAT_MOBILITY) {
-        *out =
-            (viewport_heat_legend){.title = "Mobility", .low = "0 % rigid", .high = "100 % free"};
-        set_stops(out, mobility_stop);
-    } else if (kind == APP_HEAT_STRAIN) {
-        *out = (viewport_heat_legend){
-            .title = "Strain", .low = "50 % area", .mid = "100 %", .high = "200 %"};
-        set_stops(out, strain_stop);
-    } else if (kind == APP_HEAT_PENETRATION) {
-        *out = (viewport_heat_legend){
-            .title = "Way to the skull", .low = "0 % at rest", .high = "100 % touches"};
-        set_stops(out, skull_stop);
-    }
 }
 
 uint32_t viewport_heat_bone(const viewport_heat *self, uint32_t bone, const char **out_name)

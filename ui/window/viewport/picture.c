@@ -210,12 +210,11 @@ static void add_supports(viewport_scene *out, const viewport_scene_of *of)
 
 /* ---- contacts ---- */
 
-static void add_dot(viewport_scene *out, const float at[3], float width_px, uint32_t colour)
+static void add_dot(viewport_scene *out, vec3 at, float width_px, uint32_t colour)
 {
-    overlay_item dot = {.kind = OVERLAY_DOT, .width_px = width_px};
-    memcpy(dot.from, at, sizeof dot.from);
-    memcpy(dot.to, at, sizeof dot.to);
-    set_ink(dot.rgba, colour, 1.0f);
+    float rgba[4];
+    set_ink(rgba, colour, 1.0f);
+    const overlay_item dot = overlay_dot(at, width_px, rgba);
     viewport_scene_add(out, &dot);
 }
 
@@ -223,7 +222,7 @@ static void add_contacts(viewport_scene *out, const viewport_scene_of *of)
 {
     const rig *r = of->file->rig;
     for (uint32_t i = 0; r && i < r->contact_count; ++i) {
-        const float *at = of->contact_position + (size_t)r->contact[i].vertex * 3;
+        const vec3 at = vec3_at(of->contact_position + (size_t)r->contact[i].vertex * 3);
         add_dot(out, at, dot_points * of->px_per_point, THEME_STAGE);
         add_dot(out, at, (dot_points - 2.6f) * of->px_per_point, THEME_TEXT);
     }
@@ -259,10 +258,8 @@ static void add_arc(viewport_scene *out, const viewport_scene_of *of, const rig_
             add_line(out, &line, last, at);
         last = at;
     }
-    overlay_item dot = {.kind = OVERLAY_DOT, .width_px = 8.0f * of->px_per_point};
-    set_ink(dot.rgba, 0xffb9a8ffu, 1.0f);
-    vec3 now = rigid_apply(&of->view->bone[jaw_index], jaw->incisor);
-    add_line(out, &dot, now, now);
+    add_dot(out, rigid_apply(&of->view->bone[jaw_index], jaw->incisor), 8.0f * of->px_per_point,
+            0xffb9a8ffu);
 }
 
 static void add_jaw(viewport_scene *out, const viewport_scene_of *of)

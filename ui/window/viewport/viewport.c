@@ -707,7 +707,7 @@ void viewport_stand_in(viewport *self, const float *position, const float *norma
         return;
     size_t count = (size_t)self->face.vertex_count * 3;
     memcpy(self->stand_in, position, count * sizeof *position);
-    memcpy(self->stand_in + count, normal ? normal : self->normal, count * sizeof *position);
+    memcpy(self->stand_in + count, normal, count * sizeof *position);
 }
 
 /* ---- which colours ---- */
