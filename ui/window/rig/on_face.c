@@ -130,7 +130,7 @@ static vec3 place_of_contact(const panel *self, uint32_t contact)
 static uint32_t contact_at(const panel *self, const viewport_stroke *s)
 {
     const rig *r = rig_model_rig(self->model);
-    const float *normal = brush_normals(rig_model_brush((rig_model *)(uintptr_t)self->model));
+    const float *normal = brush_normals(rig_model_brush(self->model));
     rig_ray ray = ray_of(s);
     uint32_t best = RIG_NONE;
     double reach = reach_points;
