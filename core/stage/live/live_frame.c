@@ -1,9 +1,6 @@
 #include "stage/live/live_stage.h"
 #include "base/clock.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The frame thread. First the timeline: a take that stands, is played, scrubbed, performed over. */
@@ -54,6 +51,37 @@ static void tell_error(live_stage *stage, const error *err)
 int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
 {
     return at_ns >= motion->end_ns && motion->end_ns > 0 ? motion->end_ns - 1 : at_ns;
+}
+
+/* ---- commands of [main] ---- */
+
+/* How long [main] sleeps at a time while the frame thread is busy. */
+static const int64_t patience_ns = 50 * NS_PER_MS;
+
+mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
+{
+    live_command command = {.run = run, .data = data, .err = err};
+    if (!self->has_thread)
+        return run(&self->stage, data, err);
+    atomic_store(&self->command, &command);
+    wake_signal(player_wake(self->stage.loop));
+    for (;;) {
+        uint32_t seen = wake_seen(&self->answered);
+        if (!atomic_load(&self->command))
+            return command.result;
+        wake_wait_until_ns(&self->answered, seen, clock_now_ns() + patience_ns);
+    }
+}
+
+/* [frame] The one that waits, if one does. */
+static void run_command(live *self)
+{
+    live_command *waiting = atomic_load(&self->command);
+    if (!waiting)
+        return;
+    waiting->result = waiting->run(&self->stage, waiting->data, waiting->err);
+    atomic_store(&self->command, NULL); /* it is [main]'s again */
+    wake_signal(&self->answered);
 }
 
 /* ---- the take's own thread ---- */
@@ -479,7 +507,7 @@ static bool on_between(void *data)
 {
     live *self = data;
     live_stage *stage = &self->stage;
-    live_run_command(self);
+    run_command(self);
     if (slot_take(&stage->motion_slot))
         stage->is_sought = stage->is_dirty = true;
     /* The newest is replaced before it is taken too, so that what is taken is new. */

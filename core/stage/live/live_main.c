@@ -2,48 +2,9 @@
 #include "base/clock.h"
 #include "stage/live/live_stage.h"
 
-#include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* How long [main] sleeps at a time while the frame thread is busy. */
-static const int64_t patience_ns = 50 * NS_PER_MS;
-
-static void run_command(live *self, live_command *of)
-{
-    of->result = of->run(&self->stage, of->data, of->err);
-}
-
-mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
-{
-    live_command command = {.run = run, .data = data, .err = err};
-    if (!self->has_thread) {
-        run_command(self, &command);
-        return command.result;
-    }
-    atomic_store(&self->command, &command);
-    wake_signal(player_wake(self->stage.loop));
-    for (;;) {
-        uint32_t seen = wake_seen(&self->answered);
-        if (!atomic_load(&self->command))
-            return command.result;
-        wake_wait_until_ns(&self->answered, seen, clock_now_ns() + patience_ns);
-    }
-}
-
-void live_run_command(live *self)
-{
-    live_command *waiting = atomic_load(&self->command);
-    if (!waiting)
-        return;
-    run_command(self, waiting);
-    atomic_store(&self->command, NULL); /* it is [main]'s again */
-    wake_signal(&self->answered);
-}
-
-/* A finger that was let go is followed for so long. */
-static const int64_t spring_ns = 350 * NS_PER_MS;
 static const int64_t measure_span_ns = 250 * NS_PER_MS;
 
 /* ---- made ---- */
@@ -65,43 +26,6 @@ static void init(live *self, const live_settings *settings)
     stage->motion[0] = stage->motion[1] = stage->motion[2] = self->transport;
 }
 
-static mrt_result open_pointer(live *self, error *err)
-{
-    feed_settings settings = {.id = "org.marotte.pointer", .name = "Mouse on the face"};
-    settings.channels = pointer_channels(&settings.channel_count);
-    mrt_result result = feed_create(&self->pointer_feed, &settings, err);
-    if (result >= 0)
-        result = input_create(&self->pointer, feed_type(self->pointer_feed), "", "", CLOCK_REAL,
-                              self->settings.log, err);
-    if (result < 0)
-        return result;
-    input_set_wake(self->pointer, player_wake(self->stage.loop));
-    player_add_input(self->stage.loop, self->pointer);
-    self->stage.input_count = 1;
-    return MRT_OK;
-}
-
-static mrt_result set_stage(live *self, error *err)
-{
-    const live_settings *s = &self->settings;
-    live_own_solver(self, s->solver);
-    mrt_result result = live_mapping_create(&self->role, s->mapping, s->plugins, s->log, err);
-    if (result >= 0)
-        taught_recall(self->show, &self->role->instance, s->log);
-    if (result >= 0)
-        result = live_scene_create(self, s->face, s->face_path, s->unit_mm, self->role,
-                                   &self->scene, err);
-    if (result < 0)
-        return result;
-    self->stage.scene = self->scene;
-    self->stage.role = self->role;
-    outputs_show(self->outputs, self->scene->outgoing);
-    live_frame_publish(&self->stage);
-    live_frame_pulse(&self->stage);
-    live_cast_watch(self);
-    return MRT_OK;
-}
-
 mrt_result live_start(live **out, const live_settings *settings, error *err)
 {
     *out = NULL;
@@ -110,17 +34,14 @@ mrt_result live_start(live **out, const live_settings *settings, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     init(self, settings);
     mrt_result result = live_frame_start(self, err);
-    self->tap = tap_create();
-    if (result >= 0 && !self->tap)
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for the samples of an input");
     if (result >= 0)
-        result = open_pointer(self, err);
+        result = live_pointer_open(self, err);
     const outputs_settings sent = {.plugins = settings->plugins, .log = settings->log};
     if (result >= 0)
         result = outputs_create(&self->outputs, &sent, err);
     self->stage.outputs = self->outputs;
     if (result >= 0)
-        result = set_stage(self, err);
+        result = live_cast_start(self, err);
     error why = {""};
     if (result >= 0 && live_record_start(self, &why) < 0)
         log_push(settings->log, MRT_LOG_ERROR, "recorder", why.text);
@@ -137,33 +58,6 @@ mrt_result live_start(live **out, const live_settings *settings, error *err)
     return MRT_OK;
 }
 
-static void destroy_cast(live *self)
-{
-    if (self->coming)
-        live_mapping_deactivate(live_mapping_now(self->coming));
-    live_mapping_destroy(self->coming);
-    live_scene_destroy(self->scene);
-    live_scene_destroy(self->old_scene);
-    live_mapping_destroy(self->role);
-}
-
-static void destroy_inputs(live *self)
-{
-    for (uint32_t i = 0; i < self->entry_count; ++i) {
-        input_destroy(self->entry[i].input);
-        free(self->entry[i].text);
-        free(self->entry[i].heard);
-    }
-    input_destroy(self->pointer);
-    feed_destroy(self->pointer_feed);
-    tap_destroy(self->tap);
-    for (int side = 0; side < 2; ++side) {
-        free(self->calibration_path[side]);
-        free(self->calibration_text[side]);
-        free(self->calibration[side]);
-    }
-}
-
 mrt_result live_stop(live *self, error *err)
 {
     if (!self)
@@ -177,8 +71,8 @@ mrt_result live_stop(live *self, error *err)
     live_take_finish(self);
     live_sound_drop(self);
     outputs_destroy(self->outputs);
-    destroy_cast(self);
-    destroy_inputs(self);
+    live_cast_finish(self);
+    live_inputs_finish(self);
     player_destroy(self->stage.loop);
     free(self);
     return result;
@@ -278,79 +172,59 @@ void live_status_of(live *self, live_status *out)
     *out = *status;
 }
 
-/* ---- the pointer ---- */
+/* ---- another face, another show ---- */
 
-static void give(live *self, feed_activity activity)
+static mrt_result set_scene(live *self, const face_file *file, const char *path, double unit_mm,
+                            error *err)
 {
-    feed_give(self->pointer_feed, self->pointed, activity);
+    live_take_drop(self);
+    return live_cast_set_scene(self, file, path, unit_mm, err);
 }
 
-static void point(live *self, pointer_grip grip)
+mrt_result live_set_face(live *self, const face_file *file, const char *path, double unit_mm,
+                         error *err)
 {
-    self->pointed[POINTER_GRIP] = (float)grip;
-    bool is_held = grip == POINTER_PULLS || grip == POINTER_KNEADS;
-    bool was_held = self->is_pointing;
-    self->is_pointing = is_held;
-    if (is_held) {
-        self->rests_at_ns = 0;
-        self->moves = true;
-    } else if (was_held || grip != POINTER_AWAY) {
-        self->rests_at_ns = clock_now_ns() + spring_ns;
-        self->moves = true;
+    mrt_result result = live_check_free(self, path ? path : "the face", err);
+    return result < 0 ? result : set_scene(self, file, path, unit_mm, err);
+}
+
+/* A take that is shown goes on being shown, as it is with this engine. */
+mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err)
+{
+    const live_scene *now = self->scene;
+    const csrbf_settings before = self->own_solver;
+    const bool had_own = self->has_own_solver;
+    take shown = {0};
+    bool is_shown = self->is_shown;
+    mrt_result result = live_check_free(self, "the engine", err);
+    if (result >= 0 && is_shown)
+        result = take_copy(&shown, &self->shown, err);
+    if (result >= 0) {
+        live_own_solver(self, solver);
+        result = set_scene(self, now->file, now->path, now->unit_mm, err);
+        if (result < 0)
+            live_own_solver(self, had_own ? &before : NULL);
     }
-    give(self, self->moves || self->patch_moves ? FEED_MOVES : FEED_RESTS);
+    if (result >= 0 && is_shown)
+        result = live_show_take(self, &shown, err);
+    take_finish(&shown);
+    return result;
 }
 
-void live_point(live *self, pointer_grip grip, const float rest[3], const float at[3], bool stays,
-                double radius_mm)
+mrt_result live_set_show(live *self, show *s, error *err)
 {
-    float *to = self->pointed;
-    bool is_away = grip == POINTER_AWAY && to[POINTER_GRIP] <= 0.0f;
-    if (is_away)
-        return; /* it hovers: nothing to perform */
-    if (grip != POINTER_AWAY) {
-        memcpy(to + POINTER_REST_X, rest, 3 * sizeof *rest);
-        memcpy(to + POINTER_AT_X, at, 3 * sizeof *at);
-        to[POINTER_RADIUS] = (float)fmax(radius_mm, 0.0);
-        to[POINTER_STAYS] = stays ? 1.0f : 0.0f;
-    }
-    point(self, grip);
-}
-
-void live_neutral(live *self)
-{
-    point(self, POINTER_AWAY); /* twice in a row it is asked twice */
-    point(self, POINTER_NEUTRAL);
-}
-
-void live_pointer_eases(live *self)
-{
-    point(self, POINTER_AWAY);
-    self->rests_at_ns = clock_now_ns() + spring_ns;
-    self->moves = true;
-    give(self, FEED_MOVES);
-}
-
-static void let_pointer_rest(live *self)
-{
-    if (!self->moves || self->rests_at_ns == 0 || clock_now_ns() < self->rests_at_ns)
-        return;
-    self->moves = false;
-    self->rests_at_ns = 0;
-    if (!self->is_pointing)
-        self->pointed[POINTER_GRIP] = POINTER_AWAY;
-    give(self, self->patch_moves ? FEED_MOVES : FEED_RESTS);
-}
-
-/* A fader gives samples while it moves; what it has set going comes to its end by the pointer's. */
-static void let_patch_come(live *self)
-{
-    bool is_moving = self->stage.pulse[slot_front(&self->stage.pulse_slot)].is_patch_moving;
-    if (is_moving == self->patch_moves)
-        return;
-    self->patch_moves = is_moving;
-    if (!self->moves)
-        give(self, is_moving ? FEED_MOVES : FEED_RESTS);
+    live_take_drop(self);
+    self->position_count = 0;
+    self->is_over_done = false;
+    mrt_result result = live_record_stop(self, err);
+    if (result < 0)
+        log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
+    live_sound_drop(self);
+    self->show = s;
+    self->status.take = 0;
+    self->take_begun_ns = self->take_ended_ns = 0;
+    result = live_record_start(self, err);
+    return result < 0 ? result : live_set_click(self, &self->click, err);
 }
 
 /* ---- with every frame of the window ---- */
@@ -358,9 +232,8 @@ static void let_patch_come(live *self)
 void live_update(live *self)
 {
     (void)slot_take(&self->stage.pulse_slot);
-    let_pointer_rest(self);
-    let_patch_come(self);
     live_over_update(self);
     live_cast_update(self);
+    live_inputs_update(self);
     live_sound_update(self);
 }

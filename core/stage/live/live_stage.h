@@ -1,16 +1,16 @@
 /* live/live_stage.h - what a live stage is made of: what the frame thread has (live_stage), what
- * [main] has (struct live), and how [main] gives orders. For the files of this folder.
- */
+ * [main] has (struct live), and how [main] gives orders. For the files of this folder, each of
+ * which calls only those that stand before it at the end of this header. */
 #ifndef MAROTTE_STAGE_LIVE_STAGE_H
 #define MAROTTE_STAGE_LIVE_STAGE_H
 #include "stage/input/feed.h"
 #include "stage/input/tap.h"
 #include "stage/live/live.h"
 #include "stage/live/live_board.h"
-#include "stage/live/live_mapping.h"
 #include "stage/mapping/taught.h"
 #include "stage/output/outputs.h"
 #include "stage/perform/player.h"
+#include "stage/perform/reload.h"
 #include "stage/take/recorder.h"
 #include "stage/take/sequencer.h"
 
@@ -24,6 +24,17 @@ enum {
     LIVE_LAGS = 512,
     LIVE_POSITIONS = 64 /* takes whose last instant is remembered */
 };
+
+/* A mapping that performs: its instance, in a process of its own where it did not come with the
+ * program, and watched for being rebuilt. [main] */
+typedef struct live_mapping_role {
+    char *text;          /* "one_hand,smile=8"; "" none */
+    const char *library; /* NULL: none */
+    instance instance;
+    isolate_settings isolation;
+    isolate *isolate;
+    reload *reload;
+} live_mapping_role;
 
 /* A face and who moves it: made on [main], used by the frame thread. */
 typedef struct live_scene {
@@ -130,11 +141,35 @@ typedef struct live_command {
     mrt_result result;
 } live_command;
 
+/* What goes to the frame thread with a change, and what comes back. */
+typedef struct live_change {
+    recorder_cast *cast; /* NULL: nothing is recorded */
+    live_scene *scene;
+    live_mapping_role *role;
+    layer_room *room;
+    instance *old;
+    input *add;
+    live_sample_board *heard;
+    uint32_t remove, side;
+    const hand_calibration *calibration;
+    hand_skeleton *skeleton;
+    uint32_t pedal;
+    const void *taught;
+    size_t taught_size;
+    patch_plan *plan; /* that comes; then the one that was */
+} live_change;
+
 typedef struct live_input_entry {
     input *input;
     char *text;
     live_sample_board *heard;
 } live_input_entry;
+
+typedef struct live_measured { /* a calibration that was read; zeroed: none */
+    char *path, *text;
+    hand_calibration *use;
+    double length_mm;
+} live_measured;
 
 struct live {
     live_settings settings;
@@ -163,9 +198,7 @@ struct live {
     input *cast_input[PLAYER_INPUTS_MAX]; /* the pointer and those: for the recorder */
     const char *cast_text[PLAYER_INPUTS_MAX];
     uint32_t entry_count;
-    char *calibration_path[2], *calibration_text[2];
-    hand_calibration *calibration[2];
-    double length_mm[2];
+    live_measured hand[2];
     uint32_t rezero_pedal, rezero_wanted;
     patch patch; /* count 0: none */
 
@@ -203,15 +236,10 @@ struct live {
     int64_t measured_ns; /* percentiles */
 };
 
-/* ---- live_main.c: commands ---- */
+/* ---- live_frame.c: the frame thread ---- */
+
 /* Waits until the frame thread has run it; before there is one, runs it itself. */
 CHECKED mrt_result live_ask(live *self, live_command_run *run, void *data, error *err);
-/* The pointer is away, and time goes on for what eases. */
-void live_pointer_eases(live *self);
-/* [frame] */
-void live_run_command(live *self);
-
-/* ---- live_frame.c: the frame thread ---- */
 /* Its player, and then its thread. */
 CHECKED mrt_result live_frame_start(live *self, error *err);
 CHECKED mrt_result live_frame_run(live *self, error *err);
@@ -221,51 +249,66 @@ CHECKED mrt_result live_frame_tick(live_stage *stage, error *err);
 void live_frame_publish(live_stage *stage); /* the face as it is */
 void live_frame_pulse(live_stage *stage);
 
-/* ---- live_frame.c: [frame] the timeline ---- */
 /* [main] The thread of a timeline. */
 CHECKED mrt_result live_timeline_start(live_timeline *self, wake *done, error *err);
 void live_timeline_stop(live_timeline *self);
-/* What is performed over the take ends here. */
+/* [frame] What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
-/* What the sound does from now on: it is told of each change. */
+/* [frame] What the sound does from now on: it is told of each change. */
 void live_time_tell_sound(live_stage *stage, int64_t now_ns);
 /* What is shown when it stands there: at its end a take shows its last instant, not the rest behind
  * it. */
 int64_t live_time_shown_at(const transport *motion, int64_t at_ns);
 
 /* ---- live_cast.c: who performs ---- */
-CHECKED mrt_result live_scene_create(live *self, const face_file *file, const char *path,
-                                     double unit_mm, live_mapping_role *role, live_scene **out,
-                                     error *err);
+
+/* The first face and the first mapping. */
+CHECKED mrt_result live_cast_start(live *self, error *err);
+void live_cast_finish(live *self);
+void live_cast_update(live *self);
+/* Another face for the same mapping. */
+CHECKED mrt_result live_cast_set_scene(live *self, const face_file *file, const char *path,
+                                       double unit_mm, error *err);
 void live_scene_destroy(live_scene *scene);                     /* and those before it */
 void live_own_solver(live *self, const csrbf_settings *solver); /* of scenes to come; NULL: rigs' */
+isolate_counts live_mapping_isolated(live_mapping_role *self);
+/* What the mapping was taught becomes a note of the show, for another session. */
+void live_cast_keep_taught(live *self);
+
 /* Who performs now, for the recorder; the layer alone: others move the face. */
 recorder_settings live_cast_settings(live *self, bool moves_face);
 /* Refuses while a take is recorded, with what cannot be done. */
 CHECKED mrt_result live_check_free(const live *self, const char *what, error *err);
 
-/* Another performance begins, as things are now. */
-CHECKED mrt_result live_cast_anew(live *self, error *err);
-/* What the mapping was taught becomes a note of the show, for another session. */
-void live_cast_keep_taught(live *self);
-void live_cast_watch(live *self); /* the mapping's library, if it has one */
-void live_cast_update(live *self);
+/* Every change of who performs ends the performance that is recorded and begins another one. As
+ * things are then is prepared here; a command makes the change, and begins with it on the frame
+ * thread; what has ended, or was not needed, is dismissed, whatever came of it. */
+CHECKED mrt_result live_cast_prepare(live *self, live_change *c, error *err);
+CHECKED mrt_result live_cast_begin(live_stage *stage, live_change *c, error *err); /* [frame] */
+void live_cast_dismiss(live *self, live_change *c);
+/* All three: `run` begins with a live_change that is its data. */
+CHECKED mrt_result live_cast_change(live *self, live_command_run *run, live_change *c, error *err);
+CHECKED mrt_result live_cast_anew(live *self, error *err); /* as things are now */
 
-/* ---- live_record.c ---- */
+/* ---- live_inputs.c: the pointer, inputs, hands ---- */
+
+CHECKED mrt_result live_pointer_open(live *self, error *err);
+void live_inputs_finish(live *self);
+void live_inputs_update(live *self);
+
+/* ---- live_record.c: recording, sound ---- */
+
 CHECKED mrt_result live_record_start(live *self, error *err);
 CHECKED mrt_result live_record_stop(live *self, error *err);
 void live_record_update(live *self);
-
-/* ---- live_record.c: sound ---- */
 CHECKED mrt_result live_sound_need(live *self, error *err);
 void live_sound_drop(live *self);
 void live_sound_update(live *self);
 
-/* ---- live_take.c: [main] the timeline ---- */
+/* ---- live_take.c: the timeline, and what is performed over it ---- */
+
 void live_take_drop(live *self);   /* none is shown any more */
 void live_take_finish(live *self); /* what is left of it, when nothing runs any more */
-
-/* ---- live_take.c: performed over ---- */
 void live_over_update(live *self);
 
 #endif

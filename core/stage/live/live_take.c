@@ -9,8 +9,6 @@
 
 /* [main] A take on the stage: shown, played, performed over. */
 
-static void live_over_forget(live *self);
-
 /* For instants of a take that are kept to scrub from: two minutes of clay on the puppet, hours of
  * anything else. */
 static const size_t scrub_bytes = (size_t)64 << 20;
@@ -427,12 +425,6 @@ void live_step_frames(live *self, int64_t frames)
     live_take_tell_transport(self);
 }
 
-void live_take_finish(live *self)
-{
-    live_over_forget(self);
-    take_finish(&self->shown);
-}
-
 /* ---- a take that is performed over ---- */
 
 typedef struct beginning {
@@ -626,4 +618,10 @@ void live_over_update(live *self)
     self->is_over = self->status.is_recording = false;
     self->is_over_done = true;
     self->take_ended_ns = clock_now_ns();
+}
+
+void live_take_finish(live *self)
+{
+    live_over_forget(self);
+    take_finish(&self->shown);
 }
