@@ -15,7 +15,6 @@
 #include "stage/input/glove_channels.h"
 #include "stage/input/input.h"
 #include "stage/mapping/plugins.h"
-#include "stage/input/spec.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -725,7 +724,7 @@ static int run(int argc, char **argv)
     calibrate_options options;
     int code = read_options(&options, argc, argv);
     if (code != COMMAND_DONE) {
-        spec_finish(&options.input);
+        plugin_spec_finish(&options.input);
         return code;
     }
     error err = {""};
@@ -733,7 +732,7 @@ static int run(int argc, char **argv)
     mrt_result result = told ? MRT_OK : error_set(&err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = options.show ? show(options.show, told, &err) : calibrate(&options, told, &err);
-    spec_finish(&options.input);
+    plugin_spec_finish(&options.input);
     return command_end(&command_calibrate, told, result, &err);
 }
 

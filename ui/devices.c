@@ -9,7 +9,7 @@
 #include "base/text.h"
 #include "stage/input/device_list.h"
 #include "stage/input/input.h"
-#include "stage/input/spec.h"
+#include "stage/mapping/plugins.h"
 
 #include <jansson.h>
 
@@ -52,7 +52,7 @@ static void print_looked_for(const plugin_list *plugins)
             continue;
         if (!any)
             puts("no device was found; looked for:");
-        printf("  %-12s %s\n", device_list_plugin_name(type), type->about);
+        printf("  %-12s %s\n", plugin_short_name(type), type->about);
         any = true;
     }
     if (!any)
@@ -64,8 +64,7 @@ enum { SPEC_TEXT = 256 };
 /* What to write after --input. */
 static void write_spec(char out[SPEC_TEXT], const device_found *of)
 {
-    (void)snprintf(out, SPEC_TEXT, "%.48s:%s", device_list_plugin_name(of->type),
-                   of->device.address);
+    (void)snprintf(out, SPEC_TEXT, "%.48s:%s", plugin_short_name(of->type), of->device.address);
 }
 
 static void devices_print(const device_list *found, const plugin_list *plugins)
@@ -650,8 +649,8 @@ static int read_options(devices_options *out, int argc, char **argv)
 static void finish_options(devices_options *options)
 {
     for (uint32_t i = 0; i < options->input_count; ++i)
-        spec_finish(&options->input[i]);
-    spec_finish(&options->learn);
+        plugin_spec_finish(&options->input[i]);
+    plugin_spec_finish(&options->learn);
 }
 
 static mrt_result list_devices(const devices_options *options, const plugin_list *plugins,

@@ -6,6 +6,7 @@
 #include "base/text.h"
 #include "io/arkit.h"
 #include "io/curves.h"
+#include "stage/mapping/plugins.h"
 
 #include <errno.h>
 #include <math.h>
@@ -146,8 +147,7 @@ static const char *explanation_of(const char *help, const char *label)
 void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type,
                          const double *value)
 {
-    const char *dot = strrchr(type->id, '.');
-    int used = snprintf(out, capacity, "%s %s", dot ? dot + 1 : type->id, type->version);
+    int used = snprintf(out, capacity, "%s %s", plugin_short_name(type), type->version);
     const char *between = ": ";
     for (uint32_t i = 0; i < type->param_count && used > 0 && (size_t)used < capacity; ++i) {
         const mrt_param *p = &type->params[i];

@@ -8,7 +8,7 @@
 #include "base/program.h"
 #include "base/text.h"
 #include "io/mesh_file.h"
-#include "stage/input/spec.h"
+#include "stage/mapping/plugins.h"
 #include "stream/video.h"
 
 #include <assert.h>
@@ -232,7 +232,7 @@ int command_read_spec(void *to, const command *self, const char *name, const cha
     plugin_spec *spec = to;
     if (spec->plugin)
         return command_usage(self, "one --%s is possible", name);
-    return spec_read(spec, text)
+    return plugin_spec_read(spec, text)
                ? COMMAND_DONE
                : command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);
 }

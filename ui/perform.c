@@ -52,8 +52,8 @@ typedef struct perform_options {
 static void finish_options(perform_options *options)
 {
     for (uint32_t i = 0; i < options->input_count; ++i)
-        spec_finish(&options->input[i]);
-    spec_finish(&options->map);
+        plugin_spec_finish(&options->input[i]);
+    plugin_spec_finish(&options->map);
     free(options->face);
 }
 
@@ -101,7 +101,7 @@ static int set_map(void *to, const command *self, const char *name, const char *
     plugin_spec *map = to;
     if (map->plugin)
         return command_usage(self, "one --map is possible");
-    if (!spec_read(map, text) || map->address[0])
+    if (!plugin_spec_read(map, text) || map->address[0])
         return command_usage(self, "--%s \"%s\" is not PLUGIN[,key=value]", name, text);
     return COMMAND_DONE;
 }
@@ -731,7 +731,6 @@ static void report_constraints(performance *self, facts *told)
 /* What the picture is called: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
 static void name_performance(const performance *self, char *out, size_t capacity)
 {
-    const char *dot = strrchr(self->mapping.instance.type->id, '.');
     const char *slash = strrchr(self->options->face, '/');
     int used = snprintf(out, capacity, "%s: ", slash ? slash + 1 : self->options->face);
     for (uint32_t i = 0; i < self->inputs.count && used >= 0 && (size_t)used < capacity; ++i)
@@ -739,7 +738,7 @@ static void name_performance(const performance *self, char *out, size_t capacity
                          input_name(self->inputs.input[i]));
     if (used >= 0 && (size_t)used < capacity)
         (void)snprintf(out + used, capacity - (size_t)used, ", %s",
-                       dot ? dot + 1 : self->mapping.instance.type->id);
+                       plugin_short_name(self->mapping.instance.type));
 }
 
 /* What it takes to make it again. */

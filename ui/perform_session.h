@@ -4,9 +4,8 @@
 #define MAROTTE_UI_PERFORM_SESSION_H
 #include "facts.h"
 #include "hand/calibration_file.h"
-#include "stage/input/spec.h"
-#include "stage/mapping/isolate.h"
 #include "stage/mapping/plugins.h"
+#include "stage/mapping/isolate.h"
 #include "stage/output/outputs.h"
 #include "stage/perform/performer.h"
 #include "stage/perform/player.h"

@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/text.h"
 #include "hand/calibration_file.h"
-#include "stage/input/spec.h"
+#include "stage/mapping/plugins.h"
 #include "stage/perform/patch_file.h"
 #include "stage/sound/sound.h"
 #include "stage/take/identity.h"
@@ -46,7 +46,7 @@ static mrt_result open_mapping(take_call *call, plugin_spec *spec, perform_mappi
                                const perform_mapping_settings *with, error *err)
 {
     const char *text = call->text[TAKE_MAP];
-    if (!spec_read(spec, text) || spec->address[0])
+    if (!plugin_spec_read(spec, text) || spec->address[0])
         return take_misused(call, err, "--map \"%s\" is not PLUGIN[,key=value]", text);
     return perform_mapping_open(out, spec, with, err);
 }
@@ -55,7 +55,7 @@ static mrt_result open_inputs(performing *self, error *err)
 {
     take_call *call = self->call;
     for (uint32_t i = 0; i < call->input_count; ++i)
-        if (!spec_read(&self->spec[i], call->input[i]))
+        if (!plugin_spec_read(&self->spec[i], call->input[i]))
             return take_misused(call, err, "--input \"%s\" is not PLUGIN[:ADDRESS][,key=value]",
                                 call->input[i]);
     return perform_inputs_open(&self->inputs, self->spec, call->input_count, &self->plugins,
@@ -193,13 +193,13 @@ static void finish(performing *self)
     perform_record_rescue(self->call->show);
     edit_finish(&self->own);
     perform_mapping_close(&self->mapping);
-    spec_finish(&self->map);
+    plugin_spec_finish(&self->map);
     free(self->calibration[0]);
     free(self->calibration[1]);
     perform_hands_finish(&self->hands);
     perform_inputs_close(&self->inputs);
     for (int i = 0; i < PERFORM_INPUTS_MAX; ++i)
-        spec_finish(&self->spec[i]);
+        plugin_spec_finish(&self->spec[i]);
     face_file_destroy(&self->face);
     free(self->face_path);
     take_finish(&self->take);
@@ -599,7 +599,7 @@ static void finish_remap(remap *self)
     free(self->patch);
     face_file_destroy(&self->face);
     perform_mapping_close(&self->mapping);
-    spec_finish(&self->map);
+    plugin_spec_finish(&self->map);
     plugin_list_destroy(&self->plugins);
     if (self->log)
         news_print(self->log);

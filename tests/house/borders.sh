@@ -21,9 +21,9 @@ only() {
 }
 word='(^|[^_[:alnum:]>.])'
 
-# Libraries: of plugins by library_open alone (the checker has its own), of the system by their names.
-only "${word}dlopen\(" "loads a library: plugins go through stage/mapping/library.h" \
-    core/stage/mapping/library.c core/check/child/cases_library.c ui/draw/gl.c ui/window/gui/window.c
+# Libraries: of plugins by plugin_library_open alone (the checker has its own), of the system by their names.
+only "${word}dlopen\(" "loads a library: plugins go through stage/mapping/plugins.h" \
+    core/stage/mapping/plugins.c core/check/child/cases_library.c ui/draw/gl.c ui/window/gui/window.c
 # A path to a plugin is what the person has just written: on the command line, or in the window.
 only "plugin_list_(choose|choose_spec|add)\(" "opens a plugin by its path: what is stored is looked up by plugin_list_find" \
     core/stage/mapping/plugins.c core/stage/mapping/plugins.h ui/calibrate.c ui/devices.c \

@@ -14,7 +14,6 @@
 #include "stage/live/live.h"
 #include "stage/live/live_stage.h"
 #include "stage/mapping/plugins.h"
-#include "stage/input/spec.h"
 #include "take/edit_store.h"
 #include "take/history.h"
 
@@ -121,13 +120,13 @@ static inline mrt_result fixture_add_input(live_fixture *d, const char *text, er
     plugin_spec of;
     const mrt_plugin_type *type;
     mrt_result result = MRT_OK;
-    if (!spec_read(&of, text))
+    if (!plugin_spec_read(&of, text))
         result = error_set(err, MRT_ERR_ARGUMENT, "%s names no plugin", text);
     if (result >= 0)
         result = plugin_list_find(&d->plugins, of.plugin, MRT_INPUT, &type, err);
     if (result >= 0)
         result = input_create(&made, type, of.address, of.params, CLOCK_REAL, d->log, err);
-    spec_finish(&of);
+    plugin_spec_finish(&of);
     return result < 0 ? result : live_add_input(d->live, made, text, err);
 }
 

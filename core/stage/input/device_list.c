@@ -5,12 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *device_list_plugin_name(const mrt_plugin_type *type)
-{
-    const char *dot = strrchr(type->id, '.');
-    return dot ? dot + 1 : type->id;
-}
-
 static const mrt_devices *knows_devices(const mrt_plugin_type *type)
 {
     return plugin_interface(type, MRT_INPUT) ? plugin_interface(type, MRT_DEVICES) : NULL;

@@ -25,7 +25,5 @@ CHECKED mrt_result device_list_look(device_list *out, const plugin_list *plugins
                                     log_once *already_logged, error *err);
 /* Whether an input type knows devices. */
 bool device_list_knows(const mrt_plugin_type *type);
-/* "cyberglove" of "org.marotte.cyberglove": what names it before an address. */
-const char *device_list_plugin_name(const mrt_plugin_type *type);
 
 #endif

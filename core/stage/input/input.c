@@ -55,16 +55,9 @@ struct input {
     health_board board;
 };
 
-/* [main] before the thread starts, then the reading thread: opens the plugin and takes its channels
- * over as the newest version. */
-CHECKED static mrt_result input_run_open(input *self, error *err);
-/* The thread; data: the input. */
-static void *input_run(void *data);
-/* [frame] Virtual clock: reads until there is a sample or the input is over; false: it is over. */
-static bool input_run_virtual(input *self, input_record *out);
-
-/* ==== How an input is read: on its own thread, or on the frame thread where the clock is virtual,
- * up to "how an input is used" ==== */
+/* The first half of this file runs on the thread that reads the plugin: the input's own, or the
+ * frame thread where the clock is virtual. The second half, from "used" on, is for whoever has an
+ * input: [main] and the frame thread. */
 
 /* How long a read may block before the thread looks whether it is to stop. */
 static const int64_t read_span_ns = 100 * NS_PER_MS;
@@ -218,9 +211,8 @@ static mrt_result open_plugin(input *self, log_once *already_logged, channel_tab
         self->functions->open(self->plugin.self, self->address, self->plugin.params);
     instance_listen_end(&self->plugin);
     self->opened_ns = clock_now_ns();
-    if (result < 0) {
+    if (result < 0)
         return error_set(err, result, "%s", why.text);
-    }
     pass_on(self, &why, MRT_LOG_ERROR);
     self->open = true;
     self->told_time = false;
@@ -242,18 +234,16 @@ static mrt_result adopt_channels(input *self, const channel_table *table, error 
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has had other channels %d times: too often",
                          self->name, INPUT_VERSIONS);
     if (at == self->version_count) {
-        error none;
-        mrt_result result =
-            channel_table_init(&self->table[at], table->channel, table->count, self->name, &none);
-        if (result < 0)
-            return error_set(err, result, "%s", none.text);
+        channel_table_copy(&self->table[at], table->channel, table->count);
         self->version_count += 1;
     }
     atomic_store(&self->version, at);
     return MRT_OK;
 }
 
-static mrt_result input_run_open(input *self, error *err)
+/* [main] before the thread starts, then the reading thread: opens the plugin and takes its channels
+ * over as the newest version. */
+static mrt_result open_input(input *self, error *err)
 {
     channel_table table;
     mrt_result result = open_plugin(self, NULL, &table, err);
@@ -419,7 +409,7 @@ static void restart(input *self)
 {
     error why = {""};
     release_pedals(self, clock_now_ns());
-    mrt_result result = input_run_open(self, &why);
+    mrt_result result = open_input(self, &why);
     if (result >= 0 || is_stopping(self))
         return;
     if (is_device(self))
@@ -483,7 +473,7 @@ static bool is_live(const input *self)
     return state == INPUT_RUNNING || state == INPUT_LOST;
 }
 
-static void *input_run(void *data)
+static void *run(void *data)
 {
     input *self = data;
     while (!is_stopping(self) && is_live(self)) {
@@ -501,7 +491,8 @@ static void *input_run(void *data)
     return NULL;
 }
 
-static bool input_run_virtual(input *self, input_record *out)
+/* [frame] Virtual clock: reads until there is a sample; false: the input is over. */
+static bool read_virtual(input *self, input_record *out)
 {
     for (uint32_t fruitless = 0; atomic_load(&self->state) == INPUT_RUNNING; ++fruitless) {
         error why = {""};
@@ -527,15 +518,14 @@ static bool input_run_virtual(input *self, input_record *out)
     return false;
 }
 
-/* ==== How an input is used: on [main] and the frame thread ==== */
+/* ==== used ==== */
 
 static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 
 void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char *address)
 {
-    const char *dot = strrchr(type->id, '.');
     const char *slash = strrchr(address, '/');
-    snprintf(out, INPUT_NAME, "%.31s%s%.63s", dot ? dot + 1 : type->id, address[0] ? " " : "",
+    snprintf(out, INPUT_NAME, "%.31s%s%.63s", plugin_short_name(type), address[0] ? " " : "",
              slash ? slash + 1 : address);
     text_make_printable(out); /* addresses come from devices too */
 }
@@ -587,7 +577,7 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
         result = allocate(self, err);
     self->plugin.stop = stop;
     if (result >= 0)
-        result = input_run_open(self, err);
+        result = open_input(self, err);
     self->plugin.stop = NULL;
     if (result < 0)
         goto fail;
@@ -666,7 +656,7 @@ mrt_result input_start(input *self, error *err)
 {
     if (self->plugin.clock == CLOCK_VIRTUAL || self->has_thread)
         return MRT_OK;
-    if (pthread_create(&self->thread, NULL, input_run, self) != 0)
+    if (pthread_create(&self->thread, NULL, run, self) != 0)
         return error_set(err, MRT_ERR_MEMORY, "%s: its thread could not be started", self->name);
     self->has_thread = true;
     return MRT_OK;
@@ -690,7 +680,7 @@ bool input_peek(input *self, mrt_sample *out_sample)
             return false;
     } else {
         if (!self->has_pending)
-            self->has_pending = input_run_virtual(self, &self->pending);
+            self->has_pending = read_virtual(self, &self->pending);
         if (!self->has_pending)
             return false;
         record = self->pending;

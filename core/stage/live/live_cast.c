@@ -650,10 +650,10 @@ void live_list_fitting(live *self, char *out, size_t capacity)
     size_t used = 0;
     out[0] = '\0';
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
-        const char *id = plugins->entry[i].type->id, *dot = strrchr(id, '.');
-        const char *name = dot ? dot + 1 : id;
-        if (!plugin_interface(plugins->entry[i].type, MRT_MAPPING) ||
-            used + strlen(name) + 3 > capacity || !takes(self, id, about))
+        const mrt_plugin_type *type = plugins->entry[i].type;
+        const char *name = plugin_short_name(type);
+        if (!plugin_interface(type, MRT_MAPPING) || used + strlen(name) + 3 > capacity ||
+            !takes(self, type->id, about))
             continue;
         used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", name);
     }

@@ -4,7 +4,7 @@
 #include "base/program.h"
 #include "base/clock.h"
 #include "stage/mapping/isolate_wire.h"
-#include "stage/mapping/library.h"
+#include "stage/mapping/plugins.h"
 #include "stage/mapping/services.h"
 
 #include <fcntl.h>
@@ -91,7 +91,7 @@ static const void *interface_of(const mrt_plugin_type *type, const char *id)
 static bool find_type(child *self, const char *path, const char *id)
 {
     error err = {""};
-    const mrt_plugin_type *const *types = library_open(path, &err);
+    const mrt_plugin_type *const *types = plugin_library_open(path, &err);
     for (; types && *types && (*types)->abi == MRT_ABI; ++types)
         if (strcmp((*types)->id, id) == 0 &&
             (interface_of(*types, MRT_MAPPING) || interface_of(*types, MRT_FACE_OUTPUT)))

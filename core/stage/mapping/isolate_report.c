@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/program.h"
 #include "hand/sensor.h"
+#include "stage/mapping/plugins.h"
 #include "take/hash.h"
 
 #include <errno.h>
@@ -44,13 +45,12 @@ static mrt_result make_report_folder(const mrt_plugin_type *type, char *out, siz
     struct tm utc;
     if (gmtime_r(&now, &utc))
         (void)strftime(when, sizeof when, "%Y-%m-%d %H-%M-%S", &utc);
-    const char *dot = strrchr(type->id, '.');
     for (int n = 1; n < FOLDERS_MAX; ++n) {
         char number[16] = "";
         if (n > 1)
             (void)snprintf(number, sizeof number, " %d", n);
         int length = snprintf(out, capacity, "%s/%s %.60s%s", reports, when,
-                              dot ? dot + 1 : type->id, number);
+                              plugin_short_name(type), number);
         if (length <= 0 || (size_t)length >= capacity)
             return error_set(err, MRT_ERR_IO, "the folder of reports has too long a name");
         if (mkdir(out, 0777) == 0)

@@ -2,16 +2,19 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "stage/mapping/library.h"
 
 #include <dirent.h>
+#include <dlfcn.h>
+#include <limits.h>
+#include <link.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-enum { PATH_LENGTH = 4096, PARAM_COUNT_MAX = 1024 };
+enum { PARAM_COUNT_MAX = 1024 };
 
 const void *plugin_interface(const mrt_plugin_type *type, const char *interface_id)
 {
@@ -19,6 +22,12 @@ const void *plugin_interface(const mrt_plugin_type *type, const char *interface_
         if (strcmp(i->id, interface_id) == 0)
             return i->functions;
     return NULL;
+}
+
+const char *plugin_short_name(const mrt_plugin_type *type)
+{
+    const char *dot = strrchr(type->id, '.');
+    return dot ? dot + 1 : type->id;
 }
 
 /* What is shown of a plugin, and goes into errors, shows and the names of folders. */
@@ -81,22 +90,24 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
     if (!input && !mapping && !output && !face)
         return error_set(err, MRT_ERR_FORMAT, "%s: answers none of %s, %s, %s, %s", type->id,
                          MRT_INPUT, MRT_MAPPING, MRT_OUTPUT, MRT_FACE_OUTPUT);
+    const char *lacking = NULL;
     if (input && (!input->open || !input->channels || !input->read || !input->close))
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_INPUT);
-    if (mapping &&
-        (!mapping->activate || !mapping->deactivate || !mapping->reset || !mapping->process))
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_MAPPING);
-    if (state && (!state->save || !state->load))
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_STATE);
-    if (poses && !poses->pose)
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id,
-                         MRT_TAUGHT_POSES);
-    if (devices && (!devices->list || !devices->current))
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_DEVICES);
-    if (output && (!output->open || !output->write || !output->close))
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_OUTPUT);
-    if (face && (!face->open || !face->begin || !face->send || !face->close))
-        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, MRT_FACE_OUTPUT);
+        lacking = MRT_INPUT;
+    else if (mapping &&
+             (!mapping->activate || !mapping->deactivate || !mapping->reset || !mapping->process))
+        lacking = MRT_MAPPING;
+    else if (state && (!state->save || !state->load))
+        lacking = MRT_STATE;
+    else if (poses && !poses->pose)
+        lacking = MRT_TAUGHT_POSES;
+    else if (devices && (!devices->list || !devices->current))
+        lacking = MRT_DEVICES;
+    else if (output && (!output->open || !output->write || !output->close))
+        lacking = MRT_OUTPUT;
+    else if (face && (!face->open || !face->begin || !face->send || !face->close))
+        lacking = MRT_FACE_OUTPUT;
+    if (lacking)
+        return error_set(err, MRT_ERR_FORMAT, "%s: %s lacks a function", type->id, lacking);
     return MRT_OK;
 }
 
@@ -125,6 +136,97 @@ mrt_result plugin_type_check(const mrt_plugin_type *type, error *err)
     }
     return check_interfaces(type, err);
 }
+
+/* ---- a library ---- */
+
+typedef ElfW(Ehdr) elf_header;
+typedef ElfW(Phdr) elf_segment;
+
+static bool is_native_elf(const elf_header *header)
+{
+    unsigned char native = sizeof(void *) == 8 ? ELFCLASS64 : ELFCLASS32;
+    return memcmp(header->e_ident, ELFMAG, SELFMAG) == 0 && header->e_ident[EI_CLASS] == native &&
+           header->e_phentsize == sizeof(elf_segment);
+}
+
+static bool lies_within(uint64_t offset, uint64_t length, uint64_t size)
+{
+    return length <= size && offset <= size - length;
+}
+
+static mrt_result cut_short(uint64_t size, error *err)
+{
+    return error_set(err, MRT_ERR_FORMAT, "is cut short at %ju bytes: copy or build it again",
+                     (uintmax_t)size);
+}
+
+static mrt_result check_segments(FILE *file, uint64_t size, error *err)
+{
+    elf_header header;
+    if (fread(&header, sizeof header, 1, file) != 1 || !is_native_elf(&header))
+        return MRT_OK;
+    uint64_t table_size = (uint64_t)header.e_phnum * sizeof(elf_segment);
+    if (!lies_within(header.e_phoff, table_size, size) ||
+        fseek(file, (long)header.e_phoff, SEEK_SET) != 0)
+        return cut_short(size, err);
+    for (unsigned i = 0; i < header.e_phnum; ++i) {
+        elf_segment segment;
+        if (fread(&segment, sizeof segment, 1, file) != 1)
+            return cut_short(size, err);
+        if (segment.p_type == PT_LOAD && !lies_within(segment.p_offset, segment.p_filesz, size))
+            return cut_short(size, err);
+    }
+    return MRT_OK;
+}
+
+mrt_result plugin_library_check(const char *path, error *err)
+{
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return MRT_OK;
+    if (!S_ISREG(status.st_mode))
+        return error_set(err, MRT_ERR_FORMAT, "is no regular file");
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return MRT_OK;
+    mrt_result result = check_segments(file, (uint64_t)status.st_size, err);
+    (void)fclose(file);
+    return result;
+}
+
+/* A name without a slash would be looked for in the system's folders. */
+static bool as_path(char out[PATH_MAX], const char *path)
+{
+    int length = snprintf(out, PATH_MAX, "%s%s", strchr(path, '/') ? "" : "./", path);
+    return length > 0 && length < PATH_MAX;
+}
+
+const mrt_plugin_type *const *plugin_library_open(const char *path, error *err)
+{
+    char name[PATH_MAX];
+    if (!as_path(name, path)) {
+        (void)error_set(err, MRT_ERR_ARGUMENT, "has too long a name");
+        return NULL;
+    }
+    if (plugin_library_check(name, err) < 0)
+        return NULL;
+    dlerror();
+    void *library = dlopen(name, RTLD_NOW | RTLD_LOCAL);
+    if (!library) {
+        const char *reason = dlerror();
+        (void)error_set(err, MRT_ERR_FORMAT, "%s", reason ? reason : "cannot be loaded");
+        return NULL;
+    }
+    const mrt_plugin_type *const *types = dlsym(library, "marotte_plugins");
+    if (types && types[0])
+        return types;
+    (void)error_set(err, MRT_ERR_FORMAT,
+                    types ? "its marotte_plugins is empty"
+                          : "has no symbol marotte_plugins: not a marotte plugin");
+    return NULL;
+}
+
+/* ---- the list ---- */
 
 static mrt_result no_memory(error *err)
 {
@@ -213,7 +315,7 @@ static mrt_result add(plugin_list *list, const char *path, const mrt_plugin_type
     mrt_result result = make_room(list, err);
     if (result < 0)
         return result;
-    const mrt_plugin_type *const *types = library_open(path, &reason);
+    const mrt_plugin_type *const *types = plugin_library_open(path, &reason);
     *out_types = types;
     if (!types) {
         refuse(list, path, reason.text);
@@ -257,7 +359,7 @@ static void add_folder(plugin_list *list, const char *folder)
     struct dirent **entries = NULL;
     int count = scandir(folder, &entries, is_library, by_bytes);
     for (int i = 0; i < count; ++i) {
-        char path[PATH_LENGTH];
+        char path[PATH_MAX];
         int length = snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
         error err;
         if (length > 0 && (size_t)length < sizeof path && plugin_list_add(list, path, &err) < 0)
@@ -272,7 +374,7 @@ static void add_path_list(plugin_list *list, const char *folders)
 {
     while (folders && *folders) {
         size_t length = strcspn(folders, ":");
-        char folder[PATH_LENGTH];
+        char folder[PATH_MAX];
         if (length > 0 && length < sizeof folder) {
             memcpy(folder, folders, length);
             folder[length] = '\0';
@@ -284,7 +386,7 @@ static void add_path_list(plugin_list *list, const char *folders)
 
 static void add_user_folder(plugin_list *list)
 {
-    char folder[PATH_LENGTH];
+    char folder[PATH_MAX];
     if (file_home_path(folder, sizeof folder, FILE_HOME_DATA, "plugins", NULL) >= 0)
         add_folder(list, folder);
 }
@@ -293,7 +395,7 @@ static void add_user_folder(plugin_list *list)
  * freed; NULL: there is no such folder. */
 static char *program_folder(const char *from_program)
 {
-    char folder[PATH_LENGTH];
+    char folder[PATH_MAX];
     size_t name_length = strlen(from_program);
     ssize_t length = readlink("/proc/self/exe", folder, sizeof folder - name_length - 1);
     if (length <= 0)
@@ -373,8 +475,7 @@ void plugin_list_destroy(plugin_list *list)
 
 static bool is_named(const mrt_plugin_type *type, const char *name)
 {
-    const char *dot = strrchr(type->id, '.');
-    return strcmp(type->id, name) == 0 || (dot && strcmp(dot + 1, name) == 0);
+    return strcmp(type->id, name) == 0 || strcmp(plugin_short_name(type), name) == 0;
 }
 
 /* "log, pedal": the plugins with this interface. */
@@ -386,9 +487,8 @@ static void name_all(const plugin_list *list, const char *interface_id, char *ou
         const mrt_plugin_type *type = list->entry[i].type;
         if (!plugin_interface(type, interface_id))
             continue;
-        const char *dot = strrchr(type->id, '.');
         int length = snprintf(out + used, capacity - used, "%s%s", used ? ", " : "",
-                              dot ? dot + 1 : type->id);
+                              plugin_short_name(type));
         used += length > 0 ? (size_t)length : 0;
     }
 }
@@ -439,13 +539,13 @@ static bool is_path(const char *words)
 }
 
 /* "./two.so/tide": the library is "./two.so", and out_name "tide"; "" when none is named. */
-static bool split_path(const char *words, char out_path[PATH_LENGTH], const char **out_name)
+static bool split_path(const char *words, char out_path[PATH_MAX], const char **out_name)
 {
     const char *end = words + strlen(words), *slash = strrchr(words, '/');
     bool is_within = slash && slash - words > 3 && strncmp(slash - 3, ".so", 3) == 0;
     size_t length = (size_t)((is_within ? slash : end) - words);
     *out_name = is_within ? slash + 1 : "";
-    if (length >= PATH_LENGTH)
+    if (length >= PATH_MAX)
         return false;
     memcpy(out_path, words, length);
     out_path[length] = '\0';
@@ -462,10 +562,9 @@ static mrt_result pick(const mrt_plugin_type *const *types, const char *path, co
     for (; *types; ++types) {
         if (!plugin_interface(*types, interface_id))
             continue;
-        const char *dot = strrchr((*types)->id, '.');
         int length = used < sizeof names
                          ? snprintf(names + used, sizeof names - used, "%s%s/%s", used ? ", " : "",
-                                    path, dot ? dot + 1 : (*types)->id)
+                                    path, plugin_short_name(*types))
                          : 0;
         used += length > 0 ? (size_t)length : 0;
         if (name[0] && !is_named(*types, name))
@@ -486,7 +585,7 @@ static mrt_result pick(const mrt_plugin_type *const *types, const char *path, co
 mrt_result plugin_list_choose(plugin_list *list, const char *words, const char *interface_id,
                               const mrt_plugin_type **out_type, error *err)
 {
-    char path[PATH_LENGTH];
+    char path[PATH_MAX];
     const char *name;
     const mrt_plugin_type *const *types;
     if (!is_path(words))
@@ -527,4 +626,27 @@ mrt_result plugin_list_choose_spec(plugin_list *list, const char *spec, const ch
     }
     free(words);
     return result;
+}
+
+/* A path to a library ("./x.so:...") is a plugin too. */
+bool plugin_spec_read(plugin_spec *out, const char *text)
+{
+    size_t plugin_length = strcspn(text, ":,");
+    const char *rest = text + plugin_length;
+    const char *address = *rest == ':' ? rest + 1 : "";
+    size_t address_length = strcspn(address, ",");
+    const char *params = *rest == ':' ? address + address_length : rest;
+    if (*params == ',')
+        params += 1;
+    out->plugin = strndup(text, plugin_length);
+    out->address = strndup(address, address_length);
+    out->params = strdup(params);
+    return out->plugin && out->address && out->params && plugin_length > 0;
+}
+
+void plugin_spec_finish(plugin_spec *spec)
+{
+    free(spec->plugin);
+    free(spec->address);
+    free(spec->params);
 }

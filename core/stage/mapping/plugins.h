@@ -60,7 +60,31 @@ const char *plugin_list_path_of(const plugin_list *list, const mrt_plugin_type *
  * the program. */
 bool plugin_is_shipped(const char *library);
 
+/* "cyberglove" of "org.marotte.cyberglove": what names it before an address. */
+const char *plugin_short_name(const mrt_plugin_type *type);
+
 /* Checks one type against the rules of plugin.h that can be seen without running it. */
 CHECKED mrt_result plugin_type_check(const mrt_plugin_type *type, error *err);
+
+/* ---- one library: nothing else in marotte loads a plugin's. What is wrong is said without the
+ * path. [main], or any thread that may block ---- */
+
+/* Refuses what is not a regular file (dlopen waits for ever on a pipe) and libraries whose segments
+ * lie beyond the file's end (their missing pages kill the program when they are touched). What is
+ * wrong otherwise is left to dlopen to say. */
+CHECKED mrt_result plugin_library_check(const char *path, error *err);
+/* Loads it, by its path alone: never by a search. Its types, at least one, ended by NULL; NULL and
+ * why. It is never unloaded: what has run stays. */
+const mrt_plugin_type *const *plugin_library_open(const char *path, error *err);
+
+/* ---- "PLUGIN:ADDRESS,key=value,..." as people write it, taken apart [any] ---- */
+
+typedef struct plugin_spec {
+    char *plugin, *address, *params; /* owned; "" where there is none */
+} plugin_spec;
+
+/* False: it names no plugin, or there is no memory. To be finished either way. */
+bool plugin_spec_read(plugin_spec *out, const char *text);
+void plugin_spec_finish(plugin_spec *spec); /* zeroed is fine */
 
 #endif

@@ -213,8 +213,8 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
     for (uint32_t i = 0; i < n->shape_count; ++i)
         *out++ = (float)face_shape_weight(f, i);
     out += n->weight_count;
-    bool has_weights = n->weight_count > 0, has_tried = atomic_load(&self->has_tried);
-    if (with_vertices || (has_weights && !has_tried)) /* nobody knows yet which of them */
+    bool has_weights = n->weight_count > 0, is_final = atomic_load(&self->has_final_weights);
+    if (with_vertices || (has_weights && !is_final))
         put_vertices(out, f, n->vertex_count);
     else if (has_weights && self->weights)
         put_points(out, f, self->weights);
@@ -230,12 +230,12 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
 void face_board_prepare(face_board *self)
 {
     error ignored = {""}; /* what cannot be said is 0 */
-    if (atomic_load(&self->has_tried))
+    if (atomic_load(&self->has_final_weights))
         return;
     if (self->of.names.weight_count > 0 &&
         face_file_weights(&self->weights, self->file, &ignored) < 0)
         self->weights = NULL;
-    atomic_store(&self->has_tried, true);
+    atomic_store(&self->has_final_weights, true);
 }
 
 static float *put_channels(float *out, const double *channels, uint32_t count)

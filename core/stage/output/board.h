@@ -23,10 +23,12 @@ typedef struct face_board {
     uint64_t number;
     _Atomic uint32_t references;
     const face_file *file;
-    face_weights *weights;  /* [taker] NULL: none yet, or none can be made */
-    _Atomic bool has_tried; /* weights is made or failed for good: [frame] copies only the points
-                               that they read; before that it copies all */
-    double residual_mm;     /* of the face taken last, face_channels */
+    /* Made by [taker] with the first face; NULL until then, and if they cannot be made. */
+    face_weights *weights;
+    /* `weights` does not change any more. From then on [frame] copies only the vertices that the
+     * weights are found from; before that it cannot know which, and copies all. */
+    _Atomic bool has_final_weights;
+    double residual_mm; /* of the face taken last, face_channels */
 } face_board;
 
 /* [main] With one reference. The composer may go before it; the file must be there as long as faces

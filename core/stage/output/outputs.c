@@ -1,6 +1,6 @@
 #include "stage/output/outputs.h"
 #include "base/clock.h"
-#include "stage/input/spec.h"
+#include "stage/mapping/plugins.h"
 #include "stage/input/wake.h"
 
 #include <math.h>
@@ -379,7 +379,7 @@ static void free_output(output *self)
     instance_destroy(&self->plugin);
     isolate_destroy(self->isolated);
     face_board_drop(self->begun);
-    spec_finish(&self->spec);
+    plugin_spec_finish(&self->spec);
     pthread_mutex_destroy(&self->mutex);
     free(self->now.value);
     free(self->text);
@@ -427,7 +427,7 @@ mrt_result outputs_add(outputs *self, const char *text, error *err)
     wake_init(&made->signal);
     made->text = strdup(text);
     mrt_result result = MRT_OK;
-    if (!made->text || !spec_read(&made->spec, text))
+    if (!made->text || !plugin_spec_read(&made->spec, text))
         result = error_set(err, MRT_ERR_ARGUMENT,
                            "output \"%s\" is not PLUGIN[:ADDRESS][,key=value]", text);
     if (result >= 0)

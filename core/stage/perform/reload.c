@@ -2,7 +2,6 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "check/check.h"
-#include "stage/mapping/library.h"
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/guard.h"
 #include "take/hash.h"
@@ -65,7 +64,7 @@ static mrt_result copy_library(const char *library, const char *folder, uint32_t
 {
     file_bytes bytes;
     const char *slash = strrchr(library, '/');
-    mrt_result result = library_check_file(library, err);
+    mrt_result result = plugin_library_check(library, err);
     if (result >= 0)
         result = file_read(&bytes, library, library_bytes_max, err);
     if (result < 0)
@@ -94,7 +93,7 @@ static mrt_result open_version(const char *path, const char *type_id,
                                const mrt_plugin_type **out_type, error *err)
 {
     *out_type = NULL;
-    const mrt_plugin_type *const *types = library_open(path, err);
+    const mrt_plugin_type *const *types = plugin_library_open(path, err);
     if (!types)
         return MRT_ERR_FORMAT;
     for (; *types; ++types) {
@@ -358,7 +357,7 @@ static void *loader_main(void *data)
         last = now;
         error ignored;
         bool is_complete = is_settled && now.size > 0 && !is_same_stamp(&now, &loaded) &&
-                           library_check_file(self->library, &ignored) >= 0;
+                           plugin_library_check(self->library, &ignored) >= 0;
         if (!is_complete)
             continue;
         loaded = now;

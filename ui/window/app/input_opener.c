@@ -2,7 +2,7 @@
 
 #include "base/ring.h"
 #include "stage/input/device_list.h"
-#include "stage/input/spec.h"
+#include "stage/mapping/plugins.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -66,9 +66,9 @@ static bool open_one(opening_job *self, uint32_t index)
 
 static void request_for(input_request *out, const device_found *found)
 {
-    (void)snprintf(out->text, sizeof out->text, "%.48s:%s", device_list_plugin_name(found->type),
+    (void)snprintf(out->text, sizeof out->text, "%.48s:%s", plugin_short_name(found->type),
                    found->device.address);
-    if (spec_read(&out->spec, out->text))
+    if (plugin_spec_read(&out->spec, out->text))
         out->type = found->type;
     else
         (void)error_set(&out->err, MRT_ERR_MEMORY, "no memory for input %.200s", out->text);
@@ -111,7 +111,7 @@ static void free_job(opening_job *job)
         input_destroy(left.what.input);
     ring_destroy(job->opened);
     for (uint32_t i = 0; i < INPUT_OPENER_MAX; ++i)
-        spec_finish(&job->request[i].spec);
+        plugin_spec_finish(&job->request[i].spec);
     free(job);
 }
 
@@ -119,7 +119,7 @@ static void read_request(input_request *out, const plugin_list *plugins, const c
 {
     mrt_result result = MRT_OK;
     (void)snprintf(out->text, sizeof out->text, "%s", text);
-    if (!spec_read(&out->spec, text))
+    if (!plugin_spec_read(&out->spec, text))
         result = error_set(&out->err, MRT_ERR_ARGUMENT,
                            "\"%.200s\" is not PLUGIN[:ADDRESS][,key=value]", text);
     if (result >= 0)

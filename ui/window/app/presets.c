@@ -26,7 +26,7 @@ bool presets_clean_name(char out[PRESET_NAME], const char *name)
 
 static void key_of_list(char out[PRESET_KEY], const mrt_plugin_type *type)
 {
-    (void)snprintf(out, PRESET_KEY, "mapping.%.100s.preset", device_list_plugin_name(type));
+    (void)snprintf(out, PRESET_KEY, "mapping.%.100s.preset", plugin_short_name(type));
 }
 
 void presets_key(char out[PRESET_KEY], const mrt_plugin_type *type, const char *name)

@@ -151,7 +151,7 @@ uint32_t devices_words_saturated(const health_report *health, const mrt_channel 
 
 static bool is_named(const char *name, size_t length, const mrt_plugin_type *type)
 {
-    const char *own = device_list_plugin_name(type);
+    const char *own = plugin_short_name(type);
     return (strlen(type->id) == length && strncmp(type->id, name, length) == 0) ||
            (strlen(own) == length && strncmp(own, name, length) == 0);
 }
@@ -172,8 +172,8 @@ bool devices_is_open(const char *input_text, const device_found *device, bool is
 
 bool devices_input_text(const device_found *device, char *out, size_t capacity)
 {
-    int length = snprintf(out, capacity, "%s:%s", device_list_plugin_name(device->type),
-                          device->device.address);
+    int length =
+        snprintf(out, capacity, "%s:%s", plugin_short_name(device->type), device->device.address);
     return length > 0 && (size_t)length < capacity && !strchr(device->device.address, ',');
 }
 

@@ -115,11 +115,10 @@ static void list_plugins(panel *self)
     self->count = 0;
     for (uint32_t i = 0; i < all->entry_count && self->count < PLUGINS_MAX; ++i) {
         const mrt_plugin_type *type = all->entry[i].type;
-        const char *dot = strrchr(type->id, '.');
         if (!plugin_interface(type, MRT_FACE_OUTPUT))
             continue;
         self->type[self->count] = type;
-        self->name[self->count++] = dot ? dot + 1 : type->id;
+        self->name[self->count++] = plugin_short_name(type);
     }
     if (self->chosen >= self->count)
         self->chosen = 0;
