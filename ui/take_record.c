@@ -6,7 +6,7 @@
 #include "stage/mapping/plugins.h"
 #include "stage/perform/patch_file.h"
 #include "stage/sound/sound.h"
-#include "stage/take/identity.h"
+#include "stage/take/recorder.h"
 #include "stage/take/overdub.h"
 #include "take.h"
 #include "take/edit_store.h"
@@ -439,14 +439,14 @@ static mrt_result describe(remap *self, take_performance *p, error *err)
     const instance *mapping = &self->mapping.instance;
     if (mapping->type) {
         free(p->mapping);
-        p->mapping = identity_of_plugin(&self->plugins, mapping->type);
+        p->mapping = recorder_plugin_identity(&self->plugins, mapping->type);
         if (!p->mapping)
             return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
-        identity_of_params(p, mapping);
+        recorder_param_values(p, mapping);
         p->again.ignores_params = true;
     }
     if (self->face.mesh.vertex_count > 0)
-        result = identity_of_face(p, &self->face, self->call->text[TAKE_FACE], 0.0, err);
+        result = recorder_face_identity(p, &self->face, self->call->text[TAKE_FACE], 0.0, err);
     for (int side = 0; side < 2 && result >= 0; ++side) {
         if (!self->calibration[side])
             continue;

@@ -11,7 +11,6 @@
 #include "show_scene.h"
 #include "sound_help.h"
 #include "stage/sound/sound.h"
-#include "stage/sound/sound_portaudio.h"
 
 #include <fcntl.h>
 #include <pthread.h>

@@ -1,7 +1,6 @@
 #include "stage/live/live_stage.h"
 #include "base/clock.h"
 #include "stage/mapping/null_mapping.h"
-#include "stage/take/identity.h"
 #include "stage/take/kept_solver.h"
 
 #include <stdio.h>
@@ -155,7 +154,7 @@ static mrt_result create_scene(live *self, const face_file *file, const char *pa
     scene->solver = solver_on(self, file);
     scene->path = strdup(path ? path : "");
     mrt_result result = scene->path
-                            ? identity_of_face(&scene->face, file, scene->path, unit_mm, err)
+                            ? recorder_face_identity(&scene->face, file, scene->path, unit_mm, err)
                             : error_set(err, MRT_ERR_MEMORY, "no memory for the stage");
     const performer_settings settings = {
         .solver = scene->solver,

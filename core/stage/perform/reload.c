@@ -116,7 +116,7 @@ typedef struct version {
     isolate *isolate;
     bool is_active;
     char path[PATH_MAX];                 /* of its copy; "" */
-    char identity[160 + 64 + TAKE_HASH]; /* as identity.h */
+    char identity[160 + 64 + TAKE_HASH]; /* as recorder_plugin_identity */
 } version;
 
 /* Whose turn it is. */

@@ -1,8 +1,6 @@
 #include "stage/sound/sound.h"
 #include "base/clock.h"
-#include "stage/sound/sound_click.h"
 #include "stage/sound/sound_feed.h"
-#include "stage/sound/sound_portaudio.h"
 
 #include <math.h>
 #include <pthread.h>

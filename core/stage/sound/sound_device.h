@@ -1,7 +1,7 @@
 /* stage/sound/sound_device.h - one direction of sound: a loudspeaker or a microphone that may be
  * absent, busy, or unplugged at any moment, none of which stops anything: there is
  * a state, and a sentence for the person in front of it. It is opened, watched and tried again by a
- * thread of its own. What devices there are is a backend's: PortAudio (sound_portaudio.h), or a
+ * thread of its own. What devices there are is a backend's: PortAudio (sound_portaudio.c), or a
  * test's. Leaves out what is played or recorded. [main] unless marked. */
 #ifndef MAROTTE_STAGE_SOUND_DEVICE_H
 #define MAROTTE_STAGE_SOUND_DEVICE_H
@@ -90,5 +90,12 @@ bool sound_device_has_left(sound_device *self);
 const sound_device_status *sound_device_look(sound_device *self);
 /* [opener] One round; returns when the next is due at the latest. */
 int64_t sound_device_work(sound_device *self, int64_t now_ns);
+
+/* ---- the sound devices of this computer, by PortAudio. Times are of the host's clock whatever
+ * clock PortAudio's own are of. What ALSA and JACK have to say on their way is not printed. Any
+ * thread; openers wait for each other ---- */
+
+CHECKED mrt_result sound_portaudio_create(sound_backend *out, error *err);
+void sound_portaudio_destroy(sound_backend *backend); /* accepts zeroed; its streams first */
 
 #endif

@@ -1,4 +1,4 @@
-#include "stage/sound/sound_portaudio.h"
+#include "stage/sound/sound_device.h"
 #include "base/clock.h"
 
 #include <ctype.h>

@@ -1,9 +1,12 @@
 #include "stage/take/recorder.h"
 #include "base/clock.h"
+#include "base/file.h"
+#include "stage/mapping/isolate.h"
 #include "stage/perform/patch_file.h"
-#include "stage/take/identity.h"
 #include "stage/take/replay.h"
+#include "take/hash.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -53,14 +56,73 @@ struct recorder {
 enum problem_state { PROBLEM_NONE = 0, PROBLEM_IS_WRITTEN, PROBLEM_STANDS };
 
 /* [any] Kept if it is the first, and logged. */
-static void recorder_note_problem(recorder *self, const error *err);
+static void note_problem(recorder *self, const error *err)
+{
+    int32_t none = PROBLEM_NONE;
+    if (!atomic_compare_exchange_strong(&self->problem_state, &none, PROBLEM_IS_WRITTEN))
+        return;
+    self->problem = *err;
+    atomic_store(&self->problem_state, PROBLEM_STANDS);
+    log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
+}
 
-/* ---- recorder_cast.c ---- */
+/* ---- what a show remembers of plugins and faces ---- */
 
-/* Begins the track of an input of that version of its channels. */
-CHECKED static mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, uint32_t i,
-                                                  uint32_t version, error *err);
-static void recorder_cast_destroy(recorder_cast *cast); /* its tracks go on; NULL is fine */
+enum { RIG_BYTES_MAX = 16 << 20 };
+
+char *recorder_plugin_identity(const plugin_list *plugins, const mrt_plugin_type *type)
+{
+    char hash[TAKE_HASH] = "-";
+    error ignored = {""};
+    type = isolate_inner(type);
+    const char *path = plugin_list_path_of(plugins, type);
+    if (path && hash_file(hash, path, &ignored) < 0)
+        snprintf(hash, sizeof hash, "-");
+    size_t size = strlen(type->id) + strlen(type->version) + sizeof hash + 3;
+    char *out = malloc(size);
+    if (out)
+        snprintf(out, size, "%s %s %s", type->id, type->version, hash);
+    return out;
+}
+
+static mrt_result keep_rig(take_performance *out, const char *path, error *err)
+{
+    file_bytes text;
+    mrt_result result = file_read(&text, path, RIG_BYTES_MAX, err);
+    if (result < 0)
+        return result;
+    hash_bytes(out->rig_hash, text.data, text.size);
+    out->rig_json = strdup((const char *)text.data);
+    file_bytes_finish(&text);
+    return out->rig_json ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for %s", path);
+}
+
+mrt_result recorder_face_identity(take_performance *out, const face_file *file, const char *path,
+                                  double unit_mm, error *err)
+{
+    char absolute[PATH_MAX];
+    const char *whole = realpath(path, absolute);
+    free(out->rig);
+    free(out->rig_json);
+    out->rig_json = NULL;
+    out->rig_hash[0] = '\0';
+    out->unit_mm = unit_mm;
+    out->rig = strdup(whole ? whole : path);
+    if (!out->rig)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %s", path);
+    mrt_result result = hash_file(out->mesh_hash, file->rig ? file->rig->mesh_path : path, err);
+    return result < 0 || !file->rig ? result : keep_rig(out, path, err);
+}
+
+void recorder_param_values(take_performance *out, const instance *mapping)
+{
+    const mrt_plugin_type *type = mapping->type;
+    out->param_count = 0;
+    for (uint32_t i = 0; i < type->param_count && i < TAKE_PARAMS_MAX; ++i)
+        if (!(type->params[i].flags & MRT_PARAM_TRIGGER))
+            out->param[out->param_count++] =
+                (take_param){type->params[i].id, atomic_load(&mapping->wanted[i])};
+}
 
 /* Who performs, and as what it is recorded: tracks that go on when others perform, and those that
  * begin. */
@@ -72,17 +134,17 @@ static mrt_result describe_performance(const recorder *self, recorder_cast *cast
 {
     take_performance *p = &cast->performance;
     instance *mapping = of->mapping ? of->mapping : layer_mapping(cast->layer);
-    mrt_result result = identity_of_face(p, of->face, of->face_path, of->unit_mm, err);
+    mrt_result result = recorder_face_identity(p, of->face, of->face_path, of->unit_mm, err);
     if (result < 0)
         return result;
-    p->mapping = identity_of_plugin(self->settings.plugins, mapping->type);
+    p->mapping = recorder_plugin_identity(self->settings.plugins, mapping->type);
     if (!p->mapping)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record");
     p->hand_length_mm = of->hand_length_mm;
     p->rezero_pedal = of->rezero_pedal;
     p->track_count = cast->input_count;
     memcpy(p->track, cast->track, sizeof p->track);
-    identity_of_params(p, mapping);
+    recorder_param_values(p, mapping);
     return of->patch ? patch_file_write(&p->patch, of->patch, err) : MRT_OK;
 }
 
@@ -108,8 +170,8 @@ static int32_t channel_of(const mrt_channel *channel, uint32_t count, uint32_t s
     return -1;
 }
 
-static mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, uint32_t i,
-                                          uint32_t version, error *err)
+static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uint32_t version,
+                            error *err)
 {
     take_track track = {0};
     uint32_t count;
@@ -119,7 +181,7 @@ static mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, u
     cast->code_rate[i] = channel_of(channel, count, MRT_CH_TIMECODE + 1);
     track.input = strdup(cast->input_text[i]);
     track.device = strdup(input_name(cast->inputs[i]));
-    track.plugin = identity_of_plugin(self->settings.plugins, input_plugin(cast->inputs[i]));
+    track.plugin = recorder_plugin_identity(self->settings.plugins, input_plugin(cast->inputs[i]));
     mrt_result result = MRT_OK;
     if (!track.input || !track.device || !track.plugin)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
@@ -140,7 +202,7 @@ static mrt_result recorder_cast_add_track(recorder *self, recorder_cast *cast, u
 
 /* ---- casts ---- */
 
-static void recorder_cast_destroy(recorder_cast *cast)
+static void destroy_cast(recorder_cast *cast)
 {
     if (!cast)
         return;
@@ -193,7 +255,7 @@ mrt_result recorder_prepare(recorder *self, const recorder_settings *of, recorde
         cast->input_text[i] = of->input_text[i];
         cast->is_kept[i] = self->cast && keeps_track(self->cast, cast, i);
         if (!cast->is_kept[i])
-            result = recorder_cast_add_track(self, cast, i, 0, err);
+            result = add_track(self, cast, i, 0, err);
     }
     if (result >= 0)
         result = describe_performance(self, cast, of, err);
@@ -247,8 +309,8 @@ void recorder_dismiss(recorder *self, recorder_cast *cast)
     for (uint32_t i = 0; cast && i < cast->input_count; ++i)
         if (!cast->is_kept[i] && cast->track[i] != 0 &&
             writer_end_track(self->writer, cast->track[i], &ignored) < 0)
-            recorder_note_problem(self, &ignored);
-    recorder_cast_destroy(cast);
+            note_problem(self, &ignored);
+    destroy_cast(cast);
 }
 
 /* How far apart states are kept: so much of an anchored take is performed again in some
@@ -259,16 +321,6 @@ static const int64_t unanchored_span_ns = 2 * NS_PER_S;
 enum { SAMPLES_AHEAD = 256 };
 /* Room for a state beside its shapes. */
 static const size_t state_bytes = (size_t)256 << 10;
-
-static void recorder_note_problem(recorder *self, const error *err)
-{
-    int32_t none = PROBLEM_NONE;
-    if (!atomic_compare_exchange_strong(&self->problem_state, &none, PROBLEM_IS_WRITTEN))
-        return;
-    self->problem = *err;
-    atomic_store(&self->problem_state, PROBLEM_STANDS);
-    log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
-}
 
 static void on_param(void *data, int64_t time_ns, uint32_t param_id, double value)
 {
@@ -341,7 +393,7 @@ mrt_result recorder_stop(recorder *self, error *err)
     error later = {""};
     if (self->writer && writer_stop(self->writer, &later) < 0 && result >= 0)
         result = error_set(err, MRT_ERR_IO, "%s", later.text);
-    recorder_cast_destroy(self->cast);
+    destroy_cast(self->cast);
     free(self);
     return result;
 }
@@ -490,7 +542,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 {
     bool goes_on = self->has_begun;
     self->is_to_begin = false;
-    identity_of_params(&self->cast->performance, layer_mapping(self->cast->layer));
+    recorder_param_values(&self->cast->performance, layer_mapping(self->cast->layer));
     mrt_result result =
         writer_begin_performance(self->writer, &self->cast->performance, time_ns, err);
     if (result < 0)
@@ -514,7 +566,7 @@ static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, er
     if (version != cast->version[i]) {
         result = writer_end_track(self->writer, cast->track[i], err);
         if (result >= 0)
-            result = recorder_cast_add_track(self, cast, i, version, err);
+            result = add_track(self, cast, i, version, err);
         memcpy(cast->performance.track, cast->track, sizeof cast->performance.track);
     }
     return result < 0 ? result : begin_performance(self, time_ns, err);
@@ -564,7 +616,7 @@ void recorder_step(recorder *self, const sample_step *s)
     if (result >= 0)
         result = begin_take(self, s->time_ns, &err);
     if (result < 0)
-        recorder_note_problem(self, &err);
+        note_problem(self, &err);
     tell_rezeros(self, s->time_ns);
     for (uint32_t i = 0; i < s->count; ++i)
         writer_sample(self->writer, self->cast->track[s->of[i].input], &s->of[i].sample);
@@ -574,7 +626,7 @@ void recorder_step(recorder *self, const sample_step *s)
         return;
     self->ahead = 0;
     if (writer_flush(self->writer, &err) < 0)
-        recorder_note_problem(self, &err);
+        note_problem(self, &err);
 }
 
 void recorder_performed(recorder *self, const sample_step *s)
@@ -598,7 +650,7 @@ void recorder_change_mapping(recorder *self, const char *identity)
     error err = {""};
     if (!copy) {
         (void)error_set(&err, MRT_ERR_MEMORY, "no memory to record the rebuilt mapping");
-        recorder_note_problem(self, &err);
+        note_problem(self, &err);
         return;
     }
     free(self->cast->performance.mapping);

@@ -95,9 +95,22 @@ void recorder_performed(recorder *self, const sample_step *s);
 /* [frame] Before the next sample: a re-zero was asked for and granted. */
 void recorder_rezero(recorder *self, uint32_t side);
 /* [frame] Before the next sample: another version of the mapping performs from it on. identity: as
- * identity_of_plugin. */
+ * recorder_plugin_identity. */
 void recorder_change_mapping(recorder *self, const char *identity);
 /* [frame] A device went or came. */
 void recorder_incident(recorder *self, uint32_t from, const input_incident *what);
+
+/* ---- what a show remembers of plugins and faces, so that a change is noticed later: names,
+ * versions, and the SHA-256 of files; for whoever makes performances without a recorder, too ----
+ */
+
+/* "id version sha256": see take.h; "-" for a library that cannot be read. To be freed; NULL: no
+ * memory. */
+char *recorder_plugin_identity(const plugin_list *plugins, const mrt_plugin_type *type);
+/* Into rig, rig_hash, mesh_hash, rig_json and unit_mm; what was there is freed. */
+CHECKED mrt_result recorder_face_identity(take_performance *out, const face_file *file,
+                                          const char *path, double unit_mm, error *err);
+/* The values that a mapping's parameters have now. */
+void recorder_param_values(take_performance *out, const instance *mapping);
 
 #endif
