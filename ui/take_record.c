@@ -119,7 +119,7 @@ static mrt_result read_place(performing *self, overdub_settings *out, error *err
     take_call *call = self->call;
     edit_init(&self->own, EDIT_LAYER_OWN);
     mrt_result result =
-        read_count(call, TAKE_REZERO_PEDAL, MRT_MAX_PEDALS, &out->rezero_pedal, err);
+        read_count(call, TAKE_REZERO_PEDAL, MRT_MAX_PEDALS, &out->recorder.rezero_pedal, err);
     if (result >= 0 && call->text[TAKE_LAYER])
         result = take_find_layer(call, &self->take, &out->plan.into_layer, err);
     if (result >= 0 && call->text[TAKE_OWN])
@@ -136,7 +136,7 @@ static mrt_result read_place(performing *self, overdub_settings *out, error *err
 static mrt_result prepare(performing *self, error *err)
 {
     take_call *call = self->call;
-    overdub_settings settings = {.show = call->show};
+    overdub_settings settings = {.recorder = {.show = call->show}};
     if (call->input_count == 0)
         return take_misused(call, err, "--input is missing");
     mrt_result result = take_need(call, TAKE_MAP, err);
@@ -166,22 +166,22 @@ static mrt_result prepare(performing *self, error *err)
     if (result < 0)
         return result;
     settings.take = self->take.id;
-    settings.plugins = &self->plugins;
-    settings.log = self->log;
-    settings.face = &self->face;
-    settings.face_path = self->face_path;
-    settings.clock = self->inputs.clock;
-    settings.inputs = self->inputs.input;
-    settings.input_text = call->input;
-    settings.input_count = self->inputs.count;
+    settings.recorder.plugins = &self->plugins;
+    settings.recorder.log = self->log;
+    settings.recorder.face = &self->face;
+    settings.recorder.face_path = self->face_path;
+    settings.recorder.clock = self->inputs.clock;
+    settings.recorder.inputs = self->inputs.input;
+    settings.recorder.input_text = call->input;
+    settings.recorder.input_count = self->inputs.count;
     for (int side = 0; side < 2; ++side) {
-        settings.calibration[side] = self->calibration[side];
+        settings.recorder.calibration[side] = self->calibration[side];
         settings.side_length_mm[side] = self->hands.length_mm[side];
     }
-    settings.mapping = &self->mapping.instance;
+    settings.recorder.mapping = &self->mapping.instance;
     if (call->text[TAKE_PATCH]) {
         result = patch_file_find(&self->patch, call->text[TAKE_PATCH], err);
-        settings.patch = &self->patch;
+        settings.recorder.patch = &self->patch;
     }
     return result < 0 ? result : overdub_create(&self->overdub, &settings, err);
 }

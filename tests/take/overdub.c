@@ -217,17 +217,17 @@ static mrt_result see_frame(void *data, uint32_t index, double time_s, int64_t w
 
 static overdub_settings settings_of(show *s, int64_t take_id, hand *h, overdub_plan plan)
 {
-    return (overdub_settings){.show = s,
-                              .plugins = &the.plugins,
-                              .log = the.log,
+    return (overdub_settings){.recorder = {.show = s,
+                                           .plugins = &the.plugins,
+                                           .log = the.log,
+                                           .face = &the.face,
+                                           .face_path = puppet,
+                                           .clock = CLOCK_VIRTUAL,
+                                           .inputs = &h->input,
+                                           .input_text = h->texts,
+                                           .input_count = 1,
+                                           .mapping = &h->mapping},
                               .take = take_id,
-                              .face = &the.face,
-                              .face_path = puppet,
-                              .clock = CLOCK_VIRTUAL,
-                              .inputs = &h->input,
-                              .input_text = h->texts,
-                              .input_count = 1,
-                              .mapping = &h->mapping,
                               .plan = plan};
 }
 

@@ -362,8 +362,8 @@ void cases_deadline(const examination *e)
  */
 
 enum { TAKE_FRAMES = 2000, RESETS = 6 };
-static actor first, second, other;
-static stream first_hands, second_hands, other_hands;
+static actor first, second, third, other;
+static stream first_hands, second_hands, third_hands, other_hands;
 static uint64_t sums[TAKE_FRAMES];
 
 /* New memory of the heap is not zero but this: what is read before it is written shows. */
@@ -547,8 +547,6 @@ void cases_sum(const examination *e)
  */
 
 enum { SIZE_MAX_BYTES = 16 << 20, GUARD = 32, GUARD_BYTE = 0x5c, TRIES = 60 };
-static actor first, second, third;
-static stream first_hands, second_hands, third_hands;
 static const size_t odd_sizes[] = {0, 1, 3, 8, 31, 200, 4096};
 enum { ODD_SIZES = sizeof odd_sizes / sizeof *odd_sizes };
 

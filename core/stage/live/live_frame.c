@@ -495,12 +495,6 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     return MRT_OK;
 }
 
-static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
-{
-    (void)data, (void)index, (void)time_s, (void)work_ns, (void)err;
-    return MRT_OK;
-}
-
 /* ---- between samples ---- */
 
 static bool on_between(void *data)
@@ -529,12 +523,11 @@ static void *run(void *data)
 
 mrt_result live_frame_start(live *self, error *err)
 {
-    self->callbacks = (player_stage){self, on_step, on_draw};
-    self->playing = (player_settings){.fps = self->settings.fps > 0.0 ? self->settings.fps : 60.0,
+    const player_stage stage = {self, on_step, on_draw};
+    const player_settings settings = {.fps = self->settings.fps > 0.0 ? self->settings.fps : 60.0,
                                       .stop = &self->stop};
-    self->events = (player_events){
-        .frame = on_frame, .incident = on_incident, .between = on_between, .data = self};
-    return player_create(&self->stage.loop, &self->callbacks, &self->playing, &self->events, err);
+    const player_events events = {.incident = on_incident, .between = on_between, .data = self};
+    return player_create(&self->stage.loop, &stage, &settings, &events, err);
 }
 
 void live_frame_stop(live *self)

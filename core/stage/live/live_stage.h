@@ -174,9 +174,6 @@ typedef struct live_measured { /* a calibration that was read; zeroed: none */
 struct live {
     live_settings settings;
     live_stage stage;
-    player_stage callbacks;
-    player_settings playing;
-    player_events events;
     pthread_t thread;
     bool has_thread;
     _Atomic bool stop;

@@ -12,9 +12,9 @@ static const int64_t idle_span_ns = 50 * NS_PER_MS;
 /* A longer silence in a record is damage, not a pause: it would be hours of frames. */
 static const int64_t gap_max_ns = 3600 * NS_PER_S;
 
-typedef struct player_loop playing;
 struct player_loop {
-    const player_stage *stage;
+    player_stage stage;
+    bool goes_on; /* whether there are inputs or not, in real time */
     bool is_over; /* the stage says so */
     input *inputs[PLAYER_INPUTS_MAX];
     uint32_t input_count;
@@ -33,29 +33,31 @@ struct player_loop {
     bool is_wanted;            /* goes on: to be drawn as soon as no sample waits */
 };
 
-static int64_t frame_time_ns(const playing *self, uint32_t index)
+static int64_t frame_time_ns(const player_loop *self, uint32_t index)
 {
     return self->start_ns + (int64_t)llround((double)index * 1e9 / self->settings.fps);
 }
 
-static mrt_result draw_frame(playing *self, error *err)
+static mrt_result draw_frame(player_loop *self, error *err)
 {
     int64_t before = clock_now_ns();
     int64_t time_ns = frame_time_ns(self, self->report.frame_count);
-    mrt_result result = self->stage->draw(self->stage->self, time_ns, err);
+    mrt_result result = self->stage.draw(self->stage.self, time_ns, err);
     if (result < 0)
         return result;
     self->is_over |= result == MRT_END;
     int64_t work_ns = self->work_ns + clock_now_ns() - before;
     self->work_ns = 0;
     uint32_t index = self->report.frame_count++;
+    if (!self->events.frame)
+        return MRT_OK;
     return self->events.frame(self->events.data, index, (double)index / self->settings.fps, work_ns,
                               err);
 }
 
 /* Frames that are late are left out: the next one is the first that is not due yet, however often
  * it is drawn before because it is wanted. */
-static mrt_result draw_newest(playing *self, int64_t now_ns, error *err)
+static mrt_result draw_newest(player_loop *self, int64_t now_ns, error *err)
 {
     double behind_s = (double)(now_ns - self->start_ns) / 1e9;
     uint32_t due = (uint32_t)fmax(floor(behind_s * self->settings.fps), 0.0);
@@ -68,7 +70,7 @@ static mrt_result draw_newest(playing *self, int64_t now_ns, error *err)
 }
 
 /* Draws the frames whose time is before time_ns: a frame shows every sample up to its own time. */
-static mrt_result draw_before(playing *self, int64_t time_ns, error *err)
+static mrt_result draw_before(player_loop *self, int64_t time_ns, error *err)
 {
     mrt_result result = MRT_OK;
     while (result >= 0 && !self->is_over && frame_time_ns(self, self->report.frame_count) < time_ns)
@@ -76,12 +78,12 @@ static mrt_result draw_before(playing *self, int64_t time_ns, error *err)
     return result;
 }
 
-static bool is_stopped(const playing *self)
+static bool is_stopped(const player_loop *self)
 {
     return self->settings.stop && atomic_load(self->settings.stop);
 }
 
-static bool is_past_end(const playing *self, int64_t time_ns)
+static bool is_past_end(const player_loop *self, int64_t time_ns)
 {
     double seconds = self->settings.seconds;
     if (!self->started && self->settings.clock == CLOCK_VIRTUAL)
@@ -90,15 +92,7 @@ static bool is_past_end(const playing *self, int64_t time_ns)
     return seconds > 0 && (double)(time_ns - from_ns) >= seconds * 1e9;
 }
 
-static mrt_result perform(playing *self, const sample_step *s, error *err)
-{
-    int64_t before = clock_now_ns();
-    mrt_result result = self->stage->step(self->stage->self, s, err);
-    self->work_ns += clock_now_ns() - before;
-    return result;
-}
-
-static mrt_result check_gap(const playing *self, const sample_step *came, error *err)
+static mrt_result check_gap(const player_loop *self, const sample_step *came, error *err)
 {
     const scheduler *of = &self->scheduler;
     if (self->settings.clock != CLOCK_VIRTUAL || of->step_count == 0 ||
@@ -111,14 +105,16 @@ static mrt_result check_gap(const playing *self, const sample_step *came, error 
 }
 
 /* A step that has its place in the order. */
-static mrt_result play_step(playing *self, const sample_step *s, error *err)
+static mrt_result play_step(player_loop *self, const sample_step *s, error *err)
 {
     mrt_result result = MRT_OK;
-    if (!self->settings.goes_on)
+    if (!self->goes_on)
         result = draw_before(self, s->time_ns, err);
     if (result < 0 || self->is_over)
         return result;
-    result = perform(self, s, err);
+    int64_t before = clock_now_ns();
+    result = self->stage.step(self->stage.self, s, err);
+    self->work_ns += clock_now_ns() - before;
     self->report.sample_count += result >= 0 ? s->count : 0;
     self->report.step_count += result >= 0;
     return result;
@@ -126,7 +122,7 @@ static mrt_result play_step(playing *self, const sample_step *s, error *err)
 
 /* Real time, nothing to play since `seen`: draws what is due, or sleeps until there is something,
  * at the latest at until_ns. */
-static mrt_result idle(playing *self, uint32_t seen, int64_t until_ns, error *err)
+static mrt_result idle(player_loop *self, uint32_t seen, int64_t until_ns, error *err)
 {
     int64_t now = clock_now_ns();
     int64_t until = until_ns < now + idle_span_ns ? until_ns : now + idle_span_ns;
@@ -141,7 +137,7 @@ static mrt_result idle(playing *self, uint32_t seen, int64_t until_ns, error *er
     return MRT_OK;
 }
 
-static void tell_incidents(playing *self)
+static void tell_incidents(player_loop *self)
 {
     input_incident incident;
     for (uint32_t i = 0; i < self->input_count; ++i)
@@ -156,7 +152,7 @@ static void tell_incidents(playing *self)
         }
 }
 
-static mrt_result take_step(playing *self, sample_step *s, error *err)
+static mrt_result take_step(player_loop *self, sample_step *s, error *err)
 {
     mrt_result result = check_gap(self, s, err);
     if (result < 0)
@@ -168,7 +164,7 @@ static mrt_result take_step(playing *self, sample_step *s, error *err)
     return play_step(self, s, err);
 }
 
-static mrt_result play(playing *self, error *err)
+static mrt_result play(player_loop *self, error *err)
 {
     mrt_result result = MRT_OK;
     while (result >= 0 && !is_stopped(self) && !self->is_over) {
@@ -196,20 +192,20 @@ static mrt_result play(playing *self, error *err)
 
 /* ---- a stage that goes on ---- */
 
-static int64_t next_frame_ns(const playing *self)
+static int64_t next_frame_ns(const player_loop *self)
 {
     return frame_time_ns(self, self->report.frame_count);
 }
 
 /* While samples wait, drawing gets a quarter of the time: what is slow to draw is drawn seldom, and
  * every sample is performed in time. */
-static bool may_be_drawn(const playing *self, bool has_samples, int64_t now_ns)
+static bool may_be_drawn(const player_loop *self, bool has_samples, int64_t now_ns)
 {
     return !has_samples || now_ns - self->drawn_ns >= 3 * self->draw_ns;
 }
 
 /* With no step waiting the stage is drawn when it is wanted, else when it is due. */
-static mrt_result go_on(playing *self, error *err)
+static mrt_result go_on(player_loop *self, error *err)
 {
     sample_step next;
     int64_t until_ns;
@@ -289,10 +285,10 @@ void player_show_until(player_loop *self, int64_t time_ns)
         self->scheduler.shown_ns = time_ns;
 }
 
-static void init(playing *self, const player_stage *stage, const player_settings *settings,
+static void init(player_loop *self, const player_stage *stage, const player_settings *settings,
                  const player_events *events)
 {
-    *self = (playing){.stage = stage, .settings = *settings, .events = *events};
+    *self = (player_loop){.stage = *stage, .settings = *settings, .events = *events};
     scheduler_init(&self->scheduler,
                    settings->clock == CLOCK_VIRTUAL ? SCHEDULE_MEASURED : SCHEDULE_LIVE,
                    self->entry, self->route, PLAYER_INPUTS_MAX);
@@ -320,7 +316,7 @@ mrt_result player_create(player_loop **out, const player_stage *stage,
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform");
     init(self, stage, settings, events);
-    self->settings.goes_on = true;
+    self->goes_on = true;
     *out = self;
     return MRT_OK;
 }
@@ -347,17 +343,11 @@ static mrt_result draw_performer(void *self, int64_t time_ns, error *err)
     return MRT_OK;
 }
 
-/* One mapping on one face. */
-static player_stage player_stage_of(performer *p)
-{
-    return (player_stage){p, step_performer, draw_performer};
-}
-
 mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
                       const player_settings *settings, const player_events *events,
                       player_report *out_report, error *err)
 {
-    const player_stage stage = player_stage_of(p);
+    const player_stage stage = {p, step_performer, draw_performer};
     return player_run_stage(&stage, inputs, input_count, settings, events, out_report, err);
 }
 
@@ -372,7 +362,7 @@ mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uin
     mrt_result result = check_fps(settings, err);
     if (result < 0)
         return result;
-    playing self;
+    player_loop self;
     init(&self, stage, settings, events);
     self.begin_ns = settings->clock == CLOCK_REAL ? clock_now_ns() : 0;
     for (uint32_t i = 0; i < input_count && result >= 0; ++i) {

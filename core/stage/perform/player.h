@@ -14,21 +14,18 @@ typedef struct player_settings {
     instance_clock clock; /* the one that the inputs were created with */
     _Atomic bool *stop;   /* set by anybody to end the performance; may be NULL */
     const hand_calibration *calibration[2]; /* left, right, for gloves in counts; NULL: shipped */
-    /* A stage that goes on whether there are inputs or not, in real time: it is drawn from its
-     * beginning, frames that are late are left out, and `between` comes between any two steps. */
-    bool goes_on;
 } player_settings;
 
 typedef struct player_events {
     /* After performer_draw of frame `index`, time_s from the start of the performance. work_ns:
      * what phases 3 to 7 took since the last drawn frame. < 0 ends the performance with that
-     * result.
-     */
+     * result. May be NULL. */
     mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
     /* A device went away or came back, time_s from the start of the performance. May be NULL. */
     void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
-    /* [frame] goes_on: between steps; here player_add_input and player_remove_input may be
-     * called. True: the stage is to be drawn as soon as no sample waits. May be NULL. */
+    /* [frame] Of a stage that goes on: between any two steps; here player_add_input and
+     * player_remove_input may be called. True: the stage is to be drawn as soon as no sample waits.
+     * May be NULL. */
     bool (*between)(void *data);
     void *data;
 } player_events;
@@ -55,11 +52,12 @@ typedef struct player_stage {
     CHECKED mrt_result (*draw)(void *self, int64_t time_ns, error *err);
 } player_stage;
 
-/* ---- a stage that goes on ---- */
+/* ---- a stage that goes on, whether there are inputs or not, in real time: it is drawn from its
+ * beginning, and frames that are late are left out ---- */
 
 typedef struct player_loop player_loop;
 
-/* The settings' and events' things must outlive it. [main] */
+/* All are copied; what they point to must outlive it. [main] */
 CHECKED mrt_result player_create(player_loop **out, const player_stage *stage,
                                  const player_settings *settings, const player_events *events,
                                  error *err);
@@ -88,7 +86,7 @@ CHECKED mrt_result player_run_stage(const player_stage *stage, input *const *inp
                                     uint32_t input_count, const player_settings *settings,
                                     const player_events *events, player_report *out_report,
                                     error *err);
-/* The same for player_stage_of(p). */
+/* The same for one performer: one mapping on one face. */
 CHECKED mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
                               const player_settings *settings, const player_events *events,
                               player_report *out_report, error *err);

@@ -460,11 +460,11 @@ static mrt_result create_live(overdub *self, error *err)
     const overdub_settings *s = &self->settings;
     performer *shown = sequencer_performer(self->sequencer);
     const performer_settings as = {
-        .hand_length_mm = s->hand_length_mm,
+        .hand_length_mm = s->recorder.hand_length_mm,
         .side_length_mm = {s->side_length_mm[MRT_LEFT], s->side_length_mm[MRT_RIGHT]},
-        .rezero_pedal = s->rezero_pedal,
-        .patch = s->patch};
-    mrt_result result = performer_make_layer(shown, s->mapping, &as, &self->layer, err);
+        .rezero_pedal = s->recorder.rezero_pedal,
+        .patch = s->recorder.patch};
+    mrt_result result = performer_make_layer(shown, s->recorder.mapping, &as, &self->layer, err);
     if (result < 0)
         return result;
     const mrt_face *about = composer_about(performer_composer(shown));
@@ -483,25 +483,9 @@ static mrt_result create_live(overdub *self, error *err)
 
 static mrt_result create_recorder(overdub *self, error *err)
 {
-    const overdub_settings *s = &self->settings;
-    recorder_settings settings = {
-        .show = s->show,
-        .plugins = s->plugins,
-        .log = s->log,
-        .clock = s->clock,
-        .inputs = s->inputs,
-        .input_text = s->input_text,
-        .input_count = s->input_count,
-        .calibration = {s->calibration[MRT_LEFT], s->calibration[MRT_RIGHT]},
-        .layer = self->layer,
-        .face_path = s->face_path,
-        .face = s->face,
-        .unit_mm = s->unit_mm,
-        .hand_length_mm = s->hand_length_mm,
-        .rezero_pedal = s->rezero_pedal,
-        .patch = s->patch,
-        .state_bytes = REPLAY_STATE_MIN,
-    };
+    recorder_settings settings = self->settings.recorder;
+    settings.layer = self->layer;
+    settings.state_bytes = REPLAY_STATE_MIN;
     mrt_result result = recorder_start(&self->recorder, &settings, err);
     if (result < 0)
         return result;
@@ -512,19 +496,21 @@ static mrt_result create_recorder(overdub *self, error *err)
 static mrt_result create(overdub *self, error *err)
 {
     const overdub_settings *s = &self->settings;
-    mrt_result result = edit_store_take(&self->take, s->show, s->take, err);
+    mrt_result result = edit_store_take(&self->take, s->recorder.show, s->take, err);
     if (result >= 0)
         result = overdub_plan_check(&s->plan, &self->take, err);
     if (result < 0)
         return result;
     overdub_run_init(&self->run, &s->plan, &self->take);
-    sequencer_settings playing = {
-        .show = s->show, .plugins = s->plugins, .log = s->log, .face = s->face};
+    sequencer_settings playing = {.show = s->recorder.show,
+                                  .plugins = s->recorder.plugins,
+                                  .log = s->recorder.log,
+                                  .face = s->recorder.face};
     result = sequencer_create(&self->sequencer, &playing, &self->take, err);
     if (result >= 0)
         result = sequencer_seek(self->sequencer, self->run.start_ns, err);
     if (result >= 0) {
-        taught_recall(s->show, s->mapping, s->log);
+        taught_recall(s->recorder.show, s->recorder.mapping, s->recorder.log);
         result = create_live(self, err);
     }
     if (result >= 0)
@@ -554,7 +540,7 @@ void overdub_destroy(overdub *self)
     if (!self)
         return;
     if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
-        log_push(self->settings.log, MRT_LOG_ERROR, "recorder", ignored.text);
+        log_push(self->settings.recorder.log, MRT_LOG_ERROR, "recorder", ignored.text);
     layer_destroy(self->layer); /* its face is the sequencer's */
     sequencer_destroy(self->sequencer);
     take_finish(&self->take);
@@ -596,8 +582,8 @@ player_stage overdub_stage(overdub *self)
 static mrt_result make_edits(const overdub *self, history *h, overdub_made *out, error *err)
 {
     edit *edits;
-    mrt_result result = overdub_run_edits(&self->run, history_take(h),
-                                          self->settings.mapping->type->name, &edits, out, err);
+    mrt_result result = overdub_run_edits(
+        &self->run, history_take(h), self->settings.recorder.mapping->type->name, &edits, out, err);
     if (result < 0)
         return result;
     for (uint32_t i = 0; i < out->edit_count && result >= 0; ++i)
@@ -616,10 +602,12 @@ mrt_result overdub_finish(overdub *self, overdub_made *out, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result < 0)
         return result;
-    taught_keep_now(self->settings.show, layer_mapping(self->layer), self->settings.log);
+    taught_keep_now(self->settings.recorder.show, layer_mapping(self->layer),
+                    self->settings.recorder.log);
     edit_store *store = NULL;
     history *h = NULL;
-    result = edit_store_open(&store, self->settings.show, self->settings.take, clock_utc_ms, err);
+    result = edit_store_open(&store, self->settings.recorder.show, self->settings.take,
+                             clock_utc_ms, err);
     if (result < 0)
         return result;
     history_store list = edit_store_list(store);

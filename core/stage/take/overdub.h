@@ -96,24 +96,12 @@ CHECKED mrt_result overdub_run_edits(const overdub_run *self, const take *before
 typedef struct overdub overdub;
 
 typedef struct overdub_settings {
-    show *show; /* writable */
-    const plugin_list *plugins;
-    log_queue *log;
+    /* Who performs, on which face, into which show; layer, performer and state_bytes are not said
+     * here. */
+    recorder_settings recorder;
+    double side_length_mm[2];
     int64_t take;
-    const face_file *face;
-    const char *face_path;
-    double unit_mm;
-    instance_clock clock;
-    /* who performs */
-    input *const *inputs;
-    const char *const *input_text;
-    uint32_t input_count;
-    const char *calibration[2];
-    instance *mapping;
-    double hand_length_mm, side_length_mm[2];
-    uint32_t rezero_pedal;
-    const patch *patch; /* NULL: none */
-    overdub_plan plan;  /* what is made of it */
+    overdub_plan plan; /* what is made of it */
 } overdub_settings;
 
 /* The face rests on the instant at which it will start. */
