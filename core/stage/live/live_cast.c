@@ -59,12 +59,6 @@ isolate_counts live_mapping_isolated(live_mapping_role *self)
     return self->isolate && now->self ? isolate_counted(now->self) : (isolate_counts){0};
 }
 
-static void deactivate(instance *pulled)
-{
-    const mrt_mapping *functions = plugin_interface(pulled->type, MRT_MAPPING);
-    functions->deactivate(pulled->self);
-}
-
 /* Deactivated before; NULL is fine. */
 static void destroy_mapping(live_mapping_role *self)
 {
@@ -428,13 +422,9 @@ static mrt_result activate(live *self, live_mapping_role *role, error *err)
 {
     const mrt_mapping *functions = plugin_interface(role->instance.type, MRT_MAPPING);
     const mrt_face *about = composer_about(performer_composer(self->scene->performer));
-    error why = {""};
-    instance_listen(&role->instance, &why, NULL);
-    mrt_result result = functions->activate(role->instance.self, about);
-    instance_listen_end(&role->instance);
+    mrt_result result = instance_activate(&role->instance, about, err);
     if (result < 0)
-        return error_set(err, result, "mapping %s cannot be used on this face%s%s",
-                         role->instance.type->id, why.text[0] ? ": " : "", why.text);
+        return result;
     functions->reset(role->instance.self);
     instance_latch(&role->instance);
     return MRT_OK;
@@ -471,7 +461,7 @@ static void drop_coming(live *self)
 {
     if (!self->coming)
         return;
-    deactivate(mapping_now(self->coming));
+    instance_deactivate(mapping_now(self->coming));
     destroy_mapping(self->coming);
     self->coming = NULL;
 }
@@ -489,7 +479,7 @@ static mrt_result let_come(live *self, error *err)
         return result;
     self->role = self->coming;
     self->coming = NULL;
-    deactivate(c.old);
+    instance_deactivate(c.old);
     destroy_mapping(before);
     watch(self);
     return result;
@@ -628,16 +618,13 @@ mrt_result live_check_mapping(const live_settings *settings, const char *text, e
 /* A process of its own for one that did not come with the program, as on the stage. */
 static bool takes(live *self, const char *id, const mrt_face *about)
 {
-    error heard = {""}, ignored = {""};
+    error ignored = {""};
     live_mapping_role *role;
     if (create_mapping(&role, id, self->settings.plugins, NULL, &ignored) < 0)
         return false;
-    const mrt_mapping *functions = plugin_interface(role->instance.type, MRT_MAPPING);
-    instance_listen(&role->instance, &heard, NULL);
-    bool is_taken = functions->activate(role->instance.self, about) >= 0;
-    instance_listen_end(&role->instance);
+    bool is_taken = instance_activate(&role->instance, about, &ignored) >= 0;
     if (is_taken)
-        deactivate(&role->instance);
+        instance_deactivate(&role->instance);
     destroy_mapping(role);
     return is_taken;
 }

@@ -107,10 +107,10 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     live_timeline *timeline;
     publish_slot motion_slot; /* transports from [main] */
     transport motion[3];
-    bool is_sought;        /* the transport has changed: sequencer_seek */
-    bool is_held;          /* [main] has the timeline's sequencer */
-    bool is_awaited;       /* its thread has it */
-    bool has_come;         /* to an instant that was not published yet */
+    bool is_sought;  /* the transport has changed: the next instant is sought, not played to */
+    bool is_held;    /* [main] has the timeline's sequencer */
+    bool is_awaited; /* the timeline's thread was sent to an instant, and is not back */
+    bool has_come;   /* it is back, and that instant has not been published yet */
     int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
     sound *sound;          /* NULL: none */
     live_click click;
@@ -212,7 +212,6 @@ struct live {
     timecode_rate rate; /* of the take's frames */
     bool is_shown;
     take shown;        /* a copy */
-    take_layer own;    /* what is performed over it moves */
     bool is_over;      /* recording over the take */
     bool is_over_done; /* its edits have not been taken */
     char note[1024];

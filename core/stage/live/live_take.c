@@ -431,7 +431,6 @@ typedef struct beginning {
     recorder_cast *cast;
     overdub_run *run;
     uint8_t *owned;
-    const take_layer *own;
     bool is_additive;
     uint64_t overs;
 } beginning;
@@ -499,17 +498,13 @@ static mrt_result plan_over(const live *self, const overdub_plan *over, overdub_
 
 static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *b, error *err)
 {
-    const take_layer *punched = overdub_punched(plan, &self->shown);
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
-    self->own = (take_layer){.own_count = plan->own_count, .own = plan->own};
-    b->own = punched ? punched : &self->own;
-    b->is_additive = punched && punched->is_additive;
     b->run = calloc(1, sizeof *b->run);
-    b->owned = calloc((size_t)about->contact_count + about->dof_count + 1, 1);
-    if (!b->run || !b->owned)
+    if (!b->run)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
     overdub_run_init(b->run, plan, &self->shown);
-    mrt_result result = overdub_check_owned(about, b->own, err);
+    const composer *shown = performer_composer(self->scene->performer); /* as the take's */
+    mrt_result result =
+        overdub_plan_own(plan, &self->shown, shown, &b->owned, &b->is_additive, err);
     const recorder_settings as = live_cast_settings(self, false);
     return result < 0 ? result : recorder_prepare(self->recorder, &as, &b->cast, err);
 }
@@ -521,11 +516,7 @@ static mrt_result stand_at_start(live *self, const beginning *b, error *err)
     const overdub_plan *plan = &b->run->plan;
     int64_t to_ns = plan->out_ns > 0 ? plan->out_ns : self->shown.duration_ns;
     mrt_result result = sequencer_seek(s, b->run->start_ns, err);
-    if (result >= 0)
-        result = sequencer_prepare(s, b->run->start_ns, to_ns, err);
-    if (result >= 0)
-        sequencer_mark_owned(performer_composer(sequencer_performer(s)), b->own, b->owned);
-    return result;
+    return result < 0 ? result : sequencer_prepare(s, b->run->start_ns, to_ns, err);
 }
 
 mrt_result live_record_over(live *self, const overdub_plan *over, error *err)

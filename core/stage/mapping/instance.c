@@ -1,6 +1,7 @@
 #include "stage/mapping/instance.h"
 #include "base/clock.h"
 #include "base/text.h"
+#include "stage/mapping/plugins.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -340,6 +341,25 @@ void instance_listen_end(instance *self)
     atomic_store(&self->listener, 0);
     self->heard = NULL;
     self->already_logged = NULL;
+}
+
+mrt_result instance_activate(instance *self, const mrt_face *about, error *err)
+{
+    const mrt_mapping *functions = plugin_interface(self->type, MRT_MAPPING);
+    error why = {""};
+    instance_listen(self, &why, NULL);
+    mrt_result result = functions->activate(self->self, about);
+    instance_listen_end(self);
+    if (result < 0)
+        return error_set(err, result, "mapping %s cannot be used on this face%s%s", self->type->id,
+                         why.text[0] ? ": " : "", why.text);
+    return result;
+}
+
+void instance_deactivate(instance *self)
+{
+    const mrt_mapping *functions = plugin_interface(self->type, MRT_MAPPING);
+    functions->deactivate(self->self);
 }
 
 bool instance_take_restart(instance *self)

@@ -73,6 +73,10 @@ void instance_latch(instance *self);
 void instance_listen(instance *self, error *out_heard, log_once *already_logged);
 void instance_listen_end(instance *self);
 
+/* [main] Of a mapping: on this face, and from it. An error has the plugin's words. */
+CHECKED mrt_result instance_activate(instance *self, const mrt_face *about, error *err);
+void instance_deactivate(instance *self);
+
 /* [the thread that calls the plugin] Whether it asked to be closed and opened since the last call.
  */
 bool instance_take_restart(instance *self);

@@ -143,19 +143,6 @@ static void use_mapping(layer *self, instance *mapping)
     self->takeover = plugin_interface(mapping->type, ISOLATE_TAKEOVER);
 }
 
-static mrt_result activate(layer *self, error *err)
-{
-    error why = {""};
-    instance *mapping = self->mapping;
-    instance_listen(mapping, &why, NULL);
-    mrt_result result = self->functions->activate(mapping->self, self->about);
-    instance_listen_end(mapping);
-    if (result < 0)
-        error_set(err, result, "mapping %s cannot be used on this face%s%s", mapping->type->id,
-                  why.text[0] ? ": " : "", why.text);
-    return result;
-}
-
 mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
                         const layer_settings *settings, error *err)
 {
@@ -178,7 +165,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     if (result < 0)
         goto fail;
     use_mapping(self, mapping);
-    result = activate(self, err);
+    result = instance_activate(mapping, about, err);
     if (result < 0) {
         self->mapping = NULL; /* nothing to deactivate */
         goto fail;

@@ -165,10 +165,8 @@ static void version_destroy(version *v)
 {
     if (!v)
         return;
-    if (v->is_active) {
-        const mrt_mapping *mapping = plugin_interface(v->instance.type, MRT_MAPPING);
-        mapping->deactivate(v->instance.self);
-    }
+    if (v->is_active)
+        instance_deactivate(&v->instance);
     instance_destroy(&v->instance);
     isolate_destroy(v->isolate);
     if (v->path[0])
@@ -301,12 +299,10 @@ static void wait_until_known(const reload *self)
 /* The old one is of no use any more. */
 static void retire(reload *self, instance *old, version *old_version)
 {
-    if (old_version) {
+    if (old_version)
         version_destroy(old_version);
-    } else { /* the caller's: it destroys it */
-        const mrt_mapping *mapping = plugin_interface(old->type, MRT_MAPPING);
-        mapping->deactivate(old->self);
-    }
+    else /* the caller's: it destroys it */
+        instance_deactivate(old);
     if (self->is_state_lost)
         say(self, MRT_LOG_WARNING, "the rebuilt version does not go on from the old one's state");
     error text;

@@ -13,6 +13,15 @@ enum { EDITS_OF_PASS = 4 };
 
 /* ---- planned ---- */
 
+/* The layer that is punched; NULL: none. */
+static const take_layer *punched_layer(const overdub_plan *plan, const take *t)
+{
+    for (uint32_t i = 0; i < t->layer_count; ++i)
+        if (plan->into_layer && t->layer[i].id == plan->into_layer)
+            return &t->layer[i];
+    return NULL;
+}
+
 mrt_result overdub_plan_check(const overdub_plan *s, const take *t, error *err)
 {
     bool is_ranged = s->out_ns > 0;
@@ -34,20 +43,12 @@ mrt_result overdub_plan_check(const overdub_plan *s, const take *t, error *err)
     if (!(s->speed >= TRANSPORT_SPEED_MIN && s->speed <= TRANSPORT_SPEED_MAX))
         return error_set(err, MRT_ERR_ARGUMENT, "speed %g: %g to %g are possible", s->speed,
                          TRANSPORT_SPEED_MIN, TRANSPORT_SPEED_MAX);
-    if (s->into_layer && !overdub_punched(s, t))
+    if (s->into_layer && !punched_layer(s, t))
         return error_set(err, MRT_ERR_ARGUMENT, "the take has no layer %u", s->into_layer);
     return MRT_OK;
 }
 
-const take_layer *overdub_punched(const overdub_plan *plan, const take *t)
-{
-    for (uint32_t i = 0; i < t->layer_count; ++i)
-        if (plan->into_layer && t->layer[i].id == plan->into_layer)
-            return &t->layer[i];
-    return NULL;
-}
-
-mrt_result overdub_check_owned(const mrt_face *about, const take_layer *own, error *err)
+static mrt_result check_owned(const mrt_face *about, const take_layer *own, error *err)
 {
     bool any = own->own_count == 0;
     for (uint32_t i = 0; i < about->contact_count && !any; ++i)
@@ -60,6 +61,20 @@ mrt_result overdub_check_owned(const mrt_face *about, const take_layer *own, err
                      "the layer would move nothing: no contact or degree of freedom of this face "
                      "is named \"%s\"",
                      own->own[0]);
+}
+
+mrt_result overdub_plan_own(const overdub_plan *plan, const take *t, const composer *shown,
+                            uint8_t **out, bool *out_is_additive, error *err)
+{
+    const take_layer planned = {.own_count = plan->own_count, .own = plan->own};
+    const take_layer *punched = punched_layer(plan, t), *own = punched ? punched : &planned;
+    const mrt_face *about = composer_about(shown);
+    *out_is_additive = punched && punched->is_additive;
+    *out = calloc((size_t)about->contact_count + about->dof_count + 1, 1);
+    if (!*out)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+    sequencer_mark_owned(shown, own, *out);
+    return check_owned(about, own, err);
 }
 
 void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
@@ -467,17 +482,12 @@ static mrt_result create_live(overdub *self, error *err)
     mrt_result result = performer_make_layer(shown, s->recorder.mapping, &as, &self->layer, err);
     if (result < 0)
         return result;
-    const mrt_face *about = composer_about(performer_composer(shown));
-    self->owned = calloc((size_t)about->contact_count + about->dof_count + 1, 1);
-    if (!self->owned)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
-    const take_layer *over = overdub_punched(&self->run.plan, &self->take);
-    take_layer own = {.own_count = s->plan.own_count, .own = s->plan.own};
-    sequencer_mark_owned(performer_composer(shown), over ? over : &own, self->owned);
-    result = overdub_check_owned(about, over ? over : &own, err);
+    bool is_additive;
+    result = overdub_plan_own(&self->run.plan, &self->take, performer_composer(shown), &self->owned,
+                              &is_additive, err);
     if (result < 0)
         return result;
-    sequencer_set_live(self->sequencer, self->layer, self->owned, over && over->is_additive);
+    sequencer_set_live(self->sequencer, self->layer, self->owned, is_additive);
     return MRT_OK;
 }
 

@@ -57,10 +57,11 @@ typedef struct overdub_run {
 } overdub_run;
 
 CHECKED mrt_result overdub_plan_check(const overdub_plan *plan, const take *t, error *err);
-/* What moves, of the layer that is punched: NULL: the plan says it itself. */
-const take_layer *overdub_punched(const overdub_plan *plan, const take *t);
-/* Refuses a layer of these patterns that would move nothing of the face. */
-CHECKED mrt_result overdub_check_owned(const mrt_face *about, const take_layer *own, error *err);
+/* What the layer that is performed owns of a face, as for sequencer_set_live: what the layer that
+ * is punched does, or as the plan says. *out: to be freed, also after an error. Refuses a layer
+ * that would move nothing. */
+CHECKED mrt_result overdub_plan_own(const overdub_plan *plan, const take *t, const composer *shown,
+                                    uint8_t **out, bool *out_is_additive, error *err);
 void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t);
 
 /* The take as it is at a time of the clock, at_ns; a time before one that was played to counts as
