@@ -1,5 +1,6 @@
 #include "stage/mapping/plugins.h"
 
+#include "base/clock.h"
 #include "base/file.h"
 #include "base/text.h"
 
@@ -224,6 +225,22 @@ const mrt_plugin_type *const *plugin_library_open(const char *path, error *err)
                     types ? "its marotte_plugins is empty"
                           : "has no symbol marotte_plugins: not a marotte plugin");
     return NULL;
+}
+
+plugin_library_stamp plugin_library_stamp_of(const char *path)
+{
+    struct stat status;
+    if (!path || stat(path, &status) != 0)
+        return (plugin_library_stamp){0};
+    return (plugin_library_stamp){.time_ns = (int64_t)status.st_mtim.tv_sec * NS_PER_S +
+                                             status.st_mtim.tv_nsec,
+                                  .size = (int64_t)status.st_size,
+                                  .file = (uint64_t)status.st_ino};
+}
+
+bool plugin_library_is_same(const plugin_library_stamp *a, const plugin_library_stamp *b)
+{
+    return a->time_ns == b->time_ns && a->size == b->size && a->file == b->file;
 }
 
 /* ---- the list ---- */

@@ -77,6 +77,14 @@ CHECKED mrt_result plugin_library_check(const char *path, error *err);
  * why. It is never unloaded: what has run stays. */
 const mrt_plugin_type *const *plugin_library_open(const char *path, error *err);
 
+/* Which file lies at a path: it was rebuilt when this has changed. Zeroed: none. */
+typedef struct plugin_library_stamp {
+    int64_t time_ns, size;
+    uint64_t file;
+} plugin_library_stamp;
+plugin_library_stamp plugin_library_stamp_of(const char *path); /* NULL: none */
+bool plugin_library_is_same(const plugin_library_stamp *a, const plugin_library_stamp *b);
+
 /* ---- "PLUGIN:ADDRESS,key=value,..." as people write it, taken apart [any] ---- */
 
 typedef struct plugin_spec {

@@ -1,14 +1,13 @@
 #include "stage/output/outputs.h"
 #include "base/clock.h"
-#include "stage/mapping/plugins.h"
 #include "stage/input/wake.h"
+#include "stage/mapping/plugins.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const int64_t retry_ns = NS_PER_S, repeat_default_ns = NS_PER_S;
 static const int64_t watch_ns = NS_PER_S / 2; /* how often a library is looked at */
@@ -22,11 +21,6 @@ typedef struct latest { /* a face, copied out of its board */
     size_t capacity; /* floats */
 } latest;
 
-typedef struct library_stamp {
-    int64_t time_ns, size;
-    uint64_t file;
-} library_stamp;
-
 typedef struct output { /* its thread's, but for what is marked */
     outputs *of;
     instance plugin;
@@ -35,7 +29,7 @@ typedef struct output { /* its thread's, but for what is marked */
     plugin_spec spec;
     char *text;
     const char *library;
-    library_stamp built;
+    plugin_library_stamp built;
     pthread_t thread;
     wake signal;
     _Atomic bool stop;
@@ -185,23 +179,13 @@ static void count_sent(output *self, bool is_new, int64_t now_ns)
 
 /* ---- opened, closed, opened again ---- */
 
-static library_stamp stamp_of(const char *path)
-{
-    struct stat status;
-    if (!path || stat(path, &status) != 0)
-        return (library_stamp){0};
-    return (library_stamp){(int64_t)status.st_mtim.tv_sec * NS_PER_S + status.st_mtim.tv_nsec,
-                           (int64_t)status.st_size, (uint64_t)status.st_ino};
-}
-
 static bool is_rebuilt(output *self, int64_t now_ns)
 {
     if (!self->isolated || now_ns - self->watched_ns < watch_ns)
         return false;
     self->watched_ns = now_ns;
-    const library_stamp now = stamp_of(self->library);
-    return now.size > 0 && (now.time_ns != self->built.time_ns || now.size != self->built.size ||
-                            now.file != self->built.file);
+    const plugin_library_stamp now = plugin_library_stamp_of(self->library);
+    return now.size > 0 && !plugin_library_is_same(&now, &self->built);
 }
 
 static void close_output(output *self)
@@ -228,7 +212,7 @@ static void open_output(output *self)
 {
     error why = {""};
     self->wants = (mrt_face_wants){0};
-    self->built = stamp_of(self->library);
+    self->built = plugin_library_stamp_of(self->library);
     instance_latch(&self->plugin);
     instance_listen(&self->plugin, &why, NULL);
     mrt_result result = self->functions->open(self->plugin.self, self->spec.address,

@@ -12,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* How often the file is looked at; it is complete when it has not changed in between. */
@@ -25,27 +24,7 @@ static const size_t state_capacity = (size_t)1 << 20;
 /* ---- a library file that is watched, and copies of it that are loaded: a rebuilt file of the same
  * name would not be loaded again, and would change under the program ---- */
 
-typedef struct stamp { /* zeroed: no such file */
-    int64_t time_ns, size;
-    uint64_t file;
-} stamp;
-
 static const size_t library_bytes_max = (size_t)256 << 20;
-
-static stamp stamp_of(const char *path)
-{
-    struct stat status;
-    if (stat(path, &status) != 0)
-        return (stamp){0};
-    return (stamp){.time_ns = (int64_t)status.st_mtim.tv_sec * NS_PER_S + status.st_mtim.tv_nsec,
-                   .size = (int64_t)status.st_size,
-                   .file = (uint64_t)status.st_ino};
-}
-
-static bool is_same_stamp(const stamp *a, const stamp *b)
-{
-    return a->time_ns == b->time_ns && a->size == b->size && a->file == b->file;
-}
 
 /* A folder for copies, which nobody else may enter. */
 static mrt_result make_folder(char out[PATH_MAX], error *err)
@@ -141,14 +120,14 @@ struct reload {
     _Atomic uintptr_t pulling; /* the instance that pulls, for [main] */
     _Atomic uintptr_t known;   /* the one that [main] knows */
 
-    instance *current;    /* that pulls */
-    version *version;     /* of `current`; NULL: it is the caller's */
-    version *next;        /* while it is loaded */
-    layer_room *room;     /* for it */
-    unsigned char *state; /* state_capacity */
-    size_t state_size;    /* what STEP_SAVE has found; 0: nothing */
-    bool is_state_lost;   /* the new one did not take it */
-    stamp loaded;         /* of the file when it began */
+    instance *current;           /* that pulls */
+    version *version;            /* of `current`; NULL: it is the caller's */
+    version *next;               /* while it is loaded */
+    layer_room *room;            /* for it */
+    unsigned char *state;        /* state_capacity */
+    size_t state_size;           /* what STEP_SAVE has found; 0: nothing */
+    bool is_state_lost;          /* the new one did not take it */
+    plugin_library_stamp loaded; /* of the file when it began */
     uint32_t number;
     int64_t seen_ns;
     const char *identity;
@@ -343,16 +322,16 @@ static void load_version(reload *self)
 static void *loader_main(void *data)
 {
     reload *self = data;
-    stamp loaded = self->loaded, last = loaded;
+    plugin_library_stamp loaded = self->loaded, last = loaded;
     while (!is_stopping(self)) {
         clock_sleep_until_ns(clock_now_ns() + look_span_ns);
-        stamp now = stamp_of(self->library);
-        bool is_settled = is_same_stamp(&now, &last);
+        plugin_library_stamp now = plugin_library_stamp_of(self->library);
+        bool is_settled = plugin_library_is_same(&now, &last);
         if (!is_settled)
             self->seen_ns = clock_now_ns();
         last = now;
         error ignored;
-        bool is_complete = is_settled && now.size > 0 && !is_same_stamp(&now, &loaded) &&
+        bool is_complete = is_settled && now.size > 0 && !plugin_library_is_same(&now, &loaded) &&
                            plugin_library_check(self->library, &ignored) >= 0;
         if (!is_complete)
             continue;
@@ -445,7 +424,7 @@ mrt_result reload_start(reload **out, const reload_settings *settings, error *er
     self->library = strdup(settings->library);
     self->state = malloc(state_capacity);
     if (self->library)
-        self->loaded = stamp_of(self->library);
+        self->loaded = plugin_library_stamp_of(self->library);
     mrt_result result = MRT_OK;
     if (!self->library || !self->state)
         result = error_set(err, MRT_ERR_MEMORY, "no memory to watch %s", settings->library);
