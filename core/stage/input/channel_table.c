@@ -75,3 +75,9 @@ bool channel_is_pedal(const mrt_channel *channel)
 {
     return channel->semantic >= MRT_CH_PEDAL && channel->semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
 }
+
+bool channel_is_angle(const mrt_channel *channel)
+{
+    return channel->hand <= MRT_RIGHT && channel->semantic >= MRT_CH_ANGLE &&
+           channel->semantic < MRT_CH_ANGLE + MRT_ANGLES;
+}

@@ -21,5 +21,6 @@ void channel_table_copy(channel_table *out, const mrt_channel *channels, uint32_
  * `b` has: "18 channels instead of 22". */
 bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why);
 bool channel_is_pedal(const mrt_channel *channel);
+bool channel_is_angle(const mrt_channel *channel); /* of a joint of one hand */
 
 #endif

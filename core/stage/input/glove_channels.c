@@ -1,19 +1,15 @@
 #include "stage/input/glove_channels.h"
+#include "stage/input/channel_table.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static bool is_angle(const mrt_channel *channel)
-{
-    return channel->hand <= MRT_RIGHT && channel->semantic >= MRT_CH_ANGLE &&
-           channel->semantic < MRT_CH_ANGLE + MRT_ANGLES;
-}
-
 static bool has_side(const mrt_channel *channel, uint32_t count, uint32_t side, const char *unit)
 {
     for (uint32_t i = 0; i < count; ++i)
-        if (is_angle(&channel[i]) && channel[i].hand == side && strcmp(channel[i].unit, unit) == 0)
+        if (channel_is_angle(&channel[i]) && channel[i].hand == side &&
+            strcmp(channel[i].unit, unit) == 0)
             return true;
     return false;
 }
@@ -61,7 +57,7 @@ mrt_result glove_channels_find(glove_channels *out, const mrt_channel *channel, 
     for (int i = 0; i < MRT_ANGLES; ++i)
         out->channel_of[i] = -1;
     for (uint32_t i = 0; i < count; ++i) {
-        if (!is_angle(&channel[i]) || channel[i].hand != out->side ||
+        if (!channel_is_angle(&channel[i]) || channel[i].hand != out->side ||
             strcmp(channel[i].unit, is_bare ? "rad" : "count") != 0)
             continue;
         out->low = out->sensors ? fminf(out->low, channel[i].min) : channel[i].min;

@@ -112,19 +112,9 @@ void hands_destroy(hands *self)
 
 /* ---- routes ---- */
 
-static bool is_angle(uint32_t semantic)
-{
-    return semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES;
-}
-
 static bool is_wrist(uint32_t semantic)
 {
     return semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + EASE_WRIST;
-}
-
-static bool is_pedal(uint32_t semantic)
-{
-    return semantic >= MRT_CH_PEDAL && semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS;
 }
 
 static void note_sensor(channel_route *route, uint32_t side, uint32_t semantic, const char *unit)
@@ -141,7 +131,7 @@ void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t
     *out = (channel_route){.name = ""};
     channel_table_copy(&out->table, channel, count);
     for (uint32_t i = 0; i < count; ++i)
-        if (channel[i].hand <= MRT_RIGHT && is_angle(channel[i].semantic))
+        if (channel_is_angle(&channel[i]))
             note_sensor(out, channel[i].hand, channel[i].semantic, channel[i].unit);
     for (int side = 0; side < 2; ++side) {
         hand_calibration *calibration = &out->calibration[side];
@@ -328,14 +318,15 @@ static void read_sample(hands *self, const channel_route *route, const mrt_sampl
 {
     bool has_angles[2] = {false, false}, has_wrist[2] = {false, false};
     for (uint32_t i = 0; i < route->table.count && i < sample->count; ++i) {
-        uint32_t semantic = route->table.channel[i].semantic, side = route->table.channel[i].hand;
+        const mrt_channel *channel = &route->table.channel[i];
+        uint32_t semantic = channel->semantic, side = channel->hand;
         float value = sample->value[i];
-        if (is_pedal(semantic)) {
+        if (channel_is_pedal(channel)) {
             read_pedal(self, semantic - MRT_CH_PEDAL, value, frame);
         } else if (side <= MRT_RIGHT && is_wrist(semantic)) {
             self->hand[side].wrist_raw[semantic - MRT_CH_WRIST] = value;
             has_wrist[side] = true;
-        } else if (side <= MRT_RIGHT && is_angle(semantic)) {
+        } else if (channel_is_angle(channel)) {
             self->hand[side].raw[semantic - MRT_CH_ANGLE] = value;
             has_angles[side] = true;
         }

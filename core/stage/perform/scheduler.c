@@ -20,7 +20,7 @@ static uint32_t measured_by(const channel_route *route)
     uint32_t out = 0;
     for (uint32_t i = 0; i < route->table.count; ++i) {
         uint32_t semantic = route->table.channel[i].semantic, side = route->table.channel[i].hand;
-        bool is_angle = semantic >= MRT_CH_ANGLE && semantic < MRT_CH_ANGLE + MRT_ANGLES;
+        bool is_angle = channel_is_angle(&route->table.channel[i]);
         bool is_wrist = semantic >= MRT_CH_WRIST && semantic < MRT_CH_PEDAL;
         if (side <= MRT_RIGHT && (is_angle || is_wrist))
             out |= 1u << (2 * side + (is_wrist ? 1u : 0u));
