@@ -14,20 +14,16 @@ enum {
 static mrt_result limit_of(const journal *self, sqlite *db, int64_t now_ns, int64_t *out,
                            error *err)
 {
-    sqlite_statement *row;
     *out = now_ns - self->length_ns;
-    mrt_result result = sqlite_query(db, &row, err,
-                                     "SELECT MAX(c.time_ns) FROM performance p JOIN checkpoint c"
-                                     "  ON c.performance = p.id WHERE c.time_ns <= ?1"
-                                     "  AND COALESCE(p.to_ns, ?1) >= ?1",
-                                     "I", "i", *out);
-    if (result < 0)
-        return result;
-    result = sqlite_step(row, err);
+    sqlite_statement *row = sqlite_query(db,
+                                         "SELECT MAX(c.time_ns) FROM performance p JOIN checkpoint "
+                                         "c  ON c.performance = p.id WHERE c.time_ns <= ?1"
+                                         "  AND COALESCE(p.to_ns, ?1) >= ?1",
+                                         "I", "i", *out);
+    mrt_result result = sqlite_step(row, err);
     if (result == MRT_OK && !sqlite_is_null(row, 0))
         *out = sqlite_int(row, 0);
-    sqlite_finish(row);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(row, result);
 }
 
 /* The last of the next chunks that are all older than the limit; what was looked at before if there
@@ -35,21 +31,18 @@ static mrt_result limit_of(const journal *self, sqlite *db, int64_t now_ns, int6
 static mrt_result next_chunks(const journal *self, sqlite *db, int64_t limit_ns, int64_t *out_last,
                               bool *out_is_done, error *err)
 {
-    sqlite_statement *rows;
+    sqlite_statement *rows =
+        sqlite_query(db, "SELECT id, to_ns FROM chunk WHERE id > ? ORDER BY id LIMIT ?", "ii", "ii",
+                     self->looked_at_id, (int64_t)CHUNKS_A_STEP);
     int count = 0;
     *out_last = self->looked_at_id;
-    mrt_result result =
-        sqlite_query(db, &rows, err, "SELECT id, to_ns FROM chunk WHERE id > ? ORDER BY id LIMIT ?",
-                     "ii", "ii", self->looked_at_id, (int64_t)CHUNKS_A_STEP);
-    if (result < 0)
-        return result;
+    mrt_result result;
     while ((result = sqlite_step(rows, err)) == MRT_OK && sqlite_int(rows, 1) < limit_ns) {
         *out_last = sqlite_int(rows, 0);
         ++count;
     }
-    sqlite_finish(rows);
     *out_is_done = count < CHUNKS_A_STEP;
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(rows, result);
 }
 
 /* What is let go leaves lawful gaps: pruned_until_ns tells readers. A span that begins or ends
@@ -57,10 +50,9 @@ static mrt_result next_chunks(const journal *self, sqlite *db, int64_t limit_ns,
  */
 static mrt_result delete_chunks(const journal *self, sqlite *db, int64_t last_id, error *err)
 {
-    sqlite_statement *gone;
     int64_t until_ns = INT64_MIN;
-    mrt_result result = sqlite_query(
-        db, &gone, err,
+    sqlite_statement *gone = sqlite_query(
+        db,
         "DELETE FROM chunk WHERE id > ? AND id <= ? AND NOT EXISTS("
         "  SELECT 1 FROM span WHERE need_ns < COALESCE((SELECT MIN(n.from_ns)"
         "      FROM chunk n WHERE n.track = chunk.track AND n.from_ns > chunk.from_ns),"
@@ -72,14 +64,13 @@ static mrt_result delete_chunks(const journal *self, sqlite *db, int64_t last_id
         "      WHERE p.performance = span.performance AND p.track = chunk.track)))"
         " RETURNING to_ns",
         "i", "ii", self->looked_at_id, last_id);
-    if (result < 0)
-        return result;
+    mrt_result result;
     while ((result = sqlite_step(gone, err)) == MRT_OK)
         if (sqlite_int(gone, 0) > until_ns)
             until_ns = sqlite_int(gone, 0);
-    sqlite_finish(gone);
+    result = sqlite_finish_rows(gone, result);
     if (result < 0 || until_ns == INT64_MIN)
-        return result < 0 ? result : MRT_OK;
+        return result;
     return sqlite_change(db, err,
                          "INSERT INTO meta(key, value) VALUES('pruned_until_ns', ?)"
                          " ON CONFLICT(key) DO UPDATE SET value = MAX(value, excluded.value)",

@@ -113,3 +113,160 @@ void show_lock_let_go(show_lock *lock)
     free(lock->path);
     *lock = (show_lock){.fd = -1};
 }
+
+/* ---- connections ---- */
+
+/* Synchronous is FULL here: what somebody says (an edit, a new take) has reached the disk when the
+ * call returns. The writer's own connection need not wait: see writer_sync.h. */
+mrt_result show_configure(sqlite *db, error *err)
+{
+    return sqlite_run(db,
+                      "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
+                      "PRAGMA secure_delete = OFF;"
+                      "PRAGMA wal_autocheckpoint = 4000; PRAGMA journal_size_limit = 1048576;"
+                      "PRAGMA cache_size = -8000",
+                      err);
+}
+
+mrt_result show_connect(const show *self, sqlite **out, error *err)
+{
+    mrt_result result = sqlite_open(out, self->path, SQLITE_MODE_WRITE, err);
+    if (result >= 0)
+        result = show_configure(*out, err);
+    if (result < 0) {
+        sqlite_close(*out);
+        *out = NULL;
+        return result;
+    }
+    sqlite_ignore_cancel(*out);
+    sqlite_limit_each(*out);
+    return result;
+}
+
+void show_limit_work(show *self)
+{
+    sqlite_limit_all(self->db);
+}
+
+mrt_result show_spend(show *self, uint64_t steps, error *err)
+{
+    return sqlite_spend(self->db, steps, err);
+}
+
+mrt_result show_look_begin(show *self, error *err)
+{
+    return sqlite_run(self->db, "BEGIN", err);
+}
+
+void show_look_end(show *self)
+{
+    (void)!sqlite_run(self->db, "COMMIT", NULL);
+}
+
+/* ---- rows ---- */
+
+mrt_result show_grow(void **list, size_t count, size_t item_size, error *err)
+{
+    if (count & (count - 1)) /* room for a power of two items is there */
+        return MRT_OK;
+    void *larger = realloc(*list, (count ? 2 * count : 1) * item_size);
+    if (!larger)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a list of %zu", count + 1);
+    *list = larger;
+    return MRT_OK;
+}
+
+mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t item_size,
+                          mrt_result (*read)(void *item, sqlite_statement *row, error *err),
+                          error *err)
+{
+    mrt_result result;
+    *out = (show_rows){0};
+    while ((result = sqlite_step(rows, err)) == MRT_OK) {
+        result = show_grow(&out->item, out->count, item_size, err);
+        if (result >= 0)
+            result = read((char *)out->item + out->count * item_size, rows, err);
+        if (result < 0)
+            break;
+        ++out->count;
+    }
+    result = sqlite_finish_rows(rows, result);
+    if (result < 0) {
+        free(out->item);
+        *out = (show_rows){0};
+    }
+    return result;
+}
+
+static mrt_result read_id(void *item, sqlite_statement *row, error *err)
+{
+    return sqlite_get(row, err, (int64_t *)item);
+}
+
+mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out_count, error *err)
+{
+    show_rows rows;
+    mrt_result result =
+        show_read_rows(&rows, sqlite_query(self->db, sql, "i", ""), sizeof **out, read_id, err);
+    *out = rows.item;
+    *out_count = rows.count;
+    return result;
+}
+
+int64_t show_next_id(show *self, show_id of)
+{
+    return ++(self->owner ? self->owner : self)->last_id[of];
+}
+
+/* ---- about the file ---- */
+
+const char *show_path(const show *self)
+{
+    return self->path;
+}
+
+uint64_t show_file_size(const show *self)
+{
+    return sqlite_file_size(self->db);
+}
+
+bool show_is_writable(const show *self)
+{
+    return self->is_writable;
+}
+
+const char *show_notice(const show *self)
+{
+    return self->notice;
+}
+
+bool show_is_file(const show *self, const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && status.st_dev == self->device &&
+           status.st_ino == self->inode;
+}
+
+bool show_is_missing(const show *self)
+{
+    return !show_is_file(self, self->path);
+}
+
+char *show_beside(const char *path, const char *suffix)
+{
+    size_t path_length = strlen(path), suffix_size = strlen(suffix) + 1;
+    char *out = malloc(path_length + suffix_size);
+    if (!out)
+        return NULL;
+    memcpy(out, path, path_length);
+    memcpy(out + path_length, suffix, suffix_size);
+    return out;
+}
+
+mrt_result show_check_writable(const show *self, error *err)
+{
+    if (self->is_writable)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open for reading only%s%s", self->path,
+                     self->notice[0] ? ": " : "", self->notice);
+}

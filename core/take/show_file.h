@@ -1,5 +1,5 @@
-/* take/show_file.h - what the files of the show, its writer and its journal share; for this room.
- */
+/* take/show_file.h - the open show, and what its files, its writer and its journal share; for this
+ * room. Calls nothing of those files. */
 #ifndef MAROTTE_TAKE_SHOW_FILE_H
 #define MAROTTE_TAKE_SHOW_FILE_H
 #include "take/show.h"
@@ -46,19 +46,23 @@ struct show {
 
 /* Connection of its own to the file, for the writer. */
 CHECKED mrt_result show_connect(const show *self, sqlite **out, error *err);
+/* As every connection that writes is set. */
+CHECKED mrt_result show_configure(sqlite *db, error *err);
 int64_t show_next_id(show *self, show_id of);
 /* The path with the suffix, to be freed; NULL: no memory. */
 char *show_beside(const char *path, const char *suffix);
 /* MRT_ERR_UNSUPPORTED with the reason when the show can only be read. */
 CHECKED mrt_result show_check_writable(const show *self, error *err);
 
-/* A list of what the rows of a query say; finishes the query. On failure there is no list. */
+/* A list of what the rows of a query say; finishes the query. On failure there is no list: items
+ * own nothing. */
 typedef struct show_rows {
     void *item; /* owned */
     size_t count;
 } show_rows;
 CHECKED mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t item_size,
-                                  void (*read)(void *item, sqlite_statement *row), error *err);
+                                  mrt_result (*read)(void *item, sqlite_statement *row, error *err),
+                                  error *err);
 /* What is stored of an edit beside its text: an edit that moved or changed is noticed. */
 int64_t show_edit_crc(int64_t take, int32_t n, const char *json);
 /* n <= 0: part of how the take was made. In somebody's transaction. */
@@ -98,8 +102,8 @@ typedef struct show_packed {
 CHECKED mrt_result show_checkpoint_pack(show_packed *out, const void *bytes, size_t size,
                                         error *err);
 CHECKED mrt_result show_checkpoint_insert(sqlite *db, const show_packed *packed, error *err);
-CHECKED mrt_result show_audio_append(sqlite *db, const char *path, int64_t audio, int64_t time_ns,
-                                     const void *frames, size_t size, error *err);
+CHECKED mrt_result show_audio_append(sqlite *db, int64_t audio, int64_t time_ns, const void *frames,
+                                     size_t size, error *err);
 
 CHECKED mrt_result show_audio_check(show *self, int64_t audio, error *err);
 

@@ -1,4 +1,4 @@
-/* Opening, making, rescuing and checking a show. */
+/* Opening, making, rescuing and checking a show: on top of its other files. */
 #include "base/file.h"
 #include "take/show_file.h"
 #include "take/show_schema.h"
@@ -112,116 +112,12 @@ static mrt_result connect_for_reading(show *self, identity *out, error *err)
 
 static mrt_result use_log(sqlite *db, const char *path, error *err)
 {
-    sqlite_statement *statement;
-    mrt_result result = sqlite_prepare(db, &statement, "PRAGMA journal_mode = WAL", "t", err);
-    if (result < 0)
-        return result;
-    result = sqlite_step(statement, err);
-    if (result == MRT_OK && strcmp(sqlite_exact_text(statement, 0), "wal") != 0)
+    sqlite_statement *row = sqlite_query(db, "PRAGMA journal_mode = WAL", "t", "");
+    mrt_result result = sqlite_step(row, err);
+    if (result == MRT_OK && strcmp(sqlite_exact_text(row, 0), "wal") != 0)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
                            "%s: this disk does not allow a show to be recorded: use another", path);
-    sqlite_finish(statement);
-    return result < 0 ? result : MRT_OK;
-}
-
-/* Synchronous is FULL here: what somebody says (an edit, a new take) has reached the disk when the
- * call returns. The writer's own connection need not wait: see writer_sync.h. */
-static mrt_result configure(sqlite *db, error *err)
-{
-    return sqlite_run(db,
-                      "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;"
-                      "PRAGMA secure_delete = OFF;"
-                      "PRAGMA wal_autocheckpoint = 4000; PRAGMA journal_size_limit = 1048576;"
-                      "PRAGMA cache_size = -8000",
-                      err);
-}
-
-mrt_result show_connect(const show *self, sqlite **out, error *err)
-{
-    mrt_result result = sqlite_open(out, self->path, SQLITE_MODE_WRITE, err);
-    if (result >= 0)
-        result = configure(*out, err);
-    if (result < 0) {
-        sqlite_close(*out);
-        *out = NULL;
-        return result;
-    }
-    sqlite_ignore_cancel(*out);
-    sqlite_limit_each(*out);
-    return result;
-}
-
-/* ---- small things that the other files use ---- */
-
-char *show_beside(const char *path, const char *suffix)
-{
-    size_t path_length = strlen(path), suffix_size = strlen(suffix) + 1;
-    char *out = malloc(path_length + suffix_size);
-    if (!out)
-        return NULL;
-    memcpy(out, path, path_length);
-    memcpy(out + path_length, suffix, suffix_size);
-    return out;
-}
-
-mrt_result show_check_writable(const show *self, error *err)
-{
-    if (self->is_writable)
-        return MRT_OK;
-    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open for reading only%s%s", self->path,
-                     self->notice[0] ? ": " : "", self->notice);
-}
-
-mrt_result show_grow(void **list, size_t count, size_t item_size, error *err)
-{
-    if (count & (count - 1)) /* room for a power of two items is there */
-        return MRT_OK;
-    void *larger = realloc(*list, (count ? 2 * count : 1) * item_size);
-    if (!larger)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for a list of %zu", count + 1);
-    *list = larger;
-    return MRT_OK;
-}
-
-mrt_result show_read_rows(show_rows *out, sqlite_statement *rows, size_t item_size,
-                          void (*read)(void *item, sqlite_statement *row), error *err)
-{
-    mrt_result result;
-    *out = (show_rows){0};
-    while ((result = sqlite_step(rows, err)) == MRT_OK) {
-        result = show_grow(&out->item, out->count, item_size, err);
-        if (result < 0)
-            break;
-        read((char *)out->item + out->count++ * item_size, rows);
-    }
-    sqlite_finish(rows);
-    if (result >= 0)
-        return MRT_OK;
-    free(out->item);
-    *out = (show_rows){0};
-    return result;
-}
-
-static void read_id(void *item, sqlite_statement *row)
-{
-    *(int64_t *)item = sqlite_int(row, 0);
-}
-
-mrt_result show_read_ids(show *self, const char *sql, int64_t **out, size_t *out_count, error *err)
-{
-    sqlite_statement *query;
-    show_rows rows = {0};
-    mrt_result result = sqlite_query(self->db, &query, err, sql, "i", "");
-    if (result >= 0)
-        result = show_read_rows(&rows, query, sizeof **out, read_id, err);
-    *out = rows.item;
-    *out_count = rows.count;
-    return result;
-}
-
-int64_t show_next_id(show *self, show_id of)
-{
-    return ++(self->owner ? self->owner : self)->last_id[of];
+    return sqlite_finish_rows(row, result);
 }
 
 static mrt_result read_last_ids(show *self, error *err)
@@ -311,7 +207,7 @@ static mrt_result open_for_writing(show *self, error *err)
     }
     result = use_log(self->db, self->path, err);
     if (result >= 0)
-        result = configure(self->db, err);
+        result = show_configure(self->db, err);
     if (result >= 0)
         result = show_schema_migrate(self->db, id.version, err);
     if (result >= 0)
@@ -376,16 +272,6 @@ mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
     return MRT_OK;
 }
 
-void show_limit_work(show *self)
-{
-    sqlite_limit_all(self->db);
-}
-
-mrt_result show_spend(show *self, uint64_t steps, error *err)
-{
-    return sqlite_spend(self->db, steps, err);
-}
-
 /* There may be voices in it: it is nobody else's to read, unless its owner says so. */
 static mrt_result make_file(const char *path, error *err)
 {
@@ -406,7 +292,7 @@ static mrt_result fill_new(show *self, error *err)
         result = show_schema_create(self->db, err);
     if (result >= 0)
         result = use_log(self->db, self->path, err);
-    return result < 0 ? result : configure(self->db, err);
+    return result < 0 ? result : show_configure(self->db, err);
 }
 
 mrt_result show_create(show **out, const char *path, error *err)
@@ -466,50 +352,6 @@ void show_close(show *self)
     free(self);
 }
 
-mrt_result show_look_begin(show *self, error *err)
-{
-    return sqlite_run(self->db, "BEGIN", err);
-}
-
-void show_look_end(show *self)
-{
-    (void)!sqlite_run(self->db, "COMMIT", NULL);
-}
-
-/* ---- about the file ---- */
-
-const char *show_path(const show *self)
-{
-    return self->path;
-}
-
-uint64_t show_file_size(const show *self)
-{
-    return sqlite_file_size(self->db);
-}
-
-bool show_is_writable(const show *self)
-{
-    return self->is_writable;
-}
-
-const char *show_notice(const show *self)
-{
-    return self->notice;
-}
-
-bool show_is_file(const show *self, const char *path)
-{
-    struct stat status;
-    return stat(path, &status) == 0 && status.st_dev == self->device &&
-           status.st_ino == self->inode;
-}
-
-bool show_is_missing(const show *self)
-{
-    return !show_is_file(self, self->path);
-}
-
 mrt_result show_rescue(show *self, const char *out_path, error *err)
 {
     struct stat status;
@@ -549,27 +391,20 @@ mrt_result show_rescue_beside(show *self, char *out_path, size_t capacity, error
 /* What SQLite says of its pages, and of rows that refer to none. */
 static mrt_result check_pages(show *self, error *err)
 {
-    sqlite_statement *row;
-    mrt_result result = sqlite_query(self->db, &row, err, "PRAGMA integrity_check(1)", "t", "");
-    if (result < 0)
-        return result;
-    result = sqlite_step(row, err);
+    sqlite_statement *row = sqlite_query(self->db, "PRAGMA integrity_check(1)", "t", "");
+    mrt_result result = sqlite_step(row, err);
     char what[200] = "ok";
     if (result == MRT_OK)
         sqlite_text(row, 0, what, sizeof what);
     if (result == MRT_OK && strcmp(what, "ok") != 0)
         result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: %s", self->path, what);
-    sqlite_finish(row);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(row, result);
 }
 
 static mrt_result check_references(show *self, error *err)
 {
-    sqlite_statement *row;
-    mrt_result result = sqlite_query(self->db, &row, err, "PRAGMA foreign_key_check", "*", "");
-    if (result < 0)
-        return result;
-    result = sqlite_step(row, err);
+    sqlite_statement *row = sqlite_query(self->db, "PRAGMA foreign_key_check", "*", "");
+    mrt_result result = sqlite_step(row, err);
     if (result == MRT_OK) {
         char from[64], to[64];
         sqlite_text(row, 0, from, sizeof from);
@@ -578,34 +413,29 @@ static mrt_result check_references(show *self, error *err)
                            "%s: is damaged: a row of table %s refers to one of %s that is missing",
                            self->path, from, to);
     }
-    sqlite_finish(row);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(row, result);
 }
 
 /* Every value is of the kind of its column; blobs are looked at by those who read them. */
 static mrt_result check_kinds(show *self, const show_table *of, error *err)
 {
     char sql[128];
-    sqlite_statement *rows;
     (void)snprintf(sql, sizeof sql, "SELECT %s FROM %s", of->light, of->name);
-    mrt_result result = sqlite_query(self->db, &rows, err, sql, of->kinds, "");
-    if (result < 0)
-        return result;
+    sqlite_statement *rows = sqlite_query(self->db, sql, of->kinds, "");
+    mrt_result result;
     while ((result = sqlite_step(rows, err)) == MRT_OK)
         ;
-    sqlite_finish(rows);
-    return result < 0 ? error_prefix(err, of->name), result : MRT_OK;
+    if (result < 0)
+        error_prefix(err, of->name);
+    return sqlite_finish_rows(rows, result);
 }
 
 static mrt_result check_all_kinds(show *self, error *err)
 {
     mrt_result result = MRT_OK;
-    for (int i = 0; i < SHOW_TABLES && result >= 0; ++i) {
-        bool is_missing = (self->version < 2 && strcmp(show_tables[i].name, "again") == 0) ||
-                          (self->version < 3 && strcmp(show_tables[i].name, "patch") == 0);
-        if (!is_missing)
+    for (int i = 0; i < SHOW_TABLES && result >= 0; ++i)
+        if (self->version >= show_tables[i].since)
             result = check_kinds(self, &show_tables[i], err);
-    }
     return result;
 }
 

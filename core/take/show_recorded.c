@@ -12,8 +12,6 @@
 
 /* ---- tracks: what one input gave, described ---- */
 
-/* ---- rows in ---- */
-
 static const char *or_empty(const char *text)
 {
     return text ? text : "";
@@ -67,33 +65,13 @@ mrt_result show_track_insert(sqlite *db, int64_t session, const take_track *trac
     return result < 0 ? result : insert_channels(db, track, err);
 }
 
-/* ---- rows out ---- */
-
-static char *exact_or_null(sqlite_statement *row, int column, bool *out_failed)
-{
-    if (sqlite_is_null(row, column))
-        return NULL;
-    char *text = strdup(sqlite_exact_text(row, column));
-    *out_failed |= !text;
-    return text;
-}
-
-static char *text_of(sqlite_statement *row, int column, bool *out_failed)
-{
-    char *text = sqlite_text_copy(row, column);
-    *out_failed |= !text;
-    return text;
-}
-
 static mrt_result read_channels(sqlite *db, take_track *out, error *err)
 {
-    sqlite_statement *rows;
-    mrt_result result = sqlite_query(db, &rows, err,
-                                     "SELECT n, name, unit, semantic, hand, min, max FROM channel "
-                                     "WHERE track = ? ORDER BY n",
-                                     "ittiidd", "i", out->id);
-    if (result < 0)
-        return result;
+    sqlite_statement *rows = sqlite_query(db,
+                                          "SELECT n, name, unit, semantic, hand, min, max FROM "
+                                          "channel WHERE track = ? ORDER BY n",
+                                          "ittuudd", "i", out->id);
+    mrt_result result;
     while ((result = sqlite_step(rows, err)) == MRT_OK) {
         if (out->channel_count == MRT_MAX_CHANNELS || sqlite_int(rows, 0) != out->channel_count) {
             result = error_set(err, MRT_ERR_FORMAT, "track %lld is damaged: channel %lld",
@@ -101,15 +79,16 @@ static mrt_result read_channels(sqlite *db, take_track *out, error *err)
             break;
         }
         take_channel *channel = &out->channel[out->channel_count++];
-        channel->semantic = (uint32_t)sqlite_int(rows, 3);
-        channel->hand = (uint32_t)sqlite_int(rows, 4);
-        channel->min = (float)sqlite_double(rows, 5);
-        channel->max = (float)sqlite_double(rows, 6);
-        sqlite_text(rows, 1, channel->name, sizeof channel->name);
-        sqlite_text(rows, 2, channel->unit, sizeof channel->unit);
+        int64_t n;
+        double min, max;
+        result = sqlite_get(rows, err, &n, channel->name, sizeof channel->name, channel->unit,
+                            sizeof channel->unit, &channel->semantic, &channel->hand, &min, &max);
+        if (result < 0)
+            break;
+        channel->min = (float)min;
+        channel->max = (float)max;
     }
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(rows, result);
 }
 
 #define TRACK_QUERY                                                                                \
@@ -123,29 +102,16 @@ static mrt_result read_channels(sqlite *db, take_track *out, error *err)
 mrt_result show_track_read(show *self, int64_t id, show_track *out, error *err)
 {
     *out = (show_track){.track.id = id};
-    sqlite_statement *rows;
-    mrt_result result = sqlite_query(self->db, &rows, err, TRACK_QUERY, "tttTTII", "i", id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
-    if (result == MRT_OK) {
-        bool no_memory = false;
-        out->track.input = text_of(rows, 0, &no_memory);
-        out->track.device = text_of(rows, 1, &no_memory);
-        out->track.plugin = text_of(rows, 2, &no_memory);
-        out->track.calibration[0] = exact_or_null(rows, 3, &no_memory);
-        out->track.calibration[1] = exact_or_null(rows, 4, &no_memory);
-        out->from_ns = sqlite_time(rows, 5);
-        out->to_ns = sqlite_time(rows, 6);
-        if (no_memory)
-            result = error_set(err, MRT_ERR_MEMORY, "no memory for track %lld", (long long)id);
-    } else if (result == MRT_END) {
-        result =
-            error_set(err, MRT_ERR_ARGUMENT, "%s: has no track %lld", self->path, (long long)id);
-    }
-    sqlite_finish(rows);
+    take_track *track = &out->track;
+    sqlite_statement *row = sqlite_query(self->db, TRACK_QUERY, "sssXXNN", "i", id);
+    mrt_result result = sqlite_step_one(row, "track", id, err);
     if (result >= 0)
-        result = read_channels(self->db, &out->track, err);
+        result =
+            sqlite_get(row, err, &track->input, &track->device, &track->plugin,
+                       &track->calibration[0], &track->calibration[1], &out->from_ns, &out->to_ns);
+    result = sqlite_finish_rows(row, result);
+    if (result >= 0)
+        result = read_channels(self->db, track, err);
     if (result < 0)
         show_track_finish(out);
     return result;
@@ -199,20 +165,21 @@ static const char lawful_sql[] =
 
 static mrt_result prepare_all(show_reader *self, error *err)
 {
-    sqlite *db = self->owner->db;
-    mrt_result result = sqlite_prepare(db, &self->before, before_sql, "ii**", err);
-    if (result >= 0)
-        result = sqlite_prepare(db, &self->after, after_sql, "ii**", err);
-    if (result >= 0)
-        result = sqlite_prepare(db, &self->again, again_sql, "iiib", err);
-    if (result >= 0)
-        result = sqlite_prepare(db, &self->lawful, lawful_sql, "i", err);
-    if (result >= 0)
-        result =
-            sqlite_prepare(db, &self->chunk_count,
-                           self->owner->version < 2 ? "SELECT NULL FROM track WHERE id = ?1"
-                                                    : "SELECT chunk_count FROM track WHERE id = ?1",
-                           "I", err);
+    const char *count_sql = self->owner->version < 2
+                                ? "SELECT NULL FROM track WHERE id = ?1"
+                                : "SELECT chunk_count FROM track WHERE id = ?1";
+    const struct {
+        sqlite_statement **out;
+        const char *sql, *columns;
+    } statements[] = {{&self->before, before_sql, "ii**"},
+                      {&self->after, after_sql, "ii**"},
+                      {&self->again, again_sql, "iiib"},
+                      {&self->lawful, lawful_sql, "i"},
+                      {&self->chunk_count, count_sql, "I"}};
+    mrt_result result = MRT_OK;
+    for (size_t i = 0; i < sizeof statements / sizeof *statements && result >= 0; ++i)
+        result = sqlite_prepare(self->owner->db, statements[i].out, statements[i].sql,
+                                statements[i].columns, err);
     return result;
 }
 
@@ -230,10 +197,7 @@ mrt_result show_reader_open(show_reader **out, show *s, int64_t track, int64_t f
     mrt_result result = prepare_all(self, err);
     if (result >= 0) {
         sqlite_bind(self->chunk_count, "i", track);
-        result = sqlite_step(self->chunk_count, err);
-        if (result == MRT_END)
-            result = error_set(err, MRT_ERR_ARGUMENT, "%s: has no track %lld", s->path,
-                               (long long)track);
+        result = sqlite_step_one(self->chunk_count, "track", track, err);
         sqlite_reset(self->chunk_count);
     }
     if (result < 0) {
@@ -465,13 +429,6 @@ mrt_result show_reader_seek(show_reader *self, int64_t time_ns, error *err)
     return MRT_OK;
 }
 
-/* ---- performances, and the events and checkpoints of their time ---- */
-
-enum {
-    CHECKPOINT_BYTES_MAX = 256 * 1024 * 1024,
-    BYTES_A_STEP = 1 /* unpacked in a step of work: fetching fresh memory is most of it */
-};
-
 /* ---- performances ---- */
 
 static mrt_result insert_rig(sqlite *db, const take_performance *p, error *err)
@@ -479,7 +436,7 @@ static mrt_result insert_rig(sqlite *db, const take_performance *p, error *err)
     return sqlite_change(db, err,
                          "INSERT OR IGNORE INTO rig(path, hash, mesh_hash, unit_mm, json)"
                          "VALUES(?, ?, ?, ?, ?)",
-                         "tttdt", p->rig ? p->rig : "", p->rig_hash, p->mesh_hash, p->unit_mm,
+                         "tttdt", or_empty(p->rig), p->rig_hash, p->mesh_hash, p->unit_mm,
                          p->rig_json);
 }
 
@@ -503,7 +460,7 @@ static mrt_result insert_lists(sqlite *db, const take_performance *p, error *err
 mrt_result show_performance_insert(sqlite *db, int64_t session, const take_performance *p,
                                    int64_t from_ns, error *err)
 {
-    const char *mapping = p->mapping ? p->mapping : "";
+    const char *mapping = or_empty(p->mapping);
     mrt_result result = show_plugin_insert(db, mapping, err);
     if (result >= 0)
         result = insert_rig(db, p, err);
@@ -515,7 +472,7 @@ mrt_result show_performance_insert(sqlite *db, int64_t session, const take_perfo
             "VALUES(?, ?, ?, ?, ?, (SELECT id FROM plugin WHERE identity = ?),"
             "  (SELECT id FROM rig WHERE path = ? AND hash = ? AND mesh_hash = ? AND unit_mm = ?))",
             "iidiittttd", p->id, session, p->hand_length_mm, (int64_t)p->rezero_pedal, from_ns,
-            mapping, p->rig ? p->rig : "", p->rig_hash, p->mesh_hash, p->unit_mm);
+            mapping, or_empty(p->rig), p->rig_hash, p->mesh_hash, p->unit_mm);
     if (result >= 0 && p->patch)
         result = sqlite_change(db, err, "INSERT INTO patch(performance, json) VALUES(?, ?)", "it",
                                p->id, p->patch);
@@ -532,53 +489,40 @@ mrt_result show_performance_insert(sqlite *db, int64_t session, const take_perfo
     " FROM performance f JOIN plugin ON plugin.id = f.plugin JOIN rig ON rig.id = f.rig"           \
     " WHERE f.id = ?"
 
-static bool read_performance(show_performance *out, sqlite_statement *row)
+static mrt_result read_performance(show_performance *out, sqlite_statement *row, error *err)
 {
     take_performance *p = &out->performance;
-    p->mapping = sqlite_text_copy(row, 0);
-    p->rig = sqlite_text_copy(row, 1);
-    sqlite_text(row, 2, p->rig_hash, sizeof p->rig_hash);
-    sqlite_text(row, 3, p->mesh_hash, sizeof p->mesh_hash);
-    bool has_json = !sqlite_is_null(row, 4);
-    p->rig_json = has_json ? strdup(sqlite_exact_text(row, 4)) : NULL;
-    p->unit_mm = sqlite_double(row, 5);
-    p->hand_length_mm = sqlite_double(row, 6);
-    p->rezero_pedal = (uint32_t)sqlite_int(row, 7);
-    out->from_ns = sqlite_time(row, 8);
-    out->to_ns = sqlite_time(row, 9);
-    return p->mapping && p->rig && (p->rig_json || !has_json);
+    return sqlite_get(row, err, &p->mapping, &p->rig, p->rig_hash, sizeof p->rig_hash, p->mesh_hash,
+                      sizeof p->mesh_hash, &p->rig_json, &p->unit_mm, &p->hand_length_mm,
+                      &p->rezero_pedal, &out->from_ns, &out->to_ns);
 }
 
 static mrt_result read_tracks(sqlite *db, take_performance *p, error *err)
 {
-    sqlite_statement *rows;
-    mrt_result result = sqlite_query(db, &rows, err,
-                                     "SELECT track FROM performance_track WHERE performance = ? "
-                                     "ORDER BY n LIMIT ?",
-                                     "i", "ii", p->id, (int64_t)TAKE_TRACKS_MAX);
-    if (result < 0)
-        return result;
+    sqlite_statement *rows = sqlite_query(db,
+                                          "SELECT track FROM performance_track WHERE "
+                                          "performance = ? ORDER BY n LIMIT ?",
+                                          "i", "ii", p->id, (int64_t)TAKE_TRACKS_MAX);
+    mrt_result result;
     while ((result = sqlite_step(rows, err)) == MRT_OK)
         p->track[p->track_count++] = sqlite_int(rows, 0);
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(rows, result);
 }
 
 static mrt_result read_params(sqlite *db, take_performance *p, error *err)
 {
-    sqlite_statement *rows;
-    mrt_result result =
-        sqlite_query(db, &rows, err,
-                     "SELECT param, value FROM performance_param WHERE performance = ? "
-                     "ORDER BY n LIMIT ?",
-                     "if", "ii", p->id, (int64_t)TAKE_PARAMS_MAX);
-    if (result < 0)
-        return result;
-    while ((result = sqlite_step(rows, err)) == MRT_OK)
-        p->param[p->param_count++] =
-            (take_param){.id = (uint32_t)sqlite_int(rows, 0), .value = sqlite_double(rows, 1)};
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    sqlite_statement *rows = sqlite_query(db,
+                                          "SELECT param, value FROM performance_param WHERE "
+                                          "performance = ? ORDER BY n LIMIT ?",
+                                          "uf", "ii", p->id, (int64_t)TAKE_PARAMS_MAX);
+    mrt_result result;
+    while ((result = sqlite_step(rows, err)) == MRT_OK) {
+        take_param *param = &p->param[p->param_count++];
+        result = sqlite_get(rows, err, &param->id, &param->value);
+        if (result < 0)
+            break;
+    }
+    return sqlite_finish_rows(rows, result);
 }
 
 /* ---- performed anew ---- */
@@ -627,68 +571,41 @@ mrt_result show_performance_create(show *self, take_performance *p, error *err)
     return sqlite_end(self->db, insert_anew(self, p, err), err);
 }
 
-static bool read_again_row(take_again *out, sqlite_statement *row)
-{
-    out->of = sqlite_int(row, 0);
-    out->ignores_params = sqlite_int(row, 1) != 0;
-    for (int side = 0; side < 2; ++side)
-        if (!sqlite_is_null(row, 2 + side)) {
-            out->calibration[side] = strdup(sqlite_exact_text(row, 2 + side));
-            if (!out->calibration[side])
-                return false;
-        }
-    out->min_cutoff_hz = sqlite_double(row, 4);
-    out->beta = sqlite_double(row, 5);
-    out->has_beta = out->beta >= 0.0;
-    return true;
-}
-
 static mrt_result read_again(sqlite *db, take_performance *p, error *err)
 {
-    sqlite_statement *rows;
-    mrt_result result =
-        sqlite_query(db, &rows, err,
-                     "SELECT of, ignores_params, left_calibration, right_calibration,"
-                     "  min_cutoff_hz, beta FROM again WHERE performance = ?",
-                     "iiTTff", "i", p->id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
-    if (result == MRT_OK && !read_again_row(&p->again, rows))
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for performance %lld", (long long)p->id);
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    take_again *again = &p->again;
+    sqlite_statement *row = sqlite_query(db,
+                                         "SELECT of, ignores_params, left_calibration,"
+                                         "  right_calibration, min_cutoff_hz, beta FROM again "
+                                         "WHERE performance = ?",
+                                         "izXXff", "i", p->id);
+    mrt_result result = sqlite_step(row, err);
+    if (result == MRT_OK) {
+        result = sqlite_get(row, err, &again->of, &again->ignores_params, &again->calibration[0],
+                            &again->calibration[1], &again->min_cutoff_hz, &again->beta);
+        again->has_beta = again->beta >= 0.0;
+    }
+    return sqlite_finish_rows(row, result);
 }
 
 static mrt_result read_patch(sqlite *db, take_performance *p, error *err)
 {
-    sqlite_statement *rows;
-    mrt_result result = sqlite_query(db, &rows, err, "SELECT json FROM patch WHERE performance = ?",
-                                     "t", "i", p->id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
-    if (result == MRT_OK && !(p->patch = strdup(sqlite_exact_text(rows, 0))))
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for performance %lld", (long long)p->id);
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    sqlite_statement *row =
+        sqlite_query(db, "SELECT json FROM patch WHERE performance = ?", "x", "i", p->id);
+    mrt_result result = sqlite_step(row, err);
+    if (result == MRT_OK)
+        result = sqlite_get(row, err, &p->patch);
+    return sqlite_finish_rows(row, result);
 }
 
 mrt_result show_performance_read(show *self, int64_t id, show_performance *out, error *err)
 {
     *out = (show_performance){.performance.id = id};
-    sqlite_statement *rows;
-    mrt_result result =
-        sqlite_query(self->db, &rows, err, PERFORMANCE_QUERY, "ttttTffiii", "i", id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
-    if (result == MRT_END)
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: has no performance %lld", self->path,
-                           (long long)id);
-    else if (result == MRT_OK && !read_performance(out, rows))
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for performance %lld", (long long)id);
-    sqlite_finish(rows);
+    sqlite_statement *row = sqlite_query(self->db, PERFORMANCE_QUERY, "ssttXffunn", "i", id);
+    mrt_result result = sqlite_step_one(row, "performance", id, err);
+    if (result >= 0)
+        result = read_performance(out, row, err);
+    result = sqlite_finish_rows(row, result);
     if (result >= 0)
         result = read_tracks(self->db, &out->performance, err);
     if (result >= 0)
@@ -728,36 +645,36 @@ mrt_result show_event_insert(sqlite *db, const take_event *event, error *err)
                          (int64_t)event->param, (int64_t)event->hand, event->value, text);
 }
 
-static void read_event(void *item, sqlite_statement *row)
+static mrt_result read_event(void *item, sqlite_statement *row, error *err)
 {
     take_event *out = item;
-    *out = (take_event){.time_ns = sqlite_time(row, 0),
-                        .kind = (uint32_t)sqlite_int(row, 1),
-                        .track = sqlite_int(row, 2),
-                        .param = (uint32_t)sqlite_int(row, 3),
-                        .hand = (uint32_t)sqlite_int(row, 4),
-                        .value = sqlite_double(row, 5)};
-    sqlite_text(row, 6, out->text, sizeof out->text);
+    return sqlite_get(row, err, &out->time_ns, &out->kind, &out->track, &out->param, &out->hand,
+                      &out->value, out->text, sizeof out->text);
 }
 
 mrt_result show_events(show *self, int64_t from_ns, int64_t to_ns, take_event **out,
                        size_t *out_count, error *err)
 {
-    sqlite_statement *query;
-    show_rows rows = {0};
-    mrt_result result = sqlite_query(self->db, &query, err,
-                                     "SELECT time_ns, kind, track, param, hand, value, text "
-                                     "FROM event WHERE time_ns BETWEEN ? AND ? "
-                                     "ORDER BY time_ns, id",
-                                     "iiiiidt", "ii", from_ns, to_ns);
-    if (result >= 0)
-        result = show_read_rows(&rows, query, sizeof **out, read_event, err);
+    show_rows rows;
+    mrt_result result =
+        show_read_rows(&rows,
+                       sqlite_query(self->db,
+                                    "SELECT time_ns, kind, track, param, hand, value, text "
+                                    "FROM event WHERE time_ns BETWEEN ? AND ? "
+                                    "ORDER BY time_ns, id",
+                                    "nuiuudt", "ii", from_ns, to_ns),
+                       sizeof **out, read_event, err);
     *out = rows.item;
     *out_count = rows.count;
     return result;
 }
 
 /* ---- checkpoints ---- */
+
+enum {
+    CHECKPOINT_BYTES_MAX = 256 * 1024 * 1024,
+    BYTES_A_STEP = 1 /* unpacked in a step of work: fetching fresh memory is most of it */
+};
 
 mrt_result show_checkpoint_pack(show_packed *out, const void *bytes, size_t size, error *err)
 {
@@ -812,15 +729,12 @@ mrt_result show_checkpoint_before(show *self, int64_t performance, int64_t time_
                                   show_checkpoint *out, error *err)
 {
     *out = (show_checkpoint){0};
-    sqlite_statement *rows;
-    mrt_result result = sqlite_query(self->db, &rows, err,
-                                     "SELECT time_ns, version, size, crc, bytes FROM checkpoint "
-                                     "WHERE performance = ? AND time_ns <= ? "
-                                     "ORDER BY time_ns DESC, id DESC LIMIT 1",
-                                     "iiiib", "ii", performance, time_ns);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
+    sqlite_statement *rows = sqlite_query(self->db,
+                                          "SELECT time_ns, version, size, crc, bytes FROM "
+                                          "checkpoint WHERE performance = ? AND time_ns <= ? "
+                                          "ORDER BY time_ns DESC, id DESC LIMIT 1",
+                                          "iiiib", "ii", performance, time_ns);
+    mrt_result result = sqlite_step(rows, err);
     if (result == MRT_OK && sqlite_int(rows, 0) > time_ns)
         result = error_set(err, MRT_ERR_FORMAT,
                            "%s: is damaged: checkpoints of performance %lld are out of order",
@@ -832,8 +746,7 @@ mrt_result show_checkpoint_before(show *self, int64_t performance, int64_t time_
         if (result < 0)
             error_prefix(err, self->path);
     }
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(rows, result);
 }
 
 void show_checkpoint_finish(show_checkpoint *checkpoint)
@@ -879,50 +792,40 @@ mrt_result show_audio_create(show *self, const show_audio *audio, int64_t *out_i
     return result;
 }
 
-static mrt_result read_info(sqlite *db, const char *path, int64_t id, show_audio *out,
-                            uint32_t *out_frame_bytes, error *err)
+static mrt_result read_info(sqlite *db, int64_t id, show_audio *out, uint32_t *out_frame_bytes,
+                            error *err)
 {
     *out = (show_audio){0};
     *out_frame_bytes = 1;
-    sqlite_statement *row;
-    mrt_result result =
-        sqlite_query(db, &row, err,
+    sqlite_statement *row =
+        sqlite_query(db,
                      "SELECT id, name, start_ns, rate_hz, channel_count, format, COALESCE("
                      "  (SELECT first_frame + frame_count FROM audio_chunk WHERE audio = audio.id"
                      "   ORDER BY first_frame DESC LIMIT 1), 0)"
                      " FROM audio WHERE id = ?",
-                     "itiiiti", "i", id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(row, err);
-    if (result == MRT_OK) {
-        out->id = sqlite_int(row, 0);
-        sqlite_text(row, 1, out->name, sizeof out->name);
-        out->start_ns = sqlite_time(row, 2);
-        out->rate_hz = (uint32_t)sqlite_int(row, 3);
-        out->channel_count = (uint32_t)sqlite_int(row, 4);
-        sqlite_text(row, 5, out->format, sizeof out->format);
-        out->frame_count = sqlite_int(row, 6);
+                     "itnuuti", "i", id);
+    mrt_result result = sqlite_step_one(row, "audio", id, err);
+    if (result >= 0)
+        result = sqlite_get(row, err, &out->id, out->name, sizeof out->name, &out->start_ns,
+                            &out->rate_hz, &out->channel_count, out->format, sizeof out->format,
+                            &out->frame_count);
+    if (result >= 0)
         result = check(out, out_frame_bytes, MRT_ERR_FORMAT, err);
-    } else if (result == MRT_END) {
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: has no audio %lld", path, (long long)id);
-    }
-    sqlite_finish(row);
-    return result;
+    return sqlite_finish_rows(row, result);
 }
 
 mrt_result show_audio_info(show *self, int64_t id, show_audio *out, error *err)
 {
     uint32_t frame_size;
-    return read_info(self->db, self->path, id, out, &frame_size, err);
+    return read_info(self->db, id, out, &frame_size, err);
 }
 
-mrt_result show_audio_append(sqlite *db, const char *path, int64_t id, int64_t time_ns,
-                             const void *frames, size_t size, error *err)
+mrt_result show_audio_append(sqlite *db, int64_t id, int64_t time_ns, const void *frames,
+                             size_t size, error *err)
 {
     show_audio audio;
     uint32_t frame_size;
-    mrt_result result = read_info(db, path, id, &audio, &frame_size, err);
+    mrt_result result = read_info(db, id, &audio, &frame_size, err);
     if (result < 0)
         return result;
     if (size == 0 || size > PIECE_BYTES_MAX || size % frame_size != 0)
@@ -945,7 +848,7 @@ mrt_result show_audio_write(show *self, int64_t id, int64_t time_ns, const void 
         result = sqlite_begin(self->db, err);
     if (result < 0)
         return result;
-    result = show_audio_append(self->db, self->path, id, time_ns, frames, size, err);
+    result = show_audio_append(self->db, id, time_ns, frames, size, err);
     return sqlite_end(self->db, result, err);
 }
 
@@ -979,19 +882,17 @@ mrt_result show_audio_read(show *self, int64_t id, int64_t first_frame, void *ou
     *out_size = 0;
     show_audio audio;
     uint32_t frame_size;
-    sqlite_statement *rows;
-    mrt_result result = read_info(self->db, self->path, id, &audio, &frame_size, err);
+    mrt_result result = read_info(self->db, id, &audio, &frame_size, err);
     if (result < 0)
         return result;
     int64_t frame = first_frame < 0 ? 0 : first_frame;
-    result = sqlite_query(self->db, &rows, err,
-                          "SELECT first_frame, frame_count, crc, bytes FROM audio_chunk "
-                          "WHERE audio = ?1 AND first_frame >= COALESCE("
-                          "  (SELECT MAX(first_frame) FROM audio_chunk"
-                          "   WHERE audio = ?1 AND first_frame <= ?2), 0) ORDER BY first_frame",
-                          "iiib", "ii", id, frame);
-    if (result < 0)
-        return result;
+    sqlite_statement *rows =
+        sqlite_query(self->db,
+                     "SELECT first_frame, frame_count, crc, bytes FROM audio_chunk "
+                     "WHERE audio = ?1 AND first_frame >= COALESCE("
+                     "  (SELECT MAX(first_frame) FROM audio_chunk"
+                     "   WHERE audio = ?1 AND first_frame <= ?2), 0) ORDER BY first_frame",
+                     "iiib", "ii", id, frame);
     while (frame < audio.frame_count && capacity - *out_size >= frame_size &&
            (result = sqlite_step(rows, err)) == MRT_OK) {
         size_t got = 0;
@@ -1002,8 +903,7 @@ mrt_result show_audio_read(show *self, int64_t id, int64_t first_frame, void *ou
         *out_size += got;
         frame += (int64_t)(got / frame_size);
     }
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(rows, result);
 }
 
 mrt_result show_audio_check(show *self, int64_t id, error *err)
@@ -1014,7 +914,7 @@ mrt_result show_audio_check(show *self, int64_t id, error *err)
     if (!piece)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to check it", self->path);
     uint32_t frame_size;
-    mrt_result result = read_info(self->db, self->path, id, &audio, &frame_size, err);
+    mrt_result result = read_info(self->db, id, &audio, &frame_size, err);
     size_t size = 1;
     for (int64_t frame = 0; result >= 0 && size > 0; frame += (int64_t)(size / frame_size))
         result = show_audio_read(self, id, frame, piece, PIECE_BYTES, &size, err);
@@ -1022,23 +922,23 @@ mrt_result show_audio_check(show *self, int64_t id, error *err)
     return result;
 }
 
-static void read_anchor(void *item, sqlite_statement *row)
+static mrt_result read_anchor(void *item, sqlite_statement *row, error *err)
 {
-    *(show_audio_anchor *)item =
-        (show_audio_anchor){.frame = sqlite_int(row, 0), .time_ns = sqlite_time(row, 1)};
+    show_audio_anchor *out = item;
+    return sqlite_get(row, err, &out->frame, &out->time_ns);
 }
 
 mrt_result show_audio_anchors(show *self, int64_t id, show_audio_anchor **out, size_t *out_count,
                               error *err)
 {
-    sqlite_statement *query;
-    show_rows rows = {0};
-    mrt_result result = sqlite_query(self->db, &query, err,
-                                     "SELECT first_frame, time_ns FROM audio_chunk "
-                                     "WHERE audio = ? AND time_ns <> 0 ORDER BY first_frame",
-                                     "ii", "i", id);
-    if (result >= 0)
-        result = show_read_rows(&rows, query, sizeof **out, read_anchor, err);
+    show_rows rows;
+    mrt_result result =
+        show_read_rows(&rows,
+                       sqlite_query(self->db,
+                                    "SELECT first_frame, time_ns FROM audio_chunk "
+                                    "WHERE audio = ? AND time_ns <> 0 ORDER BY first_frame",
+                                    "in", "i", id),
+                       sizeof **out, read_anchor, err);
     *out = rows.item;
     *out_count = rows.count;
     return result;

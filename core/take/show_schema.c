@@ -95,26 +95,26 @@ static const char *const step[SHOW_VERSION] = {
 };
 
 const show_table show_tables[SHOW_TABLES] = {
-    {"meta", "key", false, "t*", "*"},
-    {"session", "id", true, "iiiItti", "*"},
-    {"rig", "id", true, "itttfT", "*"},
-    {"plugin", "id", true, "it", "*"},
-    {"calibration", "hash", false, "tt", "*"},
-    {"track", "id", true, "iiittTTI", "*"},
-    {"channel", "track, n", false, "iittiidd", "*"},
-    {"performance", "id", true, "iiiifiiI", "*"},
-    {"performance_track", "performance, n", false, "iii", "*"},
-    {"performance_param", "performance, n", false, "iiif", "*"},
-    {"again", "performance", true, "iiiTTff", "*"},
-    {"patch", "performance", true, "it", "*"},
-    {"take", "id", true, "iiiIittiti", "*"},
-    {"span", "take, n", false, "iiIiiiI", "*"},
-    {"edit", "take, branch, n", false, "iiiiit", "*"},
-    {"event", "id", true, "iiiiiidt", "*"},
-    {"chunk", "id", true, "iiiib", "id, track, from_ns, to_ns"},
-    {"checkpoint", "id", true, "iiiiiib", "id, performance, time_ns, version, size, crc"},
-    {"audio", "id", true, "itiiit", "*"},
-    {"audio_chunk", "id", true, "iiiiiib", "id, audio, first_frame, frame_count, time_ns, crc"},
+    {"meta", "key", false, "t*", "*", 1},
+    {"session", "id", true, "iiiItti", "*", 1},
+    {"rig", "id", true, "itttfT", "*", 1},
+    {"plugin", "id", true, "it", "*", 1},
+    {"calibration", "hash", false, "tt", "*", 1},
+    {"track", "id", true, "iiittTTI", "*", 1},
+    {"channel", "track, n", false, "iittiidd", "*", 1},
+    {"performance", "id", true, "iiiifiiI", "*", 1},
+    {"performance_track", "performance, n", false, "iii", "*", 1},
+    {"performance_param", "performance, n", false, "iiif", "*", 1},
+    {"again", "performance", true, "iiiTTff", "*", 2},
+    {"patch", "performance", true, "it", "*", 3},
+    {"take", "id", true, "iiiIittiti", "*", 1},
+    {"span", "take, n", false, "iiIiiiI", "*", 1},
+    {"edit", "take, branch, n", false, "iiiiit", "*", 1},
+    {"event", "id", true, "iiiiiidt", "*", 1},
+    {"chunk", "id", true, "iiiib", "id, track, from_ns, to_ns", 1},
+    {"checkpoint", "id", true, "iiiiiib", "id, performance, time_ns, version, size, crc", 1},
+    {"audio", "id", true, "itiiit", "*", 1},
+    {"audio_chunk", "id", true, "iiiiiib", "id, audio, first_frame, frame_count, time_ns, crc", 1},
 };
 
 static mrt_result run_steps(sqlite *db, int64_t version, error *err)
@@ -295,15 +295,11 @@ static mrt_result check_object(schema_check *self, sqlite_statement *row, error 
 
 static mrt_result check_objects(schema_check *self, sqlite *db, bool *out_is_unread, error *why)
 {
-    sqlite_statement *rows;
-    mrt_result result, step_result = MRT_OK;
-    result = sqlite_query(db, &rows, why,
-                          "SELECT type, name, sql, (SELECT value FROM meta WHERE key = "
-                          "'oldest_reader') FROM sqlite_schema",
-                          "ttTI", "");
-    *out_is_unread = result < 0;
-    if (result < 0)
-        return result;
+    mrt_result result = MRT_OK, step_result = MRT_OK;
+    sqlite_statement *rows = sqlite_query(db,
+                                          "SELECT type, name, sql, (SELECT value FROM meta WHERE "
+                                          "key = 'oldest_reader') FROM sqlite_schema",
+                                          "ttTI", "");
     while (result >= 0 && (step_result = sqlite_step(rows, why)) == MRT_OK)
         result = check_object(self, rows, why);
     *out_is_unread = step_result < 0;

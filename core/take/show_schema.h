@@ -12,6 +12,7 @@ typedef struct show_table {
     bool has_id;       /* the key is a number: rows behind damage can be asked for one by one */
     const char *kinds; /* what each column holds, as sqlite_prepare has it */
     const char *light; /* its columns but the blob, which is last; "*": there is none */
+    int since;         /* the version that has it first */
 } show_table;
 enum { SHOW_TABLES = 20 };
 extern const show_table show_tables[SHOW_TABLES];

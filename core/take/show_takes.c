@@ -134,7 +134,7 @@ mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_
     " (SELECT COUNT(*) FROM edit WHERE edit.take = take.id AND branch = 0 AND n > 0),"             \
     " (SELECT COUNT(*) FROM edit WHERE edit.take = take.id AND branch = 0 AND n <= 0)"
 
-#define TAKE_KINDS "iiiiiittitiii"
+#define TAKE_KINDS "innnzzttutwww"
 
 /* Whoever wrote it: no take comes before the one that it is performed over. */
 static void read_over(show_take *out)
@@ -147,33 +147,26 @@ static void read_over(show_take *out)
     out->over_at_ns = at_ms * NS_PER_MS;
 }
 
-static void read_take(void *item, sqlite_statement *row)
+static mrt_result read_take(void *item, sqlite_statement *row, error *err)
 {
     show_take *out = item;
-    *out = (show_take){.id = sqlite_int(row, 0),
-                       .created_ns = sqlite_time(row, 1),
-                       .start_ns = sqlite_time(row, 2),
-                       .end_ns = sqlite_time(row, 3),
-                       .is_recording = sqlite_int(row, 4) != 0,
-                       .is_recovered = sqlite_int(row, 5) != 0,
-                       .number = (uint32_t)sqlite_int(row, 8),
-                       .edit_head = (int32_t)sqlite_int(row, 10),
-                       .edit_count = (int32_t)sqlite_int(row, 11),
-                       .base_edit_count = (int32_t)sqlite_int(row, 12)};
-    sqlite_text(row, 6, out->scene, sizeof out->scene);
-    sqlite_text(row, 7, out->shot, sizeof out->shot);
-    sqlite_text(row, 9, out->origin, sizeof out->origin);
+    *out = (show_take){0};
+    mrt_result result =
+        sqlite_get(row, err, &out->id, &out->created_ns, &out->start_ns, &out->end_ns,
+                   &out->is_recording, &out->is_recovered, out->scene, sizeof out->scene, out->shot,
+                   sizeof out->shot, &out->number, out->origin, sizeof out->origin, &out->edit_head,
+                   &out->edit_count, &out->base_edit_count);
     read_over(out);
+    return result;
 }
 
 mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err)
 {
-    sqlite_statement *query;
-    show_rows rows = {0};
-    mrt_result result = sqlite_query(
-        self->db, &query, err, "SELECT " TAKE_COLUMNS " FROM take ORDER BY id", TAKE_KINDS, "");
-    if (result >= 0)
-        result = show_read_rows(&rows, query, sizeof **out, read_take, err);
+    show_rows rows;
+    mrt_result result = show_read_rows(
+        &rows,
+        sqlite_query(self->db, "SELECT " TAKE_COLUMNS " FROM take ORDER BY id", TAKE_KINDS, ""),
+        sizeof **out, read_take, err);
     *out = rows.item;
     *out_count = rows.count;
     return result;
@@ -182,42 +175,31 @@ mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err
 mrt_result show_take_read(show *self, int64_t id, show_take *out, error *err)
 {
     *out = (show_take){0};
-    sqlite_statement *rows;
-    mrt_result result =
-        sqlite_query(self->db, &rows, err, "SELECT " TAKE_COLUMNS " FROM take WHERE id = ?",
-                     TAKE_KINDS, "i", id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
-    if (result == MRT_OK)
-        read_take(out, rows);
-    else if (result == MRT_END)
-        result =
-            error_set(err, MRT_ERR_ARGUMENT, "%s: has no take %lld", self->path, (long long)id);
-    sqlite_finish(rows);
-    return result;
+    sqlite_statement *row = sqlite_query(self->db, "SELECT " TAKE_COLUMNS " FROM take WHERE id = ?",
+                                         TAKE_KINDS, "i", id);
+    mrt_result result = sqlite_step_one(row, "take", id, err);
+    if (result >= 0)
+        result = read_take(out, row, err);
+    return sqlite_finish_rows(row, result);
 }
 
-static void read_span(void *item, sqlite_statement *row)
+static mrt_result read_span(void *item, sqlite_statement *row, error *err)
 {
-    *(show_span *)item = (show_span){.performance = sqlite_int(row, 0),
-                                     .from_ns = sqlite_time(row, 1),
-                                     .to_ns = sqlite_time(row, 2),
-                                     .is_shown = sqlite_int(row, 3) != 0};
+    show_span *out = item;
+    return sqlite_get(row, err, &out->performance, &out->from_ns, &out->to_ns, &out->is_shown);
 }
 
 static mrt_result read_spans(show *self, const show_take *of, show_span **out, size_t *out_count,
                              error *err)
 {
-    sqlite_statement *query;
-    show_rows rows = {0};
-    mrt_result result =
-        sqlite_query(self->db, &query, err,
+    show_rows rows;
+    mrt_result result = show_read_rows(
+        &rows,
+        sqlite_query(self->db,
                      "SELECT performance, from_ns, MAX(from_ns, COALESCE(to_ns, ?2)),"
                      "  is_shown FROM span WHERE take = ?1 ORDER BY n",
-                     "Iiii", "ii", of->id, of->end_ns);
-    if (result >= 0)
-        result = show_read_rows(&rows, query, sizeof **out, read_span, err);
+                     "Innz", "ii", of->id, of->end_ns),
+        sizeof **out, read_span, err);
     *out = rows.item;
     *out_count = rows.count;
     return result;
@@ -318,42 +300,36 @@ mrt_result show_take_base_of(show *self, const show_take *row, take *out, error 
 
 static mrt_result count_chunks_of(sqlite *db, int64_t track, error *err)
 {
-    sqlite_statement *last;
-    mrt_result result = sqlite_query(db, &last, err,
-                                     "SELECT bytes FROM chunk WHERE track = ? "
-                                     "ORDER BY from_ns DESC, id DESC LIMIT 1",
-                                     "b", "i", track);
-    if (result < 0)
-        return result;
+    sqlite_statement *last = sqlite_query(db,
+                                          "SELECT bytes FROM chunk WHERE track = ? "
+                                          "ORDER BY from_ns DESC, id DESC LIMIT 1",
+                                          "b", "i", track);
     int64_t count = 0;
-    result = sqlite_step(last, err);
+    mrt_result result = sqlite_step(last, err);
     if (result == MRT_OK) {
         chunk_head head;
         size_t size;
         const uint8_t *bytes = sqlite_blob(last, 0, &size);
         count = chunk_read_head(&head, bytes, size, NULL) < 0 ? -1 : (int64_t)head.ordinal + 1;
     }
-    sqlite_finish(last);
+    result = sqlite_finish_rows(last, result);
     if (result < 0 || count < 0) /* a damaged last chunk: how many there were is not known */
-        return result < 0 ? result : MRT_OK;
+        return result;
     return sqlite_change(db, err, "UPDATE track SET chunk_count = ? WHERE id = ?", "ii", count,
                          track);
 }
 
 static mrt_result count_chunks(sqlite *db, error *err)
 {
-    sqlite_statement *tracks;
-    mrt_result result =
-        sqlite_query(db, &tracks, err, "SELECT id FROM track WHERE chunk_count IS NULL", "i", "");
-    if (result < 0)
-        return result;
+    sqlite_statement *tracks =
+        sqlite_query(db, "SELECT id FROM track WHERE chunk_count IS NULL", "i", "");
+    mrt_result result;
     while ((result = sqlite_step(tracks, err)) == MRT_OK) {
         result = count_chunks_of(db, sqlite_int(tracks, 0), err);
         if (result < 0)
             break;
     }
-    sqlite_finish(tracks);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(tracks, result);
 }
 
 static mrt_result close_all(sqlite *db, int64_t *out_take_count, error *err)
@@ -435,13 +411,11 @@ mrt_result show_edits_of(show *self, const show_take *row, show_edits *out, erro
     *out = (show_edits){0};
     if (row->edit_head == 0 && row->edit_count == 0 && row->base_edit_count == 0)
         return MRT_OK;
-    sqlite_statement *rows;
-    mrt_result result = sqlite_query(self->db, &rows, err,
-                                     "SELECT n, utc_ms, crc, json FROM edit "
-                                     "WHERE take = ? AND branch = 0 ORDER BY n",
-                                     "iiit", "i", take_id);
-    if (result < 0)
-        return result;
+    sqlite_statement *rows = sqlite_query(self->db,
+                                          "SELECT n, utc_ms, crc, json FROM edit "
+                                          "WHERE take = ? AND branch = 0 ORDER BY n",
+                                          "iiit", "i", take_id);
+    mrt_result result;
     while ((result = sqlite_step(rows, err)) == MRT_OK) {
         result = add_edit(out, rows, take_id, self->path, err);
         if (result < 0)
@@ -528,20 +502,16 @@ mrt_result show_edit_head(show *self, int64_t take_id, int32_t head, error *err)
 
 mrt_result show_note_read(show *self, const char *key, char *out, size_t capacity, error *err)
 {
-    sqlite_statement *rows;
     out[0] = '\0';
-    mrt_result result = sqlite_query(
-        self->db, &rows, err, "SELECT value FROM meta WHERE key = 'note.' || ?", "t", "t", key);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
-    if (result == MRT_OK && strlen(sqlite_exact_text(rows, 0)) >= capacity)
+    sqlite_statement *row =
+        sqlite_query(self->db, "SELECT value FROM meta WHERE key = 'note.' || ?", "t", "t", key);
+    mrt_result result = sqlite_step(row, err);
+    if (result == MRT_OK && strlen(sqlite_exact_text(row, 0)) >= capacity)
         result = error_set(err, MRT_ERR_FORMAT, "%s: the note '%s' is longer than any is",
                            self->path, key);
     else if (result == MRT_OK)
-        sqlite_text(rows, 0, out, capacity);
-    sqlite_finish(rows);
-    return result < 0 ? result : MRT_OK;
+        sqlite_text(row, 0, out, capacity);
+    return sqlite_finish_rows(row, result);
 }
 
 mrt_result show_note_write(show *self, const char *key, const char *text, error *err)
@@ -561,15 +531,12 @@ mrt_result show_note_write(show *self, const char *key, const char *text, error 
 
 mrt_result show_picture_read(show *self, const char *hash, void **out, size_t *out_size, error *err)
 {
-    sqlite_statement *rows;
     char found[TAKE_HASH];
     *out = NULL;
     *out_size = 0;
-    mrt_result result = sqlite_query(
-        self->db, &rows, err, "SELECT value FROM meta WHERE key = 'picture.' || ?", "b", "t", hash);
-    if (result < 0)
-        return result;
-    result = sqlite_step(rows, err);
+    sqlite_statement *rows = sqlite_query(
+        self->db, "SELECT value FROM meta WHERE key = 'picture.' || ?", "b", "t", hash);
+    mrt_result result = sqlite_step(rows, err);
     if (result == MRT_OK) {
         const uint8_t *bytes = sqlite_blob(rows, 0, out_size);
         hash_bytes(found, bytes, *out_size);

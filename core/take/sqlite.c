@@ -5,7 +5,7 @@
 #include "base/file.h"
 #include "base/text.h"
 
-#include <limits.h>
+#include <ctype.h>
 #include <math.h>
 #include <sqlite3.h>
 #include <stdarg.h>
@@ -522,26 +522,39 @@ static sqlite_statement *take_idle(sqlite *self, const char *sql)
     return NULL;
 }
 
+/* One whose handle is NULL says why in its bind_code; NULL: no memory. */
+static sqlite_statement *prepare(sqlite *self, const char *sql, const char *columns)
+{
+    sqlite_statement *out = take_idle(self, sql);
+    if (!out) {
+        out = calloc(1, sizeof *out);
+        if (!out)
+            return NULL;
+        out->owner = self;
+        out->bind_code = sqlite3_prepare_v3(self->handle, sql, -1, SQLITE_PREPARE_PERSISTENT,
+                                            &out->handle, NULL);
+    }
+    out->columns = columns;
+    return out;
+}
+
+static mrt_result no_memory(error *err)
+{
+    return error_set(err, MRT_ERR_MEMORY, "no memory to read or write a show");
+}
+
 mrt_result sqlite_prepare(sqlite *self, sqlite_statement **out, const char *sql,
                           const char *columns, error *err)
 {
-    *out = take_idle(self, sql);
-    if (*out) {
-        (*out)->columns = columns;
-        return MRT_OK;
-    }
-    *out = calloc(1, sizeof **out);
+    *out = prepare(self, sql, columns);
     if (!*out)
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", self->path);
-    (*out)->owner = self;
-    (*out)->columns = columns;
-    int code =
-        sqlite3_prepare_v3(self->handle, sql, -1, SQLITE_PREPARE_PERSISTENT, &(*out)->handle, NULL);
-    if (code == SQLITE_OK)
+        return no_memory(err);
+    if ((*out)->bind_code == SQLITE_OK)
         return MRT_OK;
+    mrt_result result = failed(self, (*out)->bind_code, err);
     destroy(*out);
     *out = NULL;
-    return failed(self, code, err);
+    return result;
 }
 
 /* It may be asked for again. */
@@ -550,6 +563,10 @@ void sqlite_finish(sqlite_statement *statement)
     if (!statement)
         return;
     sqlite *self = statement->owner;
+    if (!statement->handle) {
+        destroy(statement);
+        return;
+    }
     (void)sqlite3_reset(statement->handle);
     (void)sqlite3_clear_bindings(statement->handle);
     statement->bind_code = SQLITE_OK;
@@ -605,31 +622,28 @@ void sqlite_bind(sqlite_statement *statement, const char *format, ...)
 static bool is_of_kind(sqlite3_stmt *row, int column, char kind)
 {
     const int type = sqlite3_column_type(row, column);
-    switch (kind) {
-    case 'I':
-        return type == SQLITE_INTEGER || type == SQLITE_NULL;
+    if (kind == '*' || (type == SQLITE_NULL && isupper((unsigned char)kind)))
+        return true;
+    switch (tolower((unsigned char)kind)) {
     case 'i':
+    case 'u':
+    case 'w':
+    case 'z':
+    case 'n':
         return type == SQLITE_INTEGER;
-    case 'F':
-    case 'D':
-        if (type == SQLITE_NULL)
-            return true;
-        return (type == SQLITE_FLOAT || type == SQLITE_INTEGER) &&
-               (kind == 'D' || isfinite(sqlite3_column_double(row, column)));
     case 'f':
-    case 'd':
         return (type == SQLITE_FLOAT || type == SQLITE_INTEGER) &&
-               (kind == 'd' || isfinite(sqlite3_column_double(row, column)));
-    case 'T':
-        return type == SQLITE_TEXT || type == SQLITE_NULL;
+               isfinite(sqlite3_column_double(row, column));
+    case 'd':
+        return type == SQLITE_FLOAT || type == SQLITE_INTEGER;
     case 't':
+    case 's':
+    case 'x':
         return type == SQLITE_TEXT;
-    case 'B':
-        return type == SQLITE_BLOB || type == SQLITE_NULL;
     case 'b':
         return type == SQLITE_BLOB;
     default:
-        return kind == '*';
+        return false;
     }
 }
 
@@ -646,9 +660,9 @@ static mrt_result check_row(sqlite_statement *statement, error *err)
         mrt_result result =
             error_set(err, MRT_ERR_FORMAT, "%s: is damaged: a value of \"%.60s\" is no %s",
                       statement->owner->path, sqlite3_column_name(row, i),
-                      strchr("tT", kind)   ? "text"
-                      : strchr("bB", kind) ? "blob"
-                                           : "number");
+                      strchr("tTsSxX", kind) ? "text"
+                      : strchr("bB", kind)   ? "blob"
+                                             : "number");
         (void)sqlite3_reset(row);
         return result;
     }
@@ -657,6 +671,8 @@ static mrt_result check_row(sqlite_statement *statement, error *err)
 
 mrt_result sqlite_step(sqlite_statement *statement, error *err)
 {
+    if (!statement)
+        return no_memory(err);
     sqlite *self = statement->owner;
     int code = statement->bind_code;
     if (code == SQLITE_OK && is_cancelled(self))
@@ -685,32 +701,47 @@ void sqlite_reset(sqlite_statement *statement)
         (void)sqlite3_reset(statement->handle);
 }
 
-mrt_result sqlite_query(sqlite *self, sqlite_statement **out, error *err, const char *sql,
-                        const char *columns, const char *format, ...)
+static sqlite_statement *query(sqlite *self, const char *sql, const char *columns,
+                               const char *format, va_list *arguments)
 {
-    mrt_result result = sqlite_prepare(self, out, sql, columns, err);
-    if (result < 0)
-        return result;
+    sqlite_statement *out = prepare(self, sql, columns);
+    if (out && out->handle)
+        bind_all(out, format, arguments);
+    return out;
+}
+
+sqlite_statement *sqlite_query(sqlite *self, const char *sql, const char *columns,
+                               const char *format, ...)
+{
     va_list arguments;
     va_start(arguments, format);
-    bind_all(*out, format, &arguments);
+    sqlite_statement *out = query(self, sql, columns, format, &arguments);
     va_end(arguments);
-    return MRT_OK;
+    return out;
 }
 
 mrt_result sqlite_change(sqlite *self, error *err, const char *sql, const char *format, ...)
 {
-    sqlite_statement *statement;
-    mrt_result result = sqlite_prepare(self, &statement, sql, "", err);
-    if (result < 0)
-        return result;
     va_list arguments;
     va_start(arguments, format);
-    bind_all(statement, format, &arguments);
+    sqlite_statement *statement = query(self, sql, "", format, &arguments);
     va_end(arguments);
-    result = sqlite_execute(statement, err);
+    return sqlite_finish_rows(statement, sqlite_step(statement, err));
+}
+
+mrt_result sqlite_step_one(sqlite_statement *statement, const char *what, int64_t id, error *err)
+{
+    mrt_result result = sqlite_step(statement, err);
+    if (result != MRT_END)
+        return result;
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: has no %s %lld", statement->owner->path, what,
+                     (long long)id);
+}
+
+mrt_result sqlite_finish_rows(sqlite_statement *statement, mrt_result result)
+{
     sqlite_finish(statement);
-    return result;
+    return result < 0 ? result : MRT_OK;
 }
 
 int64_t sqlite_int(sqlite_statement *statement, int column)
@@ -743,8 +774,17 @@ void sqlite_text(sqlite_statement *statement, int column, char *out, size_t capa
     text_copy(out, capacity, text_of(statement, column));
 }
 
-char *sqlite_text_copy(sqlite_statement *statement, int column)
+const char *sqlite_exact_text(sqlite_statement *statement, int column)
 {
+    const unsigned char *text = sqlite3_column_text(statement->handle, column);
+    return text ? (const char *)text : "";
+}
+
+/* kind: s or x. NULL: no memory. */
+static char *copy_text(sqlite_statement *statement, int column, char kind)
+{
+    if (kind == 'x')
+        return strdup(sqlite_exact_text(statement, column));
     text_view text = text_of(statement, column);
     size_t capacity = (size_t)(text.end - text.at) + 1;
     char *out = malloc(capacity);
@@ -753,10 +793,57 @@ char *sqlite_text_copy(sqlite_statement *statement, int column)
     return out;
 }
 
-const char *sqlite_exact_text(sqlite_statement *statement, int column)
+/* False: no memory. */
+static bool get_one(sqlite_statement *statement, int column, va_list *arguments)
 {
-    const unsigned char *text = sqlite3_column_text(statement->handle, column);
-    return text ? (const char *)text : "";
+    const char letter = statement->columns[column];
+    char *text, **copy;
+    switch (tolower((unsigned char)letter)) {
+    case 'i':
+        *va_arg(*arguments, int64_t *) = sqlite_int(statement, column);
+        return true;
+    case 'u':
+        *va_arg(*arguments, uint32_t *) = (uint32_t)sqlite_int(statement, column);
+        return true;
+    case 'w':
+        *va_arg(*arguments, int32_t *) = (int32_t)sqlite_int(statement, column);
+        return true;
+    case 'z':
+        *va_arg(*arguments, bool *) = sqlite_int(statement, column) != 0;
+        return true;
+    case 'n':
+        *va_arg(*arguments, int64_t *) = sqlite_time(statement, column);
+        return true;
+    case 'f':
+    case 'd':
+        *va_arg(*arguments, double *) = sqlite_double(statement, column);
+        return true;
+    case 't':
+        text = va_arg(*arguments, char *);
+        sqlite_text(statement, column, text, va_arg(*arguments, size_t));
+        return true;
+    case 's':
+    case 'x':
+        copy = va_arg(*arguments, char **);
+        *copy = NULL;
+        if (letter == 'X' && sqlite_is_null(statement, column))
+            return true;
+        *copy = copy_text(statement, column, (char)tolower((unsigned char)letter));
+        return *copy != NULL;
+    default:
+        return true;
+    }
+}
+
+mrt_result sqlite_get(sqlite_statement *statement, error *err, ...)
+{
+    bool is_complete = true;
+    va_list arguments;
+    va_start(arguments, err);
+    for (int column = 0; statement->columns[column]; ++column)
+        is_complete = get_one(statement, column, &arguments) && is_complete;
+    va_end(arguments);
+    return is_complete ? MRT_OK : no_memory(err);
 }
 
 const uint8_t *sqlite_blob(sqlite_statement *statement, int column, size_t *out_size)
@@ -789,16 +876,12 @@ int64_t sqlite_last_id(const sqlite *self)
 
 mrt_result sqlite_number(sqlite *self, const char *sql, int64_t fallback, int64_t *out, error *err)
 {
-    sqlite_statement *statement;
+    sqlite_statement *row = sqlite_query(self, sql, "I", "");
     *out = fallback;
-    mrt_result result = sqlite_query(self, &statement, err, sql, "I", "");
-    if (result < 0)
-        return result;
-    result = sqlite_step(statement, err);
-    if (result == MRT_OK && !sqlite_is_null(statement, 0))
-        *out = sqlite_int(statement, 0);
-    sqlite_finish(statement);
-    return result < 0 ? result : MRT_OK;
+    mrt_result result = sqlite_step(row, err);
+    if (result == MRT_OK && !sqlite_is_null(row, 0))
+        *out = sqlite_int(row, 0);
+    return sqlite_finish_rows(row, result);
 }
 
 void sqlite_bind_row(sqlite_statement *to, sqlite_statement *from)

@@ -64,17 +64,24 @@ CHECKED mrt_result sqlite_begin(sqlite *self, error *err);
 CHECKED mrt_result sqlite_end(sqlite *self, mrt_result result, error *err);
 
 /* columns: what each column of a row holds, one letter each; a row that holds something else is a
- * failure of the step, "is damaged".
- *   i whole number   f finite number   d any number   t text   b blob   * anything
- *   I F D T B the same, or NULL */
+ * failure of the step, "is damaged". sqlite_get reads them by the same letters:
+ *   i  whole number: int64_t *       u, w  the same: uint32_t *, int32_t *
+ *   z  the same: bool *, not 0
+ *   n  the same, a time: int64_t *, as sqlite_time has it
+ *   f  finite number: double *               d  any number: double *
+ *   t  text: char * and size_t, as sqlite_text has it
+ *   s  text as a person may see it, all of it: char **, to be freed
+ *   x  text, the very bytes: char **, to be freed
+ *   b  blob   *  anything; neither is read by sqlite_get
+ * A capital letter: the same, or NULL, which is read as 0, "" or, as X, NULL. */
 CHECKED mrt_result sqlite_prepare(sqlite *self, sqlite_statement **out, const char *sql,
                                   const char *columns, error *err);
 void sqlite_finish(sqlite_statement *statement); /* NULL is fine */
 
 /* Resets the statement and sets its parameters in order, one letter each:
- *   i int64_t, o const int64_t * (NULL: NULL), d double, t const char * (NULL: NULL), b const void
- * * and size_t Texts and blobs must live until the last step. A failure is reported by the next
- * step. */
+ *   i int64_t, o const int64_t * (NULL: NULL), d double, t const char * (NULL: NULL),
+ *   b const void * and size_t
+ * Texts and blobs must live until the last step. A failure is reported by the next step. */
 void sqlite_bind(sqlite_statement *statement, const char *format, ...);
 
 /* MRT_OK: there is a row; MRT_END: there is none left; < 0: failed. */
@@ -86,10 +93,19 @@ void sqlite_reset(sqlite_statement *statement); /* lets go of the row: others ma
 /* The above in one: prepare, bind, execute, finish. */
 CHECKED mrt_result sqlite_change(sqlite *self, error *err, const char *sql, const char *format,
                                  ...);
-/* Prepared and bound, to be stepped and finished. */
-CHECKED mrt_result sqlite_query(sqlite *self, sqlite_statement **out, error *err, const char *sql,
-                                const char *columns, const char *format, ...);
+/* Prepared and bound, to be stepped and finished. A failure is reported by the first step. */
+sqlite_statement *sqlite_query(sqlite *self, const char *sql, const char *columns,
+                               const char *format, ...);
+/* As sqlite_step of a query that finds one row; without one: "PATH: has no WHAT ID". */
+CHECKED mrt_result sqlite_step_one(sqlite_statement *statement, const char *what, int64_t id,
+                                   error *err);
+/* Finishes a query whose rows were read; `result`: of the last step or of who read them. A failure
+ * is given back, all else is MRT_OK. */
+CHECKED mrt_result sqlite_finish_rows(sqlite_statement *statement, mrt_result result);
 
+/* The columns of the row in order, as their letters say, each into what follows `err`. It fails
+ * for want of memory alone; texts that were not copied are NULL then. */
+CHECKED mrt_result sqlite_get(sqlite_statement *statement, error *err, ...);
 /* Of the row; columns from 0; pointers until the next step or reset. */
 int64_t sqlite_int(sqlite_statement *statement, int column);
 /* A time that the file says, ns: within half of what 64 bits hold, so that the difference of two
@@ -98,8 +114,6 @@ int64_t sqlite_time(sqlite_statement *statement, int column);
 double sqlite_double(sqlite_statement *statement, int column);
 /* Text as a person may see it (base/text.h), cut to the capacity; "" when NULL. */
 void sqlite_text(sqlite_statement *statement, int column, char *out, size_t capacity);
-/* The same, all of it, to be freed; NULL: no memory. */
-char *sqlite_text_copy(sqlite_statement *statement, int column);
 /* The very bytes, to be parsed or hashed: they are never shown. "" when NULL or no memory. */
 const char *sqlite_exact_text(sqlite_statement *statement, int column);
 /* Never NULL; of size 0 when the column is. */

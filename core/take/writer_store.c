@@ -10,8 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- jobs ---- */
-
 /* ---- jobs in memory ---- */
 
 writer_job *writer_job_create(writer_job_kind kind)
@@ -97,7 +95,7 @@ mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size
 /* Synchronous NORMAL: a commit does not wait for the disk; writer_sync.h sees to it. */
 mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, error *err)
 {
-    *out = (writer_store){.path = show_path(s), .session = session};
+    *out = (writer_store){.session = session};
     mrt_result result = show_connect(s, &out->db, err);
     if (result >= 0)
         result =
@@ -144,11 +142,9 @@ static mrt_result end_performance(sqlite *db, int64_t time_ns, error *err)
 
 static mrt_result show_in_open_takes(sqlite *db, int64_t performance, int64_t from_ns, error *err)
 {
-    sqlite_statement *takes;
-    mrt_result result = sqlite_query(
-        db, &takes, err, "SELECT id, start_ns FROM take WHERE end_ns IS NULL", "ii", "");
-    if (result < 0)
-        return result;
+    sqlite_statement *takes =
+        sqlite_query(db, "SELECT id, start_ns FROM take WHERE end_ns IS NULL", "in", "");
+    mrt_result result;
     while ((result = sqlite_step(takes, err)) == MRT_OK) {
         int64_t start_ns = sqlite_time(takes, 1);
         result = show_span_insert(db, sqlite_int(takes, 0), performance,
@@ -156,8 +152,7 @@ static mrt_result show_in_open_takes(sqlite *db, int64_t performance, int64_t fr
         if (result < 0)
             break;
     }
-    sqlite_finish(takes);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(takes, result);
 }
 
 static mrt_result run_performance(const writer_job *job, writer_store *store, error *err)
@@ -245,15 +240,14 @@ static mrt_result run_take_end(const writer_job *job, writer_store *store, error
 static mrt_result insert_kept_spans(sqlite *db, int64_t id, int64_t from_ns, int64_t to_ns,
                                     error *err)
 {
-    sqlite_statement *performances;
+    sqlite_statement *performances =
+        sqlite_query(db,
+                     "SELECT id, MAX(from_ns, ?1), MIN(COALESCE(to_ns, ?2), ?2)"
+                     " FROM performance WHERE from_ns < ?2"
+                     " AND COALESCE(to_ns, ?2) > ?1 ORDER BY from_ns",
+                     "iii", "ii", from_ns, to_ns);
     int count = 0;
-    mrt_result result = sqlite_query(db, &performances, err,
-                                     "SELECT id, MAX(from_ns, ?1), MIN(COALESCE(to_ns, ?2), ?2)"
-                                     " FROM performance WHERE from_ns < ?2"
-                                     " AND COALESCE(to_ns, ?2) > ?1 ORDER BY from_ns",
-                                     "iii", "ii", from_ns, to_ns);
-    if (result < 0)
-        return result;
+    mrt_result result;
     while ((result = sqlite_step(performances, err)) == MRT_OK) {
         int64_t end_ns = sqlite_time(performances, 2);
         ++count;
@@ -262,10 +256,10 @@ static mrt_result insert_kept_spans(sqlite *db, int64_t id, int64_t from_ns, int
         if (result < 0)
             break;
     }
-    sqlite_finish(performances);
+    result = sqlite_finish_rows(performances, result);
     if (result >= 0 && count == 0)
         result = show_span_insert(db, id, 0, from_ns, &to_ns, true, err);
-    return result < 0 ? result : MRT_OK;
+    return result;
 }
 
 static mrt_result run_keep(const writer_job *job, writer_store *store, error *err)
@@ -329,8 +323,8 @@ mrt_result writer_job_run(const writer_job *job, writer_store *store, error *err
         return writer_put_chunk(store, job->id, job->of.chunk.track, job->from_ns, job->to_ns,
                                 job->bytes, job->byte_count, err);
     case WRITER_JOB_AUDIO:
-        return show_audio_append(store->db, store->path, job->id, job->from_ns, job->bytes,
-                                 job->byte_count, err);
+        return show_audio_append(store->db, job->id, job->from_ns, job->bytes, job->byte_count,
+                                 err);
     case WRITER_JOB_SESSION_END:
         return run_session_end(job, store, err);
     case WRITER_JOB_NONE:
@@ -461,14 +455,11 @@ typedef struct leftover {
 
 static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, error *err)
 {
-    sqlite_statement *last;
-    mrt_result result = sqlite_query(self->store.db, &last, err,
-                                     "SELECT bytes FROM chunk WHERE track = ? "
-                                     "ORDER BY from_ns DESC, id DESC LIMIT 1",
-                                     "b", "i", id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(last, err);
+    sqlite_statement *last = sqlite_query(self->store.db,
+                                          "SELECT bytes FROM chunk WHERE track = ? "
+                                          "ORDER BY from_ns DESC, id DESC LIMIT 1",
+                                          "b", "i", id);
+    mrt_result result = sqlite_step(last, err);
     if (result == MRT_OK) {
         chunk_head head;
         size_t size;
@@ -482,22 +473,18 @@ static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, e
             out->last_sequence = self->sample[head.sample_count - 1].sequence;
         }
     }
-    sqlite_finish(last);
-    return result < 0 ? result : MRT_OK;
+    return sqlite_finish_rows(last, result);
 }
 
 /* A track whose row was not committed has nowhere to go: known, but of no use. */
 static mrt_result add_track(leftover *self, int64_t id, leftover_track **out, error *err)
 {
-    sqlite_statement *channels;
     *out = NULL;
     if (self->track_count == WRITER_TRACKS_MAX)
         return MRT_OK;
-    mrt_result result = sqlite_query(self->store.db, &channels, err,
-                                     "SELECT COUNT(*) FROM channel WHERE track = ?", "i", "i", id);
-    if (result < 0)
-        return result;
-    result = sqlite_step(channels, err);
+    sqlite_statement *channels =
+        sqlite_query(self->store.db, "SELECT COUNT(*) FROM channel WHERE track = ?", "i", "i", id);
+    mrt_result result = sqlite_step(channels, err);
     int64_t count = result == MRT_OK ? sqlite_int(channels, 0) : 0;
     sqlite_finish(channels);
     leftover_track *track = &self->track[self->track_count];
@@ -559,17 +546,14 @@ static mrt_result take_sample(leftover *self, int64_t id, const mrt_sample *samp
 
 static mrt_result take_event_once(leftover *self, const take_event *given, error *err)
 {
-    sqlite_statement *same;
     take_event event = *given;
     event.time_ns += self->to_show_ns;
-    mrt_result result = sqlite_query(self->store.db, &same, err,
-                                     "SELECT 1 FROM event WHERE time_ns = ? AND kind = ?"
-                                     " AND track = ? AND param = ? AND value = ?",
-                                     "i", "iiiid", event.time_ns, (int64_t)event.kind, event.track,
-                                     (int64_t)event.param, event.value);
-    if (result < 0)
-        return result;
-    result = sqlite_step(same, err);
+    sqlite_statement *same = sqlite_query(self->store.db,
+                                          "SELECT 1 FROM event WHERE time_ns = ? AND kind = ?"
+                                          " AND track = ? AND param = ? AND value = ?",
+                                          "i", "iiiid", event.time_ns, (int64_t)event.kind,
+                                          event.track, (int64_t)event.param, event.value);
+    mrt_result result = sqlite_step(same, err);
     sqlite_finish(same);
     return result == MRT_END ? show_event_insert(self->store.db, &event, err) : result;
 }

@@ -87,7 +87,6 @@ CHECKED mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, siz
 
 typedef struct writer_store { /* where to */
     sqlite *db;
-    const char *path;
     int64_t session;
     sqlite_statement *put_chunk; /* prepared once: it is the one that runs all the time */
 } writer_store;
