@@ -6,14 +6,6 @@
 namespace
 {
 
-const tinygltf::Accessor &accessor_at(const tinygltf::Model &model, int index)
-{
-    if (index < 0 || (size_t)index >= model.accessors.size())
-        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but %zu are there", index,
-                  model.accessors.size());
-    return model.accessors[(size_t)index];
-}
-
 /* Bytes; 0: not allowed in glTF. */
 size_t size_of(int component_type)
 {
@@ -85,7 +77,7 @@ void gltf_accessor::fail(const char *what) const
 }
 
 gltf_accessor::gltf_accessor(const tinygltf::Model &model, int index)
-    : model_(model), accessor_(accessor_at(model, index)), index_(index),
+    : model_(model), accessor_(gltf_accessor_at(model, index)), index_(index),
       component_size_(size_of(accessor_.componentType)),
       component_count_(components_of(accessor_.type)), dense_{nullptr, 0},
       sparse_indices_{nullptr, 0}, sparse_values_{nullptr, 0}

@@ -2,6 +2,7 @@
 
 #include <cstdarg>
 #include <cstdint>
+#include <cstring>
 #include <initializer_list>
 #include <set>
 
@@ -10,7 +11,9 @@
 #include <nlohmann/json.hpp>
 
 extern "C" {
+#include "base/budget.h"
 #include "base/file.h"
+#include "io/decode/decode.h"
 }
 
 using nlohmann::json;
@@ -18,18 +21,111 @@ using nlohmann::json;
 namespace
 {
 
+/* ---- what surrounds the document: the chunks of a .glb, and limits before any parser sees it ----
+ */
+
+enum {
+    NESTING_MAX = 64,
+    VALUES_MAX = 500000,     /* commas and opening brackets outside strings */
+    JSON_SIZE_MAX = 1 << 28, /* bytes; data URIs count */
+};
+enum { HEADER_SIZE = 12, CHUNK_HEADER_SIZE = 8 };
+const uint32_t JSON_CHUNK = 0x4e4f534a, BINARY_CHUNK = 0x004e4942; /* "JSON" "BIN\0" */
+
+uint32_t read_u32(const char *at)
+{
+    const unsigned char *b = reinterpret_cast<const unsigned char *>(at);
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+mrt_result check_header(text_view file, error *err)
+{
+    size_t size = (size_t)(file.end - file.at);
+    if (size < HEADER_SIZE + CHUNK_HEADER_SIZE)
+        return error_set(err, MRT_ERR_FORMAT, "the .glb ends within its header");
+    if (read_u32(file.at + 4) != 2)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "glTF version %u: only version 2 is read",
+                         read_u32(file.at + 4));
+    if (read_u32(file.at + 8) > size)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "it is cut off: the header says %u bytes, the file has %zu; get it again",
+                         read_u32(file.at + 8), size);
+    if (read_u32(file.at + 8) != size)
+        return error_set(err, MRT_ERR_FORMAT, "the header says %u bytes, the file has %zu",
+                         read_u32(file.at + 8), size);
+    return MRT_OK;
+}
+
+mrt_result split_chunks(gltf_container *out, text_view file, error *err)
+{
+    mrt_result result = check_header(file, err);
+    if (result < 0)
+        return result;
+    text_view rest = {file.at + HEADER_SIZE, file.end};
+    for (int chunk = 0; rest.at < rest.end; ++chunk) {
+        size_t left = (size_t)(rest.end - rest.at);
+        if (left < CHUNK_HEADER_SIZE || read_u32(rest.at) > left - CHUNK_HEADER_SIZE)
+            return error_set(err, MRT_ERR_FORMAT, "chunk %d goes past the end of the file", chunk);
+        uint32_t length = read_u32(rest.at), type = read_u32(rest.at + 4);
+        text_view content = {rest.at + CHUNK_HEADER_SIZE, rest.at + CHUNK_HEADER_SIZE + length};
+        if ((chunk == 0) != (type == JSON_CHUNK))
+            return error_set(err, MRT_ERR_FORMAT, "the first chunk, and no other, must be JSON");
+        if (chunk == 0)
+            out->json = content;
+        else if (chunk == 1 && type == BINARY_CHUNK)
+            out->binary = content;
+        rest.at = content.end;
+    }
+    return MRT_OK;
+}
+
+/* The end of the string that starts at `at` (on its quote), or `end`. */
+const char *skip_string(const char *at, const char *end)
+{
+    for (++at; at < end && *at != '"'; ++at)
+        if (*at == '\\' && at + 1 < end)
+            ++at;
+    return at < end ? at + 1 : end;
+}
+
+mrt_result check_limits(text_view json, error *err)
+{
+    int nesting = 0, value_count = 0;
+    if (json.end - json.at > JSON_SIZE_MAX)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "the JSON is longer than %d bytes: export it as .glb", JSON_SIZE_MAX);
+    for (const char *at = json.at; at < json.end;) {
+        if (*at == '"') {
+            at = skip_string(at, json.end);
+            continue;
+        }
+        bool opens = *at == '{' || *at == '[';
+        nesting += opens;
+        nesting -= *at == '}' || *at == ']';
+        value_count += opens || *at == ',';
+        if (nesting > NESTING_MAX)
+            return error_set(err, MRT_ERR_FORMAT, "the JSON is nested more than %d deep",
+                             NESTING_MAX);
+        if (value_count > VALUES_MAX)
+            return error_set(err, MRT_ERR_UNSUPPORTED, "the JSON has more than %d values",
+                             VALUES_MAX);
+        at += 1;
+    }
+    return MRT_OK;
+}
+
+/* ---- the document, checked for what tinygltf takes on trust ---- */
+
 const char BINARY_CHUNK_NAME[] = "marotte:binary"; /* no file can be called that: ':' is refused */
 const size_t BUFFER_BYTES_MAX = (size_t)1 << 30;   /* all buffers together */
 
 /* Where tinygltf's file callbacks find bytes. */
-struct buffer_source {
+struct buffer_files {
     text_view binary; /* cut to the length of the first buffer */
     const char *directory;
     std::set<std::pair<dev_t, ino_t>> files; /* those that were read */
     error failed;
 };
-
-/* ---- checks of the document ---- */
 
 /* Absent, or a whole number in [0, 2^31): tinygltf ignores other values or cuts them to an int. */
 void check_whole(const json &object, const std::string &where, const char *key)
@@ -307,7 +403,7 @@ void make_fallback_empty(json &buffer)
 }
 
 /* Points the first buffer of a .glb to the BIN chunk, and bounds what all buffers take. */
-void prepare_buffers(json &document, const gltf_container &container, buffer_source &source)
+void prepare_buffers(json &document, const gltf_container &container, buffer_files &source)
 {
     auto buffers = document.find("buffers");
     size_t total = 0, index = 0;
@@ -358,7 +454,7 @@ std::string same_path(const std::string &path, void *)
 
 bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::string &uri, void *data)
 {
-    buffer_source *source = static_cast<buffer_source *>(data);
+    buffer_files *source = static_cast<buffer_files *>(data);
     if (uri == BINARY_CHUNK_NAME && source->binary.at) {
         out->assign(source->binary.at, source->binary.end);
         return true;
@@ -419,6 +515,253 @@ json parse_json(const text_view &text)
     }
 }
 
+/* ---- compressed parts (KHR_draco_mesh_compression, EXT_meshopt_compression): before anything else
+ * looks at the model they are decoded in the child process, all at once, and become buffers like
+ * any other ---- */
+
+struct job_list {
+    std::vector<decode_job> jobs;
+    std::vector<std::string> names; /* of what each job decodes, for a person */
+
+    job_list() = default;
+    job_list(const job_list &) = delete;
+    job_list &operator=(const job_list &) = delete;
+    ~job_list()
+    {
+        for (decode_job &job : jobs)
+            decode_job_finish(&job);
+    }
+
+    decode_order &add(decode_kind kind, const text_view &bytes, const std::string &name)
+    {
+        decode_job job = {};
+        job.order.kind = kind;
+        job.data = bytes.at;
+        job.size = (size_t)(bytes.end - bytes.at);
+        jobs.push_back(job);
+        names.push_back(name);
+        return jobs.back().order;
+    }
+
+    /* What is sent (it may be named many times) and what the answers take is paid out of the file's
+     * budget before there is any. */
+    void run(size_t file_size)
+    {
+        error failed = {""};
+        budget all = budget_of(BUDGET_MESH, file_size);
+        for (size_t i = 0; i < jobs.size(); ++i) {
+            size_t size = decode_answer_size(&jobs[i].order);
+            if (size == 0)
+                gltf_fail(MRT_ERR_FORMAT, "%s: its compression makes no sense", names[i].c_str());
+            if (budget_spend_bytes(&all, size + jobs[i].size, &failed) < 0)
+                gltf_fail(MRT_ERR_UNSUPPORTED, "%s: %s", names[i].c_str(), failed.text);
+        }
+        mrt_result result = decode_run(jobs.data(), (uint32_t)jobs.size(), &failed);
+        if (result < 0)
+            gltf_fail(result, "%s", failed.text);
+        for (size_t i = 0; i < jobs.size(); ++i)
+            if (!jobs[i].out)
+                gltf_fail(MRT_ERR_FORMAT, "%s: %s", names[i].c_str(), jobs[i].failed.text);
+    }
+};
+
+/* size bytes in a buffer of the model, or a failure. */
+text_view bytes_of(const tinygltf::Model &model, int buffer, size_t offset, size_t size,
+                   const std::string &name)
+{
+    if (buffer < 0 || (size_t)buffer >= model.buffers.size())
+        gltf_fail(MRT_ERR_FORMAT, "%s: its buffer is not there", name.c_str());
+    const std::vector<unsigned char> &bytes = model.buffers[(size_t)buffer].data;
+    if (offset > bytes.size() || size > bytes.size() - offset)
+        gltf_fail(MRT_ERR_FORMAT, "%s: it goes past the end of its buffer", name.c_str());
+    return text_view_of(bytes.data() + offset, size);
+}
+
+/* A buffer of its own, and a view of all of it. */
+int add_view(tinygltf::Model &model, const unsigned char *at, size_t size, size_t stride)
+{
+    tinygltf::Buffer buffer;
+    buffer.data.assign(at, at + size);
+    model.buffers.push_back(std::move(buffer));
+    tinygltf::BufferView view;
+    view.buffer = (int)model.buffers.size() - 1;
+    view.byteLength = size;
+    view.byteStride = stride;
+    model.bufferViews.push_back(std::move(view));
+    return (int)model.bufferViews.size() - 1;
+}
+
+/* ---- meshopt ---- */
+
+const char *const MESHOPT_NAMES[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
+
+const tinygltf::Value *meshopt_of(const tinygltf::BufferView &view)
+{
+    for (const char *name : MESHOPT_NAMES) {
+        auto found = view.extensions.find(name);
+        if (found != view.extensions.end())
+            return &found->second;
+    }
+    return nullptr;
+}
+
+uint32_t word_of(const tinygltf::Value &value, const char *const *words, uint32_t count)
+{
+    for (uint32_t i = 0; i < count && value.IsString(); ++i)
+        if (value.Get<std::string>() == words[i])
+            return i + 1;
+    return 0;
+}
+
+void add_meshopt(job_list &out, const tinygltf::Model &model, size_t index)
+{
+    static const char *const modes[] = {"ATTRIBUTES", "TRIANGLES", "INDICES"};
+    static const char *const filters[] = {"OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"};
+    std::string name = "bufferViews[" + std::to_string(index) + "]";
+    const tinygltf::BufferView &view = model.bufferViews[index];
+    const tinygltf::Value &how = *meshopt_of(view);
+    int64_t offset = gltf_whole(gltf_member(how, "byteOffset"), 0);
+    int64_t length = gltf_whole(gltf_member(how, "byteLength"), -1);
+    int64_t stride = gltf_whole(gltf_member(how, "byteStride"), -1);
+    int64_t count = gltf_whole(gltf_member(how, "count"), -1);
+    if (offset < 0 || length <= 0 || stride <= 0 || count <= 0)
+        gltf_fail(MRT_ERR_FORMAT, "%s: its compression makes no sense", name.c_str());
+    text_view bytes = bytes_of(model, (int)gltf_whole(gltf_member(how, "buffer"), -1),
+                               (size_t)offset, (size_t)length, name);
+    decode_order &order = out.add(DECODE_MESHOPT, bytes, name);
+    order.count = (uint32_t)count;
+    order.stride = (uint32_t)stride;
+    order.mode = word_of(gltf_member(how, "mode"), modes, 3);
+    order.filter = word_of(gltf_member(how, "filter"), filters, 3);
+    if (decode_answer_size(&order) != view.byteLength)
+        gltf_fail(MRT_ERR_FORMAT, "%s: %zu bytes, but %lld of %lld bytes are compressed in it",
+                  name.c_str(), view.byteLength, (long long)count, (long long)stride);
+}
+
+void decode_meshopt(tinygltf::Model &model, size_t file_size)
+{
+    job_list list;
+    std::vector<size_t> views;
+    for (size_t i = 0; i < model.bufferViews.size(); ++i)
+        if (meshopt_of(model.bufferViews[i]))
+            views.push_back(i);
+    if (views.empty())
+        return;
+    for (size_t view : views)
+        add_meshopt(list, model, view);
+    list.run(file_size);
+    for (size_t i = 0; i < views.size(); ++i) {
+        const decode_job &job = list.jobs[i];
+        size_t stride = model.bufferViews[views[i]].byteStride;
+        int made =
+            add_view(model, static_cast<const unsigned char *>(job.out), job.out_size, stride);
+        model.bufferViews[views[i]] = model.bufferViews[(size_t)made];
+        model.bufferViews.pop_back();
+    }
+}
+
+/* ---- Draco ---- */
+
+struct draco_primitive {
+    tinygltf::Primitive *primitive;
+    int indices;                         /* accessor */
+    std::vector<std::string> attributes; /* in the order of the job's */
+};
+
+uint32_t count_of(const tinygltf::Accessor &accessor, const std::string &name)
+{
+    const size_t count_max = (size_t)1 << 26;
+    if (accessor.count == 0 || accessor.count > count_max)
+        gltf_fail(MRT_ERR_FORMAT, "%s: its counts make no sense", name.c_str());
+    return (uint32_t)accessor.count;
+}
+
+void add_draco(job_list &out, std::vector<draco_primitive> &patches, const tinygltf::Model &model,
+               tinygltf::Primitive &primitive, const std::string &name)
+{
+    const tinygltf::Value &how = primitive.extensions.at("KHR_draco_mesh_compression");
+    auto position = primitive.attributes.find("POSITION");
+    int indices = (int)gltf_whole(gltf_member(how, "indices"), -1); /* set aside by gltf_load */
+    if (indices < 0)
+        return; /* the file has it without compression as well */
+    if (position == primitive.attributes.end() || primitive.mode != TINYGLTF_MODE_TRIANGLES)
+        gltf_fail(MRT_ERR_UNSUPPORTED, "%s: of Draco only triangles are read", name.c_str());
+    int64_t view_index = gltf_whole(gltf_member(how, "bufferView"), -1);
+    if (view_index < 0 || (size_t)view_index >= model.bufferViews.size())
+        gltf_fail(MRT_ERR_FORMAT, "%s: its compressed data is not there", name.c_str());
+    const tinygltf::BufferView &view = model.bufferViews[(size_t)view_index];
+    text_view bytes = bytes_of(model, view.buffer, view.byteOffset, view.byteLength, name);
+    decode_order &order = out.add(DECODE_DRACO, bytes, name);
+    order.count = count_of(gltf_accessor_at(model, position->second), name);
+    order.index_count = count_of(gltf_accessor_at(model, indices), name);
+    draco_primitive patch = {&primitive, indices, {}};
+    for (const auto &attribute : primitive.attributes) {
+        int64_t id =
+            gltf_whole(gltf_member(gltf_member(how, "attributes"), attribute.first.c_str()), -1);
+        const tinygltf::Accessor &accessor = gltf_accessor_at(model, attribute.second);
+        if (id < 0) /* it is stored beside the compressed ones */
+            continue;
+        if (order.attribute_count == DECODE_ATTRIBUTES_MAX || accessor.count != order.count)
+            gltf_fail(MRT_ERR_UNSUPPORTED, "%s: its compressed attributes are too many, or differ",
+                      name.c_str());
+        int components = tinygltf::GetNumComponentsInType((uint32_t)accessor.type);
+        order.attribute[order.attribute_count++] = {(uint32_t)id, (uint32_t)accessor.componentType,
+                                                    components > 0 ? (uint32_t)components : 0};
+        patch.attributes.push_back(attribute.first);
+    }
+    patches.push_back(std::move(patch));
+}
+
+/* The same accessor on bytes of its own. */
+int add_accessor(tinygltf::Model &model, int like, const unsigned char *at, size_t size)
+{
+    tinygltf::Accessor accessor = model.accessors[(size_t)like];
+    accessor.bufferView = add_view(model, at, size, 0);
+    accessor.byteOffset = 0;
+    model.accessors.push_back(std::move(accessor));
+    return (int)model.accessors.size() - 1;
+}
+
+void patch_draco(tinygltf::Model &model, const draco_primitive &patch, const decode_job &job)
+{
+    const unsigned char *at = static_cast<const unsigned char *>(job.out);
+    size_t size = (size_t)job.order.index_count * sizeof(uint32_t);
+    int indices = add_accessor(model, patch.indices, at, size);
+    model.accessors[(size_t)indices].componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+    patch.primitive->indices = indices;
+    at += size;
+    for (size_t i = 0; i < patch.attributes.size(); ++i) {
+        decode_order alone = {};
+        alone.kind = DECODE_DRACO;
+        alone.count = job.order.count;
+        alone.attribute_count = 1;
+        alone.attribute[0] = job.order.attribute[i];
+        size = decode_answer_size(&alone);
+        int &accessor = patch.primitive->attributes.at(patch.attributes[i]);
+        accessor = add_accessor(model, accessor, at, size);
+        at += size;
+    }
+}
+
+void decode_draco(tinygltf::Model &model, size_t file_size)
+{
+    job_list list;
+    std::vector<draco_primitive> patches;
+    for (size_t m = 0; m < model.meshes.size(); ++m)
+        for (size_t p = 0; p < model.meshes[m].primitives.size(); ++p) {
+            tinygltf::Primitive &primitive = model.meshes[m].primitives[p];
+            if (primitive.extensions.count("KHR_draco_mesh_compression"))
+                add_draco(list, patches, model, primitive,
+                          "meshes[" + std::to_string(m) + "].primitives[" + std::to_string(p) +
+                              "]");
+        }
+    if (patches.empty())
+        return;
+    list.run(file_size);
+    for (size_t i = 0; i < patches.size(); ++i)
+        patch_draco(model, patches[i], list.jobs[i]);
+}
+
 } // namespace
 
 void gltf_fail(mrt_result code, const char *format, ...)
@@ -430,6 +773,14 @@ void gltf_fail(mrt_result code, const char *format, ...)
     va_end(arguments);
     text_make_printable(text); /* names of the file are in it */
     throw gltf_failure(code, text);
+}
+
+const tinygltf::Accessor &gltf_accessor_at(const tinygltf::Model &model, int index)
+{
+    if (index < 0 || (size_t)index >= model.accessors.size())
+        gltf_fail(MRT_ERR_FORMAT, "accessor %d is used, but %zu are there", index,
+                  model.accessors.size());
+    return model.accessors[(size_t)index];
 }
 
 const tinygltf::Value &gltf_member(const tinygltf::Value &of, const char *key)
@@ -455,6 +806,19 @@ std::string gltf_printable(const std::string &text)
     return out.c_str();
 }
 
+mrt_result gltf_container_parse(gltf_container *out, const void *data, size_t size, error *err)
+{
+    const text_view file = text_view_of(data, size);
+    bool is_binary = size >= 4 && std::memcmp(data, "glTF", 4) == 0;
+    *out = {file, {nullptr, nullptr}, is_binary};
+    if (out->is_binary) {
+        mrt_result result = split_chunks(out, file, err);
+        if (result < 0)
+            return result;
+    }
+    return check_limits(out->json, err);
+}
+
 gltf_document gltf_load(const gltf_container &container, const char *directory)
 {
     gltf_document out;
@@ -473,7 +837,7 @@ gltf_document gltf_load(const gltf_container &container, const char *directory)
         for (json &skin : document["skins"])
             if (!skin.contains("inverseBindMatrices"))
                 skin["inverseBindMatrices"] = -1; /* tinygltf asks for them; glTF does not */
-    buffer_source source = {{nullptr, nullptr}, directory, {}, {""}};
+    buffer_files source = {{nullptr, nullptr}, directory, {}, {""}};
     prepare_buffers(document, container, source);
 
     tinygltf::TinyGLTF loader;
@@ -489,4 +853,10 @@ gltf_document gltf_load(const gltf_container &container, const char *directory)
         gltf_fail(MRT_ERR_FORMAT, "%s",
                   failed.empty() ? "the document makes no sense" : first_line(failed).c_str());
     return out;
+}
+
+void gltf_decode(tinygltf::Model &model, size_t file_size)
+{
+    decode_meshopt(model, file_size);
+    decode_draco(model, file_size);
 }

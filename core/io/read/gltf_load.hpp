@@ -1,6 +1,7 @@
-/* io/gltf_load.hpp - a glTF document as tinygltf's model, checked for what tinygltf takes on trust:
- * types, whole numbers, sizes, buffers from outside. Private to the glTF reader. Failures travel as
- * gltf_failure up to the C border in gltf_reader.cpp. */
+/* io/gltf_load.hpp - a glTF document as tinygltf's model: out of its .glb, checked for what
+ * tinygltf takes on trust (types, whole numbers, sizes, buffers from outside), decompressed.
+ * Private to the glTF reader and writer. Failures travel as gltf_failure up to the C border in
+ * gltf_reader.cpp. */
 #ifndef MAROTTE_IO_GLTF_LOAD_HPP
 #define MAROTTE_IO_GLTF_LOAD_HPP
 #include <stdexcept>
@@ -10,7 +11,8 @@
 #include <tiny_gltf.h>
 
 extern "C" {
-#include "io/read/gltf_container.h"
+#include "base/error.h"
+#include "base/text.h"
 }
 
 struct gltf_failure : std::runtime_error {
@@ -22,14 +24,25 @@ struct gltf_failure : std::runtime_error {
 
 [[noreturn, gnu::format(printf, 2, 3)]] void gltf_fail(mrt_result code, const char *format, ...);
 
-struct gltf_image_source { /* what the document says of a picture; nobody has looked at it */
+struct gltf_container { /* pieces of the caller's bytes */
+    text_view json;
+    text_view binary; /* the BIN chunk of a .glb; empty: none */
+    bool is_binary;
+};
+
+/* A .glb by its first four bytes, else the whole is JSON. The JSON keeps the limits on its size,
+ * nesting and number of values. */
+CHECKED mrt_result gltf_container_parse(gltf_container *out, const void *data, size_t size,
+                                        error *err);
+
+struct gltf_image { /* what the document says of a picture; nobody has looked at it */
     std::string name, uri;
     int view; /* -1: none */
 };
 
 struct gltf_document {
     tinygltf::Model model; /* without images, animations, cameras, lights */
-    std::vector<gltf_image_source> images;
+    std::vector<gltf_image> images;
     std::vector<bool> says_roughness; /* of each material */
 };
 
@@ -41,6 +54,8 @@ std::string gltf_printable(const std::string &text);
 
 /* Decodes what is compressed in it. `file_size` bounds what that may take. */
 void gltf_decode(tinygltf::Model &model, size_t file_size);
+
+const tinygltf::Accessor &gltf_accessor_at(const tinygltf::Model &model, int index);
 
 /* ---- what extensions say, which nobody has checked ---- */
 

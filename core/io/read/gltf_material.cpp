@@ -49,7 +49,7 @@ double linear_of_srgb(double coded)
 
 /* ---- pictures ---- */
 
-struct picture_source {
+struct picture_files {
     const gltf_document &document;
     const char *directory;
     budget bytes;
@@ -81,7 +81,7 @@ std::string percent_decoded(const std::string &uri)
 }
 
 /* A file beside the document, or below. */
-std::vector<unsigned char> read_file(const picture_source &from, const std::string &uri)
+std::vector<unsigned char> read_file(const picture_files &from, const std::string &uri)
 {
     std::string name = percent_decoded(uri);
     if (name.find('\0') != std::string::npos)
@@ -98,7 +98,7 @@ std::vector<unsigned char> read_file(const picture_source &from, const std::stri
     return out;
 }
 
-std::vector<unsigned char> read_uri(const picture_source &from, const std::string &uri)
+std::vector<unsigned char> read_uri(const picture_files &from, const std::string &uri)
 {
     if (uri.rfind("data:", 0) != 0)
         return read_file(from, uri);
@@ -110,7 +110,7 @@ std::vector<unsigned char> read_uri(const picture_source &from, const std::strin
     return out;
 }
 
-std::vector<unsigned char> read_view(const picture_source &from, int index)
+std::vector<unsigned char> read_view(const picture_files &from, int index)
 {
     const tinygltf::Model &model = from.document.model;
     if (index < 0 || (size_t)index >= model.bufferViews.size())
@@ -293,7 +293,7 @@ class material_reader
 
     uint32_t add_image(size_t source)
     {
-        const gltf_image_source &wanted = document_.images[source];
+        const gltf_image &wanted = document_.images[source];
         std::string name = !wanted.name.empty()                ? wanted.name
                            : wanted.uri.rfind("data:", 0) == 0 ? ""
                                                                : wanted.uri;
@@ -325,7 +325,7 @@ class material_reader
     mesh &out_;
     const gltf_document &document_;
     const tinygltf::Model &model_;
-    picture_source from_;
+    picture_files from_;
     std::map<size_t, uint32_t> known_;
 };
 

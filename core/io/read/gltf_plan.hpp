@@ -3,9 +3,7 @@
  * glTF reader; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_PLAN_HPP
 #define MAROTTE_IO_GLTF_PLAN_HPP
-#include "io/read/gltf_accessor.hpp"
 #include "io/read/gltf_scene.hpp"
-#include "io/read/gltf_skin.hpp"
 
 #include <map>
 

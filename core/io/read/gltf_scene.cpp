@@ -1,5 +1,6 @@
 #include "io/read/gltf_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 const gltf_transform GLTF_TRANSFORM_IDENTITY = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {0, 0, 0}};
@@ -162,6 +163,90 @@ double determinant(const gltf_transform &t)
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
+/* ---- skeleton and skins ---- */
+
+const size_t INFLUENCE_SETS_MAX = 4; /* JOINTS_0 to JOINTS_3 */
+
+void set_role(std::vector<std::string> &role, const tinygltf::Value &node, const std::string &name)
+{
+    int64_t index = gltf_whole(node, -1);
+    if (index >= 0 && (size_t)index < role.size() && role[(size_t)index].empty())
+        role[(size_t)index] = name;
+}
+
+/* VRM 0: a list of {bone, node}; VRM 1: {bone: {node}}. */
+std::vector<std::string> humanoid_roles(const tinygltf::Model &model)
+{
+    std::vector<std::string> role(model.nodes.size());
+    auto old = model.extensions.find("VRM"), now = model.extensions.find("VRMC_vrm");
+    if (now != model.extensions.end()) {
+        const tinygltf::Value &bones =
+            gltf_member(gltf_member(now->second, "humanoid"), "humanBones");
+        if (bones.IsObject())
+            for (const std::string &name : bones.Keys())
+                set_role(role, gltf_member(bones.Get(name), "node"), name);
+    } else if (old != model.extensions.end()) {
+        const tinygltf::Value &bones =
+            gltf_member(gltf_member(old->second, "humanoid"), "humanBones");
+        for (size_t i = 0; bones.IsArray() && i < bones.ArrayLen(); ++i) {
+            const tinygltf::Value &bone = bones.Get((int)i), &name = gltf_member(bone, "bone");
+            if (name.IsString())
+                set_role(role, gltf_member(bone, "node"), name.Get<std::string>());
+        }
+    }
+    return role;
+}
+
+const tinygltf::Skin &skin_at(const tinygltf::Model &model, int index)
+{
+    if ((size_t)index >= model.skins.size())
+        gltf_fail(MRT_ERR_FORMAT, "a node names skin %d, but %zu are there", index,
+                  model.skins.size());
+    const tinygltf::Skin &skin = model.skins[(size_t)index];
+    if (skin.joints.empty())
+        gltf_fail(MRT_ERR_FORMAT, "skin %d has no joints", index);
+    for (int joint : skin.joints)
+        if (joint < 0 || (size_t)joint >= model.nodes.size())
+            gltf_fail(MRT_ERR_FORMAT, "skin %d names node %d, but %zu are there", index, joint,
+                      model.nodes.size());
+    return skin;
+}
+
+bool is_shown(const tinygltf::Skin &skin, const std::vector<bool> &is_node_shown)
+{
+    for (int joint : skin.joints)
+        if (!is_node_shown[(size_t)joint])
+            return false;
+    return true;
+}
+
+double size_of(const gltf_transform &t)
+{
+    return std::fabs(t.shift[0]) + std::fabs(t.shift[1]) + std::fabs(t.shift[2]);
+}
+
+bool is_near(const gltf_transform &a, const gltf_transform &b, double shift_tolerance)
+{
+    const double linear_tolerance = 1e-4;
+    for (int row = 0; row < 3; ++row) {
+        if (!(std::fabs(a.shift[row] - b.shift[row]) <= shift_tolerance))
+            return false;
+        for (int column = 0; column < 3; ++column)
+            if (!(std::fabs(a.linear[row][column] - b.linear[row][column]) <= linear_tolerance))
+                return false;
+    }
+    return true;
+}
+
+void add_scaled(gltf_transform &sum, const gltf_transform &t, double weight)
+{
+    for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+            sum.linear[row][column] += weight * t.linear[row][column];
+        sum.shift[row] += weight * t.shift[row];
+    }
+}
+
 } // namespace
 
 gltf_scene gltf_scene_of(const tinygltf::Model &model)
@@ -238,4 +323,220 @@ void gltf_transform_normals(const gltf_transform &t, float *normal, size_t count
             cofactor.linear[row][column] = sign * (m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]);
         }
     gltf_transform_vectors(cofactor, normal, count);
+}
+
+/* ---- skeleton and skins ---- */
+
+gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &scene)
+{
+    gltf_skeleton out;
+    out.ignored_skin_count = 0;
+    out.forward = model.extensions.count("VRMC_vrm") ? MESH_AXIS_Z
+                  : model.extensions.count("VRM")    ? MESH_AXIS_MINUS_Z
+                                                     : MESH_AXIS_AUTO;
+    out.joint_of_node.assign(model.nodes.size(), MESH_NO_JOINT);
+    out.rides_on.assign(model.nodes.size(), MESH_NO_JOINT);
+    std::vector<std::string> role = humanoid_roles(model);
+    std::vector<bool> is_node_shown(model.nodes.size(), false), is_joint(model.nodes.size(), false);
+    for (const gltf_placed_node &placed : scene.nodes)
+        is_node_shown[placed.node] = true;
+    for (const gltf_instance &instance : scene.instances) {
+        if (instance.skin < 0)
+            continue;
+        const tinygltf::Skin &skin = skin_at(model, instance.skin);
+        bool is_usable = is_shown(skin, is_node_shown);
+        out.ignored_skin_count += !is_usable;
+        for (int joint : skin.joints)
+            is_joint[(size_t)joint] = is_joint[(size_t)joint] || is_usable;
+    }
+    for (const gltf_placed_node &placed : scene.nodes) {
+        uint32_t above = placed.parent < 0 ? MESH_NO_JOINT : out.rides_on[(size_t)placed.parent];
+        out.rides_on[placed.node] = above;
+        if (!is_joint[placed.node] && role[placed.node].empty())
+            continue;
+        uint32_t joint = (uint32_t)out.joints.size();
+        out.joints.push_back({placed.node, above, role[placed.node], placed.world});
+        out.joint_of_node[placed.node] = out.rides_on[placed.node] = joint;
+    }
+    return out;
+}
+
+gltf_skin::gltf_skin(const tinygltf::Model &model, const gltf_skeleton &skeleton,
+                     const gltf_instance &instance)
+    : model_(model), skeleton_(skeleton), common_(instance.world), is_rigid_(true),
+      rides_on_(MESH_NO_JOINT)
+{
+    if (instance.has_node)
+        rides_on_ = skeleton.rides_on[instance.node];
+    if (instance.skin < 0)
+        return;
+    const tinygltf::Skin &skin = skin_at(model, instance.skin);
+    for (int node : skin.joints)
+        joint_.push_back(skeleton.joint_of_node[(size_t)node]);
+    if (std::count(joint_.begin(), joint_.end(), MESH_NO_JOINT) > 0) {
+        joint_.clear(); /* an ignored skin */
+        return;
+    }
+    read_matrices(skin);
+    find_common();
+}
+
+void gltf_skin::read_matrices(const tinygltf::Skin &skin)
+{
+    std::vector<float> bind(joint_.size() * 16, 0.0f);
+    if (skin.inverseBindMatrices >= 0) {
+        gltf_accessor accessor(model_, skin.inverseBindMatrices);
+        if (accessor.component_count() != 16 || accessor.count() < joint_.size())
+            gltf_fail(MRT_ERR_FORMAT,
+                      "accessor %d: the inverse bind matrices must be MAT4, one for each joint",
+                      skin.inverseBindMatrices);
+        bind.resize(accessor.count() * 16, 0.0f);
+        accessor.read_floats(bind.data());
+    } else {
+        for (size_t i = 0; i < bind.size(); i += 16)
+            bind[i] = bind[i + 5] = bind[i + 10] = bind[i + 15] = 1.0f;
+    }
+    for (size_t i = 0; i < joint_.size(); ++i) {
+        const float *m = &bind[i * 16]; /* column-major */
+        gltf_transform inverse;
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column)
+                inverse.linear[row][column] = (double)m[column * 4 + row];
+            inverse.shift[row] = (double)m[12 + row];
+        }
+        matrix_.push_back(gltf_transform_compose(skeleton_.joints[joint_[i]].world, inverse));
+    }
+}
+
+/* A skeleton that stands as its skin was bound moves all vertices alike, but for rounding: then
+ * they are moved alike to the last bit, so that vertices at one place stay at one place. */
+void gltf_skin::find_common()
+{
+    double size = 0.0;
+    for (uint32_t joint : joint_)
+        size = std::max(size, size_of(skeleton_.joints[joint].world));
+    double tolerance = 1e-4 * size;
+    is_rigid_ = true;
+    for (const gltf_transform &matrix : matrix_)
+        is_rigid_ = is_rigid_ && is_near(matrix, matrix_[0], tolerance);
+    common_ = matrix_[0];
+    if (is_near(common_, GLTF_TRANSFORM_IDENTITY, tolerance))
+        common_ = GLTF_TRANSFORM_IDENTITY;
+}
+
+void gltf_skin::read_influences(const tinygltf::Primitive &source, size_t count)
+{
+    std::vector<float> joint, weight;
+    width_ = 0;
+    influence_.clear();
+    for (size_t set = 0; set < INFLUENCE_SETS_MAX && !joint_.empty(); ++set) {
+        auto joints = source.attributes.find("JOINTS_" + std::to_string(set));
+        auto weights = source.attributes.find("WEIGHTS_" + std::to_string(set));
+        if (joints == source.attributes.end() || weights == source.attributes.end())
+            break;
+        gltf_accessor joint_source(model_, joints->second), weight_source(model_, weights->second);
+        if (joint_source.component_count() != 4 || weight_source.component_count() != 4 ||
+            joint_source.count() != count || weight_source.count() != count)
+            gltf_fail(MRT_ERR_FORMAT,
+                      "JOINTS_%zu and WEIGHTS_%zu must be VEC4, one for each vertex", set, set);
+        joint.assign(count * 4, 0.0f);
+        weight.assign(count * 4, 0.0f);
+        joint_source.read_floats(joint.data());
+        weight_source.read_floats(weight.data());
+        influence_.resize(count * 4 * (set + 1));
+        for (size_t v = count; v-- > 0;) { /* backwards: the rows grow in place */
+            influence *row = &influence_[v * 4 * (set + 1)];
+            for (size_t i = 0; i < 4 * set; ++i)
+                row[4 * set - 1 - i] = influence_[v * 4 * set + (4 * set - 1 - i)];
+            for (size_t i = 0; i < 4; ++i) {
+                float which = joint[v * 4 + i], share = weight[v * 4 + i];
+                if (share > 0.0f && !(which >= 0.0f && which < (float)joint_.size()))
+                    gltf_fail(MRT_ERR_FORMAT, "vertex %zu follows joint %g, but the skin has %zu",
+                              v, (double)which, joint_.size());
+                row[4 * set + i] = {share > 0.0f ? (uint32_t)which : 0,
+                                    share > 0.0f ? (double)share : 0.0};
+            }
+        }
+        width_ = 4 * (set + 1);
+    }
+    for (size_t v = 0; v < count && width_ > 0; ++v) {
+        influence *row = &influence_[v * width_];
+        std::stable_sort(row, row + width_, [](const influence &a, const influence &b) {
+            return a.weight > b.weight;
+        });
+        double sum = 0.0;
+        for (size_t i = 0; i < width_; ++i)
+            sum += row[i].weight;
+        for (size_t i = 0; i < width_ && sum > 0.0; ++i)
+            row[i].weight /= sum;
+        unweighted_count_ += sum > 0.0 ? 0 : 1;
+    }
+}
+
+void gltf_skin::read(const tinygltf::Primitive &source, size_t count, uint32_t *joint,
+                     float *weight)
+{
+    read_influences(source, count);
+    for (size_t v = 0; v < count; ++v) {
+        uint32_t *to = joint + v * MESH_SKIN_WIDTH;
+        float *share = weight + v * MESH_SKIN_WIDTH;
+        std::fill(to, to + MESH_SKIN_WIDTH, 0u);
+        std::fill(share, share + MESH_SKIN_WIDTH, 0.0f);
+        if (joint_.empty() && rides_on_ != MESH_NO_JOINT) {
+            to[0] = rides_on_;
+            share[0] = 1.0f;
+        }
+        double kept = 0.0;
+        for (size_t i = 0; i < width_ && i < MESH_SKIN_WIDTH; ++i)
+            kept += influence_[v * width_ + i].weight;
+        for (size_t i = 0; i < width_ && i < MESH_SKIN_WIDTH && kept > 0.0; ++i) {
+            const influence &from = influence_[v * width_ + i];
+            to[i] = joint_[from.joint];
+            share[i] = (float)(from.weight / kept);
+        }
+    }
+}
+
+/* Of a vertex without weights: as the first joint of the skin has it. */
+gltf_transform gltf_skin::blend(size_t vertex) const
+{
+    const influence *row = &influence_[vertex * width_];
+    if (!(row[0].weight > 0.0))
+        return matrix_[0];
+    gltf_transform sum = {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, {0, 0, 0}};
+    for (size_t i = 0; i < width_ && row[i].weight > 0.0; ++i)
+        add_scaled(sum, matrix_[row[i].joint], row[i].weight);
+    return sum;
+}
+
+template <class Apply> void gltf_skin::transform_each(float *value, size_t count, Apply apply) const
+{
+    if (is_rigid_ || width_ == 0) {
+        apply(common_, value, count);
+        return;
+    }
+    for (size_t v = 0; v < count; ++v)
+        apply(blend(v), value + v * 3, (size_t)1);
+}
+
+void gltf_skin::place_points(float *point, size_t count) const
+{
+    transform_each(point, count, gltf_transform_points);
+}
+
+void gltf_skin::place_vectors(float *vector, size_t count) const
+{
+    if (is_rigid_ && gltf_transform_is_linear_identity(common_))
+        return;
+    transform_each(vector, count, gltf_transform_vectors);
+}
+
+void gltf_skin::place_normals(float *normal, size_t count) const
+{
+    transform_each(normal, count, gltf_transform_normals);
+}
+
+bool gltf_skin::mirrors() const
+{
+    return gltf_transform_mirrors(common_);
 }

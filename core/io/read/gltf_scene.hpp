@@ -1,8 +1,13 @@
-/* io/gltf_scene.hpp - which meshes a glTF scene shows, and where: the nodes flattened. Private to
- * the glTF reader; failures are gltf_failure. */
+/* io/gltf_scene.hpp - which meshes a glTF scene shows, and where: the nodes flattened, the
+ * skeleton, and the skins that hang meshes on it. VRM's humanoid map says what the joints are.
+ * Leaves out animation. Private to the glTF reader and writer; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_SCENE_HPP
 #define MAROTTE_IO_GLTF_SCENE_HPP
-#include "io/read/gltf_load.hpp"
+#include "io/read/gltf_accessor.hpp"
+
+extern "C" {
+#include "mesh/mesh.h"
+}
 
 #include <vector>
 
@@ -44,5 +49,70 @@ bool gltf_transform_is_linear_identity(const gltf_transform &t);
 void gltf_transform_points(const gltf_transform &t, float *point, size_t count);
 void gltf_transform_vectors(const gltf_transform &t, float *vector, size_t count);
 void gltf_transform_normals(const gltf_transform &t, float *normal, size_t count);
+
+/* ---- skeleton and skins ---- */
+
+struct gltf_joint {
+    size_t node;
+    uint32_t parent; /* among the joints; MESH_NO_JOINT: none */
+    std::string role;
+    gltf_transform world;
+};
+
+struct gltf_skeleton {
+    std::vector<gltf_joint> joints;      /* nodes that a shown skin or the humanoid map names */
+    std::vector<uint32_t> joint_of_node; /* MESH_NO_JOINT: the node is no joint */
+    std::vector<uint32_t> rides_on;      /* of a node: itself or the nearest joint above it */
+    size_t ignored_skin_count;           /* with joints that the scene does not show */
+    mesh_axis forward;                   /* VRM 0 says -z, VRM 1 +z; else MESH_AXIS_AUTO */
+};
+
+gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &scene);
+
+/* A skin on one primitive's vertices: what each follows, and where that puts it. */
+class gltf_skin
+{
+  public:
+    /* `instance` is of `scene`; without a usable skin it rides on a joint, or stands in the world.
+     */
+    gltf_skin(const tinygltf::Model &model, const gltf_skeleton &skeleton,
+              const gltf_instance &instance);
+
+    /* Reads JOINTS_n and WEIGHTS_n: count by MESH_SKIN_WIDTH. */
+    void read(const tinygltf::Primitive &source, size_t count, uint32_t *joint, float *weight);
+
+    /* In place, `count` by 3, the vertices that were read last. */
+    void place_points(float *point, size_t count) const;
+    void place_vectors(float *vector, size_t count) const;
+    void place_normals(float *normal, size_t count) const;
+    bool mirrors() const;
+    size_t unweighted_count() const
+    {
+        return unweighted_count_;
+    }
+
+  private:
+    void read_matrices(const tinygltf::Skin &skin);
+    void find_common();
+    void read_influences(const tinygltf::Primitive &source, size_t count);
+    gltf_transform blend(size_t vertex) const;
+    template <class Apply> void transform_each(float *value, size_t count, Apply apply) const;
+
+    struct influence {
+        uint32_t joint; /* of the skin */
+        double weight;
+    };
+
+    const tinygltf::Model &model_;
+    const gltf_skeleton &skeleton_;
+    std::vector<uint32_t> joint_;        /* of the skin: which of the skeleton's */
+    std::vector<gltf_transform> matrix_; /* of the skin's joints: from the file's points to rest */
+    gltf_transform common_;              /* of all vertices, when is_rigid_ */
+    bool is_rigid_;                      /* the skin is in its bind pose, or there is none */
+    uint32_t rides_on_;
+    size_t width_ = 0; /* influences of a vertex */
+    std::vector<influence> influence_;
+    size_t unweighted_count_ = 0;
+};
 
 #endif
