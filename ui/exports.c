@@ -4,7 +4,6 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "io/arkit.h"
 #include "io/curves.h"
 #include "stage/mapping/plugins.h"
 

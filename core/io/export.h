@@ -93,6 +93,17 @@ CHECKED mrt_result usd_write_points(const char *path, const clip *c, double mm_p
 CHECKED mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
                              const export_progress *progress, error *err);
 
+/* The table of Live Link Face, of what the clip says in ARKit's names (clip_add_arkit): Timecode as
+ * HH:MM:SS:FF.fff, BlendShapeCount, then arkit_name. */
+CHECKED mrt_result livelink_write(const char *path, const clip *c, const export_progress *progress,
+                                  error *err);
+
+/* .vrma, VRM animation 1.0: the turns of neck, head (a bone "head", else "skull") and jaw, the gaze
+ * as the middle of both eyes', and as expressions what the clip says in ARKit's names: each by its
+ * name, and aa, blinkLeft and blinkRight. */
+CHECKED mrt_result vrma_write(const char *path, const clip *c, const export_progress *progress,
+                              error *err);
+
 /* A picture, 8-bit RGBA rows from the top. */
 CHECKED mrt_result png_write(const char *path, const uint8_t *rgba, uint32_t width, uint32_t height,
                              error *err);

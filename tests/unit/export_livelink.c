@@ -6,7 +6,7 @@
 
 #include "base/file.h"
 #include "export_scene.h"
-#include "io/arkit.h"
+#include "io/export.h"
 
 static char folder[256], path[300];
 static mesh sheet;

@@ -1,9 +1,7 @@
 #include "hand/hand.h"
 #include "base/angle.h"
-#include "base/file.h"
 #include "io/write/export_stream.h"
 
-#include <locale.h>
 #include <math.h>
 
 /* The five bones at the wrist have a position of their own at each frame, as the palm's arch moves
@@ -265,17 +263,10 @@ mrt_result bvh_write(const char *path, const clip *c, double mm_per_unit,
         return result;
     if (!hands[MRT_LEFT].is_there && !hands[MRT_RIGHT].is_there)
         return error_set(err, MRT_ERR_ARGUMENT, "%s: no hand was there: nothing to write", path);
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
-    if (!plain)
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    file_writer writer;
-    result = file_writer_open(&writer, path, err);
-    if (result == MRT_OK) {
-        locale_t kept = uselocale(plain);
-        put_all(writer.stream, c, hands, 1.0 / mm_per_unit, progress);
-        (void)uselocale(kept);
-        result = file_writer_commit(&writer, err);
-    }
-    freelocale(plain);
-    return result;
+    export_text text;
+    result = export_text_open(&text, path, err);
+    if (result < 0)
+        return result;
+    put_all(text.writer.stream, c, hands, 1.0 / mm_per_unit, progress);
+    return export_text_close(&text, MRT_OK, err);
 }

@@ -1,8 +1,11 @@
-/* io/component_frames.h - the free frames of a clip as offsets from one shape, in metres. Private
- * to the search for components. One thread at a time. */
+/* io/component_frames.h - the free frames of a clip as offsets from one shape, in metres; and those
+ * of one window of time: the base they are seen from, which vertices leave it, and where those are.
+ * Private to the search for components. One thread at a time. */
 #ifndef MAROTTE_IO_COMPONENT_FRAMES_H
 #define MAROTTE_IO_COMPONENT_FRAMES_H
 #include "io/clip.h"
+
+#include <stdbool.h>
 
 /* Vertices that move less than this share of the tolerance are left where they are. */
 #define COMPONENT_STILL_SHARE 0.1
@@ -27,5 +30,32 @@ CHECKED mrt_result component_frames_read(component_frames *f, uint32_t index, fl
 uint32_t component_frames_spread(uint32_t i, uint32_t picked, uint32_t count);
 /* The greatest x^2 + y^2 + z^2. */
 float component_frames_peak(const float *offset, size_t vertex_count);
+
+/* ---- those of one window ---- */
+
+typedef enum window_base { WINDOW_BASE_NONE = 0, WINDOW_BASE_MEAN } window_base;
+
+typedef struct window_frames {
+    component_frames *frames;
+    uint32_t first, count; /* of the free frames */
+    float *base;           /* 3 per vertex: metres from the frames' base */
+    bool has_base;         /* false: base is 0 */
+    uint8_t *is_moved;     /* per vertex */
+    uint32_t *moved;       /* moved_count: vertices, ascending */
+    uint32_t moved_count;
+    double *step_m;   /* count: how far the shape goes from the frame before */
+    float *offset;    /* 3 per vertex: scratch */
+    float still_peak; /* of what was read: greatest square of how far the others are off, m^2 */
+} window_frames;
+
+/* A base is the mean of the frames, but 0 for vertices that it moves less than
+ * COMPONENT_STILL_SHARE. */
+CHECKED mrt_result window_frames_init(window_frames *out, component_frames *frames, uint32_t first,
+                                      uint32_t count, window_base base, double tolerance_m,
+                                      error *err);
+void window_frames_finish(window_frames *w);
+
+/* out: 3 per moved vertex, metres from the base. */
+CHECKED mrt_result window_frames_read(window_frames *w, uint32_t index, float *out, error *err);
 
 #endif

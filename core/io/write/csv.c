@@ -1,9 +1,8 @@
+/* Tables: the curves of a clip as people read them, and those of Live Link Face. */
 #include "io/curves.h"
 
-#include "base/file.h"
 #include "io/write/export_stream.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,7 +71,7 @@ static void put_number(FILE *stream, double value)
     (void)fprintf(stream, ",%.9g", fabs(value) < 1e-9 ? 0.0 : value);
 }
 
-static void put_frame(const table *t, uint32_t frame)
+static void put_curves_of(const table *t, uint32_t frame)
 {
     char timecode[TIMECODE_TEXT] = "";
     const double *value = clip_values(t->clip, frame);
@@ -95,7 +94,7 @@ static void put_frame(const table *t, uint32_t frame)
     (void)fputc('\n', t->stream);
 }
 
-static void put_all(table *t, const export_progress *progress)
+static void put_curves(table *t, const export_progress *progress)
 {
     const clip_start *start = clip_start_of(t->clip);
     uint32_t frame_count = clip_frame_count(t->clip), count;
@@ -108,7 +107,7 @@ static void put_all(table *t, const export_progress *progress)
                       start->timecode, (long long)start->frame, start->rate_num, start->rate_den);
     put_head(t);
     for (uint32_t frame = 0; frame < frame_count && !ferror(t->stream); ++frame) {
-        put_frame(t, frame);
+        put_curves_of(t, frame);
         export_step(progress, (double)(frame + 1) / (double)frame_count);
     }
 }
@@ -116,26 +115,58 @@ static void put_all(table *t, const export_progress *progress)
 mrt_result csv_write(const char *path, const clip *c, const export_progress *progress, error *err)
 {
     table t = {.clip = c};
+    export_text text;
     export_timecode(&t.rate, &t.first, c);
-    /* Decimal points, whatever the person's locale. */
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
     t.position = malloc((size_t)clip_mesh(c)->vertex_count * 3 * sizeof *t.position);
-    if (!plain || !t.position) {
-        if (plain)
-            freelocale(plain);
-        free(t.position);
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    mrt_result result = t.position ? export_text_open(&text, path, err)
+                                   : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    if (result >= 0) {
+        t.stream = text.writer.stream;
+        put_curves(&t, progress);
+        result = export_text_close(&text, MRT_OK, err);
     }
-    file_writer writer;
-    mrt_result result = file_writer_open(&writer, path, err);
-    if (result == MRT_OK) {
-        locale_t kept = uselocale(plain);
-        t.stream = writer.stream;
-        put_all(&t, progress); /* what failed is found by commit */
-        (void)uselocale(kept);
-        result = file_writer_commit(&writer, err);
-    }
-    freelocale(plain);
     free(t.position);
     return result;
+}
+
+/* ---- Live Link Face ---- */
+
+static void put_shapes_of(FILE *stream, const clip *c, uint32_t frame, const char *timecode)
+{
+    const double *value = clip_arkit_values(c, frame);
+    (void)fprintf(stream, "%s.000,%d", timecode, ARKIT_CHANNELS);
+    for (int i = 0; i < ARKIT_CHANNELS; ++i)
+        (void)fprintf(stream, ",%.9g", value ? value[i] + 0.0 : 0.0); /* no -0 */
+    (void)fputc('\n', stream);
+}
+
+static void put_shapes(FILE *stream, const clip *c, const export_progress *progress)
+{
+    timecode_rate rate;
+    int64_t first;
+    char timecode[TIMECODE_TEXT] = "00:00:00:00";
+    export_timecode(&rate, &first, c);
+    (void)fputs("Timecode,BlendShapeCount", stream);
+    for (int i = 0; i < ARKIT_CHANNELS; ++i)
+        (void)fprintf(stream, ",%s", arkit_name[i]);
+    (void)fputc('\n', stream);
+    for (uint32_t frame = 0; frame < clip_frame_count(c) && !ferror(stream); ++frame) {
+        if (rate.num > 0)
+            timecode_write(timecode, rate, first + frame);
+        for (char *at = timecode; *at; ++at)
+            *at = *at == ';' ? ':' : *at;
+        put_shapes_of(stream, c, frame, timecode);
+        export_step(progress, (double)(frame + 1) / (double)clip_frame_count(c));
+    }
+}
+
+mrt_result livelink_write(const char *path, const clip *c, const export_progress *progress,
+                          error *err)
+{
+    export_text text;
+    mrt_result result = export_text_open(&text, path, err);
+    if (result < 0)
+        return result;
+    put_shapes(text.writer.stream, c, progress);
+    return export_text_close(&text, MRT_OK, err);
 }

@@ -30,3 +30,26 @@ void export_step(const export_progress *progress, double done)
     if (progress && progress->step)
         progress->step(progress->data, done);
 }
+
+mrt_result export_text_open(export_text *out, const char *path, error *err)
+{
+    *out = (export_text){.plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0)};
+    if (!out->plain)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    mrt_result result = file_writer_open(&out->writer, path, err);
+    if (result < 0)
+        freelocale(out->plain);
+    else
+        out->kept = uselocale(out->plain);
+    return result;
+}
+
+mrt_result export_text_close(export_text *self, mrt_result result, error *err)
+{
+    (void)uselocale(self->kept);
+    freelocale(self->plain);
+    if (result >= 0)
+        return file_writer_commit(&self->writer, err);
+    file_writer_abandon(&self->writer);
+    return result;
+}

@@ -45,11 +45,6 @@ void set_bounds(tinygltf::Accessor &accessor, const float *value, size_t count,
     }
 }
 
-bool is_zero(const float *v)
-{
-    return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f;
-}
-
 void add_sparse_views(gltf_output &out, tinygltf::Accessor &accessor, const float *value,
                       const std::vector<uint32_t> &index)
 {
@@ -93,6 +88,11 @@ void put(open_writer &writer, const void *data, size_t size)
 }
 
 } // namespace
+
+bool gltf_is_zero(const float *v)
+{
+    return v[0] == 0.0f && v[1] == 0.0f && v[2] == 0.0f;
+}
 
 std::string gltf_utf8(const char *text)
 {
@@ -172,7 +172,7 @@ int gltf_output_offsets(gltf_output &out, const float *value, size_t count)
 {
     std::vector<uint32_t> index;
     for (size_t v = 0; v < count; ++v)
-        if (!is_zero(value + v * 3))
+        if (!gltf_is_zero(value + v * 3))
             index.push_back(static_cast<uint32_t>(v));
     if (index.empty())
         index.push_back(0); /* a sparse accessor cannot be empty */

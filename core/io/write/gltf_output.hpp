@@ -6,6 +6,7 @@
 #include "io/read/gltf_load.hpp"
 
 #include <cstring>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,9 @@ template <typename number> gltf_bytes gltf_bytes_of(const std::vector<number> &v
     return data;
 }
 
+/* Of three numbers. */
+bool gltf_is_zero(const float *v);
+
 /* Fails with the name of what is not finite. */
 void gltf_output_check(const float *value, size_t count, const std::string &what);
 
@@ -46,5 +50,23 @@ int gltf_output_offsets(gltf_output &out, const float *value, size_t count);
  * the size of the file. */
 std::string gltf_output_json(gltf_output &out);
 uint64_t gltf_output_write(const gltf_output &out, std::string json, const char *path);
+
+/* The border of a writer: nothing but a result leaves. */
+template <typename action> mrt_result gltf_guarded(const char *path, error *err, const action &run)
+{
+    try {
+        run();
+        return MRT_OK;
+    } catch (const gltf_failure &failed) {
+        (void)error_set(err, failed.code, "%s", failed.what());
+        if (std::strncmp(failed.what(), path, std::strlen(path)) != 0)
+            error_prefix(err, path);
+        return failed.code;
+    } catch (const std::bad_alloc &) {
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", path);
+    } catch (const std::exception &unexpected) {
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: cannot write: %s", path, unexpected.what());
+    }
+}
 
 #endif

@@ -4,12 +4,7 @@
 #ifndef MAROTTE_IO_GLTF_SOURCE_HPP
 #define MAROTTE_IO_GLTF_SOURCE_HPP
 #include "io/read/gltf_plan.hpp"
-#include "io/write/gltf_bones.hpp"
-#include "io/write/gltf_output.hpp"
-
-extern "C" {
-#include "mesh/mesh.h"
-}
+#include "io/write/gltf_surface.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,11 +1,12 @@
 /* io/gltf_surface.hpp - a mesh and its morph targets as glTF: metres, one primitive per part, all
- * on the same vertices in the file's order. Private to the glTF writer; failures are gltf_failure.
- */
+ * on the same vertices in the file's order; and the bones of a clip as nodes that turn. Private to
+ * the writers of glTF; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_SURFACE_HPP
 #define MAROTTE_IO_GLTF_SURFACE_HPP
 #include "io/write/gltf_output.hpp"
 
 extern "C" {
+#include "io/clip.h"
 #include "mesh/mesh.h"
 }
 
@@ -41,5 +42,17 @@ void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &n
 void gltf_surface_scene(gltf_output &out, const gltf_surface &s);
 
 std::vector<float> gltf_in_metres(const float *value_mm, size_t count);
+
+/* Places and turns of a bone against its parent's. */
+struct gltf_bone {
+    std::string name;
+    size_t parent;    /* SIZE_MAX: none */
+    double rest_m[3]; /* its centre, from the parent's */
+    std::vector<float> translation,
+        rotation; /* of each frame: 3, metres; 4, a quaternion x y z w */
+};
+
+/* Parents first; of frames without a pose: as at rest. */
+std::vector<gltf_bone> gltf_bones_of(const clip *c);
 
 #endif

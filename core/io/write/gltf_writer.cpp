@@ -1,6 +1,7 @@
 extern "C" {
 #include "io/write/clip_targets.h"
 #include "io/write/components.h"
+#include "io/write/export_stream.h"
 }
 
 #include "io/write/gltf_source.hpp"
@@ -626,12 +627,6 @@ double tolerance_of(const mesh *m, double wanted_mm)
     return std::max(wanted_mm, finest_mm);
 }
 
-void step(const export_progress *progress, double done)
-{
-    if (progress && progress->step)
-        progress->step(progress->data, done);
-}
-
 bool ends_in(const char *path, const char *end)
 {
     size_t length = std::strlen(path), wanted = std::strlen(end);
@@ -678,10 +673,10 @@ void write_clip(const char *path, performance &p, const gltf_options &options,
     if (!to.source && start.rate_num > 0)
         to.bare.model.asset.extras = value_of(start_extras(start));
     animate(to, p, options);
-    step(progress, 0.9);
+    export_step(progress, 0.9);
     p.report.byte_count = to.source ? to.source->write(path)
                                     : gltf_output_write(to.bare, gltf_output_json(to.bare), path);
-    step(progress, 1.0);
+    export_step(progress, 1.0);
 }
 
 void list_targets(clip_targets &out, performance &p, const gltf_options &options,
@@ -712,24 +707,6 @@ void write_mesh(const char *path, const mesh *m)
     (void)gltf_output_write(to.bare, gltf_output_json(to.bare), path);
 }
 
-/* Nothing but a result leaves. */
-template <typename action> mrt_result guarded(const char *path, error *err, const action &run)
-{
-    try {
-        run();
-        return MRT_OK;
-    } catch (const gltf_failure &failed) {
-        (void)error_set(err, failed.code, "%s", failed.what());
-        if (std::strncmp(failed.what(), path, std::strlen(path)) != 0)
-            error_prefix(err, path);
-        return failed.code;
-    } catch (const std::bad_alloc &) {
-        return error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", path);
-    } catch (const std::exception &unexpected) {
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: cannot write: %s", path, unexpected.what());
-    }
-}
-
 } // namespace
 
 extern "C" mrt_result gltf_write(const char *path, const clip *c, const gltf_options *options,
@@ -740,7 +717,7 @@ extern "C" mrt_result gltf_write(const char *path, const clip *c, const gltf_opt
     if (!(chosen.tolerance_mm >= 0.0) || !std::isfinite(chosen.tolerance_mm))
         return error_set(err, MRT_ERR_ARGUMENT, "%s: a tolerance of %g mm: expected 0 or more",
                          path, chosen.tolerance_mm);
-    return guarded(path, err, [&] {
+    return gltf_guarded(path, err, [&] {
         performance p(c);
         write_clip(path, p, chosen, progress);
         if (out_report)
@@ -755,7 +732,7 @@ extern "C" mrt_result clip_targets_find(clip_targets *out, const clip *c,
 {
     gltf_options chosen = options ? *options : gltf_options{};
     *out = clip_targets{};
-    mrt_result result = guarded("targets", err, [&] {
+    mrt_result result = gltf_guarded("targets", err, [&] {
         performance p(c);
         list_targets(*out, p, chosen, progress);
         if (out_report)
@@ -781,5 +758,5 @@ extern "C" void clip_targets_finish(clip_targets *targets)
 
 extern "C" mrt_result gltf_write_mesh(const char *path, const mesh *m, error *err)
 {
-    return guarded(path, err, [&] { write_mesh(path, m); });
+    return gltf_guarded(path, err, [&] { write_mesh(path, m); });
 }

@@ -1,9 +1,7 @@
 #include "io/write/clip_targets.h"
-#include "base/file.h"
 #include "base/text.h"
 #include "io/write/export_stream.h"
 
-#include <locale.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -497,30 +495,19 @@ static mrt_result write_usd(const char *path, const clip *c, const clip_targets 
     self.decimals = decimals_of(m, self.per_mm);
     const char **material = calloc((size_t)m->material_count + 1, sizeof *material);
     const char **id = calloc((size_t)(shapes ? shapes->count : 0) + 1, sizeof *id);
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0); /* whatever the person's */
-    file_writer writer = {0};
-    mrt_result result = MRT_OK;
-    if (!material || !id || !plain)
-        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    if (result >= 0)
-        result = file_writer_open(&writer, path, err);
+    export_text text;
+    mrt_result result = material && id ? export_text_open(&text, path, err)
+                                       : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     if (result >= 0) {
-        locale_t kept = uselocale(plain);
-        self.stream = writer.stream;
+        self.stream = text.writer.stream;
         if (shapes)
             put_shapes_file(&self, c, shapes, material, id);
         else
             result = put_points_file(&self, c, material, progress, err);
         if (result >= 0 && self.is_short)
             result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-        (void)uselocale(kept);
-        if (result >= 0)
-            result = file_writer_commit(&writer, err);
-        else
-            file_writer_abandon(&writer);
+        result = export_text_close(&text, result, err);
     }
-    if (plain)
-        freelocale(plain);
     free(material);
     free(id);
     usd_finish(&self);

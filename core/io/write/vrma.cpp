@@ -1,13 +1,12 @@
 extern "C" {
-#include "io/arkit.h"
+#include "io/export.h"
+#include "io/write/export_stream.h"
 }
 
-#include "io/write/gltf_bones.hpp"
-#include "io/write/gltf_output.hpp"
+#include "io/write/gltf_surface.hpp"
 
 #include <cmath>
 #include <cstring>
-#include <new>
 #include <nlohmann/json.hpp>
 
 using nlohmann::ordered_json;
@@ -161,17 +160,8 @@ void write_vrma(const char *path, const clip *c)
 extern "C" mrt_result vrma_write(const char *path, const clip *c, const export_progress *progress,
                                  error *err)
 {
-    try {
+    return gltf_guarded(path, err, [&] {
         write_vrma(path, c);
-        if (progress && progress->step)
-            progress->step(progress->data, 1.0);
-        return MRT_OK;
-    } catch (const gltf_failure &failed) {
-        (void)error_set(err, failed.code, "%s", failed.what());
-        if (std::strncmp(failed.what(), path, std::strlen(path)) != 0)
-            error_prefix(err, path);
-        return failed.code;
-    } catch (const std::exception &unexpected) {
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: cannot write: %s", path, unexpected.what());
-    }
+        export_step(progress, 1.0);
+    });
 }

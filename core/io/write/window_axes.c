@@ -29,8 +29,7 @@ typedef struct workshop {
 
 static mrt_result no_memory(error *err)
 {
-    (void)error_set(err, MRT_ERR_MEMORY, "no memory for the principal components");
-    return MRT_ERR_MEMORY;
+    return error_set(err, MRT_ERR_MEMORY, "no memory for the principal components");
 }
 
 /* ---- the frames ---- */

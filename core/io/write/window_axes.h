@@ -3,7 +3,7 @@
 #ifndef MAROTTE_IO_WINDOW_AXES_H
 #define MAROTTE_IO_WINDOW_AXES_H
 #include "io/write/basis.h"
-#include "io/write/window_frames.h"
+#include "io/write/component_frames.h"
 
 typedef struct window_axes {
     uint32_t picked;
