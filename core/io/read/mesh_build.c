@@ -1,11 +1,14 @@
 #include "io/read/mesh_build.h"
 
+#include "base/hash.h"
+
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const uint32_t UNKNOWN_PART = UINT32_MAX;
-enum { COUNT_MAX = INT32_MAX / 3 };
+enum { COUNT_MAX = INT32_MAX / 3, LINE_LENGTH_MAX = 1 << 20 };
 
 static mrt_result no_memory(error *err)
 {
@@ -29,17 +32,10 @@ mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t
     return MRT_OK;
 }
 
-static uint32_t name_hash(const char *text, uint32_t material)
-{
-    uint32_t hash = 2166136261u ^ material; /* FNV-1a */
-    for (; *text; ++text)
-        hash = (hash ^ (unsigned char)*text) * 16777619u;
-    return hash * 2654435761u >> 8;
-}
-
 static uint32_t *table_slot(const mesh_build_table *t, const char *text, uint32_t material)
 {
-    uint32_t at = name_hash(text, material) & (t->slot_count - 1);
+    uint64_t hash = hash_bytes(hash_bytes(HASH_START, &material, sizeof material), text, strlen(text));
+    uint32_t at = (uint32_t)(hash >> 32) & (t->slot_count - 1);
     while (t->slot[at]) {
         const mesh_build_name *item = &t->item[t->slot[at] - 1];
         if (item->material == material && strcmp(item->text, text) == 0)
@@ -100,6 +96,27 @@ static void table_free(mesh_build_table *t)
         free(t->item[i].text);
     free(t->item);
     free(t->slot);
+}
+
+mrt_result mesh_text_unexpected(error *err, const char *expected, text_view found)
+{
+    char text[48];
+    text_copy(text, sizeof text, found);
+    return error_set(err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
+}
+
+mrt_result mesh_text_check_line(text_view line, error *err)
+{
+    if (line.end - line.at <= LINE_LENGTH_MAX)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_FORMAT, "the line is longer than %d bytes", LINE_LENGTH_MAX);
+}
+
+void mesh_text_at_line(error *err, uint64_t line_number)
+{
+    char prefix[32];
+    (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)line_number);
+    error_prefix(err, prefix);
 }
 
 void mesh_build_init(mesh_build *b)

@@ -67,6 +67,13 @@ void mesh_build_part_ranges(mesh *m);
 void mesh_build_unit_normals(mesh *m);
 /* Notes how many triangles use a vertex twice. */
 void mesh_build_note_degenerate(mesh *m);
+/* Of a text that is read: "EXPECTED was expected, "FOUND" was found". */
+mrt_result mesh_text_unexpected(error *err, const char *expected, text_view found);
+/* Refuses a line that is longer than any is. */
+CHECKED mrt_result mesh_text_check_line(text_view line, error *err);
+/* Puts "line 3: " before the error. */
+void mesh_text_at_line(error *err, uint64_t line_number);
+
 /* Grows *array to hold `needed` elements of `size` bytes. */
 CHECKED mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t size,
                                    error *err);

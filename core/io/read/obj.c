@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-enum { LINE_LENGTH_MAX = 1 << 20, NUMBERS_MAX = 7 };
+enum { NUMBERS_MAX = 7 };
 
 typedef struct obj_reader {
     mesh_build build;
@@ -25,13 +25,6 @@ typedef struct obj_reader {
     char unknown[32]; /* the first unknown statement */
     error *err;
 } obj_reader;
-
-static mrt_result malformed(obj_reader *r, const char *expected, text_view found)
-{
-    char text[48];
-    text_copy(text, sizeof text, found);
-    return error_set(r->err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
-}
 
 static bool next_line(obj_reader *r)
 {
@@ -58,9 +51,10 @@ static mrt_result read_vertex(obj_reader *r)
     text_view word;
     while (next_word(r, &word)) {
         if (count == NUMBERS_MAX)
-            return malformed(r, "a vertex of at most 7 numbers (x y z, weight or colour)", word);
+            return mesh_text_unexpected(
+                r->err, "a vertex of at most 7 numbers (x y z, weight or colour)", word);
         if (!text_float(word, &number[count]))
-            return malformed(r, "a finite number", word);
+            return mesh_text_unexpected(r->err, "a finite number", word);
         count += 1;
     }
     if (count < 3)
@@ -122,7 +116,7 @@ static mrt_result read_face(obj_reader *r)
     while (next_word(r, &word)) {
         int64_t index, uv;
         if (!parse_corner(word, &index, &uv))
-            return malformed(r, "a corner as v, v/vt, v//vn or v/vt/vn", word);
+            return mesh_text_unexpected(r->err, "a corner as v, v/vt, v//vn or v/vt/vn", word);
         int64_t vertex_count = (int64_t)r->build.vertex_count;
         if (index == 0 || index > vertex_count || index < -vertex_count)
             return error_set(r->err, MRT_ERR_FORMAT,
@@ -150,11 +144,9 @@ static bool is_passed_over(text_view keyword)
 static mrt_result read_statement(obj_reader *r)
 {
     text_view keyword;
-    if (r->line.end - r->line.at > LINE_LENGTH_MAX)
-        return error_set(r->err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
-                         LINE_LENGTH_MAX);
-    if (!next_word(r, &keyword))
-        return MRT_OK;
+    mrt_result result = mesh_text_check_line(r->line, r->err);
+    if (result < 0 || !next_word(r, &keyword))
+        return result;
     if (text_equals(keyword, "v"))
         return read_vertex(r);
     if (r->build.keeps_uv && text_equals(keyword, "vt"))
@@ -218,9 +210,7 @@ static mrt_result read_statements(obj_reader *r)
         uint64_t line_number = r->line_number;
         mrt_result result = read_statement(r);
         if (result < 0) {
-            char prefix[32];
-            (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)line_number);
-            error_prefix(r->err, prefix);
+            mesh_text_at_line(r->err, line_number);
             return result;
         }
     }

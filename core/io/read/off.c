@@ -3,10 +3,9 @@
 #include "io/read/mesh_build.h"
 #include "io/mesh_file.h"
 
-#include <stdio.h>
 #include <string.h>
 
-enum { LINE_LENGTH_MAX = 1 << 20, VERTEX_BYTES_MIN = 5, FACE_BYTES_MIN = 7 };
+enum { VERTEX_BYTES_MIN = 5, FACE_BYTES_MIN = 7 };
 
 typedef struct off_reader {
     mesh_build build;
@@ -17,13 +16,6 @@ typedef struct off_reader {
     error *err;
 } off_reader;
 
-static mrt_result malformed(const off_reader *r, const char *expected, text_view found)
-{
-    char text[48];
-    text_copy(text, sizeof text, found);
-    return error_set(r->err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
-}
-
 /* The next line that holds something but a comment. */
 static mrt_result next_line(off_reader *r, const char *expected)
 {
@@ -33,9 +25,9 @@ static mrt_result next_line(off_reader *r, const char *expected)
             return error_set(r->err, MRT_ERR_FORMAT, "the file ends where %s was expected",
                              expected);
         r->line_number += 1;
-        if (line.end - line.at > LINE_LENGTH_MAX)
-            return error_set(r->err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
-                             LINE_LENGTH_MAX);
+        mrt_result result = mesh_text_check_line(line, r->err);
+        if (result < 0)
+            return result;
         const char *comment =
             line.at < line.end ? memchr(line.at, '#', (size_t)(line.end - line.at)) : NULL;
         r->line = text_trim((text_view){line.at, comment ? comment : line.end});
@@ -63,7 +55,7 @@ static mrt_result read_keyword(off_reader *r)
     (void)skip_letters(&word, "C");
     r->has_normals = skip_letters(&word, "N");
     if (!skip_letters(&word, "OFF") || word.at != word.end)
-        return malformed(r, "OFF, COFF, NOFF, CNOFF or STOFF", keyword);
+        return mesh_text_unexpected(r->err, "OFF, COFF, NOFF, CNOFF or STOFF", keyword);
     r->line = text_trim(rest);
     if (text_next_word(&rest, &next) && text_equals(next, "BINARY"))
         return error_set(r->err, MRT_ERR_UNSUPPORTED,
@@ -78,7 +70,7 @@ static mrt_result read_counts(off_reader *r, size_t size)
     int found = 0;
     for (; text_next_word(&r->line, &word); ++found)
         if (found == 3 || !text_int(word, &count[found]) || count[found] < 0)
-            return malformed(r, "vertex, face and edge count", word);
+            return mesh_text_unexpected(r->err, "vertex, face and edge count", word);
     if (found < 2)
         return error_set(r->err, MRT_ERR_FORMAT, "vertex, face and edge count were expected");
     if (count[0] > (int64_t)(size / VERTEX_BYTES_MIN) + 1 ||
@@ -102,7 +94,7 @@ static mrt_result read_vertex(off_reader *r)
     for (; text_next_word(&r->line, &word); ++found) {
         float ignored;
         if (!text_float(word, found < needed ? &number[found] : &ignored))
-            return malformed(r, "a finite number", word);
+            return mesh_text_unexpected(r->err, "a finite number", word);
     }
     if (found < needed)
         return error_set(r->err, MRT_ERR_FORMAT, "a vertex has %d numbers, %d were expected", found,
@@ -122,20 +114,20 @@ static mrt_result read_face(off_reader *r)
     if (result < 0)
         return result;
     if (!text_next_word(&r->line, &word) || !text_int(word, &corner_count) || corner_count < 0)
-        return malformed(r, "the number of corners", word);
+        return mesh_text_unexpected(r->err, "the number of corners", word);
     for (int64_t i = 0; i < corner_count; ++i) {
         if (!text_next_word(&r->line, &word))
             return error_set(r->err, MRT_ERR_FORMAT, "a face of %lld corners lists %lld",
                              (long long)corner_count, (long long)i);
         if (!text_int(word, &vertex))
-            return malformed(r, "a vertex index", word);
+            return mesh_text_unexpected(r->err, "a vertex index", word);
         result = mesh_build_corner(&r->build, vertex, r->err);
         if (result < 0)
             return result;
     }
     while (text_next_word(&r->line, &word))
         if (!text_float(word, &ignored))
-            return malformed(r, "a colour", word);
+            return mesh_text_unexpected(r->err, "a colour", word);
     return mesh_build_face(&r->build, r->err);
 }
 
@@ -160,9 +152,7 @@ mrt_result off_parse(mesh *out, const void *data, size_t size, error *err)
     mesh_build_init(&r.build);
     mrt_result result = read_file(&r, size);
     if (result < 0) {
-        char prefix[32];
-        (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)r.line_number);
-        error_prefix(err, prefix);
+        mesh_text_at_line(err, r.line_number);
         mesh_build_finish(&r.build);
         return result;
     }

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PLY_ELEMENTS_MAX = 32, PLY_PROPERTIES_MAX = 256, PLY_LINE_LENGTH_MAX = 1 << 20 };
+enum { PLY_ELEMENTS_MAX = 32, PLY_PROPERTIES_MAX = 256 };
 
 typedef enum ply_format { PLY_ASCII = 0, PLY_LITTLE_ENDIAN, PLY_BIG_ENDIAN } ply_format;
 
@@ -47,13 +47,6 @@ typedef struct ply_header {
 
 /* ---- the header: every count in it is checked against the bytes that follow ---- */
 
-static mrt_result malformed_header(error *err, const char *expected, text_view found)
-{
-    char text[48];
-    text_copy(text, sizeof text, found);
-    return error_set(err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found", expected, text);
-}
-
 static size_t ply_type_size(ply_type type)
 {
     static const size_t size[] = {0, 1, 1, 2, 2, 4, 4, 4, 8};
@@ -81,7 +74,7 @@ static mrt_result read_name(char out[64], text_view *line, error *err)
 {
     text_view word = {line->end, line->end};
     if (!text_next_word(line, &word) || word.end - word.at > 63)
-        return malformed_header(err, "a name of at most 63 letters", word);
+        return mesh_text_unexpected(err, "a name of at most 63 letters", word);
     text_copy(out, 64, word);
     return MRT_OK;
 }
@@ -98,10 +91,10 @@ static mrt_result read_format(ply_header *h, text_view *line, error *err)
     else if (text_equals(word, "binary_big_endian"))
         h->format = PLY_BIG_ENDIAN;
     else
-        return malformed_header(err, "format ascii, binary_little_endian or binary_big_endian",
-                                word);
+        return mesh_text_unexpected(err, "format ascii, binary_little_endian or binary_big_endian",
+                                    word);
     if (!text_equals(version, "1.0"))
-        return malformed_header(err, "version 1.0", version);
+        return mesh_text_unexpected(err, "version 1.0", version);
     return MRT_OK;
 }
 
@@ -116,7 +109,7 @@ static mrt_result read_element(ply_header *h, text_view *line, error *err)
     if (result < 0)
         return result;
     if (!text_next_word(line, &word) || !text_int(word, &element->count) || element->count < 0)
-        return malformed_header(err, "the number of elements", word);
+        return mesh_text_unexpected(err, "the number of elements", word);
     h->element_count += 1;
     return MRT_OK;
 }
@@ -135,12 +128,12 @@ static mrt_result read_property(ply_header *h, text_view *line, error *err)
         (void)text_next_word(line, &word);
         property->list_type = type_of(word);
         if (property->list_type == PLY_NONE || property->list_type >= PLY_FLOAT32)
-            return malformed_header(err, "a whole number type for the length of a list", word);
+            return mesh_text_unexpected(err, "a whole number type for the length of a list", word);
         (void)text_next_word(line, &word);
     }
     property->type = type_of(word);
     if (property->type == PLY_NONE)
-        return malformed_header(err, "a type such as float or uchar", word);
+        return mesh_text_unexpected(err, "a type such as float or uchar", word);
     h->property_count += 1;
     h->element[h->element_count - 1].property_count += 1;
     return read_name(property->name, line, err);
@@ -171,9 +164,9 @@ static mrt_result read_header_line(ply_header *h, text_view line, bool *out_end,
                                    error *err)
 {
     text_view keyword = {line.end, line.end};
-    if (line.end - line.at > PLY_LINE_LENGTH_MAX)
-        return error_set(err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
-                         PLY_LINE_LENGTH_MAX);
+    mrt_result result = mesh_text_check_line(line, err);
+    if (result < 0)
+        return result;
     (void)text_next_word(&line, &keyword);
     if (text_equals(keyword, "end_header")) {
         *out_end = true;
@@ -190,7 +183,7 @@ static mrt_result read_header_line(ply_header *h, text_view line, bool *out_end,
     if (keyword.at == keyword.end || text_equals(keyword, "comment") ||
         text_equals(keyword, "obj_info"))
         return MRT_OK;
-    return malformed_header(err, "format, element, property, comment or end_header", keyword);
+    return mesh_text_unexpected(err, "format, element, property, comment or end_header", keyword);
 }
 
 static mrt_result read_header_lines(ply_header *h, text_view *rest, error *err)
@@ -217,11 +210,8 @@ static mrt_result parse_header(ply_header *out, text_view *rest, error *err)
 {
     *out = (ply_header){0};
     mrt_result result = read_header_lines(out, rest, err);
-    if (result < 0) {
-        char prefix[32];
-        (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)out->line_count);
-        error_prefix(err, prefix);
-    }
+    if (result < 0)
+        mesh_text_at_line(err, out->line_count);
     return result;
 }
 
@@ -262,9 +252,9 @@ static mrt_result next_line(ply_reader *r)
         if (!text_next_line(&r->rest, &r->line))
             return error_set(r->err, MRT_ERR_FORMAT, "the file ends too early");
         r->line_number += 1;
-        if (r->line.end - r->line.at > PLY_LINE_LENGTH_MAX)
-            return error_set(r->err, MRT_ERR_FORMAT, "the line is longer than %d bytes",
-                             PLY_LINE_LENGTH_MAX);
+        mrt_result result = mesh_text_check_line(r->line, r->err);
+        if (result < 0)
+            return result;
         r->line = text_trim(r->line);
     } while (r->line.at == r->line.end);
     return MRT_OK;
@@ -292,10 +282,8 @@ static mrt_result read_text(ply_reader *r, ply_type type, double *out)
         *out = (double)whole;
         return MRT_OK;
     }
-    char text[48];
-    text_copy(text, sizeof text, word);
-    return error_set(r->err, MRT_ERR_FORMAT, "%s was expected, \"%s\" was found",
-                     type >= PLY_FLOAT32 ? "a finite number" : "a whole number of its type", text);
+    return mesh_text_unexpected(
+        r->err, type >= PLY_FLOAT32 ? "a finite number" : "a whole number of its type", word);
 }
 
 static double decode(uint64_t bits, ply_type type)
@@ -486,29 +474,24 @@ static bool is_corner_list(const ply_property *property)
                                    strcmp(property->name, "vertex_index") == 0);
 }
 
+static mrt_result read_corner_count(ply_reader *r, const ply_property *property, int64_t *out)
+{
+    if (property->type >= PLY_FLOAT32)
+        return error_set(r->err, MRT_ERR_FORMAT, "the vertex indices must be whole numbers");
+    return read_list_length(r, property->list_type, out);
+}
+
 static mrt_result read_corners(ply_reader *r, const ply_property *property)
 {
     int64_t corner_count = 0;
     double index;
-    if (property->type >= PLY_FLOAT32)
-        return error_set(r->err, MRT_ERR_FORMAT, "the vertex indices must be whole numbers");
-    mrt_result result = read_list_length(r, property->list_type, &corner_count);
+    mrt_result result = read_corner_count(r, property, &corner_count);
     for (int64_t i = 0; result == MRT_OK && i < corner_count; ++i) {
         result = read_number(r, property->type, &index);
         if (result == MRT_OK)
             result = mesh_build_corner(&r->build, (int64_t)index, r->err);
     }
     return result < 0 ? result : mesh_build_face(&r->build, r->err);
-}
-
-static mrt_result read_face(ply_reader *r, const ply_element *e)
-{
-    mrt_result result = MRT_OK;
-    for (uint32_t i = 0; result == MRT_OK && i < e->property_count; ++i) {
-        const ply_property *property = &r->header.property[e->first_property + i];
-        result = is_corner_list(property) ? read_corners(r, property) : skip_property(r, property);
-    }
-    return result;
 }
 
 static mrt_result add_triangle(ply_reader *r, const int64_t corner[3])
@@ -525,9 +508,7 @@ static mrt_result read_strips(ply_reader *r, const ply_property *property)
 {
     int64_t count = 0, before[2] = {0, 0};
     double number;
-    if (property->type >= PLY_FLOAT32)
-        return error_set(r->err, MRT_ERR_FORMAT, "the vertex indices must be whole numbers");
-    mrt_result result = read_list_length(r, property->list_type, &count);
+    mrt_result result = read_corner_count(r, property, &count);
     for (int64_t i = 0, length = 0; result == MRT_OK && i < count; ++i) {
         result = read_number(r, property->type, &number);
         if (result < 0)
@@ -547,14 +528,32 @@ static mrt_result read_strips(ply_reader *r, const ply_property *property)
     return result;
 }
 
-static mrt_result read_strip_element(ply_reader *r, const ply_element *e)
+/* An element each of whose properties is passed over, but for the list of its corners. */
+static mrt_result read_surface(ply_reader *r, const ply_element *e,
+                               mrt_result (*read_list)(ply_reader *, const ply_property *))
 {
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result == MRT_OK && i < e->property_count; ++i) {
         const ply_property *property = &r->header.property[e->first_property + i];
-        result = is_corner_list(property) ? read_strips(r, property) : skip_property(r, property);
+        bool is_read = read_list && is_corner_list(property);
+        result = is_read ? read_list(r, property) : skip_property(r, property);
     }
     return result;
+}
+
+static mrt_result read_face(ply_reader *r, const ply_element *e)
+{
+    return read_surface(r, e, read_corners);
+}
+
+static mrt_result read_strip_element(ply_reader *r, const ply_element *e)
+{
+    return read_surface(r, e, read_strips);
+}
+
+static mrt_result skip_element(ply_reader *r, const ply_element *e)
+{
+    return read_surface(r, e, NULL);
 }
 
 static bool is_strips(const ply_element *e)
@@ -562,21 +561,14 @@ static bool is_strips(const ply_element *e)
     return strcmp(e->name, "tristrips") == 0;
 }
 
-static mrt_result skip_element(ply_reader *r, const ply_element *e)
-{
-    mrt_result result = MRT_OK;
-    for (uint32_t i = 0; result == MRT_OK && i < e->property_count; ++i)
-        result = skip_property(r, &r->header.property[e->first_property + i]);
-    return result;
-}
-
 static void name_place(const ply_reader *r, const ply_element *e, int64_t index)
 {
     char prefix[96];
-    if (r->header.format == PLY_ASCII)
-        (void)snprintf(prefix, sizeof prefix, "line %llu", (unsigned long long)r->line_number);
-    else
-        (void)snprintf(prefix, sizeof prefix, "%s %lld", e->name, (long long)index);
+    if (r->header.format == PLY_ASCII) {
+        mesh_text_at_line(r->err, r->line_number);
+        return;
+    }
+    (void)snprintf(prefix, sizeof prefix, "%s %lld", e->name, (long long)index);
     error_prefix(r->err, prefix);
 }
 
