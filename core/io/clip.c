@@ -9,17 +9,15 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Where the numbers of a frame begin in clip.number; NOT_SAID: it has none. */
+static const size_t NOT_SAID = SIZE_MAX;
+
 typedef struct clip_frame {
     int32_t segment;      /* -1: free */
-    size_t first_vector;  /* of an anchored frame, index into clip.number */
-    size_t first_control; /* of its control vectors, index into clip.number */
+    int32_t pull_segment; /* -1: nothing is pulled */
+    size_t first_vector, first_control, first_value, first_pulled, first_pose, first_arkit;
+    size_t first_joint[2]; /* of its hands, left and right */
     uint32_t control_count;
-    int32_t pull_segment;             /* -1: nothing is pulled */
-    size_t first_value, first_pulled; /* index into clip.number */
-    size_t first_pose, first_arkit;
-    bool has_values, has_pose, has_arkit;
-    size_t first_joint[2]; /* of its hands, left and right, index into clip.number */
-    bool has_hand[2];
     uint64_t free_index; /* of a free frame, in the temporary file */
 } clip_frame;
 
@@ -37,7 +35,7 @@ struct clip {
     uint32_t bone_count, bone_capacity;
     clip_frame *frame;
     uint32_t frame_count, frame_capacity;
-    double *number; /* vectors and control vectors of all frames */
+    double *number; /* of all frames */
     size_t number_count, number_capacity;
     uint64_t free_count;
     int fd; /* the temporary file, -1 until the first free frame */
@@ -61,17 +59,6 @@ static mrt_result check_floats(const float *value, size_t count, const char *wha
     return MRT_OK;
 }
 
-/* width: numbers of one control or column. */
-static mrt_result check_numbers(const clip *c, const double *value, uint32_t count, uint32_t width,
-                                const char *what, error *err)
-{
-    for (size_t i = 0; i < (size_t)count * width; ++i)
-        if (!isfinite(value[i]))
-            return error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s %zu is not finite",
-                             c->frame_count, what, i / width + 1);
-    return MRT_OK;
-}
-
 /* Room for one more of `count` elements; the array as it is now, NULL: no memory. */
 static void *grow(void *array, uint32_t count, uint32_t *capacity, size_t element_size)
 {
@@ -86,37 +73,64 @@ static void *grow(void *array, uint32_t count, uint32_t *capacity, size_t elemen
     return grown;
 }
 
-static mrt_result reserve_frame(clip *c, error *err)
+/* One that says nothing yet, at the end. */
+static mrt_result add_frame(clip *c, int32_t segment, error *err)
 {
     clip_frame *frame = grow(c->frame, c->frame_count, &c->frame_capacity, sizeof *c->frame);
     if (!frame)
         return no_memory(c, err);
     c->frame = frame;
+    c->frame[c->frame_count++] = (clip_frame){.segment = segment,
+                                              .pull_segment = -1,
+                                              .first_vector = NOT_SAID,
+                                              .first_control = NOT_SAID,
+                                              .first_value = NOT_SAID,
+                                              .first_pulled = NOT_SAID,
+                                              .first_pose = NOT_SAID,
+                                              .first_arkit = NOT_SAID,
+                                              .first_joint = {NOT_SAID, NOT_SAID}};
     return MRT_OK;
 }
 
-static mrt_result reserve_numbers(clip *c, size_t count, error *err)
+static clip_frame *newest_frame(const clip *c)
+{
+    assert(c->frame_count > 0);
+    return &c->frame[c->frame_count - 1];
+}
+
+static mrt_result append_numbers(clip *c, const double *number, size_t count, size_t *out_first,
+                                 error *err)
 {
     size_t needed = c->number_count + count;
-    if (needed <= c->number_capacity)
-        return MRT_OK;
-    size_t wanted = needed + needed / 2 + 64;
-    double *number = realloc(c->number, wanted * sizeof *number);
-    if (!number)
-        return no_memory(c, err);
-    c->number = number;
-    c->number_capacity = wanted;
+    if (needed > c->number_capacity) {
+        size_t wanted = needed + needed / 2 + 64;
+        double *grown = realloc(c->number, wanted * sizeof *grown);
+        if (!grown)
+            return no_memory(c, err);
+        c->number = grown;
+        c->number_capacity = wanted;
+    }
+    if (count > 0)
+        memcpy(c->number + c->number_count, number, count * sizeof *number);
+    *out_first = c->number_count;
+    c->number_count = needed;
     return MRT_OK;
 }
 
-/* Room has been reserved. Returns where they are. */
-static size_t push_numbers(clip *c, const double *number, size_t count)
+/* width: numbers of one control, column, bone ...; all of them must be finite. */
+static mrt_result add_numbers(clip *c, const double *number, uint32_t count, uint32_t width,
+                              const char *what, size_t *out_first, error *err)
 {
-    size_t first = c->number_count;
-    if (count > 0)
-        memcpy(c->number + first, number, count * sizeof *number);
-    c->number_count += count;
-    return first;
+    for (size_t i = 0; i < (size_t)count * width; ++i)
+        if (!isfinite(number[i]))
+            return error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s %zu is not finite",
+                             c->frame_count, what, i / width + 1);
+    return append_numbers(c, number, (size_t)count * width, out_first, err);
+}
+
+static const double *numbers_from(const clip *c, size_t first)
+{
+    return first != NOT_SAID ? c->number + first : NULL;
 }
 
 static mrt_result open_temporary(clip *c, error *err)
@@ -195,32 +209,13 @@ static void add_column(float *position, const float *column, uint32_t vertex_cou
     }
 }
 
-/* Three times add_column, to the bit, in one pass over the vertices. */
-static void add_three_columns(float *position, const float *column, uint32_t vertex_count,
-                              const double *vector)
-{
-    const float *a = column, *b = a + vertex_count, *c = b + vertex_count;
-    float weight[9];
-    for (int i = 0; i < 9; ++i)
-        weight[i] = (float)vector[i];
-    for (size_t v = 0; v < vertex_count; ++v)
-        for (int axis = 0; axis < 3; ++axis) {
-            float at = position[v * 3 + (size_t)axis] + a[v] * weight[axis];
-            at += b[v] * weight[3 + axis];
-            position[v * 3 + (size_t)axis] = at + c[v] * weight[6 + axis];
-        }
-}
-
 static void read_anchored(const clip *c, uint32_t frame, float *out_position)
 {
     const clip_segment *segment = &c->segment[c->frame[frame].segment];
     const double *vector = clip_vector(c, frame);
-    uint32_t vertex_count = c->mesh->vertex_count, k = 0;
+    uint32_t vertex_count = c->mesh->vertex_count;
     memcpy(out_position, segment->base, position_bytes(c));
-    for (; k + 3 <= segment->column_count; k += 3)
-        add_three_columns(out_position, segment->column + (size_t)k * vertex_count, vertex_count,
-                          vector + (size_t)k * 3);
-    for (; k < segment->column_count; ++k)
+    for (uint32_t k = 0; k < segment->column_count; ++k)
         add_column(out_position, segment->column + (size_t)k * vertex_count, vertex_count,
                    vector + (size_t)k * 3);
 }
@@ -421,16 +416,8 @@ mrt_result clip_add_bone(clip *c, const clip_bone *what, error *err)
 
 mrt_result clip_add_pose(clip *c, const double *pose, error *err)
 {
-    assert(c->frame_count > 0);
-    clip_frame *frame = &c->frame[c->frame_count - 1];
-    mrt_result result = check_numbers(c, pose, c->bone_count, 7, "the pose of bone", err);
-    if (result == MRT_OK)
-        result = reserve_numbers(c, (size_t)c->bone_count * 7, err);
-    if (result < 0)
-        return result;
-    frame->first_pose = push_numbers(c, pose, (size_t)c->bone_count * 7);
-    frame->has_pose = true;
-    return MRT_OK;
+    return add_numbers(c, pose, c->bone_count, 7, "the pose of bone", &newest_frame(c)->first_pose,
+                       err);
 }
 
 void clip_set_arkit(clip *c, const bool is_said[ARKIT_CHANNELS])
@@ -446,16 +433,8 @@ void clip_set_arkit(clip *c, const bool is_said[ARKIT_CHANNELS])
 
 mrt_result clip_add_arkit(clip *c, const double value[ARKIT_CHANNELS], error *err)
 {
-    assert(c->frame_count > 0);
-    clip_frame *frame = &c->frame[c->frame_count - 1];
-    mrt_result result = check_numbers(c, value, ARKIT_CHANNELS, 1, "ARKit's channel", err);
-    if (result == MRT_OK)
-        result = reserve_numbers(c, ARKIT_CHANNELS, err);
-    if (result < 0)
-        return result;
-    frame->first_arkit = push_numbers(c, value, ARKIT_CHANNELS);
-    frame->has_arkit = true;
-    return MRT_OK;
+    return add_numbers(c, value, ARKIT_CHANNELS, 1, "ARKit's channel",
+                       &newest_frame(c)->first_arkit, err);
 }
 
 mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
@@ -464,19 +443,14 @@ mrt_result clip_add_anchored(clip *c, const double *vector, error *err)
         return error_set(err, MRT_ERR_ARGUMENT, "frame %u: an anchored frame needs a segment",
                          c->frame_count);
     clip_segment *segment = &c->segment[c->segment_count - 1];
-    size_t count = (size_t)segment->column_count * 3;
+    size_t first;
     mrt_result result =
-        check_numbers(c, vector, segment->column_count, 3, "the vector of column", err);
+        add_numbers(c, vector, segment->column_count, 3, "the vector of column", &first, err);
     if (result == MRT_OK)
-        result = reserve_frame(c, err);
-    if (result == MRT_OK)
-        result = reserve_numbers(c, count, err);
+        result = add_frame(c, (int32_t)(c->segment_count - 1), err);
     if (result < 0)
         return result;
-    clip_frame frame = {.segment = (int32_t)(c->segment_count - 1),
-                        .pull_segment = -1,
-                        .first_vector = push_numbers(c, vector, count)};
-    c->frame[c->frame_count++] = frame;
+    newest_frame(c)->first_vector = first;
     segment->frame_count++;
     return MRT_OK;
 }
@@ -488,38 +462,33 @@ mrt_result clip_add_free(clip *c, const float *position, error *err)
         if (!isfinite(position[i]))
             return error_set(err, MRT_ERR_ARGUMENT, "frame %u: vertex %zu is not finite",
                              c->frame_count, i / 3);
-    mrt_result result = reserve_frame(c, err);
-    if (result == MRT_OK && c->fd < 0)
-        result = open_temporary(c, err);
+    mrt_result result = c->fd < 0 ? open_temporary(c, err) : MRT_OK;
     if (result == MRT_OK)
         result = write_free(c, position, err);
-    if (result < 0)
-        return result;
-    c->frame[c->frame_count++] =
-        (clip_frame){.segment = -1, .pull_segment = -1, .free_index = c->free_count++};
-    return MRT_OK;
+    if (result == MRT_OK)
+        result = add_frame(c, -1, err);
+    if (result == MRT_OK)
+        newest_frame(c)->free_index = c->free_count++;
+    return result;
 }
 
 mrt_result clip_add_controls(clip *c, const double *start_end, uint32_t count, error *err)
 {
     if (c->frame_count == 0)
         return error_set(err, MRT_ERR_ARGUMENT, "control vectors need a frame");
-    mrt_result result = check_numbers(c, start_end, count, 6, "the vector of control", err);
-    if (result == MRT_OK)
-        result = reserve_numbers(c, (size_t)count * 6, err);
-    if (result < 0)
-        return result;
-    clip_frame *frame = &c->frame[c->frame_count - 1];
-    frame->first_control = push_numbers(c, start_end, (size_t)count * 6);
-    frame->control_count = count;
-    return MRT_OK;
+    clip_frame *frame = newest_frame(c);
+    mrt_result result =
+        add_numbers(c, start_end, count, 6, "the vector of control", &frame->first_control, err);
+    frame->control_count = result == MRT_OK ? count : frame->control_count;
+    return result;
 }
 
 mrt_result clip_add_named(clip *c, const double *value, const double *pulled, error *err)
 {
     if (c->frame_count == 0 || (pulled && c->segment_count == 0))
         return error_set(err, MRT_ERR_ARGUMENT, "values need a frame, pulls a segment");
-    clip_frame *frame = &c->frame[c->frame_count - 1];
+    clip_frame *frame = newest_frame(c);
+    size_t first_value = NOT_SAID, first_pulled = NOT_SAID;
     uint32_t pull_count = pulled ? c->segment[c->segment_count - 1].pull_count : 0;
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < c->curve_count && result == MRT_OK; ++i)
@@ -527,14 +496,13 @@ mrt_result clip_add_named(clip *c, const double *value, const double *pulled, er
             result = error_set(err, MRT_ERR_ARGUMENT, "frame %u: %s is not finite", c->frame_count,
                                c->curve[i].name);
     if (result == MRT_OK)
-        result = check_numbers(c, pulled, pull_count, 3, "the pull of control", err);
+        result = append_numbers(c, value, c->curve_count, &first_value, err);
     if (result == MRT_OK)
-        result = reserve_numbers(c, c->curve_count + (size_t)pull_count * 3, err);
+        result = add_numbers(c, pulled, pull_count, 3, "the pull of control", &first_pulled, err);
     if (result < 0)
         return result;
-    frame->first_value = push_numbers(c, value, c->curve_count);
-    frame->has_values = true;
-    frame->first_pulled = push_numbers(c, pulled, (size_t)pull_count * 3);
+    frame->first_value = first_value;
+    frame->first_pulled = first_pulled;
     frame->pull_segment = pull_count > 0 ? (int32_t)(c->segment_count - 1) : -1;
     return MRT_OK;
 }
@@ -543,15 +511,8 @@ mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, error *err
 {
     if (c->frame_count == 0 || side > MRT_RIGHT)
         return error_set(err, MRT_ERR_ARGUMENT, "a hand needs a frame and a side");
-    mrt_result result = check_numbers(c, joint, MRT_JOINTS, 3, "joint of a hand,", err);
-    if (result == MRT_OK)
-        result = reserve_numbers(c, (size_t)MRT_JOINTS * 3, err);
-    if (result < 0)
-        return result;
-    clip_frame *frame = &c->frame[c->frame_count - 1];
-    frame->first_joint[side] = push_numbers(c, joint, (size_t)MRT_JOINTS * 3);
-    frame->has_hand[side] = true;
-    return MRT_OK;
+    return add_numbers(c, joint, MRT_JOINTS, 3, "joint of a hand,",
+                       &newest_frame(c)->first_joint[side], err);
 }
 
 const mesh *clip_mesh(const clip *c)
@@ -590,37 +551,37 @@ const clip_segment *clip_segment_at(const clip *c, uint32_t segment)
     return &c->segment[segment];
 }
 
-int32_t clip_frame_segment(const clip *c, uint32_t frame)
+static const clip_frame *frame_at(const clip *c, uint32_t frame)
 {
     assert(frame < c->frame_count);
-    return c->frame[frame].segment;
+    return &c->frame[frame];
+}
+
+int32_t clip_frame_segment(const clip *c, uint32_t frame)
+{
+    return frame_at(c, frame)->segment;
 }
 
 const double *clip_vector(const clip *c, uint32_t frame)
 {
-    assert(frame < c->frame_count);
-    return c->frame[frame].segment >= 0 ? c->number + c->frame[frame].first_vector : NULL;
+    return numbers_from(c, frame_at(c, frame)->first_vector);
 }
 
 const double *clip_controls(const clip *c, uint32_t frame, uint32_t *out_count)
 {
-    assert(frame < c->frame_count);
-    const clip_frame *f = &c->frame[frame];
-    *out_count = f->control_count;
-    return f->control_count ? c->number + f->first_control : NULL;
+    *out_count = frame_at(c, frame)->control_count;
+    return *out_count ? numbers_from(c, frame_at(c, frame)->first_control) : NULL;
 }
 
 const double *clip_hand(const clip *c, uint32_t frame, uint32_t side)
 {
-    assert(frame < c->frame_count && side <= MRT_RIGHT);
-    const clip_frame *f = &c->frame[frame];
-    return f->has_hand[side] ? c->number + f->first_joint[side] : NULL;
+    assert(side <= MRT_RIGHT);
+    return numbers_from(c, frame_at(c, frame)->first_joint[side]);
 }
 
 mrt_result clip_read(const clip *c, uint32_t frame, float *out_position, error *err)
 {
-    assert(frame < c->frame_count);
-    if (c->frame[frame].segment < 0)
+    if (frame_at(c, frame)->segment < 0)
         return read_free(c, frame, out_position, err);
     read_anchored(c, frame, out_position);
     return MRT_OK;
@@ -649,8 +610,7 @@ const clip_curve *clip_curve_at(const clip *c, uint32_t curve)
 
 const double *clip_values(const clip *c, uint32_t frame)
 {
-    assert(frame < c->frame_count);
-    return c->frame[frame].has_values ? c->number + c->frame[frame].first_value : NULL;
+    return numbers_from(c, frame_at(c, frame)->first_value);
 }
 
 uint32_t clip_bone_count(const clip *c)
@@ -671,14 +631,12 @@ const clip_arkit *clip_arkit_of(const clip *c)
 
 const double *clip_arkit_values(const clip *c, uint32_t frame)
 {
-    assert(frame < c->frame_count);
-    return c->frame[frame].has_arkit ? c->number + c->frame[frame].first_arkit : NULL;
+    return numbers_from(c, frame_at(c, frame)->first_arkit);
 }
 
 const double *clip_pose(const clip *c, uint32_t frame)
 {
-    assert(frame < c->frame_count);
-    return c->frame[frame].has_pose ? c->number + c->frame[frame].first_pose : NULL;
+    return numbers_from(c, frame_at(c, frame)->first_pose);
 }
 
 double clip_curve_part(const clip_curve *curve, double value)
@@ -690,12 +648,11 @@ double clip_curve_part(const clip_curve *curve, double value)
 
 const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment)
 {
-    assert(frame < c->frame_count);
-    const clip_frame *f = &c->frame[frame];
+    const clip_frame *f = frame_at(c, frame);
     if (f->pull_segment < 0)
         return NULL;
     *out_segment = (uint32_t)f->pull_segment;
-    return c->number + f->first_pulled;
+    return numbers_from(c, f->first_pulled);
 }
 
 /* Blocks of so many vertices: most of what is named moves few of them. */
@@ -770,12 +727,12 @@ clip *clip_split(const clip *c, clip_remainder *out, error *err)
     if (result >= 0)
         result = clip_begin_segment(left, c->mesh->position, NULL, NULL, 0, err);
     for (uint32_t i = 0; i < c->frame_count && result >= 0; ++i) {
-        if (!c->frame[i].has_values && c->frame[i].segment >= 0) {
+        if (c->frame[i].first_value == NOT_SAID && c->frame[i].segment >= 0) {
             result = clip_add_anchored(left, NULL, err);
             continue;
         }
         result = clip_read(c, i, position, err);
-        if (result >= 0 && c->frame[i].has_values) {
+        if (result >= 0 && c->frame[i].first_value != NOT_SAID) {
             clip_read_named(c, i, named);
             double furthest_mm = leave_remainder(c, position, named);
             out->furthest_mm = fmax(out->furthest_mm, furthest_mm);

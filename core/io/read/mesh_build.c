@@ -34,7 +34,8 @@ mrt_result mesh_build_grow(void **array, size_t *capacity, size_t needed, size_t
 
 static uint32_t *table_slot(const mesh_build_table *t, const char *text, uint32_t material)
 {
-    uint64_t hash = hash_bytes(hash_bytes(HASH_START, &material, sizeof material), text, strlen(text));
+    uint64_t hash =
+        hash_bytes(hash_bytes(HASH_START, &material, sizeof material), text, strlen(text));
     uint32_t at = (uint32_t)(hash >> 32) & (t->slot_count - 1);
     while (t->slot[at]) {
         const mesh_build_name *item = &t->item[t->slot[at] - 1];
