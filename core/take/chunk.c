@@ -1,5 +1,7 @@
 #include "take/chunk.h"
 
+#include "base/bytes.h"
+
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -31,33 +33,15 @@ static uint64_t zigzag(int64_t value)
     return ((uint64_t)value << 1) ^ (value < 0 ? UINT64_MAX : 0);
 }
 
-static uint8_t *put_fixed(uint8_t *at, uint64_t value, int byte_count)
+static uint8_t *put_fixed(uint8_t *at, const void *value, size_t size)
 {
-    for (int i = 0; i < byte_count; ++i)
-        *at++ = (uint8_t)(value >> (8 * i));
-    return at;
+    memcpy(at, value, size);
+    return at + size;
 }
 
 /* ---- bytes in: what is not there reads as 0 and sets `failed` ---- */
 
-typedef struct source {
-    const uint8_t *at, *end;
-    bool failed;
-} source;
-
-static uint64_t get_fixed(source *in, int byte_count)
-{
-    if (in->end - in->at < byte_count) {
-        in->failed = true;
-        return 0;
-    }
-    uint64_t value = 0;
-    for (int i = 0; i < byte_count; ++i)
-        value |= (uint64_t)*in->at++ << (8 * i);
-    return value;
-}
-
-static uint64_t get_varint(source *in)
+static uint64_t get_varint(bytes_in *in)
 {
     uint64_t value = 0;
     for (int shift = 0; shift < 64 && in->at < in->end; shift += 7) {
@@ -72,7 +56,7 @@ static uint64_t get_varint(source *in)
     return 0;
 }
 
-static uint64_t get_zigzag(source *in)
+static uint64_t get_zigzag(bytes_in *in)
 {
     uint64_t value = get_varint(in);
     return (value >> 1) ^ (value & 1 ? UINT64_MAX : 0);
@@ -105,7 +89,7 @@ static uint8_t *put_times(uint8_t *at, const mrt_sample *samples, uint32_t count
     return at;
 }
 
-static void get_times(mrt_sample *out, source *in, uint32_t count, int64_t from_ns)
+static void get_times(mrt_sample *out, bytes_in *in, uint32_t count, int64_t from_ns)
 {
     uint64_t step = 0;
     out[0].time_ns = from_ns;
@@ -126,7 +110,7 @@ static uint8_t *put_sequences(uint8_t *at, const mrt_sample *samples, uint32_t c
     return at;
 }
 
-static void get_sequences(mrt_sample *out, source *in, uint32_t count)
+static void get_sequences(mrt_sample *out, bytes_in *in, uint32_t count)
 {
     uint64_t first = get_varint(in);
     in->failed |= first > UINT32_MAX;
@@ -156,7 +140,7 @@ static uint8_t *put_whole(uint8_t *at, const mrt_sample *samples, uint32_t count
     return at;
 }
 
-static void get_whole(mrt_sample *out, source *in, uint32_t count, uint32_t channel)
+static void get_whole(mrt_sample *out, bytes_in *in, uint32_t count, uint32_t channel)
 {
     int64_t value = 0;
     for (uint32_t i = 0; i < count && !in->failed; ++i) {
@@ -180,7 +164,7 @@ static uint8_t *put_floats(uint8_t *at, const mrt_sample *samples, uint32_t coun
     return at + 4 * (size_t)count;
 }
 
-static void get_floats(mrt_sample *out, source *in, uint32_t count, uint32_t channel)
+static void get_floats(mrt_sample *out, bytes_in *in, uint32_t count, uint32_t channel)
 {
     if ((size_t)(in->end - in->at) < 4 * (size_t)count) {
         in->failed = true;
@@ -217,14 +201,15 @@ static size_t put_plain(uint8_t *out, const mrt_sample *samples, uint32_t count)
 
 static bool get_plain(mrt_sample *out, const chunk_head *head, const uint8_t *plain, size_t size)
 {
-    source in = {plain, plain + size, false};
+    bytes_in in = {plain, plain + size, false};
     memset(out, 0, head->sample_count * sizeof *out);
     for (uint32_t i = 0; i < head->sample_count; ++i)
         out[i].count = head->channel_count;
     get_times(out, &in, head->sample_count, head->from_ns);
     get_sequences(out, &in, head->sample_count);
     for (uint32_t c = 0; c < head->channel_count && !in.failed; ++c) {
-        uint64_t kind = get_fixed(&in, 1);
+        uint8_t kind;
+        bytes_take(&in, &kind, sizeof kind);
         if (kind == COLUMN_WHOLE)
             get_whole(out, &in, head->sample_count, c);
         else if (kind == COLUMN_FLOAT)
@@ -312,7 +297,7 @@ mrt_result chunk_encode(uint8_t *out, size_t *out_size, int64_t track, uint32_t 
     uint8_t *at = out + PREFIX_BYTES;
     at = put_varint(at, (uint64_t)track);
     at = put_varint(at, ordinal);
-    at = put_fixed(at, (uint64_t)samples[0].time_ns, 8);
+    at = put_fixed(at, &samples[0].time_ns, sizeof samples[0].time_ns);
     at = put_varint(at, count);
     at = put_varint(at, channel_count);
     at = put_varint(at, plain_size);
@@ -325,25 +310,28 @@ mrt_result chunk_encode(uint8_t *out, size_t *out_size, int64_t track, uint32_t 
         return result;
     *out_size = head_size + packed_size;
     out[0] = CHUNK_VERSION;
-    uLong crc = crc32(0, out + PREFIX_BYTES, (uInt)(*out_size - PREFIX_BYTES));
-    put_fixed(out + 1, crc, 4);
+    uint32_t crc = (uint32_t)crc32(0, out + PREFIX_BYTES, (uInt)(*out_size - PREFIX_BYTES));
+    (void)put_fixed(out + 1, &crc, sizeof crc);
     return MRT_OK;
 }
 
 /* The head, and in `in` what comes after it. */
-static mrt_result get_head(chunk_head *out, size_t *out_plain_size, source *in, error *err)
+static mrt_result get_head(chunk_head *out, size_t *out_plain_size, bytes_in *in, error *err)
 {
     static const char damaged[] = "a chunk of samples is damaged";
     if (in->at < in->end && *in->at != CHUNK_VERSION)
         return error_set(err, MRT_ERR_FORMAT, "%s or of a newer version (%u, %d is known)", damaged,
                          *in->at, CHUNK_VERSION);
-    (void)get_fixed(in, 1);
-    uint64_t crc = get_fixed(in, 4);
+    uint8_t version;
+    int64_t from_ns = 0;
+    bytes_take(in, &version, sizeof version);
+    uint32_t crc = bytes_take_u32(in);
     if (in->failed || in->end - in->at > INT32_MAX)
         return error_set(err, MRT_ERR_FORMAT, "%s: its size makes no sense", damaged);
     if (crc32(0, in->at, (uInt)(in->end - in->at)) != crc)
         return error_set(err, MRT_ERR_FORMAT, "%s: its CRC-32 differs", damaged);
-    uint64_t track = get_varint(in), ordinal = get_varint(in), from_ns = get_fixed(in, 8);
+    uint64_t track = get_varint(in), ordinal = get_varint(in);
+    bytes_take(in, &from_ns, sizeof from_ns);
     uint64_t sample_count = get_varint(in), channel_count = get_varint(in);
     uint64_t plain_size = get_varint(in);
     if (in->failed || track > INT64_MAX || ordinal > UINT32_MAX || sample_count == 0 ||
@@ -351,7 +339,7 @@ static mrt_result get_head(chunk_head *out, size_t *out_plain_size, source *in, 
         return error_set(err, MRT_ERR_FORMAT, "%s: its head makes no sense", damaged);
     *out = (chunk_head){.track = (int64_t)track,
                         .ordinal = (uint32_t)ordinal,
-                        .from_ns = (int64_t)from_ns,
+                        .from_ns = from_ns,
                         .sample_count = (uint32_t)sample_count,
                         .channel_count = (uint32_t)channel_count};
     if (plain_size > plain_bound(out->sample_count, out->channel_count))
@@ -363,7 +351,7 @@ static mrt_result get_head(chunk_head *out, size_t *out_plain_size, source *in, 
 
 mrt_result chunk_read_head(chunk_head *out, const uint8_t *bytes, size_t size, error *err)
 {
-    source in = {bytes, bytes + size, false};
+    bytes_in in = {bytes, bytes + size, false};
     size_t plain_size = 0;
     *out = (chunk_head){0};
     return get_head(out, &plain_size, &in, err);
@@ -372,7 +360,7 @@ mrt_result chunk_read_head(chunk_head *out, const uint8_t *bytes, size_t size, e
 mrt_result chunk_decode(mrt_sample *out, chunk_head *out_head, const uint8_t *bytes, size_t size,
                         error *err)
 {
-    source in = {bytes, bytes + size, false};
+    bytes_in in = {bytes, bytes + size, false};
     size_t plain_size = 0;
     *out_head = (chunk_head){0};
     mrt_result result = get_head(out_head, &plain_size, &in, err);

@@ -3,7 +3,7 @@
  * while it happens (writer.h) and what an edit means (edit.h): here edits are lines of text.
  *
  * A show is written by one program at a time; others read it, and see what is committed. What was
- * recorded is never changed. Nothing is deleted but what the journal lets go (journal.h).
+ * recorded is never changed. Nothing is deleted but what the journal lets go (writer_store.h).
  *
  * One show object belongs to one thread at a time [main]; a thread that reads beside it opens its
  * own. Times are show time (take.h). Lists that a function gives are the caller's to free. */

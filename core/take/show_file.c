@@ -117,7 +117,7 @@ void show_lock_let_go(show_lock *lock)
 /* ---- connections ---- */
 
 /* Synchronous is FULL here: what somebody says (an edit, a new take) has reached the disk when the
- * call returns. The writer's own connection need not wait: see writer_sync.h. */
+ * call returns. The writer's own connection need not wait: see writer.c. */
 mrt_result show_configure(sqlite *db, error *err)
 {
     return sqlite_run(db,

@@ -20,20 +20,20 @@
 
 enum { HEADER = 12, CHUNK = 8, CHUNKS_MAX = 1000, OGG_PAGE_MAX = 65307, OGG_HEADER = 27 };
 
-typedef struct reader {
+typedef struct sound_bytes {
     int fd;
     int64_t size;
     bool is_big_endian;
-} reader;
+} sound_bytes;
 
-static uint32_t number_of(const reader *self, const unsigned char *b)
+static uint32_t number_of(const sound_bytes *self, const unsigned char *b)
 {
     return self->is_big_endian
                ? (uint32_t)b[0] << 24 | (uint32_t)b[1] << 16 | (uint32_t)b[2] << 8 | b[3]
                : (uint32_t)b[3] << 24 | (uint32_t)b[2] << 16 | (uint32_t)b[1] << 8 | b[0];
 }
 
-static int64_t data_size(const reader *self, const unsigned char *chunk, int64_t wide_size)
+static int64_t data_size(const sound_bytes *self, const unsigned char *chunk, int64_t wide_size)
 {
     uint32_t size = number_of(self, chunk + 4);
     if (size == UINT32_MAX)
@@ -42,7 +42,7 @@ static int64_t data_size(const reader *self, const unsigned char *chunk, int64_t
 }
 
 /* The length of the sound as RF64 says it. */
-static int64_t read_wide_size(const reader *self, int64_t at)
+static int64_t read_wide_size(const sound_bytes *self, int64_t at)
 {
     unsigned char b[16];
     if (pread(self->fd, b, sizeof b, (off_t)(at + CHUNK)) != (ssize_t)sizeof b)
@@ -51,7 +51,7 @@ static int64_t read_wide_size(const reader *self, int64_t at)
     return size <= INT64_MAX / 2 ? (int64_t)size : 0;
 }
 
-static bool is_whole_riff(const reader *self, int64_t *out_promised)
+static bool is_whole_riff(const sound_bytes *self, int64_t *out_promised)
 {
     unsigned char chunk[CHUNK];
     int64_t at = HEADER, wide_size = 0;
@@ -72,7 +72,7 @@ static bool is_whole_riff(const reader *self, int64_t *out_promised)
 }
 
 /* The last page says that it is the last. */
-static bool is_whole_ogg(const reader *self)
+static bool is_whole_ogg(const sound_bytes *self)
 {
     static unsigned char const mark[4] = {'O', 'g', 'g', 'S'};
     unsigned char tail[OGG_PAGE_MAX + OGG_HEADER];
@@ -99,7 +99,7 @@ static bool sound_whole(int fd, int64_t *out_promised, int64_t *out_there)
 {
     struct stat status;
     unsigned char head[HEADER];
-    reader self = {.fd = fd};
+    sound_bytes self = {.fd = fd};
     *out_promised = *out_there = 0;
     if (fstat(fd, &status) != 0 || pread(fd, head, sizeof head, 0) != (ssize_t)sizeof head)
         return true;
@@ -112,7 +112,7 @@ static bool sound_whole(int fd, int64_t *out_promised, int64_t *out_there)
     return true;
 }
 
-/* ---- reading ---- */
+/* ---- a file that is read ---- */
 
 enum { CHANNELS_MAX = 64, RATE_MIN = 1000, RATE_MAX = 768000, DAY_S = 86400 };
 /* So much is decoded and kept at a time. */
@@ -123,9 +123,7 @@ static bool sound_file_goes_on(const sound_file_watch *watch, double part)
     return !watch || !watch->goes_on || watch->goes_on(watch->data, part < 1.0 ? part : 1.0);
 }
 
-/* ---- a file that is read ---- */
-
-typedef struct source {
+typedef struct sound_input {
     const char *path;
     int fd;
     SNDFILE *file;
@@ -133,9 +131,9 @@ typedef struct source {
     double *block;
     size_t block_frames;
     int64_t frame; /* that comes next */
-} source;
+} sound_input;
 
-static void source_finish(source *self)
+static void input_finish(sound_input *self)
 {
     if (self->file)
         sf_close(self->file);
@@ -144,7 +142,7 @@ static void source_finish(source *self)
     free(self->block);
 }
 
-static mrt_result open_regular(source *self, error *err)
+static mrt_result open_regular(sound_input *self, error *err)
 {
     struct stat status;
     /* O_NONBLOCK: opening a FIFO must not hang. */
@@ -158,7 +156,7 @@ static mrt_result open_regular(source *self, error *err)
     return MRT_OK;
 }
 
-static mrt_result check_info(const source *self, error *err)
+static mrt_result check_info(const sound_input *self, error *err)
 {
     const SF_INFO *info = &self->info;
     if (info->channels < 1 || info->channels > CHANNELS_MAX)
@@ -174,7 +172,7 @@ static mrt_result check_info(const source *self, error *err)
     return MRT_OK;
 }
 
-static mrt_result check_whole(const source *self, error *err)
+static mrt_result check_whole(const sound_input *self, error *err)
 {
     int64_t promised, there;
     if (sound_whole(self->fd, &promised, &there))
@@ -187,9 +185,9 @@ static mrt_result check_whole(const source *self, error *err)
     return error_set(err, MRT_ERR_FORMAT, "%s: was cut: it has no end; copy it again", self->path);
 }
 
-static mrt_result source_open(source *self, const char *path, error *err)
+static mrt_result input_open(sound_input *self, const char *path, error *err)
 {
-    *self = (source){.path = path, .fd = -1};
+    *self = (sound_input){.path = path, .fd = -1};
     mrt_result result = open_regular(self, err);
     if (result >= 0)
         result = check_whole(self, err);
@@ -213,7 +211,7 @@ static mrt_result source_open(source *self, const char *path, error *err)
 }
 
 /* The frames that come next, into the block; 0: there are none. */
-static mrt_result source_next(source *self, size_t *out_frames, error *err)
+static mrt_result input_next(sound_input *self, size_t *out_frames, error *err)
 {
     sf_count_t got = sf_readf_double(self->file, self->block, (sf_count_t)self->block_frames);
     *out_frames = got > 0 ? (size_t)got : 0;
@@ -231,12 +229,12 @@ static mrt_result source_next(source *self, size_t *out_frames, error *err)
     return MRT_OK;
 }
 
-static double source_part(const source *self)
+static double input_part(const sound_input *self)
 {
     return self->info.frames > 0 ? (double)self->frame / (double)self->info.frames : 0.0;
 }
 
-static mrt_result sample_refused(const source *self, size_t frames, size_t at, error *err)
+static mrt_result sample_refused(const sound_input *self, size_t frames, size_t at, error *err)
 {
     double value = self->block[at];
     int64_t frame = self->frame - (int64_t)frames + (int64_t)at / self->info.channels;
@@ -255,30 +253,30 @@ static mrt_result sample_refused(const source *self, size_t frames, size_t at, e
 static mrt_result find_format(sound_pcm *out, const char *path, const sound_file_watch *watch,
                               error *err)
 {
-    source in;
+    sound_input in;
     size_t frames = 0, at;
     *out = SOUND_PCM_S16;
-    mrt_result result = source_open(&in, path, err);
+    mrt_result result = input_open(&in, path, err);
     while (result == MRT_OK) {
-        result = source_next(&in, &frames, err);
+        result = input_next(&in, &frames, err);
         if (result < 0 || frames == 0)
             break;
         sound_pcm format =
             sound_pcm_narrowest(in.block, frames * (size_t)in.info.channels, *out, &at);
         if (format == SOUND_PCM_NONE)
             result = sample_refused(&in, frames, at, err);
-        else if (!sound_file_goes_on(watch, 0.5 * source_part(&in)))
+        else if (!sound_file_goes_on(watch, 0.5 * input_part(&in)))
             result = MRT_END;
         *out = format;
     }
     if (result == MRT_OK && in.frame == 0)
         result = error_set(err, MRT_ERR_FORMAT, "%s: has no frames of sound in it", path);
-    source_finish(&in);
+    input_finish(&in);
     return result;
 }
 
-static mrt_result keep_block(source *in, size_t frames, show *s, int64_t audio, sound_pcm format,
-                             error *err)
+static mrt_result keep_block(sound_input *in, size_t frames, show *s, int64_t audio,
+                             sound_pcm format, error *err)
 {
     size_t channels = (size_t)in->info.channels, frame_size = channels * sound_pcm_bytes(format);
     size_t piece = PIECE_BYTES / frame_size, at;
@@ -298,18 +296,18 @@ static mrt_result keep_block(source *in, size_t frames, show *s, int64_t audio, 
     return MRT_OK;
 }
 
-static mrt_result keep_frames(source *in, show *s, int64_t audio, sound_pcm format,
+static mrt_result keep_frames(sound_input *in, show *s, int64_t audio, sound_pcm format,
                               const sound_file_watch *watch, error *err)
 {
     for (;;) {
         size_t frames;
-        mrt_result result = source_next(in, &frames, err);
+        mrt_result result = input_next(in, &frames, err);
         if (result < 0 || frames == 0)
             return result;
         result = keep_block(in, frames, s, audio, format, err);
         if (result < 0)
             return result;
-        if (!sound_file_goes_on(watch, 0.5 + 0.5 * source_part(in)))
+        if (!sound_file_goes_on(watch, 0.5 + 0.5 * input_part(in)))
             return MRT_END;
     }
 }
@@ -346,7 +344,7 @@ static void name_of(char *out, size_t capacity, const char *path)
 mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
                              const sound_file_watch *watch, error *err)
 {
-    source in = {.fd = -1};
+    sound_input in = {.fd = -1};
     sound_pcm format;
     show_audio audio = {0};
     *out_audio = 0;
@@ -355,7 +353,7 @@ mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
         result = find_format(&format, path, watch, err);
     if (result != MRT_OK)
         return result;
-    result = source_open(&in, path, err);
+    result = input_open(&in, path, err);
     if (result < 0)
         goto done;
     audio.rate_hz = (uint32_t)in.info.samplerate;
@@ -371,7 +369,7 @@ mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
     else
         take_back(s, audio.id);
 done:
-    source_finish(&in);
+    input_finish(&in);
     return result;
 }
 
@@ -381,7 +379,7 @@ enum { OUT_FRAMES = 4096 };
 
 static const int64_t start_max_ns = INT64_MAX / 2, timecode_max = 1000000000000;
 
-typedef struct sink {
+typedef struct sound_output {
     sound_render *render;
     int64_t first; /* frame of the timeline that is frame 0 */
     sound_pcm format;
@@ -391,9 +389,9 @@ typedef struct sink {
     int *integers;
     file_writer writer;
     SNDFILE *file;
-} sink;
+} sound_output;
 
-static void sink_finish(sink *self)
+static void output_finish(sound_output *self)
 {
     if (self->file)
         sf_close(self->file);
@@ -427,7 +425,8 @@ static mrt_result check_export(const sound_file_export *what, error *err)
 }
 
 /* Frames that are as they were keep their format; sums of them need more than 16 bits. */
-static sound_pcm format_of(const sink *self, const sound_file_export *what, uint32_t rate_hz)
+static sound_pcm format_of(const sound_output *self, const sound_file_export *what,
+                           uint32_t rate_hz)
 {
     const show_audio *audio = sound_render_audio(self->render);
     sound_pcm format = sound_pcm_of(audio->format);
@@ -436,7 +435,7 @@ static sound_pcm format_of(const sink *self, const sound_file_export *what, uint
     return format == SOUND_PCM_S16 && !is_as_it_was ? SOUND_PCM_S24 : format;
 }
 
-static mrt_result make_buffers(sink *self, error *err)
+static mrt_result make_buffers(sound_output *self, error *err)
 {
     size_t samples = (size_t)OUT_FRAMES * self->channel_count;
     self->samples = malloc(samples * sizeof *self->samples);
@@ -447,7 +446,7 @@ static mrt_result make_buffers(sink *self, error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory for sound");
 }
 
-static mrt_result prepare(sink *self, sound_file_report *out, show *s,
+static mrt_result prepare(sound_output *self, sound_file_report *out, show *s,
                           const sound_file_export *what, error *err)
 {
     mrt_result result = check_export(what, err);
@@ -468,7 +467,7 @@ static mrt_result prepare(sink *self, sound_file_report *out, show *s,
 }
 
 /* A sound of more than 4 GB needs RF64. */
-static int container_of(const sink *self, const sound_file_report *report)
+static int container_of(const sound_output *self, const sound_file_report *report)
 {
     static const int subtype[] = {[SOUND_PCM_NONE] = 0,
                                   [SOUND_PCM_S16] = SF_FORMAT_PCM_16,
@@ -491,7 +490,8 @@ static int64_t midnight_ns(const take *t, int64_t from_ns)
     return since_ns < 0 ? since_ns + day_ns : since_ns;
 }
 
-static void describe(sink *self, const sound_file_report *report, const sound_file_export *what)
+static void describe(sound_output *self, const sound_file_report *report,
+                     const sound_file_export *what)
 {
     SF_BROADCAST_INFO info;
     const take *t = what->take;
@@ -519,8 +519,8 @@ static void describe(sink *self, const sound_file_report *report, const sound_fi
     (void)sf_set_string(self->file, SF_STR_DATE, date);
 }
 
-static mrt_result open_sink(sink *self, const sound_file_report *report,
-                            const sound_file_export *what, const char *path, error *err)
+static mrt_result open_output(sound_output *self, const sound_file_report *report,
+                              const sound_file_export *what, const char *path, error *err)
 {
     SF_INFO info = {.samplerate = (int)report->rate_hz,
                     .channels = (int)report->channel_count,
@@ -538,7 +538,7 @@ static mrt_result open_sink(sink *self, const sound_file_report *report,
 }
 
 /* Damage is silence, and counted. */
-static void render(sink *self, int64_t at, size_t count, sound_file_report *report)
+static void render(sound_output *self, int64_t at, size_t count, sound_file_report *report)
 {
     error why = {""};
     if (sound_render_frames(self->render, self->first + at, self->samples, count, &why) < 0)
@@ -546,7 +546,7 @@ static void render(sink *self, int64_t at, size_t count, sound_file_report *repo
 }
 
 /* libsndfile's integers have their sign in bit 31 whatever the format. */
-static sf_count_t write_integers(sink *self, size_t count)
+static sf_count_t write_integers(sound_output *self, size_t count)
 {
     uint32_t size = sound_pcm_bytes(self->format);
     for (size_t i = 0; i < count * self->channel_count; ++i) {
@@ -558,7 +558,7 @@ static sf_count_t write_integers(sink *self, size_t count)
     return sf_writef_int(self->file, self->integers, (sf_count_t)count);
 }
 
-static mrt_result write_frames(sink *self, sound_file_report *report, const char *path,
+static mrt_result write_frames(sound_output *self, sound_file_report *report, const char *path,
                                const sound_file_watch *watch, error *err)
 {
     for (int64_t at = 0; at < report->frame_count; at += OUT_FRAMES) {
@@ -580,7 +580,7 @@ static mrt_result write_frames(sink *self, sound_file_report *report, const char
     return MRT_OK;
 }
 
-static mrt_result close_sink(sink *self, const char *path, error *err)
+static mrt_result close_output(sound_output *self, const char *path, error *err)
 {
     int failed = sf_close(self->file);
     self->file = NULL;
@@ -592,15 +592,15 @@ static mrt_result close_sink(sink *self, const char *path, error *err)
 mrt_result sound_file_write(sound_file_report *out, show *s, const sound_file_export *what,
                             const char *path, const sound_file_watch *watch, error *err)
 {
-    sink self = {0};
+    sound_output self = {0};
     *out = (sound_file_report){0};
     mrt_result result = prepare(&self, out, s, what, err);
     if (result >= 0)
-        result = open_sink(&self, out, what, path, err);
+        result = open_output(&self, out, what, path, err);
     if (result >= 0)
         result = write_frames(&self, out, path, watch, err);
     if (result == MRT_OK)
-        result = close_sink(&self, path, err);
-    sink_finish(&self);
+        result = close_output(&self, path, err);
+    output_finish(&self);
     return result;
 }

@@ -1,19 +1,140 @@
 #include "take/writer.h"
 
 #include "base/clock.h"
-#include "take/journal.h"
 #include "take/spool.h"
 #include "take/writer_store.h"
-#include "take/writer_sync.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
+
+/* ---- the disk: a thread waits for it, so that no one else does. Once a second it brings what was
+ * committed to the disk, moves it from the log into the show where the log has grown long, and
+ * looks whether the file is still there ---- */
+
+enum { LOG_BYTES_LONG = 8 * 1024 * 1024 };
+
+typedef struct writer_sync {
+    const show *of;
+    sqlite *db;
+    char *log_path;
+    int log_fd; /* -1: not there yet */
+    pthread_t thread;
+    pthread_mutex_t lock;
+    pthread_cond_t wake;
+    bool is_stopping;        /* GUARDED_BY(lock) */
+    _Atomic bool is_missing; /* the file under the show's name is not the one that is open */
+} writer_sync;
+
+/* Its waits end by the monotonic clock. */
+static void init_monotonic(pthread_cond_t *condition)
+{
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
+    pthread_cond_init(condition, &monotonic);
+    pthread_condattr_destroy(&monotonic);
+}
+
+/* The log is one file for as long as somebody has the show open. It is not locked, so that closing
+ * it takes no lock away from SQLite, as it would with the show itself. */
+static off_t log_size(writer_sync *self)
+{
+    struct stat status;
+    if (self->log_fd < 0)
+        self->log_fd = open(self->log_path, O_RDONLY | O_CLOEXEC);
+    return self->log_fd >= 0 && fstat(self->log_fd, &status) == 0 ? status.st_size : 0;
+}
+
+/* Failures are the writer's to meet: it writes to the same disk. */
+static void bring_to_disk(writer_sync *self)
+{
+    off_t size = log_size(self);
+    if (size > 0)
+        (void)fdatasync(self->log_fd);
+    if (size > LOG_BYTES_LONG && sqlite_checkpoint(self->db, NULL) < 0)
+        return;
+}
+
+static bool wait_a_second(writer_sync *self)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    until.tv_sec += 1;
+    pthread_mutex_lock(&self->lock);
+    int woken = 0;
+    while (!self->is_stopping && woken != ETIMEDOUT)
+        woken = pthread_cond_timedwait(&self->wake, &self->lock, &until);
+    bool goes_on = !self->is_stopping;
+    pthread_mutex_unlock(&self->lock);
+    return goes_on;
+}
+
+static void *run_sync(void *data)
+{
+    writer_sync *self = data;
+    while (wait_a_second(self)) {
+        bring_to_disk(self);
+        atomic_store(&self->is_missing, show_is_missing(self->of));
+    }
+    return NULL;
+}
+
+static void destroy_sync(writer_sync *self)
+{
+    sqlite_close(self->db);
+    if (self->log_fd >= 0)
+        close(self->log_fd);
+    pthread_cond_destroy(&self->wake);
+    pthread_mutex_destroy(&self->lock);
+    free(self->log_path);
+    free(self);
+}
+
+static mrt_result writer_sync_start(writer_sync **out, const show *s, error *err)
+{
+    *out = NULL;
+    writer_sync *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", show_path(s));
+    self->of = s;
+    self->log_fd = -1;
+    init_monotonic(&self->wake);
+    pthread_mutex_init(&self->lock, NULL);
+    mrt_result result = show_connect(s, &self->db, err);
+    self->log_path = show_beside(show_path(s), "-wal");
+    if (result >= 0 && !self->log_path)
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", show_path(s));
+    if (result >= 0 && pthread_create(&self->thread, NULL, run_sync, self) != 0)
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", show_path(s));
+    if (result < 0) {
+        destroy_sync(self);
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+static void writer_sync_stop(writer_sync *self)
+{
+    if (!self)
+        return;
+    pthread_mutex_lock(&self->lock);
+    self->is_stopping = true;
+    pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->lock);
+    pthread_join(self->thread, NULL);
+    destroy_sync(self);
+}
+
+/* ---- the writer ---- */
 
 enum { WRITER_STAGED = 512 };
 
@@ -69,8 +190,6 @@ struct writer {
     _Atomic int64_t committed_ns;
 };
 
-/* ---- taking in: from the recording thread and the main one, to jobs and tracks ---- */
-
 /* ---- lists of jobs ---- */
 
 static void jobs_init(writer_jobs *list)
@@ -106,7 +225,7 @@ static writer_job *jobs_take(writer_jobs *list)
     return job;
 }
 
-/* ---- records and requests ---- */
+/* ---- taking in: from the recording thread and the main one, to jobs and tracks ---- */
 
 static void hold(writer *self, writer_job *job)
 {
@@ -639,17 +758,6 @@ static mrt_result allocate(writer *self, const writer_options *options, error *e
     return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record");
 }
 
-static void init_waiting(writer *self)
-{
-    pthread_condattr_t monotonic;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(&self->wake, &monotonic);
-    pthread_cond_init(&self->done, &monotonic);
-    pthread_condattr_destroy(&monotonic);
-    pthread_mutex_init(&self->lock, NULL);
-}
-
 static void destroy(writer *self)
 {
     writer_sync_stop(self->sync);
@@ -684,7 +792,9 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     self->memory_bytes = options->memory_bytes ? options->memory_bytes : DEFAULT_MEMORY_BYTES;
     self->old.length_ns =
         options->journal_ns > 0 ? options->journal_ns : DEFAULT_JOURNAL_S * NS_PER_S;
-    init_waiting(self);
+    init_monotonic(&self->wake);
+    init_monotonic(&self->done);
+    pthread_mutex_init(&self->lock, NULL);
     int64_t session, last_chunk;
     result = allocate(self, options, err);
     if (result >= 0)
@@ -817,15 +927,9 @@ static writer_job *slated_job(writer *self, writer_job_kind kind, const writer_s
     job->id = show_next_id(self->of, SHOW_ID_TAKE);
     job->from_ns = writer_show_ns(self, from_ns);
     job->to_ns = writer_show_ns(self, to_ns);
-    job->of.slate.number = slate->number;
-    job->of.slate.over = slate->over;
-    job->of.slate.over_at_ns = slate->over_at_ns;
-    job->of.slate.fps = slate->fps;
-    job->of.slate.timecode_frame = slate->timecode_frame;
-    job->of.slate.is_drop_frame = slate->is_drop_frame;
-    snprintf(job->of.slate.scene, sizeof job->of.slate.scene, "%s",
-             slate->scene ? slate->scene : "");
-    snprintf(job->of.slate.shot, sizeof job->of.slate.shot, "%s", slate->shot ? slate->shot : "");
+    job->of.take.slate = *slate;
+    snprintf(job->of.take.scene, sizeof job->of.take.scene, "%s", slate->scene ? slate->scene : "");
+    snprintf(job->of.take.shot, sizeof job->of.take.shot, "%s", slate->shot ? slate->shot : "");
     return job;
 }
 
@@ -904,7 +1008,7 @@ writer_status writer_status_of(const writer *self)
 {
     return (writer_status){
         .state = (writer_state)atomic_load(&self->state),
-        .is_missing = writer_sync_is_missing(self->sync),
+        .is_missing = atomic_load(&self->sync->is_missing),
         .backlog = atomic_load(&self->given_samples) - atomic_load(&self->taken_samples),
         .committed_count = atomic_load(&self->committed_count),
         .lost_count = atomic_load(&self->lost_count),

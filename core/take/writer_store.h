@@ -1,9 +1,10 @@
 /* take/writer_store.h - what the writer puts into the show, and how: jobs, the growing chunk of a
- * track, and what a killed writer had been given. Running a job changes only the database: a
- * transaction that failed runs its jobs again. For the writer and show_open.c. */
+ * track, what a killed writer had been given; and what it lets go. Running a job changes only the
+ * database: a transaction that failed runs its jobs again. For the writer and show_open.c. */
 #ifndef MAROTTE_TAKE_WRITER_STORE_H
 #define MAROTTE_TAKE_WRITER_STORE_H
 #include "take/show_file.h"
+#include "take/writer.h"
 
 /* ---- what is given while it happens; a spool keeps it ---- */
 
@@ -58,13 +59,9 @@ typedef struct writer_job {
         take_event event;
         show_packed checkpoint;
         struct {
+            writer_slate slate; /* but its texts */
             char scene[TAKE_NAME], shot[TAKE_NAME];
-            uint32_t number;
-            int64_t over, over_at_ns;
-            double fps;
-            int64_t timecode_frame;
-            bool is_drop_frame;
-        } slate;
+        } take;
         struct {
             int64_t track;
             uint32_t sample_count;
@@ -133,5 +130,22 @@ CHECKED mrt_result writer_track_put(const writer_track *track, writer_store *sto
 
 /* In a transaction of its own. Nothing left is no error. */
 CHECKED mrt_result writer_leftover_commit(show *s, error *err);
+
+/* ---- the journal: what was recorded, is old, and no take holds on to is let go ---- */
+
+/* In small steps, so that nobody waits for it, and giving the space back to the disk. Left is
+ * everything that a span of a take needs, that of deleted takes too, what a replay needs to start
+ * there, and the next samples on both sides of it. */
+typedef struct journal {
+    int64_t length_ns;
+    int64_t looked_at_id; /* chunks up to this one were looked at: takes never need less later */
+} journal;
+
+/* One step, in the caller's transaction. now_ns: show time of the newest sample. *out_is_done:
+ * there is nothing more to look at now. */
+CHECKED mrt_result journal_step(journal *self, sqlite *db, int64_t now_ns, bool *out_is_done,
+                                error *err);
+/* One step, outside of a transaction: gives free pages back where there are many. */
+CHECKED mrt_result journal_shrink(sqlite *db, error *err);
 
 #endif
