@@ -1,5 +1,6 @@
 #include "base/program.h"
 #include "base/clock.h"
+#include "base/installed.h"
 #include "base/text.h"
 
 #include <errno.h>
@@ -21,18 +22,9 @@ static bool is_program(const char *path)
     return access(path, X_OK) == 0;
 }
 
-static bool running_program(char out[PATH_MAX])
-{
-    ssize_t length = readlink("/proc/self/exe", out, PATH_MAX - 1);
-    if (length <= 0)
-        return false;
-    out[length] = '\0';
-    return true;
-}
-
 static bool is_beside(char out[PATH_MAX], const char *name)
 {
-    char *slash = running_program(out) ? strrchr(out, '/') : NULL;
+    char *slash = installed_program(out) ? strrchr(out, '/') : NULL;
     size_t size = strlen(name) + 1;
     if (!slash || (size_t)(slash + 1 - out) + size > PATH_MAX)
         return false;
@@ -45,7 +37,7 @@ static bool runs_from(const char *folder)
     char program[PATH_MAX];
     char *real = realpath(folder, NULL);
     size_t length = real ? strlen(real) : 0;
-    bool does = length > 0 && running_program(program) && strncmp(program, real, length) == 0 &&
+    bool does = length > 0 && installed_program(program) && strncmp(program, real, length) == 0 &&
                 program[length] == '/';
     free(real);
     return does;

@@ -105,24 +105,15 @@ static double own_presence(const take_layer *layer, int64_t at_ns)
     return sum > 1.0 ? 1.0 : sum;
 }
 
-/* The same, given how much each layer speaks at that instant (take_at, summed; layer_count): for a
- * caller that asks for many names at one instant. */
-static void own_weights_of(double *out, const take *t, const char *name, const double *presence)
+void own_weights(double *out, const take *t, const char *name, int64_t at_ns)
 {
     double left = 1.0;
     for (uint32_t i = t->layer_count; i-- > 0;) {
         const take_layer *layer = &t->layer[i];
         bool speaks = own_layer_is_heard(t, i) && own_layer_owns(layer, name);
-        double share = speaks ? presence[i] : 0.0;
+        double share = speaks ? own_presence(layer, at_ns) : 0.0;
         out[i] = left * share;
         if (!layer->is_additive)
             left *= 1.0 - share;
     }
-}
-
-void own_weights(double *out, const take *t, const char *name, int64_t at_ns)
-{
-    for (uint32_t i = 0; i < t->layer_count; ++i)
-        out[i] = own_presence(&t->layer[i], at_ns);
-    own_weights_of(out, t, name, out);
 }

@@ -757,11 +757,6 @@ int64_t sqlite_time(sqlite_statement *statement, int column)
                                       : time_ns;
 }
 
-double sqlite_double(sqlite_statement *statement, int column)
-{
-    return sqlite3_column_double(statement->handle, column);
-}
-
 static text_view text_of(sqlite_statement *statement, int column)
 {
     const unsigned char *text = sqlite3_column_text(statement->handle, column);
@@ -816,7 +811,7 @@ static bool get_one(sqlite_statement *statement, int column, va_list *arguments)
         return true;
     case 'f':
     case 'd':
-        *va_arg(*arguments, double *) = sqlite_double(statement, column);
+        *va_arg(*arguments, double *) = sqlite3_column_double(statement->handle, column);
         return true;
     case 't':
         text = va_arg(*arguments, char *);

@@ -111,7 +111,6 @@ int64_t sqlite_int(sqlite_statement *statement, int column);
 /* A time that the file says, ns: within half of what 64 bits hold, so that the difference of two
  * never overflows. What lies beyond is no time of anything that was recorded. */
 int64_t sqlite_time(sqlite_statement *statement, int column);
-double sqlite_double(sqlite_statement *statement, int column);
 /* Text as a person may see it (base/text.h), cut to the capacity; "" when NULL. */
 void sqlite_text(sqlite_statement *statement, int column, char *out, size_t capacity);
 /* The very bytes, to be parsed or hashed: they are never shown. "" when NULL or no memory. */

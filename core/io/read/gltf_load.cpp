@@ -490,6 +490,14 @@ bool read_buffer(std::vector<unsigned char> *out, std::string *, const std::stri
     return true;
 }
 
+int hex_digit(char c)
+{
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
 std::string first_line(const std::string &text)
 {
     std::string line = text.substr(0, std::min<size_t>(text.find('\n'), 200));
@@ -797,6 +805,18 @@ int64_t gltf_whole(const tinygltf::Value &value, int64_t otherwise)
     return number >= INT32_MIN && number <= INT32_MAX && number == (double)(int64_t)number
                ? (int64_t)number
                : otherwise;
+}
+
+std::string gltf_percent_decoded(const std::string &uri)
+{
+    std::string out;
+    for (size_t i = 0; i < uri.size(); ++i) {
+        int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
+        int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
+        out += low >= 0 ? (char)(high * 16 + low) : uri[i];
+        i += low >= 0 ? 2 : 0;
+    }
+    return out;
 }
 
 std::string gltf_printable(const std::string &text)

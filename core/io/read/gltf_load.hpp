@@ -51,6 +51,8 @@ gltf_document gltf_load(const gltf_container &container, const char *directory);
 
 /* The text as a person may see it. */
 std::string gltf_printable(const std::string &text);
+/* "a%20b" of a URI. */
+std::string gltf_percent_decoded(const std::string &uri);
 
 /* Decodes what is compressed in it. `file_size` bounds what that may take. */
 void gltf_decode(tinygltf::Model &model, size_t file_size);

@@ -60,30 +60,10 @@ std::vector<unsigned char> copy_of(const unsigned char *at, size_t size)
     return std::vector<unsigned char>(at, at + size);
 }
 
-int hex_digit(char c)
-{
-    return c >= '0' && c <= '9'   ? c - '0'
-           : c >= 'a' && c <= 'f' ? c - 'a' + 10
-           : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
-std::string percent_decoded(const std::string &uri)
-{
-    std::string out;
-    for (size_t i = 0; i < uri.size(); ++i) {
-        int high = uri[i] == '%' && i + 2 < uri.size() ? hex_digit(uri[i + 1]) : -1;
-        int low = high >= 0 ? hex_digit(uri[i + 2]) : -1;
-        out += low >= 0 ? (char)(high * 16 + low) : uri[i];
-        i += low >= 0 ? 2 : 0;
-    }
-    return out;
-}
-
 /* A file beside the document, or below. */
 std::vector<unsigned char> read_file(const picture_files &from, const std::string &uri)
 {
-    std::string name = percent_decoded(uri);
+    std::string name = gltf_percent_decoded(uri);
     if (name.find('\0') != std::string::npos)
         gltf_fail(MRT_ERR_UNSUPPORTED, "only files beside the document are read");
     error failed = {""};

@@ -256,10 +256,10 @@ void make_joints(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
     out.skin_weight = zeroed<float>(plan.vertex_count * MESH_SKIN_WIDTH);
 }
 
-class reader
+class geometry_reader
 {
   public:
-    reader(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
+    geometry_reader(mesh &out, const tinygltf::Model &model, const gltf_plan &plan)
         : out_(out), model_(model), plan_(plan)
     {
     }
@@ -400,7 +400,8 @@ bool has_default_weights(const tinygltf::Model &model, const gltf_plan &plan)
     return false;
 }
 
-void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan, const reader &r)
+void add_notes(mesh &out, const tinygltf::Model &model, const gltf_plan &plan,
+               const geometry_reader &r)
 {
     if (!plan.scene.has_nodes)
         mesh_note(&out, "the file has no nodes: its meshes are taken as they are");
@@ -446,7 +447,7 @@ void parse(mesh &out, const void *data, size_t size, const char *directory)
     out.colour = plan.has_colours ? zeroed<float>(plan.vertex_count * 4) : nullptr;
     if (plan.has_normals)
         out.normal = zeroed<float>(plan.vertex_count * 3);
-    reader r(out, model, plan);
+    geometry_reader r(out, model, plan);
     r.read();
     mesh_build_unit_normals(&out);
     mesh_build_part_ranges(&out);

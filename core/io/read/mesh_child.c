@@ -215,8 +215,11 @@ static mrt_result judge(pid_t pid, error *err)
                      strsignal(WTERMSIG(status)));
 }
 
-mrt_result mesh_child_ask(void **out_answer, size_t *out_size, const char *argument,
-                          const void *input, size_t input_size, error *err)
+/* Starts marotte-meshload with one argument and these bytes as its standard input (NULL: none), and
+ * waits for its end. What it answered is there whatever came of it, to be freed; an error says how
+ * it ended, if that was not of its own will. */
+static mrt_result ask(void **out_answer, size_t *out_size, const char *argument, const void *input,
+                      size_t input_size, error *err)
 {
     child_output a = {0};
     pid_t pid = 0;
@@ -249,9 +252,9 @@ mrt_result mesh_child_read(mesh *out, const char *path, error *err)
     void *said = NULL;
     size_t size = 0;
     *out = (mesh){0};
-    mrt_result result = mesh_child_ask(
-        &said, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path, NULL, 0,
-        err);
+    mrt_result result =
+        ask(&said, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path,
+            NULL, 0, err);
     if (result == MRT_OK)
         result = mesh_wire_parse(out, said, size, err);
     free(said);
@@ -369,8 +372,7 @@ mrt_result decode_run(decode_job *job, uint32_t count, error *err)
         mrt_result result = make_request(&request, &request_size, job, count, err);
         if (result < 0)
             return result;
-        result =
-            mesh_child_ask(&answer, &answer_size, MESH_CHILD_DECODE, request, request_size, &ended);
+        result = ask(&answer, &answer_size, MESH_CHILD_DECODE, request, request_size, &ended);
         uint32_t done = take_answers(job, count, answer, answer_size);
         bool was_there = answer != NULL || result == MRT_OK;
         free(request);

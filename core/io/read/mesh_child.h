@@ -1,7 +1,7 @@
 /* io/mesh_child.h - reads a mesh file in another process, marotte-meshload, which may crash, hang
- * or eat its memory without harm; io/decode/decode.h has its decoders run there too. The program is
- * found in $MAROTTE_MESHLOAD, beside the running program, or in the build folder. [main], waits up
- * to 20 s. */
+ * or eat its memory without harm; decode_run (io/decode/decode.h) has its decoders run there too.
+ * The program is found in $MAROTTE_MESHLOAD, beside the running program, or in the build folder.
+ * [main], waits up to 20 s. */
 #ifndef MAROTTE_IO_MESH_CHILD_H
 #define MAROTTE_IO_MESH_CHILD_H
 #include "mesh/mesh.h"
@@ -10,11 +10,6 @@
 
 CHECKED mrt_result mesh_child_read(mesh *out, const char *path, error *err);
 
-/* Starts marotte-meshload with one argument and these bytes as its standard input (NULL: none), and
- * waits for its end. What it answered is there whatever came of it, to be freed; an error says how
- * it ended, if that was not of its own will. */
-CHECKED mrt_result mesh_child_ask(void **out_answer, size_t *out_size, const char *argument,
-                                  const void *input, size_t input_size, error *err);
 /* The argument that makes it decode jobs. A path that is this word is written ./--decode. */
 #define MESH_CHILD_DECODE "--decode"
 

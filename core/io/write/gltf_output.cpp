@@ -4,8 +4,6 @@ extern "C" {
 #include "base/file.h"
 }
 
-#include <nlohmann/json.hpp>
-
 #include <cerrno>
 #include <cmath>
 #include <sstream>
@@ -183,6 +181,22 @@ int gltf_output_offsets(gltf_output &out, const float *value, size_t count)
     set_bounds(accessor, value, count, 3);
     add_sparse_views(out, accessor, value, index);
     return gltf_output_accessor(out, std::move(accessor));
+}
+
+nlohmann::ordered_json gltf_output_animation(const std::string &name)
+{
+    return {{"name", name},
+            {"channels", nlohmann::ordered_json::array()},
+            {"samplers", nlohmann::ordered_json::array()}};
+}
+
+void gltf_output_channel(nlohmann::ordered_json &animation, size_t node, const char *path,
+                         int times, int values)
+{
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()}, {"target", {{"node", node}, {"path", path}}}});
+    animation["samplers"].push_back(
+        {{"input", times}, {"output", values}, {"interpolation", "LINEAR"}});
 }
 
 std::string gltf_output_json(gltf_output &out)

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 using gltf_bytes = std::vector<unsigned char>;
 
 struct gltf_output {
@@ -45,6 +47,11 @@ int gltf_output_floats(gltf_output &out, const float *value, size_t count, size_
                        int target);
 /* count by 3, of all vertices: only those that are not zero where that takes less room. */
 int gltf_output_offsets(gltf_output &out, const float *value, size_t count);
+
+/* An animation as JSON without channels; one more: of a node, and the accessors of its keys. */
+nlohmann::ordered_json gltf_output_animation(const std::string &name);
+void gltf_output_channel(nlohmann::ordered_json &animation, size_t node, const char *path,
+                         int times, int values);
 
 /* The model's JSON; gltf_output_write takes it, or another that describes the binary part. Returns
  * the size of the file. */

@@ -108,14 +108,7 @@ const char *media_type(const file_bytes &image)
 /* A path below the document's folder, as its URIs are allowed to be; "" else. */
 std::string path_below(const std::string &directory, const std::string &uri)
 {
-    std::string path;
-    for (size_t i = 0; i < uri.size(); ++i) {
-        bool is_escape = uri[i] == '%' && i + 2 < uri.size() && std::isxdigit(uri[i + 1]) &&
-                         std::isxdigit(uri[i + 2]);
-        path +=
-            is_escape ? static_cast<char>(std::stoi(uri.substr(i + 1, 2), nullptr, 16)) : uri[i];
-        i += is_escape ? 2 : 0;
-    }
+    const std::string path = gltf_percent_decoded(uri);
     bool is_outside = path.empty() || path[0] == '/' || path.find(':') != std::string::npos ||
                       path.find('\0') != std::string::npos ||
                       ("/" + path + "/").find("/../") != std::string::npos;
@@ -438,10 +431,7 @@ void gltf_source::add_bones(ordered_json &animation, int time, const std::vector
             first + i);
         auto add = [&](const char *path, const std::vector<float> &value, size_t width) {
             int output = gltf_output_floats(out_, value.data(), value.size() / width, width, 0);
-            animation["channels"].push_back({{"sampler", animation["samplers"].size()},
-                                             {"target", {{"node", first + i}, {"path", path}}}});
-            animation["samplers"].push_back(
-                {{"input", time}, {"output", output}, {"interpolation", "LINEAR"}});
+            gltf_output_channel(animation, first + i, path, time, output);
         };
         add("rotation", bones[i].rotation, 4);
         add("translation", bones[i].translation, 3);
@@ -454,8 +444,7 @@ void gltf_source::animate(const std::string &name, const std::vector<float> &tim
                           const std::vector<float> &weight, const ordered_json &extras,
                           const std::vector<gltf_bone> &bones)
 {
-    ordered_json animation = {
-        {"name", name}, {"channels", ordered_json::array()}, {"samplers", ordered_json::array()}};
+    ordered_json animation = gltf_output_animation(name);
     int time = gltf_output_floats(out_, time_s.data(), time_s.size(), 1, 0);
     for (instance &of : instances_) {
         if ((of.targets.empty() && of.played.empty()) || !of.has_node)
@@ -472,10 +461,7 @@ void gltf_source::animate(const std::string &name, const std::vector<float> &tim
                 own.push_back(weight[frame * target_count_ + target]);
         }
         int output = gltf_output_floats(out_, own.data(), own.size(), 1, 0);
-        animation["channels"].push_back({{"sampler", animation["samplers"].size()},
-                                         {"target", {{"node", of.node}, {"path", "weights"}}}});
-        animation["samplers"].push_back(
-            {{"input", time}, {"output", output}, {"interpolation", "LINEAR"}});
+        gltf_output_channel(animation, of.node, "weights", time, output);
     }
     add_bones(animation, time, bones);
     animation["extras"] = extras;

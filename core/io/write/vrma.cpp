@@ -7,7 +7,6 @@ extern "C" {
 
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 using nlohmann::ordered_json;
 
@@ -18,9 +17,9 @@ struct vrma {
     const clip *source;
     std::vector<gltf_bone> turning;
     gltf_output out;
-    ordered_json nodes = ordered_json::array(), samplers = ordered_json::array(),
-                 channels = ordered_json::array(), bones = ordered_json::object(),
-                 presets = ordered_json::object(), customs = ordered_json::object();
+    ordered_json nodes = ordered_json::array(), bones = ordered_json::object(),
+                 animation = gltf_output_animation("performance"), presets = ordered_json::object(),
+                 customs = ordered_json::object();
     int time = -1; /* accessor */
 };
 
@@ -37,9 +36,7 @@ void add_track(vrma &to, size_t node, const char *path, const std::vector<float>
                size_t width)
 {
     int output = gltf_output_floats(to.out, value.data(), value.size() / width, width, 0);
-    to.channels.push_back(
-        {{"sampler", to.samplers.size()}, {"target", {{"node", node}, {"path", path}}}});
-    to.samplers.push_back({{"input", to.time}, {"output", output}, {"interpolation", "LINEAR"}});
+    gltf_output_channel(to.animation, node, path, to.time, output);
 }
 
 uint32_t find_bone(const clip *c, const char *name)
@@ -134,7 +131,7 @@ void write_vrma(const char *path, const clip *c)
         extension["lookAt"] = {{"node", look}, {"offsetFromHeadBone", {0.0, 0.06, 0.0}}};
         add_track(to, look, "rotation", turns_of(to, left, right), 4);
     }
-    if (to.channels.empty())
+    if (to.animation["channels"].empty())
         gltf_fail(MRT_ERR_UNSUPPORTED,
                   "nothing of this face turns or is an expression; its rig says "
                   "what does (marotte rig new HEAD)");
@@ -148,8 +145,7 @@ void write_vrma(const char *path, const clip *c)
     document["nodes"] = to.nodes;
     document["scenes"] = ordered_json::array({{{"nodes", roots}}});
     document["scene"] = 0;
-    document["animations"] = ordered_json::array(
-        {{{"name", "performance"}, {"channels", to.channels}, {"samplers", to.samplers}}});
+    document["animations"] = ordered_json::array({to.animation});
     document["extensionsUsed"] = {"VRMC_vrm_animation"};
     document["extensions"]["VRMC_vrm_animation"] = extension;
     (void)gltf_output_write(to.out, document.dump(), path);
