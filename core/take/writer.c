@@ -854,6 +854,19 @@ mrt_result writer_stop(writer *self, error *err)
 
 /* ---- [main] ---- */
 
+/* Times are of the host's clock. NULL: no memory, which ask() says. */
+static writer_job *new_job(const writer *self, writer_job_kind kind, int64_t id, int64_t from_ns,
+                           int64_t to_ns)
+{
+    writer_job *job = writer_job_create(kind);
+    if (job) {
+        job->id = id;
+        job->from_ns = writer_show_ns(self, from_ns);
+        job->to_ns = writer_show_ns(self, to_ns);
+    }
+    return job;
+}
+
 static mrt_result ask(writer *self, writer_job *job, mrt_result result, error *err)
 {
     if (!job)
@@ -886,10 +899,7 @@ mrt_result writer_add_track(writer *self, take_track *track, error *err)
 
 mrt_result writer_end_track(writer *self, int64_t track, error *err)
 {
-    writer_job *job = writer_job_create(WRITER_JOB_TRACK_END);
-    if (job)
-        job->id = track;
-    mrt_result result = ask(self, job, MRT_OK, err);
+    mrt_result result = ask(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), MRT_OK, err);
     self->track_count -= result >= 0 && self->track_count > 0;
     return result;
 }
@@ -903,30 +913,22 @@ mrt_result writer_begin_performance(writer *self, take_performance *performance,
                          performance->track_count, performance->param_count, TAKE_TRACKS_MAX,
                          TAKE_PARAMS_MAX);
     performance->id = show_next_id(self->of, SHOW_ID_PERFORMANCE);
-    writer_job *job = writer_job_create(WRITER_JOB_PERFORMANCE);
+    writer_job *job = new_job(self, WRITER_JOB_PERFORMANCE, performance->id, time_ns, time_ns);
     mrt_result result = job ? writer_job_copy_performance(job, performance, err) : MRT_OK;
-    if (job)
-        job->from_ns = writer_show_ns(self, time_ns);
     return ask(self, job, result, err);
 }
 
 mrt_result writer_end_performance(writer *self, int64_t time_ns, error *err)
 {
-    writer_job *job = writer_job_create(WRITER_JOB_PERFORMANCE_END);
-    if (job)
-        job->from_ns = writer_show_ns(self, time_ns);
-    return ask(self, job, MRT_OK, err);
+    return ask(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), MRT_OK, err);
 }
 
 static writer_job *slated_job(writer *self, writer_job_kind kind, const writer_slate *slate,
                               int64_t from_ns, int64_t to_ns)
 {
-    writer_job *job = writer_job_create(kind);
+    writer_job *job = new_job(self, kind, show_next_id(self->of, SHOW_ID_TAKE), from_ns, to_ns);
     if (!job)
         return NULL;
-    job->id = show_next_id(self->of, SHOW_ID_TAKE);
-    job->from_ns = writer_show_ns(self, from_ns);
-    job->to_ns = writer_show_ns(self, to_ns);
     job->of.take.slate = *slate;
     snprintf(job->of.take.scene, sizeof job->of.take.scene, "%s", slate->scene ? slate->scene : "");
     snprintf(job->of.take.shot, sizeof job->of.take.shot, "%s", slate->shot ? slate->shot : "");
@@ -943,12 +945,7 @@ mrt_result writer_take_begin(writer *self, int64_t time_ns, const writer_slate *
 
 mrt_result writer_take_end(writer *self, int64_t take_id, int64_t time_ns, error *err)
 {
-    writer_job *job = writer_job_create(WRITER_JOB_TAKE_END);
-    if (job) {
-        job->id = take_id;
-        job->to_ns = writer_show_ns(self, time_ns);
-    }
-    return ask(self, job, MRT_OK, err);
+    return ask(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), MRT_OK, err);
 }
 
 mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,

@@ -196,7 +196,6 @@ void check_attributes(const json &attributes, const std::string &where)
 
 void check_accessor(const json &accessor, const std::string &where)
 {
-    check_whole(accessor, where, {"bufferView", "byteOffset", "componentType", "count"});
     const json &sparse = object_at(accessor, where, "sparse");
     check_whole(sparse, where + ".sparse", "count");
     check_whole(object_at(sparse, where + ".sparse", "indices"), where + ".sparse.indices",
@@ -205,16 +204,6 @@ void check_accessor(const json &accessor, const std::string &where)
                 {"bufferView", "byteOffset"});
     if (accessor.contains("normalized") && !accessor["normalized"].is_boolean())
         gltf_fail(MRT_ERR_FORMAT, "%s.normalized must be true or false", where.c_str());
-}
-
-void check_buffer_view(const json &view, const std::string &where)
-{
-    check_whole(view, where, {"buffer", "byteOffset", "byteLength", "byteStride"});
-}
-
-void check_buffer(const json &buffer, const std::string &where)
-{
-    check_whole(buffer, where, "byteLength");
 }
 
 void check_mesh(const json &mesh, const std::string &where)
@@ -231,41 +220,14 @@ void check_mesh(const json &mesh, const std::string &where)
     }
 }
 
-void check_node(const json &node, const std::string &where)
-{
-    check_whole(node, where, {"mesh", "skin"});
-    check_indices(node, where, "children");
-    check_numbers(node, where, "matrix", 16);
-    check_numbers(node, where, "translation", 3);
-    check_numbers(node, where, "rotation", 4);
-    check_numbers(node, where, "scale", 3);
-}
-
-void check_skin(const json &skin, const std::string &where)
-{
-    check_whole(skin, where, {"inverseBindMatrices", "skeleton"});
-    check_indices(skin, where, "joints");
-}
-
-void check_scene(const json &scene, const std::string &where)
-{
-    check_indices(scene, where, "nodes");
-}
-
 void check_texture_info(const json &parent, const std::string &where, const char *key)
 {
     const json &info = object_at(parent, where, key);
     check_whole(info, where + "." + key, {"index", "texCoord"});
 }
 
-void check_texture(const json &texture, const std::string &where)
-{
-    check_whole(texture, where, {"sampler", "source"});
-}
-
 void check_image(const json &image, const std::string &where)
 {
-    check_whole(image, where, "bufferView");
     for (const char *key : {"uri", "name"})
         if (image.contains(key) && !image[key].is_string())
             gltf_fail(MRT_ERR_FORMAT, "%s.%s must be a string", where.c_str(), key);
@@ -282,15 +244,29 @@ void check_material(const json &material, const std::string &where)
     check_numbers(material, where, "emissiveFactor", 3);
 }
 
-void check_section(const json &document, const char *key,
-                   void (*check)(const json &, const std::string &))
+/* A list of the document: what each item of it may have, beside what is not looked at. */
+struct section {
+    const char *name;
+    std::vector<const char *> whole, indices; /* members: a whole number, a list of them */
+    std::vector<std::pair<const char *, size_t>> numbers; /* so many */
+    void (*check_more)(const json &, const std::string &);
+};
+
+void check_section(const json &document, const section &of)
 {
     size_t index = 0;
-    for (const json &item : array_at(document, "", key)) {
-        std::string where = std::string(key) + "[" + std::to_string(index++) + "]";
+    for (const json &item : array_at(document, "", of.name)) {
+        std::string where = std::string(of.name) + "[" + std::to_string(index++) + "]";
         if (!item.is_object())
             gltf_fail(MRT_ERR_FORMAT, "%s must be an object", where.c_str());
-        check(item, where);
+        for (const char *key : of.whole)
+            check_whole(item, where, key);
+        for (const char *key : of.indices)
+            check_indices(item, where, key);
+        for (const auto &numbers : of.numbers)
+            check_numbers(item, where, numbers.first, numbers.second);
+        if (of.check_more)
+            of.check_more(item, where);
     }
 }
 
@@ -347,16 +323,28 @@ void check_document(const json &document)
     check_version(document);
     check_extensions(document);
     check_whole(document, "document", "scene");
-    check_section(document, "accessors", check_accessor);
-    check_section(document, "bufferViews", check_buffer_view);
-    check_section(document, "buffers", check_buffer);
-    check_section(document, "meshes", check_mesh);
-    check_section(document, "nodes", check_node);
-    check_section(document, "scenes", check_scene);
-    check_section(document, "skins", check_skin);
-    check_section(document, "materials", check_material);
-    check_section(document, "textures", check_texture);
-    check_section(document, "images", check_image);
+    static const section sections[] = {
+        {"accessors",
+         {"bufferView", "byteOffset", "componentType", "count"},
+         {},
+         {},
+         check_accessor},
+        {"bufferViews", {"buffer", "byteOffset", "byteLength", "byteStride"}, {}, {}, nullptr},
+        {"buffers", {"byteLength"}, {}, {}, nullptr},
+        {"meshes", {}, {}, {}, check_mesh},
+        {"nodes",
+         {"mesh", "skin"},
+         {"children"},
+         {{"matrix", 16}, {"translation", 3}, {"rotation", 4}, {"scale", 3}},
+         nullptr},
+        {"scenes", {}, {"nodes"}, {}, nullptr},
+        {"skins", {"inverseBindMatrices", "skeleton"}, {"joints"}, {}, nullptr},
+        {"materials", {}, {}, {}, check_material},
+        {"textures", {"sampler", "source"}, {}, {}, nullptr},
+        {"images", {"bufferView"}, {}, {}, check_image},
+    };
+    for (const section &of : sections)
+        check_section(document, of);
 }
 
 /* ---- buffers ---- */
