@@ -929,9 +929,15 @@ static writer_job *slated_job(writer *self, writer_job_kind kind, const writer_s
     writer_job *job = new_job(self, kind, show_next_id(self->of, SHOW_ID_TAKE), from_ns, to_ns);
     if (!job)
         return NULL;
-    job->of.take.slate = *slate;
-    snprintf(job->of.take.scene, sizeof job->of.take.scene, "%s", slate->scene ? slate->scene : "");
-    snprintf(job->of.take.shot, sizeof job->of.take.shot, "%s", slate->shot ? slate->shot : "");
+    job->of.slate.number = slate->number;
+    job->of.slate.over = slate->over;
+    job->of.slate.over_at_ns = slate->over_at_ns;
+    job->of.slate.fps = slate->fps;
+    job->of.slate.timecode_frame = slate->timecode_frame;
+    job->of.slate.is_drop_frame = slate->is_drop_frame;
+    snprintf(job->of.slate.scene, sizeof job->of.slate.scene, "%s",
+             slate->scene ? slate->scene : "");
+    snprintf(job->of.slate.shot, sizeof job->of.slate.shot, "%s", slate->shot ? slate->shot : "");
     return job;
 }
 

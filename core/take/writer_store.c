@@ -183,9 +183,9 @@ static mrt_result insert_timecode(const writer_job *job, sqlite *db, error *err)
     edit fps, code;
     edit_init(&fps, EDIT_TAKE_FPS);
     edit_init(&code, EDIT_TAKE_TIMECODE);
-    fps.fps = job->of.take.slate.fps;
-    code.frame = job->of.take.slate.timecode_frame;
-    code.is_drop = job->of.take.slate.is_drop_frame;
+    fps.fps = job->of.slate.fps;
+    code.frame = job->of.slate.timecode_frame;
+    code.is_drop = job->of.slate.is_drop_frame;
     const mrt_result result = insert_edit(job, -1, &fps, db, err);
     return result < 0 ? result : insert_edit(job, 0, &code, db, err);
 }
@@ -197,20 +197,20 @@ static mrt_result insert_take(const writer_job *job, int64_t start_ns, const int
                          .created_ns = end_ns ? *end_ns : start_ns,
                          .start_ns = start_ns,
                          .end_ns = end_ns,
-                         .scene = job->of.take.scene,
-                         .shot = job->of.take.shot,
-                         .number = job->of.take.slate.number,
+                         .scene = job->of.slate.scene,
+                         .shot = job->of.slate.shot,
+                         .number = job->of.slate.number,
                          .origin = origin};
     const mrt_result result = show_take_insert(db, &row, err);
-    return result < 0 || job->of.take.slate.fps == 0.0 ? result : insert_timecode(job, db, err);
+    return result < 0 || job->of.slate.fps == 0.0 ? result : insert_timecode(job, db, err);
 }
 
 static mrt_result run_take(const writer_job *job, writer_store *store, error *err)
 {
     char origin[96] = "recorded";
-    if (job->of.take.slate.over)
-        (void)snprintf(origin, sizeof origin, SHOW_ORIGIN_OVER, (long long)job->of.take.slate.over,
-                       (long long)(job->of.take.slate.over_at_ns / NS_PER_MS));
+    if (job->of.slate.over)
+        (void)snprintf(origin, sizeof origin, SHOW_ORIGIN_OVER, (long long)job->of.slate.over,
+                       (long long)(job->of.slate.over_at_ns / NS_PER_MS));
     mrt_result result = insert_take(job, job->from_ns, NULL, origin, store->db, err);
     if (result < 0)
         return result;

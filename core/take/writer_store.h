@@ -4,7 +4,6 @@
 #ifndef MAROTTE_TAKE_WRITER_STORE_H
 #define MAROTTE_TAKE_WRITER_STORE_H
 #include "take/show_file.h"
-#include "take/writer.h"
 
 /* ---- what is given while it happens; a spool keeps it ---- */
 
@@ -59,9 +58,13 @@ typedef struct writer_job {
         take_event event;
         show_packed checkpoint;
         struct {
-            writer_slate slate; /* but its texts */
             char scene[TAKE_NAME], shot[TAKE_NAME];
-        } take;
+            uint32_t number;
+            int64_t over, over_at_ns;
+            double fps;
+            int64_t timecode_frame;
+            bool is_drop_frame;
+        } slate;
         struct {
             int64_t track;
             uint32_t sample_count;
