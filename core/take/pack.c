@@ -376,11 +376,8 @@ static mrt_result copy_file(const char *from, const char *to, const char *hash, 
     (void)snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     if (strcmp(now, hash) != 0)
         result = error_set(err, MRT_ERR_IO, "%s: changed meanwhile", from);
-    for (char *at = folder + 1; result >= 0 && (at = strchr(at, '/')); *at++ = '/') {
-        *at = '\0';
-        (void)mkdir(folder, 0777);
-    }
-    (void)mkdir(folder, 0777);
+    if (result >= 0)
+        result = file_make_folders(folder, err);
     if (result >= 0)
         result = file_write(to, bytes.data, bytes.size, err);
     file_bytes_finish(&bytes);

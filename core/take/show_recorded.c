@@ -40,7 +40,7 @@ static mrt_result insert_channels(sqlite *db, const take_track *track, error *er
     return result;
 }
 
-static mrt_result show_plugin_insert(sqlite *db, const char *identity, error *err)
+static mrt_result insert_plugin(sqlite *db, const char *identity, error *err)
 {
     return sqlite_change(db, err, "INSERT OR IGNORE INTO plugin(identity) VALUES(?)", "t",
                          or_empty(identity));
@@ -49,7 +49,7 @@ static mrt_result show_plugin_insert(sqlite *db, const char *identity, error *er
 mrt_result show_track_insert(sqlite *db, int64_t session, const take_track *track, error *err)
 {
     char hash[2][TAKE_HASH];
-    mrt_result result = show_plugin_insert(db, track->plugin, err);
+    mrt_result result = insert_plugin(db, track->plugin, err);
     for (int side = 0; side < 2 && result >= 0; ++side)
         if (track->calibration[side])
             result = insert_calibration(db, track->calibration[side], hash[side], err);
@@ -461,7 +461,7 @@ mrt_result show_performance_insert(sqlite *db, int64_t session, const take_perfo
                                    int64_t from_ns, error *err)
 {
     const char *mapping = or_empty(p->mapping);
-    mrt_result result = show_plugin_insert(db, mapping, err);
+    mrt_result result = insert_plugin(db, mapping, err);
     if (result >= 0)
         result = insert_rig(db, p, err);
     if (result >= 0)

@@ -19,19 +19,19 @@
 /* What comes out may be old, or nonsense: only rows that carry their own CRC are worth it. Reads
  * any bytes. */
 
-enum { SHOW_SALVAGE_COLUMNS_MAX = 8 };
+enum { COLUMNS_MAX = 8 };
 
-typedef struct show_salvage_value {
+typedef struct salvaged_value {
     int64_t number; /* 0 for NULL, texts and blobs */
     const uint8_t *bytes;
     size_t size;
     bool is_blob;
-} show_salvage_value;
-typedef struct show_salvage_row {
+} salvaged_value;
+typedef struct salvaged_row {
     int64_t id; /* of the row; the column that stands for it is NULL */
     uint32_t column_count;
-    show_salvage_value column[SHOW_SALVAGE_COLUMNS_MAX];
-} show_salvage_row;
+    salvaged_value column[COLUMNS_MAX];
+} salvaged_row;
 
 enum {
     PAGE_BYTES = 4096, /* of every show */
@@ -131,11 +131,10 @@ static bool read_payload(pages *in, const uint8_t *at, const uint8_t *end, size_
 }
 
 /* Sizes of whole numbers by their serial type 0..9. */
-static bool get_value(show_salvage_value *out, uint64_t type, const uint8_t **at,
-                      const uint8_t *end)
+static bool get_value(salvaged_value *out, uint64_t type, const uint8_t **at, const uint8_t *end)
 {
     static const uint8_t number_bytes[10] = {0, 1, 2, 3, 4, 6, 8, 8, 0, 0};
-    *out = (show_salvage_value){.number = type == 9};
+    *out = (salvaged_value){.number = type == 9};
     size_t size = type < 10 ? number_bytes[type] : (size_t)((type - 12) / 2);
     if (type == 10 || type == 11 || (size_t)(end - *at) < size)
         return false;
@@ -153,7 +152,7 @@ static bool get_value(show_salvage_value *out, uint64_t type, const uint8_t **at
     return true;
 }
 
-static bool get_row(show_salvage_row *out, const uint8_t *payload, size_t size)
+static bool get_row(salvaged_row *out, const uint8_t *payload, size_t size)
 {
     const uint8_t *head = payload, *end = payload + size;
     uint64_t head_size, type;
@@ -162,7 +161,7 @@ static bool get_row(show_salvage_row *out, const uint8_t *payload, size_t size)
     const uint8_t *body = payload + head_size, *head_end = body;
     out->column_count = 0;
     while (head < head_end) {
-        if (out->column_count == SHOW_SALVAGE_COLUMNS_MAX || !get_varint(&head, head_end, &type) ||
+        if (out->column_count == COLUMNS_MAX || !get_varint(&head, head_end, &type) ||
             !get_value(&out->column[out->column_count], type, &body, end))
             return false;
         ++out->column_count;
@@ -172,8 +171,7 @@ static bool get_row(show_salvage_row *out, const uint8_t *payload, size_t size)
 
 /* MRT_END: nothing more may be spent. */
 static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
-                               mrt_result (*each)(void *data, const show_salvage_row *row),
-                               void *data)
+                               mrt_result (*each)(void *data, const salvaged_row *row), void *data)
 {
     mrt_result result = MRT_OK;
     uint32_t cell_count = big_endian(page + 3, 2);
@@ -182,7 +180,7 @@ static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
     for (uint32_t i = 0; i < cell_count && result >= 0; ++i) {
         if (cancel_is_asked() || budget_spend_work(in->left, STEPS_A_CELL, NULL) < 0)
             return MRT_END;
-        show_salvage_row row;
+        salvaged_row row;
         uint64_t size, id;
         const uint8_t *at = page + big_endian(page + LEAF_HEAD + 2 * i, 2);
         const uint8_t *end = page + PAGE_BYTES;
@@ -197,8 +195,7 @@ static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
 }
 
 static mrt_result salvage_pages(pages *in, uint64_t begin, uint64_t end,
-                                mrt_result (*each)(void *data, const show_salvage_row *row),
-                                void *data)
+                                mrt_result (*each)(void *data, const salvaged_row *row), void *data)
 {
     mrt_result result = MRT_OK;
     for (uint64_t at = begin / PAGE_BYTES; at < end / PAGE_BYTES && result == MRT_OK; ++at) {
@@ -209,11 +206,11 @@ static mrt_result salvage_pages(pages *in, uint64_t begin, uint64_t end,
     return result;
 }
 
-/* Calls `each` for every row of at most SHOW_SALVAGE_COLUMNS_MAX columns, until it fails. MRT_END:
+/* Calls `each` for every row of at most COLUMNS_MAX columns, until it fails. MRT_END:
  * what may be spent was used up before the end of the file. */
-static mrt_result show_salvage(const char *path,
-                               mrt_result (*each)(void *data, const show_salvage_row *row),
-                               void *data, budget *left, error *err)
+static mrt_result salvage_file(const char *path,
+                               mrt_result (*each)(void *data, const salvaged_row *row), void *data,
+                               budget *left, error *err)
 {
     pages in = {.file = fopen(path, "rb"), .left = left};
     const int holes = open(path, O_RDONLY | O_CLOEXEC); /* a stream's own place is its own */
@@ -416,23 +413,23 @@ static mrt_result copy_table(recovery *self, const show_table *of, error *err)
 
 /* ---- rows that no table leads to any more ---- */
 
-static bool is_blob_of_crc(const show_salvage_row *row)
+static bool is_blob_of_crc(const salvaged_row *row)
 {
     return row->column_count == 7 && row->column[6].is_blob &&
            (int64_t)crc32_z(0, row->column[6].bytes, row->column[6].size) == row->column[5].number;
 }
 
-static bool is_packed(const show_salvage_row *row)
+static bool is_packed(const salvaged_row *row)
 {
     const uint8_t *bytes = row->column[6].bytes;
     return row->column[6].size > 2 && bytes[0] == 0x78 && (bytes[0] * 256 + bytes[1]) % 31 == 0;
 }
 
 /* A chunk that grew may be there twice: the longer one counts. */
-static mrt_result salvage_chunk(recovery *self, const show_salvage_row *row)
+static mrt_result salvage_chunk(recovery *self, const salvaged_row *row)
 {
     chunk_head head;
-    const show_salvage_value *bytes = &row->column[4];
+    const salvaged_value *bytes = &row->column[4];
     if (row->column_count != 5 || !bytes->is_blob ||
         chunk_decode(self->sample, &head, bytes->bytes, bytes->size, NULL) < 0)
         return MRT_OK;
@@ -450,9 +447,9 @@ static mrt_result salvage_chunk(recovery *self, const show_salvage_row *row)
 }
 
 /* Checkpoints are packed, audio is not. */
-static mrt_result salvage_blob(recovery *self, const show_salvage_row *row)
+static mrt_result salvage_blob(recovery *self, const salvaged_row *row)
 {
-    const show_salvage_value *column = row->column;
+    const salvaged_value *column = row->column;
     if (!is_blob_of_crc(row))
         return MRT_OK;
     if (!pay(self, STEPS_A_ROW + column[6].size / 8))
@@ -468,7 +465,7 @@ static mrt_result salvage_blob(recovery *self, const show_salvage_row *row)
     return result == MRT_ERR_ARGUMENT ? MRT_OK : result;
 }
 
-static mrt_result salvage_row(void *data, const show_salvage_row *row)
+static mrt_result salvage_row(void *data, const salvaged_row *row)
 {
     recovery *self = data;
     mrt_result result = salvage_chunk(self, row);
@@ -527,7 +524,7 @@ static mrt_result copy_all(recovery *self, const char *path, error *err)
     for (int i = 0; i < SHOW_TABLES && result >= 0; ++i)
         result = copy_table(self, &show_tables[i], err);
     if (result >= 0 && self->has_lost)
-        result = show_salvage(path, salvage_row, self, &self->left, err);
+        result = salvage_file(path, salvage_row, self, &self->left, err);
     if (result == MRT_END) {
         self->out->is_cut = true;
         result = MRT_OK;

@@ -68,8 +68,8 @@ static mrt_result check_span(const show_span *span, int64_t take_id, error *err)
 }
 
 /* Checked; is_shown as each says. */
-static mrt_result show_spans_insert(sqlite *db, int64_t take_id, const show_span *spans,
-                                    size_t count, error *err)
+static mrt_result insert_spans(sqlite *db, int64_t take_id, const show_span *spans, size_t count,
+                               error *err)
 {
     mrt_result result = MRT_OK;
     for (size_t i = 0; i < count && result >= 0; ++i) {
@@ -94,7 +94,7 @@ static mrt_result insert_new(show *self, int64_t id, const show_new_take *made, 
                          .number = made->number};
     mrt_result result = show_take_insert(self->db, &row, err);
     if (result >= 0)
-        result = show_spans_insert(self->db, id, made->spans, made->span_count, err);
+        result = insert_spans(self->db, id, made->spans, made->span_count, err);
     for (size_t i = 0; i < made->base_edit_count && result >= 0; ++i) {
         int32_t n = (int32_t)i + 1 - (int32_t)made->base_edit_count;
         result = show_edit_insert(self->db, id, n, made->utc_ms, made->base_edits[i], err);
@@ -479,7 +479,7 @@ mrt_result show_edit_append(show *self, int64_t take_id, const char *json, int64
     if (result >= 0)
         result = set_head(self->db, take_id, of.edit_head + 1, err);
     if (result >= 0)
-        result = show_spans_insert(self->db, take_id, spans, span_count, err);
+        result = insert_spans(self->db, take_id, spans, span_count, err);
     return sqlite_end(self->db, result, err);
 }
 
