@@ -638,7 +638,6 @@ static void recording_over_ends_by_itself_at_its_out(void **state)
     fixture_finish(&d);
 }
 
-/* What is seen of a take stays when the take goes. */
 /* ---- what a mapping was taught ---- */
 
 static void add_poses(live_fixture *d)
@@ -792,6 +791,105 @@ static void what_is_taught_anew_is_recorded_with_it(void **state)
     fixture_finish(&d);
 }
 
+/* What the stage was taught is that of the show that is open. */
+typedef struct lesson {
+    unsigned char bytes[TAUGHT_BYTES_MAX];
+    size_t size;
+} lesson;
+
+static bool knows(live_fixture *d, void *data)
+{
+    static lesson now;
+    const lesson *wanted = data;
+    now.size = live_taught(d->live, now.bytes, sizeof now.bytes);
+    return now.size == wanted->size && memcmp(now.bytes, wanted->bytes, now.size) == 0;
+}
+
+static void teach_another(live_fixture *d, const lesson *before, lesson *out)
+{
+    press(d, "Teach");
+    let_perform(d, 30);
+    out->size = live_taught(d->live, out->bytes, sizeof out->bytes);
+    assert_int_equal(out->size, before->size);
+    assert_memory_not_equal(out->bytes, before->bytes, out->size);
+}
+
+static void open_show(live_fixture *d, show *s)
+{
+    error err = {""};
+    fixture_must(live_set_show(d->live, s, &err), &err);
+}
+
+static void each_show_keeps_what_was_taught_in_it(void **state)
+{
+    (void)state;
+    static lesson shipped, here, there;
+    live_fixture d;
+    error err = {""};
+    char path[FIXTURE_PATH];
+    show *other;
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    add_poses(&d);
+    fixture_must(instance_set_text(live_mapping(d.live), "amount", "50", &err), &err);
+    shipped.size = live_taught(d.live, shipped.bytes, sizeof shipped.bytes);
+    teach_another(&d, &shipped, &here);
+    snprintf(path, sizeof path, "%s/other.marotte", d.folder);
+    fixture_must(show_create(&other, path, &err), &err);
+    open_show(&d, other);
+    assert_true(fixture_until(&d, knows, &shipped));
+    teach_another(&d, &shipped, &there);
+    teach_another(&d, &here, &there);
+    open_show(&d, d.show);
+    assert_true(fixture_until(&d, knows, &here));
+    open_show(&d, other);
+    assert_true(fixture_until(&d, knows, &there));
+    /* Before it has faded over, what the show before was taught is nobody's else. */
+    open_show(&d, d.show);
+    open_show(&d, other);
+    open_show(&d, d.show);
+    assert_true(fixture_until(&d, knows, &here));
+    open_show(&d, other);
+    assert_true(fixture_until(&d, knows, &there));
+    char value[32];
+    const instance *mapping = live_mapping(d.live);
+    for (uint32_t i = 0; i < mapping->type->param_count; ++i) {
+        instance_key(mapping->type, i, value, sizeof value);
+        if (strcmp(value, "amount") == 0)
+            assert_float_equal(instance_value(mapping, i), 50.0, 1e-9);
+    }
+    open_show(&d, d.show);
+    show_close(other);
+    (void)unlink(path);
+    fixture_finish(&d);
+}
+
+static bool has_noted(live_fixture *d, void *data)
+{
+    error err = {""};
+    char *note = calloc(NOTE, 1);
+    fixture_must(show_note_read(d->show, "taught.org.marotte.poses", note, NOTE, &err), &err);
+    const bool is_there = strcmp(note, data) == 0;
+    free(note);
+    return is_there;
+}
+
+/* So that it is there after a crash. */
+static void what_is_taught_is_in_the_show_soon_after(void **state)
+{
+    (void)state;
+    static lesson shipped, taught;
+    live_fixture d;
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    add_poses(&d);
+    shipped.size = live_taught(d.live, shipped.bytes, sizeof shipped.bytes);
+    teach_another(&d, &shipped, &taught);
+    char *wanted = taught_text(taught.bytes, taught.size);
+    assert_true(fixture_until(&d, has_noted, wanted));
+    free(wanted);
+    fixture_finish(&d);
+}
+
+/* What is seen of a take stays when the take goes. */
 static void seen_face_is_described_by_the_stage_alone(void **state)
 {
     (void)state;
@@ -821,6 +919,8 @@ int main(void)
         cmocka_unit_test(recording_over_ends_by_itself_at_its_out),
         cmocka_unit_test(what_was_taught_stays_with_the_take_and_the_show),
         cmocka_unit_test(what_is_taught_anew_is_recorded_with_it),
+        cmocka_unit_test(each_show_keeps_what_was_taught_in_it),
+        cmocka_unit_test(what_is_taught_is_in_the_show_soon_after),
         cmocka_unit_test(seen_face_is_described_by_the_stage_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

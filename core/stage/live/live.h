@@ -197,7 +197,8 @@ void live_disarm_sound(live *self);
 /* A take that live itself has edited since the last call (its sound was attached): whoever shows it
  * reads it anew. 0: none. */
 int64_t live_take_edited(live *self);
-/* Another show: what is being recorded ends. NULL: none. */
+/* Another show: what is being recorded ends, and the mapping goes over, without a jump, to what
+ * this show's last session taught it; NULL: none, and it knows what it knew. */
 CHECKED mrt_result live_set_show(live *self, show *s, error *err);
 
 /* ---- a take on the stage ---- */

@@ -1,5 +1,6 @@
 #include "stage/live/live_stage.h"
 #include "base/clock.h"
+#include "base/hash.h"
 #include "stage/mapping/null_mapping.h"
 #include "stage/take/kept_solver.h"
 
@@ -335,6 +336,12 @@ mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
     return result;
 }
 
+static void recall_taught(live *self, live_mapping_role *role)
+{
+    taught_recall(self->show, &role->instance, self->settings.log);
+    role->is_of_show = true;
+}
+
 /* For another instance of it, on another face. */
 static void teach(live *self, live_mapping_role *role)
 {
@@ -346,12 +353,44 @@ static void teach(live *self, live_mapping_role *role)
     free(t);
 }
 
-void live_cast_keep_taught(live *self)
+static void note_taught(live *self, const taught *t)
 {
     error err = {""};
-    taught *t = self->show && self->scene && self->scene->performer ? fetch_taught(self) : NULL;
-    if (t && taught_keep(self->show, self->role->instance.type, t->bytes, t->size, &err) < 0)
+    self->role->noted_hash = hash_bytes(HASH_START, t->bytes, t->size);
+    if (taught_keep(self->show, self->role->instance.type, t->bytes, t->size, &err) < 0)
         log_push(self->settings.log, MRT_LOG_WARNING, "show", err.text);
+}
+
+static bool can_note_taught(const live *self)
+{
+    return self->show && self->scene && self->scene->performer && self->role->is_of_show &&
+           plugin_interface(self->role->instance.type, MRT_STATE);
+}
+
+void live_cast_keep_taught(live *self)
+{
+    taught *t = can_note_taught(self) ? fetch_taught(self) : NULL;
+    if (t)
+        note_taught(self, t);
+    free(t);
+}
+
+/* A crash loses what was taught within this time. */
+static const int64_t note_every_ns = NS_PER_S;
+
+static void note_what_changed(live *self)
+{
+    const int64_t now_ns = clock_now_ns();
+    live_mapping_role *role = self->role;
+    if (now_ns - role->noted_ns < note_every_ns || !can_note_taught(self))
+        return;
+    taught *t = fetch_taught(self);
+    role->noted_ns = now_ns;
+    const uint64_t hash = t ? hash_bytes(HASH_START, t->bytes, t->size) : 0;
+    if (t && role->noted_hash == 0)
+        role->noted_hash = hash; /* as it came: from the note, or never taught */
+    else if (t && role->noted_hash != hash)
+        note_taught(self, t);
     free(t);
 }
 
@@ -485,17 +524,11 @@ static mrt_result let_come(live *self, error *err)
     return result;
 }
 
-mrt_result live_set_mapping(live *self, const char *text, error *err)
+/* It takes over with what the show's last session taught it; destroyed where it cannot. */
+static mrt_result bring(live *self, live_mapping_role *role, error *err)
 {
-    live_mapping_role *role;
-    mrt_result result = live_check_free(self, text && text[0] ? text : "the mapping", err);
-    if (result >= 0)
-        result = create_mapping(&role, text, self->settings.plugins, self->settings.log, err);
-    if (result < 0)
-        return result;
-    live_cast_keep_taught(self);
-    taught_recall(self->show, &role->instance, self->settings.log);
-    result = activate(self, role, err);
+    recall_taught(self, role);
+    mrt_result result = activate(self, role, err);
     if (result < 0) {
         destroy_mapping(role);
         return result;
@@ -506,6 +539,32 @@ mrt_result live_set_mapping(live *self, const char *text, error *err)
     if (result < 0)
         drop_coming(self);
     return result < 0 ? result : MRT_OK;
+}
+
+mrt_result live_set_mapping(live *self, const char *text, error *err)
+{
+    live_mapping_role *role;
+    mrt_result result = live_check_free(self, text && text[0] ? text : "the mapping", err);
+    if (result >= 0)
+        result = create_mapping(&role, text, self->settings.plugins, self->settings.log, err);
+    if (result < 0)
+        return result;
+    live_cast_keep_taught(self);
+    return bring(self, role, err);
+}
+
+mrt_result live_cast_follow_show(live *self, error *err)
+{
+    live_mapping_role *role, *last = self->coming ? self->coming : self->role;
+    self->role->is_of_show = false;
+    if (!plugin_interface(last->instance.type, MRT_STATE))
+        return MRT_OK;
+    mrt_result result =
+        create_mapping(&role, last->text, self->settings.plugins, self->settings.log, err);
+    if (result < 0)
+        return result;
+    instance_copy_values(&role->instance, mapping_now(last));
+    return bring(self, role, err);
 }
 
 instance *live_mapping(live *self)
@@ -562,8 +621,12 @@ mrt_result live_cast_set_scene(live *self, const face_file *file, const char *pa
     if (result < 0)
         return result;
     instance_copy_values(&role->instance, mapping_now(last));
+    role->is_of_show = last->is_of_show;
+    role->noted_hash = last->noted_hash;
     if (last == self->role)
         teach(self, role);
+    else
+        recall_taught(self, role);
     drop_coming(self);
     result = create_scene(self, file, path, unit_mm, role, &scene, err);
     live_change c = {.scene = scene, .role = role};
@@ -603,6 +666,7 @@ void live_cast_update(live *self)
         log_push(self->settings.log, MRT_LOG_ERROR, "stage", err.text);
         drop_coming(self);
     }
+    note_what_changed(self);
 }
 
 /* ---- which mappings take the face that is on the stage ---- */
@@ -653,7 +717,7 @@ mrt_result live_cast_start(live *self, error *err)
     live_own_solver(self, s->solver);
     mrt_result result = create_mapping(&self->role, s->mapping, s->plugins, s->log, err);
     if (result >= 0)
-        taught_recall(self->show, &self->role->instance, s->log);
+        recall_taught(self, self->role);
     if (result >= 0)
         result =
             create_scene(self, s->face, s->face_path, s->unit_mm, self->role, &self->scene, err);

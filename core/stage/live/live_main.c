@@ -223,6 +223,8 @@ mrt_result live_set_show(live *self, show *s, error *err)
     self->show = s;
     self->status.take = 0;
     self->take_begun_ns = self->take_ended_ns = 0;
+    if (s && live_cast_follow_show(self, err) < 0)
+        log_push(self->settings.log, MRT_LOG_ERROR, "stage", err->text);
     result = live_record_start(self, err);
     return result < 0 ? result : live_set_click(self, &self->click, err);
 }

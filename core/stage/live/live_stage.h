@@ -34,6 +34,11 @@ typedef struct live_mapping_role {
     isolate_settings isolation;
     isolate *isolate;
     reload *reload;
+    /* What it is taught is a note of the show that is open. False: it was taught in another one,
+     * and stays until its follower has come. */
+    bool is_of_show;
+    uint64_t noted_hash; /* of what that note says; 0: not looked at yet */
+    int64_t noted_ns;    /* when it was looked at last */
 } live_mapping_role;
 
 /* A face and who moves it: made on [main], used by the frame thread. */
@@ -268,8 +273,12 @@ CHECKED mrt_result live_cast_set_scene(live *self, const face_file *file, const 
 void live_scene_destroy(live_scene *scene);                     /* and those before it */
 void live_own_solver(live *self, const csrbf_settings *solver); /* of scenes to come; NULL: rigs' */
 isolate_counts live_mapping_isolated(live_mapping_role *self);
-/* What the mapping was taught becomes a note of the show, for another session. */
+/* What the mapping was taught becomes a note of the show, for another session; so it does by itself
+ * soon after it has changed. */
 void live_cast_keep_taught(live *self);
+/* Another show is open: a mapping that can be taught makes way for one of its kind, with its
+ * values, that knows what this show says. */
+CHECKED mrt_result live_cast_follow_show(live *self, error *err);
 
 /* Who performs now, for the recorder; the layer alone: others move the face. */
 recorder_settings live_cast_settings(live *self, bool moves_face);
