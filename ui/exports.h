@@ -1,5 +1,5 @@
-/* exports.h - frames out of the program, in the format that a file's name asks for: meshes from a
- * clip when the performance is over, videos opened before it, fed with each frame, and the sound
+/* ui/exports.h - frames out of the program, in the format that a file's name asks for: meshes from
+ * a clip when the performance is over, videos opened before it, fed with each frame, and the sound
  * that belongs to them. [main] */
 #ifndef MAROTTE_UI_EXPORTS_H
 #define MAROTTE_UI_EXPORTS_H

@@ -1,5 +1,5 @@
-/* facts.h - what a command did, one line per fact for a person, or one JSON object for a machine.
- * Keys are lower case with the unit at their end ("frame_median_ms"). [main] */
+/* ui/facts.h - what a command did, one line per fact for a person, or one JSON object for a
+ * machine. Keys are lower case with the unit at their end ("frame_median_ms"). [main] */
 #ifndef MAROTTE_UI_FACTS_H
 #define MAROTTE_UI_FACTS_H
 #include "base/error.h"

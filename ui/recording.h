@@ -1,6 +1,6 @@
-/* recording.h - what a headless performance leaves behind: its frames as a clip for the exporters
- * that need one, how long each took, how far the face moved, and whether it folded. Fed with drawn
- * frames; nothing here counts as frame time. [main] */
+/* ui/recording.h - what a headless performance leaves behind: its frames as a clip for the
+ * exporters that need one, how long each took, how far the face moved, and whether it folded. Fed
+ * with drawn frames; nothing here counts as frame time. [main] */
 #ifndef MAROTTE_UI_RECORDING_H
 #define MAROTTE_UI_RECORDING_H
 #include "exports.h"

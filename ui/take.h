@@ -1,5 +1,5 @@
-/* take.h - what the subcommands of `marotte take` share: the table of them, their command line, the
- * show and take that they work on, and times as a person writes them. take_edit.c edits takes,
+/* ui/take.h - what the subcommands of `marotte take` share: the table of them, their command line,
+ * the show and take that they work on, and times as a person writes them. take_edit.c edits takes,
  * take_show.c reads shows, take_stage.c performs takes, for take_export.c, take_record.c and
  * take_diff.c. [main] */
 #ifndef MAROTTE_UI_TAKE_H

@@ -1,8 +1,8 @@
 /* face/rig_edit.h - changes of a rig in memory, as a person makes them: numbers that change become
  * what a hand can mean (0.01 mm, 0.01 degrees, shares of 0.001). Each leaves a rig that can be
  * written and read again, or an error and the rig as it was. Leaves out what is undone
- * (rig_history.h) and whether the rig fits its mesh (rig_check.h). Vertices are the mesh file's.
- * [any], one at a time */
+ * (window/rig/model.h) and whether the rig fits its mesh (rig_check.h). Vertices are the mesh
+ * file's. [any], one at a time */
 #ifndef MAROTTE_FACE_RIG_EDIT_H
 #define MAROTTE_FACE_RIG_EDIT_H
 #include "face/rig.h"

@@ -1,5 +1,5 @@
 /* mesh/arkit.h - the 52 shapes of ARKit and the 9 turns that Live Link Face adds, by their names.
- * Leaves out who says them (face/face_weights.h) and files of them (io/arkit.h). Pure; any thread.
+ * Leaves out who says them (face/face_weights.h) and files of them (io/export.h). Pure; any thread.
  */
 #ifndef MAROTTE_MESH_ARKIT_H
 #define MAROTTE_MESH_ARKIT_H

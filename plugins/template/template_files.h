@@ -1,5 +1,5 @@
-/* template_files.h - what `marotte plugin new` writes: the files of this folder, part of the
- * program since its build. In each, "template_name" stands for the plugin's name. */
+/* template/template_files.h - what `marotte plugin new` writes: the files of this folder, part of
+ * the program since its build. In each, "template_name" stands for the plugin's name. */
 #ifndef MAROTTE_TEMPLATE_FILES_H
 #define MAROTTE_TEMPLATE_FILES_H
 #include <stddef.h>

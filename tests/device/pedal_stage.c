@@ -1,5 +1,5 @@
-/* plugins/pedal behind core/stage/input.h: read by the stage's own thread, pulled out while it is
- * held, and back in its socket by itself. */
+/* plugins/pedal behind core/stage/input/input.h: read by the stage's own thread, pulled out while
+ * it is held, and back in its socket by itself. */
 #include "pedal_bench.h"
 
 #include <stdarg.h>

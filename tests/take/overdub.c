@@ -1,4 +1,5 @@
-/* stage/overdub.h: performing over a take. On the puppet, with one hand, on a virtual clock. */
+/* stage/take/overdub.h: performing over a take. On the puppet, with one hand, on a virtual clock.
+ */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,5 @@
-/* core/take/journal.h: lets go of what is old and nobody holds on to, and of nothing else. */
+/* core/take/writer_store.h, the journal: lets go of what is old and nobody holds on to, and of
+ * nothing else. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* stage/transport.h: where one is on a timeline. */
+/* stage/take/transport.h: where one is on a timeline. */
 #include "stage/take/transport.h"
 
 #include <setjmp.h>

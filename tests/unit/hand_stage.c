@@ -1,4 +1,4 @@
-/* stage/hands.h: samples become hands: calibrated, re-zeroed, eased back after a gap. */
+/* stage/perform/hands.h: samples become hands: calibrated, re-zeroed, eased back after a gap. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

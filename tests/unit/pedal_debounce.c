@@ -1,4 +1,4 @@
-/* pedal/debounce.h: one edge for a chatter, and the first one at once. */
+/* pedal/learn.h: one edge for a chatter, and the first one at once. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,5 +1,5 @@
-/* pedal/layouts.h, decode.h: the literal reports of every device in the table, and reports that are
- * none. */
+/* pedal/layouts.h, descriptor.h: the literal reports of every device in the table, and reports that
+ * are none. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -1,4 +1,4 @@
-/* pedal/descriptor.h, describe.h: report descriptors of real devices, and bytes that are none. */
+/* pedal/descriptor.h: report descriptors of real devices, and bytes that are none. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

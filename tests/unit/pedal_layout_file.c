@@ -1,4 +1,4 @@
-/* pedal/layout_text.h, layout_file.h: a layout comes back as it was written; what is not one is
+/* pedal/layouts.h: a layout comes back as it was written; what is not one is
  * refused with its line. */
 #include <stdarg.h>
 #include <stddef.h>

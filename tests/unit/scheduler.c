@@ -1,5 +1,5 @@
-/* stage/scheduler.h: which samples are one step. Sources here are lists of times, of which as many
- * have come as the test says. */
+/* stage/perform/scheduler.h: which samples are one step. Sources here are lists of times, of which
+ * as many have come as the test says. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* stage/tap.h: every sample of one input, for somebody who may be slower than it. */
+/* stage/input/tap.h: every sample of one input, for somebody who may be slower than it. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

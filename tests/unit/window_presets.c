@@ -1,4 +1,4 @@
-/* ui/window/presets.h: values of parameters under a name. */
+/* ui/window/app/presets.h: values of parameters under a name. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

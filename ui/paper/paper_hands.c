@@ -408,7 +408,7 @@ static mrt_result add_tree(paper *of, error *err)
         return result;
     page_picture(of->page, name, what, 640, 0);
     page_caption(of->page,
-                 "Twenty-two angles of a glove turn the Joints (`core/hand/hand_skeleton.c`). The "
+                 "Twenty-two angles of a glove turn the Joints (`core/hand/hand.c`). The "
                  "hand is %d mm long and surfaced for this picture; a performance needs only its "
                  "fingertips, and at will eight points of its palm.",
                  HAND_LENGTH_MM);

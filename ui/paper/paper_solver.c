@@ -270,7 +270,7 @@ static void add_fill_table(paper *of, const centres *few, const centres *many, c
         "thousands the claim is right for the envelope, not for a band: along the Morton "
         "curve of an octree single rows reach far back, so that the half band stays wide. "
         "The engine sorts up to 64 centres along the curve, and more along the longest "
-        "axis, and stores each row from its first entry on (`core/csrbf/envelope.h`).",
+        "axis, and stores each row from its first entry on (`core/csrbf/saddle.h`).",
         few->radius_mm, many->radius_mm);
 }
 

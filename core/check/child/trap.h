@@ -27,7 +27,7 @@ typedef enum trap_kind {
     TRAP_CLOCK,
     TRAP_SLEEP,
     TRAP_PROCESS,
-    TRAP_HOST, /* a host service that is not for this thread: told by host.c */
+    TRAP_HOST, /* a host service that is not for this thread: told by fixture.c */
     TRAP_KINDS
 } trap_kind;
 enum { TRAP_ALL = (1 << TRAP_KINDS) - 1 };
@@ -37,7 +37,7 @@ enum { TRAP_ALL = (1 << TRAP_KINDS) - 1 };
  * plugin's doing. */
 uint32_t trap_set(uint32_t kinds);
 
-/* A function of that kind is being called: trap_libc.c, host.c. */
+/* A function of that kind is being called: trap_libc.c, fixture.c. */
 void trap_note(trap_kind kind, const char *function);
 /* Whether that kind is being caught now: what would wait must not. */
 bool trap_catches(trap_kind kind);

@@ -1,4 +1,4 @@
-/* face/fit_gram.h - a face and its targets, small: all that least squares needs to know of the
+/* face/fit/fit_gram.h - a face and its targets, small: all that least squares needs to know of the
  * vertices. The face is linear in its columns (face.h), x' - x = sum_j column_j weight_j, so the
  * squared distance to a target is a quadratic form in the weights whatever the pose and the pulls:
  *   energy - 2 sum_j right_j . weight_j + sum_jk gram_jk weight_j . weight_k.

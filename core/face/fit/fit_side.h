@@ -1,4 +1,4 @@
-/* face/fit_side.h - one way of deforming a mesh that is to be fitted: a face with its contacts
+/* face/fit/fit_side.h - one way of deforming a mesh that is to be fitted: a face with its contacts
  * engaged, and its columns summed up for least squares. The rig's way and the paper's (no rig) are
  * two of these. Inside the room. [main] */
 #ifndef MAROTTE_FACE_FIT_SIDE_H

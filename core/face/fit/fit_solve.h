@@ -1,4 +1,4 @@
-/* face/fit_solve.h - the pose and the pulls that come closest to one target of a fit_gram: the
+/* face/fit/fit_solve.h - the pose and the pulls that come closest to one target of a fit_gram: the
  * pulls are linear once the bones are posed, the few degrees of freedom are found around them
  * (Levenberg-Marquardt with the linear part eliminated: Golub and Pereyra 1973).
  * Inside the room. [main] */

@@ -1,5 +1,5 @@
-/* face/blend.h - what a place on the face is moved by: the motions of several bones, each in its
- * share, as one affine map. Inside the room. Pure. */
+/* face/frame/blend.h - what a place on the face is moved by: the motions of several bones, each in
+ * its share, as one affine map. Inside the room. Pure. */
 #ifndef MAROTTE_FACE_BLEND_H
 #define MAROTTE_FACE_BLEND_H
 #include "base/rigid.h"

@@ -1,5 +1,5 @@
-/* face/projection.h - skin slides over the skull but never enters it (research, theory 4.3): a
- * one-sided, smooth projection out of ellipsoids that ride on bones. In the ellipsoid's scaled
+/* face/frame/projection.h - skin slides over the skull but never enters it (research, theory 4.3):
+ * a one-sided, smooth projection out of ellipsoids that ride on bones. In the ellipsoid's scaled
  * space q = (x - centre) / radii a vertex has the height h = |q| - 1; h0 is its height at rest. Its
  * floor is c = 0.4 h0, but at most 2 mm; within e = 0.6 h0, but at most 3 mm, of the floor the
  * height is eased onto it:

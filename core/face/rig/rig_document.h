@@ -1,7 +1,7 @@
-/* face/rig_document.h - the JSON behind a rig: its file and the files that it includes, and which
- * entry of which file each bone, region, contact ... comes from. Kept while the rig lives, so that
- * what this version does not know is written back, and messages name the entry. Inside the room.
- * [main] */
+/* face/rig/rig_document.h - the JSON behind a rig: its file and the files that it includes, and
+ * which entry of which file each bone, region, contact ... comes from. Kept while the rig lives, so
+ * that what this version does not know is written back, and messages name the entry. Inside the
+ * room. [main] */
 #ifndef MAROTTE_FACE_RIG_DOCUMENT_H
 #define MAROTTE_FACE_RIG_DOCUMENT_H
 #include "base/budget.h"

@@ -1,4 +1,4 @@
-/* face/rig_head.h - where a head's nose, mouth and chin are, found in its profile: the measures
+/* face/rig/rig_head.h - where a head's nose, mouth and chin are, found in its profile: the measures
  * that drafting and checking a rig start from. Right for heads that look along +z with a nose and a
  * chin; a person confirms. Pure but for scratch memory; any thread. */
 #ifndef MAROTTE_FACE_RIG_HEAD_H

@@ -1,8 +1,8 @@
-/* face/weights_laplace.h - the fill: values given at some vertices of a surface, spread over the
- * others so that they bend least: minimises  sum_v (L u)_v^2 / a_v + tension u'L u, L the cotangent
- * Laplacian, a_v the area of a vertex (Botsch and Kobbelt 2004, An intuitive framework for
- * real-time freeform modeling, equation 6, of order 2). From a few marks that gives smooth hills
- * where the harmonic fill has spikes; the tension keeps it from shooting out where nothing is
+/* face/weights/weights_laplace.h - the fill: values given at some vertices of a surface, spread
+ * over the others so that they bend least: minimises  sum_v (L u)_v^2 / a_v + tension u'L u, L the
+ * cotangent Laplacian, a_v the area of a vertex (Botsch and Kobbelt 2004, An intuitive framework
+ * for real-time freeform modeling, equation 6, of order 2). From a few marks that gives smooth
+ * hills where the harmonic fill has spikes; the tension keeps it from shooting out where nothing is
  * marked. Never crosses a slit: only the surface counts. Inside the room. [main] */
 #ifndef MAROTTE_FACE_WEIGHTS_LAPLACE_H
 #define MAROTTE_FACE_WEIGHTS_LAPLACE_H

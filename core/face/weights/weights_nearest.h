@@ -1,4 +1,5 @@
-/* face/weights_nearest.h - the nearest of some of a mesh's vertices. Inside the room. [main] */
+/* face/weights/weights_nearest.h - the nearest of some of a mesh's vertices. Inside the room.
+ * [main] */
 #ifndef MAROTTE_FACE_WEIGHTS_NEAREST_H
 #define MAROTTE_FACE_WEIGHTS_NEAREST_H
 #include "mesh/mesh.h"

@@ -1,6 +1,6 @@
-/* io/gltf_accessor.hpp - the numbers behind a glTF accessor. Construction checks where everything
- * lies that the accessor points to, so that reading cannot leave the buffers. Private to the glTF
- * reader; failures are gltf_failure. */
+/* io/read/gltf_accessor.hpp - the numbers behind a glTF accessor. Construction checks where
+ * everything lies that the accessor points to, so that reading cannot leave the buffers. Private to
+ * the glTF reader; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_ACCESSOR_HPP
 #define MAROTTE_IO_GLTF_ACCESSOR_HPP
 #include "io/read/gltf_load.hpp"

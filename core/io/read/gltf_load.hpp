@@ -1,4 +1,4 @@
-/* io/gltf_load.hpp - a glTF document as tinygltf's model: out of its .glb, checked for what
+/* io/read/gltf_load.hpp - a glTF document as tinygltf's model: out of its .glb, checked for what
  * tinygltf takes on trust (types, whole numbers, sizes, buffers from outside), decompressed.
  * Private to the glTF reader and writer. Failures travel as gltf_failure up to the C border in
  * gltf_reader.cpp. */

@@ -1,6 +1,6 @@
-/* io/gltf_material.hpp - what a glTF file says of how its surfaces look: materials, textures, VRM's
- * toon shading, and the pictures that they use, still encoded. Private to the glTF reader; failures
- * are gltf_failure, but a picture that is not there is only noted. */
+/* io/read/gltf_material.hpp - what a glTF file says of how its surfaces look: materials, textures,
+ * VRM's toon shading, and the pictures that they use, still encoded. Private to the glTF reader;
+ * failures are gltf_failure, but a picture that is not there is only noted. */
 #ifndef MAROTTE_IO_GLTF_MATERIAL_HPP
 #define MAROTTE_IO_GLTF_MATERIAL_HPP
 #include "io/read/gltf_load.hpp"

@@ -1,4 +1,4 @@
-/* io/gltf_plan.hpp - what a glTF scene will be as one mesh: which vertices, triangles, morph
+/* io/read/gltf_plan.hpp - what a glTF scene will be as one mesh: which vertices, triangles, morph
  * targets and attributes, and how much memory they take, before any of it is read. Private to the
  * glTF reader; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_PLAN_HPP

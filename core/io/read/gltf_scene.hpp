@@ -1,4 +1,4 @@
-/* io/gltf_scene.hpp - which meshes a glTF scene shows, and where: the nodes flattened, the
+/* io/read/gltf_scene.hpp - which meshes a glTF scene shows, and where: the nodes flattened, the
  * skeleton, and the skins that hang meshes on it. VRM's humanoid map says what the joints are.
  * Leaves out animation. Private to the glTF reader and writer; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_SCENE_HPP

@@ -1,6 +1,7 @@
-/* io/mesh_build.h - collects what a mesh reader finds, vertex by vertex and corner by corner, and
- * makes a mesh of it: polygons become triangles, groups become parts. Leaves out the file formats.
- * Memory grows with what was added, never with what a header promises. One thread at a time. */
+/* io/read/mesh_build.h - collects what a mesh reader finds, vertex by vertex and corner by corner,
+ * and makes a mesh of it: polygons become triangles, groups become parts. Leaves out the file
+ * formats. Memory grows with what was added, never with what a header promises. One thread at a
+ * time. */
 #ifndef MAROTTE_IO_MESH_BUILD_H
 #define MAROTTE_IO_MESH_BUILD_H
 #include "base/text.h"

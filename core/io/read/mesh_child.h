@@ -1,7 +1,7 @@
-/* io/mesh_child.h - reads a mesh file in another process, marotte-meshload, which may crash, hang
- * or eat its memory without harm; decode_run (io/decode/decode.h) has its decoders run there too.
- * The program is found in $MAROTTE_MESHLOAD, beside the running program, or in the build folder.
- * [main], waits up to 20 s. */
+/* io/read/mesh_child.h - reads a mesh file in another process, marotte-meshload, which may crash,
+ * hang or eat its memory without harm; decode_run (io/decode/decode.h) has its decoders run there
+ * too. The program is found in $MAROTTE_MESHLOAD, beside the running program, or in the build
+ * folder. [main], waits up to 20 s. */
 #ifndef MAROTTE_IO_MESH_CHILD_H
 #define MAROTTE_IO_MESH_CHILD_H
 #include "mesh/mesh.h"

@@ -1,5 +1,5 @@
-/* io/mesh_frame.h - the unit and the axes of a mesh file: found out where nobody says them, said in
- * the mesh's note, and the mesh put into mm, up +y, forward +z. Pure. */
+/* io/read/mesh_frame.h - the unit and the axes of a mesh file: found out where nobody says them,
+ * said in the mesh's note, and the mesh put into mm, up +y, forward +z. Pure. */
 #ifndef MAROTTE_IO_MESH_FRAME_H
 #define MAROTTE_IO_MESH_FRAME_H
 #include "mesh/mesh.h"

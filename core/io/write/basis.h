@@ -1,6 +1,6 @@
-/* io/basis.h - an orthonormal basis that grows: from candidate directions in the order of their
- * strength and, when they are used up, from whatever residual is still too large. Rows are float32,
- * inner products float64 in a fixed order: same bits everywhere. Any thread. */
+/* io/write/basis.h - an orthonormal basis that grows: from candidate directions in the order of
+ * their strength and, when they are used up, from whatever residual is still too large. Rows are
+ * float32, inner products float64 in a fixed order: same bits everywhere. Any thread. */
 #ifndef MAROTTE_IO_BASIS_H
 #define MAROTTE_IO_BASIS_H
 #include <stdbool.h>

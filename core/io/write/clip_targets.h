@@ -1,6 +1,6 @@
-/* io/clip_targets.h - a clip as morph targets and their weights, as gltf_write makes them, for
- * writers of other formats: exact ones of anchored frames, components of the others. Each lists the
- * vertices that it moves. [main] or a worker. */
+/* io/write/clip_targets.h - a clip as morph targets and their weights, as gltf_write makes them,
+ * for writers of other formats: exact ones of anchored frames, components of the others. Each lists
+ * the vertices that it moves. [main] or a worker. */
 #ifndef MAROTTE_IO_CLIP_TARGETS_H
 #define MAROTTE_IO_CLIP_TARGETS_H
 #include "io/export.h"

@@ -1,6 +1,6 @@
-/* io/component_frames.h - the free frames of a clip as offsets from one shape, in metres; and those
- * of one window of time: the base they are seen from, which vertices leave it, and where those are.
- * Private to the search for components. One thread at a time. */
+/* io/write/component_frames.h - the free frames of a clip as offsets from one shape, in metres; and
+ * those of one window of time: the base they are seen from, which vertices leave it, and where
+ * those are. Private to the search for components. One thread at a time. */
 #ifndef MAROTTE_IO_COMPONENT_FRAMES_H
 #define MAROTTE_IO_COMPONENT_FRAMES_H
 #include "io/clip.h"

@@ -1,7 +1,8 @@
-/* io/components.h - the free frames of a clip as weighted sums of few shapes: principal components
- * with a guaranteed greatest vertex error. A long motion that wanders is split into windows of time
- * with a base shape and components of their own. The frames are streamed from the clip; memory is
- * bounded whatever the clip's length. Leaves out anchored frames. [main] or a worker. */
+/* io/write/components.h - the free frames of a clip as weighted sums of few shapes: principal
+ * components with a guaranteed greatest vertex error. A long motion that wanders is split into
+ * windows of time with a base shape and components of their own. The frames are streamed from the
+ * clip; memory is bounded whatever the clip's length. Leaves out anchored frames. [main] or a
+ * worker. */
 #ifndef MAROTTE_IO_COMPONENTS_H
 #define MAROTTE_IO_COMPONENTS_H
 #include "io/clip.h"

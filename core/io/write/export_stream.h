@@ -1,5 +1,5 @@
-/* io/export_stream.h - what writers of clips share: whether a format can count it, its time code,
- * how far it is, files of text. */
+/* io/write/export_stream.h - what writers of clips share: whether a format can count it, its time
+ * code, how far it is, files of text. */
 #ifndef MAROTTE_IO_EXPORT_STREAM_H
 #define MAROTTE_IO_EXPORT_STREAM_H
 #include "base/file.h"

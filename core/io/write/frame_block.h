@@ -1,5 +1,5 @@
-/* io/frame_block.h - the two products that finding components is made of, on sixteen frames at
- * once: what the rows of a basis have in common with each frame, and taking that away. A block
+/* io/write/frame_block.h - the two products that finding components is made of, on sixteen frames
+ * at once: what the rows of a basis have in common with each frame, and taking that away. A block
  * holds one frame per lane: value[d * FRAME_BLOCK + lane], d < length. Sums run over d (or over
  * rows) in ascending order within fixed panels: same bits everywhere. Pure; any thread. */
 #ifndef MAROTTE_IO_FRAME_BLOCK_H

@@ -1,6 +1,6 @@
-/* io/gltf_output.hpp - a .glb being made: binary data in the order it is added, the accessors that
- * describe it, and the file in the end. tinygltf makes the JSON; the binary part is written from
- * where it is, never copied. Private to the glTF writer; failures are gltf_failure. */
+/* io/write/gltf_output.hpp - a .glb being made: binary data in the order it is added, the accessors
+ * that describe it, and the file in the end. tinygltf makes the JSON; the binary part is written
+ * from where it is, never copied. Private to the glTF writer; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_OUTPUT_HPP
 #define MAROTTE_IO_GLTF_OUTPUT_HPP
 #include "io/read/gltf_load.hpp"

@@ -1,6 +1,6 @@
-/* io/gltf_surface.hpp - a mesh and its morph targets as glTF: metres, one primitive per part, all
- * on the same vertices in the file's order; and the bones of a clip as nodes that turn. Private to
- * the writers of glTF; failures are gltf_failure. */
+/* io/write/gltf_surface.hpp - a mesh and its morph targets as glTF: metres, one primitive per part,
+ * all on the same vertices in the file's order; and the bones of a clip as nodes that turn. Private
+ * to the writers of glTF; failures are gltf_failure. */
 #ifndef MAROTTE_IO_GLTF_SURFACE_HPP
 #define MAROTTE_IO_GLTF_SURFACE_HPP
 #include "io/write/gltf_output.hpp"

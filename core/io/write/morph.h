@@ -1,5 +1,5 @@
-/* io/morph.h - how the normals of a surface turn, to first order, when a morph target moves it.
- * Pure; any thread. */
+/* io/write/morph.h - how the normals of a surface turn, to first order, when a morph target moves
+ * it. Pure; any thread. */
 #ifndef MAROTTE_IO_MORPH_H
 #define MAROTTE_IO_MORPH_H
 #include <stdint.h>

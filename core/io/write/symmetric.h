@@ -1,4 +1,4 @@
-/* io/symmetric.h - eigenvalues and eigenvectors of a real symmetric matrix, by Householder
+/* io/write/symmetric.h - eigenvalues and eigenvectors of a real symmetric matrix, by Householder
  * reduction and implicit QL. Only + - * / and sqrt in a fixed order: same bits everywhere. Any
  * thread. */
 #ifndef MAROTTE_IO_SYMMETRIC_H

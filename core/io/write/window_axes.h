@@ -1,4 +1,4 @@
-/* io/window_axes.h - candidates for the axes of a window: principal components of some of its
+/* io/write/window_axes.h - candidates for the axes of a window: principal components of some of its
  * frames. Private to the search for components. One thread at a time. */
 #ifndef MAROTTE_IO_WINDOW_AXES_H
 #define MAROTTE_IO_WINDOW_AXES_H

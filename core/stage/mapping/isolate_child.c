@@ -1,6 +1,7 @@
 /* marotte-pluginhost LIBRARY TYPE - one mapping or face output in a process of its own: does what
- * it is asked for in the memory that it finds at ISOLATE_FD. Started by stage/isolate_process.c, of
- * no use to people; it ends with the program that has started it. */
+ * it is asked for in the memory that it finds at ISOLATE_FD. Started by
+ * stage/mapping/isolate_process.c, of no use to people; it ends with the program that has started
+ * it. */
 #include "base/program.h"
 #include "base/clock.h"
 #include "stage/mapping/isolate_wire.h"

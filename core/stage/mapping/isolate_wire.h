@@ -15,7 +15,7 @@ enum { ISOLATE_NAME = 64, ISOLATE_INPUT_NAME = 96, ISOLATE_BYTES = 1 << 20 };
 enum {
     ISOLATE_CREATE = 1,
     ISOLATE_DESTROY,
-    ISOLATE_ACTIVATE, /* bytes: the face, isolate_face.h */
+    ISOLATE_ACTIVATE, /* bytes: the face, isolate_face_put */
     ISOLATE_DEACTIVATE,
     ISOLATE_RESET,
     ISOLATE_PROCESS,

@@ -30,7 +30,7 @@ instance *reload_current(reload *self);
 
 /* [frame] Between two samples. True: another version pulls from the next sample on. */
 bool reload_step(reload *self, layer *of);
-/* [frame] Of the version that pulls: "id version sha256", as identity.h. Before the first: "". */
+/* [frame] Of the version that pulls: "id version sha256", as recorder.h. Before the first: "". */
 const char *reload_identity(const reload *self);
 
 typedef struct reload_counts {

@@ -132,7 +132,7 @@ static void make_call(call *out, const char *show_path, int64_t take, const char
     *at = NULL;
 }
 
-/* The environment with MAROTTE_PROGRESS=lines (progress.h); NULL: no memory. free it. */
+/* The environment with MAROTTE_PROGRESS=lines (terminal.c); NULL: no memory. free it. */
 static char **environment_with_progress(void)
 {
     static char wanted[] = "MAROTTE_PROGRESS=lines";
