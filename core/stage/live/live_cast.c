@@ -375,14 +375,15 @@ void live_cast_keep_taught(live *self)
     free(t);
 }
 
-/* A crash loses what was taught within this time. */
-static const int64_t note_every_ns = NS_PER_S;
+/* A crash loses what was taught within this time. One in a process of its own is asked only when it
+ * is left: the frame thread would wait for its answer. */
+static const int64_t note_every_ns = 5 * NS_PER_S;
 
 static void note_what_changed(live *self)
 {
     const int64_t now_ns = clock_now_ns();
     live_mapping_role *role = self->role;
-    if (now_ns - role->noted_ns < note_every_ns || !can_note_taught(self))
+    if (now_ns - role->noted_ns < note_every_ns || role->isolate || !can_note_taught(self))
         return;
     taught *t = fetch_taught(self);
     role->noted_ns = now_ns;
