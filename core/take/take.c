@@ -1,5 +1,6 @@
 #include "take/take.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +48,58 @@ void take_performance_finish(take_performance *p)
     free(p->again.calibration[0]);
     free(p->again.calibration[1]);
     *p = (take_performance){0};
+}
+
+/* ---- texts that are shared ---- */
+
+enum { TEXTS_MAX = 6 };
+
+struct take_texts {
+    _Atomic uint32_t holder_count;
+    char *text[TEXTS_MAX]; /* owned */
+};
+
+static take_texts *make_texts(char *const text[TEXTS_MAX])
+{
+    take_texts *texts = calloc(1, sizeof *texts);
+    if (!texts)
+        return NULL;
+    atomic_init(&texts->holder_count, 1);
+    memcpy(texts->text, text, sizeof texts->text);
+    return texts;
+}
+
+take_texts *take_track_texts(const take_track *t)
+{
+    char *const text[TEXTS_MAX] = {t->input, t->device, t->plugin, t->calibration[0],
+                                   t->calibration[1]};
+    return make_texts(text);
+}
+
+take_texts *take_performance_texts(const take_performance *p)
+{
+    char *const text[TEXTS_MAX] = {p->mapping,
+                                   p->rig,
+                                   p->rig_json,
+                                   p->patch,
+                                   p->again.calibration[0],
+                                   p->again.calibration[1]};
+    return make_texts(text);
+}
+
+take_texts *take_texts_hold(take_texts *self)
+{
+    atomic_fetch_add_explicit(&self->holder_count, 1, memory_order_relaxed);
+    return self;
+}
+
+void take_texts_drop(take_texts *self)
+{
+    if (!self || atomic_fetch_sub(&self->holder_count, 1) > 1)
+        return;
+    for (int i = 0; i < TEXTS_MAX; ++i)
+        free(self->text[i]);
+    free(self);
 }
 
 /* ---- copies ---- */

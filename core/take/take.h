@@ -16,6 +16,7 @@
 #include "base/error.h"
 
 enum { TAKE_TRACKS_MAX = 8, TAKE_PARAMS_MAX = 128, TAKE_NAME = 64, TAKE_HASH = 65 };
+enum { TAKE_IDENTITY = 160 + 64 + TAKE_HASH }; /* of a plugin: id, version and SHA-256 */
 
 typedef struct take_channel { /* as mrt_channel, owning its texts */
     char name[48], unit[16];
@@ -83,6 +84,16 @@ typedef struct take_performance {
     char *patch; /* which channels moved what: JSON (stage/perform/patch_file.h); NULL: none did */
     take_again again;
 } take_performance;
+
+/* The texts of a track or a performance, shared by all who hold them: made where memory may be had,
+ * unchanged from then on, freed by the last who drops them. */
+typedef struct take_texts take_texts;
+/* What was the description's; it may be used as long as they are held. NULL: no memory, and the
+ * description has them still. */
+take_texts *take_track_texts(const take_track *track);
+take_texts *take_performance_texts(const take_performance *performance);
+take_texts *take_texts_hold(take_texts *self); /* [any] gives it back */
+void take_texts_drop(take_texts *self);        /* any but [frame]; NULL is fine */
 
 /* ---- what a take shows: the result of its edits, see edit.h ---- */
 

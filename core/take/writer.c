@@ -142,6 +142,17 @@ typedef struct writer_jobs {
     writer_job *first, **end; /* `end`: where the next one goes */
 } writer_jobs;
 
+/* A job for a thread that may not allocate. */
+typedef struct writer_lent {
+    writer_job job;
+    _Atomic bool is_taken;
+} writer_lent;
+
+typedef union writer_room { /* of a job that has texts */
+    take_track track;
+    take_performance performance;
+} writer_room;
+
 struct writer {
     show *of;
     int64_t to_show_ns; /* show time - host clock */
@@ -157,10 +168,14 @@ struct writer {
 
     _Atomic uint32_t track_count; /* [main], and who records */
 
+    /* [any] to the thread: no one waits, as there is no lock */
+    _Atomic(writer_job *) asked; /* the newest; `next` is the one asked before it */
+    writer_lent *lent;           /* WRITER_WAITING_MAX; the first ones have room for texts */
+    writer_room *room;           /* WRITER_WAITING_TEXTS_MAX */
+
     /* [main] to the thread and back */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
-    writer_jobs asked;      /* GUARDED_BY(lock) */
     uint64_t flush_asked;   /* GUARDED_BY(lock) */
     uint64_t flush_done;    /* GUARDED_BY(lock) */
     bool is_stopping;       /* GUARDED_BY(lock) */
@@ -365,8 +380,12 @@ static writer_track *free_track(writer *self)
 
 /* A track is known from when it was asked for, and ends when the ring is empty. Without memory for
  * one its samples count as lost. */
-static void take_job(writer *self, writer_job *job)
+static void take_job(writer *self, writer_job *asked)
 {
+    /* One that is lent is wanted back at once; without memory it is kept until it is written. */
+    writer_job *job = asked->lent ? writer_job_own(asked) : asked;
+    if (!job)
+        job = asked;
     if (job->kind == WRITER_JOB_TRACK_END) {
         jobs_add(&self->ending, job);
         return;
@@ -399,6 +418,20 @@ static void count_ring_losses(writer *self)
     self->events_lost_seen = lost;
 }
 
+/* In the order in which they were asked. */
+static writer_job *all_asked(writer *self)
+{
+    writer_job *newest = atomic_exchange_explicit(&self->asked, NULL, memory_order_acquire);
+    writer_job *first = NULL;
+    while (newest) {
+        writer_job *before = newest->next;
+        newest->next = first;
+        first = newest;
+        newest = before;
+    }
+    return first;
+}
+
 /* What is asked is looked at after the records were staged: so a track, asked for before its first
  * sample was given, is known when that is looked at. */
 static void take_in(writer *self)
@@ -408,12 +441,10 @@ static void take_in(writer *self)
         for (count = 0; count < WRITER_STAGED && spool_pop(self->ring, &self->staged[count]);
              ++count)
             ;
-        pthread_mutex_lock(&self->lock);
-        writer_jobs asked = self->asked;
-        jobs_init(&self->asked);
-        pthread_mutex_unlock(&self->lock);
-        for (writer_job *job = jobs_take(&asked); job; job = jobs_take(&asked))
+        for (writer_job *job = all_asked(self), *next; job; job = next) {
+            next = job->next;
             take_job(self, job);
+        }
         for (uint32_t i = 0; i < count; ++i)
             take_record(self, &self->staged[i]);
     } while (count == WRITER_STAGED);
@@ -748,6 +779,13 @@ static mrt_result allocate(writer *self, const writer_options *options, error *e
     struct stat of = {.st_dev = self->of->device, .st_ino = self->of->inode};
     self->ring = spool_create(&of, sizeof(writer_record), RING_RECORDS, self->to_show_ns);
     bool good = self->ring != NULL;
+    self->lent = malloc(WRITER_WAITING_MAX * sizeof *self->lent);
+    self->room = malloc(WRITER_WAITING_TEXTS_MAX * sizeof *self->room);
+    good = good && self->lent && self->room;
+    if (good) { /* their pages are there */
+        memset(self->lent, 0, WRITER_WAITING_MAX * sizeof *self->lent);
+        memset(self->room, 0, WRITER_WAITING_TEXTS_MAX * sizeof *self->room);
+    }
     self->checkpoint_bytes = options->checkpoint_bytes;
     for (int i = 0; i < WRITER_CHECKPOINTS && good && options->checkpoint_bytes > 0; ++i) {
         self->checkpoint[i] = malloc(options->checkpoint_bytes);
@@ -766,7 +804,10 @@ static void destroy(writer *self)
         writer_track_finish(&self->track[i]);
     free(self->track);
     jobs_destroy(&self->pending);
-    jobs_destroy(&self->asked);
+    writer_jobs asked = {.first = all_asked(self)};
+    jobs_destroy(&asked);
+    free(self->lent);
+    free(self->room);
     for (int i = 0; i < WRITER_CHECKPOINTS; ++i)
         free(self->checkpoint[i]);
     spool_destroy(self->ring);
@@ -852,13 +893,33 @@ mrt_result writer_stop(writer *self, error *err)
     return result;
 }
 
-/* ---- [main] ---- */
+/* ---- what happens now and then ---- */
 
-/* Times are of the host's clock. NULL: no memory, which ask() says. */
-static writer_job *new_job(const writer *self, writer_job_kind kind, int64_t id, int64_t from_ns,
+/* One that is free; NULL: none. */
+static writer_job *lend(writer *self, writer_job_kind kind)
+{
+    const bool has_room = kind == WRITER_JOB_TRACK || kind == WRITER_JOB_PERFORMANCE;
+    const uint32_t end = has_room ? WRITER_WAITING_TEXTS_MAX : WRITER_WAITING_MAX;
+    for (uint32_t i = has_room ? 0 : WRITER_WAITING_TEXTS_MAX; i < end; ++i) {
+        writer_lent *lent = &self->lent[i];
+        if (atomic_exchange_explicit(&lent->is_taken, true, memory_order_acquire))
+            continue;
+        lent->job =
+            (writer_job){.kind = kind, .lent = &lent->is_taken, .held_bytes = sizeof lent->job};
+        if (kind == WRITER_JOB_TRACK)
+            lent->job.of.track = &self->room[i].track;
+        if (kind == WRITER_JOB_PERFORMANCE)
+            lent->job.of.performance = &self->room[i].performance;
+        return &lent->job;
+    }
+    return NULL;
+}
+
+/* Times are of the host's clock. NULL: none is free, which ask() says. */
+static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64_t from_ns,
                            int64_t to_ns)
 {
-    writer_job *job = writer_job_create(kind);
+    writer_job *job = lend(self, kind);
     if (job) {
         job->id = id;
         job->from_ns = writer_show_ns(self, from_ns);
@@ -867,21 +928,22 @@ static writer_job *new_job(const writer *self, writer_job_kind kind, int64_t id,
     return job;
 }
 
-static mrt_result ask(writer *self, writer_job *job, mrt_result result, error *err)
+/* Any thread; the writer's takes it with its next look. */
+static mrt_result ask(writer *self, writer_job *job, error *err)
 {
     if (!job)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to record what happened");
-    if (result < 0) {
-        writer_job_destroy(job);
-        return result;
-    }
-    pthread_mutex_lock(&self->lock);
-    jobs_add(&self->asked, job);
-    pthread_mutex_unlock(&self->lock);
+        return error_set(err, MRT_ERR_MEMORY,
+                         "too much happens at once: the disk does not keep up recording it");
+    job->next = atomic_load_explicit(&self->asked, memory_order_relaxed);
+    while (!atomic_compare_exchange_weak_explicit(&self->asked, &job->next, job,
+                                                  memory_order_release, memory_order_relaxed))
+        ;
     return MRT_OK;
 }
 
-mrt_result writer_add_track(writer *self, take_track *track, error *err)
+/* ---- tracks ---- */
+
+static mrt_result check_track(const writer *self, const take_track *track, error *err)
 {
     if (track->channel_count == 0 || track->channel_count > MRT_MAX_CHANNELS)
         return error_set(err, MRT_ERR_ARGUMENT, "a track of %u channels, 1 to %d are possible",
@@ -889,39 +951,130 @@ mrt_result writer_add_track(writer *self, take_track *track, error *err)
     if (self->track_count == WRITER_TRACKS_MAX)
         return error_set(err, MRT_ERR_ARGUMENT, "%d tracks are recorded at a time, not more",
                          WRITER_TRACKS_MAX);
+    return MRT_OK;
+}
+
+static mrt_result add_track(writer *self, writer_job *job, take_track *track, take_texts *texts,
+                            error *err)
+{
     track->id = show_next_id(self->of, SHOW_ID_TRACK);
-    writer_job *job = writer_job_create(WRITER_JOB_TRACK);
-    mrt_result result = job ? writer_job_copy_track(job, track, err) : MRT_OK;
-    result = ask(self, job, result, err);
+    if (job)
+        writer_job_put_track(job, track, texts);
+    mrt_result result = ask(self, job, err);
     self->track_count += result >= 0;
+    return result;
+}
+
+mrt_result writer_follow_track(writer *self, take_track *track, take_texts *texts, error *err)
+{
+    mrt_result result = check_track(self, track, err);
+    return result < 0 ? result : add_track(self, lend(self, WRITER_JOB_TRACK), track, texts, err);
+}
+
+/* Replaces the text by a copy of it. */
+static bool own_text(char **text)
+{
+    if (!*text)
+        return true;
+    *text = strdup(*text);
+    return *text != NULL;
+}
+
+mrt_result writer_add_track(writer *self, take_track *track, error *err)
+{
+    mrt_result result = check_track(self, track, err);
+    if (result < 0)
+        return result;
+    take_track copy = *track;
+    bool good = own_text(&copy.input);
+    good &= own_text(&copy.device);
+    good &= own_text(&copy.plugin);
+    good &= own_text(&copy.calibration[0]);
+    good &= own_text(&copy.calibration[1]);
+    take_texts *texts = good ? take_track_texts(&copy) : NULL;
+    writer_job *job = texts ? writer_job_create(WRITER_JOB_TRACK) : NULL;
+    if (!texts)
+        take_track_finish(&copy);
+    if (job)
+        result = add_track(self, job, &copy, texts, err);
+    else
+        result = error_set(err, MRT_ERR_MEMORY, "no memory to record a track");
+    track->id = copy.id;
+    take_texts_drop(texts);
     return result;
 }
 
 mrt_result writer_end_track(writer *self, int64_t track, error *err)
 {
-    mrt_result result = ask(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), MRT_OK, err);
+    mrt_result result = ask(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), err);
     self->track_count -= result >= 0 && self->track_count > 0;
     return result;
 }
 
-mrt_result writer_begin_performance(writer *self, take_performance *performance, int64_t time_ns,
-                                    error *err)
+/* ---- performances ---- */
+
+static mrt_result check_performance(const take_performance *performance, error *err)
 {
     if (performance->track_count > TAKE_TRACKS_MAX || performance->param_count > TAKE_PARAMS_MAX)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "a performance of %u tracks and %u parameters, %d and %d are possible",
                          performance->track_count, performance->param_count, TAKE_TRACKS_MAX,
                          TAKE_PARAMS_MAX);
+    return MRT_OK;
+}
+
+static mrt_result begin_performance(writer *self, writer_job *job, take_performance *performance,
+                                    take_texts *texts, int64_t time_ns, error *err)
+{
     performance->id = show_next_id(self->of, SHOW_ID_PERFORMANCE);
-    writer_job *job = new_job(self, WRITER_JOB_PERFORMANCE, performance->id, time_ns, time_ns);
-    mrt_result result = job ? writer_job_copy_performance(job, performance, err) : MRT_OK;
-    return ask(self, job, result, err);
+    if (job) {
+        writer_job_put_performance(job, performance, texts);
+        job->from_ns = job->to_ns = writer_show_ns(self, time_ns);
+    }
+    return ask(self, job, err);
+}
+
+mrt_result writer_follow_performance(writer *self, take_performance *performance, take_texts *texts,
+                                     int64_t time_ns, error *err)
+{
+    mrt_result result = check_performance(performance, err);
+    return result < 0 ? result
+                      : begin_performance(self, lend(self, WRITER_JOB_PERFORMANCE), performance,
+                                          texts, time_ns, err);
+}
+
+mrt_result writer_begin_performance(writer *self, take_performance *performance, int64_t time_ns,
+                                    error *err)
+{
+    mrt_result result = check_performance(performance, err);
+    if (result < 0)
+        return result;
+    take_performance copy = *performance;
+    bool good = own_text(&copy.mapping);
+    good &= own_text(&copy.rig);
+    good &= own_text(&copy.rig_json);
+    good &= own_text(&copy.patch);
+    good &= own_text(&copy.again.calibration[0]);
+    good &= own_text(&copy.again.calibration[1]);
+    take_texts *texts = good ? take_performance_texts(&copy) : NULL;
+    writer_job *job = texts ? writer_job_create(WRITER_JOB_PERFORMANCE) : NULL;
+    if (!texts)
+        take_performance_finish(&copy);
+    if (job)
+        result = begin_performance(self, job, &copy, texts, time_ns, err);
+    else
+        result = error_set(err, MRT_ERR_MEMORY, "no memory to record a performance");
+    performance->id = copy.id;
+    take_texts_drop(texts);
+    return result;
 }
 
 mrt_result writer_end_performance(writer *self, int64_t time_ns, error *err)
 {
-    return ask(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), MRT_OK, err);
+    return ask(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), err);
 }
+
+/* ---- takes, marks, sound ---- */
 
 static writer_job *slated_job(writer *self, writer_job_kind kind, const writer_slate *slate,
                               int64_t from_ns, int64_t to_ns)
@@ -946,12 +1099,12 @@ mrt_result writer_take_begin(writer *self, int64_t time_ns, const writer_slate *
 {
     writer_job *job = slated_job(self, WRITER_JOB_TAKE, slate, time_ns, time_ns);
     *out_take = job ? job->id : 0;
-    return ask(self, job, MRT_OK, err);
+    return ask(self, job, err);
 }
 
 mrt_result writer_take_end(writer *self, int64_t take_id, int64_t time_ns, error *err)
 {
-    return ask(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), MRT_OK, err);
+    return ask(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), err);
 }
 
 mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
@@ -962,18 +1115,18 @@ mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const write
         return error_set(err, MRT_ERR_ARGUMENT, "what is to be kept ends before it starts");
     writer_job *job = slated_job(self, WRITER_JOB_KEEP, slate, from_ns, to_ns);
     *out_take = job ? job->id : 0;
-    return ask(self, job, MRT_OK, err);
+    return ask(self, job, err);
 }
 
 mrt_result writer_mark(writer *self, int64_t time_ns, const char *text, error *err)
 {
-    writer_job *job = writer_job_create(WRITER_JOB_EVENT);
+    writer_job *job = lend(self, WRITER_JOB_EVENT);
     if (job) {
         job->of.event =
             (take_event){.time_ns = writer_show_ns(self, time_ns), .kind = TAKE_EVENT_MARK};
         snprintf(job->of.event.text, sizeof job->of.event.text, "%s", text);
     }
-    return ask(self, job, MRT_OK, err);
+    return ask(self, job, err);
 }
 
 mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void *frames,
@@ -983,12 +1136,16 @@ mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void
         return error_set(err, MRT_ERR_MEMORY,
                          "audio is lost: the disk is full and so is what is held in memory");
     writer_job *job = writer_job_create(WRITER_JOB_AUDIO);
-    mrt_result result = job ? writer_job_copy_bytes(job, frames, size, err) : MRT_OK;
-    if (job) {
-        job->id = audio;
-        job->from_ns = time_ns != 0 ? writer_show_ns(self, time_ns) : 0;
+    if (!job)
+        return error_set(err, MRT_ERR_MEMORY, "no memory to record sound");
+    mrt_result result = writer_job_copy_bytes(job, frames, size, err);
+    if (result < 0) {
+        writer_job_destroy(job);
+        return result;
     }
-    return ask(self, job, result, err);
+    job->id = audio;
+    job->from_ns = time_ns != 0 ? writer_show_ns(self, time_ns) : 0;
+    return ask(self, job, err);
 }
 
 mrt_result writer_flush(writer *self, error *err)

@@ -7,8 +7,9 @@
  * written is held (options.memory_bytes, which is hours of two gloves) and written when it can be.
  *
  * Times given to the writer are of the host's clock, as in mrt_sample; the show keeps them as UTC
- * (take.h). What [main] says takes effect in the order in which it is said.
- * [main] one thread; [frame] one thread, never waits, no allocation; [any] at any time. */
+ * (take.h). What a thread says takes effect in the order in which it is said.
+ * [main] one thread; [frame] no allocation and no lock, so any thread may; samples, events and
+ * checkpoints are given by one thread; [any] at any time. */
 #ifndef MAROTTE_TAKE_WRITER_H
 #define MAROTTE_TAKE_WRITER_H
 #include "take/show.h"
@@ -34,17 +35,31 @@ CHECKED mrt_result writer_stop(writer *self, error *err);
 
 int64_t writer_show_ns(const writer *self, int64_t time_ns); /* [any] host clock to show time */
 
-/* ---- [main] ---- */
+/* ---- [main]: copies what it is given ---- */
 
 /* Fills in the id of the track. */
 CHECKED mrt_result writer_add_track(writer *self, take_track *track, error *err);
-CHECKED mrt_result writer_end_track(writer *self, int64_t track, error *err);
 
 /* Ends the one before, if any: one performance goes on at a time. Its tracks have been added. Fills
  * in its id. Takes that are being recorded show it from time_ns on. */
 CHECKED mrt_result writer_begin_performance(writer *self, take_performance *performance,
                                             int64_t time_ns, error *err);
 CHECKED mrt_result writer_end_performance(writer *self, int64_t time_ns, error *err);
+
+/* ---- [frame]: what happens now and then ---- */
+
+/* So many of these wait for the writer's thread at most, which looks every 40 ms; < 0: it does not
+ * keep up, and this one was not taken. */
+enum { WRITER_WAITING_MAX = 512, WRITER_WAITING_TEXTS_MAX = 32 };
+
+/* As writer_add_track; the texts of the track are these: they were made ready before. */
+CHECKED mrt_result writer_follow_track(writer *self, take_track *track, take_texts *texts,
+                                       error *err);
+CHECKED mrt_result writer_end_track(writer *self, int64_t track, error *err);
+/* As writer_begin_performance; the texts of the performance are these, but for its mapping, which
+ * may be another one, of at most TAKE_IDENTITY. */
+CHECKED mrt_result writer_follow_performance(writer *self, take_performance *performance,
+                                             take_texts *texts, int64_t time_ns, error *err);
 
 typedef struct writer_slate {
     const char *scene, *shot; /* NULL: "" */
@@ -62,13 +77,16 @@ CHECKED mrt_result writer_take_end(writer *self, int64_t take, int64_t time_ns, 
 CHECKED mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns,
                                const writer_slate *slate, int64_t *out_take, error *err);
 CHECKED mrt_result writer_mark(writer *self, int64_t time_ns, const char *text, error *err);
-/* A piece of the audio that show_audio_create() made; any thread but [frame], one for an audio. */
+
+/* ---- any thread but [frame] ---- */
+
+/* A piece of the audio that show_audio_create() made; one thread for an audio. */
 CHECKED mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void *frames,
                                 size_t size, error *err);
 /* Waits until all that was given before this call is committed; < 0: why it is not, for now. */
 CHECKED mrt_result writer_flush(writer *self, error *err);
 
-/* ---- [frame] ---- */
+/* ---- [frame]: all the time; one thread ---- */
 
 /* Time and values as measured: not descending within a track, finite. A sample that cannot be taken
  * is counted as lost. */

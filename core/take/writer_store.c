@@ -6,6 +6,7 @@
 #include "take/spool.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,64 +20,81 @@ writer_job *writer_job_create(writer_job_kind kind)
         return NULL;
     job->kind = kind;
     job->held_bytes = sizeof *job;
+    if (kind == WRITER_JOB_TRACK) {
+        job->held_bytes += sizeof *job->of.track;
+        job->of.track = calloc(1, sizeof *job->of.track);
+        if (!job->of.track)
+            goto fail;
+    }
+    if (kind == WRITER_JOB_PERFORMANCE) {
+        job->held_bytes += sizeof *job->of.performance;
+        job->of.performance = calloc(1, sizeof *job->of.performance);
+        if (!job->of.performance)
+            goto fail;
+    }
     return job;
+fail:
+    free(job);
+    return NULL;
 }
 
 void writer_job_destroy(writer_job *job)
 {
     if (!job)
         return;
-    if (job->kind == WRITER_JOB_TRACK && job->of.track) {
-        take_track_finish(job->of.track);
-        free(job->of.track);
+    take_texts_drop(job->texts);
+    if (job->lent) {
+        atomic_store_explicit(job->lent, false, memory_order_release);
+        return;
     }
+    if (job->kind == WRITER_JOB_TRACK)
+        free(job->of.track);
     if (job->kind == WRITER_JOB_PERFORMANCE)
-        take_performance_finish(&job->of.performance);
+        free(job->of.performance);
     if (job->kind == WRITER_JOB_CHECKPOINT)
         free(job->of.checkpoint.bytes);
     free(job->bytes);
     free(job);
 }
 
-/* Replaces the text by a copy of it. */
-static bool own_text(char **text)
+writer_job *writer_job_own(writer_job *lent)
 {
-    if (!*text)
-        return true;
-    *text = strdup(*text);
-    return *text != NULL;
+    writer_job *job = writer_job_create(lent->kind);
+    if (!job)
+        return NULL;
+    const writer_job made = *job;
+    *job = *lent;
+    job->lent = NULL;
+    job->held_bytes = made.held_bytes;
+    if (job->kind == WRITER_JOB_TRACK) {
+        job->of.track = made.of.track;
+        *job->of.track = *lent->of.track;
+    }
+    if (job->kind == WRITER_JOB_PERFORMANCE) {
+        job->of.performance = made.of.performance;
+        *job->of.performance = *lent->of.performance;
+    }
+    lent->texts = NULL; /* they moved */
+    writer_job_destroy(lent);
+    return job;
 }
 
-mrt_result writer_job_copy_track(writer_job *job, const take_track *track, error *err)
+void writer_job_put_track(writer_job *job, const take_track *track, take_texts *texts)
 {
-    take_track *copy = malloc(sizeof *copy);
-    if (!copy)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to record a track");
-    *copy = *track;
-    job->of.track = copy;
-    job->held_bytes += sizeof *copy;
-    bool good = own_text(&copy->input);
-    good &= own_text(&copy->device);
-    good &= own_text(&copy->plugin);
-    good &= own_text(&copy->calibration[0]);
-    good &= own_text(&copy->calibration[1]);
+    *job->of.track = *track;
+    job->texts = take_texts_hold(texts);
     job->id = track->id;
-    return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record a track");
 }
 
-mrt_result writer_job_copy_performance(writer_job *job, const take_performance *performance,
-                                       error *err)
+void writer_job_put_performance(writer_job *job, const take_performance *performance,
+                                take_texts *texts)
 {
-    take_performance *copy = &job->of.performance;
-    *copy = *performance;
-    bool good = own_text(&copy->mapping);
-    good &= own_text(&copy->rig);
-    good &= own_text(&copy->rig_json);
-    good &= own_text(&copy->patch);
-    good &= own_text(&copy->again.calibration[0]);
-    good &= own_text(&copy->again.calibration[1]);
+    *job->of.performance = *performance;
+    job->texts = take_texts_hold(texts);
     job->id = performance->id;
-    return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record a performance");
+    const char *mapping = performance->mapping ? performance->mapping : "";
+    if (strlen(mapping) < sizeof job->mapping)
+        memcpy(job->mapping, mapping, strlen(mapping) + 1);
 }
 
 mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size, error *err)
@@ -157,10 +175,16 @@ static mrt_result show_in_open_takes(sqlite *db, int64_t performance, int64_t fr
 
 static mrt_result run_performance(const writer_job *job, writer_store *store, error *err)
 {
+    take_performance performance = *job->of.performance;
+    char mapping[TAKE_IDENTITY];
+    if (job->mapping[0]) {
+        memcpy(mapping, job->mapping, sizeof mapping);
+        performance.mapping = mapping;
+    }
     mrt_result result = end_performance(store->db, job->from_ns, err);
     if (result >= 0)
-        result = show_performance_insert(store->db, store->session, &job->of.performance,
-                                         job->from_ns, err);
+        result =
+            show_performance_insert(store->db, store->session, &performance, job->from_ns, err);
     return result < 0 ? result : show_in_open_takes(store->db, job->id, job->from_ns, err);
 }
 

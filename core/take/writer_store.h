@@ -49,12 +49,14 @@ typedef enum writer_job_kind {
 typedef struct writer_job {
     struct writer_job *next;
     writer_job_kind kind;
+    _Atomic bool *lent;     /* of a pool of writer.c's: false gives it back; NULL: allocated */
+    take_texts *texts;      /* of the track or performance; held */
     size_t held_bytes;      /* of memory */
     int64_t id;             /* of the track, performance, take, chunk or audio */
     int64_t from_ns, to_ns; /* show time; to_ns of take, keep and chunk */
     union {
-        take_track *track; /* owned: most jobs are far smaller */
-        take_performance performance;
+        take_track *track; /* these two owned, but if lent: most jobs are far smaller */
+        take_performance *performance;
         take_event event;
         show_packed checkpoint;
         struct {
@@ -72,16 +74,21 @@ typedef struct writer_job {
         } chunk;
         int64_t chunk_count;
     } of;
+    char mapping[TAKE_IDENTITY]; /* of a performance, in place of that of its texts; "" as there */
     size_t byte_count;
     uint8_t *bytes; /* of a chunk or of audio; owned */
 } writer_job;
 
-/* NULL: no memory. */
+/* NULL: no memory. A track's or a performance's has room for it. */
 writer_job *writer_job_create(writer_job_kind kind);
+/* One that is lent goes back to its pool. */
 void writer_job_destroy(writer_job *job);
-CHECKED mrt_result writer_job_copy_track(writer_job *job, const take_track *track, error *err);
-CHECKED mrt_result writer_job_copy_performance(writer_job *job, const take_performance *performance,
-                                               error *err);
+/* Of one that is lent, which goes back to its pool; NULL: no memory, and it stays as it is. */
+writer_job *writer_job_own(writer_job *lent);
+/* Into the job's room; whoever made the texts may let go of them then. */
+void writer_job_put_track(writer_job *job, const take_track *track, take_texts *texts);
+void writer_job_put_performance(writer_job *job, const take_performance *performance,
+                                take_texts *texts);
 CHECKED mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size,
                                          error *err);
 

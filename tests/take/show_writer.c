@@ -9,6 +9,8 @@
 #include "take/show_scene.h"
 #include "take/writer_store.h"
 
+#include <pthread.h>
+
 static void samples_come_back_bit_for_bit(void **state)
 {
     show *s = scene_create(*state);
@@ -288,6 +290,87 @@ static void events_and_checkpoints_come_back(void **state)
     show_close(s);
 }
 
+enum { SPEAKERS = 4, SAID = 100 };
+
+typedef struct speaker {
+    pthread_t thread;
+    writer *to;
+    int number;
+} speaker;
+
+static void *speak(void *data)
+{
+    const speaker *self = data;
+    error err = {""};
+    for (int i = 0; i < SAID; ++i) {
+        char text[32];
+        snprintf(text, sizeof text, "%d %d", self->number, i);
+        if (writer_mark(self->to, 77, text, &err) < 0)
+            return "not taken";
+    }
+    return NULL;
+}
+
+static void what_threads_say_at_once_keeps_the_order_of_each(void **state)
+{
+    show *s = scene_create(*state);
+    writer_options options = scene_options();
+    scene_recording r;
+    error err = {""};
+    speaker of[SPEAKERS];
+    scene_record(&r, s, &options);
+    for (int n = 0; n < SPEAKERS; ++n) {
+        of[n] = (speaker){.to = r.writer, .number = n};
+        assert_int_equal(pthread_create(&of[n].thread, NULL, speak, &of[n]), 0);
+    }
+    for (int n = 0; n < SPEAKERS; ++n) {
+        void *failed;
+        assert_int_equal(pthread_join(of[n].thread, &failed), 0);
+        assert_null(failed);
+    }
+    scene_stop(&r);
+    take_event *events;
+    size_t count;
+    int said[SPEAKERS] = {0};
+    scene_must(show_events(s, scene_utc_ns, scene_utc_ns + 100, &events, &count, &err), &err);
+    assert_int_equal(count, SPEAKERS * SAID);
+    for (size_t i = 0; i < count; ++i) {
+        char *end;
+        const long number = strtol(events[i].text, &end, 10), at = strtol(end, NULL, 10);
+        assert_in_range(number, 0, SPEAKERS - 1);
+        assert_int_equal(at, said[number]++);
+    }
+    free(events);
+    show_close(s);
+}
+
+/* It says so, and what was taken is there; the next look of the writer's makes room. */
+static void more_at_once_than_can_wait_is_refused(void **state)
+{
+    show *s = scene_create(*state);
+    writer_options options = scene_options();
+    scene_recording r;
+    error err = {""};
+    size_t taken = 0;
+    scene_record(&r, s, &options);
+    scene_flush(&r);
+    for (int i = 0; i < 4 * WRITER_WAITING_MAX; ++i)
+        taken += writer_mark(r.writer, 5, "a mark", &err) >= 0;
+    assert_in_range(taken, WRITER_WAITING_MAX / 2, 4 * WRITER_WAITING_MAX);
+    if (taken < 4 * WRITER_WAITING_MAX)
+        assert_non_null(strstr(err.text, "does not keep up"));
+    scene_flush(&r);
+    scene_must(writer_mark(r.writer, 5, "the last", &err), &err);
+    scene_stop(&r);
+    take_event *events;
+    size_t count;
+    scene_must(show_events(s, scene_utc_ns, scene_utc_ns + 100, &events, &count, &err), &err);
+    assert_int_equal(count, taken + 1);
+    assert_string_equal(events[taken].text, "the last");
+    free(events);
+    show_close(s);
+}
+
 static void checkpoint_buffers_run_out_and_come_back(void **state)
 {
     show *s = scene_create(*state);
@@ -441,6 +524,8 @@ int main(void)
         TEST(keeping_makes_a_take_of_what_nobody_recorded),
         TEST(a_take_goes_on_in_the_next_performance),
         TEST(events_and_checkpoints_come_back),
+        TEST(what_threads_say_at_once_keeps_the_order_of_each),
+        TEST(more_at_once_than_can_wait_is_refused),
         TEST(checkpoint_buffers_run_out_and_come_back),
         TEST(what_is_no_sample_of_a_track_is_counted_as_lost),
         TEST(a_request_that_cannot_be_done_keeps_nobody),
