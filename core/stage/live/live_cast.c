@@ -450,8 +450,7 @@ static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
     if (layer_is_fading(of))
         return MRT_HOLD;
     const face *posed = composer_face(performer_composer(stage->scene->performer));
-    c->old = layer_replace(of, &c->role->instance, c->room, face_metered(posed)->dof);
-    c->room = NULL;
+    c->old = layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->dof);
     stage->role = c->role;
     stage->reload = NULL;
     return live_cast_begin(stage, c, err);

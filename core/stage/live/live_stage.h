@@ -151,7 +151,7 @@ typedef struct live_change {
     recorder_cast *cast; /* NULL: nothing is recorded */
     live_scene *scene;
     live_mapping_role *role;
-    layer_room *room;
+    layer_room *room; /* of who comes; then of who went */
     instance *old;
     input *add;
     live_sample_board *heard;

@@ -205,17 +205,18 @@ void layer_crossfade(layer *self)
     self->crossfade.is_waiting = true;
 }
 
-instance *layer_switch(layer *self, instance *mapping, layer_room *room)
+instance *layer_switch(layer *self, instance *mapping, layer_room **room)
 {
     instance *old = self->mapping;
     layer_crossfade(self);
     use_mapping(self, mapping);
-    layer_room_destroy(self->room);
-    self->room = room;
+    layer_room *had = self->room;
+    self->room = *room;
+    *room = had;
     return old;
 }
 
-instance *layer_replace(layer *self, instance *mapping, layer_room *room, const float *posed)
+instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed)
 {
     instance *old = layer_switch(self, mapping, room);
     self->crossfade.is_other = true;

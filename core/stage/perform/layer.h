@@ -56,15 +56,16 @@ bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old);
  * takes hold anew. */
 void layer_crossfade(layer *self);
 /* [frame] The same, to another instance: its mapping is active on the same face and reset, has the
- * old one's state, and `room` was made for it. Returns the old one, which is still active. */
+ * old one's state, and `*room` was made for it; the room of the old one is there then. Returns the
+ * old one, which is still active. */
 typedef struct layer_room layer_room;
 layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
-void layer_room_destroy(layer_room *room);              /* if it was not used; NULL is fine */
-instance *layer_switch(layer *self, instance *mapping, layer_room *room);
+void layer_room_destroy(layer_room *room);              /* [main] NULL is fine */
+instance *layer_switch(layer *self, instance *mapping, layer_room **room);
 /* [frame] The same, to another mapping, which knows nothing of the old one. posed: the degrees of
  * freedom as the bones are now. Where the new one says nothing of what the old one drove, the face
  * first eases to rest. */
-instance *layer_replace(layer *self, instance *mapping, layer_room *room, const float *posed);
+instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed);
 /* The new one comes while the old one leaves; until its first pull it does not fade yet, and
  * another may be switched to. */
 bool layer_is_fading(const layer *self);

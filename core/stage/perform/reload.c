@@ -94,8 +94,8 @@ typedef struct version {
     instance instance;
     isolate *isolate;
     bool is_active;
-    char path[PATH_MAX];                 /* of its copy; "" */
-    char identity[160 + 64 + TAKE_HASH]; /* as recorder_plugin_identity */
+    char path[PATH_MAX];          /* of its copy; "" */
+    char identity[TAKE_IDENTITY]; /* as recorder_plugin_identity */
 } version;
 
 /* Whose turn it is. */
@@ -123,7 +123,7 @@ struct reload {
     instance *current;           /* that pulls */
     version *version;            /* of `current`; NULL: it is the caller's */
     version *next;               /* while it is loaded */
-    layer_room *room;            /* for it */
+    layer_room *room;            /* for it; then the one that the layer had */
     unsigned char *state;        /* state_capacity */
     size_t state_size;           /* what STEP_SAVE has found; 0: nothing */
     bool is_state_lost;          /* the new one did not take it */
@@ -312,6 +312,8 @@ static void load_version(reload *self)
     if (!wait_for(self, STEP_TAKEN) && atomic_load(&self->step) != STEP_TAKEN)
         return; /* reload_stop clears up */
     atomic_store(&self->step, STEP_NOTHING);
+    layer_room_destroy(self->room);
+    self->room = NULL;
     wait_until_known(self);
     retire(self, old, old_version);
     /* Last: who counts on it may change the file again. */
@@ -377,13 +379,12 @@ bool reload_step(reload *self, layer *of)
     version *v = self->next;
     self->is_state_lost = !hand_over(self, v);
     instance_copy_values(&v->instance, self->current);
-    (void)layer_switch(of, &v->instance, self->room);
+    (void)layer_switch(of, &v->instance, &self->room);
     self->current = &v->instance;
     atomic_store(&self->pulling, (uintptr_t)self->current);
     self->version = v;
     self->identity = v->identity;
     self->next = NULL;
-    self->room = NULL;
     atomic_store(&self->step, STEP_TAKEN);
     return true;
 }
