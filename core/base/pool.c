@@ -4,12 +4,16 @@
 #include "base/cpu.h"
 
 #include <fenv.h>
+#include <limits.h>
+#include <linux/futex.h>
 #include <pthread.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 enum { SPIN_NS = 60000, SPINS_PER_LOOK = 32, SPINS_BEFORE_YIELD = 256, USUAL_MAX = 4 };
 
@@ -38,15 +42,13 @@ static struct {
     _Atomic uint64_t gate;
     _Atomic uint64_t shared_count;
 
-    pthread_mutex_t sleeping; /* a worker looks at the gate once more under it */
-    pthread_cond_t wake;
-    _Atomic uint32_t asleep_count;
+    _Atomic uint32_t asleep_count, wake_count; /* they sleep while wake_count is what it was */
 } pool = {.once = PTHREAD_ONCE_INIT,
           .worth_ns = POOL_WORTH_NS,
           .holding = PTHREAD_MUTEX_INITIALIZER,
-          .caller_cpu = CPU_UNKNOWN,
-          .sleeping = PTHREAD_MUTEX_INITIALIZER,
-          .wake = PTHREAD_COND_INITIALIZER};
+          .caller_cpu = CPU_UNKNOWN};
+
+_Static_assert(sizeof(_Atomic uint32_t) == sizeof(uint32_t), "a futex is a plain 32-bit word");
 
 /* ---- how many threads ---- */
 
@@ -131,14 +133,17 @@ static void leave(void)
     atomic_fetch_sub(&pool.gate, 1);
 }
 
+/* Sequentially consistent on both sides: either it sees the next gate, or wake_workers sees that it
+ * is asleep. */
 static void sleep_while(uint64_t number)
 {
-    pthread_mutex_lock(&pool.sleeping);
     atomic_fetch_add(&pool.asleep_count, 1);
-    while (number_of(atomic_load(&pool.gate)) == number)
-        pthread_cond_wait(&pool.wake, &pool.sleeping);
+    uint32_t seen = atomic_load(&pool.wake_count);
+    while (number_of(atomic_load(&pool.gate)) == number) {
+        syscall(SYS_futex, &pool.wake_count, FUTEX_WAIT_PRIVATE, seen, NULL, NULL, 0);
+        seen = atomic_load(&pool.wake_count);
+    }
     atomic_fetch_sub(&pool.asleep_count, 1);
-    pthread_mutex_unlock(&pool.sleeping);
 }
 
 /* The gate of a later piece than `number`. */
@@ -174,6 +179,7 @@ static void *serve(void *unused)
     return NULL;
 }
 
+/* Takes no lock, and does not wait: the frame thread shares its work too. */
 static void wake_workers(void)
 {
     if (atomic_load(&pool.asleep_count) == 0)
@@ -182,9 +188,8 @@ static void wake_workers(void)
     if (cpu != pool.caller_cpu)
         cpu_keep_off(pool.worker, pool.worker_count, cpu);
     pool.caller_cpu = cpu;
-    pthread_mutex_lock(&pool.sleeping);
-    pthread_cond_broadcast(&pool.wake);
-    pthread_mutex_unlock(&pool.sleeping);
+    atomic_fetch_add(&pool.wake_count, 1);
+    syscall(SYS_futex, &pool.wake_count, FUTEX_WAKE_PRIVATE, INT_MAX, NULL, NULL, 0);
 }
 
 /* ---- starting and ending ---- */
@@ -219,8 +224,6 @@ static void after_fork(void)
 static void in_child(void)
 {
     pool.holding = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
-    pool.sleeping = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
-    pool.wake = (pthread_cond_t)PTHREAD_COND_INITIALIZER;
     pool.worker_count = 0;
     atomic_store(&pool.asleep_count, 0);
     atomic_store(&pool.gate, number_of(atomic_load(&pool.gate)) << GATE_NUMBER);
