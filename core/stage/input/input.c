@@ -698,6 +698,11 @@ void input_take(input *self)
     self->has_pending = false;
 }
 
+uint32_t input_newest_version(const input *self)
+{
+    return atomic_load(&self->version);
+}
+
 uint32_t input_version(const input *self)
 {
     return self->peeked_version;

@@ -80,6 +80,7 @@ void input_take(input *self); /* [frame] drops what input_peek gave */
 sample_source input_source(input *self);
 /* [frame] Of the sample that input_peek gave last: 0 at first. */
 uint32_t input_version(const input *self);
+uint32_t input_newest_version(const input *self); /* [any] of what it delivers now */
 /* [frame] The oldest incident that has not been taken; false: none now. */
 bool input_take_incident(input *self, input_incident *out);
 

@@ -27,7 +27,11 @@ struct recorder_cast { /* who performs, and as what it is recorded */
     uint32_t version[RECORDER_INPUTS_MAX];
     int32_t code[RECORDER_INPUTS_MAX], code_rate[RECORDER_INPUTS_MAX]; /* channels; -1: none */
     bool is_kept[RECORDER_INPUTS_MAX]; /* the track goes on in another cast */
-    take_performance performance;
+    /* Made ready, so that a track and a performance can begin on the frame thread. Unchanged. */
+    take_track described[RECORDER_INPUTS_MAX]; /* without channels */
+    take_texts *track_texts[RECORDER_INPUTS_MAX], *texts;
+    take_performance performance; /* the frame thread's */
+    char rebuilt[TAKE_IDENTITY];  /* the mapping, if it is another one by now */
 };
 
 struct recorder {
@@ -124,9 +128,6 @@ void recorder_param_values(take_performance *out, const instance *mapping)
                 (take_param){type->params[i].id, atomic_load(&mapping->wanted[i])};
 }
 
-/* Who performs, and as what it is recorded: tracks that go on when others perform, and those that
- * begin. */
-
 /* ---- what is performed ---- */
 
 static mrt_result describe_performance(const recorder *self, recorder_cast *cast,
@@ -148,6 +149,17 @@ static mrt_result describe_performance(const recorder *self, recorder_cast *cast
     return of->patch ? patch_file_write(&p->patch, of->patch, err) : MRT_OK;
 }
 
+static mrt_result make_performance(const recorder *self, recorder_cast *cast,
+                                   const recorder_settings *of, error *err)
+{
+    mrt_result result = describe_performance(self, cast, of, err);
+    cast->texts = result < 0 ? NULL : take_performance_texts(&cast->performance);
+    if (cast->texts)
+        return MRT_OK;
+    take_performance_finish(&cast->performance);
+    return result < 0 ? result : error_set(err, MRT_ERR_MEMORY, "no memory to record");
+}
+
 static void describe_channels(take_track *out, const mrt_channel *channel, uint32_t count)
 {
     out->channel_count = count;
@@ -162,6 +174,26 @@ static void describe_channels(take_track *out, const mrt_channel *channel, uint3
     }
 }
 
+/* What is the same in all tracks of an input. */
+static mrt_result describe_track(const recorder *self, recorder_cast *cast, uint32_t i, error *err)
+{
+    take_track *track = &cast->described[i];
+    track->input = strdup(cast->input_text[i]);
+    track->device = strdup(input_name(cast->inputs[i]));
+    track->plugin = recorder_plugin_identity(self->settings.plugins, input_plugin(cast->inputs[i]));
+    bool good = track->input && track->device && track->plugin;
+    for (int side = 0; side < 2; ++side)
+        if (cast->calibration[side]) {
+            track->calibration[side] = strdup(cast->calibration[side]);
+            good &= track->calibration[side] != NULL;
+        }
+    cast->track_texts[i] = good ? take_track_texts(track) : NULL;
+    if (cast->track_texts[i])
+        return MRT_OK;
+    take_track_finish(track);
+    return error_set(err, MRT_ERR_MEMORY, "no memory to record");
+}
+
 static int32_t channel_of(const mrt_channel *channel, uint32_t count, uint32_t semantic)
 {
     for (uint32_t i = 0; i < count; ++i)
@@ -170,34 +202,22 @@ static int32_t channel_of(const mrt_channel *channel, uint32_t count, uint32_t s
     return -1;
 }
 
+/* [frame] A track of these channels, as it was described. */
 static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uint32_t version,
                             error *err)
 {
-    take_track track = {0};
+    take_track track = cast->described[i];
     uint32_t count;
     const mrt_channel *channel = input_channels_of(cast->inputs[i], version, &count);
     describe_channels(&track, channel, count);
     cast->code[i] = channel_of(channel, count, MRT_CH_TIMECODE);
     cast->code_rate[i] = channel_of(channel, count, MRT_CH_TIMECODE + 1);
-    track.input = strdup(cast->input_text[i]);
-    track.device = strdup(input_name(cast->inputs[i]));
-    track.plugin = recorder_plugin_identity(self->settings.plugins, input_plugin(cast->inputs[i]));
-    mrt_result result = MRT_OK;
-    if (!track.input || !track.device || !track.plugin)
-        result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
-    for (int side = 0; side < 2 && result >= 0; ++side) {
-        if (!cast->calibration[side])
-            continue;
-        track.calibration[side] = strdup(cast->calibration[side]);
-        if (!track.calibration[side])
-            result = error_set(err, MRT_ERR_MEMORY, "no memory to record");
-    }
-    if (result >= 0)
-        result = writer_add_track(self->writer, &track, err);
+    mrt_result result = writer_follow_track(self->writer, &track, cast->track_texts[i], err);
+    if (result < 0)
+        return result;
     cast->track[i] = track.id;
     cast->version[i] = version;
-    take_track_finish(&track);
-    return result;
+    return MRT_OK;
 }
 
 /* ---- casts ---- */
@@ -208,7 +228,9 @@ static void destroy_cast(recorder_cast *cast)
         return;
     free(cast->calibration[MRT_LEFT]);
     free(cast->calibration[MRT_RIGHT]);
-    take_performance_finish(&cast->performance);
+    for (uint32_t i = 0; i < RECORDER_INPUTS_MAX; ++i)
+        take_texts_drop(cast->track_texts[i]);
+    take_texts_drop(cast->texts);
     free(cast);
 }
 
@@ -217,15 +239,18 @@ static bool is_same_text(const char *a, const char *b)
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
-/* An input has a track already, which goes on: which one by then, share_tracks says. [main], while
- * the frame thread may change `now`'s tracks. */
-static bool keeps_track(const recorder_cast *now, const recorder_cast *cast, uint32_t i)
+/* An input has a track already, which goes on: which one by then, share_tracks says; it is
+ * described as it was. [main], while the frame thread may change `now`'s tracks. */
+static bool keep_track(const recorder_cast *now, recorder_cast *cast, uint32_t i)
 {
     bool is_calibrated_alike = is_same_text(now->calibration[0], cast->calibration[0]) &&
                                is_same_text(now->calibration[1], cast->calibration[1]);
     for (uint32_t j = 0; j < now->input_count && is_calibrated_alike; ++j)
-        if (now->inputs[j] == cast->inputs[i])
+        if (now->inputs[j] == cast->inputs[i]) {
+            cast->described[i] = now->described[j];
+            cast->track_texts[i] = take_texts_hold(now->track_texts[j]);
             return true;
+        }
     return false;
 }
 
@@ -253,12 +278,15 @@ mrt_result recorder_prepare(recorder *self, const recorder_settings *of, recorde
     for (uint32_t i = 0; i < of->input_count && result >= 0; ++i) {
         cast->inputs[i] = of->inputs[i];
         cast->input_text[i] = of->input_text[i];
-        cast->is_kept[i] = self->cast && keeps_track(self->cast, cast, i);
-        if (!cast->is_kept[i])
-            result = add_track(self, cast, i, 0, err);
+        cast->is_kept[i] = self->cast && keep_track(self->cast, cast, i);
+        if (cast->is_kept[i])
+            continue;
+        result = describe_track(self, cast, i, err);
+        if (result >= 0)
+            result = add_track(self, cast, i, input_newest_version(cast->inputs[i]), err);
     }
     if (result >= 0)
-        result = describe_performance(self, cast, of, err);
+        result = make_performance(self, cast, of, err);
     if (result < 0) {
         recorder_dismiss(self, cast);
         return result;
@@ -540,11 +568,12 @@ static void keep_state(recorder *self, int64_t time_ns)
 
 static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 {
+    recorder_cast *cast = self->cast;
     bool goes_on = self->has_begun;
-    self->is_to_begin = false;
-    recorder_param_values(&self->cast->performance, layer_mapping(self->cast->layer));
+    recorder_param_values(&cast->performance, layer_mapping(cast->layer));
     mrt_result result =
-        writer_begin_performance(self->writer, &self->cast->performance, time_ns, err);
+        writer_follow_performance(self->writer, &cast->performance, cast->texts, time_ns, err);
+    self->is_to_begin = result < 0; /* with the next sample then */
     if (result < 0)
         return result;
     self->has_begun = true;
@@ -564,9 +593,10 @@ static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, er
         return MRT_OK;
     mrt_result result = MRT_OK;
     if (version != cast->version[i]) {
-        result = writer_end_track(self->writer, cast->track[i], err);
+        const int64_t before = cast->track[i];
+        result = add_track(self, cast, i, version, err);
         if (result >= 0)
-            result = add_track(self, cast, i, version, err);
+            result = writer_end_track(self->writer, before, err);
         memcpy(cast->performance.track, cast->track, sizeof cast->performance.track);
     }
     return result < 0 ? result : begin_performance(self, time_ns, err);
@@ -646,15 +676,9 @@ void recorder_rezero(recorder *self, uint32_t side)
 
 void recorder_change_mapping(recorder *self, const char *identity)
 {
-    char *copy = strdup(identity);
-    error err = {""};
-    if (!copy) {
-        (void)error_set(&err, MRT_ERR_MEMORY, "no memory to record the rebuilt mapping");
-        note_problem(self, &err);
-        return;
-    }
-    free(self->cast->performance.mapping);
-    self->cast->performance.mapping = copy;
+    recorder_cast *cast = self->cast;
+    (void)snprintf(cast->rebuilt, sizeof cast->rebuilt, "%s", identity);
+    cast->performance.mapping = cast->rebuilt;
     self->is_to_begin = true;
 }
 

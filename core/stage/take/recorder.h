@@ -73,12 +73,13 @@ double recorder_code_at(const recorder_code *self, int64_t time_ns);
 /* ---- takes: each begins on a frame of the time code, if one runs, and has it from there on ----
  */
 
-/* A take from the next sample on, or from from_ns of the samples' clock, which is past by then: all
- * that is performed is recorded. 0: no such instant. */
+/* [frame] A take from the next sample on, or from from_ns of the samples' clock, which is past by
+ * then: all that is performed is recorded. 0: no such instant. */
 void recorder_take_next(recorder *self, const writer_slate *slate, int64_t from_ns);
-/* Ends the take behind the last sample. */
+/* [frame] Ends the take behind the last sample. */
 CHECKED mrt_result recorder_take_end(recorder *self, error *err);
-/* Of what was performed between two instants of the samples' clock, up to the last sample. */
+/* [frame] Of what was performed between two instants of the samples' clock, up to the last sample.
+ */
 CHECKED mrt_result recorder_keep(recorder *self, int64_t from_ns, int64_t to_ns,
                                  const writer_slate *slate, int64_t *out_take, error *err);
 int64_t recorder_take(const recorder *self); /* that is being, or was last, recorded; 0: none */
