@@ -40,6 +40,7 @@ CHECKED mrt_result csrbf_check(const csrbf_solver *solver, const double *g, erro
  * Between csrbf_factor and csrbf_solve: clears the field. */
 void csrbf_limit_gain(csrbf_solver *solver, const points *at, double limit);
 
+/* polynomial_terms, alpha_sum and polynomial_gain are asked for by tests alone. */
 typedef struct csrbf_diagnostics {
     uint32_t centre_count;     /* after merging */
     uint32_t polynomial_terms; /* 0, 1, ... 4 */
@@ -77,7 +78,7 @@ void csrbf_responses_in(const csrbf_solver *solver, float *out_response, size_t 
 
 /* Smallest determinant of I + grad d over the vertices; <= 0: the map folds there. In float32. */
 double csrbf_min_determinant(const csrbf_solver *solver, const points *at);
-/* Largest norm of grad d over the vertices. */
+/* Largest norm of grad d over the vertices. For tests; drags ask for both in one pass. */
 double csrbf_max_slope(const csrbf_solver *solver, const points *at);
 /* Both in one pass. */
 void csrbf_measure(const csrbf_solver *solver, const points *at, double *out_slope,

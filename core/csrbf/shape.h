@@ -21,7 +21,7 @@
 typedef struct shape_step {
     uint32_t substeps;      /* 0: nothing moved */
     double min_determinant; /* over all vertices and substeps; 1 when nothing moved */
-    double max_slope;       /* norm of grad d of the whole way, over the vertices */
+    double max_slope;       /* norm of grad d of the whole way, over the vertices; for tests */
     bool limited; /* the cap of substeps was reached: the tips moved less far than asked */
 } shape_step;
 
@@ -88,7 +88,8 @@ CHECKED mrt_result shape_engage(shape *s, const csrbf_settings *settings, const 
  * on controls that are held. Non-finite: error, shown is kept. Without an engagement nothing
  * happens. */
 CHECKED mrt_result shape_pull(shape *s, const double *displacement, error *err);
-/* Base := shown; the engagement ends. */
+/* Base := shown; the engagement ends. This and shape_leak are what tests hold a face to, which does
+ * the same to its own points. */
 void shape_commit(shape *s);
 /* shown := base := rest; the engagement ends. */
 void shape_reset(shape *s);
@@ -106,7 +107,8 @@ void shape_ease(points *p, const points *towards, double rate_per_s, double dt_s
 
 /* Smallest determinant of an anchored pull, over the vertices of base; the exact meter, not for
  * every frame. The cheap bound is shape_slope_bound. -INFINITY when the
- * displacements are refused; 1 without an engagement. The solver then holds their field. */
+ * displacements are refused; 1 without an engagement. The solver then holds their field.
+ * Tests hold face_min_determinant and the face_meter to this and to shape_slope_bound. */
 double shape_min_determinant(const shape *s, const double *displacement);
 /* Upper bound of the norm of grad d for these displacements (theory B2), without touching a vertex:
  * < 1 means that nothing folds. INFINITY when they are refused; 0 without an engagement. The solver

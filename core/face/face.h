@@ -181,7 +181,7 @@ face_control face_control_at(const face *f, uint32_t control);
 typedef struct face_meter {
     double slope_bound;    /* of the field: < 1 nothing folds */
     double penetration_mm; /* how deep the projection found skin below its floor, before it acted */
-    uint32_t projected_count; /* vertices that it moved */
+    uint32_t projected_count; /* vertices that it moved; for tests */
     float dof[MRT_MAX_DOFS];  /* as posed, derived and limited ones included */
     uint32_t dropped_count;   /* controls of the engagement that can move nothing: mobility 0 */
     double held_back_mm; /* by so much the control furthest from its end falls short of it, because

@@ -59,8 +59,6 @@ const face_channels *face_weights_solve(face_weights *self, const float *positio
                                         const float *dof);
 /* [any] The vertices that are read of a position, of the mesh file; as long as it lives. */
 const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_count);
-/* Forgets the call before. */
-void face_weights_reset(face_weights *self);
 
 /* Of an ARKit channel; turns are of bones. */
 face_name_source face_weights_source(const face_weights *self, uint32_t channel);

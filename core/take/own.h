@@ -43,7 +43,7 @@ bool own_layer_is_heard(const take *t, uint32_t layer);
 /* How much each layer moves `name` at an instant (out: layer_count), gains left out. From the top
  * down each takes its share, as much as its clips speak there, of what those above have left; an
  * additive layer adds its share and leaves all. The shares of layers that are not additive sum to
- * at most 1; what is missing is the rest pose. */
+ * at most 1; what is missing is the rest pose. For tests: a show is performed by the composer. */
 void own_weights(double *out, const take *t, const char *name, int64_t at_ns);
 
 #endif

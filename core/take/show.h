@@ -101,7 +101,8 @@ void show_look_end(show *self);
 /* All takes, by id: the order in which they were made. */
 CHECKED mrt_result show_takes(show *self, show_take **out, size_t *out_count, error *err);
 CHECKED mrt_result show_take_read(show *self, int64_t id, show_take *out, error *err);
-/* One layer with a clip per span shown: what the edits start from. take_finish() it. */
+/* One layer with a clip per span shown: what the edits start from. take_finish() it. For tests;
+ * the program wants the edits too: edit_store_take. */
 CHECKED mrt_result show_take_base(show *self, int64_t id, take *out, error *err);
 /* The same, of a row that was just read. */
 CHECKED mrt_result show_take_base_of(show *self, const show_take *row, take *out, error *err);

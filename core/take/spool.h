@@ -24,7 +24,7 @@ bool spool_pop(spool *self, void *out_record);
 void spool_settle(spool *self);
 /* [consumer] Records that are not settled, as far as they outlive the program. */
 uint32_t spool_left_count(const spool *self);
-/* [any] Records refused since creation. */
+/* [any] Records refused since creation; for tests: spool_push says it of each. */
 uint32_t spool_loss_count(const spool *self);
 
 /* What a program left for the show that was killed, or could not write; NULL: nothing that can be

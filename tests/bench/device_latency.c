@@ -11,6 +11,7 @@
 #include "glove_motion.h"
 #include "glove_truth.h"
 #include "glove_watch.h"
+#include "unit/player_run.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -10,6 +10,7 @@
 #include "base/clock.h"
 #include "glove_child.h"
 #include "glove_watch.h"
+#include "unit/player_run.h"
 
 #include <dirent.h>
 #include <math.h>

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "stage/perform/player.h"
+#include "unit/player_run.h"
 #include "unit/allocation_count.h"
 #include "unit/input_help.h"
 

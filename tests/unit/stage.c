@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/perform/player.h"
+#include "unit/player_run.h"
 #include "stage/mapping/plugins.h"
 
 #include <math.h>

@@ -775,11 +775,3 @@ const uint32_t *face_weights_points(const face_weights *self, uint32_t *out_coun
     *out_count = self->point_count;
     return self->vertex;
 }
-
-void face_weights_reset(face_weights *self)
-{
-    self->channels = (face_channels){.residual_mm = 0.0};
-    memset(self->arkit.weight, 0, self->arkit.count * sizeof(double));
-    memset(self->expressions.weight, 0, self->expressions.count * sizeof(double));
-    memset(self->visemes.weight, 0, self->visemes.count * sizeof(double));
-}

@@ -62,6 +62,6 @@ const char *isolate_first_reason(const mrt_plugin *self);
 /* [main] Offline nothing is to go on as if nothing had happened: an error that says why its process
  * failed first, if it has. MRT_OK for any other instance. */
 CHECKED mrt_result isolate_check(const instance *of, error *err);
-int32_t isolate_pid(const mrt_plugin *self); /* of its child; 0: none is in use */
+int32_t isolate_pid(const mrt_plugin *self); /* of its child, which tests kill; 0: none is in use */
 
 #endif

@@ -328,29 +328,6 @@ void player_destroy(player_loop *self)
 
 /* ---- one that ends with its inputs ---- */
 
-static mrt_result step_performer(void *self, const sample_step *s, error *err)
-{
-    (void)err;
-    performer_step(self, s);
-    return MRT_OK;
-}
-
-static mrt_result draw_performer(void *self, int64_t time_ns, error *err)
-{
-    (void)time_ns;
-    (void)err;
-    performer_draw(self);
-    return MRT_OK;
-}
-
-mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
-                      const player_settings *settings, const player_events *events,
-                      player_report *out_report, error *err)
-{
-    const player_stage stage = {p, step_performer, draw_performer};
-    return player_run_stage(&stage, inputs, input_count, settings, events, out_report, err);
-}
-
 mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uint32_t input_count,
                             const player_settings *settings, const player_events *events,
                             player_report *out_report, error *err)

@@ -86,9 +86,5 @@ CHECKED mrt_result player_run_stage(const player_stage *stage, input *const *inp
                                     uint32_t input_count, const player_settings *settings,
                                     const player_events *events, player_report *out_report,
                                     error *err);
-/* The same for one performer: one mapping on one face. */
-CHECKED mrt_result player_run(performer *p, input *const *inputs, uint32_t input_count,
-                              const player_settings *settings, const player_events *events,
-                              player_report *out_report, error *err);
 
 #endif

@@ -46,6 +46,7 @@ sound_motion sound_motion_of(const transport *t, int64_t clock_ns);
  * far in the future loses nothing of the beginning. */
 int64_t sound_lead_ns(sound *self);
 
+/* What is counted here tests alone ask for. */
 typedef struct sound_play_status {
     sound_device_status device;
     bool is_loaded, is_heard;

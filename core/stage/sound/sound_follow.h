@@ -14,13 +14,7 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-enum {
-    SOUND_PACKET_FRAMES = 256,
-    SOUND_PACKETS = 64,
-    SOUND_WINDOW = 16384,
-    SOUND_CHANNELS = 64,
-    SOUND_BOARD_WORDS = 8
-};
+enum { SOUND_PACKET_FRAMES = 256, SOUND_PACKETS = 64, SOUND_WINDOW = 16384, SOUND_BOARD_WORDS = 8 };
 
 /* Where the transport is: the host's clock shows host_ns when the timeline shows at_ns. Speed 1 is
  * heard; 0 is a pause; at any other it is silent. Revisions are counted up with each change. */

@@ -111,7 +111,7 @@ void overdub_destroy(overdub *self); /* NULL is fine; what was recorded stays */
 
 /* For player_run_stage. It ends by itself at the end of the last pass. */
 player_stage overdub_stage(overdub *self);
-performer *overdub_performer(overdub *self);
+performer *overdub_performer(overdub *self); /* whose face tests look at */
 recorder *overdub_recorder(overdub *self);
 /* Where the timeline is now, and whether what is performed is kept. */
 int64_t overdub_at_ns(const overdub *self);

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { NOTE = 512, EVENTS_MAX = 1 << 20 };
+enum { NOTE = 512 };
 /* Of samples that are read ahead, of a performance. */
 static const size_t ahead_bytes = (size_t)64 << 20;
 

@@ -84,8 +84,7 @@ typedef enum ui_style {
     UI_STYLE_NUMBER, /* digits of one width */
     UI_STYLE_GOOD,
     UI_STYLE_WARNING,
-    UI_STYLE_BAD,
-    UI_STYLE_COUNT
+    UI_STYLE_BAD
 } ui_style;
 void ui_text(ui *self, ui_style style, const char *text); /* one line, cut with an ellipsis */
 void ui_text_wrapped(ui *self, ui_style style, const char *text); /* at the panel's width */
@@ -150,7 +149,7 @@ bool ui_has_dialog(const ui *self); /* one was drawn in the last frame */
 bool ui_pressed(const ui *self, uint32_t key, uint32_t modifiers);
 bool ui_is_down(const ui *self, uint32_t key); /* the same, held */
 uint32_t ui_modifiers(const ui *self);
-bool ui_is_typing(const ui *self);
+bool ui_is_typing(const ui *self); /* for tests: ui_pressed knows */
 
 /* ---- a canvas: a rectangle of the panel to draw on and to drag in ---- */
 

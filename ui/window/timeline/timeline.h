@@ -25,7 +25,6 @@
 #define TIMELINE_WAVE_TRIMMED 0x9c93b840u /* what of it is not heard */
 #define TIMELINE_SHADE        0x0d0f1190u /* where a fade takes something away */
 #define TIMELINE_RANGE_COLOUR 0xd9a44133u
-#define TIMELINE_GRID_COLOUR  0x23272cffu
 #define TIMELINE_HEAD_COLOUR  0xe6e3dcffu /* the play head */
 
 /* ---- which takes the list shows, newest first: all, the good ones, or those that were deleted,

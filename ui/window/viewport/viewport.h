@@ -55,8 +55,8 @@ typedef enum viewport_taker {
 uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint32_t height);
 /* What is behind it there: as draw_ground. Copied. */
 void viewport_set_ground(viewport *self, const float rgba[4]);
-uint64_t
-viewport_drawn(const viewport *self); /* how often it drew the face: not while all is still */
+/* How often it drew the face: not while all is still, which tests ask. */
+uint64_t viewport_drawn(const viewport *self);
 
 /* ---- names beside dots: pure; lengths in points ---- */
 
