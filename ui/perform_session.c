@@ -98,7 +98,7 @@ static void write_address(char *out, size_t capacity, const perform_inputs *from
 }
 
 /* Takes what is needed of the file, and finishes it; path: taken over. */
-static void put_on(perform_hands *self, calibration_file *file, char *path)
+static void use_calibration(perform_hands *self, calibration_file *file, char *path)
 {
     uint32_t side = file->side;
     self->path[side] = path;
@@ -123,7 +123,7 @@ static mrt_result choose_named(perform_hands *self, const char *path, calibratio
     }
     char *copy = strdup(path);
     if (copy) {
-        put_on(self, file, copy);
+        use_calibration(self, file, copy);
         return MRT_OK;
     }
     calibration_file_finish(file);
@@ -143,7 +143,7 @@ static mrt_result choose_newest(perform_hands *self, uint32_t side, const char *
     if (result == MRT_OK) {
         fprintf(stderr, "note: %s hand: %s (%s, %s)\n", side_name[side], path,
                 file->name[0] ? file->name : "no name", file->date[0] ? file->date : "no date");
-        put_on(self, file, path);
+        use_calibration(self, file, path);
     }
     return MRT_OK;
 }

@@ -512,7 +512,7 @@ static void find_bones_around(face *f)
 
 static float room_of_pose(face *f, const limit_group *g);
 
-static void know_lone_rooms(face *f)
+static void find_rooms_alone(face *f)
 {
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &f->limit.group[group];
@@ -565,7 +565,7 @@ void face_limit_engage(face *f)
         }
     }
     find_bones_around(f);
-    know_lone_rooms(f);
+    find_rooms_alone(f);
 }
 
 /* What the bones do, of which nothing is known yet but that. */

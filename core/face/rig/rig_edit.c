@@ -598,7 +598,7 @@ static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
     return bone > removed ? bone - 1 : bone;
 }
 
-static void give_to_heir(rig *r, uint32_t removed, uint32_t heir)
+static void reassign_bone(rig *r, uint32_t removed, uint32_t heir)
 {
     for (uint32_t i = 0; i < r->region_count; ++i)
         r->region[i].bone = heir_of(r->region[i].bone, removed, heir);
@@ -626,7 +626,7 @@ mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
         return result;
     const uint32_t parent = r->bone[index].parent;
     forget_in_poses(r, r->bone[index].name, NULL);
-    give_to_heir(r, index, parent == RIG_NONE ? 0 : parent);
+    reassign_bone(r, index, parent == RIG_NONE ? 0 : parent);
     finish_bone(&r->bone[index]);
     close_array(r->bone, &r->bone_count, index, sizeof *r->bone);
     r->bone[r->bone_count] = (rig_bone){0};

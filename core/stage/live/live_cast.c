@@ -117,7 +117,7 @@ void live_scene_destroy(live_scene *scene)
 }
 
 /* Its owner is the performer's face; whoever makes another face of it copies it. */
-static void lend_binding(live_scene *scene)
+static void share_binding(live_scene *scene)
 {
     const face *f = performer_face(scene->performer);
     scene->ready = *scene->file;
@@ -160,7 +160,7 @@ static mrt_result create_scene(live *self, const face_file *file, const char *pa
         result = performer_create(&scene->performer, bound_already(self, file), &role->instance,
                                   &settings, err);
     if (result >= 0)
-        lend_binding(scene);
+        share_binding(scene);
     if (result >= 0)
         result = live_board_create(&scene->board, performer_composer(scene->performer), err);
     if (result >= 0)
@@ -506,7 +506,7 @@ static void drop_coming(live *self)
 }
 
 /* MRT_HOLD: not yet. */
-static mrt_result let_come(live *self, error *err)
+static mrt_result switch_to_coming(live *self, error *err)
 {
     live_change c = {.role = self->coming};
     live_mapping_role *before = self->role;
@@ -535,7 +535,7 @@ static mrt_result bring(live *self, live_mapping_role *role, error *err)
     }
     drop_coming(self);
     self->coming = role;
-    result = let_come(self, err);
+    result = switch_to_coming(self, err);
     if (result < 0)
         drop_coming(self);
     return result < 0 ? result : MRT_OK;
@@ -662,7 +662,7 @@ void live_own_solver(live *self, const csrbf_settings *solver)
 void live_cast_update(live *self)
 {
     error err = {""};
-    if (self->coming && let_come(self, &err) < 0) {
+    if (self->coming && switch_to_coming(self, &err) < 0) {
         log_push(self->settings.log, MRT_LOG_ERROR, "stage", err.text);
         drop_coming(self);
     }

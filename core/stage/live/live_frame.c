@@ -97,7 +97,7 @@ static void *run_timeline(void *data)
             continue;
         }
         self->failed.text[0] = '\0';
-        mrt_result result = self->is_sought
+        mrt_result result = self->is_seek
                                 ? sequencer_seek(self->sequencer, self->to_ns, &self->failed)
                                 : sequencer_play_to(self->sequencer, self->to_ns, &self->failed);
         if (result >= 0)
@@ -139,10 +139,10 @@ static bool live_time_is_here(const live_stage *stage)
 /* What its thread was sent for has been done. */
 static void receive(live_stage *stage)
 {
-    if (!stage->is_awaited || !live_time_is_here(stage))
+    if (!stage->is_on_its_way || !live_time_is_here(stage))
         return;
-    stage->is_awaited = false;
-    stage->has_come = stage->is_dirty = true;
+    stage->is_on_its_way = false;
+    stage->has_arrived = stage->is_dirty = true;
     if (stage->timeline->failed.text[0])
         tell_error(stage, &stage->timeline->failed);
 }
@@ -153,7 +153,7 @@ static bool live_time_may_show(live_stage *stage, int64_t now_ns)
     receive(stage);
     return stage->mode != LIVE_SHOWS || !stage->timeline ||
            (now_ns >= stage->hold_until_ns && live_time_is_here(stage) &&
-            (stage->has_come || !stage->is_sought));
+            (stage->has_arrived || !stage->is_seek));
 }
 
 /* However often it was sought: only the newest instant is gone to. */
@@ -165,12 +165,12 @@ static void live_time_send(live_stage *stage, int64_t now_ns)
     live_timeline *to = stage->timeline;
     const transport *motion = live_time_motion(stage);
     int64_t at_ns = live_time_shown_at(motion, transport_at(motion, now_ns).at_ns);
-    if (!stage->is_sought && at_ns == sequencer_now_ns(to->sequencer))
+    if (!stage->is_seek && at_ns == sequencer_now_ns(to->sequencer))
         return;
     to->to_ns = at_ns;
-    to->is_sought = stage->is_sought;
-    stage->is_sought = false;
-    stage->is_awaited = true;
+    to->is_seek = stage->is_seek;
+    stage->is_seek = false;
+    stage->is_on_its_way = true;
     atomic_store(&to->is_away, true);
     wake_signal(&to->work);
 }
@@ -183,7 +183,7 @@ static void end_over(live_stage *stage, int64_t now_ns)
     sequencer_set_live(stage->timeline->sequencer, NULL, NULL, false);
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = now_ns + LIVE_HOLD_NS;
-    stage->is_sought = true;
+    stage->is_seek = true;
 }
 
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err)
@@ -231,7 +231,7 @@ static performer *live_time_shown(live_stage *stage, int64_t now_ns)
         return shown_over(stage, now_ns);
     if (!live_time_may_show(stage, now_ns))
         return NULL;
-    stage->has_come = false;
+    stage->has_arrived = false;
     return sequencer_performer(stage->timeline->sequencer);
 }
 
@@ -503,7 +503,7 @@ static bool on_between(void *data)
     live_stage *stage = &self->stage;
     run_command(self);
     if (slot_take(&stage->motion_slot))
-        stage->is_sought = stage->is_dirty = true;
+        stage->is_seek = stage->is_dirty = true;
     /* The newest is replaced before it is taken too, so that what is taken is new. */
     int64_t now_ns = clock_now_ns();
     return live_time_may_show(stage, now_ns) && stage->is_dirty &&

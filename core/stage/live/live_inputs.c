@@ -337,7 +337,7 @@ static mrt_result read_calibration(live_measured *out, uint32_t side, const char
 }
 
 /* What it was until now comes out in `m`. */
-static void put_on(live *self, uint32_t side, live_measured *m)
+static void use_calibration(live *self, uint32_t side, live_measured *m)
 {
     const live_measured before = self->hand[side];
     self->hand[side] = *m;
@@ -356,7 +356,7 @@ mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *er
         return result;
     live_change c = {.side = side, .calibration = m.use};
     double length_mm = m.length_mm > 0.0 ? m.length_mm : HAND_LENGTH_MM;
-    put_on(self, side, &m);
+    use_calibration(self, side, &m);
     c.skeleton = hand_skeleton_create(side, length_mm);
     if (!c.skeleton)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a hand");
@@ -365,7 +365,7 @@ mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *er
     if (result >= 0)
         result = live_ask(self, recalibrate, &c, err);
     else
-        put_on(self, side, &m);
+        use_calibration(self, side, &m);
     live_cast_dismiss(self, &c);
     hand_skeleton_destroy(c.skeleton);
     finish_measured(&m);

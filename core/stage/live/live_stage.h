@@ -68,8 +68,8 @@ typedef struct live_timeline {
     _Atomic bool stop;
     _Atomic bool is_away; /* its thread has the sequencer and brings it to to_ns */
     int64_t to_ns;
-    bool is_sought; /* sequencer_seek, not sequencer_play_to */
-    error failed;   /* "" it was brought there */
+    bool is_seek; /* sequencer_seek, not sequencer_play_to */
+    error failed; /* "" it was brought there */
 } live_timeline;
 
 /* The newest sample of an input. */
@@ -92,8 +92,8 @@ typedef struct live_pulse { /* how the frame thread does */
     live_mode mode;
     int64_t take;
     recorder_code code;
-    uint64_t overs;    /* how often a take was performed over */
-    size_t kept_bytes; /* of the take on the stage, to scrub from */
+    uint64_t overdub_count; /* how often a take was performed over */
+    size_t kept_bytes;      /* of the take on the stage, to scrub from */
 } live_pulse;
 
 typedef struct live_stage { /* the frame thread's; [main]'s while it runs a command or has ended */
@@ -112,10 +112,10 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     live_timeline *timeline;
     publish_slot motion_slot; /* transports from [main] */
     transport motion[3];
-    bool is_sought;  /* the transport has changed: the next instant is sought, not played to */
-    bool is_held;    /* [main] has the timeline's sequencer */
-    bool is_awaited; /* the timeline's thread was sent to an instant, and is not back */
-    bool has_come;   /* it is back, and that instant has not been published yet */
+    bool is_seek;       /* the transport has changed: the next instant is sought, not played to */
+    bool is_held;       /* [main] has the timeline's sequencer */
+    bool is_on_its_way; /* the timeline's thread was sent to an instant, and is not back */
+    bool has_arrived;   /* it is back, and that instant has not been published yet */
     int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
     sound *sound;          /* NULL: none */
     live_click click;
@@ -231,7 +231,7 @@ struct live {
     uint32_t sound_channels;
     int64_t attach_take; /* its sound is on the way; 0: none */
     int64_t edited_take; /* by the stage itself: live_take_edited */
-    uint64_t overs;
+    uint64_t overdub_count;
 
     live_status status;
     int64_t measured_ns; /* percentiles */

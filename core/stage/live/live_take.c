@@ -169,10 +169,10 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
     if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
         fade_over(stage);
     stage->timeline = s->timeline;
-    stage->is_awaited = stage->has_come = false;
+    stage->is_on_its_way = stage->has_arrived = false;
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = 0;
-    stage->is_sought = stage->is_dirty = true;
+    stage->is_seek = stage->is_dirty = true;
     return MRT_OK;
 }
 
@@ -185,7 +185,7 @@ static mrt_result change_take(live_stage *stage, void *data, error *err)
     stage->mode = LIVE_SHOWS;
     stage->is_held = false;
     stage->hold_until_ns = 0;
-    stage->is_sought = stage->is_dirty = true;
+    stage->is_seek = stage->is_dirty = true;
     live_take_tell_transport(s->live);
     return MRT_OK;
 }
@@ -231,7 +231,7 @@ static mrt_result drop_timeline(live_stage *stage, void *data, error *err)
     mrt_result result = show_hands(stage, NULL, err);
     s->old = stage->timeline;
     stage->timeline = NULL;
-    stage->is_awaited = stage->has_come = false;
+    stage->is_on_its_way = stage->has_arrived = false;
     return result;
 }
 
@@ -432,7 +432,7 @@ typedef struct beginning {
     overdub_run *run;
     uint8_t *owned;
     bool is_additive;
-    uint64_t overs;
+    uint64_t overdub_count;
 } beginning;
 
 /* [frame] The take stands at the start. What was performed before does not count: so the layer's
@@ -449,8 +449,8 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     stage->over = b->run;
     stage->owned = b->owned;
     stage->mode = LIVE_OVERDUBS;
-    stage->is_held = stage->is_awaited = stage->has_come = false;
-    b->overs = ++stage->now.overs;
+    stage->is_held = stage->is_on_its_way = stage->has_arrived = false;
+    b->overdub_count = ++stage->now.overdub_count;
     stage->hold_until_ns = 0;
     return live_frame_tick(stage, err);
 }
@@ -553,7 +553,7 @@ mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
         return result;
     }
     self->is_over = self->status.is_recording = true;
-    self->overs = b.overs;
+    self->overdub_count = b.overdub_count;
     self->take_begun_ns = clock_now_ns();
     return result;
 }
@@ -604,7 +604,8 @@ bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *er
 void live_over_update(live *self)
 {
     const live_pulse *pulse = &self->stage.pulse[slot_front(&self->stage.pulse_slot)];
-    if (!self->is_over || pulse->mode == LIVE_OVERDUBS || pulse->overs != self->overs)
+    if (!self->is_over || pulse->mode == LIVE_OVERDUBS ||
+        pulse->overdub_count != self->overdub_count)
         return;
     self->is_over = self->status.is_recording = false;
     self->is_over_done = true;

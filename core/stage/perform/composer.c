@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One who speaks: what it wants now, and what of it is in the shape. */
+/* A source of pulls: what it wants now, and what of it is in the shape. */
 typedef struct voice {
     bool is_present;  /* in this step */
     bool was_present; /* in the step before */
     composer_part part;
-    bool has_heard; /* `heard` is its last anchored pull */
-    mrt_pull heard;
+    bool has_pull; /* `last_pull` is its last anchored pull */
+    mrt_pull last_pull;
     uint32_t commit; /* of the step before */
     /* in the engagement: the pull that it holds the face with */
     bool is_joined;
@@ -33,9 +33,9 @@ typedef struct joined_control {
     uint32_t contact;      /* 1 + index; 0: a free point */
     uint32_t slot, vector; /* of the free point */
     vec3 start;            /* mm, where it took hold */
-    vec3 rest;             /* of a finger's free point: as it says */
-    bool is_finger;        /* only fingers speak of it */
-    vec3 held; /* mm, bones at rest: where the others had it, from `start`, when a finger came */
+    vec3 rest;             /* of a pointer's free point: as it says */
+    bool is_pointer;       /* only pointers pull it */
+    vec3 held; /* mm, bones at rest: where the others had it, from `start`, when a pointer came */
 } joined_control;
 
 struct composer {
@@ -54,7 +54,7 @@ struct composer {
     uint32_t joined_order[COMPOSER_PARTS_MAX]; /* slots of those in the engagement, bottom first */
     uint32_t joined_count;
 
-    bool is_mixed; /* in this step some knead and some are anchored */
+    bool is_mixed; /* in this step some drag_unanchored and some are anchored */
     bool engaged;  /* anchored: the face is engaged at `control` */
     bool stale;    /* anchored: what is shown is older than the last step */
     joined_control control[MRT_MAX_VECTORS];
@@ -74,7 +74,7 @@ static csrbf_settings composer_settings(const composer *self, float radius_mm, c
 
 static void composer_join(composer *self);
 /* The face as if the voices pulled nothing but what `keep` has added; bones as they are. */
-static void composer_let_go_but(composer *self, bool (*keep)(const voice *v));
+static void composer_show_only(composer *self, bool (*keep)(const voice *v));
 /* Bakes what a voice that has committed has added; true: one has, and the others join anew. */
 static bool composer_commit(composer *self);
 static bool composer_is_anybody_joined(const composer *self);
@@ -189,7 +189,7 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const voice
             continue;
         const voice *v = &self->voice[c->slot];
         vec3 position = c->start;
-        if (v->is_joined && !v->part.is_finger && at[k].voices == 1 && is_one(v->share) &&
+        if (v->is_joined && !v->part.is_pointer && at[k].voices == 1 && is_one(v->share) &&
             (!counts || counts(v))) {
             /* it lands on its end itself: no digits lost on the way */
             position = composer_vec3(v->joined.vector[c->vector].end);
@@ -208,8 +208,9 @@ static void composer_blend_dofs(const composer *self, float *out)
         bool is_driven = false;
         for (uint32_t i = 0; i < self->order_count; ++i) {
             const voice *v = &self->voice[self->order[i]];
-            const mrt_pull *pull = v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->heard;
-            bool speaks = v->has_heard || v->part.pull->mode == MRT_UNANCHORED;
+            const mrt_pull *pull =
+                v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->last_pull;
+            bool speaks = v->has_pull || v->part.pull->mode == MRT_UNANCHORED;
             if (!speaks || isnan(pull->dof[d]) || d >= self->about.dof_count ||
                 (v->part.owns && !v->part.owns[self->about.contact_count + d]))
                 continue;
@@ -272,7 +273,7 @@ static uint32_t find_free_point(const composer *self, const joined_control *cont
     for (uint32_t k = 0; k < count; ++k) {
         const voice *other = &self->voice[control[k].slot];
         if (control[k].contact == 0 && other->part.layer == v->part.layer &&
-            memcmp(&other->heard.vector[control[k].vector].start, &vector->start,
+            memcmp(&other->last_pull.vector[control[k].vector].start, &vector->start,
                    sizeof vector->start) == 0)
             return k;
     }
@@ -294,8 +295,8 @@ static void list_holds(composer *self, holds *out)
         uint32_t slot = self->order[i];
         const voice *v = &self->voice[slot];
         uint32_t others = out->count; /* a voice may hold one contact twice */
-        for (uint32_t j = 0; v->has_heard && j < v->heard.count; ++j) {
-            uint32_t contact = v->heard.vector[j].contact;
+        for (uint32_t j = 0; v->has_pull && j < v->last_pull.count; ++j) {
+            uint32_t contact = v->last_pull.vector[j].contact;
             uint32_t at = COMPOSER_NO_CONTROL;
             out->of[slot][j] = COMPOSER_NO_CONTROL;
             if (!owns(self, v, contact))
@@ -303,20 +304,21 @@ static void list_holds(composer *self, holds *out)
             if (contact > 0)
                 at = find_contact(out->control, others, contact);
             else
-                at = find_free_point(self, out->control, others, v, &v->heard.vector[j]);
+                at = find_free_point(self, out->control, others, v, &v->last_pull.vector[j]);
             if (at == COMPOSER_NO_CONTROL && out->count == MRT_MAX_VECTORS) {
                 self->counts.left_out += 1;
                 continue;
             }
             if (at == COMPOSER_NO_CONTROL) {
                 at = out->count++;
-                out->control[at] = (joined_control){.contact = contact,
-                                                    .slot = slot,
-                                                    .vector = j,
-                                                    .rest = composer_vec3(v->heard.vector[j].start),
-                                                    .is_finger = v->part.is_finger};
+                out->control[at] =
+                    (joined_control){.contact = contact,
+                                     .slot = slot,
+                                     .vector = j,
+                                     .rest = composer_vec3(v->last_pull.vector[j].start),
+                                     .is_pointer = v->part.is_pointer};
             }
-            out->control[at].is_finger &= v->part.is_finger;
+            out->control[at].is_pointer &= v->part.is_pointer;
             out->of[slot][j] = at;
         }
     }
@@ -336,31 +338,31 @@ static bool are_held(const composer *self, const holds *h)
     return true;
 }
 
-/* The radius of one solve for all: of the lowest voice that names one; a finger names it when it is
- * alone. */
+/* The radius of one solve for all: of the lowest voice that names one; a pointer names it when it
+ * is alone. */
 static float joined_radius_mm(const composer *self)
 {
-    float of_finger = 0.0f;
+    float of_pointer = 0.0f;
     bool is_alone = true;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
-        if (!v->has_heard)
+        if (!v->has_pull)
             continue;
-        is_alone &= v->part.is_finger || v->heard.count == 0;
-        if (v->heard.radius_mm > 0.0f && !v->part.is_finger)
-            return v->heard.radius_mm;
-        of_finger = v->heard.radius_mm > 0.0f ? v->heard.radius_mm : of_finger;
+        is_alone &= v->part.is_pointer || v->last_pull.count == 0;
+        if (v->last_pull.radius_mm > 0.0f && !v->part.is_pointer)
+            return v->last_pull.radius_mm;
+        of_pointer = v->last_pull.radius_mm > 0.0f ? v->last_pull.radius_mm : of_pointer;
     }
-    return is_alone ? of_finger : 0.0f;
+    return is_alone ? of_pointer : 0.0f;
 }
 
-/* Of the lowest voice that is no finger; NULL: there is none. */
+/* Of the lowest voice that is no pointer; NULL: there is none. */
 static const mrt_pull *joined_manner(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
-        if (v->has_heard && !v->part.is_finger)
-            return &v->heard;
+        if (v->has_pull && !v->part.is_pointer)
+            return &v->last_pull;
     }
     return NULL;
 }
@@ -368,11 +370,11 @@ static const mrt_pull *joined_manner(const composer *self)
 /* It takes hold anew: what it has added so far stays in the shape. */
 static bool is_anew(const voice *v)
 {
-    return v->is_joined && v->is_present && !v->part.is_finger &&
-           (v->joined.anchor != v->heard.anchor || v->joined.count != v->heard.count ||
-            v->joined.solve != v->heard.solve ||
-            fabsf(v->joined.stretch_most - v->heard.stretch_most) > 0.0f ||
-            fabsf(v->joined.radius_mm - v->heard.radius_mm) > 0.0f);
+    return v->is_joined && v->is_present && !v->part.is_pointer &&
+           (v->joined.anchor != v->last_pull.anchor || v->joined.count != v->last_pull.count ||
+            v->joined.solve != v->last_pull.solve ||
+            fabsf(v->joined.stretch_most - v->last_pull.stretch_most) > 0.0f ||
+            fabsf(v->joined.radius_mm - v->last_pull.radius_mm) > 0.0f);
 }
 
 /* ---- the engagement ---- */
@@ -395,7 +397,7 @@ static void aim(composer *self, bool (*counts)(const voice *v), const float *dof
 }
 
 /* Everybody pulls what has been added, or as `keep` says; the bones stay where they are. */
-static void composer_let_go_but(composer *self, bool (*keep)(const voice *v))
+static void composer_show_only(composer *self, bool (*keep)(const voice *v))
 {
     if (!self->engaged)
         return;
@@ -433,17 +435,17 @@ static vec3 position_now(const composer *self, vec3 at_rest)
 }
 
 /* A contact is taken where it is now, wherever the mapping says that it rests; so is a place that a
- * finger holds. */
+ * pointer holds. */
 static vec3 start_of(const composer *self, const joined_control *c)
 {
     if (c->contact > 0)
         return face_contact_now(self->face, c->contact);
-    if (self->voice[c->slot].part.is_finger)
+    if (self->voice[c->slot].part.is_pointer)
         return position_now(self, c->rest);
-    return composer_vec3(self->voice[c->slot].heard.vector[c->vector].start);
+    return composer_vec3(self->voice[c->slot].last_pull.vector[c->vector].start);
 }
 
-/* ---- fingers take hold of the face as it is ---- */
+/* ---- pointers take hold of the face as it is ---- */
 
 static const joined_control *held_before(const composer *self, const joined_control *c)
 {
@@ -453,19 +455,19 @@ static const joined_control *held_before(const composer *self, const joined_cont
         const joined_control *old = &self->control[k];
         bool is_same = old->contact == c->contact &&
                        (c->contact > 0 || memcmp(&old->rest, &c->rest, sizeof c->rest) == 0);
-        if (is_same && old->is_finger == c->is_finger)
+        if (is_same && old->is_pointer == c->is_pointer)
             return old;
     }
     return NULL;
 }
 
-/* Before the others let go: where the places are, mm, that fingers take hold of now. */
+/* Before the others let go: where the places are, mm, that pointers take hold of now. */
 static void find_places(composer *self, const holds *h, double *out_place, bool *out_comes)
 {
     composer_show(self);
     for (uint32_t k = 0; k < h->count; ++k) {
         const joined_control *c = &h->control[k];
-        out_comes[k] = c->is_finger && !held_before(self, c);
+        out_comes[k] = c->is_pointer && !held_before(self, c);
         if (!out_comes[k])
             continue;
         vec3 position = start_of(self, c);
@@ -479,7 +481,7 @@ static void keep_held(const composer *self, holds *h)
 {
     for (uint32_t k = 0; k < h->count; ++k) {
         joined_control *c = &h->control[k];
-        const joined_control *old = c->is_finger ? held_before(self, c) : NULL;
+        const joined_control *old = c->is_pointer ? held_before(self, c) : NULL;
         if (old)
             c->held = old->held;
     }
@@ -559,7 +561,7 @@ static void settle(composer *self, bool (*stays)(const voice *v))
     }
     composer_show(self); /* the base is the shape of this step, not of the last drawn frame */
     if (!all_stay)
-        composer_let_go_but(self, stays);
+        composer_show_only(self, stays);
     if (composer_counts_anybody(self, stays))
         forget_held(self);
 }
@@ -573,10 +575,10 @@ static void join(composer *self, const holds *h)
     for (uint32_t i = 0; i < self->order_count && self->engaged; ++i) {
         uint32_t slot = self->order[i];
         voice *v = &self->voice[slot];
-        if (!v->has_heard)
+        if (!v->has_pull)
             continue;
         v->is_joined = true;
-        v->joined = v->heard;
+        v->joined = v->last_pull;
         v->share = composer_share(v);
         v->weight = v->part.weight;
         memcpy(v->control, h->of[slot], sizeof v->control);
@@ -584,10 +586,10 @@ static void join(composer *self, const holds *h)
     }
 }
 
-static bool is_anybody_speaking(const composer *self)
+static bool has_any_pull(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i)
-        if (self->voice[self->order[i]].has_heard)
+        if (self->voice[self->order[i]].has_pull)
             return true;
     return false;
 }
@@ -612,10 +614,10 @@ static bool has_committed(const voice *v)
 }
 
 /* What it pulled is in the base now; it begins anew with its next anchored pull. */
-static void forget_heard(voice *v)
+static void forget_committed(voice *v)
 {
     if (has_committed(v) && v->part.pull->mode != MRT_ANCHORED)
-        v->has_heard = false;
+        v->has_pull = false;
 }
 
 static bool composer_commit(composer *self)
@@ -633,7 +635,7 @@ static bool composer_commit(composer *self)
     face_show(self->face); /* of what is kept alone, as after composer_load */
     self->engaged = false;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        forget_heard(&self->voice[self->order[i]]);
+        forget_committed(&self->voice[self->order[i]]);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_joined = false;
     return true;
@@ -642,7 +644,7 @@ static bool composer_commit(composer *self)
 static void composer_join(composer *self)
 {
     holds h;
-    if (!is_anybody_speaking(self)) {
+    if (!has_any_pull(self)) {
         rest(self);
         return;
     }
@@ -871,7 +873,7 @@ static void shorten(const voice *v, const double *from, double *to)
 
 /* Tips that have fallen behind the hand come after it at most at twice its speed: what held them
  * back may be gone at once, and the shape must not jump. */
-static void come_after(const voice *v, const double *from, double *to)
+static void limit_catch_up(const voice *v, const double *from, double *to)
 {
     const mrt_pull *pull = v->part.pull;
     for (uint32_t i = 0; v->is_dragging && i < pull->count; ++i) {
@@ -910,7 +912,7 @@ static void drag_along_way(composer *self, voice *v, const csrbf_settings *setti
     drag_from(v, from);
     shorten(v, from, to);
     memcpy(next, to, (size_t)pull->count * 3 * sizeof *next);
-    come_after(v, from, next);
+    limit_catch_up(v, from, next);
     composer_blend_dofs(self, dof);
     self->counts.solves += 1;
     mrt_result result =
@@ -937,13 +939,13 @@ static void bare_shape(composer *self)
 {
     composer_show(self);
     if (composer_is_anybody_joined(self) && self->is_mixed)
-        composer_let_go_but(self, is_nobody);
+        composer_show_only(self, is_nobody);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_joined = false;
 }
 
-static void knead(composer *self, voice *v, double dt_s)
+static void drag_unanchored(composer *self, voice *v, double dt_s)
 {
     const mrt_pull *pull = v->part.pull;
     bare_shape(self);
@@ -969,7 +971,7 @@ static void restore(composer *self, double part)
 {
     composer_show(self);
     if (composer_is_anybody_joined(self))
-        composer_let_go_but(self, is_nobody);
+        composer_show_only(self, is_nobody);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_joined = false;
@@ -978,7 +980,7 @@ static void restore(composer *self, double part)
 
 /* ---- the step ---- */
 
-static void hear(composer *self, const composer_part *part, uint32_t count)
+static void take_parts(composer *self, const composer_part *part, uint32_t count)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->voice[slot].is_present = false;
@@ -1002,14 +1004,14 @@ static bool listen(composer *self)
         is_new |= v->is_present != v->was_present;
         if (!v->is_present) {
             if (!v->is_joined)
-                v->has_heard = false;
+                v->has_pull = false;
             continue;
         }
         const mrt_pull *pull = v->part.pull;
         is_new |= pull->mode == MRT_ANCHORED || fabs(v->weight - v->part.weight) > 0.0;
         if (pull->mode == MRT_ANCHORED)
-            v->heard = *pull;
-        v->has_heard = pull->mode == MRT_ANCHORED || (pull->mode == MRT_IDLE && v->has_heard);
+            v->last_pull = *pull;
+        v->has_pull = pull->mode == MRT_ANCHORED || (pull->mode == MRT_IDLE && v->has_pull);
         if (pull->mode != MRT_UNANCHORED)
             v->was_near = false;
         if (pull->mode == MRT_ANCHORED)
@@ -1056,7 +1058,7 @@ static void leave(composer *self)
             v->commit = v->part.pull->commit;
             v->weight = v->part.weight;
         } else {
-            v->has_heard = v->was_near = v->is_dragging = false;
+            v->has_pull = v->was_near = v->is_dragging = false;
         }
         v->part.pull = NULL;
         v->part.owns = NULL;
@@ -1071,19 +1073,19 @@ static bool is_kneading(const voice *v)
 
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s)
 {
-    hear(self, part, count);
+    take_parts(self, part, count);
     bool is_new = composer_commit(self);
     is_new |= listen(self);
     bool is_kneaded = false, is_held = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
         is_kneaded |= is_kneading(v);
-        is_held |= v->has_heard;
+        is_held |= v->has_pull;
     }
     self->is_mixed = is_kneaded && is_held;
     for (uint32_t i = 0; i < self->order_count; ++i)
         if (is_kneading(&self->voice[self->order[i]]))
-            knead(self, &self->voice[self->order[i]], dt_s);
+            drag_unanchored(self, &self->voice[self->order[i]], dt_s);
     for (uint32_t i = 0; i < self->order_count; ++i) {
         const voice *v = &self->voice[self->order[i]];
         if (!(v->part.restore > 0.0))
@@ -1187,8 +1189,8 @@ const composer_counts *composer_counted(const composer *self)
 /* The state of a composer as bytes. Who speaks is told again by the next step; what they hold the
  * face with is kept. */
 
-enum { STORE_VERSION = 3, STORE_WITH_FINGERS = 4 };
-enum { IS_ADDITIVE = 1, IS_FINGER = 2 };
+enum { STORE_VERSION = 3, STORE_WITH_POINTERS = 4 };
+enum { IS_ADDITIVE = 1, IS_POINTER = 2 };
 
 static void put_pull(bytes_out *out, const mrt_pull *pull)
 {
@@ -1224,11 +1226,11 @@ static void put_voice(bytes_out *out, const voice *v)
 {
     bytes_put_u32(out, v->part.layer);
     bytes_put_u32(out,
-                  (v->part.is_additive ? IS_ADDITIVE : 0) | (v->part.is_finger ? IS_FINGER : 0));
+                  (v->part.is_additive ? IS_ADDITIVE : 0) | (v->part.is_pointer ? IS_POINTER : 0));
     bytes_put_u32(out, v->commit);
-    bytes_put_u32(out, v->has_heard);
-    if (v->has_heard)
-        put_pull(out, &v->heard);
+    bytes_put_u32(out, v->has_pull);
+    if (v->has_pull)
+        put_pull(out, &v->last_pull);
     bytes_put_u32(out, v->is_joined);
     bytes_put_f64(out, v->weight);
     if (v->is_joined) {
@@ -1249,11 +1251,11 @@ static void take_voice(bytes_in *in, const composer *self, voice *out)
     out->part.layer = bytes_take_u32(in);
     uint32_t manner = bytes_take_u32(in);
     out->part.is_additive = (manner & IS_ADDITIVE) != 0;
-    out->part.is_finger = (manner & IS_FINGER) != 0;
+    out->part.is_pointer = (manner & IS_POINTER) != 0;
     out->commit = bytes_take_u32(in);
-    out->has_heard = bytes_take_u32(in) != 0;
-    if (out->has_heard)
-        take_pull(in, self, &out->heard);
+    out->has_pull = bytes_take_u32(in) != 0;
+    if (out->has_pull)
+        take_pull(in, self, &out->last_pull);
     out->is_joined = bytes_take_u32(in) != 0;
     out->weight = bytes_take_f64(in);
     if (out->is_joined) {
@@ -1275,28 +1277,28 @@ static void take_voice(bytes_in *in, const composer *self, voice *out)
 }
 
 /* Most faces never felt one: they are kept as ever. */
-static bool has_fingers(const composer *self)
+static bool has_pointers(const composer *self)
 {
     bool any = false;
     for (uint32_t k = 0; k < self->control_count; ++k)
-        any |= self->control[k].is_finger ||
+        any |= self->control[k].is_pointer ||
                vec3_dot(self->control[k].held, self->control[k].held) > 0.0;
     return any;
 }
 
-static void put_fingers(bytes_out *out, const composer *self)
+static void put_pointers(bytes_out *out, const composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
-        bytes_put_u32(out, self->control[k].is_finger);
+        bytes_put_u32(out, self->control[k].is_pointer);
         bytes_put_vec3(out, self->control[k].rest);
         bytes_put_vec3(out, self->control[k].held);
     }
 }
 
-static void take_fingers(bytes_in *in, composer *self)
+static void take_pointers(bytes_in *in, composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k) {
-        self->control[k].is_finger = bytes_take_u32(in) != 0;
+        self->control[k].is_pointer = bytes_take_u32(in) != 0;
         self->control[k].rest = bytes_take_vec3(in);
         self->control[k].held = bytes_take_vec3(in);
     }
@@ -1353,10 +1355,10 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     uint32_t voice_count = 0;
-    bytes_put_u32(&out, has_fingers(self) ? STORE_WITH_FINGERS : STORE_VERSION);
+    bytes_put_u32(&out, has_pointers(self) ? STORE_WITH_POINTERS : STORE_VERSION);
     put_controls(&out, self);
-    if (has_fingers(self))
-        put_fingers(&out, self);
+    if (has_pointers(self))
+        put_pointers(&out, self);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         voice_count += self->voice[slot].was_present || self->voice[slot].is_joined;
     bytes_put_u32(&out, voice_count);
@@ -1378,10 +1380,10 @@ size_t composer_save(composer *self, void *bytes, size_t capacity)
 static mrt_result load(composer *self, bytes_in *in, error *err)
 {
     uint32_t version = bytes_take_u32(in);
-    in->failed |= version != STORE_VERSION && version != STORE_WITH_FINGERS;
+    in->failed |= version != STORE_VERSION && version != STORE_WITH_POINTERS;
     take_controls(in, self);
-    if (version == STORE_WITH_FINGERS)
-        take_fingers(in, self);
+    if (version == STORE_WITH_POINTERS)
+        take_pointers(in, self);
     uint32_t voice_count = bytes_take_u32(in);
     for (uint32_t i = 0; i < voice_count && !in->failed; ++i) {
         uint32_t slot = bytes_take_u32(in);

@@ -9,9 +9,9 @@
  * What a part commits, or leaves behind when it anchors anew, is baked into the base; what the
  * others pull is not, and what comes or goes with a part leaves nothing behind.
  *
- * A finger (pointer.h) takes hold of the face as it is: where nobody else speaks, its offset counts
- * from where the others had the place when it came. [frame] after
- * create; no allocation then; same calls, same bits. */
+ * A pointer (pointer.h) takes hold of the face as it is: where nobody else speaks, its offset
+ * counts from where the others had the place when it came. [frame] after create; no allocation
+ * then; same calls, same bits. */
 #ifndef MAROTTE_STAGE_COMPOSER_H
 #define MAROTTE_STAGE_COMPOSER_H
 #include "face/face.h"
@@ -37,11 +37,11 @@ typedef struct composer_part {
     uint32_t slot;  /* who speaks, 0..COMPOSER_PARTS_MAX - 1, while it lasts */
     uint32_t layer; /* parts come ordered by layer, bottom first */
     bool is_additive;
-    bool is_finger; /* its vectors come and go; a free point's start is its place on the rest face,
+    bool is_pointer; /* its vectors come and go; a free point's start is its place on the rest face,
                        and end - start how far it is pulled */
-    double restore; /* 0..1: so much of the way from the base to the rest shape is gone */
-    bool is_fresh;  /* the pull is of this step: kneads; false: it was heard before */
-    double weight;  /* 0..1 */
+    double restore;  /* 0..1: so much of the way from the base to the rest shape is gone */
+    bool is_fresh;   /* the pull is of this step: kneads; false: it was heard before */
+    double weight;   /* 0..1 */
     double gain;
     const mrt_pull *pull;
     const float *shapes; /* of the head's own, by their index: at least so much of each, 0..1; NaN:

@@ -111,7 +111,7 @@ static mrt_result validate(const face_file *f, const char *path, error *err)
     return result;
 }
 
-static void say_shapes_left(face_file *f)
+static void note_unused_shapes(face_file *f)
 {
     uint32_t count = f->mesh.target_count, taken = face_shapes_of(&f->mesh);
     if (!f->rig || taken == count)
@@ -156,7 +156,7 @@ mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *fr
     if (result >= 0 && out->rig)
         bind_focus(&out->mesh, out->rig, &out->topology);
     if (result >= 0)
-        say_shapes_left(out);
+        note_unused_shapes(out);
     if (result >= 0)
         result = join_notes(out, err);
     if (result < 0)

@@ -312,7 +312,7 @@ static void begin_fade(patch_bay *self)
 }
 
 /* A connection that is as before goes on from where it is. */
-static void keep_courses(patch_bay *self, const patch_plan *plan)
+static void carry_courses_over(patch_bay *self, const patch_plan *plan)
 {
     patch_course kept[PATCH_CONNECTIONS_MAX];
     memset(kept, 0, sizeof kept);
@@ -328,7 +328,7 @@ bool patch_bay_set(patch_bay *self, patch_plan *plan, patch_plan **out_old)
     *out_old = NULL;
     if (self->is_fading)
         return false;
-    keep_courses(self, plan);
+    carry_courses_over(self, plan);
     memset(self->may_speak, 0, sizeof self->may_speak);
     memset(self->speaks, 0, sizeof self->speaks);
     memset(self->presses, 0, sizeof self->presses);
@@ -471,7 +471,7 @@ static bool is_pulling(const patch_bay *self, uint32_t i)
 }
 
 /* Another set of them speaks from here on, once what came before has come. */
-static void follow_speakers(patch_bay *self)
+static void fade_on_change(patch_bay *self)
 {
     bool is_other = false;
     for (uint32_t i = 0; i < self->plan->of.count; ++i)
@@ -546,7 +546,7 @@ void patch_bay_step(patch_bay *self, const mrt_frame *frame, const mrt_plugin_ty
         find_params(self, mapping);
     for (uint32_t i = 0; i < self->plan->of.count; ++i)
         listen(self, i, frame, own, below);
-    follow_speakers(self);
+    fade_on_change(self);
     pull(self);
 }
 

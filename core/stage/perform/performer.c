@@ -122,15 +122,15 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
 }
 
 /* The layers of a lane, bottom first. */
-enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_FINGER, LANE_LAYERS };
+enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_POINTER, LANE_LAYERS };
 
 /* Over the mapping: what a contact is pulled by both adds up. */
-static composer_part finger_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
+static composer_part pointer_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
 {
     composer_part out = *as;
     out.slot += PERFORMER_VOICES_MAX * bank;
-    out.layer += LANE_FINGER;
-    out.is_additive = out.is_finger = true;
+    out.layer += LANE_POINTER;
+    out.is_additive = out.is_pointer = true;
     out.pull = pull;
     return out;
 }
@@ -167,10 +167,10 @@ static uint32_t pointer_parts(const layer *of, const composer_part *as, composer
     const pointer *p = layer_pointer(of);
     uint32_t part_count = 0;
     if (p->pull.mode != MRT_IDLE)
-        out[part_count++] = finger_part(as, 2, &p->pull);
+        out[part_count++] = pointer_part(as, 2, &p->pull);
     if (p->places.mode == MRT_IDLE && !p->commits && !(p->restore > 0.0))
         return part_count;
-    out[part_count] = finger_part(as, 3, &p->places);
+    out[part_count] = pointer_part(as, 3, &p->places);
     out[part_count].is_fresh = as->is_fresh && p->is_fresh;
     out[part_count++].restore = as->is_fresh ? p->restore : 0.0;
     return part_count;

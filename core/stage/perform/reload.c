@@ -268,7 +268,7 @@ static void refuse(reload *self, const char *reason)
 }
 
 /* [main] may look at the old one until it has asked again. */
-static void wait_until_known(const reload *self)
+static void wait_for_main(const reload *self)
 {
     while (self->settings.is_asked && !is_stopping(self) &&
            atomic_load(&self->known) != atomic_load(&self->pulling))
@@ -314,7 +314,7 @@ static void load_version(reload *self)
     atomic_store(&self->step, STEP_NOTHING);
     layer_room_destroy(self->room);
     self->room = NULL;
-    wait_until_known(self);
+    wait_for_main(self);
     retire(self, old, old_version);
     /* Last: who counts on it may change the file again. */
     atomic_store(&self->last_ns, clock_now_ns() - self->seen_ns);

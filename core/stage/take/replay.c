@@ -71,8 +71,8 @@ static plugin_words words_of(const char *text)
 }
 
 /* As on the stage: what does not come with the program may crash without taking it along. */
-static mrt_result set_apart(replay *self, const char *library, const mrt_plugin_type **type,
-                            error *err)
+static mrt_result isolate_foreign(replay *self, const char *library, const mrt_plugin_type **type,
+                                  error *err)
 {
     const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
     if (!isolate_is_wanted(ISOLATE_FOREIGN, library))
@@ -104,7 +104,7 @@ static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, e
             "%s is not the library that it was recorded with (then %s, now %.40s): the same hands "
             "may move the face otherwise",
             then.id, then.version[0] ? then.version : "unknown", (*out_type)->version);
-    return set_apart(self, path, out_type, err);
+    return isolate_foreign(self, path, out_type, err);
 }
 
 static void set_param(instance *mapping, uint32_t id, double value)
@@ -273,7 +273,7 @@ typedef struct kept_parts {
 
 enum { WITHOUT_TAUGHT = 2 }; /* version */
 
-static bool take_apart(kept_parts *out, const show_checkpoint *kept)
+static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
 {
     *out = (kept_parts){0};
     if (!kept->bytes || kept->version < WITHOUT_TAUGHT || kept->version > REPLAY_CHECKPOINT_VERSION)
@@ -312,7 +312,7 @@ static mrt_result read_taught(replay *self, error *err)
     else if (result < 0)
         return result;
     error why = {""};
-    if (result >= 0 && take_apart(&parts, &kept) && parts.taught_size > 0) {
+    if (result >= 0 && parse_checkpoint(&parts, &kept) && parts.taught_size > 0) {
         self->keeps_taught = true;
         if (taught_load(&self->mapping, parts.taught, parts.taught_size, &why) < 0)
             log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
@@ -575,7 +575,8 @@ mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, perfor
     if (result < 0)
         return result;
     kept_parts parts;
-    bool is_wanted = kept.time_ns >= least_ns && take_apart(&parts, &kept) && parts.state_size > 0;
+    bool is_wanted =
+        kept.time_ns >= least_ns && parse_checkpoint(&parts, &kept) && parts.state_size > 0;
     bool is_usable = is_wanted && resume(self, &parts, into, &ignored) >= 0;
     int64_t then_ns = kept.time_ns;
     if (!has_kept)
@@ -635,7 +636,7 @@ static mrt_result read_ahead(replay *self, error *err)
     if (self->is_same_plugin &&
         show_checkpoint_before(self->world.show, self->info.performance.id, self->asked_from_ns - 1,
                                most_kept(self), &self->ahead_state, &ignored) >= 0) {
-        bool is_usable = take_apart(&parts, &self->ahead_state) && parts.state_size > 0;
+        bool is_usable = parse_checkpoint(&parts, &self->ahead_state) && parts.state_size > 0;
         if (is_usable && self->ahead_state.time_ns >= self->info.from_ns)
             self->ahead_from_ns = self->ahead_state.time_ns + 1;
         if (!is_usable)

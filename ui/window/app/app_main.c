@@ -95,7 +95,7 @@ bool app_press(app *self, patch_action of)
     return is_wanted;
 }
 
-static void obey_presses(app *self)
+static void run_pressed_actions(app *self)
 {
     for (int i = 0; i < PATCH_ACTIONS; ++i) {
         const bool is_new = self->status.patch_pressed[i] > self->patch_pressed[i];
@@ -108,7 +108,7 @@ static void obey_presses(app *self)
 static void update_patch(app *self)
 {
     error err = {""};
-    obey_presses(self);
+    run_pressed_actions(self);
     if (!self->patch_waits || self->status.is_recording)
         return;
     patch whole = self->patch;

@@ -20,7 +20,7 @@ typedef struct app_done {
     app_step step; /* of a take: its words alone */
     int64_t take;  /* 0: somebody else's */
     int64_t head_before, head_after;
-    int64_t in_front;    /* the take that was chosen as it was done */
+    int64_t chosen_take; /* the take that was chosen as it was done */
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
 } app_done;
 
@@ -89,9 +89,9 @@ struct app {
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     app_done done[APP_UNDO_MAX];
     uint32_t done_count, all_count;
-    size_t done_bytes;  /* of all of them */
-    bool is_rig_shown;  /* in the dock, at the last update */
-    uint32_t rig_floor; /* done_count as it came there */
+    size_t done_bytes;       /* of all of them */
+    bool is_rig_shown;       /* in the dock, at the last update */
+    uint32_t rig_done_count; /* done_count as it came there */
 
     /* ---- recording and playing ---- */
     int64_t leads_in_until_ns; /* clock; 0: nothing is awaited */

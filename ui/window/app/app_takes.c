@@ -409,16 +409,16 @@ static void drop(app *self, uint32_t index)
     self->all_count -= 1;
     if (index < self->done_count)
         self->done_count -= 1;
-    if (index < self->rig_floor)
-        self->rig_floor -= 1;
+    if (index < self->rig_done_count)
+        self->rig_done_count -= 1;
 }
 
 static void put(app *self, const app_done *step)
 {
     while (self->all_count > self->done_count)
         drop(self, self->all_count - 1);
-    if (self->rig_floor > self->done_count)
-        self->rig_floor = self->done_count;
+    if (self->rig_done_count > self->done_count)
+        self->rig_done_count = self->done_count;
     while (self->done_count == APP_UNDO_MAX ||
            (self->done_count > 0 && self->done_bytes + step->step.bytes > APP_UNDO_BYTES))
         drop(self, 0);
@@ -446,8 +446,10 @@ static void forget_abandoned(app *self, int64_t id, int64_t head)
 
 static app_done step_of(const app *self, int64_t before, int64_t after)
 {
-    app_done out = {
-        .take = self->chosen, .head_before = before, .head_after = after, .in_front = self->chosen};
+    app_done out = {.take = self->chosen,
+                    .head_before = before,
+                    .head_after = after,
+                    .chosen_take = self->chosen};
     const int64_t told = after > before ? after : before;
     (void)snprintf(out.step.words, sizeof out.step.words, "%s", history_words(self->history, told));
     return out;
@@ -474,7 +476,7 @@ static void name_last_step(app *self, const char *words)
 static void note_copy(app *self, int64_t of, const char *words)
 {
     app_done step = {
-        .take = self->chosen, .head_after = 1, .in_front = self->chosen, .copied_from = of};
+        .take = self->chosen, .head_after = 1, .chosen_take = self->chosen, .copied_from = of};
     (void)snprintf(step.step.words, sizeof step.step.words, "%s", words);
     put(self, &step);
 }
@@ -483,7 +485,7 @@ static void note_copy(app *self, int64_t of, const char *words)
 static bool is_elsewhere(const app *self, const app_done *step)
 {
     return step->take && self->chosen && step->take != self->chosen &&
-           step->in_front != self->chosen && step->copied_from != self->chosen;
+           step->chosen_take != self->chosen && step->copied_from != self->chosen;
 }
 
 /* The border of what is in front: its take comes there, and nothing is changed yet. */
@@ -550,7 +552,7 @@ void app_undo_update(app *self)
 {
     const bool is_shown = self->looks.panel == APP_RIG;
     if (is_shown && !self->is_rig_shown)
-        self->rig_floor = self->done_count;
+        self->rig_done_count = self->done_count;
     self->is_rig_shown = is_shown;
 }
 
@@ -558,7 +560,7 @@ void app_undo_update(app *self)
  * stays as it is. */
 static bool is_behind_rig(const app *self)
 {
-    const uint32_t floor = self->is_rig_shown ? self->rig_floor : self->done_count;
+    const uint32_t floor = self->is_rig_shown ? self->rig_done_count : self->done_count;
     return self->looks.panel == APP_RIG && self->done_count <= floor &&
            (self->done_count == 0 || self->done[self->done_count - 1].take != 0);
 }
@@ -745,7 +747,7 @@ mrt_result app_edit_take(app *self, int64_t id, const edit *e)
     if (result >= 0)
         result = app_edit(self, e);
     if (result >= 0 && self->done_count > 0)
-        self->done[self->done_count - 1].in_front = before;
+        self->done[self->done_count - 1].chosen_take = before;
     if (app_pick_take(self, before) >= 0)
         self->choice = choice;
     return result;
