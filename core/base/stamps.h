@@ -1,12 +1,13 @@
-/* base/stamps.h - which parts of something have changed since somebody looked last. Each part has
- * the number of the change that it was written in; a reader remembers the last number that he has
- * seen, and of whom. So there may be any number of readers, none has to be told, and one who comes
- * late, or from another source, finds all that he has missed. One thread, or a copy of it. */
+/* base/stamps.h - dirty tracking by version numbers: which parts of something have changed since a
+ * reader looked last. Each part has the number of the change that wrote it; a reader keeps the
+ * number that it has seen, and of which source. So there may be any number of readers, none has to
+ * be told of a change, and one that comes late, or from another source, finds all that it has
+ * missed. One thread, or a copy of it. */
 #ifndef MAROTTE_BASE_STAMPS_H
 #define MAROTTE_BASE_STAMPS_H
 #include "base/error.h"
 
-typedef struct stamps_source { /* no two are alike: whoever is at an address later is born later */
+typedef struct stamps_source { /* unique: what is made at the same address later has a later time */
     const void *address;
     int64_t born_ns;
 } stamps_source;
