@@ -1026,8 +1026,8 @@ static mrt_result check_performance(const take_performance *performance, error *
 static mrt_result begin_performance(writer *self, writer_job *job, take_performance *performance,
                                     take_texts *texts, int64_t time_ns, error *err)
 {
-    performance->id = show_next_id(self->of, SHOW_ID_PERFORMANCE);
     if (job) {
+        performance->id = show_next_id(self->of, SHOW_ID_PERFORMANCE);
         writer_job_put_performance(job, performance, texts);
         job->from_ns = job->to_ns = writer_show_ns(self, time_ns);
     }
