@@ -72,6 +72,8 @@ bad_input 'speed' "log:$demo,speed=fast"
 
 # Mappings.
 bad_map 'no mapping plugin "waldo"' waldo
+bad_map './waldo.so: cannot open shared object file' waldo.so
+bad_map 'is a button' gesture,forget=1
 bad_map 'ABI 7, this program speaks ABI 1' "$BUILD_DIR/tests/plugin/abi.so"
 bad_map 'marotte_plugins' "$BUILD_DIR/tests/plugin/symbol.so"
 bad_map 'no licence for this machine' "$BUILD_DIR/tests/plugin/create.so"

@@ -353,7 +353,8 @@ typedef struct mrt_face_output {
 typedef struct mrt_state {
     /* [frame] Writes at most `capacity` bytes (out may be NULL); returns the size it takes. */
     size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
-    mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size); /* [frame] all or none */
+    /* [frame] All or none; what it refuses, it logs as an error: the person loses it. */
+    mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
 } mrt_state;
 
 /* ---- taught poses: how the hand is held that a trigger stands for, so that it can be drawn ----

@@ -230,6 +230,12 @@ mrt_result instance_set_text(instance *self, const char *key, const char *value,
     if (!find_param(self, key, &index, err))
         return MRT_ERR_ARGUMENT;
     const mrt_param *p = &self->type->params[index];
+    if ((p->flags & MRT_PARAM_TRIGGER) && plugin_interface(self->type, MRT_MAPPING))
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s: %s is a button: bind it to a pedal or a key (a patch), or press it on "
+            "the stage",
+            self->type->id, key);
     bool is_number =
         label_value(p, value, &number) || text_double(text_view_of(value, strlen(value)), &number);
     bool is_within = is_number && number >= p->min && number <= p->max;

@@ -547,12 +547,11 @@ mrt_result plugin_list_find(const plugin_list *list, const char *name, const cha
 
 /* ---- what the person wrote ---- */
 
-/* "./wave.so", and "wave.so" if it lies here. */
+/* "./wave.so", and "wave.so" for the one that lies here. */
 static bool is_path(const char *words)
 {
     size_t length = strlen(words);
-    bool is_library = length > 3 && strcmp(words + length - 3, ".so") == 0;
-    return strchr(words, '/') || (is_library && access(words, F_OK) == 0);
+    return strchr(words, '/') || (length > 3 && strcmp(words + length - 3, ".so") == 0);
 }
 
 /* "./two.so/tide": the library is "./two.so", and out_name "tide"; "" when none is named. */

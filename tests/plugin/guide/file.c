@@ -6,8 +6,9 @@
 #include <unistd.h>
 
 struct mrt_plugin {
+    const mrt_host *host;
     const mrt_face *face;
-    float neutral;
+    float bend, neutral, loaded;
 };
 
 #include "block.h"

@@ -11,6 +11,7 @@ struct mrt_plugin {
 };
 
 uint32_t contact_named(const mrt_face *face, const char *name);
+uint32_t dof_named(const mrt_face *face, const char *name);
 mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull);
 
 mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
