@@ -181,6 +181,24 @@ static void what_is_whole_is_written_as_vertices_and_its_paint_goes(void **state
     rig_destroy(&r);
 }
 
+static void paint_goes_with_the_region_whose_pieces_lie_in_it(void **state)
+{
+    (void)state;
+    char text[4096];
+    error err = {""};
+    put("a.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", " BONES ", \"regions\": "
+                      "[{\"bone\": \"skull\", \"weight\": 1, \"select\": {\"vertices\": [0]}}, "
+                      "{\"bone\": \"jaw\", \"weight\": 1, \"select\": {\"all\": "
+                      "[{\"pieces_inside\": {\"not\": {\"painted\": \"low\"}}}]}}], "
+                      "\"paints\": {\"low\": [\"2:40\"], \"spare\": [\"1:10\"]}}");
+    rig r = read_rig("a.rig.json");
+    must(rig_edit_remove_region(&r, 1, &err), &err);
+    written(text, sizeof text, &r, "out.rig.json");
+    assert_null(strstr(text, "\"low\""));
+    assert_non_null(strstr(text, "\"spare\""));
+    rig_destroy(&r);
+}
+
 static void two_paints_never_share_a_name(void **state)
 {
     (void)state;
@@ -484,6 +502,7 @@ int main(void)
         cmocka_unit_test(what_is_read_and_written_is_the_same_text),
         cmocka_unit_test(what_is_painted_anew_is_read_again),
         cmocka_unit_test(what_is_whole_is_written_as_vertices_and_its_paint_goes),
+        cmocka_unit_test(paint_goes_with_the_region_whose_pieces_lie_in_it),
         cmocka_unit_test(two_paints_never_share_a_name),
         cmocka_unit_test(included_paint_is_written_with_the_rest),
         cmocka_unit_test(paint_that_many_regions_use_is_paid_out_of_the_budget),

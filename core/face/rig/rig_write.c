@@ -514,8 +514,12 @@ static bool json_names(const json_t *select, const char *name)
         for (size_t i = 0; i < json_array_size(list[k]); ++i)
             if (json_names(json_array_get(list[k], i), name))
                 return true;
-    const json_t *other = json_object_get(select, "not");
-    return other && json_names(other, name);
+    const json_t *inner[] = {json_object_get(select, "not"),
+                             json_object_get(select, "pieces_inside")};
+    for (int k = 0; k < 2; ++k)
+        if (inner[k] && json_names(inner[k], name))
+            return true;
+    return false;
 }
 
 static bool file_names(const rig_document *d, const char *name)
