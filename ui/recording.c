@@ -1,5 +1,6 @@
 #include "recording.h"
 
+#include "base/percentile.h"
 #include "face/face_weights.h"
 
 #include <math.h>
@@ -83,13 +84,13 @@ static mrt_result keep_work(recording *self, int64_t work_ns, error *err)
 {
     if (self->frame_count == self->frame_capacity) {
         uint32_t capacity = self->frame_capacity ? 2 * self->frame_capacity : 1024;
-        float *work_ms = realloc(self->work_ms, capacity * sizeof *work_ms);
+        double *work_ms = realloc(self->work_ms, capacity * sizeof *work_ms);
         if (!work_ms)
             return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
         self->work_ms = work_ms;
         self->frame_capacity = capacity;
     }
-    self->work_ms[self->frame_count++] = (float)((double)work_ns * 1e-6);
+    self->work_ms[self->frame_count++] = (double)work_ns * 1e-6;
     return MRT_OK;
 }
 
@@ -604,25 +605,16 @@ mrt_result recording_add(recording *self, performer *performed, int64_t work_ns,
     return result < 0 || !self->clip ? result : add_hands(self, performed, err);
 }
 
-static int by_size(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 double recording_median_ms(recording *self)
 {
-    if (self->frame_count == 0)
-        return 0.0;
-    qsort(self->work_ms, self->frame_count, sizeof *self->work_ms, by_size);
-    return (double)self->work_ms[self->frame_count / 2];
+    return percentile(self->work_ms, self->frame_count, 0.5);
 }
 
 double recording_worst_ms(recording *self)
 {
     double worst = 0.0;
     for (uint32_t i = 0; i < self->frame_count; ++i)
-        worst = fmax(worst, (double)self->work_ms[i]);
+        worst = fmax(worst, self->work_ms[i]);
     return worst;
 }
 

@@ -34,7 +34,7 @@ typedef struct recording {
     struct face_weights *weights;             /* NULL: nothing is said in names */
     double residual_mm;                       /* of these, in the worst frame */
     double *value;                            /* scratch: one for each curve of the clip */
-    float *work_ms;                           /* per frame */
+    double *work_ms;                          /* per frame */
     uint32_t frame_count, frame_capacity;
     double furthest_mm;     /* of any vertex from rest, in any frame */
     uint32_t folded_frames; /* anchored frames that fold: face_min_determinant <= 0 */

@@ -1,5 +1,6 @@
 #include "rigpicture.h"
 
+#include "base/srgb.h"
 #include "draw/offscreen.h"
 
 #include <math.h>
@@ -282,12 +283,6 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
               (float)(rectangle[1] + rectangle[3]) - 30.0f, LABEL_SIZE, faint);
 }
 
-/* As colours go to a screen. */
-static float coded(float linear)
-{
-    return linear <= 0.0031308f ? 12.92f * linear : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
-}
-
 static void draw_legend(picture *p)
 {
     float x = MARGIN;
@@ -300,7 +295,9 @@ static void draw_legend(picture *p)
     p->stroke_count = 0;
     for (uint32_t i = 0; i < p->r->bone_count; ++i) {
         rigpicture_colour colour = rigpicture_bone_colour(p->r, i);
-        float rgba[4] = {coded(colour.rgb[0]), coded(colour.rgb[1]), coded(colour.rgb[2]), 1.0f};
+        float rgba[4] = {0.0f, 0.0f, 0.0f, 1.0f};
+        for (int k = 0; k < 3; ++k)
+            rgba[k] = (float)srgb_from_linear((double)colour.rgb[k]);
         float at[2] = {x + 0.5f * SWATCH, LEGEND_TOP + 0.6f * LEGEND_SIZE};
         float width = draw_text_width(p->offscreen.renderer, p->r->bone[i].name, LEGEND_SIZE);
         if (x + SWATCH + width + 40.0f > (float)p->offscreen.width)

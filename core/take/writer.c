@@ -1,6 +1,7 @@
 #include "take/writer.h"
 
 #include "base/clock.h"
+#include "base/condition.h"
 #include "take/spool.h"
 #include "take/writer_store.h"
 
@@ -33,16 +34,6 @@ typedef struct writer_sync {
     _Atomic bool is_missing; /* the file under the show's name is not the one that is open */
 } writer_sync;
 
-/* Its waits end by the monotonic clock. */
-static void init_monotonic(pthread_cond_t *condition)
-{
-    pthread_condattr_t monotonic;
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
-    pthread_cond_init(condition, &monotonic);
-    pthread_condattr_destroy(&monotonic);
-}
-
 /* The log is one file for as long as somebody has the show open. It is not locked, so that closing
  * it takes no lock away from SQLite, as it would with the show itself. */
 static off_t log_size(writer_sync *self)
@@ -65,13 +56,10 @@ static void bring_to_disk(writer_sync *self)
 
 static bool wait_a_second(writer_sync *self)
 {
-    struct timespec until;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += 1;
+    const int64_t until_ns = clock_now_ns() + NS_PER_S;
     pthread_mutex_lock(&self->lock);
-    int woken = 0;
-    while (!self->is_stopping && woken != ETIMEDOUT)
-        woken = pthread_cond_timedwait(&self->wake, &self->lock, &until);
+    while (!self->is_stopping && condition_wait(&self->wake, &self->lock, until_ns))
+        continue;
     bool goes_on = !self->is_stopping;
     pthread_mutex_unlock(&self->lock);
     return goes_on;
@@ -106,7 +94,7 @@ static mrt_result writer_sync_start(writer_sync **out, const show *s, error *err
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", show_path(s));
     self->of = s;
     self->log_fd = -1;
-    init_monotonic(&self->wake);
+    condition_init(&self->wake);
     pthread_mutex_init(&self->lock, NULL);
     mrt_result result = show_connect(s, &self->db, err);
     self->log_path = show_beside(show_path(s), "-wal");
@@ -718,12 +706,10 @@ void writer_checkpoint(writer *self, int64_t performance, int64_t time_ns, uint3
 
 static bool wait_for_work(writer *self, int64_t until_ns, uint64_t *out_flush)
 {
-    struct timespec until = {.tv_sec = (time_t)(until_ns / NS_PER_S),
-                             .tv_nsec = (long)(until_ns % NS_PER_S)};
     pthread_mutex_lock(&self->lock);
-    int woken = 0;
-    while (!self->is_stopping && self->flush_asked == self->flush_done && woken != ETIMEDOUT)
-        woken = pthread_cond_timedwait(&self->wake, &self->lock, &until);
+    while (!self->is_stopping && self->flush_asked == self->flush_done &&
+           condition_wait(&self->wake, &self->lock, until_ns))
+        continue;
     bool goes_on = !self->is_stopping;
     *out_flush = self->flush_asked;
     pthread_mutex_unlock(&self->lock);
@@ -833,8 +819,8 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     self->memory_bytes = options->memory_bytes ? options->memory_bytes : DEFAULT_MEMORY_BYTES;
     self->old.length_ns =
         options->journal_ns > 0 ? options->journal_ns : DEFAULT_JOURNAL_S * NS_PER_S;
-    init_monotonic(&self->wake);
-    init_monotonic(&self->done);
+    condition_init(&self->wake);
+    condition_init(&self->done);
     pthread_mutex_init(&self->lock, NULL);
     int64_t session, last_chunk;
     result = allocate(self, options, err);

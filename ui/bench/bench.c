@@ -47,21 +47,6 @@ uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double
     return round;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-double bench_quantile(double *value, uint32_t count, double share)
-{
-    if (count == 0)
-        return 0.0;
-    qsort(value, count, sizeof *value, by_size);
-    uint32_t index = (uint32_t)((double)count * share);
-    return value[index < count ? index : count - 1];
-}
-
 /* ---- what is promised ---- */
 
 /* Other work on the machine takes from a ratio too: a gate asks for half of it. */

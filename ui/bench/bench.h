@@ -22,8 +22,6 @@ typedef struct bench_work {
 /* In turns, `rounds` times, after one turn that does not count; stops after `seconds`, but not
  * before three rounds. Returns the rounds. */
 uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double seconds);
-/* Of values that it sorts: share 0.5 is the median. */
-double bench_quantile(double *value, uint32_t count, double share);
 
 /* What the machine can do, measured beside a row with as many bytes as it moves. */
 typedef struct bench_roof {

@@ -1,6 +1,7 @@
 /* The puppet performed: the whole frame, step by step, and the stage with its threads. */
 #include "base/clock.h"
 #include "base/installed.h"
+#include "base/percentile.h"
 #include "bench/bench.h"
 #include "draw/draw.h"
 #include "stage/input/feed.h"
@@ -141,8 +142,8 @@ static void tell_frame(frame_scene *self, const char *mapping, const char *cache
 {
     for (int i = 0; i < STEPS; ++i) {
         char label[48], line[128];
-        double p50 = bench_quantile(self->took_ms[i], count, 0.5);
-        double p99 = bench_quantile(self->took_ms[i], count, 0.99);
+        double p50 = percentile(self->took_ms[i], count, 0.5);
+        double p99 = percentile(self->took_ms[i], count, 0.99);
         snprintf(label, sizeof label, "%s %s", mapping, caches);
         snprintf(line, sizeof line, "%-26s p50 %7.3f ms   p99 %7.3f ms", step_name[i], p50, p99);
         const facts_cell cells[] = {
@@ -177,7 +178,7 @@ static void tell_blocks(frame_scene *self, const char *mapping, uint32_t count)
 
 static void promise(const frame_scene *self, const char *mapping, uint32_t count)
 {
-    double p99_ms = bench_quantile(self->took_ms[STEP_FRAME], count, 0.99);
+    double p99_ms = percentile(self->took_ms[STEP_FRAME], count, 0.99);
     if (strcmp(mapping, "anchored") == 0)
         bench_at_most_ms(self->of, "whole frame, anchored, 99 %", p99_ms, 0.25);
     if (strcmp(mapping, "unanchored") == 0)
@@ -233,8 +234,8 @@ static mrt_result measure_limit(frame_scene *self, const char *mapping, uint32_t
     end_frames(self);
     if (result < 0)
         return result;
-    double plain_ms = bench_quantile(self->took_ms[STEP_FRAME], count, 0.5);
-    double plain_99_ms = bench_quantile(self->took_ms[STEP_FRAME], count, 0.99);
+    double plain_ms = percentile(self->took_ms[STEP_FRAME], count, 0.5);
+    double plain_99_ms = percentile(self->took_ms[STEP_FRAME], count, 0.99);
     snprintf(line, sizeof line, "%-26s p50 %7.3f ms   p99 %7.3f ms, with it %.2f and %.2f x",
              "3-7 without the limit", plain_ms, plain_99_ms, with_ms / plain_ms,
              with_99_ms / plain_99_ms);
@@ -260,8 +261,8 @@ static mrt_result measure(frame_scene *self, const char *mapping, error *err)
         tell_frame(self, mapping, "hot", hot);
         tell_blocks(self, mapping, hot);
         promise(self, mapping, hot);
-        p50_ms = bench_quantile(self->took_ms[STEP_FRAME], hot, 0.5);
-        p99_ms = bench_quantile(self->took_ms[STEP_FRAME], hot, 0.99);
+        p50_ms = percentile(self->took_ms[STEP_FRAME], hot, 0.5);
+        p99_ms = percentile(self->took_ms[STEP_FRAME], hot, 0.99);
     }
     for (uint32_t i = 0; i < cold && result >= 0; ++i)
         run_frame(self, i, true);
@@ -376,8 +377,8 @@ static void tell_stage(bench *self, stage_scene *s, const char *what, double *to
                        const char *note)
 {
     char line[160];
-    double p50 = bench_quantile(took_ms, s->count, 0.5);
-    double p99 = bench_quantile(took_ms, s->count, 0.99);
+    double p50 = percentile(took_ms, s->count, 0.5);
+    double p99 = percentile(took_ms, s->count, 0.99);
     snprintf(line, sizeof line, "p50 %6.3f ms   p99 %6.3f ms%s", p50, p99, note);
     const facts_cell cells[] = {
         {"rate_hz", NULL, rate_hz, 1},

@@ -11,6 +11,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/memory.h"
+#include "base/percentile.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -66,24 +67,14 @@ static void figures_add(figures *self, double value)
         self->count = FIGURES_KEPT;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
-
 /* Of the last FIGURES_KEPT; 0 when there are none. */
 static void figures_look(const figures *self, double *out_p50, double *out_p99)
 {
     double sorted[FIGURES_KEPT];
     const uint32_t count = self->count < FIGURES_KEPT ? self->count : FIGURES_KEPT;
-    *out_p50 = *out_p99 = 0.0;
-    if (count == 0)
-        return;
     memcpy(sorted, self->value, count * sizeof sorted[0]);
-    qsort(sorted, count, sizeof sorted[0], by_size);
-    *out_p50 = sorted[(count - 1) / 2];
-    *out_p99 = sorted[(uint32_t)(0.99 * (double)(count - 1) + 0.5)];
+    *out_p50 = percentile(sorted, count, 0.5);
+    *out_p99 = percentile(sorted, count, 0.99);
 }
 
 /* Keys: each action by its own, but while something is typed or the keyboard is a hand. */

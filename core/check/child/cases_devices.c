@@ -1,5 +1,6 @@
 /* Inputs, outputs, face outputs, and lists of devices. */
 #include "base/clock.h"
+#include "base/percentile.h"
 #include "check/child/cases.h"
 #include "check/child/fixture.h"
 #include "check/child/tell.h"
@@ -686,7 +687,7 @@ void cases_output(const examination *e)
 /* ---- face outputs ---- */
 
 enum { BONES = 4, SHAPES = 3, WEIGHTS = 95, VERTICES = 12, CONTACTS_MAX = 64 };
-static const int64_t usual_ns = 20 * NS_PER_MS; /* of send(), on a quiet machine at most */
+static const double usual_ns = 20.0 * NS_PER_MS; /* of send(), on a quiet machine at most */
 
 static const char *const bone_name[BONES] = {"skull", "jaw", "eye.l", "eye.r"};
 static const int32_t parent[BONES] = {-1, 0, 0, 0};
@@ -743,16 +744,10 @@ static mrt_face_sample sample_of(uint32_t index, const mrt_face_wants *wants)
                              .vertices = wants->vertices ? vertex : NULL};
 }
 
-static int by_size(const void *a, const void *b)
-{
-    int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
 static void send_samples(output *self, face_kind kind)
 {
     static mrt_face_names names;
-    int64_t took_ns[SAMPLES];
+    double took_ns[SAMPLES];
     names = names_of(kind);
     tell_doing(RULE_FACE_OUTPUT_FACES, "begin() of %s", faces_name(kind));
     watch_next();
@@ -766,15 +761,15 @@ static void send_samples(output *self, face_kind kind)
         int64_t before_ns = host_now_ns(&with);
         watch_next();
         result = self->face->send(self->self, params, &sample);
-        took_ns[i] = host_now_ns(&with) - before_ns;
+        took_ns[i] = (double)(host_now_ns(&with) - before_ns);
         if (result != MRT_OK && result != MRT_TIMEOUT)
             tell_failed(RULE_FACE_OUTPUT_SEND, "send() returned %d for sample %u: %s", result, i,
                         with.last_log);
     }
-    qsort(took_ns, SAMPLES, sizeof *took_ns, by_size);
-    if (took_ns[SAMPLES / 2] > usual_ns)
+    const double median_ns = percentile(took_ns, SAMPLES, 0.5);
+    if (median_ns > usual_ns)
         tell_failed(RULE_FACE_OUTPUT_TIME, "send() takes %.1f ms, half of the time or more often",
-                    (double)took_ns[SAMPLES / 2] / 1e6);
+                    median_ns / 1e6);
 }
 
 void cases_face_output(const examination *e)

@@ -1,6 +1,7 @@
 /* Every type: made and destroyed. Mappings: at work. */
 #include "check/child/actor.h"
 #include "base/hash.h"
+#include "base/percentile.h"
 #include "check/child/cases.h"
 #include "check/child/tell.h"
 #include "check/child/trap.h"
@@ -316,30 +317,20 @@ static const double limit_us = 1000.0; /* this build is slow itself */
 static const double limit_us = 200.0;
 #endif
 
-static int by_size(const void *a, const void *b)
-{
-    int64_t x, y;
-    x = *(const int64_t *)a;
-    y = *(const int64_t *)b;
-    return (x > y) - (x < y);
-}
-
 /* Of the processor time of process(). */
 static double p99_us(const examination *e)
 {
-    static int64_t took_ns[DEADLINE_FRAMES];
+    static double took_us[DEADLINE_FRAMES];
     if (!play_open(&tried, &tried_hands, e, STREAM_RESTLESS, e->seed))
         return -1;
     tried.is_measured = true;
     play_frames(&tried, &tried_hands, PLAY_SPAN); /* warms the caches up */
     for (uint32_t i = 0; i < DEADLINE_FRAMES; ++i) {
         play_frames(&tried, &tried_hands, 1);
-        took_ns[i] = tried.cpu_ns;
+        took_us[i] = (double)tried.cpu_ns / 1e3;
     }
     actor_close(&tried);
-    qsort(took_ns, DEADLINE_FRAMES, sizeof *took_ns, by_size);
-    const size_t at = (size_t)DEADLINE_FRAMES * 99 / 100;
-    return (double)took_ns[at] / 1e3;
+    return percentile(took_us, DEADLINE_FRAMES, 0.99);
 }
 
 /* A slow plugin is slow every time: the best of some passes does not blame it for others. */

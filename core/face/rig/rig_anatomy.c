@@ -1,5 +1,6 @@
 #include "face/rig/rig_anatomy.h"
 
+#include "base/percentile.h"
 #include "face/bind.h"
 #include "mesh/place.h"
 
@@ -203,12 +204,6 @@ static void fill_rows(rows *r, const mesh *m, const uint8_t *is_head, vec3 low, 
     }
 }
 
-static int by_value(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 static double width_at(const rows *r, int row)
 {
     double width = r->high_x[row] - r->low_x[row];
@@ -225,8 +220,7 @@ static int find_shoulders(const rows *r)
         int count = ROWS - 1 - row, wide = 0;
         for (int i = 0; i < count; ++i)
             sorted[i] = width_at(r, row + 1 + i);
-        qsort(sorted, (size_t)count, sizeof *sorted, by_value);
-        double usual = sorted[count / 2];
+        double usual = percentile(sorted, (uint32_t)count, 0.5);
         if (width_at(r, row) < 1.35 * usual)
             continue;
         for (int i = 0; i < row; ++i)

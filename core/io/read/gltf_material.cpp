@@ -7,6 +7,7 @@
 #include <new>
 
 extern "C" {
+#include "base/srgb.h"
 #include "io/read/mesh_build.h"
 #include "io/read/mesh_images.h"
 }
@@ -39,12 +40,6 @@ void read_numbers(const value &of, double *out, size_t count)
 {
     for (size_t i = 0; of.IsArray() && i < count && i < of.ArrayLen(); ++i)
         out[i] = number_or(of.Get((int)i), out[i]);
-}
-
-/* IEC 61966-2-1 */
-double linear_of_srgb(double coded)
-{
-    return coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4);
 }
 
 /* ---- pictures ---- */
@@ -173,7 +168,7 @@ class material_reader
             shade[0] = 0.97, shade[1] = 0.81, shade[2] = 0.86; /* MToon's own default */
             read_numbers(gltf_member(gltf_member(of, "vectorProperties"), "_ShadeColor"), shade, 3);
             for (double &channel : shade)
-                channel = linear_of_srgb(channel);
+                channel = srgb_to_linear(channel);
             const value &numbers = gltf_member(of, "floatProperties");
             read_old_toon(m, number_or(gltf_member(numbers, "_ShadeShift"), 0),
                           number_or(gltf_member(numbers, "_ShadeToony"), 0.9));

@@ -2,6 +2,7 @@
  * strips; other floating-point properties of the vertices become attributes of the same name. */
 #include "io/read/mesh_build.h"
 
+#include "base/srgb.h"
 #include "io/mesh_file.h"
 
 #include <math.h>
@@ -427,11 +428,11 @@ static mrt_result read_vertex_values(ply_reader *r, const ply_element *e, float 
     return MRT_OK;
 }
 
-/* sRGB-coded, as scanners and editors write them, to linear (IEC 61966-2-1). */
+/* sRGB-coded, as scanners and editors write them. */
 static float linear_of_srgb(float coded)
 {
     double c = coded > 0.0f ? (coded < 1.0f ? (double)coded : 1.0) : 0.0;
-    return (float)(c <= 0.04045 ? c / 12.92 : pow((c + 0.055) / 1.055, 2.4));
+    return (float)srgb_to_linear(c);
 }
 
 static mrt_result add_colour(ply_reader *r, const float rgb[3])

@@ -1,5 +1,6 @@
 #include "stage/mapping/instance.h"
 #include "base/clock.h"
+#include "base/condition.h"
 #include "base/text.h"
 #include "stage/mapping/plugins.h"
 
@@ -54,9 +55,7 @@ int64_t instance_wait_until_ns(instance *self, int64_t time_ns)
     while ((now_ns = clock_now_ns()) < time_ns && !is_to_stop(self)) {
         const int64_t until_ns =
             self->stop && time_ns - now_ns > look_span_ns ? now_ns + look_span_ns : time_ns;
-        const struct timespec until = {.tv_sec = (time_t)(until_ns / NS_PER_S),
-                                       .tv_nsec = (long)(until_ns % NS_PER_S)};
-        (void)pthread_cond_timedwait(&self->wake, &self->mutex, &until);
+        (void)condition_wait(&self->wake, &self->mutex, until_ns);
     }
     pthread_mutex_unlock(&self->mutex);
     return now_ns;
@@ -112,12 +111,8 @@ mrt_result instance_create(instance *out, const mrt_plugin_type *type, instance_
     *out = (instance){.type = type, .clock = clock, .log = log};
     out->host = (mrt_host){
         out, host_log, host_now_ns, host_wait_until_ns, host_request_restart, host_service};
-    pthread_condattr_t attributes;
     pthread_mutex_init(&out->mutex, NULL);
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&out->wake, &attributes);
-    pthread_condattr_destroy(&attributes);
+    condition_init(&out->wake);
     mrt_result result = allocate(out, err);
     if (result < 0)
         goto fail;

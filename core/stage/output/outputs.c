@@ -1,5 +1,6 @@
 #include "stage/output/outputs.h"
 #include "base/clock.h"
+#include "base/percentile.h"
 #include "stage/input/wake.h"
 #include "stage/mapping/plugins.h"
 
@@ -473,15 +474,9 @@ double outputs_residual_mm(outputs *self)
     return residual_mm;
 }
 
-static int by_size(const void *a, const void *b)
-{
-    float x = *(const float *)a, y = *(const float *)b;
-    return (x > y) - (x < y);
-}
-
 void outputs_status(outputs *self, uint32_t index, output_status *out)
 {
-    float sorted[LATENCIES];
+    double latency_ms[LATENCIES];
     output *of = self->one[index];
     pthread_mutex_lock(&of->mutex);
     uint32_t count = of->latency_count < LATENCIES ? (uint32_t)of->latency_count : LATENCIES;
@@ -494,13 +489,11 @@ void outputs_status(outputs *self, uint32_t index, output_status *out)
                            .rate_hz =
                                clock_now_ns() - of->second_ns < 3 * NS_PER_S ? of->rate_hz : 0.0};
     memcpy(out->trouble, of->trouble, sizeof out->trouble);
-    memcpy(sorted, of->latency_ms, count * sizeof *sorted);
+    for (uint32_t i = 0; i < count; ++i)
+        latency_ms[i] = (double)of->latency_ms[i];
     pthread_mutex_unlock(&of->mutex);
-    if (count == 0)
-        return;
-    qsort(sorted, count, sizeof *sorted, by_size);
-    out->p50_ms = (double)sorted[count / 2];
-    out->p99_ms = (double)sorted[(uint32_t)((double)(count - 1) * 0.99)];
+    out->p50_ms = percentile(latency_ms, count, 0.5);
+    out->p99_ms = percentile(latency_ms, count, 0.99);
 }
 
 mrt_result outputs_create(outputs **out, const outputs_settings *settings, error *err)

@@ -1,5 +1,6 @@
 #include "stage/sound/sound_device.h"
 #include "base/clock.h"
+#include "base/condition.h"
 #include "base/log.h"
 #include "base/slot.h"
 #include "stage/input/wake.h"
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* A device that gives no block for so long has stopped, whatever it says. */
 static const int64_t silent_max_ns = 3 * NS_PER_S;
@@ -265,7 +265,6 @@ mrt_result sound_device_create(sound_device **out, sound_direction direction,
                                const sound_backend *backend, const sound_user *user, log_queue *log,
                                sound_threads threads, error *err)
 {
-    pthread_condattr_t monotonic;
     *out = NULL;
     sound_device *self = calloc(1, sizeof *self);
     if (!self)
@@ -278,11 +277,8 @@ mrt_result sound_device_create(sound_device **out, sound_direction direction,
     wake_init(&self->wake);
     slot_init(&self->want_slot);
     slot_init(&self->status_slot);
-    pthread_condattr_init(&monotonic);
-    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&self->lock, NULL);
-    pthread_cond_init(&self->done, &monotonic);
-    pthread_condattr_destroy(&monotonic);
+    condition_init(&self->done);
     if (threads == SOUND_OWN_THREADS && pthread_create(&self->thread, NULL, run, self) != 0) {
         free_device(self);
         return error_set(err, MRT_ERR_MEMORY, "no thread for sound");
@@ -293,13 +289,10 @@ mrt_result sound_device_create(sound_device **out, sound_direction direction,
 
 static bool wait_until_done(sound_device *self)
 {
-    struct timespec until;
-    int woken = 0;
-    clock_gettime(CLOCK_MONOTONIC, &until);
-    until.tv_sec += DESTROY_WAIT_S;
+    const int64_t until_ns = clock_now_ns() + DESTROY_WAIT_S * NS_PER_S;
     pthread_mutex_lock(&self->lock);
-    while (!self->is_done && woken != ETIMEDOUT)
-        woken = pthread_cond_timedwait(&self->done, &self->lock, &until);
+    while (!self->is_done && condition_wait(&self->done, &self->lock, until_ns))
+        continue;
     self->is_abandoned = !self->is_done;
     bool is_done = self->is_done;
     pthread_mutex_unlock(&self->lock);

@@ -1,5 +1,7 @@
 #include "window/gui/theme.h"
 
+#include "base/srgb.h"
+
 #include <math.h>
 #include <stddef.h>
 
@@ -30,8 +32,7 @@ static const named names[] = {
 
 double theme_linear(uint32_t part)
 {
-    const double s = (double)(part & 0xffu) / 255.0;
-    return s <= 0.04045 ? s / 12.92 : pow((s + 0.055) / 1.055, 2.4);
+    return srgb_to_linear((double)(part & 0xffu) / 255.0);
 }
 
 uint32_t theme_coded(double part)
@@ -40,9 +41,7 @@ uint32_t theme_coded(double part)
         return 0;
     if (part >= 1.0)
         return 255;
-    return (uint32_t)(255.0 * (part <= 0.0031308 ? 12.92 * part
-                                                 : 1.055 * pow(part, 1.0 / 2.4) - 0.055) +
-                      0.5);
+    return (uint32_t)(255.0 * srgb_from_linear(part) + 0.5);
 }
 
 /* Oklab (Ottosson 2020): the lightness between those of stage and text is turned round. */

@@ -7,6 +7,7 @@
 #include "window/app/camera_page.h"
 
 #include "base/clock.h"
+#include "base/condition.h"
 #include "base/file.h"
 #include "hand/calibration_folder.h"
 #include "stage/input/device_list.h"
@@ -19,7 +20,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* ---- words ---- */
 
@@ -225,13 +225,6 @@ static bool is_due(const devices_search *self, int64_t next_ns)
     return self->is_asked || (is_wanted && now_ns >= next_ns);
 }
 
-static void wait_until(devices_search *self, int64_t time_ns)
-{
-    const struct timespec until = {.tv_sec = (time_t)(time_ns / NS_PER_S),
-                                   .tv_nsec = (long)(time_ns % NS_PER_S)};
-    (void)pthread_cond_timedwait(&self->change, &self->mutex, &until);
-}
-
 static void post(devices_search *self)
 {
     calibration_list_finish(&self->posted.calibrations);
@@ -246,7 +239,7 @@ static void *search(void *data)
     pthread_mutex_lock(&self->mutex);
     while (!self->is_stopping) {
         if (!is_due(self, next_ns)) {
-            wait_until(self, clock_now_ns() + period_ns);
+            (void)condition_wait(&self->change, &self->mutex, clock_now_ns() + period_ns);
             continue;
         }
         self->is_asked = false;
@@ -272,11 +265,7 @@ static devices_search *devices_search_create(const plugin_list *plugins, log_que
     self->log = log;
     self->wanted_ns = INT64_MIN / 2;
     log_once_reset(&self->already_logged);
-    pthread_condattr_t attributes;
-    pthread_condattr_init(&attributes);
-    pthread_condattr_setclock(&attributes, CLOCK_MONOTONIC);
-    pthread_cond_init(&self->change, &attributes);
-    pthread_condattr_destroy(&attributes);
+    condition_init(&self->change);
     pthread_mutex_init(&self->mutex, NULL);
     if (pthread_create(&self->thread, NULL, search, self) == 0)
         return self;

@@ -1,6 +1,7 @@
 #include "window/timeline/worker.h"
 
 #include "base/clock.h"
+#include "base/condition.h"
 #include "base/slot.h"
 #include "stage/take/kept_solver.h"
 #include "take/edit_store.h"
@@ -10,7 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <time.h>
 
 enum { WORKER_CURVES_MAX = 32, WORKER_SAMPLES = 512, WORKER_FRAMES = 1 << 18, WORKER_PATH = 4096 };
 
@@ -414,23 +414,13 @@ static void timeline_comps_free(timeline_comps *comps)
 
 /* ---- the thread ---- */
 
-static void wait_until(timeline_worker *self, int64_t from_now_ns)
-{
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += (long)from_now_ns;
-    until.tv_sec += until.tv_nsec / 1000000000L;
-    until.tv_nsec %= 1000000000L;
-    (void)pthread_cond_timedwait(&self->wake, &self->lock, &until);
-}
-
 /* Waits while nothing is to be done: until something is said, or a recording may have gone on.
  * True: something was said. */
 static bool take_order(timeline_worker *self, bool is_idle)
 {
     pthread_mutex_lock(&self->lock);
     if (is_idle && self->wanted.number == self->taken.number)
-        wait_until(self, AGAIN_NS);
+        (void)condition_wait(&self->wake, &self->lock, clock_now_ns() + AGAIN_NS);
     const bool is_new = self->wanted.number != self->taken.number;
     if (is_new)
         self->taken = self->wanted;
@@ -505,7 +495,7 @@ timeline_worker *timeline_worker_create(const plugin_list *plugins)
     self->reader.plugins = plugins;
     slot_init(&self->slot);
     (void)pthread_mutex_init(&self->lock, NULL);
-    (void)pthread_cond_init(&self->wake, NULL);
+    condition_init(&self->wake);
     if (self->reader.log)
         return self;
     timeline_worker_destroy(self);
