@@ -483,8 +483,8 @@ static mrt_result look_again(watch *self, error *err)
 
 static mrt_result follow(watch *self, error *err)
 {
-    bool is_in_place = self->is_terminal && !self->options->is_json;
-    int64_t span_ns = is_in_place ? terminal_span_ns : line_span_ns;
+    bool redraws = self->is_terminal && !self->options->is_json;
+    int64_t span_ns = redraws ? terminal_span_ns : line_span_ns;
     int64_t end_ns = end_ns_of(self);
     for (;;) {
         uint32_t seen = wake_seen(&news);
@@ -495,7 +495,7 @@ static mrt_result follow(watch *self, error *err)
         int64_t now_ns = clock_now_ns();
         tell_news(self);
         goes_on &= now_ns < end_ns;
-        if (now_ns >= self->shown_ns + span_ns || !goes_on || (is_in_place && self->lines == 0))
+        if (now_ns >= self->shown_ns + span_ns || !goes_on || (redraws && self->lines == 0))
             show(self, now_ns);
         if (!goes_on)
             break;

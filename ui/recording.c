@@ -433,7 +433,7 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
 }
 
 /* What the frame that was added last is in names. */
-static mrt_result add_said(recording *self, const face *f, error *err)
+static mrt_result add_names(recording *self, const face *f, error *err)
 {
     if (!self->weights)
         return MRT_OK;
@@ -522,7 +522,7 @@ static void measure_motion(recording *self, const face *f)
 }
 
 /* The hand of that side that is seen above all others; NULL: none. */
-static const mrt_hand *hand_seen(performer *from, uint32_t side)
+static const mrt_hand *hand_shown(performer *from, uint32_t side)
 {
     const mrt_hand *best = NULL;
     const performer_voice *above = NULL;
@@ -544,7 +544,7 @@ static mrt_result add_hands(recording *self, performer *from, error *err)
 {
     mrt_result result = MRT_OK;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && result >= 0; ++side) {
-        const mrt_hand *hand = hand_seen(from, side);
+        const mrt_hand *hand = hand_shown(from, side);
         double joint[MRT_JOINTS * 3];
         for (size_t i = 0; hand && i < MRT_JOINTS; ++i) {
             joint[i * 3] = (double)hand->joint[i].x;
@@ -571,7 +571,7 @@ static mrt_result keep_frame(recording *self, composer *from, const face_columns
         result = is_exact ? add_anchored(self, now, err) : add_free(self, f, err);
     if (result >= 0)
         result = add_named(self, from, now, err);
-    return result < 0 ? result : add_said(self, f, err);
+    return result < 0 ? result : add_names(self, f, err);
 }
 
 /* The composer counts since its face was there: what is told last is the whole. */

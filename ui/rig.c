@@ -164,7 +164,7 @@ static void print_lines(const char *prefix, const char *lines)
 }
 
 /* Where rigs may not name it, a person must be told. */
-static void print_place(const drafting *d)
+static void warn_mesh_path(const drafting *d)
 {
     error err = {""};
     char *folder = file_directory(d->out_path);
@@ -207,7 +207,7 @@ static mrt_result draft(const drafting *d, error *err)
         if (d->cuts_mouth && !chain)
             print_lines("note     ", "mouth: lips that part are there already: nothing was cut");
         print_lines("confirm  ", confirm);
-        print_place(d);
+        warn_mesh_path(d);
         fputs("next     marotte rig check ", stdout);
         terminal_print_quoted(d->out_path);
         fputs("\nnext     marotte rig show ", stdout);

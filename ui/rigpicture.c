@@ -172,7 +172,7 @@ static double ray_meets(vec3 from, vec3 direction, const vec3 corner[3])
 }
 
 /* Nothing of the face, but for what is right at the contact, is between it and the eye. */
-static bool is_seen(const picture *p, vec3 at, const draw_camera *camera)
+static bool is_visible(const picture *p, vec3 at, const draw_camera *camera)
 {
     const double near_mm = 0.05 * height_of(p->m); /* brows lie on the skin */
     double yaw = (double)camera->yaw_rad, pitch = (double)camera->pitch_rad;
@@ -197,7 +197,7 @@ static void collect_labels(picture *p, const draw_camera *camera, const uint32_t
         vec3 at = p->b->contact_position[i];
         float point[3] = {(float)at.x, (float)at.y, (float)at.z};
         label *l = &p->label[p->label_count];
-        if (!is_seen(p, at, camera) || !draw_project(l->at, camera, rectangle, point))
+        if (!is_visible(p, at, camera) || !draw_project(l->at, camera, rectangle, point))
             continue;
         l->name = p->r->contact[i].name;
         p->label_count += 1;

@@ -114,7 +114,7 @@ static mrt_result read_times(performing *self, overdub_plan *out, error *err)
     return result;
 }
 
-static mrt_result read_place(performing *self, overdub_settings *out, error *err)
+static mrt_result read_layer(performing *self, overdub_settings *out, error *err)
 {
     take_call *call = self->call;
     edit_init(&self->own, EDIT_LAYER_OWN);
@@ -151,7 +151,7 @@ static mrt_result prepare(performing *self, error *err)
     if (result >= 0)
         result = read_times(self, &settings.plan, err);
     if (result >= 0)
-        result = read_place(self, &settings, err);
+        result = read_layer(self, &settings, err);
     if (result >= 0)
         result = take_face_read(&self->face, &self->face_path, call, &self->take,
                                 call->text[TAKE_FACE], err);

@@ -66,7 +66,7 @@ void news_print_notes(const char *lines)
 }
 
 /* Every layer of a take says the same of its mapping. */
-static bool is_said_again(const log_record *record, const log_record *last)
+static bool is_repeated(const log_record *record, const log_record *last)
 {
     return record->level == last->level && strcmp(record->source, last->source) == 0 &&
            strcmp(record->text, last->text) == 0;
@@ -76,7 +76,7 @@ void news_print(log_queue *log)
 {
     log_record record, last = {0};
     while (log && log_pop(log, &record)) {
-        if (!is_said_again(&record, &last))
+        if (!is_repeated(&record, &last))
             news_print_record(&record);
         last = record;
     }

@@ -19,8 +19,8 @@ bool installed_program(char out[INSTALLED_LENGTH])
     return length > 0 && length < INSTALLED_LENGTH - 1;
 }
 
-/* The first of the places, as seen from the program's folder, in which there is such a file. */
-static bool find(char out[INSTALLED_LENGTH], const char *const place[PLACES], const char *file)
+/* The first of the folders, as seen from the program's folder, in which there is such a file. */
+static bool find(char out[INSTALLED_LENGTH], const char *const folder[PLACES], const char *file)
 {
     char program[INSTALLED_LENGTH];
     if (!installed_program(program))
@@ -28,7 +28,7 @@ static bool find(char out[INSTALLED_LENGTH], const char *const place[PLACES], co
     int folder_length = (int)(strrchr(program, '/') - program);
     for (int i = 0; i < PLACES; ++i) {
         int length =
-            snprintf(out, INSTALLED_LENGTH, "%.*s/%s/%s", folder_length, program, place[i], file);
+            snprintf(out, INSTALLED_LENGTH, "%.*s/%s/%s", folder_length, program, folder[i], file);
         if (length > 0 && length < INSTALLED_LENGTH && access(out, R_OK) == 0)
             return true;
     }

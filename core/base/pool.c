@@ -138,10 +138,10 @@ static void leave(void)
 static void sleep_while(uint64_t number)
 {
     atomic_fetch_add(&pool.asleep_count, 1);
-    uint32_t seen = atomic_load(&pool.wake_count);
+    uint32_t count = atomic_load(&pool.wake_count);
     while (number_of(atomic_load(&pool.gate)) == number) {
-        syscall(SYS_futex, &pool.wake_count, FUTEX_WAIT_PRIVATE, seen, NULL, NULL, 0);
-        seen = atomic_load(&pool.wake_count);
+        syscall(SYS_futex, &pool.wake_count, FUTEX_WAIT_PRIVATE, count, NULL, NULL, 0);
+        count = atomic_load(&pool.wake_count);
     }
     atomic_fetch_sub(&pool.asleep_count, 1);
 }

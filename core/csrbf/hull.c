@@ -5,7 +5,8 @@
 
 enum { SWEEPS = 16 };
 
-/* Turns rows and columns p, q of a so that a[p][q] vanishes; v collects the turns in its rows. */
+/* Rotates rows and columns p, q of a so that a[p][q] vanishes; v collects the rotations in its
+ * rows. */
 static void rotate(double a[3][3], double v[3][3], int p, int q)
 {
     if (a[p][q] == 0.0)

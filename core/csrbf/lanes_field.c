@@ -90,7 +90,7 @@ static inline pull_of_centre pull_of(const field *f, uint32_t centre)
 
 /* ---- the value, in float ---- */
 
-/* Some centres: their places, their alphas, and by what distances are measured. */
+/* Some centres: their positions, their alphas, and by what distances are measured. */
 enum { TOGETHER = 2 };
 typedef struct pulls {
     const float *at[TOGETHER], *alpha[TOGETHER]; /* 3 each */

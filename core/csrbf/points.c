@@ -349,7 +349,7 @@ uint32_t points_nearest(const points *p, vec3 at)
         if (points_bounds_distance_squared(&p->block[block], x) >= best)
             continue;
         for (uint32_t slot = first; slot < first + POINTS_BLOCK && slot < p->count; ++slot) {
-            vec3 way = vec3_sub(points_place(p, slot), at);
+            vec3 way = vec3_sub(points_position(p, slot), at);
             double square = vec3_dot(way, way);
             if (square < best) {
                 best = square;

@@ -49,7 +49,7 @@ void points_update_bounds(points *p);
 void points_update_block(points *p, uint32_t block); /* one block of it */
 /* The vertex in a slot. */
 void points_at(double out[3], const points *p, size_t slot);
-static inline vec3 points_place(const points *p, size_t slot)
+static inline vec3 points_position(const points *p, size_t slot)
 {
     return (vec3){(double)p->x[slot], (double)p->y[slot], (double)p->z[slot]};
 }

@@ -198,7 +198,7 @@ const face_meter *face_metered(const face *f);
  * the bones turn it, as in any fold. */
 double face_min_determinant(const face *f);
 /* With a rig: the same, and where at rest that triangle is, mm. */
-double face_worst_place(const face *f, vec3 *out_rest);
+double face_worst_triangle(const face *f, vec3 *out_rest);
 typedef struct face_surface { /* the skin as shown, anchored or not */
     double min_determinant;   /* face_min_determinant; <= 0: it folds */
     surface_state skin;       /* triangles with a mobile vertex */

@@ -138,7 +138,7 @@ mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uin
     }
     found best = {.file = out};
     mrt_result result = MRT_OK;
-    for (uint32_t seen = 0; result >= 0 && seen < FILES_CAP; ++seen) {
+    for (uint32_t file_count = 0; result >= 0 && file_count < FILES_CAP; ++file_count) {
         const struct dirent *entry = readdir(directory);
         if (!entry)
             break;
@@ -219,7 +219,8 @@ mrt_result calibration_folder_list(calibration_list *out, error *out_note, error
     char *folder = calibration_folder_path();
     DIR *directory = folder ? opendir(folder) : NULL;
     mrt_result result = MRT_OK;
-    for (uint32_t seen = 0; directory && result >= 0 && seen < FILES_CAP; ++seen) {
+    for (uint32_t file_count = 0; directory && result >= 0 && file_count < FILES_CAP;
+         ++file_count) {
         const struct dirent *entry = readdir(directory);
         if (!entry)
             break;

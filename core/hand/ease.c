@@ -81,7 +81,7 @@ static bool normalise4(float *quaternion)
 
 /* Of two unit quaternions, the short way round. Opposite ones meet in no length at all: then the
  * one that is nearer. */
-static void turn_between(float *out, const float *from, const float *to, double share)
+static void slerp_between(float *out, const float *from, const float *to, double share)
 {
     float blend[4];
     double sign = dot4(from, to) < 0.0 ? -1.0 : 1.0;
@@ -92,10 +92,10 @@ static void turn_between(float *out, const float *from, const float *to, double 
 
 void ease_wrist_apply(ease_wrist *ease, float *wrist, int64_t time_ns)
 {
-    static const float no_turn[4] = {0, 0, 0, 1};
-    float *turn = wrist + 3;
-    if (!normalise4(turn))
-        memcpy(turn, ease->clock.has_shown ? ease->last + 3 : no_turn, sizeof no_turn);
+    static const float no_rotation[4] = {0, 0, 0, 1};
+    float *rotation = wrist + 3;
+    if (!normalise4(rotation))
+        memcpy(rotation, ease->clock.has_shown ? ease->last + 3 : no_rotation, sizeof no_rotation);
     if (starts_ease(&ease->clock, time_ns))
         memcpy(ease->from, ease->last, sizeof ease->from);
     double share = share_now(&ease->clock, time_ns);
@@ -103,8 +103,8 @@ void ease_wrist_apply(ease_wrist *ease, float *wrist, int64_t time_ns)
         for (int i = 0; i < 3; ++i)
             wrist[i] = between(ease->from[i], wrist[i], share);
         float measured[4];
-        memcpy(measured, turn, sizeof measured);
-        turn_between(turn, ease->from + 3, measured, share);
+        memcpy(measured, rotation, sizeof measured);
+        slerp_between(rotation, ease->from + 3, measured, share);
     }
     memcpy(ease->last, wrist, sizeof ease->last);
 }

@@ -31,7 +31,7 @@ typedef struct hand_filter {
 void hand_filter_init(hand_filter *filter); /* default settings */
 void hand_filter_reset(hand_filter *filter);
 /* Resets itself when time runs backwards or a gap of more than 0.25 s opens. angle_rad: MRT_ANGLES,
- * in place. A second sample of the same time replaces the first's effect on nothing: it is ignored
+ * in place. A second sample with the same time is ignored
  * and the last output is repeated. */
 void hand_filter_apply(hand_filter *filter, float *angle_rad, int64_t time_ns);
 

@@ -116,10 +116,10 @@ static mrt_result read_joint(virtualhand_reader *self, uint32_t finger, int32_t 
     static const char expected[] = "\"joint offset gain gesture\", joints 0 to 3 in order";
     double number[NUMBERS_MAX] = {0};
     text_view line;
-    int32_t said, offset;
+    int32_t index, offset;
     if (!next_line(self, &line))
         return ended(self, expected);
-    if (!read_numbers(line, number, 3, 4) || !read_whole(number[0], joint, joint, &said) ||
+    if (!read_numbers(line, number, 3, 4) || !read_whole(number[0], joint, joint, &index) ||
         !read_whole(number[1], -32768, 65535, &offset))
         return unexpected(self, line, expected);
     if (!(number[2] >= -GAIN_MAX && number[2] <= GAIN_MAX))

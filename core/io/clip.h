@@ -22,7 +22,7 @@ typedef struct clip_segment { /* an anchored engagement */
 
 typedef struct clip_pull { /* what a control of the segment moves */
     char *name;            /* "mouth.corner.l" */
-    double place_mm[3];    /* where it takes hold */
+    double place_mm[3];    /* where it takes hold of the face */
     float *response;       /* vertex_count: of how far it is pulled */
 } clip_pull;
 
@@ -80,8 +80,8 @@ CHECKED mrt_result clip_add_hand(clip *c, uint32_t side, const double *joint, er
  * pull_count by 3 of the newest segment, mm; NULL: nothing is pulled. */
 CHECKED mrt_result clip_add_named(clip *c, const double *value, const double *pulled, error *err);
 
-/* Likewise: 7 for each bone, in the face's frame: the quaternion x y z w of its turn from rest, and
- * where its centre is, mm. */
+/* Likewise: 7 for each bone, in the face's frame: the quaternion x y z w of its rotation from rest,
+ * and where its centre is, mm. */
 CHECKED mrt_result clip_add_pose(clip *c, const double *pose, error *err);
 
 /* What the frames say in ARKit's names (mesh/arkit.h): before the first frame, which of the
@@ -131,8 +131,8 @@ double clip_curve_part(const clip_curve *curve, double value);
 const double *clip_pulled(const clip *c, uint32_t frame, uint32_t *out_segment);
 
 typedef struct clip_remainder {  /* of frames that have a named part */
-    double furthest_mm, mean_mm; /* of the vertex furthest from its place, in the worst frame; over
-                                    the frames */
+    double furthest_mm, mean_mm; /* of the vertex furthest from its position, in the worst frame;
+                                    over the frames */
     double loose_mm;             /* likewise, in free frames in which nothing is pulled: clay */
 } clip_remainder;
 /* A clip of the rest shape moved by what the named part of each frame leaves; anchored frames

@@ -217,7 +217,7 @@ static void rotate(shading *self, const rigid *pose, uint32_t block)
     }
 }
 
-static void turn_block(shading *self, const rigid *pose, uint32_t block)
+static void rotate_block(shading *self, const rigid *pose, uint32_t block)
 {
     size_t first = (size_t)block * SHADING_BLOCK, size = SHADING_BLOCK * sizeof(float);
     if (!is_still(pose)) {
@@ -292,7 +292,7 @@ static void update_block(shading *self, const shading_shape *now, uint32_t block
     if (carrier != SHADING_LOOSE) {
         lanes = lanes_bent(self, now->carrier, block);
         if (!are_many(lanes))
-            turn_block(self, &now->pose[carrier], block);
+            rotate_block(self, &now->pose[carrier], block);
     }
     if (lanes != 0) {
         take_positions_around(self, now->at, block);

@@ -20,9 +20,9 @@ static const float *position_of(const mesh *m, uint32_t vertex)
     return m->position + (size_t)vertex * 3;
 }
 
-/* ---- what lies at one place ---- */
+/* ---- coincident vertices ---- */
 
-typedef struct grid { /* cells of four reaches, hashed; a chain of places in each */
+typedef struct grid { /* cells of four reaches, hashed; a chain of vertices in each */
     const mesh *m;
     double low[3], reach;
     uint32_t *first, *next; /* slot_count; vertex_count: UINT32_MAX ends a chain */
@@ -50,8 +50,8 @@ static bool are_near(const grid *g, uint32_t a, uint32_t b)
     return true;
 }
 
-/* The first place that is near; UINT32_MAX: none is. Looks into the neighbouring cells only where
- * the wall is within reach. */
+/* The lowest vertex in the grid within reach; UINT32_MAX: none is. Looks into the neighbouring
+ * cells only where the wall is within reach. */
 static uint32_t find_near(const grid *g, uint32_t vertex)
 {
     uint64_t cell[3][2];
@@ -77,7 +77,7 @@ static uint32_t find_near(const grid *g, uint32_t vertex)
     return found;
 }
 
-static void add_place(grid *g, uint32_t vertex)
+static void grid_add(grid *g, uint32_t vertex)
 {
     uint64_t cell[3];
     for (size_t i = 0; i < 3; ++i)
@@ -87,7 +87,8 @@ static void add_place(grid *g, uint32_t vertex)
     g->first[slot] = vertex;
 }
 
-/* place: vertex_count: the first vertex at its place. Returns how many there are twice. */
+/* coincident: vertex_count: the first vertex at the same position, within reach. out_twice: how
+ * many have one before them. */
 static mrt_result find_coincident(uint32_t *coincident, uint32_t *out_twice, const mesh *m,
                                   error *err)
 {
@@ -112,7 +113,7 @@ static mrt_result find_coincident(uint32_t *coincident, uint32_t *out_twice, con
         uint32_t near = find_near(&g, v);
         coincident[v] = near == UINT32_MAX ? v : near;
         if (near == UINT32_MAX)
-            add_place(&g, v);
+            grid_add(&g, v);
         else
             *out_twice += 1;
     }
@@ -121,13 +122,13 @@ static mrt_result find_coincident(uint32_t *coincident, uint32_t *out_twice, con
     return has_memory ? MRT_OK : no_memory(err);
 }
 
-/* ---- edges at one place ---- */
+/* ---- coincident edges ---- */
 
 typedef struct edge {     /* of a triangle, from a to b */
-    uint32_t low, high;   /* their places */
+    uint32_t low, high;   /* its ends as coincident vertices */
     uint32_t a, b, other; /* vertices, as they are one in the file; other: the triangle's third */
     uint32_t looks[2];    /* a and b as the triangle has them, with their texture coordinates */
-    bool is_down;         /* from the high place to the low one */
+    bool is_down;         /* from `high` to `low` */
     bool is_paired;
     uint32_t part; /* of the mesh */
 } edge;
@@ -145,7 +146,7 @@ typedef struct joining {
     size_t alike_count;
 } joining;
 
-static int by_place(const void *left, const void *right)
+static int by_ends(const void *left, const void *right)
 {
     const edge *p = left, *q = right;
     if (p->low != q->low)
@@ -248,7 +249,7 @@ static bool are_alike(const mesh *m, uint32_t a, uint32_t b)
     return are_smooth(m, a, b);
 }
 
-enum { CROWD = 8 }; /* edges at one place; more are no surface, and are left as they are */
+enum { CROWD = 8 }; /* coincident edges; more are no surface, and are left as they are */
 
 /* The straightest of the pairs that are left, again and again. */
 static void join_open(joining *j, edge *e, size_t count)
@@ -374,7 +375,7 @@ static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *coi
     bool has_memory = all && j.alike && scratch;
     if (has_memory) {
         (void)list_edges(all, m, coincident, point, is_twice);
-        qsort(all, count, sizeof *all, by_place);
+        qsort(all, count, sizeof *all, by_ends);
         for (size_t first = 0, end; first < count; first = end) {
             for (end = first + 1;
                  end < count && all[end].low == all[first].low && all[end].high == all[first].high;)

@@ -5,7 +5,7 @@
 #include "mesh/mesh.h"
 
 /* Finds m->point and m->smooth anew; what a reader says of m->point (m->smooth is NULL then) is
- * kept: those are one vertex in all that follows. Two open edges of triangles at one place (within
+ * kept: those are one vertex in all that follows. Two open edges of triangles that coincide (within
  * a millionth of the mesh's size), in opposite directions, are one edge, and their ends are one
  * point: but not where the two triangles face each other, as lips that touch, or lie on each other.
  * Where more than two edges meet, those that go on straightest are one. A chain of such edges that

@@ -247,7 +247,7 @@ void edit_finish(edit *e)
 }
 
 /* False for an optional argument that is as edit_init leaves it. */
-static bool is_said(const edit *e, const edit_argument *argument)
+static bool is_given(const edit *e, const edit_argument *argument)
 {
     if (argument->kind == EDIT_OWN)
         return e->own_count > 0;
@@ -255,13 +255,13 @@ static bool is_said(const edit *e, const edit_argument *argument)
         return e->warp_count > 0;
     if (argument->kind == EDIT_LAYERS)
         return e->layer_count > 0;
-    edit unsaid;
-    edit_init(&unsaid, e->kind);
-    const char *said = (const char *)e + argument->offset;
-    const char *other = (const char *)&unsaid + argument->offset;
+    edit blank;
+    edit_init(&blank, e->kind);
+    const char *value = (const char *)e + argument->offset;
+    const char *other = (const char *)&blank + argument->offset;
     if (argument->kind == EDIT_LINE)
-        return said[0] != '\0';
-    return memcmp(said, other, argument->size) != 0;
+        return value[0] != '\0';
+    return memcmp(value, other, argument->size) != 0;
 }
 
 /* ---- ranges ---- */
@@ -430,7 +430,7 @@ mrt_result edit_check_arguments(const edit *e, error *err)
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < count; ++i) {
         const edit_argument *argument = use[i].argument;
-        if (!use[i].is_optional || is_said(e, argument))
+        if (!use[i].is_optional || is_given(e, argument))
             result = check_argument(e, argument, err);
         if (result >= 0 && argument->kind == EDIT_WARP && !use[i].is_optional && !e->warp_count)
             result = refuse_argument(err, argument, "none");
@@ -750,7 +750,7 @@ mrt_result edit_write(char **out, const edit *e, error *err)
     json_t *object = json_pack("{s:s}", "op", edit_name(e->kind));
     for (uint32_t i = 0; object && i < count; ++i) {
         const edit_argument *argument = use[i].argument;
-        if (use[i].is_optional && !is_said(e, argument))
+        if (use[i].is_optional && !is_given(e, argument))
             continue;
         if (json_object_set_new(object, argument->key, written(e, argument)) < 0) {
             json_decref(object);

@@ -462,7 +462,7 @@ static mrt_result apply_layer(take *t, const edit *e, error *err)
 
 /* ---- clips ---- */
 
-/* ---- add, move: clips that get a place ---- */
+/* ---- add, move: clips that get a position ---- */
 
 static int64_t within_layer(int64_t shown_ns, const take_layer *layer)
 {
@@ -486,7 +486,7 @@ static mrt_result add_clip(take *t, const edit *e, error *err)
     return result < 0 ? result : lay_and_grow(t, layer, clip, err);
 }
 
-static mrt_result nothing_said(const edit *e, const char *what, error *err)
+static mrt_result missing_value(const edit *e, const char *what, error *err)
 {
     return error_set(err, MRT_ERR_ARGUMENT, "clip %u: expected %s, or both", e->clip, what);
 }
@@ -494,7 +494,7 @@ static mrt_result nothing_said(const edit *e, const char *what, error *err)
 static mrt_result move_clip(take *t, edit_spot spot, const edit *e, error *err)
 {
     if (e->start_ns == EDIT_UNSAID && e->layer == 0)
-        return nothing_said(e, "start_ns or layer", err);
+        return missing_value(e, "start_ns or layer", err);
     take_layer *layer = spot.layer;
     mrt_result result = e->layer ? edit_find_layer(&layer, t, e->layer, err) : MRT_OK;
     if (result < 0)
@@ -526,7 +526,7 @@ static mrt_result check_reach(edit_spot spot, int64_t start_ns, int64_t end_ns, 
 static mrt_result trim_clip(take *t, edit_spot spot, const edit *e, error *err)
 {
     if (e->start_ns == EDIT_UNSAID && e->end_ns == EDIT_UNSAID)
-        return nothing_said(e, "start_ns or end_ns", err);
+        return missing_value(e, "start_ns or end_ns", err);
     int64_t start_ns = within_layer(e->start_ns, spot.layer);
     int64_t end_ns = within_layer(e->end_ns, spot.layer);
     start_ns = start_ns == EDIT_UNSAID ? spot.clip->start_ns : start_ns;
@@ -664,7 +664,7 @@ static mrt_result set_curve(edit_spot spot, const edit *e, error *err)
 static mrt_result set_fades(edit_spot spot, const edit *e, error *err)
 {
     if (e->fade_in_ns == EDIT_UNSAID && e->fade_out_ns == EDIT_UNSAID)
-        return nothing_said(e, "fade_in_ns or fade_out_ns", err);
+        return missing_value(e, "fade_in_ns or fade_out_ns", err);
     take_clip *clip = spot.clip;
     int64_t in_ns = e->fade_in_ns == EDIT_UNSAID ? clip->fade_in_ns : e->fade_in_ns;
     int64_t out_ns = e->fade_out_ns == EDIT_UNSAID ? clip->fade_out_ns : e->fade_out_ns;

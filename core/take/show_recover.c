@@ -47,7 +47,7 @@ typedef struct pages {
     uint32_t count;
     uint8_t *payload; /* PAYLOAD_MAX at most; grown as needed */
     size_t payload_capacity;
-    uint32_t *seen; /* by page: the last chain that it was a part of; count + 1 */
+    uint32_t *visited_by; /* by page: the last chain that it was a part of; count + 1 */
     uint32_t chain_count;
     budget *left;
 } pages;
@@ -118,10 +118,10 @@ static bool read_payload(pages *in, const uint8_t *at, const uint8_t *end, size_
     uint32_t next = chained ? big_endian(at + got, 4) : 0;
     in->chain_count += 1;
     while (got < size) {
-        if (next > in->count || in->seen[next] == in->chain_count || !read_page(in, next, page) ||
-            budget_spend_work(in->left, STEPS_A_PAGE, NULL) < 0)
+        if (next > in->count || in->visited_by[next] == in->chain_count ||
+            !read_page(in, next, page) || budget_spend_work(in->left, STEPS_A_PAGE, NULL) < 0)
             return false; /* it ends, leads in a circle, or costs too much */
-        in->seen[next] = in->chain_count;
+        in->visited_by[next] = in->chain_count;
         size_t part = size - got < PAGE_BYTES - 4 ? size - got : PAGE_BYTES - 4;
         memcpy(in->payload + got, page + 4, part);
         next = big_endian(page, 4);
@@ -222,14 +222,15 @@ static mrt_result salvage_file(const char *path,
     const long size = fseek(in.file, 0, SEEK_END) == 0 ? ftell(in.file) : 0;
     uint64_t begin, end = PAGE_BYTES;
     in.count = size > 0 ? (uint32_t)(size / PAGE_BYTES) : 0;
-    in.seen = calloc((size_t)in.count + 1, sizeof *in.seen);
-    mrt_result result =
-        in.seen ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
+    in.visited_by = calloc((size_t)in.count + 1, sizeof *in.visited_by);
+    mrt_result result = in.visited_by
+                            ? MRT_OK
+                            : error_set(err, MRT_ERR_MEMORY, "%s: no memory to recover it", path);
     while (result == MRT_OK && file_next_data(holes, end, &begin, &end))
         result = salvage_pages(&in, begin, end, each, data);
     close(holes);
     (void)fclose(in.file);
-    free(in.seen);
+    free(in.visited_by);
     free(in.payload);
     return result;
 }

@@ -152,7 +152,7 @@ mrt_result show_schema_create(sqlite *db, error *err)
 typedef struct object {         /* a table or an index, as SQLite keeps the text that made it */
     text_view name, kind, rest; /* "CREATE TABLE ", and what follows it */
     text_view added;            /* a column; empty: none */
-    bool is_seen;
+    bool is_found;
 } object;
 
 typedef struct objects {
@@ -282,10 +282,10 @@ static mrt_result check_object(schema_check *self, sqlite_statement *row, error 
         return MRT_OK;
     object *of = find_object(&self->expected, name);
     of = of ? of : find_object(&self->latest, name);
-    const bool is_ours = of ? !of->is_seen && is_as_expected(of, sql, self->is_newer)
+    const bool is_ours = of ? !of->is_found && is_as_expected(of, sql, self->is_newer)
                             : self->is_newer && is_new_table_or_index(sql);
     if (of)
-        of->is_seen = true;
+        of->is_found = true;
     if (is_ours)
         return MRT_OK;
     char shown[64];
@@ -306,7 +306,7 @@ static mrt_result check_objects(schema_check *self, sqlite *db, bool *out_is_unr
     sqlite_finish(rows);
     for (size_t i = 0; i < self->expected.count && result >= 0 && step_result >= 0; ++i) {
         const object *of = &self->expected.at[i];
-        if (!of->is_seen)
+        if (!of->is_found)
             result = error_set(why, MRT_ERR_FORMAT, "it has no \"%.*s\"",
                                (int)(of->name.end - of->name.at), of->name.at);
     }

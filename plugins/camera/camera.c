@@ -182,7 +182,7 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 /* ---- reading ---- */
 
 /* Which of those that were seen is the one that performs; NULL: none. */
-static const camera_hand *choose(const bare_hand *shown, const camera_seen *seen)
+static const camera_hand *choose(const bare_hand *shown, const camera_frame *seen)
 {
     const camera_hand *best = NULL;
     for (uint32_t i = 0; i < seen->hand_count; ++i) {
@@ -219,7 +219,7 @@ static bool read_hand(bare_hand *self, const camera_hand *hand, uint32_t *out_si
 }
 
 /* False: nothing of this moves the face: it is held, and eased when the hand is back. */
-static bool take_seen(mrt_plugin *self, const camera_seen *seen)
+static bool take_seen(mrt_plugin *self, const camera_frame *seen)
 {
     float from[MRT_ANGLES];
     uint32_t side;
@@ -267,7 +267,7 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
     bare_hand_follow(&self->hand, params);
     int64_t until_ns = device_deadline_ns(self->host, deadline_ns);
     for (bool has_waited = false;; has_waited = true) {
-        camera_seen seen;
+        camera_frame seen;
         while (self->step == self->step_count &&
                camera_port_pop(self->port, &self->listener, &seen) && !take_seen(self, &seen))
             ;

@@ -249,22 +249,22 @@ static void begin_page(camera_port *self, connection *c, const web_request *requ
 
 static void hear(camera_port *self, const camera_message *message, int64_t now_ns)
 {
-    camera_seen seen = {.time_ns = now_ns, .hand_count = message->hand_count};
+    camera_frame frame = {.time_ns = now_ns, .hand_count = message->hand_count};
     if (self->clock.running)
-        seen.time_ns = message->time_ns + self->clock.offset_ns;
-    if (seen.time_ns > now_ns || seen.time_ns < now_ns - past_most_ns)
-        seen.time_ns = now_ns;
-    if (seen.time_ns < self->last_ns)
-        seen.time_ns = self->last_ns;
-    self->last_ns = seen.time_ns;
-    memcpy(seen.hand, message->hand, sizeof seen.hand);
+        frame.time_ns = message->time_ns + self->clock.offset_ns;
+    if (frame.time_ns > now_ns || frame.time_ns < now_ns - past_most_ns)
+        frame.time_ns = now_ns;
+    if (frame.time_ns < self->last_ns)
+        frame.time_ns = self->last_ns;
+    self->last_ns = frame.time_ns;
+    memcpy(frame.hand, message->hand, sizeof frame.hand);
     for (camera_listener *l = self->listeners; l; l = l->next) {
         if (l->count == CAMERA_QUEUE) { /* nobody reads it: the oldest goes */
             l->first = (l->first + 1) % CAMERA_QUEUE;
             l->count -= 1;
             l->lost += 1;
         }
-        l->item[(l->first + l->count++) % CAMERA_QUEUE] = seen;
+        l->item[(l->first + l->count++) % CAMERA_QUEUE] = frame;
     }
 }
 
@@ -530,7 +530,7 @@ bool camera_port_wait(camera_port *port, const camera_listener *listener, int64_
     return works;
 }
 
-bool camera_port_pop(camera_port *port, camera_listener *listener, camera_seen *out)
+bool camera_port_pop(camera_port *port, camera_listener *listener, camera_frame *out)
 {
     pthread_mutex_lock(&port->mutex);
     bool found = listener->count > 0;

@@ -19,19 +19,19 @@ typedef struct camera_file {
 extern const camera_file camera_page[]; /* ends with name NULL */
 
 /* What the page saw at one moment. */
-typedef struct camera_seen {
+typedef struct camera_frame {
     int64_t time_ns; /* when the picture was taken, device_clock_ns */
     uint32_t lost;   /* before it, as nobody read them */
     uint32_t hand_count;
     camera_hand hand[CAMERA_HANDS_MAX];
-} camera_seen;
+} camera_frame;
 
 enum { CAMERA_QUEUE = 32 };
 /* What one input has heard; while joined, under the port's lock. */
 typedef struct camera_listener {
     struct camera_listener *next;
     uint32_t hands_wanted;
-    camera_seen item[CAMERA_QUEUE]; /* ring */
+    camera_frame item[CAMERA_QUEUE]; /* ring */
     uint32_t first, count, lost;
 } camera_listener;
 
@@ -53,7 +53,7 @@ void camera_port_leave(camera_port *port, camera_listener *listener);
 bool camera_port_wait(camera_port *port, const camera_listener *listener, int64_t deadline_ns,
                       const mrt_host *host);
 /* The oldest that was heard; false: nothing. */
-bool camera_port_pop(camera_port *port, camera_listener *listener, camera_seen *out);
+bool camera_port_pop(camera_port *port, camera_listener *listener, camera_frame *out);
 
 /* "http://127.0.0.1:9130/TOKEN/" */
 void camera_port_address(uint16_t port, const char *token, char out[CAMERA_ADDRESS]);

@@ -128,7 +128,7 @@ static void say_limits(glove_drive *drive)
                                              : GLOVE_TOLD_READINESS | GLOVE_TOLD_UNPLUGGED,
                          MRT_LOG_WARNING, "%.60s: the box says that its glove is %s", name,
                          unit->readiness & 2 ? "not ready" : "not plugged in");
-    if (!unit->said_hand && settings->hand == GLOVE_HAND_AUTO)
+    if (!unit->reported_hand && settings->hand == GLOVE_HAND_AUTO)
         glove_drive_tell(drive, GLOVE_TOLD_HAND, MRT_LOG_WARNING,
                          "%.60s: the glove does not say which hand it is for: taken as a right one "
                          "(hand=left)",

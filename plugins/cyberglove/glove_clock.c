@@ -142,16 +142,16 @@ static int64_t pace_learn(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
 
 static int64_t pace_time(glove_pace *pace, uint32_t lost, int64_t arrival_ns)
 {
-    if (pace->seen == 0)
+    if (pace->sample_count == 0)
         pace_start(pace, arrival_ns);
-    pace->seen += pace->seen < UINT32_MAX;
+    pace->sample_count += pace->sample_count < UINT32_MAX;
     if (pace->period_ns <= 0)
         return pace_learn(pace, lost, arrival_ns);
     double due_ns = pace->next_ns + (double)lost * pace->period_ns;
     double late_ns = (double)arrival_ns - due_ns;
     if (late_ns > gap_ns || late_ns < -gap_ns) {
         pace_start(pace, arrival_ns);
-        pace->seen = 1;
+        pace->sample_count = 1;
         due_ns = (double)arrival_ns;
         late_ns = 0;
     }

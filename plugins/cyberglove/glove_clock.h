@@ -42,7 +42,7 @@ typedef struct glove_pace {
     double next_ns;   /* when the next record is due */
     int64_t window_start_ns;
     double least_late_ns, early_ns;
-    uint32_t seen, window_count, memory;
+    uint32_t sample_count, window_count, memory;
     glove_rate rate; /* while the period is not known */
 } glove_pace;
 

@@ -298,7 +298,7 @@ static mrt_result find_sensors(glove_talk *talk, glove_unit *out, glove_why *why
 static void find_hand(glove_talk *talk, const glove_settings *settings, glove_unit *out)
 {
     unsigned char is_right = 1;
-    out->said_hand = talk_ask(talk, 'R', &is_right, 1, ask_ms) == GLOVE_ANSWERED;
+    out->reported_hand = talk_ask(talk, 'R', &is_right, 1, ask_ms) == GLOVE_ANSWERED;
     out->hand = is_right ? MRT_RIGHT : MRT_LEFT;
     if (settings->hand == GLOVE_HAND_LEFT)
         out->hand = MRT_LEFT;

@@ -26,7 +26,7 @@ typedef struct glove_unit {
     glove_layout layout;
     glove_sensors sensors;
     uint32_t hand; /* MRT_LEFT, MRT_RIGHT */
-    bool said_hand, is_polled;
+    bool reported_hand, is_polled;
     int64_t period_ns;  /* between records; 0: unknown */
     char refused[16];   /* letters of the orders that it does not know */
     double asked_hz;    /* of the rate asked for, what the line lets through; 0: all of it */

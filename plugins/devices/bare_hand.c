@@ -64,7 +64,7 @@ void bare_hand_follow(bare_hand *self, const double *params)
 }
 
 /* v turned by q: v + 2 w (u x v) + 2 u x (u x v). */
-static void turn(const float q[4], const float v[3], float out[3])
+static void rotate(const float q[4], const float v[3], float out[3])
 {
     float t[3];
     for (int i = 0; i < 3; ++i) {
@@ -91,8 +91,8 @@ void bare_hand_turn(bare_hand *self, uint32_t side, mrt_hand_reading *reading)
         memcpy(first, now, sizeof self->first[side]);
     self->is_begun[side] = true;
     const float back[4] = {-first[0], -first[1], -first[2], first[3]};
-    turn(now, along, fingers);
-    turn(back, fingers, seen);
+    rotate(now, along, fingers);
+    rotate(back, fingers, seen);
     float aside = side == MRT_LEFT ? -seen[0] : seen[0];
     float yaw = asinf(fminf(fmaxf(aside, -1.0f), 1.0f)), pitch = atan2f(-seen[1], seen[2]);
     reading->angle[WRIST_YAW] = fminf(fmaxf(yaw, -turn_most_rad), turn_most_rad);

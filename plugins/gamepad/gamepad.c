@@ -21,15 +21,15 @@
 /* ---- Linux' input devices: which pads are plugged in, as /sys says without opening one, and one
  * of them opened for its events ---- */
 
-enum { EVDEV_SEEN = 16, EVDEV_NAME = 64, EVDEV_IDENTITY = 96 };
+enum { EVDEV_DEVICES = 16, EVDEV_NAME = 64, EVDEV_IDENTITY = 96 };
 
-typedef struct evdev_seen {
+typedef struct evdev_device {
     uint32_t number; /* of /dev/input/eventN */
     char node[32], name[EVDEV_NAME];
     /* Where it is plugged in, or the address of its radio: stays when it comes again. */
     char identity[EVDEV_IDENTITY];
     pad_model model; /* without the ends of axes */
-} evdev_seen;
+} evdev_device;
 
 enum { PATH = 96, LINE = 512, FOLDER_CAP = 4096 };
 static const char folder[] = "/sys/class/input";
@@ -64,7 +64,7 @@ static void read_bits(uint32_t number, const char *file, uint8_t *out, size_t si
     }
 }
 
-static void find_identity(evdev_seen *out)
+static void find_identity(evdev_device *out)
 {
     read_line(out->number, "uniq", out->identity, sizeof out->identity);
     if (out->identity[0] == '\0')
@@ -76,11 +76,11 @@ static void find_identity(evdev_seen *out)
             *c = '.';
 }
 
-static bool see(evdev_seen *out, uint32_t number)
+static bool see(evdev_device *out, uint32_t number)
 {
     char vendor[16];
     uint8_t axes[PAD_AXES / 8];
-    *out = (evdev_seen){.number = number};
+    *out = (evdev_device){.number = number};
     read_bits(number, "capabilities/key", out->model.key, sizeof out->model.key);
     read_bits(number, "capabilities/abs", axes, sizeof axes);
     for (uint16_t i = 0; i < PAD_AXES; ++i)
@@ -102,7 +102,7 @@ static int compare_numbers(const void *a, const void *b)
 }
 
 /* Pads in the order in which they came, at most EVDEV_SEEN; returns how many. */
-static uint32_t evdev_look(evdev_seen out[EVDEV_SEEN])
+static uint32_t evdev_look(evdev_device out[EVDEV_DEVICES])
 {
     enum { NUMBERS = 256 };
     uint32_t number[NUMBERS], number_count = 0, count = 0;
@@ -115,7 +115,7 @@ static uint32_t evdev_look(evdev_seen out[EVDEV_SEEN])
             number_count += 1;
     closedir(listing);
     qsort(number, number_count, sizeof *number, compare_numbers);
-    for (uint32_t i = 0; i < number_count && count < EVDEV_SEEN; ++i)
+    for (uint32_t i = 0; i < number_count && count < EVDEV_DEVICES; ++i)
         count += see(&out[count], number[i]);
     return count;
 }
@@ -139,20 +139,20 @@ static bool evdev_read_state(int descriptor, const pad_model *model, pad_state *
 
 /* Completes the model, reads where everything stands. -1 and errno. Events are stamped by the
  * monotonic clock. Several programs may have a pad open. */
-static int evdev_open(evdev_seen *seen, pad_state *out_state)
+static int evdev_open(evdev_device *device, pad_state *out_state)
 {
     const int clock = CLOCK_MONOTONIC;
-    int descriptor = open(seen->node, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int descriptor = open(device->node, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0)
         return -1;
     for (uint32_t i = 0; i < PAD_AXES; ++i) {
         struct input_absinfo about = {0};
-        pad_axis *axis = &seen->model.axis[i];
+        pad_axis *axis = &device->model.axis[i];
         if (axis->is_there && ioctl(descriptor, EVIOCGABS(i), &about) >= 0)
             *axis = (pad_axis){true, about.minimum, about.maximum};
     }
     if (ioctl(descriptor, EVIOCSCLOCKID, &clock) >= 0 &&
-        evdev_read_state(descriptor, &seen->model, out_state))
+        evdev_read_state(descriptor, &device->model, out_state))
         return descriptor;
     int error = errno;
     close(descriptor);
@@ -183,7 +183,7 @@ struct mrt_plugin {
     int descriptor;                /* -1: closed */
     char address[192];             /* as opened */
     char identity[EVDEV_IDENTITY]; /* of the pad that this address has meant; "" none yet */
-    evdev_seen pad;
+    evdev_device pad;
     pad_state state;
     trace trace;
     mrt_channel channel[PAD_CHANNELS];
@@ -200,15 +200,15 @@ struct mrt_plugin {
 /* ---- which pad ---- */
 
 /* "" the first, "2" the second, else an identity or a node. */
-static bool is_wanted(const mrt_plugin *self, const evdev_seen *seen, uint32_t index)
+static bool is_wanted(const mrt_plugin *self, const evdev_device *device, uint32_t index)
 {
     char *end;
     if (self->identity[0])
-        return strcmp(self->identity, seen->identity) == 0;
+        return strcmp(self->identity, device->identity) == 0;
     unsigned long number = strtoul(self->address, &end, 10);
     if (self->address[0] == '\0' || (*end == '\0' && number > 0))
         return index + 1 == (self->address[0] ? number : 1);
-    return strcmp(self->address, seen->identity) == 0 || strcmp(self->address, seen->node) == 0;
+    return strcmp(self->address, device->identity) == 0 || strcmp(self->address, device->node) == 0;
 }
 
 static const char *advice(int error)
@@ -246,19 +246,19 @@ static mrt_result say_absent(const mrt_plugin *self, uint32_t count)
 
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
-    evdev_seen seen[EVDEV_SEEN];
+    evdev_device device[EVDEV_DEVICES];
     (void)params;
     input_close(self);
     if (strcmp(self->address, address) != 0)
         self->identity[0] = '\0';
     (void)snprintf(self->address, sizeof self->address, "%s", address);
-    const uint32_t count = evdev_look(seen);
+    const uint32_t count = evdev_look(device);
     uint32_t at = 0;
-    while (at < count && !is_wanted(self, &seen[at], at))
+    while (at < count && !is_wanted(self, &device[at], at))
         at += 1;
     if (at == count)
         return say_absent(self, count);
-    self->pad = seen[at];
+    self->pad = device[at];
     self->descriptor = evdev_open(&self->pad, &self->state);
     if (self->descriptor < 0) {
         device_say(self->host, MRT_LOG_ERROR, "%.60s (%s): %s: %s", self->pad.name, self->pad.node,
@@ -405,12 +405,12 @@ static mrt_result input_read(mrt_plugin *self, const double *params, int64_t dea
 
 /* ---- devices ---- */
 
-static void fill_device(const evdev_seen *seen, mrt_device *out)
+static void fill_device(const evdev_device *device, mrt_device *out)
 {
     *out = (mrt_device){.state = MRT_DEVICE_READY};
-    (void)snprintf(out->address, sizeof out->address, "%s", seen->identity);
-    (void)snprintf(out->name, sizeof out->name, "%s", seen->name[0] ? seen->name : "Gamepad");
-    if (access(seen->node, R_OK) != 0) {
+    (void)snprintf(out->address, sizeof out->address, "%s", device->identity);
+    (void)snprintf(out->name, sizeof out->name, "%s", device->name[0] ? device->name : "Gamepad");
+    if (access(device->node, R_OK) != 0) {
         out->state = MRT_DEVICE_DENIED;
         (void)snprintf(out->advice, sizeof out->advice, "%s", advice(EACCES));
     }
@@ -418,11 +418,11 @@ static void fill_device(const evdev_seen *seen, mrt_device *out)
 
 static uint32_t list_devices(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
-    evdev_seen seen[EVDEV_SEEN];
-    const uint32_t count = evdev_look(seen);
+    evdev_device device[EVDEV_DEVICES];
+    const uint32_t count = evdev_look(device);
     (void)self;
     for (uint32_t i = 0; i < count && i < capacity; ++i)
-        fill_device(&seen[i], &out[i]);
+        fill_device(&device[i], &out[i]);
     return count;
 }
 

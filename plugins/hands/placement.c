@@ -133,7 +133,7 @@ static mrt_vec3 centre_of_tips(const mrt_hand *hand)
     return (mrt_vec3){sum.x / 5.0f, sum.y / 5.0f, sum.z / 5.0f};
 }
 
-static mrt_vec3 place_of(const placement *self, const mrt_frame *frame, uint32_t side)
+static mrt_vec3 hand_position(const placement *self, const mrt_frame *frame, uint32_t side)
 {
     const double *params = frame->params;
     double across = params[PLACEMENT_ACROSS], up = params[PLACEMENT_UP];
@@ -184,7 +184,7 @@ uint32_t placement_points(placement *self, const mrt_frame *frame,
             self->is_laid[side] = true;
         }
         rotation t = posture_turn(frame, side);
-        mrt_vec3 home = self->home[side], position = place_of(self, frame, side);
+        mrt_vec3 home = self->home[side], position = hand_position(self, frame, side);
         for (int finger = 0; finger < 5; ++finger)
             out_point[count++] = laid(&t, scale, home, position, hand->joint[4 + 4 * finger]);
         for (int i = 0; i < MRT_PALM && params[PLACEMENT_PALM] > 0.5; ++i)

@@ -34,7 +34,7 @@ bool midi_table_hear(midi_table *self, midi_control control);
 void midi_table_build(midi_table *self, bool has_pedals);
 /* -1: it is no channel. */
 int midi_table_find(const midi_table *self, midi_control control);
-/* Its place in `heard`; -1: it was not heard. */
+/* Its index in `heard`; -1: it was not heard. */
 int midi_table_heard(const midi_table *self, midi_control control);
 
 /* What was heard, a name a line; bytes that are no such text are passed over. */

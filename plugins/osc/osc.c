@@ -69,7 +69,7 @@ typedef struct osc_output {
     bool is_stopping;
     forwarded source[SOURCES_MAX];
     uint32_t failed_count;
-    bool has_said_failure, has_said_source;
+    bool has_logged_failure, has_logged_source;
     unsigned char packet[PACKET_BYTES];
 } osc_output;
 
@@ -445,9 +445,9 @@ static void send_packet(osc_output *self, size_t size)
     if (error == 0)
         return;
     self->failed_count += 1;
-    if (self->has_said_failure)
+    if (self->has_logged_failure)
         return;
-    self->has_said_failure = true;
+    self->has_logged_failure = true;
     device_say(self->host, MRT_LOG_WARNING, "samples do not reach %s port %u (%s): %s; trying on",
                self->address.host, (unsigned)self->address.port, strerror(error),
                advice_for_send(error));
@@ -561,7 +561,7 @@ static mrt_result output_open(mrt_plugin *plugin, const char *address, const dou
     }
     memset(self->source, 0, sizeof self->source);
     self->failed_count = 0;
-    self->has_said_failure = self->has_said_source = false;
+    self->has_logged_failure = self->has_logged_source = false;
     self->host_offset_ns = device_clock_host_offset_ns(self->host);
     trace_open(&self->trace, self->host, "osc");
     mrt_result result = start_thread(self);
@@ -586,7 +586,7 @@ static bool is_sample(const mrt_sample *sample)
     return true;
 }
 
-/* The place of the source, or a free one; NULL: there is none. */
+/* The slot of the source, or a free one; NULL: there is none. */
 static forwarded *find(osc_output *self, const char *source)
 {
     for (int i = 0; i < SOURCES_MAX; ++i)
@@ -608,9 +608,9 @@ static bool is_told(const forwarded *from, const mrt_channel *channels, const mr
 
 static mrt_result refuse(osc_output *self, mrt_result result, const char *source, const char *why)
 {
-    if (!self->has_said_source)
+    if (!self->has_logged_source)
         device_say(self->host, MRT_LOG_ERROR, "%.95s cannot be forwarded: %s", source, why);
-    self->has_said_source = true;
+    self->has_logged_source = true;
     return result;
 }
 

@@ -405,7 +405,7 @@ static void listener_take_end(osc_listener *self, int64_t now_ns)
 
 /* ---- the dispatcher: faults ---- */
 
-/* As long as a source counts as there, and keeps its place, though it is silent. */
+/* As long as a source counts as there, and keeps its slot, though it is silent. */
 static const int64_t alive_ns = 1000000000;
 
 static void printable(char *out, size_t capacity, const char *text)
@@ -469,16 +469,16 @@ static bool is_alive(const osc_source *source, int64_t now_ns)
 static bool is_listened_to(const osc_dispatcher *self, const osc_source *source)
 {
     if (source->name[0] == '\0')
-        return false; /* a free place */
+        return false; /* a free slot */
     for (const osc_listener *l = self->listeners; l; l = l->next)
         if (l->is_forwarded && strcmp(l->bound, source->name) == 0)
             return true;
     return false;
 }
 
-/* The source's place, or one for it: free, or of one that is silent and that nobody listens to.
+/* The source's slot, or one for it: free, or of one that is silent and that nobody listens to.
  * NULL: there is none. */
-static osc_source *place_of_source(osc_dispatcher *self, const char *name)
+static osc_source *slot_for_source(osc_dispatcher *self, const char *name)
 {
     osc_source *found = find_source(self, name);
     if (found)
@@ -503,7 +503,7 @@ static bool admits(osc_dispatcher *self, osc_source *source)
 
 static void take_channels(osc_dispatcher *self)
 {
-    osc_source *source = place_of_source(self, self->event.source);
+    osc_source *source = slot_for_source(self, self->event.source);
     if (!source) {
         complain(self, OSC_FAULT_SOURCES, self->event.source,
                  "there is room for 16 sources at one port: use another port");

@@ -170,8 +170,8 @@ static void multiply(float out[4], const float a[4], const float b[4])
 }
 
 /* A bone's turn about its parent, in Unity's axes: those of the face mirrored in x. */
-static void local_turn(float out[4], const mrt_face_names *n, const mrt_face_sample *sample,
-                       uint32_t bone)
+static void local_rotation(float out[4], const mrt_face_names *n, const mrt_face_sample *sample,
+                           uint32_t bone)
 {
     const float *own = sample->bones[bone].turn;
     float rotation[4] = {own[0], own[1], own[2], own[3]};
@@ -198,7 +198,7 @@ static void say_bone(mrt_plugin *self, const char *address, const char *name,
     osc_sender_add(&self->sender, &message, address);
 }
 
-static const float no_turn[4] = {0, 0, 0, 1};
+static const float no_rotation[4] = {0, 0, 0, 1};
 
 static int head_bone_of(const mrt_plugin *self, const char *name, bool with_jaw)
 {
@@ -216,7 +216,7 @@ static void say_bones(mrt_plugin *self, const double *params, const mrt_face_sam
         int of = head_bone_of(self, body_bone[i], params[JAW] > 0.5);
         float rotation[4] = {0, 0, 0, 1};
         if (of >= 0)
-            local_turn(rotation, self->names, sample, self->bone[of]);
+            local_rotation(rotation, self->names, sample, self->bone[of]);
         if (of >= 0 || params[ROLE] > 0.5)
             say_bone(self, "/VMC/Ext/Bone/Pos", body_bone[i], rotation);
     }
@@ -263,7 +263,7 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     osc_builder_float(&message, (float)((double)at_ns * 1e-9));
     osc_sender_add(&self->sender, &message, "/VMC/Ext/T");
     if (params[ROLE] > 0.5)
-        say_bone(self, "/VMC/Ext/Root/Pos", "root", no_turn);
+        say_bone(self, "/VMC/Ext/Root/Pos", "root", no_rotation);
     say_bones(self, params, sample);
     say_blends(self, params, sample);
     return osc_sender_end(&self->sender);

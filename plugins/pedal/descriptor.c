@@ -511,7 +511,7 @@ static const uint8_t *keys_of(const layout *of, const uint8_t *bytes, size_t siz
     return bytes + of->key_at;
 }
 
-/* A keyboard that has lost count says so with one code in every place. */
+/* A keyboard that has lost count says so with one code in every slot. */
 static bool is_roll_over(const uint8_t *keys, size_t count)
 {
     for (size_t i = 0; i < count; ++i)

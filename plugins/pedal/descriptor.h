@@ -21,7 +21,7 @@ typedef struct descriptor_field {
     uint8_t report_id; /* 0: reports have no number */
     uint16_t bit;      /* of its lowest bit, from the report's first byte (its number, if any) */
     uint8_t width;     /* bits, 1..32 */
-    uint16_t count;    /* 1; an array: so many places of `width` bits that hold usages */
+    uint16_t count;    /* 1; an array: so many slots of `width` bits that hold usages */
     bool is_array, is_signed, is_relative;
     int32_t low, high;    /* logical range, low < high */
     uint16_t page, usage; /* usage: of an array, of its value `low` */

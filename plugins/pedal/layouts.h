@@ -27,7 +27,7 @@ typedef enum layout_source {
 } layout_source;
 
 typedef enum layout_switch_kind {
-    LAYOUT_FIELD = 0, /* a number at a fixed place of the report: a bit, a byte, an axis */
+    LAYOUT_FIELD = 0, /* a number at a fixed offset in the report: a bit, a byte, an axis */
     LAYOUT_KEY        /* a key in a keyboard's list of keys that are down */
 } layout_switch_kind;
 

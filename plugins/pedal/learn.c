@@ -135,11 +135,11 @@ static void rest(learn *self, const uint8_t *bytes, size_t size)
         int64_t value;
         if (!value_of(field, bytes, size, &value))
             continue;
-        if (!field->is_seen || value < field->rest_low)
+        if (!field->has_rest || value < field->rest_low)
             field->rest_low = value;
-        if (!field->is_seen || value > field->rest_high)
+        if (!field->has_rest || value > field->rest_high)
             field->rest_high = value;
-        field->is_seen = true;
+        field->has_rest = true;
     }
 }
 
@@ -182,7 +182,7 @@ static double follow(learn *self, const uint8_t *bytes, size_t size)
     for (uint32_t i = 0; i < self->field_count; ++i) {
         learn_field *field = &self->field[i];
         int64_t value;
-        if (!field->is_seen || !value_of(field, bytes, size, &value))
+        if (!field->has_rest || !value_of(field, bytes, size, &value))
             continue;
         double way = way_of(field, value);
         if (way > field->peak_way) {
@@ -270,7 +270,7 @@ static bool knows_rest(const learn *self, const uint8_t *bytes, size_t size)
 {
     for (uint32_t i = 0; i < self->field_count; ++i) {
         int64_t value;
-        if (!self->field[i].is_seen && value_of(&self->field[i], bytes, size, &value))
+        if (!self->field[i].has_rest && value_of(&self->field[i], bytes, size, &value))
             return false;
     }
     return true;

@@ -23,7 +23,7 @@ typedef enum learn_stage {
 
 typedef struct learn_field {
     descriptor_field where;
-    bool is_seen;
+    bool has_rest;
     int64_t rest_low, rest_high; /* what it did while nobody touched it */
     int64_t peak;                /* of this press: the value furthest from rest */
     double peak_way;             /* how far that was, in parts of its range */

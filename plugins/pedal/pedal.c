@@ -32,7 +32,7 @@ struct mrt_plugin {
 
     char address[PEDAL_ADDRESS]; /* as opened, "" too */
     address_binding binding;     /* the device that this address has meant */
-    usb_seen device;             /* that is open, or was last */
+    usb_device device;           /* that is open, or was last */
     char name[LAYOUT_NAME];
 
     bool is_open, has_lesson_due; /* the button was pressed in the call of open */
@@ -69,7 +69,7 @@ typedef struct attempt {
 
 /* ---- what is known of a device ---- */
 
-static layout known_layout(const usb_seen *device, char *complaint)
+static layout known_layout(const usb_device *device, char *complaint)
 {
     char reason[LAYOUT_FILE_REASON] = "";
     layout learnt;
@@ -85,7 +85,7 @@ static layout known_layout(const usb_seen *device, char *complaint)
         .vendor = device->vendor, .product = device->product, .interface_number = LAYOUT_ANY};
 }
 
-static const usb_endpoint *endpoint_of(const layout *known, const usb_seen *device)
+static const usb_endpoint *endpoint_of(const layout *known, const usb_device *device)
 {
     const usb_endpoint *first = NULL;
     for (uint32_t i = 0; i < device->endpoint_count; ++i) {
@@ -232,7 +232,7 @@ static void forget_the_past(mrt_plugin *self)
     self->repeat_due_ns = INT64_MIN; /* the first sample is due at once */
 }
 
-static void open_device(mrt_plugin *self, const usb_seen *device, const layout *known,
+static void open_device(mrt_plugin *self, const usb_device *device, const layout *known,
                         const double *params, attempt *out)
 {
     static const size_t capacity = DESCRIPTOR_BYTES;
@@ -297,22 +297,22 @@ static void explain_absence(const mrt_plugin *self, const address *wanted, attem
 
 static void try_to_open(mrt_plugin *self, const address *wanted, const double *params, attempt *out)
 {
-    usb_seen seen[USB_SEEN];
-    uint32_t count = usb_look(self->usb, seen, USB_SEEN);
+    usb_device found[USB_DEVICES];
+    uint32_t count = usb_look(self->usb, found, USB_DEVICES);
     explain_absence(self, wanted, out);
     bool was_found = false;
-    for (uint32_t i = 0; i < count && i < USB_SEEN; ++i) {
+    for (uint32_t i = 0; i < count && i < USB_DEVICES; ++i) {
         char complaint[LAYOUT_FILE_REASON];
-        layout known = known_layout(&seen[i], complaint);
-        if (!address_matches(wanted, &self->binding, seen[i].path, seen[i].vendor, seen[i].product,
-                             known.source != LAYOUT_OF_NOTHING)) {
+        layout known = known_layout(&found[i], complaint);
+        if (!address_matches(wanted, &self->binding, found[i].path, found[i].vendor,
+                             found[i].product, known.source != LAYOUT_OF_NOTHING)) {
             /* what was taught, and cannot be read any more, may be what is looked for */
             if (complaint[0] && wanted->kind == ADDRESS_ANY && !was_found)
                 snprintf(out->text, sizeof out->text, "%.*s", PEDAL_TEXT - 1, complaint);
             continue;
         }
         attempt one = {0};
-        open_device(self, &seen[i], &known, params, &one);
+        open_device(self, &found[i], &known, params, &one);
         if (one.result == MRT_OK || !was_found)
             *out = one;
         if (one.result == MRT_OK && complaint[0])
@@ -402,7 +402,7 @@ static mrt_result pedal_open(mrt_plugin *self, const char *text, const double *p
 
 /* Something with buttons or axes that the kernel's driver has read, and neither keyboard nor mouse:
  * nobody wants those listed as pedals. */
-static bool may_be_pedal(const usb_seen *device)
+static bool may_be_pedal(const usb_device *device)
 {
     uint8_t bytes[DESCRIPTOR_BYTES];
     char reason[DESCRIPTOR_REASON];
@@ -422,12 +422,12 @@ static bool may_be_pedal(const usb_seen *device)
     return false;
 }
 
-static bool is_ours(const mrt_plugin *self, const usb_seen *device)
+static bool is_ours(const mrt_plugin *self, const usb_device *device)
 {
     return self->is_open && !self->is_lost && strcmp(self->device.path, device->path) == 0;
 }
 
-static void judge(const mrt_plugin *self, const usb_seen *device, const layout *known,
+static void judge(const mrt_plugin *self, const usb_device *device, const layout *known,
                   mrt_device *out)
 {
     const usb_endpoint *endpoint = endpoint_of(known, device);
@@ -447,7 +447,7 @@ static void judge(const mrt_plugin *self, const usb_seen *device, const layout *
     }
 }
 
-static void describe_device(const mrt_plugin *self, const usb_seen *device, const layout *known,
+static void describe_device(const mrt_plugin *self, const usb_device *device, const layout *known,
                             const char *complaint, mrt_device *out)
 {
     *out = (mrt_device){.state = MRT_DEVICE_READY};
@@ -462,18 +462,18 @@ static void describe_device(const mrt_plugin *self, const usb_seen *device, cons
 
 static uint32_t pedal_list(mrt_plugin *self, mrt_device *out, uint32_t capacity)
 {
-    usb_seen seen[USB_SEEN];
+    usb_device found[USB_DEVICES];
     if (!has_usb(self))
         return 0;
-    uint32_t seen_count = usb_look(self->usb, seen, USB_SEEN);
+    uint32_t device_count = usb_look(self->usb, found, USB_DEVICES);
     uint32_t count = 0;
-    for (uint32_t i = 0; i < seen_count && i < USB_SEEN; ++i) {
+    for (uint32_t i = 0; i < device_count && i < USB_DEVICES; ++i) {
         char complaint[LAYOUT_FILE_REASON];
-        layout known = known_layout(&seen[i], complaint);
-        if (known.source == LAYOUT_OF_NOTHING && !complaint[0] && !may_be_pedal(&seen[i]))
+        layout known = known_layout(&found[i], complaint);
+        if (known.source == LAYOUT_OF_NOTHING && !complaint[0] && !may_be_pedal(&found[i]))
             continue;
         if (count < capacity)
-            describe_device(self, &seen[i], &known, complaint, &out[count]);
+            describe_device(self, &found[i], &known, complaint, &out[count]);
         count += 1;
     }
     return count;

@@ -71,12 +71,12 @@ bool system_is_claimed(const char *path, uint8_t interface_number)
 /* ---- the node ---- */
 
 /* "/dev/bus/usb/001/002" */
-static void find_node(char out[NODE], const usb_seen *device)
+static void find_node(char out[NODE], const usb_device *device)
 {
     snprintf(out, NODE, "/dev/bus/usb/%03u/%03u", device->bus, device->number);
 }
 
-bool system_may_open(const usb_seen *device)
+bool system_may_open(const usb_device *device)
 {
     char node[NODE];
     find_node(node, device);
@@ -111,7 +111,7 @@ static void name_process(char out[HOLDER], const char *process)
 }
 
 /* Which program has the node open: "mplayer (process 1234)"; false: none that this user may see. */
-static bool find_holder(char out[HOLDER], const usb_seen *device)
+static bool find_holder(char out[HOLDER], const usb_device *device)
 {
     char node[NODE];
     struct stat status;
@@ -136,7 +136,7 @@ static bool find_holder(char out[HOLDER], const usb_seen *device)
 
 #define RELOAD "sudo udevadm control --reload && sudo udevadm trigger, and plug it in again"
 
-void advice_denied(char out[ADVICE_TEXT], const usb_seen *device)
+void advice_denied(char out[ADVICE_TEXT], const usb_device *device)
 {
     char node[NODE];
     find_node(node, device);
@@ -153,7 +153,7 @@ void advice_denied(char out[ADVICE_TEXT], const usb_seen *device)
                  node, device->vendor, device->product);
 }
 
-void advice_busy(char out[ADVICE_TEXT], const usb_seen *device)
+void advice_busy(char out[ADVICE_TEXT], const usb_device *device)
 {
     char holder[HOLDER];
     if (find_holder(holder, device))
@@ -166,7 +166,7 @@ void advice_busy(char out[ADVICE_TEXT], const usb_seen *device)
                  device->bus, device->number);
 }
 
-void advice_unknown(char out[ADVICE_TEXT], const usb_seen *device)
+void advice_unknown(char out[ADVICE_TEXT], const usb_device *device)
 {
     snprintf(out, ADVICE_TEXT,
              "not a pedal that is known: if it is one, teach its switches with "
@@ -174,7 +174,7 @@ void advice_unknown(char out[ADVICE_TEXT], const usb_seen *device)
              device->path);
 }
 
-void advice_no_endpoint(char out[ADVICE_TEXT], const usb_seen *device)
+void advice_no_endpoint(char out[ADVICE_TEXT], const usb_device *device)
 {
     snprintf(out, ADVICE_TEXT,
              "usb:%04x:%04x has no HID interface that reports: it is no pedal, or it is damaged: "

@@ -13,7 +13,7 @@ void system_product(char out[SYSTEM_NAME], const char *path);
 size_t system_descriptor(const char *path, uint8_t interface_number, uint8_t *out, size_t capacity);
 
 /* Whether this user may read and write the node. */
-bool system_may_open(const usb_seen *device);
+bool system_may_open(const usb_device *device);
 /* Whether some program, and not a driver of the kernel, has claimed the interface. */
 bool system_is_claimed(const char *path, uint8_t interface_number);
 
@@ -21,9 +21,9 @@ bool system_is_claimed(const char *path, uint8_t interface_number);
 
 enum { ADVICE_TEXT = 384 };
 
-void advice_denied(char out[ADVICE_TEXT], const usb_seen *device);
-void advice_busy(char out[ADVICE_TEXT], const usb_seen *device);
-void advice_unknown(char out[ADVICE_TEXT], const usb_seen *device);
-void advice_no_endpoint(char out[ADVICE_TEXT], const usb_seen *device);
+void advice_denied(char out[ADVICE_TEXT], const usb_device *device);
+void advice_busy(char out[ADVICE_TEXT], const usb_device *device);
+void advice_unknown(char out[ADVICE_TEXT], const usb_device *device);
+void advice_no_endpoint(char out[ADVICE_TEXT], const usb_device *device);
 
 #endif

@@ -24,7 +24,7 @@ struct usb {
     libusb_context *context;
     libusb_hotplug_callback_handle hotplug;
     bool has_hotplug;
-    present_device last_look[USB_SEEN];
+    present_device last_look[USB_DEVICES];
     uint32_t last_count;
     bool has_looked;
     int last_error;
@@ -153,7 +153,7 @@ static uint16_t packet_of(const struct libusb_endpoint_descriptor *endpoint)
     return bytes < USB_REPORT ? bytes : USB_REPORT;
 }
 
-static void see_endpoint(usb_seen *out, const struct libusb_interface_descriptor *setting,
+static void see_endpoint(usb_device *out, const struct libusb_interface_descriptor *setting,
                          const struct libusb_endpoint_descriptor *endpoint)
 {
     bool is_in = (endpoint->bEndpointAddress & LIBUSB_ENDPOINT_DIR_MASK) == LIBUSB_ENDPOINT_IN;
@@ -172,7 +172,7 @@ static void see_endpoint(usb_seen *out, const struct libusb_interface_descriptor
 }
 
 /* Of each interface the setting that it has without being asked: the first. */
-static void see_endpoints(usb_seen *out, libusb_device *device)
+static void see_endpoints(usb_device *out, libusb_device *device)
 {
     struct libusb_config_descriptor *config = NULL;
     if (libusb_get_active_config_descriptor(device, &config) != LIBUSB_SUCCESS)
@@ -187,10 +187,10 @@ static void see_endpoints(usb_seen *out, libusb_device *device)
     libusb_free_config_descriptor(config);
 }
 
-static bool see(usb_seen *out, libusb_device *device)
+static bool see(usb_device *out, libusb_device *device)
 {
     struct libusb_device_descriptor descriptor;
-    *out = (usb_seen){0};
+    *out = (usb_device){0};
     if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS ||
         descriptor.bDeviceClass == LIBUSB_CLASS_HUB || !path_of(device, out->path))
         return false;
@@ -203,16 +203,16 @@ static bool see(usb_seen *out, libusb_device *device)
 }
 
 /* Keeps the first `capacity` of the order. */
-static void insert(usb_seen *out, uint32_t capacity, uint32_t count, const usb_seen *seen)
+static void insert(usb_device *out, uint32_t capacity, uint32_t count, const usb_device *device)
 {
     uint32_t at = count < capacity ? count : capacity;
-    while (at > 0 && address_compare_paths(seen->path, out[at - 1].path) < 0) {
+    while (at > 0 && address_compare_paths(device->path, out[at - 1].path) < 0) {
         if (at < capacity)
             out[at] = out[at - 1];
         --at;
     }
     if (at < capacity)
-        out[at] = *seen;
+        out[at] = *device;
 }
 
 static const present_device *find_present(const present_device *last_look, uint32_t count,
@@ -224,42 +224,42 @@ static const present_device *find_present(const present_device *last_look, uint3
     return NULL;
 }
 
-static void remember_look(usb *self, const usb_seen *seen, uint32_t count)
+static void remember_look(usb *self, const usb_device *device, uint32_t count)
 {
-    present_device now[USB_SEEN];
+    present_device now[USB_DEVICES];
     int64_t now_ns = self->host->now_ns(self->host);
-    uint32_t kept = count < USB_SEEN ? count : USB_SEEN;
+    uint32_t kept = count < USB_DEVICES ? count : USB_DEVICES;
     for (uint32_t i = 0; i < kept; ++i) {
         const present_device *known =
-            find_present(self->last_look, self->last_count, seen[i].path, seen[i].number);
-        now[i] = (present_device){.number = seen[i].number,
+            find_present(self->last_look, self->last_count, device[i].path, device[i].number);
+        now[i] = (present_device){.number = device[i].number,
                                   .since_ns = self->has_looked ? now_ns : INT64_MIN};
         if (known)
             now[i].since_ns = known->since_ns;
-        memcpy(now[i].path, seen[i].path, sizeof now[i].path);
+        memcpy(now[i].path, device[i].path, sizeof now[i].path);
     }
     memcpy(self->last_look, now, kept * sizeof *now);
     self->last_count = kept;
     self->has_looked = true;
 }
 
-bool usb_came_lately(const usb *self, const usb_seen *device)
+bool usb_came_lately(const usb *self, const usb_device *device)
 {
     const present_device *known =
         find_present(self->last_look, self->last_count, device->path, device->number);
     return known && known->since_ns > self->host->now_ns(self->host) - lately_ns;
 }
 
-uint32_t usb_look(usb *self, usb_seen *out, uint32_t capacity)
+uint32_t usb_look(usb *self, usb_device *out, uint32_t capacity)
 {
     libusb_device **list = NULL;
     uint32_t count = 0;
     (void)pump(self, 0); /* departures that wait to be told */
     ssize_t listed = libusb_get_device_list(self->context, &list);
     for (ssize_t i = 0; i < listed; ++i) {
-        usb_seen seen;
-        if (see(&seen, list[i]))
-            insert(out, capacity, count++, &seen);
+        usb_device device;
+        if (see(&device, list[i]))
+            insert(out, capacity, count++, &device);
     }
     if (listed >= 0)
         libusb_free_device_list(list, 1);
@@ -347,7 +347,7 @@ static int listen(usb *self, const usb_endpoint *endpoint)
 }
 
 /* The device that was seen, if it is there still. */
-static int open_device(usb *self, const usb_seen *device)
+static int open_device(usb *self, const usb_device *device)
 {
     libusb_device **list = NULL;
     int result = LIBUSB_ERROR_NO_DEVICE;
@@ -366,7 +366,7 @@ static int open_device(usb *self, const usb_seen *device)
     return result;
 }
 
-usb_failure usb_open(usb *self, const usb_seen *device, const usb_endpoint *endpoint)
+usb_failure usb_open(usb *self, const usb_device *device, const usb_endpoint *endpoint)
 {
     usb_close(self);
     self->is_lost = false;

@@ -7,7 +7,7 @@
 
 #include <marotte/plugin.h>
 
-enum { USB_SEEN = 64, USB_ENDPOINTS = 16, USB_REPORT = 1024 };
+enum { USB_DEVICES = 64, USB_ENDPOINTS = 16, USB_REPORT = 1024 };
 
 /* An interrupt IN endpoint, by which a device can report. */
 typedef struct usb_endpoint {
@@ -17,13 +17,13 @@ typedef struct usb_endpoint {
     uint16_t packet_bytes; /* 1..USB_REPORT; what the device says if that is possible */
 } usb_endpoint;
 
-typedef struct usb_seen { /* a device that is plugged in */
+typedef struct usb_device { /* a device that is plugged in */
     uint16_t vendor, product;
     uint8_t bus, number;
     char path[ADDRESS_PATH]; /* of its socket: "1-2.3" */
     uint32_t endpoint_count;
     usb_endpoint endpoint[USB_ENDPOINTS];
-} usb_seen;
+} usb_device;
 
 typedef struct usb_report {
     int64_t time_ns; /* host clock at which it arrived */
@@ -50,12 +50,12 @@ void usb_destroy(usb *self); /* closes; NULL is fine */
 
 /* Writes up to `capacity` devices in the order of their sockets, hubs left out; returns how many
  * there are. Asks no device anything. */
-uint32_t usb_look(usb *self, usb_seen *out, uint32_t capacity);
+uint32_t usb_look(usb *self, usb_device *out, uint32_t capacity);
 /* It was not there at the looks of more than a second and a half ago: rights may follow. */
-bool usb_came_lately(const usb *self, const usb_seen *device);
+bool usb_came_lately(const usb *self, const usb_device *device);
 
 /* Takes the interface from the kernel's driver, claims it and begins to listen. */
-usb_failure usb_open(usb *self, const usb_seen *device, const usb_endpoint *endpoint);
+usb_failure usb_open(usb *self, const usb_device *device, const usb_endpoint *endpoint);
 /* Stops listening and gives the interface back to the kernel's driver; accepts a closed one. */
 void usb_close(usb *self);
 /* In libusb's words, of the last failure. */

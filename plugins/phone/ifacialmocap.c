@@ -179,7 +179,7 @@ __attribute__((format(printf, 2, 3))) static void add(line *out, const char *for
 }
 
 /* Yaw, pitch, roll of a sample as pitch, yaw, roll. */
-static void add_turn(line *out, const char *name, const float *turn, const char *behind)
+static void add_rotation(line *out, const char *name, const float *turn, const char *behind)
 {
     add(out, "%s#%.4f,%.4f,%.4f%s|", name, (double)turn[1] * degrees_a_rad,
         (double)turn[0] * degrees_a_rad, (double)turn[2] * degrees_a_rad, behind);
@@ -197,9 +197,9 @@ static void write_text(line *out, const mrt_plugin *self, const mrt_face_sample 
     if (!has_face)
         return;
     add(out, "=");
-    add_turn(out, "head", sample->weights + HEAD, ",0,0,0");
-    add_turn(out, "rightEye", sample->weights + RIGHT_EYE, "");
-    add_turn(out, "leftEye", sample->weights + LEFT_EYE, "");
+    add_rotation(out, "head", sample->weights + HEAD, ",0,0,0");
+    add_rotation(out, "rightEye", sample->weights + RIGHT_EYE, "");
+    add_rotation(out, "leftEye", sample->weights + LEFT_EYE, "");
 }
 
 static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sample *sample)

@@ -167,7 +167,7 @@ static mrt_result send_face(mrt_plugin *self, const double *params, const mrt_fa
     if (has_face)
         put_u8(&out, CHANNELS);
     for (uint32_t i = 0; has_face && i < CHANNELS; ++i) {
-        /* each pair begins at an odd place */
+        /* each pair begins at an odd index */
         uint32_t from = params[SWAP] > 0.5 && is_lateral(i) ? (i % 2 == 1 ? i + 1 : i - 1) : i;
         put_f32(&out, sample->weights[from]);
     }

@@ -170,7 +170,7 @@ static bool parse_live_link(phone_frame *out, reader from, phone_laterals latera
         const bool is_lateral =
             i == JAW_LEFT || i == JAW_LEFT + 1 || i == MOUTH_LEFT || i == MOUTH_LEFT + 1;
         float value;
-        /* each pair begins at an odd place */
+        /* each pair begins at an odd index */
         int index = !is_lateral || !swap ? i : i % 2 == 1 ? i + 1 : i - 1;
         if (!take_float(&from, &value) || !put(out, index, value))
             return false;
@@ -236,11 +236,11 @@ static int find_shape(text name)
 /* Pitch, yaw, roll in degrees, and whatever follows. */
 static bool take_turn(phone_frame *out, int first, text numbers)
 {
-    static const int place[3] = {1, 0, 2}; /* yaw is told first here */
+    static const int order[3] = {1, 0, 2}; /* yaw is told first here */
     for (int i = 0; i < 3; ++i) {
         float degrees;
         if (!read_number(cut(&numbers, ','), &degrees) ||
-            !put(out, first + place[i], degrees * (pi / 180.0f)))
+            !put(out, first + order[i], degrees * (pi / 180.0f)))
             return false;
     }
     return true;

@@ -72,8 +72,8 @@ static mrt_result read_hand(mrt_plugin *self, const double *params, int64_t dead
     }
     if (host->wait_until_ns(host, due_ns) < due_ns)
         return MRT_TIMEOUT; /* woken early: the host is stopping */
-    double turn = (double)(since_ns % CYCLE_NS) / (double)CYCLE_NS;
-    double way = turn < 0.5 ? 2.0 * turn : 2.0 - 2.0 * turn;
+    double phase = (double)(since_ns % CYCLE_NS) / (double)CYCLE_NS;
+    double way = phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
     float bend = (float)(way * way * (3.0 - 2.0 * way)); /* starts and stops softly */
     memset(out, 0, sizeof *out);
     out->time_ns = due_ns;

@@ -29,7 +29,7 @@ static mrt_plugin *create(const mrt_host *host) /* [main] */
     return self;
 }
 
-static void close_place(mrt_plugin *self) /* [output] also after an open() that failed */
+static void close_output(mrt_plugin *self) /* [output] also after an open() that failed */
 {
     if (self->socket >= 0)
         (void)close(self->socket);
@@ -39,13 +39,13 @@ static void close_place(mrt_plugin *self) /* [output] also after an open() that 
 static void destroy(mrt_plugin *self) /* [main] */
 {
     if (self)
-        close_place(self);
+        close_output(self);
     free(self);
 }
 
 /* [output] The address is what follows the colon; the host opens again a second after an error. */
-static mrt_result open_place(mrt_plugin *self, const char *address, const double *params,
-                             mrt_face_wants *wants)
+static mrt_result open_output(mrt_plugin *self, const char *address, const double *params,
+                              mrt_face_wants *wants)
 {
     char host[64] = "127.0.0.1", text[160];
     unsigned port = PORT;
@@ -106,7 +106,7 @@ static const mrt_param params[PARAM_COUNT] = {
     /* id (for ever), flags, name, group, unit, help, min, max, initial, labels */
     {1, 0, "Least", "Content", "", "A weight below it is not said.", 0, 1, 0.01, NULL},
 };
-static const mrt_face_output output = {open_place, begin, send_face, close_place};
+static const mrt_face_output output = {open_output, begin, send_face, close_output};
 static const mrt_interface interfaces[] = {{MRT_FACE_OUTPUT, &output}, {NULL, NULL}};
 static const mrt_plugin_type type = {
     MRT_ABI, PARAM_COUNT, params, interfaces,

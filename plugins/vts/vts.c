@@ -113,10 +113,10 @@ static bool ask(mrt_plugin *self, const char *type, json_t *data)
                                 "apiVersion", "1.0", "requestID", type, "messageType", type, "data",
                                 data ? data : json_object());
     char *text = request ? json_dumps(request, JSON_COMPACT | JSON_REAL_PRECISION(6)) : NULL;
-    bool is_said = text && websocket_say(&self->socket, text, strlen(text));
+    bool was_sent = text && websocket_say(&self->socket, text, strlen(text));
     free(text);
     json_decref(request);
-    return is_said;
+    return was_sent;
 }
 
 static json_t *who(void)
@@ -262,9 +262,9 @@ static void hear_error(mrt_plugin *self, const char *of)
 
 static void hear(mrt_plugin *self, const char *text)
 {
-    json_t *said = json_loads(text, JSON_REJECT_DUPLICATES, NULL);
-    const char *type = json_string_value(json_object_get(said, "messageType"));
-    const json_t *data = json_object_get(said, "data");
+    json_t *message = json_loads(text, JSON_REJECT_DUPLICATES, NULL);
+    const char *type = json_string_value(json_object_get(message, "messageType"));
+    const json_t *data = json_object_get(message, "data");
     if (!type)
         type = "";
     if (strcmp(type, "AuthenticationTokenResponse") == 0) {
@@ -281,9 +281,9 @@ static void hear(mrt_plugin *self, const char *text)
         if (p)
             p->is_known = true;
     } else if (strcmp(type, "APIError") == 0) {
-        hear_error(self, json_string_value(json_object_get(said, "requestID")));
+        hear_error(self, json_string_value(json_object_get(message, "requestID")));
     }
-    json_decref(said);
+    json_decref(message);
 }
 
 /* ---- the interface ---- */

@@ -1,7 +1,7 @@
-/* bench/bench.h - what the measurements of `marotte bench` share: a clock that is asked in turns,
- * the machine's roofs, and rows of results. A time is the least of many rounds in which everything
- * that is compared takes its turn: what else the machine does only adds to it, and ratios hold
- * within the run. Leaves out what is measured. [main] */
+/* bench/bench.h - what the measurements of `marotte bench` share: a clock that is asked
+ * alternately, the machine's roofs, and rows of results. A time is the least of many rounds in
+ * which everything that is compared takes its turn: what else the machine does only adds to it, and
+ * ratios hold within the run. Leaves out what is measured. [main] */
 #ifndef MAROTTE_UI_BENCH_BENCH_H
 #define MAROTTE_UI_BENCH_BENCH_H
 #include "base/error.h"
@@ -19,8 +19,8 @@ typedef struct bench_work {
     double *took_ns;            /* out: each round's, in order; NULL, or room for all rounds */
 } bench_work;
 
-/* In turns, `rounds` times, after one turn that does not count; stops after `seconds`, but not
- * before three rounds. Returns the rounds. */
+/* Runs all of them alternately for `rounds` rounds, after one that does not count; stops after
+ * `seconds`, but not before three rounds. Returns the rounds. */
 uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double seconds);
 
 /* What the machine can do, measured beside a row with as many bytes as it moves. */

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { CENTRES_MAX = 3000, TIPS = 10, ROOM = CENTRES_MAX + TIPS, TURNS = 3 };
+enum { CENTRES_MAX = 3000, TIPS = 10, ROOM = CENTRES_MAX + TIPS, ROUNDS = 3 };
 static const uint32_t counts[] = {200, 500, 1000, CENTRES_MAX};
 static const double radii_mm[] = {30.0, 40.0, 50.0};
 
@@ -20,7 +20,7 @@ typedef struct head { /* centres spread evenly over an ellipsoid of a skull's si
     saddle many; /* for many sides together */
     double *side;
     order_item *scratch;
-    uint32_t turn;
+    uint32_t round;
     mrt_result failed;
 } head;
 
@@ -68,12 +68,12 @@ static void factor(head *self, const csrbf_settings *settings)
     note(self, csrbf_factor(self->solver, settings, self->centre, self->class, self->count, NULL));
 }
 
-/* All of it: no two turns that follow each other are of one matrix. */
+/* All of it: no two rounds that follow each other are of one matrix. */
 static void run_factor(void *data)
 {
     head *self = data;
     csrbf_settings settings = self->settings;
-    settings.ridge = 1e-13 * (1.0 + (double)(self->turn++ % TURNS));
+    settings.ridge = 1e-13 * (1.0 + (double)(self->round++ % ROUNDS));
     factor(self, &settings);
 }
 
@@ -99,7 +99,7 @@ static void run_hold_afresh(void *data)
 static void run_hold_again(void *data)
 {
     head *self = data;
-    double way_mm = 0.5 * (double)(self->turn++ % TURNS);
+    double way_mm = 0.5 * (double)(self->round++ % ROUNDS);
     for (uint32_t i = self->count - TIPS; i < self->count; ++i)
         self->centre[(size_t)3 * i + 2] = self->centre[(size_t)3 * i] * 0.5 + way_mm;
     factor(self, &self->settings);
@@ -116,13 +116,13 @@ static void hold_some_times(void *data)
 static void tell(bench *self, const head *h, const bench_work work[3])
 {
     char label[32], line[160];
-    csrbf_diagnostics said = csrbf_diagnose(h->solver);
+    csrbf_diagnostics diagnosed = csrbf_diagnose(h->solver);
     snprintf(label, sizeof label, "%u R=%g", h->count, h->settings.radius);
     snprintf(line, sizeof line,
              "factor %8.2f ms   three sides %7.2f ms   sixteen %7.2f ms   envelope %5.1f %% of the "
              "triangle",
              work[0].least_ns * 1e-6, work[1].least_ns * 1e-6, work[2].least_ns * 1e-6,
-             100.0 * (double)said.envelope_count /
+             100.0 * (double)diagnosed.envelope_count /
                  (0.5 * (double)h->count * ((double)h->count + 1.0)));
     const facts_cell cells[] = {
         {"centres", NULL, h->count, 0},
@@ -130,7 +130,7 @@ static void tell(bench *self, const head *h, const bench_work work[3])
         {"factor_ms", NULL, work[0].least_ns * 1e-6, 4},
         {"solve_ms", NULL, work[1].least_ns * 1e-6, 4},
         {"solve_many_ms", NULL, work[2].least_ns * 1e-6, 4},
-        {"envelope_entries", NULL, said.envelope_count, 0},
+        {"envelope_entries", NULL, diagnosed.envelope_count, 0},
     };
     facts_row(self->told, "factor", label, line, cells, sizeof cells / sizeof cells[0]);
 }

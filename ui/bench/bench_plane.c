@@ -195,7 +195,7 @@ static void tell_bones(bench *self, const char *what, uint32_t pins, double took
     facts_row(self->told, "bones", label, line, cells, sizeof cells / sizeof cells[0]);
 }
 
-/* Beside the same frame without pins, in turns. */
+/* Alternately with the same frame without pins. */
 static mrt_result measure_pins(bench *self, bone_scene *plain, bone_scene *held, uint32_t pins,
                                error *err)
 {
@@ -313,7 +313,7 @@ typedef struct thread_run {
     double share_from_ns;
 } thread_run;
 
-static void run_turn(void *data)
+static void run_alternately(void *data)
 {
     thread_run *self = data;
     pool_share_from(self->share_from_ns);
@@ -331,7 +331,7 @@ static bool is_shared(thread_run usual)
 {
     uint64_t before = pool_state_now().shared_count;
     usual.share_from_ns = POOL_WORTH_NS;
-    run_turn(&usual);
+    run_alternately(&usual);
     return pool_state_now().shared_count > before;
 }
 
@@ -363,10 +363,10 @@ static void measure_kinds(bench *self, thread_scene *s)
         thread_run alone = {.of = s, .run = kinds[i].run, .share_from_ns = (double)INFINITY};
         thread_run shared = {.of = s, .run = kinds[i].run, .share_from_ns = 0.0};
         bench_work work[] = {
-            {.run = run_turn, .data = &alone},
-            {.run = run_turn, .data = &shared},
-            {.run = run_turn, .data = &alone, .before = rest_a_while},
-            {.run = run_turn, .data = &shared, .before = rest_a_while},
+            {.run = run_alternately, .data = &alone},
+            {.run = run_alternately, .data = &shared},
+            {.run = run_alternately, .data = &alone, .before = rest_a_while},
+            {.run = run_alternately, .data = &shared, .before = rest_a_while},
         };
         bench_measure(work, sizeof work / sizeof work[0], self->rounds, self->seconds);
         tell_threads(self, s, kinds[i].name, work, is_shared(alone));

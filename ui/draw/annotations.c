@@ -31,7 +31,7 @@ enum {
     GLYPHS_MAX = 2048,  /* a power of two; kept at most three quarters full */
     QUADS_MAX = 256,    /* per draw call */
     LETTERS_MAX = 4096, /* of one text; the rest is cut */
-    SHIFTS = 4          /* places of a glyph within a pixel */
+    SHIFTS = 4          /* subpixel positions of a glyph */
 };
 static const float size_min_px = 4.0f, size_max_px = 256.0f;
 
@@ -221,7 +221,7 @@ static void clear_atlas(letters *self)
     self->shelf_x = self->shelf_y = self->shelf_height = 0;
 }
 
-static bool place_in_atlas(letters *self, int width, int height, glyph *out)
+static bool allocate_in_atlas(letters *self, int width, int height, glyph *out)
 {
     if (width > ATLAS || height > ATLAS)
         return false;
@@ -248,7 +248,7 @@ static void add_bitmap(letters *self, glyph *out)
         slot->bitmap.pixel_mode != FT_PIXEL_MODE_GRAY || slot->bitmap.pitch < 0)
         return;
     int width = (int)slot->bitmap.width, height = (int)slot->bitmap.rows;
-    if (width == 0 || height == 0 || !place_in_atlas(self, width, height, out))
+    if (width == 0 || height == 0 || !allocate_in_atlas(self, width, height, out))
         return;
     gl_end_scene();
     glPixelStorei(GL_UNPACK_ROW_LENGTH, slot->bitmap.pitch);

@@ -14,7 +14,7 @@ draw_camera camera_made_safe(const draw_camera *camera);
 void camera_eye(const draw_camera *camera, float out[3]);
 /* Unit vectors: where right and up of the picture are, and where the eye is from the target. */
 void camera_axes_of(const draw_camera *camera, float right[3], float up[3], float back[3]);
-/* The ray through a place of the picture (-1..1, right and up): unit, away from the eye. */
+/* The ray through a point of the picture (-1..1, right and up): unit, away from the eye. */
 void camera_ray(const draw_camera *camera, float aspect, const float on_screen[2], float out[3]);
 /* Depth covers the ball at centre, as far as it is before the eye. */
 matrix4 camera_projection(const draw_camera *camera, float aspect, const float centre[3],

@@ -16,16 +16,16 @@ static const uint32_t triangles_per_bake = 12u * 1000 * 1000;
 
 typedef struct bake {
     GLuint program, texture, framebuffer;
-    float *depth;           /* MAP by MAP */
-    float *seen, *possible; /* vertex_count: sums of cosines */
+    float *depth;              /* MAP by MAP */
+    float *visible, *possible; /* vertex_count: sums of cosines */
 } bake;
 
 static mrt_result bake_init(bake *self, uint32_t vertex_count, error *err)
 {
     *self = (bake){.depth = malloc(sizeof(float) * MAP * MAP),
-                   .seen = calloc((size_t)vertex_count + 1, sizeof(float)),
+                   .visible = calloc((size_t)vertex_count + 1, sizeof(float)),
                    .possible = calloc((size_t)vertex_count + 1, sizeof(float))};
-    if (!self->depth || !self->seen || !self->possible)
+    if (!self->depth || !self->visible || !self->possible)
         return error_set(err, MRT_ERR_MEMORY, "no memory to shade the mesh");
     const gl_source stages[] = {shaders_depth_vert, shaders_depth_frag};
     self->program = gl_program_create(stages, "", err);
@@ -51,7 +51,7 @@ static void bake_finish(bake *self)
     glDeleteTextures(1, &self->texture);
     glDeleteFramebuffers(1, &self->framebuffer);
     free(self->depth);
-    free(self->seen);
+    free(self->visible);
     free(self->possible);
 }
 
@@ -75,7 +75,7 @@ static void draw_depth(const bake *self, const draw_face *face, const matrix4 *p
     glReadPixels(0, 0, MAP, MAP, GL_DEPTH_COMPONENT, GL_FLOAT, self->depth);
 }
 
-/* How much of the four pixels around a place in the map is not before the depth. */
+/* How much of the four pixels around a point of the map is not before the depth. */
 static float map_visibility(const float *map, float x, float y, float depth)
 {
     float fx = x * MAP - 0.5f, fy = y * MAP - 0.5f;
@@ -105,7 +105,7 @@ static void add_view(bake *self, const draw_face *face, const float *position,
         for (int i = 0; i < 3; ++i)
             in_map[i] = m[i] * at[0] + m[4 + i] * at[1] + m[8 + i] * at[2] + m[12 + i];
         self->possible[v] += cosine;
-        self->seen[v] += cosine * map_visibility(self->depth, in_map[0], in_map[1], in_map[2]);
+        self->visible[v] += cosine * map_visibility(self->depth, in_map[0], in_map[1], in_map[2]);
     }
 }
 
@@ -162,9 +162,9 @@ mrt_result occlusion_bake(float *out_openness, const draw_face *face, const floa
         look_from_all_sides(&self, face, position);
         for (uint32_t v = 0; v < face->vertex_count; ++v)
             if (self.possible[v] > 0.0f)
-                out_openness[v] = self.seen[v] / self.possible[v];
+                out_openness[v] = self.visible[v] / self.possible[v];
         for (int pass = 0; pass < SMOOTHING_PASSES; ++pass)
-            smooth(out_openness, self.seen, self.possible, face);
+            smooth(out_openness, self.visible, self.possible, face);
         result = gl_check_error("the shading of the mesh", err);
     }
     bake_finish(&self);
@@ -272,7 +272,7 @@ static float cosine(const float *normal, uint32_t a, uint32_t b)
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* Pairs the vertices of one place with the first of them that faces the same way. Few leaders:
+/* Pairs coincident vertices with the first of them that faces the same way. Few leaders:
  * they differ by the least angle from each other. */
 static void pair_vertices(seams *out, const seam_vertex *sorted, uint32_t count,
                           const float *normal, float least_cosine)

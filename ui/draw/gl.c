@@ -193,14 +193,14 @@ void gl_read_picture(uint8_t *out_rgba, uint32_t width, uint32_t height)
     }
 }
 
-/* Mesa's software renderer (llvmpipe; 22.3.6, and main when this was written) frees the fence of a
- * scene as soon as its count is full, while the thread that has counted last may not yet have let
- * go of the lock in it: four bytes of freed memory become 0, and some time later the allocator
- * falls over it. Every thread takes part in every scene, in order: so when a later scene is done,
- * nobody is in an earlier fence any more. Until then a fence is kept here.
- * tests/window/late_fence.sh */
+/* Works around a use after free in Mesa's software renderer (llvmpipe; 22.3.6, and main when this
+ * was written): it frees the fence of a scene as soon as all of its threads have counted it down,
+ * though the last one may still be unlocking the mutex in the fence. That writes four zero bytes
+ * into freed memory, and the allocator crashes some time later. Each thread works on the scenes in
+ * order, so when a later scene is done nobody is inside an earlier fence. Until then a reference is
+ * kept here. tests/window/late_fence.sh */
 
-enum { KEPT = 16 }; /* one frame or two: so far drawing may lag behind */
+enum { KEPT = 16 }; /* scenes of one frame or two: drawing may lag that far behind */
 
 typedef struct kept_scenes { /* of the context of this thread */
     GLsync fence[KEPT];

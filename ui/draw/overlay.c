@@ -522,7 +522,7 @@ static void draw_hidden(const overlays *self, uint32_t opaque_count)
 }
 
 /* Solids first by their depth alone: a faint one is not seen through itself. */
-static void draw_seen(const overlays *self, uint32_t opaque_count)
+static void draw_visible(const overlays *self, uint32_t opaque_count)
 {
     glDepthMask(GL_TRUE);
     glDepthFunc(GL_LEQUAL);
@@ -543,8 +543,8 @@ void overlays_draw(overlays *self, draw_target *target, const draw_face *face,
                    const draw_camera *camera, const float to_light[3], const uint32_t rectangle[4],
                    const overlay_item *item, uint32_t count)
 {
-    GLint place[4];
-    if (count == 0 || !target_place(place, target, rectangle))
+    GLint viewport[4];
+    if (count == 0 || !target_viewport(viewport, target, rectangle))
         return;
     overlays_view view = {.camera = *camera,
                           .width = rectangle[2],
@@ -555,7 +555,7 @@ void overlays_draw(overlays *self, draw_target *target, const draw_face *face,
                                         face->centre, face->radius_mm);
     gl_state before;
     gl_state_enter(&before);
-    target_begin(target, place);
+    target_begin(target, viewport);
     make_instances(self, &view, item, count);
     uint32_t opaque_count = self->solid_count - self->skin_count;
     load(&self->line, &view, self->lines, self->line_count * sizeof *self->lines);
@@ -566,6 +566,6 @@ void overlays_draw(overlays *self, draw_target *target, const draw_face *face,
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glCullFace(GL_BACK);
     draw_hidden(self, opaque_count);
-    draw_seen(self, opaque_count);
+    draw_visible(self, opaque_count);
     gl_state_leave(&before);
 }

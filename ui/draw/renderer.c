@@ -454,14 +454,14 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
                  const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 {
     const uint32_t rectangle[4] = {x, y, width, height};
-    GLint place[4];
-    if (!target_place(place, target, rectangle))
+    GLint viewport[4];
+    if (!target_viewport(viewport, target, rectangle))
         return;
     view v = {.camera = camera_made_safe(camera),
-              .x = place[0],
-              .y = place[1],
-              .width = place[2],
-              .height = place[3],
+              .x = viewport[0],
+              .y = viewport[1],
+              .width = viewport[2],
+              .height = viewport[3],
               .side = (GLint)target->side,
               .shadow_radius_mm = face->radius_mm * 1.02f};
     for (lighting_lamp_name lamp = 0; lamp < LIGHTING_LAMPS; ++lamp)
@@ -471,7 +471,7 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     gl_state before;
     gl_state_enter(&before);
     draw_shadow(self, face, &v);
-    target_begin(target, place);
+    target_begin(target, viewport);
     glClear(GL_DEPTH_BUFFER_BIT);
     if (self->has_ground)
         clear_ground(self);

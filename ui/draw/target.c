@@ -189,7 +189,7 @@ static void resolve(draw_target *self)
 
 enum { RECTANGLE_MAX = 32768 };
 
-bool target_place(GLint out[4], const draw_target *self, const uint32_t rectangle[4])
+bool target_viewport(GLint out[4], const draw_target *self, const uint32_t rectangle[4])
 {
     const uint32_t width = rectangle[2], height = rectangle[3];
     const GLint side = (GLint)self->side;
@@ -203,12 +203,12 @@ bool target_place(GLint out[4], const draw_target *self, const uint32_t rectangl
     return true;
 }
 
-void target_begin(draw_target *self, const GLint place[4])
+void target_begin(draw_target *self, const GLint viewport[4])
 {
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
-    glViewport(place[0], place[1], place[2], place[3]);
+    glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
     glEnable(GL_SCISSOR_TEST);
-    glScissor(place[0], place[1], place[2], place[3]);
+    glScissor(viewport[0], viewport[1], viewport[2], viewport[3]);
     self->stale = true;
 }
 

@@ -22,8 +22,8 @@ struct draw_target {
 
 /* A rectangle (x, y from the top left, width, height) in pixels of the framebuffer, y from below;
  * false: nothing of it is in the target, or it is larger than any picture. */
-bool target_place(GLint out[4], const draw_target *self, const uint32_t rectangle[4]);
+bool target_viewport(GLint out[4], const draw_target *self, const uint32_t rectangle[4]);
 /* Everything is drawn there, and nowhere else, until gl_state_leave. */
-void target_begin(draw_target *self, const GLint place[4]);
+void target_begin(draw_target *self, const GLint viewport[4]);
 
 #endif

@@ -414,9 +414,9 @@ void svg_strong_words(svg *self, svg_ink ink, double size, svg_anchor anchor, do
 
 void svg_words_upwards(svg *self, svg_ink ink, double size, double x, double y, const char *words)
 {
-    char turn[64];
-    (void)snprintf(turn, sizeof turn, " transform=\"rotate(-90 %.2f %.2f)\"", x, y);
-    put_words(self, ink, size, SVG_MIDDLE, turn, x, y, words);
+    char transform[64];
+    (void)snprintf(transform, sizeof transform, " transform=\"rotate(-90 %.2f %.2f)\"", x, y);
+    put_words(self, ink, size, SVG_MIDDLE, transform, x, y, words);
 }
 
 void svg_cells_begin(svg *self, svg_ink ink)

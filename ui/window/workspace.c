@@ -46,7 +46,7 @@ struct workspace {
     char news[1200];
     double news_left_s; /* < 0: until it is clicked, or something is said after a while */
     double news_age_s;
-    uint64_t news_shown; /* of news_list_said */
+    uint64_t news_shown; /* of news_list_total */
 
     double held_s; /* of the key that repeats */
     uint32_t held_key;
@@ -185,7 +185,7 @@ static const news_item *most_serious_of_new(workspace *self)
         if (is_for_everybody(item) && (!best || item->level >= best->level))
             best = item;
     }
-    self->news_shown = news_list_said(list);
+    self->news_shown = news_list_total(list);
     return best;
 }
 
@@ -794,10 +794,10 @@ float workspace_scale(const workspace *self)
 
 /* ---- where things are ---- */
 
-typedef struct workspace_places {
+typedef struct workspace_layout {
     ui_rectangle bar, face, dock, timeline;
     bool has_bar, has_dock, has_timeline;
-} workspace_places;
+} workspace_layout;
 
 static float clamped(float value, float least, float most)
 {
@@ -806,11 +806,11 @@ static float clamped(float value, float least, float most)
     return value < least ? least : value > most ? most : value;
 }
 
-static workspace_places lay_out(const workspace *self)
+static workspace_layout lay_out(const workspace *self)
 {
     const app_looks *looks = app_looks_of(self->app);
     const float width = self->screen.width, height = self->screen.height;
-    workspace_places out = {.face = {0.0f, 0.0f, width, height}};
+    workspace_layout out = {.face = {0.0f, 0.0f, width, height}};
     if (looks->is_face_only)
         return out;
     const float bar = THEME_BAR_HEIGHT, below = height - bar;
@@ -849,7 +849,7 @@ static float drag_edge(workspace *self, const char *id, ui_rectangle where, ui_c
     return is_upright ? canvas.moved_x : canvas.moved_y;
 }
 
-static void draw_edges(workspace *self, const workspace_places *at)
+static void draw_edges(workspace *self, const workspace_layout *at)
 {
     app_looks *looks = app_looks_of(self->app);
     if (at->has_timeline) {
@@ -909,7 +909,7 @@ static void draw_lead_in(workspace *self, ui_rectangle over)
     ui_panel_end(self->ui);
 }
 
-static void draw_panels(workspace *self, const workspace_places *at)
+static void draw_panels(workspace *self, const workspace_layout *at)
 {
     if (at->has_timeline) {
         draw_box(self, "ground_timeline", at->timeline, THEME_STAGE); /* between its parts */
@@ -1101,7 +1101,7 @@ void workspace_counted(const workspace *self, workspace_counts *out)
 
 static void draw(workspace *self)
 {
-    const workspace_places at = lay_out(self);
+    const workspace_layout at = lay_out(self);
     const int64_t began_ns = cpu_now_ns();
     update_panels(self, self->screen.dt_s);
     const int64_t updated_ns = cpu_now_ns();

@@ -1,6 +1,6 @@
 #include "face/fit/fit_side.h"
 
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -178,7 +178,7 @@ mrt_result fit_side_create(fit_side *out, const rig *r, const mesh *m, binding *
         return no_memory(err);
     }
     for (uint32_t k = 0; k < contact_count; k++)
-        out->start[k] = mesh_place(m, vertex[k]);
+        out->start[k] = mesh_position(m, vertex[k]);
     mrt_result result = face_create_bound(&out->face, r, m, b, contact_count + 1, err);
     if (result == MRT_OK) {
         out->binding = face_binding(out->face);

@@ -2,7 +2,7 @@
 
 #include "face/fit/fit_side.h"
 #include "face/weights/weights_nearest.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,18 +36,18 @@ typedef struct choosing {
 
 static bool is_midline(const choosing *c, uint32_t v)
 {
-    return fabs(mesh_place(c->mesh, v).x - c->middle_x) <= MIDLINE_TOLERANCE * c->width;
+    return fabs(mesh_position(c->mesh, v).x - c->middle_x) <= MIDLINE_TOLERANCE * c->width;
 }
 
 /* UINT32_MAX: none near enough. */
 static uint32_t mirrored(const choosing *c, uint32_t v)
 {
-    vec3 to = mesh_place(c->mesh, v);
+    vec3 to = mesh_position(c->mesh, v);
     to.x = 2 * c->middle_x - to.x;
     uint32_t other = nearest_find(c->skin, (float[3]){(float)to.x, (float)to.y, (float)to.z});
     if (other == UINT32_MAX || other == v)
         return UINT32_MAX;
-    double off = vec3_length(vec3_sub(mesh_place(c->mesh, other), to));
+    double off = vec3_length(vec3_sub(mesh_position(c->mesh, other), to));
     return off <= MIRROR_TOLERANCE * c->width ? other : UINT32_MAX;
 }
 
@@ -58,9 +58,9 @@ static vec3 normal_of(const mesh *m, uint32_t vertex)
         const uint32_t *corner = m->triangle + 3 * (size_t)i;
         if (corner[0] != vertex && corner[1] != vertex && corner[2] != vertex)
             continue;
-        vec3 a = mesh_place(m, corner[0]);
-        sum = vec3_add(sum, vec3_cross(vec3_sub(mesh_place(m, corner[1]), a),
-                                       vec3_sub(mesh_place(m, corner[2]), a)));
+        vec3 a = mesh_position(m, corner[0]);
+        sum = vec3_add(sum, vec3_cross(vec3_sub(mesh_position(m, corner[1]), a),
+                                       vec3_sub(mesh_position(m, corner[2]), a)));
     }
     return vec3_normalised(sum, (vec3){0, 0, 1});
 }
@@ -83,13 +83,13 @@ static double ray_meets(vec3 from, vec3 direction, vec3 a, vec3 b, vec3 c)
 static bool is_hidden(const choosing *c, uint32_t vertex)
 {
     const mesh *m = c->mesh;
-    vec3 from = mesh_place(m, vertex), normal = normal_of(m, vertex);
+    vec3 from = mesh_position(m, vertex), normal = normal_of(m, vertex);
     for (uint32_t i = 0; i < m->triangle_count; i++) {
         const uint32_t *corner = m->triangle + 3 * (size_t)i;
         if (corner[0] == vertex || corner[1] == vertex || corner[2] == vertex)
             continue;
-        double at = ray_meets(from, normal, mesh_place(m, corner[0]), mesh_place(m, corner[1]),
-                              mesh_place(m, corner[2]));
+        double at = ray_meets(from, normal, mesh_position(m, corner[0]),
+                              mesh_position(m, corner[1]), mesh_position(m, corner[2]));
         if (at > 1e-3 && at < c->reach_mm)
             return true;
     }
@@ -102,8 +102,8 @@ static bool measure_skin(choosing *c)
     for (uint32_t v = 0; v < c->mesh->vertex_count; v++) {
         if (!c->is_skin[v])
             continue;
-        low = fmin(low, mesh_place(c->mesh, v).x);
-        high = fmax(high, mesh_place(c->mesh, v).x);
+        low = fmin(low, mesh_position(c->mesh, v).x);
+        high = fmax(high, mesh_position(c->mesh, v).x);
     }
     c->middle_x = (low + high) / 2;
     c->width = high - low;
@@ -115,7 +115,7 @@ static void collect_half(choosing *c)
     for (uint32_t v = 0; v < c->mesh->vertex_count; v++) {
         if (!c->is_skin[v])
             continue;
-        bool is_left = mesh_place(c->mesh, v).x > c->middle_x + MIDLINE_TOLERANCE * c->width;
+        bool is_left = mesh_position(c->mesh, v).x > c->middle_x + MIDLINE_TOLERANCE * c->width;
         if (!is_left && !is_midline(c, v))
             continue;
         c->far[c->half_count] = HUGE_VAL;
@@ -125,9 +125,9 @@ static void collect_half(choosing *c)
 
 static void note_chosen(choosing *c, uint32_t chosen)
 {
-    vec3 at = mesh_place(c->mesh, chosen);
+    vec3 at = mesh_position(c->mesh, chosen);
     for (uint32_t i = 0; i < c->half_count; i++) {
-        vec3 d = vec3_sub(mesh_place(c->mesh, c->half[i]), at);
+        vec3 d = vec3_sub(mesh_position(c->mesh, c->half[i]), at);
         c->far[i] = fmin(c->far[i], vec3_dot(d, d));
     }
 }
@@ -265,7 +265,7 @@ static void sample_destroy(sample *p)
 static mrt_result sample_create(sample *out, const suggesting *s, const mesh *m,
                                 const uint8_t *is_skin, error *err)
 {
-    uint32_t skin_count = 0, seen = 0, extra = s->candidates.vertex_count;
+    uint32_t skin_count = 0, skin_index = 0, extra = s->candidates.vertex_count;
     for (uint32_t v = 0; v < m->vertex_count; v++)
         skin_count += is_skin[v];
     uint32_t stride = skin_count / SAMPLES_MOST + 1;
@@ -273,7 +273,7 @@ static mrt_result sample_create(sample *out, const suggesting *s, const mesh *m,
     float *xyz = malloc((skin_count / stride + (size_t)extra + 2) * 3 * sizeof *xyz);
     mrt_result result = out->vertex != NULL && xyz != NULL ? MRT_OK : no_memory(err);
     for (uint32_t v = 0; result == MRT_OK && v < m->vertex_count; v++)
-        if (is_skin[v] && seen++ % stride == 0)
+        if (is_skin[v] && skin_index++ % stride == 0)
             out->vertex[out->skin_count++] = v;
     out->count = out->skin_count + extra;
     for (uint32_t i = 0; result == MRT_OK && i < out->count; i++) {
@@ -598,8 +598,8 @@ static void find_interest(double *out, const suggesting *s, uint32_t vertex_coun
 }
 
 /* Where a contact may be: mobile vertices of the largest piece of surface, not lashes and brows. */
-static mrt_result find_places(uint8_t *is_place, const suggesting *s, const mesh *m,
-                              const topology *t, error *err)
+static mrt_result mark_candidates(uint8_t *is_candidate, const suggesting *s, const mesh *m,
+                                  const topology *t, error *err)
 {
     size_t room = t->vertex_count + (size_t)2;
     uint32_t *piece = malloc(room * sizeof *piece), *size = calloc(room, sizeof *size);
@@ -611,7 +611,7 @@ static mrt_result find_places(uint8_t *is_place, const suggesting *s, const mesh
     for (uint32_t c = 0; result == MRT_OK && c < count; c++)
         largest = size[c] > size[largest] ? c : largest;
     for (uint32_t v = 0; result == MRT_OK && v < t->vertex_count; v++)
-        is_place[v] = piece[v] == largest && s->binding->mobility[v] >= MOBILE_LEAST;
+        is_candidate[v] = piece[v] == largest && s->binding->mobility[v] >= MOBILE_LEAST;
     free(piece);
     free(size);
     return result;
@@ -621,29 +621,29 @@ static mrt_result prepare(suggesting *s, uint32_t count, const mesh *m, const to
                           error *err)
 {
     uint8_t *is_skin = calloc(m->vertex_count + (size_t)1, 1);
-    uint8_t *is_place = calloc(m->vertex_count + (size_t)1, 1);
+    uint8_t *is_candidate = calloc(m->vertex_count + (size_t)1, 1);
     double *interest = malloc((m->vertex_count + (size_t)1) * sizeof *interest);
     s->dof = calloc((size_t)s->targets->target_count * MRT_MAX_DOFS + 1, sizeof *s->dof);
     s->choice = malloc((count + (size_t)1) * sizeof *s->choice);
     s->share = malloc(((size_t)s->binding->bone_count * count * count + 1) * sizeof *s->share);
     s->pull = malloc((3 * (size_t)count + 1) * sizeof *s->pull);
     mrt_result result = MRT_OK;
-    if (is_skin == NULL || is_place == NULL || interest == NULL || s->dof == NULL ||
+    if (is_skin == NULL || is_candidate == NULL || interest == NULL || s->dof == NULL ||
         s->choice == NULL || s->share == NULL || s->pull == NULL)
         result = no_memory(err);
     for (uint32_t v = 0; result == MRT_OK && v < m->vertex_count; v++)
         is_skin[v] = s->binding->mobility[v] > 0;
     if (result == MRT_OK)
-        result = find_places(is_place, s, m, t, err);
+        result = mark_candidates(is_candidate, s, m, t, err);
     if (result == MRT_OK)
         find_interest(interest, s, m->vertex_count);
     if (result == MRT_OK)
-        result = candidates_create(&s->candidates, m, is_place, interest, UNITS_MOST,
+        result = candidates_create(&s->candidates, m, is_candidate, interest, UNITS_MOST,
                                    s->settings.radius, err);
     if (result == MRT_OK)
         result = create_full(s, m, is_skin, err);
     free(is_skin);
-    free(is_place);
+    free(is_candidate);
     free(interest);
     return result;
 }

@@ -1,4 +1,4 @@
-/* face/frame/blend.h - what a place on the face is moved by: the motions of several bones, each in
+/* face/frame/blend.h - how a point of the face is moved: the motions of several bones, each in
  * its share, as one affine map. Inside the room. Pure. */
 #ifndef MAROTTE_FACE_BLEND_H
 #define MAROTTE_FACE_BLEND_H

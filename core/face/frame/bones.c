@@ -86,8 +86,8 @@ static double smoothstep(double low, double high, double x)
     return t * t * (3.0 - 2.0 * t);
 }
 
-/* The turn by which a point `depth` before an upright axis and `side` beside it goes `way` aside:
- * depth sin a + side (1 - cos a) = way, by Newton's method. */
+/* The rotation by which a point `depth` before an upright axis and `side` beside it goes `way`
+ * aside: depth sin a + side (1 - cos a) = way, by Newton's method. */
 static double lateral_angle(double depth, double side, double way)
 {
     double angle = way / depth;

@@ -65,7 +65,7 @@ static motion motion_of(const bones *b, const rigid *m)
 /* Opened and aside, the condyles where they are at rest. The first unknown is the turn about the
  * hinge, what the cusps add to the opening included: with the guidance in the model, pulls that
  * press the teeth together would have two best answers, one to either side. */
-static rigid turns_at(const bones *b, double turn_rad, double lateral_mm)
+static rigid jaw_at(const bones *b, double turn_rad, double lateral_mm)
 {
     rigid opening = rigid_turn(b->hinge.middle, b->hinge.left, turn_rad);
     rigid aside = bones_aside(b, lateral_mm, turn_rad);
@@ -85,16 +85,16 @@ static motion slope_between(const bones *b, const rigid *before, const rigid *af
 
 static motion slope_of_opening(const bones *b, const double p[JAW_DOFS])
 {
-    rigid before = turns_at(b, p[0] - difference_rad, p[1]);
-    rigid after = turns_at(b, p[0] + difference_rad, p[1]);
+    rigid before = jaw_at(b, p[0] - difference_rad, p[1]);
+    rigid after = jaw_at(b, p[0] + difference_rad, p[1]);
     return slope_between(b, &before, &after, 2.0 * difference_rad);
 }
 
 /* Towards the side: at 0 the axis changes from one condyle to the other. */
 static motion slope_of_lateral(const bones *b, const double p[JAW_DOFS], double side)
 {
-    rigid before = turns_at(b, p[0], p[1]);
-    rigid after = turns_at(b, p[0], p[1] + side * difference_mm);
+    rigid before = jaw_at(b, p[0], p[1]);
+    rigid after = jaw_at(b, p[0], p[1] + side * difference_mm);
     return slope_between(b, &before, &after, side * difference_mm);
 }
 
@@ -119,7 +119,7 @@ static double opening_of(const bones *b, double turn_rad, double lateral_mm)
 static motion motion_at(const bones *b, const double p[JAW_DOFS], double side,
                         motion slope[JAW_DOFS], int count)
 {
-    rigid jaw = turns_at(b, p[0], p[1]);
+    rigid jaw = jaw_at(b, p[0], p[1]);
     slope[0] = slope_of_opening(b, p);
     if (count > 1) {
         const vec3 path = b->hinge.path;

@@ -261,7 +261,7 @@ face_control face_control_at(const face *f, uint32_t control)
 
 vec3 face_contact_now(const face *f, uint32_t contact)
 {
-    return points_place(&f->shown, f->contact_slot[contact - 1]);
+    return points_position(&f->shown, f->contact_slot[contact - 1]);
 }
 
 face_columns face_columns_now(const face *f)

@@ -1,5 +1,5 @@
 #include "face/frame/frame.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -54,7 +54,7 @@ static vec3 find_incisor(const rig *r, const mesh *m, const binding *b)
     }
     if (found == RIG_NONE)
         return (vec3){0, 0, 0};
-    return mesh_place(m, found);
+    return mesh_position(m, found);
 }
 
 /* 1 + the bone that a vertex is rigid on; 0: skin. */
@@ -199,7 +199,7 @@ static mrt_result create_columns(face *f, error *err)
 }
 
 /* As many points as controls fit. */
-static mrt_result create_places(face *f, error *err)
+static mrt_result create_grip_positions(face *f, error *err)
 {
     size_t count = f->control_capacity > 0 ? f->control_capacity : 1;
     points_order order = {0};
@@ -208,7 +208,7 @@ static mrt_result create_places(face *f, error *err)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %zu controls", count);
     mrt_result result = points_order_create(&order, zeros, (uint32_t)count, err);
     if (result >= 0)
-        result = points_create(&f->grip_place, &order, zeros, err);
+        result = points_create(&f->grip_position, &order, zeros, err);
     points_order_destroy(&order);
     free(zeros);
     return result;
@@ -228,11 +228,11 @@ static mrt_result create_controls(face *f, error *err)
     f->grip = arrays_add(a, controls, sizeof *f->grip);
     f->rotation = arrays_add(a, controls, sizeof *f->rotation);
     f->next_grip = arrays_add(a, controls, sizeof *f->next_grip);
-    mrt_result result = create_places(f, err);
+    mrt_result result = create_grip_positions(f, err);
     if (result < 0)
         return result;
     size_t cross_rows = f->bone_count > 1 ? rows_of_columns : 0;
-    f->cross = arrays_add(a, cross_rows * f->grip_place.padded_count, sizeof *f->cross);
+    f->cross = arrays_add(a, cross_rows * f->grip_position.padded_count, sizeof *f->cross);
     return a->failed
                ? error_set(err, MRT_ERR_MEMORY, "no memory for %u controls", f->control_capacity)
                : MRT_OK;
@@ -360,7 +360,7 @@ void face_destroy(face *f)
                            &f->shown,
                            &f->free,
                            &f->before,
-                           &f->grip_place,
+                           &f->grip_position,
                            &f->limit.shown_before,
                            &f->limit.shown_after};
     for (size_t i = 0; i < sizeof all / sizeof *all; ++i)

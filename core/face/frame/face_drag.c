@@ -129,7 +129,7 @@ static double yield(face *f, const csrbf_settings *settings)
                                        f->limit.share);
 }
 
-/* How near a place is to a tip: 1 there, 0 from the radius on. */
+/* The influence of a tip on a point: 1 at the tip, 0 from the radius on. */
 static double nearness(const double at[3], const double *tip, double radius)
 {
     vec3 way = {at[0] - tip[0], at[1] - tip[1], at[2] - tip[2]};
@@ -146,7 +146,7 @@ static double nearest_tip(const face *f, const double at[3], double radius, uint
     return most;
 }
 
-/* Each tip may go as far as what is near it may. */
+/* Each tip's share of the step: the least share of a vertex near it. */
 static void shorten_tips(face *f, double radius, uint32_t count)
 {
     face_limit *l = &f->limit;
@@ -165,7 +165,7 @@ static void shorten_tips(face *f, double radius, uint32_t count)
     }
 }
 
-/* The part of the step that is taken at a place: as its tips go, by how near they are. */
+/* The share of the step at a point: the tips' shares, weighted by their influence there. */
 static double part_at(const face *f, const double at[3], double radius, uint32_t count)
 {
     double part = 1.0, nearest = nearest_tip(f, at, radius, count);

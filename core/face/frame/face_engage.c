@@ -44,9 +44,9 @@ static mrt_result factor_fields(face *f, const csrbf_settings *settings, const f
     return MRT_OK;
 }
 
-static void place_grips(face *f)
+static void set_grip_positions(face *f)
 {
-    points *p = &f->grip_place;
+    points *p = &f->grip_position;
     for (uint32_t slot = 0; slot < p->padded_count && f->control_count > 0; ++slot) {
         vec3 at = f->grip[slot < f->control_count ? slot : 0].start;
         p->x[slot] = (float)at.x;
@@ -66,10 +66,10 @@ static void scale_rows(face *f, const face_field *field)
     }
 }
 
-/* The columns of the controls, and what they do where the others hold the face. */
+/* Fills the columns of the controls, and their values at the starts of all controls (cross). */
 static void respond(face *f)
 {
-    place_grips(f);
+    set_grip_positions(f);
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         face_field *field = &f->field[b];
         if (field->control_count == 0)
@@ -81,8 +81,8 @@ static void respond(face *f)
             scale_rows(f, field);
         if (f->bone_count > 1)
             csrbf_responses(field->solver,
-                            f->cross + (size_t)field->first_column * f->grip_place.padded_count,
-                            f->grip_place.padded_count, &f->grip_place);
+                            f->cross + (size_t)field->first_column * f->grip_position.padded_count,
+                            f->grip_position.padded_count, &f->grip_position);
     }
 }
 

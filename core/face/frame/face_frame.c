@@ -90,18 +90,20 @@ static void measure_rest(face *f, const double *end, const rigid *pose)
     }
 }
 
-/* What the fields that a control is not in do at it all the same, in its small share of them. */
+/* A control whose share of a bone is too small to be in its field is still moved by that field a
+ * little: what these fields do at it. */
 static vec3 stray(const face *f, uint32_t k, const rigid *pose)
 {
     vec3 sum = {0, 0, 0};
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         const face_field *field = &f->field[b];
         const face_grip *grip = &f->grip[k];
-        const float *row = f->cross + (size_t)field->first_column * f->grip_place.padded_count + k;
+        const float *row =
+            f->cross + (size_t)field->first_column * f->grip_position.padded_count + k;
         vec3 here = {0, 0, 0};
         if (grip->belongs[b] || grip->share[b] == 0.0)
             continue;
-        for (uint32_t i = 0; i < field->control_count; ++i, row += f->grip_place.padded_count) {
+        for (uint32_t i = 0; i < field->control_count; ++i, row += f->grip_position.padded_count) {
             const double *g = f->g + (size_t)3 * field->control[i];
             here = vec3_add(here, vec3_scale(vec3_row(g, 0), (double)*row));
         }
@@ -110,8 +112,8 @@ static vec3 stray(const face *f, uint32_t k, const rigid *pose)
     return sum;
 }
 
-/* f->g: such that each control lands on its end. Gauss-Seidel over what strays: shares below 2 %.
- */
+/* Solves for f->g, with which each control lands on its end. The fields interact only through
+ * shares below 2 % (stray), so a few sweeps of Gauss-Seidel do. */
 static void solve_grips(face *f, const double *end, const rigid *pose)
 {
     measure_rest(f, end, pose);
@@ -124,7 +126,7 @@ static void solve_grips(face *f, const double *end, const rigid *pose)
         }
 }
 
-/* The columns' weights in next_weight, the fields' slopes in out_slope. */
+/* Writes the weights of the columns to next_weight, the slope bounds of the fields to out_slope. */
 static mrt_result weigh_controls(face *f, const rigid *pose, double *out_slope, error *err)
 {
     *out_slope = 0.0;
@@ -190,7 +192,7 @@ mrt_result face_pull(face *f, const double *end, const float *dof, error *err)
     return result;
 }
 
-/* Where the bones are that `dof` drives; the others rest. */
+/* Poses the bones that `dof` drives; the others are at rest. */
 static void pose_driven(const face *f, rigid *pose, float driven[MRT_MAX_DOFS], const float *dof)
 {
     memset(driven, 0, MRT_MAX_DOFS * sizeof *driven);

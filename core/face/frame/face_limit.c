@@ -11,7 +11,7 @@
  *    to s: 1 over the largest strain of all triangles is the part that can be given. Two things
  *    are added: an edge that becomes too long counts as strain too (stretch_strain); and where the
  *    bones have tilted a triangle already less of T is left (leave_tilts), unless its area along
- *    the way says that it does not turn over (turn_over_strain).
+ *    the way says that it does not turn over (flip_strain).
  * 2. Who gives way (yield_pulls). Where the strain is above 1 the pulls near it give way to each
  *    other first: they are softened by a ridge that grows with the strain (csrbf/soften.h). What
  *    is then still too much is taken from all pulls by one factor. The result is a function of the
@@ -43,28 +43,28 @@
  * it by this part of what was allowed: else a pull nearby would be taken back altogether. */
 static const float room_least = 0.05f;
 enum { SOFTENINGS = 5, GROUP = STRAIN_GROUP };
-/* Ridge for each 1 of strain that is too much, at first: tips near each other need little, and give
- * way where they differ alone; each time so many times more. */
+/* The ridge of the first softening, for each 1 by which the strain is above 1, and the factor for
+ * each further one. Tips near each other need little: only where they differ do they give way. */
 static const double softening = 0.02, softening_more = 3.0;
-/* One triangle counts at most so much, however far beyond: a sliver is not to outweigh the rest. */
+/* The strain of one triangle is cut off here, so that a sliver does not outweigh the rest. */
 static const double strain_most = 8.0;
 
-/* Tangents of how far skin may turn from where the bones turn it: no triangle is seen from behind,
- * and up to 17 degrees that the bones tilt it take nothing from what the pulls may. */
-static const float of_seen = 0.0524078f; /* 1 over that of 87 degrees */
+/* How far pulls may tilt skin from where the bones turn it: below 87 degrees, so that no triangle
+ * is seen from behind. The first 17 degrees by which bones tilt it are not counted against that. */
+static const float inv_tan_seen = 0.0524078f; /* 1 / tan(87 degrees) */
 static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 
-/* Shapes that meet may stretch an edge by so much more than each of them does. */
+/* Several of a head's own shapes at once may stretch an edge by this factor more than each alone.
+ */
 static const float made_stretch = 1.5f;
 static const float shaped_steepness = 1.6f; /* less than 1 over it leaves room */
 
-/* With shapes strain does not grow in proportion to the pulls: tries, and what is near enough. */
+/* Of part_shaped: tries, steps of bisection, and the strain that counts as 1. */
 enum { PARTINGS = 4, HALVINGS = 8 };
 static const double shaped_most = 1.001;
 
 enum { UNBENDINGS = 8, BEND_YIELDS = 3, UNFOLDINGS = 16 }; /* tries */
-/* Of the field of a face without a rig, at its vertices: how much of the room around them is left
- * at least, and how exactly that is met. */
+/* Of unfold: the least determinant of the field's map at the vertices, and its tolerance. */
 static const double determinant_least = 0.05, determinant_rounding = 1e-4;
 static const surface_limits bends = {.stretch = 2.0, .bend_deg = 117.0, .area = 0.02};
 
@@ -72,39 +72,42 @@ static const surface_limits bends = {.stretch = 2.0, .bend_deg = 117.0, .area = 
 typedef struct limit_patch {
     strain_frames origin; /* of the engagement */
     strain_frames posed;  /* as the bones alone pose it */
-    /* 1 over the tangent of how far it may turn whatever others do: at rest, and as posed; and of
-     * how far it may tilt, as posed, before it is seen from behind */
-    float of_turn[GROUP], of_turn_posed[GROUP], of_tilt_posed[GROUP];
-    float rest_normal[3][GROUP], main_share[GROUP]; /* as long as twice the area; of main_bone */
-    float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.is_seen */
+    /* 1 over the tangent of the angle by which a triangle may turn without bending an edge too far,
+     * whatever its neighbours do: at rest, and as posed. And of the angle by which it may tilt, as
+     * posed, before it is seen from behind. */
+    float inv_tan_turn[GROUP], inv_tan_turn_posed[GROUP], inv_tan_tilt_posed[GROUP];
+    float rest_normal[3][GROUP],
+        main_share[GROUP]; /* twice the area long; the share that main_bone has */
+    float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.has_along */
 } limit_patch;
 
 /* What is known of them beside. */
 typedef struct limit_group {
-    float steepness;         /* strained and turned at most by so much of a gradient */
-    float of_turn;           /* the greatest of its triangles' */
-    float tilt_cosine;       /* of how far the origin has turned a triangle from rest at most */
-    float rounding;          /* of the origin: what it may turn and stretch a triangle by */
-    float room;              /* room_of_pose; INFINITY: not known in this frame */
-    float room_alone;        /* likewise, where no other bone is near, of every pose; or INFINITY */
-    float strain, turn_over; /* at most, strain also the size; INFINITY: not known with this pose */
-    uint32_t main_bone;      /* or STILL */
-    uint32_t bones_around;   /* a bit for each that is the main one of a group beside it */
+    float steepness;    /* the most that a gradient of length 1 strains and turns one of them */
+    float inv_tan_turn; /* the greatest of its triangles' */
+    float tilt_cosine;  /* cosine of the largest turn of one of them from rest to the origin */
+    float rounding;     /* by how much rounding of the origin may turn and stretch a triangle */
+    float room;         /* room_of_pose; INFINITY: not known in this frame */
+    float room_alone;   /* the same for every pose, where no other bone is near; INFINITY: not so */
+    float strain,
+        flip; /* upper bounds (strain: also of the size); INFINITY: not known in this pose */
+    uint32_t main_bone;                  /* or STILL */
+    uint32_t bones_around;               /* bits: the main bones of the groups beside it */
     uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
-    bool is_framed, is_seen;             /* patch.posed and patch.along are those of this pose */
+    bool is_framed, has_along;           /* patch.posed and patch.along are those of this pose */
     float centre[3], radius;
 } limit_group;
 
-/* A bone that carries a group beside its main one: how far at most; the mean gradient of that, and
- * how far the gradient of some triangle is from it. */
+/* A bone other than the main one that carries triangles of a group: its largest share, the mean
+ * gradient of its share, and the largest difference of a triangle's gradient from the mean. */
 typedef struct limit_carried {
     uint32_t bone;
     float weight, gradient[3], apart;
     float share[GROUP]; /* of each triangle: the mean of its corners */
 } limit_carried;
 
-/* What is looked at: triangles strained too much; and those turned so far that their edges may be
- * bent too far. */
+/* What a pass looks for: triangles that are strained too much, or triangles that have turned so far
+ * that their edges may be bent too far. */
 typedef enum limit_looks { AT_STRAINS = 0, AT_TURNS } limit_looks;
 
 /* How a bone moves relative to another; rotation: the length of R - I; < 0: not known in this
@@ -138,14 +141,14 @@ static size_t group_size(const face *f, size_t group)
     return left < GROUP ? left : GROUP;
 }
 
-/* Two triangles that turn by this each bend no edge between them too far. */
+/* If two neighbours turn by no more than this each, the edge between them is not bent too far. */
 static void measure_turns(face *f)
 {
     const double pi = 3.14159265358979323846, least = 0.5 * SURFACE_CREASE_DEG - 1.0;
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
         double angle_rad = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
-        f->limit.patch[t / GROUP].of_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
+        f->limit.patch[t / GROUP].inv_tan_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
     }
 }
 
@@ -154,8 +157,8 @@ static void measure_rest(face *f)
     for (size_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + 3 * t;
         for (size_t e = 0; e < 3; ++e) {
-            vec3 from = points_place(&f->rest, corner[e]);
-            vec3 to = points_place(&f->rest, corner[e == 2 ? 0 : e + 1]);
+            vec3 from = points_position(&f->rest, corner[e]);
+            vec3 to = points_position(&f->rest, corner[e == 2 ? 0 : e + 1]);
             f->limit.longest[t][e] = (float)vec3_length(vec3_sub(to, from));
         }
         const points *p = &f->rest;
@@ -289,29 +292,31 @@ static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
  * and is looked at only where that may be too much. B remembers frames; what is found does not
  * depend on it. */
 
-/* The greatest of all rounding in a sum of so many columns, over the sum of its terms' sizes. */
+/* Bound of the relative rounding error of a sum of so many columns. */
 static float rounding_of(const face *f)
 {
     return 4.0f * (float)(f->columns.count + 4) * 6e-8f;
 }
 
-/* How steep a row is in the group at most. */
+/* The largest length of a row's gradient in the group. */
 static float steepest_in(const float *row, const uint32_t *corner, const strain_shapes *of,
                          size_t count, float rounding)
 {
     float steepest = 0.0f;
     for (size_t i = 0; i < count; ++i, corner += 3) {
         float o = row[corner[0]], a = row[corner[1]], b = row[corner[2]];
-        float p = (a - o) * of->of_a[i];
-        float q = (b - o - of->along[i] * p) * of->of_height[i];
+        float p = (a - o) * of->inv_first[i];
+        float q = (b - o - of->along[i] * p) * of->inv_height[i];
         float large = fabsf(o) + fabsf(a) + fabsf(b);
-        float thin = of->of_a[i] + of->of_height[i] * (1.0f + fabsf(of->along[i]) * of->of_a[i]);
+        float thin =
+            of->inv_first[i] + of->inv_height[i] * (1.0f + fabsf(of->along[i]) * of->inv_first[i]);
         steepest = fmaxf(steepest, sqrtf(p * p + q * q) + rounding * large * thin);
     }
     return steepest;
 }
 
-/* 1 over the tangent of what is left of an angle, given as that, less others up to so much. */
+/* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; given likewise.
+ */
 static double left_of(double of_angle, angle_sincos less)
 {
     double left = less.cos - of_angle * less.sin;
@@ -329,7 +334,7 @@ static angle_sincos turn_of_sine(double sine)
     return (angle_sincos){.cos = sqrt(1.0 - sine * sine), .sin = sine};
 }
 
-/* Both; 90 degrees at most. */
+/* The sum of two angles, 90 degrees at most. */
 static angle_sincos turn_add(angle_sincos a, angle_sincos b)
 {
     double cosine = a.cos * b.cos - a.sin * b.sin;
@@ -343,13 +348,14 @@ static float steepness_of(const limit_group *g, angle_sincos tilt, angle_sincos 
 {
     const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
     const angle_sincos all = turn_add(tilt, apart);
-    double of_tilt = fmax(1.0 / (double)STRAIN_TILT_MOST, left_of((double)of_seen, tilt));
-    double of_turn = left_of((double)g->of_turn, all);
+    double inv_tan_tilt = fmax(1.0 / (double)STRAIN_TILT_MOST, left_of((double)inv_tan_seen, tilt));
+    double inv_tan_turn = left_of((double)g->inv_tan_turn, all);
     double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
-    return (float)(sure * fmax(sqrt(squeezed + of_tilt * of_tilt), sqrt(1.0 + of_turn * of_turn)));
+    return (float)(sure * fmax(sqrt(squeezed + inv_tan_tilt * inv_tan_tilt),
+                               sqrt(1.0 + inv_tan_turn * inv_tan_turn)));
 }
 
-/* The same of the three columns of a shape together. */
+/* The same for the three columns of a shape together. */
 static float steepest_shape(const face *f, size_t column, size_t group)
 {
     const uint32_t *corner = f->skin + 3 * GROUP * group;
@@ -371,8 +377,8 @@ static void bound_group(face *f, size_t group)
     const uint32_t *corner = f->skin + 3 * GROUP * group;
     size_t count = group_size(f, group);
     float rounding = 0.0f;
-    bool is_squashed = false; /* how steep something is there, nobody can say */
-    g->of_turn = 0.0f;
+    bool is_squashed = false; /* no bound is known */
+    g->inv_tan_turn = 0.0f;
     g->tilt_cosine = 1.0f;
     for (size_t i = 0; i < count; ++i) {
         vec3 normal = {(double)patch->origin.normal[0][i], (double)patch->origin.normal[1][i],
@@ -381,8 +387,8 @@ static void bound_group(face *f, size_t group)
         double cosine = fmin(vec3_dot(rest, normal), 1.0);
         if (cosine < 1.0 - 1e-6) /* less is rounding */
             g->tilt_cosine = fminf(g->tilt_cosine, fmaxf((float)cosine, 0.0f));
-        g->of_turn = fmaxf(g->of_turn, patch->of_turn[i]);
-        is_squashed = is_squashed || !(patch->origin.shape.of_height[i] > 0.0f);
+        g->inv_tan_turn = fmaxf(g->inv_tan_turn, patch->inv_tan_turn[i]);
+        is_squashed = is_squashed || !(patch->origin.shape.inv_height[i] > 0.0f);
     }
     for (int axis = 0; axis < 3; ++axis) {
         const float *row = axis == 0 ? f->origin->x : axis == 1 ? f->origin->y : f->origin->z;
@@ -410,7 +416,7 @@ static void enclose_group(face *f, size_t group)
     }
     for (size_t i = 0; i < count; ++i) {
         vec3 middle = {centre[0], centre[1], centre[2]};
-        vec3 way = vec3_sub(points_place(f->origin, corner[i]), middle);
+        vec3 way = vec3_sub(points_position(f->origin, corner[i]), middle);
         square = fmax(square, vec3_dot(way, way));
     }
     for (int axis = 0; axis < 3; ++axis)
@@ -431,8 +437,8 @@ static vec3 gradient_at(const float *row, const uint32_t *corner, const strain_f
 {
     const strain_shapes *of = &frames->shape;
     float o = row[corner[0]], a = row[corner[1]], b = row[corner[2]];
-    float p = (a - o) * of->of_a[i];
-    float q = (b - o - of->along[i] * p) * of->of_height[i];
+    float p = (a - o) * of->inv_first[i];
+    float q = (b - o - of->along[i] * p) * of->inv_height[i];
     return (vec3){(double)(p * frames->first[0][i] + q * frames->second[0][i]),
                   (double)(p * frames->first[1][i] + q * frames->second[1][i]),
                   (double)(p * frames->first[2][i] + q * frames->second[2][i])};
@@ -495,7 +501,7 @@ static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
     return next;
 }
 
-/* Which groups touch, as far as it matters: by the bones that carry them most. */
+/* Finds the main bones of the groups that share a vertex with each group. */
 static void find_bones_around(face *f)
 {
     face_limit *l = &f->limit;
@@ -568,7 +574,7 @@ void face_limit_engage(face *f)
     find_rooms_alone(f);
 }
 
-/* What the bones do, of which nothing is known yet but that. */
+/* Starts a frame with another pose: nothing that follows from it has been computed yet. */
 static void begin_pose(face *f)
 {
     face_limit *l = &f->limit;
@@ -590,8 +596,8 @@ static void begin_pose(face *f)
     for (size_t group = 0; group < group_count(f); ++group) {
         limit_group *g = &l->group[group];
         g->room = l->is_at_rest ? 1.0f - g->rounding : g->room_alone;
-        g->strain = g->turn_over = INFINITY;
-        g->is_framed = g->is_seen = false;
+        g->strain = g->flip = INFINITY;
+        g->is_framed = g->has_along = false;
     }
 }
 
@@ -600,7 +606,7 @@ static rigid motion_of(const face *f, uint32_t bone)
     return bone == STILL ? rigid_identity() : f->pose[bone];
 }
 
-/* Of the motion of a bone relative to another: found once in a frame. */
+/* The motion of one bone relative to another; computed once in a frame. */
 static const limit_apart *apart_of(face *f, uint32_t main_bone, uint32_t bone)
 {
     limit_apart *out = &f->limit.apart[main_bone * CARRIERS + bone];
@@ -625,7 +631,7 @@ static double least_scale(double p, double n)
     return 1.0 + p > 0.0 ? fmin(1.0, 0.5 * (sqrt(4.0 * (1.0 + p) + n * n) - n)) : 0.0;
 }
 
-/* Half of the angle between what the bones do to the group and to one beside it, at most. */
+/* Upper bound of half the angle between the rotations of the group and of a neighbouring one. */
 static angle_sincos half_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
@@ -636,7 +642,7 @@ static angle_sincos half_apart(face *f, const limit_group *g)
     return turn_of_sine(most);
 }
 
-/* Likewise the angle between what the bones do to a triangle of the group and to the main one. */
+/* Upper bound of the angle between the rotation of a triangle of the group and the main bone's. */
 static angle_sincos blend_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
@@ -646,8 +652,8 @@ static angle_sincos blend_apart(face *f, const limit_group *g)
     return turn_of_sine(most);
 }
 
-/* At least the shortest that the bones make a unit vector of the group; < 0: nothing is known. And
- * how far they tilt a triangle at most. */
+/* Lower bound of the length that the bones leave of a unit vector of the group; < 0: none is known.
+ * And upper bound of how far they tilt a triangle. */
 static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
 {
     const vec3 centre = {(double)g->centre[0], (double)g->centre[1], (double)g->centre[2]};
@@ -663,7 +669,7 @@ static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
         double steep = sqrt(vec3_dot(gradient, gradient)) + off;
         double p = vec3_dot(way, gradient) - round * steep - far * off, n = far * steep;
         lost += (double)c->weight * apart->rotation + fmin(n, most);
-        if (n > most) { /* the others are counted as if they all went against it */
+        if (n > most) { /* worst case: all others act against it */
             most = n;
             scale = least_scale(p, n);
             steepest = 1.0 + p > 0.0 ? sqrt(fmax(n * n - p * p, 0.0)) / (1.0 + p) : 1e9;
@@ -676,7 +682,8 @@ static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
     return (float)(scale - 1.01 * lost);
 }
 
-/* So steep in the origin, times the group's steepness, may be what pulls add to the pose. */
+/* The length of a gradient (in the origin, times the group's steepness) below which pulls surely
+ * strain no triangle of the posed group too much. */
 static float room_of_pose(face *f, const limit_group *g)
 {
     angle_sincos tilt, apart = half_apart(f, g);
@@ -686,8 +693,7 @@ static float room_of_pose(face *f, const limit_group *g)
     return isfinite(steepness) ? scale * g->steepness / steepness : 0.0f;
 }
 
-/* At least how much longer the change of a shape's three columns makes a vector that they weigh
- * together. */
+/* Upper bound of the norm of the change of a shape's three weights, a 3 x 3 matrix. */
 static double size_of_change(const double *now, const double *before)
 {
     double most_row = 0.0, most_column = 0.0, column[3] = {0};
@@ -705,7 +711,7 @@ static double size_of_change(const double *now, const double *before)
     return sqrt(most_row * most_column);
 }
 
-/* pull_bound, and what it has grown by since each group was measured last: of f->given. */
+/* Updates pull_bound to f->given, and `change` by how much that can have added to it. */
 static void follow_pulls(face *f)
 {
     face_limit *l = &f->limit;
@@ -731,13 +737,14 @@ static void follow_pulls(face *f)
     l->loops->add(l->pull_bound, l->change, 1.0f, groups);
 }
 
-/* Its own shapes are at work: what they do to skin is right as long as it does not fold. */
+/* The head's own shapes are in use: they may strain skin as they like as long as it does not fold.
+ */
 static bool is_shaped(const face *f)
 {
     return f->shapes.count > 0 && f->shapes.amount > 0.0;
 }
 
-/* Whether the steepest gradient that the pulls may have there strains it too much. */
+/* Whether the bound of the pulls' gradient in the group allows too much strain. */
 static bool is_too_steep(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
@@ -750,14 +757,14 @@ static bool is_too_steep(face *f, size_t group)
     return !(most < 1.0f && most < g->room);
 }
 
-/* Likewise, by what has been found there before. */
+/* The same, using what was measured in the group before. */
 static bool may_be_strained(face *f, size_t group, limit_looks looks)
 {
     limit_group *g = &f->limit.group[group];
     float change = f->limit.change[group];
     if (!is_too_steep(f, group)) {
         if (change > 0.0f)
-            g->strain = g->turn_over = INFINITY;
+            g->strain = g->flip = INFINITY;
         return false;
     }
     if (is_shaped(f))
@@ -766,12 +773,12 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
         float more =
             g->room > 0.0f && isfinite(g->room) ? change * g->steepness / g->room : INFINITY;
         g->strain += more;
-        g->turn_over += more;
+        g->flip += more;
     }
-    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->turn_over < 1.0f));
+    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->flip < 1.0f));
 }
 
-/* What the columns as weighed do to a block. */
+/* Adds up the weighed columns of a block. */
 static void write_block(const face *f, float (*row)[4], const points *origin, uint32_t block)
 {
     float sum[3][POINTS_BLOCK] = {{0.0f}};
@@ -780,7 +787,7 @@ static void write_block(const face *f, float (*row)[4], const points *origin, ui
     put_rows(row, origin, sum, block);
 }
 
-/* Where the bones alone have a block, once their columns are weighed. */
+/* A block as the bones alone pose it; their columns are weighed before. */
 static void pose_block(face *f, uint32_t block)
 {
     if (f->limit.is_posed[block])
@@ -818,7 +825,7 @@ static float length_of(const float *row_a, const float *row_b)
     return sqrtf(x * x + y * y + z * z);
 }
 
-/* How much of the length that an edge may still gain is added to it: the worst of three. */
+/* Of a triangle's edges the largest share of the allowed stretch that the pulls use up. */
 static float stretch_strain(const face *f, size_t t, float stretch)
 {
     const face_limit *l = &f->limit;
@@ -841,20 +848,20 @@ static float stretch_strain(const face *f, size_t t, float stretch)
 static double near_grip(const face *f, size_t t, uint32_t control)
 {
     double radius = f->settings.radius;
-    vec3 way = vec3_sub(points_place(f->origin, f->skin[3 * t]), f->grip[control].start);
+    vec3 way = vec3_sub(points_position(f->origin, f->skin[3 * t]), f->grip[control].start);
     double q = vec3_dot(way, way) / (radius * radius);
     return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
 }
 
-/* What is too much strains the controls around it, by how near they are. */
+/* Charges the excess strain of a triangle to the controls around it, by their distance. */
 static void strain_controls(face *f, size_t t, double strain)
 {
     for (uint32_t k = 0; k < f->control_count; ++k)
         f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * near_grip(f, t, k));
 }
 
-/* patch.of_tilt_posed, of triangles that the main bone and the origin have turned so far. */
-static void leave_tilts(face *f, size_t group, const float *turned_cosine)
+/* patch.inv_tan_tilt_posed, of triangles that the main bone and the origin have turned so far. */
+static void leave_tilts(face *f, size_t group, const float *turn_cosine)
 {
     const limit_group *g = &f->limit.group[group];
     limit_patch *patch = &f->limit.patch[group];
@@ -863,9 +870,9 @@ static void leave_tilts(face *f, size_t group, const float *turned_cosine)
     const double enough = tilt_free.cos * less.cos + tilt_free.sin * less.sin;
     float of_angle[GROUP], cosine[GROUP];
     for (size_t i = 0; i < GROUP; ++i) {
-        of_angle[i] = of_seen;
+        of_angle[i] = inv_tan_seen;
         cosine[i] = 1.0f;
-        if (i >= group_size(f, group) || (is_known && (double)turned_cosine[i] > enough))
+        if (i >= group_size(f, group) || (is_known && (double)turn_cosine[i] > enough))
             continue;
         const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
         vec3 along = vec3_normalised(face_skin_along(f, corner), (vec3){0, 0, 0});
@@ -873,20 +880,21 @@ static void leave_tilts(face *f, size_t group, const float *turned_cosine)
                             (double)patch->posed.normal[1][i] * along.y +
                             (double)patch->posed.normal[2][i] * along.z);
     }
-    f->limit.loops->turns(patch->of_tilt_posed, of_angle, cosine);
+    f->limit.loops->turns(patch->inv_tan_tilt_posed, of_angle, cosine);
     for (size_t i = 0; i < GROUP; ++i)
-        patch->of_tilt_posed[i] = larger(patch->of_tilt_posed[i], 1.0f / STRAIN_TILT_MOST);
+        patch->inv_tan_tilt_posed[i] =
+            larger(patch->inv_tan_tilt_posed[i], 1.0f / STRAIN_TILT_MOST);
 }
 
-/* patch.of_turn_posed: neighbours that other bones carry have turned another way. */
-static void leave_turns(face *f, size_t group, const float *turned_cosine)
+/* patch.inv_tan_turn_posed: neighbours that other bones carry have turned another way. */
+static void leave_turns(face *f, size_t group, const float *turn_cosine)
 {
     limit_patch *patch = &f->limit.patch[group];
-    float of_turn[GROUP], apart[GROUP];
+    float inv_tan_turn[GROUP], apart[GROUP];
     for (size_t i = 0; i < GROUP; ++i)
         apart[i] = (float)half_apart(f, &f->limit.group[group]).cos;
-    f->limit.loops->turns(of_turn, patch->of_turn, apart);
-    f->limit.loops->turns(patch->of_turn_posed, of_turn, turned_cosine);
+    f->limit.loops->turns(inv_tan_turn, patch->inv_tan_turn, apart);
+    f->limit.loops->turns(patch->inv_tan_turn_posed, inv_tan_turn, turn_cosine);
 }
 
 /* Likewise the shapes that act there. */
@@ -911,14 +919,14 @@ static void frame_group(face *f, size_t group)
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = corners_of(f, group, l->posed);
     const rigid motion = motion_of(f, g->main_bone);
-    float rotation[9], turned_cosine[GROUP];
+    float rotation[9], turn_cosine[GROUP];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             rotation[3 * i + j] = (float)motion.r[i][j];
     l->loops->frames(&patch->posed, &posed);
-    l->loops->turned(turned_cosine, &patch->origin, &patch->posed, rotation);
-    leave_tilts(f, group, turned_cosine);
-    leave_turns(f, group, turned_cosine);
+    l->loops->turned(turn_cosine, &patch->origin, &patch->posed, rotation);
+    leave_tilts(f, group, turn_cosine);
+    leave_turns(f, group, turn_cosine);
     g->is_framed = true;
 }
 
@@ -929,9 +937,9 @@ static void turn_normals(face *f, size_t group)
     limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
     const float(*rest)[GROUP] = (const float(*)[GROUP])patch->rest_normal;
-    if (g->is_seen)
+    if (g->has_along)
         return;
-    g->is_seen = true;
+    g->has_along = true;
     memcpy(patch->along, patch->rest_normal, sizeof patch->along);
     if (g->main_bone != STILL)
         l->loops->turn_normals(patch->along, rest, patch->main_share, l->turned[g->main_bone]);
@@ -941,8 +949,8 @@ static void turn_normals(face *f, size_t group)
                                    l->turned[l->carried[i].bone]);
 }
 
-/* strain_turn_over of a triangle of the group. */
-static float turn_over_strain(face *f, size_t group, size_t i)
+/* strain_flip of a triangle of the group. */
+static float flip_strain(face *f, size_t group, size_t i)
 {
     const face_limit *l = &f->limit;
     const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
@@ -955,7 +963,7 @@ static float turn_over_strain(face *f, size_t group, size_t i)
             d[k][axis] = l->added[corner[1 + k]][axis] - l->added[corner[0]][axis];
         }
     }
-    return strain_turn_over((const float(*)[3])e, (const float(*)[3])d, n);
+    return strain_flip((const float(*)[3])e, (const float(*)[3])d, n);
 }
 
 static double measure_shaped(face *f, size_t group, float stretch)
@@ -993,30 +1001,31 @@ static double measure_group(face *f, size_t group, float stretch)
     float greatest = 0.0f;
     if (!g->is_framed)
         frame_group(f, group);
-    l->loops->strains(&found, &patch->posed, patch->of_tilt_posed, patch->of_turn_posed, &added);
-    g->strain = g->turn_over = 0.0f;
+    l->loops->strains(&found, &patch->posed, patch->inv_tan_tilt_posed, patch->inv_tan_turn_posed,
+                      &added);
+    g->strain = g->flip = 0.0f;
     for (size_t i = 0; i < added.count; ++i) {
-        float strain = found.strain[i], turn_over = found.turn_over[i], size = found.size[i];
+        float strain = found.strain[i], flip = found.flip[i], size = found.size[i];
         size_t t = GROUP * group + i;
         float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
         g->strain = larger(g->strain, larger(larger(strain, stretched), size));
-        g->turn_over = turn_over > g->turn_over ? turn_over : g->turn_over;
+        g->flip = flip > g->flip ? flip : g->flip;
         if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
-            strain = fmaxf(found.alone[i], fminf(strain, turn_over_strain(f, group, i)));
+            strain = fmaxf(found.alone[i], fminf(strain, flip_strain(f, group, i)));
         strain = stretched > strain ? stretched : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
             strain_own_shapes(f, group, fmin((double)strain, strain_most));
         }
-        if (turn_over > 1.0f)
+        if (flip > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
     }
     return (double)greatest;
 }
 
-/* Of f->given the greatest that is above 1; limit.strain: how far each control's surroundings are
- * above it; limit.candidate: triangles that may be bent against others. */
+/* Returns the greatest strain of f->given, 1 at least. limit.strain gets the excess around each
+ * control, limit.candidate the triangles that may be bent against their neighbours. */
 static double measure_strain(face *f, limit_looks looks)
 {
     face_limit *l = &f->limit;
@@ -1055,7 +1064,7 @@ static double measure_strain(face *f, limit_looks looks)
 
 /* ---- what is given ---- */
 
-/* How much two controls are in the fields of the same bones. */
+/* likeness: how far each two controls ride on the same bones, 0..1. */
 static void compare_controls(face *f)
 {
     face_limit *l = &f->limit;
@@ -1076,7 +1085,7 @@ static void compare_controls(face *f)
     }
 }
 
-/* limit.asked := what f->weight pulls, with the bones at rest. */
+/* limit.asked := the weights of the controls' columns with the bones at rest. */
 static void find_asked(face *f)
 {
     memset(f->limit.asked, 0, (size_t)3 * f->control_count * sizeof *f->limit.asked);
@@ -1094,7 +1103,7 @@ static void find_asked(face *f)
     }
 }
 
-/* f->given := what limit.g pulls, and what is given of the shapes. */
+/* f->given := the columns' weights for limit.g and the applied shares of the shapes. */
 static void give(face *f)
 {
     f->limit.is_added_given = false;
@@ -1112,7 +1121,7 @@ static void give(face *f)
     }
 }
 
-/* The fields too: whoever asks them for their slopes means those of the shape shown. */
+/* Sets the weights in the fields as well: their slopes are asked for the shape shown. */
 static void give_fields(face *f)
 {
     f->meter.slope_bound = 0.0;
@@ -1148,8 +1157,9 @@ static void give_part(face *f, double part)
     give(f);
 }
 
-/* So much of what is given that the skin of a head with shapes is not strained too much. Mostly a
- * part as for other heads does, or a second one; else it is halved in: never all is taken away. */
+/* Scales f->given on a head with shapes until no skin is strained too much. 1 / strain is exact for
+ * other heads and mostly good enough here at the second try; else bisection finds a factor above 0.
+ */
 static void part_shaped(face *f)
 {
     double strain = measure_strain(f, AT_STRAINS), low = 0.0, high = 1.0, part = 1.0;
@@ -1171,8 +1181,7 @@ static void part_shaped(face *f)
     give_part(f, low / part);
 }
 
-/* The pulls give way where they strain the skin. Returns how much of what is left of them there may
- * be. */
+/* Softens the pulls where they strain the skin. Returns the factor for all that is still needed. */
 static double yield_pulls(face *f, double strain)
 {
     face_limit *l = &f->limit;
@@ -1197,7 +1206,7 @@ static double yield_pulls(face *f, double strain)
 
 /* The vertices around the candidates: as posed in shown_before, and with so much of what the
  * controls add in shown_after. */
-static void place_candidates(face *f, float part)
+static void pose_candidates(face *f, float part)
 {
     face_limit *l = &f->limit;
     for (uint32_t i = 0; i < l->candidate_count; ++i) {
@@ -1217,7 +1226,7 @@ static void place_candidates(face *f, float part)
     }
 }
 
-/* `added` and `posed` around the candidates. */
+/* Computes `added` and `posed` in the blocks around the candidates. */
 static void find_candidates(face *f)
 {
     face_limit *l = &f->limit;
@@ -1239,18 +1248,19 @@ static void find_candidates(face *f)
     }
 }
 
-/* Of the candidates, with so much of what the controls add there. */
+/* How far the candidates' edges are bent, over what they may be, with that share of what the
+ * controls add. */
 static double bend_of_part(face *f, double part)
 {
     face_limit *l = &f->limit;
     const float *before[3], *after[3];
-    place_candidates(f, (float)part);
+    pose_candidates(f, (float)part);
     return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
                               points_streams(&l->shown_before, before),
                               points_streams(&l->shown_after, after));
 }
 
-/* So much of what the controls add bends none of the candidates too far. */
+/* Returns a share of what the controls add with which no candidate is bent too far. */
 static double part_unbent(face *f)
 {
     double low = 0.0, high = 1.0;
@@ -1266,8 +1276,7 @@ static double part_unbent(face *f)
     return low;
 }
 
-/* Down to `part` of their pulls controls give way to edges near them, as far as those are bent too
- * far. */
+/* Reduces controls near edges that are bent too far, at most to `part` of their pulls. */
 static void yield_to_bends(face *f, double part)
 {
     face_limit *l = &f->limit;
@@ -1293,9 +1302,8 @@ static void yield_to_bends(face *f, double part)
         l->g[i] *= l->tip_share[i / 3];
 }
 
-/* Triangles that have turned far may be bent too far against their neighbours: that is looked at
- * edge by edge. The pulls near such edges give way, and what is left of it is taken from all alike.
- * Takes and returns how much of f->given there may be. */
+/* Judges the candidates edge by edge. The pulls near edges that are bent too far are reduced; what
+ * is then still needed is a factor for all. Takes and returns the share of f->given to apply. */
 static double unbend(face *f, double part)
 {
     find_candidates(f);
@@ -1325,9 +1333,9 @@ static double room_of_part(face *f, double part)
     return face_min_determinant(f) - determinant_least;
 }
 
-/* Without a rig the field is one of space, and may fold beside the skin, along its normals, where
- * no triangle tells: so much of the pulls is given that it does not. The root is found by false
- * position, with the weight of an end that stays halved. */
+/* Without a rig the field is one of space, and can fold off the skin, where no triangle shows it:
+ * reduces the pulls until it does not. The root is found by the Illinois variant of false position.
+ */
 static void unfold(face *f)
 {
     const double slope_safe =

@@ -119,7 +119,7 @@ static double left_over(const learning *l, uint32_t bone, const float *dof, vec3
     bones_pose(pose, &l->f->bones, dof);
     for (uint32_t i = 0; i < l->points[bone]; ++i) {
         uint32_t slot = l->point[bone][i];
-        vec3 at = points_place(&l->f->rest, slot);
+        vec3 at = points_position(&l->f->rest, slot);
         vec3 off = vec3_sub(vec3_add(at, row_of(l, slot)), rigid_apply(&pose[bone], at));
         sum += vec3_dot(off, off);
         if (out)
@@ -187,7 +187,7 @@ static double part_of(const learning *l, uint32_t bone, const float *dof)
     double whole = 0.0, left = 0.0;
     bones_pose(pose, &f->bones, dof);
     for (size_t slot = 0; slot < f->rest.count; ++slot) {
-        vec3 at = points_place(&f->rest, slot), way = row_of(l, slot);
+        vec3 at = points_position(&f->rest, slot), way = row_of(l, slot);
         vec3 moved = vec3_sub(rigid_apply(&pose[bone], at), at);
         vec3 off = vec3_sub(way, vec3_scale(moved, (double)f->field[bone].weight[slot]));
         whole += vec3_dot(way, way);
@@ -238,7 +238,7 @@ static double take_bones_out(learning *l, const rigid *pose)
     double whole = 0.0, left = 0.0;
     for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
         blend here = blend_in_shape(f, pose, slot);
-        vec3 offset = row_of(l, slot), at = points_place(&f->rest, slot);
+        vec3 offset = row_of(l, slot), at = points_position(&f->rest, slot);
         vec3 moved = blend_moves(&here, at), rest = vec3_sub(offset, moved);
         set_row(l->posed, slot, vec3_add(at, moved));
         set_row(l->row, slot, vec3_scale(rest, fmin(1.0, 10.0 * (double)f->mobility[slot])));
@@ -262,9 +262,9 @@ static void turn_normals(learning *l, const rigid *pose)
             share[b] = (double)(weight[corner[0]] + weight[corner[1]] + weight[corner[2]]) / 3.0;
         }
         blend here = blend_of(share, pose, f->bones.moves, f->bone_count);
-        vec3 at = points_place(&f->rest, corner[0]);
-        vec3 normal = vec3_cross(vec3_sub(points_place(&f->rest, corner[1]), at),
-                                 vec3_sub(points_place(&f->rest, corner[2]), at));
+        vec3 at = points_position(&f->rest, corner[0]);
+        vec3 normal = vec3_cross(vec3_sub(points_position(&f->rest, corner[1]), at),
+                                 vec3_sub(points_position(&f->rest, corner[2]), at));
         normal = vec3_add(normal, matrix3x3_apply(&here.rotation, normal));
         l->normal[t][0] = (float)normal.x;
         l->normal[t][1] = (float)normal.y;
@@ -405,11 +405,11 @@ static uint32_t arkit_of(const mesh *m, uint32_t target)
         const mesh_expression *row = &m->expression[i];
         const bool is_shared = (i > 0 && strcmp(row[-1].name, row->name) == 0) ||
                                (i + 1 < m->expression_count && strcmp(row[1].name, row->name) == 0);
-        const uint32_t said = row->target == target && row->weight >= 1.0f && !is_shared
-                                  ? arkit_find(row->name)
-                                  : ARKIT_NONE;
-        if (said < ARKIT_SHAPES && !is_called(m, said))
-            of = said;
+        const uint32_t channel = row->target == target && row->weight >= 1.0f && !is_shared
+                                     ? arkit_find(row->name)
+                                     : ARKIT_NONE;
+        if (channel < ARKIT_SHAPES && !is_called(m, channel))
+            of = channel;
     }
     return of;
 }

@@ -6,9 +6,9 @@
 
 vec3 face_skin_area(const points *p, const uint32_t *corner)
 {
-    vec3 a = points_place(p, corner[0]);
-    return vec3_cross(vec3_sub(points_place(p, corner[1]), a),
-                      vec3_sub(points_place(p, corner[2]), a));
+    vec3 a = points_position(p, corner[0]);
+    return vec3_cross(vec3_sub(points_position(p, corner[1]), a),
+                      vec3_sub(points_position(p, corner[2]), a));
 }
 
 /* Of the square of its longest edge, twice a triangle's area: flatter ones are needles, as scans
@@ -20,7 +20,8 @@ static bool is_needle(const points *p, const uint32_t *corner)
 {
     double longest = 0.0;
     for (int i = 0; i < 3; ++i) {
-        vec3 edge = vec3_sub(points_place(p, corner[i]), points_place(p, corner[(i + 1) % 3]));
+        vec3 edge =
+            vec3_sub(points_position(p, corner[i]), points_position(p, corner[(i + 1) % 3]));
         longest = fmax(longest, vec3_dot(edge, edge));
     }
     return !(vec3_length(face_skin_area(p, corner)) > flattest * longest);
@@ -111,14 +112,15 @@ double face_min_determinant(const face *f)
     return f->control_count > 0 ? csrbf_min_determinant(f->field[0].solver, f->origin) : 1.0;
 }
 
-double face_worst_place(const face *f, vec3 *out_rest)
+double face_worst_triangle(const face *f, vec3 *out_rest)
 {
     uint32_t triangle;
     double determinant = skin_determinant(f, &triangle);
     const uint32_t *corner = f->skin + (size_t)3 * triangle;
     *out_rest = (vec3){0, 0, 0};
     for (int i = 0; i < 3 && f->skin_count > 0; ++i)
-        *out_rest = vec3_add(*out_rest, vec3_scale(points_place(&f->rest, corner[i]), 1.0 / 3.0));
+        *out_rest =
+            vec3_add(*out_rest, vec3_scale(points_position(&f->rest, corner[i]), 1.0 / 3.0));
     return determinant;
 }
 

@@ -3,7 +3,7 @@
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
 #include "face/rig/rig_poses.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -338,10 +338,10 @@ static mrt_result choose_points(making *k, error *err)
             break;
         uint32_t p = self->point_count++;
         self->vertex[p] = best;
-        self->rest[p] = mesh_place(k->m, best);
+        self->rest[p] = mesh_position(k->m, best);
         shares_of(self->share[p], b, best);
         for (uint32_t v = 0; v < count; ++v) {
-            vec3 way = vec3_sub(mesh_place(k->m, v), self->rest[p]);
+            vec3 way = vec3_sub(mesh_position(k->m, v), self->rest[p]);
             near[v] = fmin(near[v], vec3_length(way));
         }
     }
@@ -367,7 +367,7 @@ static double reach_of(const making *k, uint32_t d)
     dof[d] = 0.5f * (b->dof[d].max > 0.0f ? b->dof[d].max : b->dof[d].min);
     bones_pose(pose, b, dof);
     for (uint32_t v = 0; v < k->m->vertex_count; ++v) {
-        vec3 at = mesh_place(k->m, v);
+        vec3 at = mesh_position(k->m, v);
         if (!(bound->weight[bone * (size_t)bound->vertex_count + v] > 0.5f))
             continue;
         vec3 way = vec3_sub(rigid_apply(&pose[bone], at), at);

@@ -9,7 +9,8 @@
 
 enum { FACE_BONES_PER_CONTROL = 4, FACE_POSE_COLUMNS = 4 };
 
-/* A bone: how far each vertex follows its motion, and the field that moves its vertices before. */
+/* A bone: how far each vertex follows its motion, and the displacement field that is applied to its
+ * vertices before. */
 typedef struct face_field {
     csrbf_solver *solver;
     float *weight;                    /* padded_count: w_b */
@@ -27,7 +28,7 @@ typedef struct face_field {
 typedef struct face_grip {
     double share[RIG_BONES_MAX];
     bool belongs[RIG_BONES_MAX];
-    double mobility;  /* what its pull is divided by */
+    double mobility;  /* its pull is divided by that */
     double riding;    /* on the jaw, 0..1 */
     vec3 start;       /* mm, bones at rest */
     uint32_t contact; /* 1 + index; 0: a free point */
@@ -38,17 +39,19 @@ typedef struct face_grip {
 typedef struct face_blocks {
     uint8_t *is_stale;       /* 1: the next frame writes it, whatever changes */
     uint8_t *is_rest;        /* 1: the origin has the bits of rest there */
-    uint8_t *carrier, *bone; /* shading_shape.carrier: now, and while nothing else moves it */
-    float *weight;           /* column capacity by 3: in the last frame; 0 where columns are new */
+    uint8_t *carrier, *bone; /* the bone that alone moves the block (shading_shape.carrier): in this
+                              * frame, and while no control moves it */
+    float *weight;           /* column capacity by 3: of the last frame; 0 for new columns */
     uint64_t *changed;       /* scratch: columns, as columns.mark */
-    uint64_t *of_controls;   /* scratch: those of controls that weigh something */
+    uint64_t *of_controls;   /* scratch: the columns of controls with a weight other than 0 */
     rigid pose[RIG_BONES_MAX];
     stamps written;
 } face_blocks;
 
-/* What is given of a pull so that no skin folds or tears: face_limit.c. */
+/* How much of the pulls is applied, so that no skin folds or tears: face_limit.c. */
 typedef struct face_limit {
-    float (*posed)[4], (*added)[4]; /* of each vertex: by the bones alone; by the controls */
+    float (*posed)[4],
+        (*added)[4]; /* of each vertex: its position by the bones alone; what controls add */
     const struct strain_loops *loops;
     struct limit_group *group;
     struct limit_patch *patch;      /* of each group */
@@ -56,22 +59,24 @@ typedef struct face_limit {
     uint32_t *block;                /* likewise: of its vertices */
     struct limit_apart *apart;      /* of each two bones */
     float turned[RIG_BONES_MAX][9]; /* of each bone: R - I */
-    float *still;                   /* of each vertex: what no moving bone carries of it */
-    uint32_t *bones_around;         /* of each vertex: as of the groups that have it */
-    float *steepest;   /* by column of a control, of each group: its gradient's greatest length */
-    float *pull_bound; /* of each group: at least the length of the gradient of `bounded` */
-    float *change;     /* what the last of its changes can have added to that */
+    float *still;                   /* of each vertex: the share that no moving bone carries */
+    uint32_t *bones_around;         /* of each vertex: bits, the main bones of its groups */
+    float *steepest;   /* for each column of a control and each group: the greatest length of its
+                          gradient */
+    float *pull_bound; /* of each group: upper bound of the length of the gradient of `bounded` */
+    float *change;     /* the part of that bound that the last change of `bounded` added */
     double *bounded;   /* column capacity by 3 */
     uint32_t *wanted;  /* scratch: groups */
-    uint32_t *candidate, candidate_count; /* triangles that may be bent against others */
-    bool is_pose_known, is_at_rest;       /* since the engagement; `posed` is the origin */
-    double *g;                            /* control_capacity by 3: what is given */
-    uint8_t *is_changed;                  /* of each block: by a step */
-    uint8_t *is_posed, *is_added;         /* `posed` is that of the pose, `added` of the pulls */
-    bool is_added_given; /* `added` is what shapes and pulls of the frame at hand add */
-    float (*step)[4];    /* of each vertex: what clay was to move by */
-    float (*longest)[3]; /* of each triangle of skin: its edges at rest, mm */
-    double *pose_weight; /* column capacity by 3 */
+    uint32_t *candidate,
+        candidate_count;            /* triangles that may be bent too far against neighbours */
+    bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */
+    double *g;                      /* control_capacity by 3: what is given */
+    uint8_t *is_changed;            /* of each block: by a step */
+    uint8_t *is_posed, *is_added;   /* of each block: `posed`, `added` are of this frame */
+    bool is_added_given;            /* `added` is of f->given as it is now */
+    float (*step)[4];               /* clay: by how much each vertex was to move */
+    float (*longest)[3];            /* of each triangle of skin: its edges at rest, mm */
+    double *pose_weight;            /* column capacity by 3 */
     double *asked, *centre, *ridge, *likeness, *strain, *scratch; /* by controls */
     points shown_before, shown_after; /* clay, before and after a step */
     float *share;                     /* of each vertex: of a step of clay */
@@ -82,18 +87,18 @@ typedef struct face_limit {
 typedef struct face_shape {
     const char *name;        /* of the mesh */
     uint32_t target, arkit;  /* index into mesh.target; which of ARKit's, or ARKIT_NONE */
-    float dof[MRT_MAX_DOFS]; /* what the bones do of it, at weight 1 */
+    float dof[MRT_MAX_DOFS]; /* the bones' part of it, at weight 1 */
     uint32_t bones;          /* bits: those that do */
-    bool follows_bones;      /* its weight is how far they have gone that way */
+    bool follows_bones;      /* its weight follows from how the bones are posed */
     double bone_square;      /* of their motion, mm^2 */
-    double purity;           /* 0..1: so much of its square the bones do */
+    double purity;           /* 0..1: the share of its sum of squares that bones explain */
     double size_mm;          /* root mean square over the skin */
-    uint32_t needs[2];       /* 1 + the shapes that it corrects; 0: none */
+    uint32_t needs[2];       /* a corrective: 1 + the shapes that it corrects; 0: none */
 } face_shape;
 
 /* The share of a shape that a bone carries: columns for x, y and z. */
 typedef struct face_shape_part {
-    uint32_t shape, carrier; /* a bone that moves, or RIG_BONES_MAX: those that do not */
+    uint32_t shape, carrier; /* carrier: a bone that moves; RIG_BONES_MAX: all that do not */
     uint32_t column;
 } face_shape_part;
 
@@ -103,24 +108,25 @@ typedef struct face_shapes {
     face_shape *shape;
     face_shape_part *part;
     uint32_t count, part_count;
-    double amount; /* 0..1: 0 is clay */
+    double amount; /* 0..1: how far shapes answer pulls; 0: not at all, as clay */
     double dof_mm[MRT_MAX_DOFS];
     bool covers[MRT_MAX_DOFS];   /* some shape moves it */
-    bool derives[RIG_BONES_MAX]; /* skin rides on it: pulls may say where it is */
-    uint32_t speaks_of, rides;   /* bits, bones: that shapes move; that a control rides on */
-    double *weight;              /* of the frame, and where the next one begins */
-    double *asked;               /* by face_ask_shapes: at least so much; 0 of what follows bones */
-    double *at;                  /* shapes by control_capacity by 3: at the controls, mm */
-    double *whole;               /* likewise, with the bones that follow */
-    uint32_t derived;            /* bits: those, when it was found */
+    bool derives[RIG_BONES_MAX]; /* pulls may pose it, as skin rides on it */
+    uint32_t speaks_of, rides;   /* bits: the bones that shapes move; those that controls ride on */
+    double *weight;              /* of the frame; the next solve starts there */
+    double *asked;    /* lower bounds, by face_ask_shapes; 0 for shapes that follow bones */
+    double *at;       /* shapes by control_capacity by 3: at the controls, mm */
+    double *whole;    /* likewise, with the bones that follow */
+    uint32_t derived; /* bits: the bones that followed when `whole` was computed */
     double *h, *few, *b, *low, *high, *y, *left, *scratch; /* shape_solve.h; few: of b */
-    double *given, *strain; /* face_limit.c: the part of each that is given */
-    float *learnt;          /* until the columns are filled; freed then */
-    float (*longest)[3];    /* of each triangle of skin: its edges in any shape, mm */
+    double *given,
+        *strain;         /* face_limit.c: the applied share of each shape, and its excess strain */
+    float *learnt;       /* scratch of loading, freed when the columns are filled */
+    float (*longest)[3]; /* of each triangle of skin: its edges in any shape, mm */
 } face_shapes;
 
 struct face {
-    arrays arrays;  /* all but what says otherwise */
+    arrays arrays;  /* owns all arrays here but those marked otherwise */
     const rig *rig; /* or NULL */
     binding binding;
     bones bones;
@@ -128,8 +134,8 @@ struct face {
     points_order order;
     points rest, base, shown;
     points free;          /* unanchored: the shape with its bones at rest */
-    const points *origin; /* what the columns move: base, or free */
-    points before;        /* drag: what is restored on an error */
+    const points *origin; /* the shape that the columns are added to: base or free */
+    points before;        /* drag: the shape before, restored on an error */
     float *mobility;      /* padded_count */
     face_blocks blocks;
 
@@ -146,16 +152,16 @@ struct face {
     uint32_t control_column_count; /* those of shapes and controls, before those of bones */
     bool is_pose_noted;            /* the columns are those of bones alone, noted, and 0 where no
                                     * vertex is carried */
-    double *weight, *next_weight;  /* column capacity by 3: what is asked for */
-    double *given; /* likewise, of the shape shown: where skin would fold or tear it is less */
-    bool is_given; /* `given` is that of `weight` */
-    bool is_held;  /* and not the same */
+    double *weight, *next_weight;  /* column capacity by 3: as the solve wants them */
+    double *given; /* the weights of the shape shown: reduced where skin would fold or tear */
+    bool is_given; /* `given` has been computed from `weight` */
+    bool is_held;  /* and is less than it */
 
     csrbf_settings settings; /* of the engagement */
     uint32_t control_capacity, control_count;
     face_grip *grip, *next_grip; /* control_capacity; next: drag and engage */
-    points grip_place;           /* control_capacity: the starts, for `cross` */
-    float *cross;                /* a row per control column: its response at the starts */
+    points grip_position;        /* control_capacity: the starts, for `cross` */
+    float *cross;                /* a row for each control column: its value at the starts */
     matrix3x3 *rotation;         /* control_capacity: scratch of a frame */
     double *g, *position, *scratch, *gain; /* control_capacity by 3, gain by 1 */
     double *tip, *step, *pull, *from, *to; /* drag: control_capacity by 3 */
@@ -203,70 +209,73 @@ CHECKED mrt_result face_hold(face *f, error *err);
 
 /* ---- face_frame.c ---- */
 
-/* The values to pose: driven ones as they are; end NULL: no control speaks of the jaw. */
+/* The degrees of freedom to pose: driven ones as given, the jaw derived from the controls that ride
+ * on it. end NULL: none does. */
 CHECKED mrt_result face_resolve_dofs(face *f, float *out, const float *dof, const double *end,
                                      error *err);
 
 /* ---- face_shapes.c: with no shapes all of these do nothing ---- */
 
-/* Before there are columns; and when there are. */
+/* Learns the shapes; and fills their columns once these are allocated. */
 CHECKED mrt_result face_shapes_create(face *f, const mesh *m, error *err);
 void face_shapes_fill(face *f);
-/* The controls have taken hold. */
+/* After an engagement: what the shapes do at the controls. */
 void face_shapes_engage(face *f);
 /* The weights of a frame; resolved: the degrees of freedom, in and out. */
 void face_shapes_solve(face *f, float *resolved, const float *dof, const double *end);
-/* Nothing is pulled: the weights are those that the bones lead to. */
+/* Without pulls: the weights that follow from the bones. */
 void face_shapes_settle(face *f, const float *dof);
-/* What the shapes add at a control, bones at rest; what the limits keep back of that; what the
- * bones alone lead to: with these degrees of freedom, at a vertex. */
+/* With the bones at rest: what the shapes add at a control; the part of that which face_limit.c
+ * takes away; and the part that follows from the bones alone, at a control for these degrees of
+ * freedom or at a vertex. */
 vec3 face_shapes_at(const face *f, uint32_t control);
 vec3 face_shapes_missing(const face *f, uint32_t control);
 vec3 face_shapes_led_at(const face *f, uint32_t control, const float *dof);
 vec3 face_shapes_led_slot(const face *f, uint32_t slot);
-/* The weights of their columns; without what bones lead to; f->given, from f->weight. */
+/* Sets the weights of the shapes' columns; takes off what follows from the bones; and makes
+ * f->given from f->weight. */
 void face_shapes_weigh(const face *f, double *weight, const rigid *pose);
 void face_shapes_unlead(const face *f, double *weight);
 void face_shapes_give(face *f);
 bool face_shapes_weigh_something(const face *f);
-bool face_shapes_are_held(const face *f); /* less than all is given */
+bool face_shapes_are_held(const face *f); /* some are reduced */
 const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *out_carrier);
 
 /* ---- face_limit.c ---- */
 
 CHECKED mrt_result face_limit_create(face *f, error *err);
-/* The columns have become others. */
+/* Called when the columns have changed. */
 void face_limit_engage(face *f);
-/* f->given := f->weight, less of what the controls pull where the skin would fold or tear; notes
- * held_back_mm. Depends on f->weight, the pose and the engagement alone. */
+/* f->given := f->weight, reduced near where the skin would fold or tear; sets held_back_mm. A
+ * function of f->weight, the pose and the engagement alone. */
 void face_limit_pull(face *f);
-/* After that, with shapes at work, in blocks that it has looked at: what all columns but those of
- * the bones add. */
+/* After face_limit_pull on a face with shapes: whether it has summed a block, and that sum of all
+ * columns but those of bones, so that it need not be computed again. */
 bool face_limit_knows(const face *f, uint32_t block);
 void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
-/* So many times its length at rest an edge may have. */
+/* How many times its length at rest an edge may have. */
 double face_stretch_most(const csrbf_settings *settings);
 
 /* ---- face_shown.c ---- */
 
 CHECKED mrt_result face_shown_create(face *f, error *err);
-/* A block of the origin, or of what is to be the origin, has been written. */
+/* Called when a block of the origin, or of the next origin, has been written. */
 void face_touch(face *f, uint32_t block, const points *origin);
 void face_touch_all(face *f);
-/* Where it is not what it was before. */
+/* The same for all blocks in which `now` differs from `before`. */
 void face_touch_changed(face *f, const points *now, const points *before);
-/* The columns that are noted are about to become others. */
+/* Called before the columns change. */
 void face_forget_columns(face *f);
 /* Some of the columns are not zero all over the block; some: as columns.mark. */
 bool face_reaches(const columns *c, const uint64_t *some, uint32_t block);
-/* The shape shown becomes the rest shape, with its bones at rest; the origin is that already. */
+/* Shows the rest shape with its bones at rest; the origin must be the rest shape already. */
 void face_show_rest(face *f);
 
 /* ---- face_skin.c ---- */
 
-/* Along a triangle's normal, twice as long as it is large. */
+/* The normal of a triangle, as long as twice its area. */
 vec3 face_skin_area(const points *p, const uint32_t *corner);
-/* That of rest, where the bones alone turn it, at the mean of the triangle's weights. */
+/* The same at rest, rotated as the bones alone rotate it: by the mean weights of its corners. */
 vec3 face_skin_along(const face *f, const uint32_t *corner);
 CHECKED mrt_result face_skin_create(face *f, const mesh *m, error *err);
 

@@ -249,7 +249,7 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
         const projection_block *b = &p->block[i];
         proxy_frame f = frame_of(&p->proxy[b->proxy], pose);
         for (size_t v = 0; v < POINTS_BLOCK; ++v) {
-            vec3 x = points_place(shown, (size_t)b->block * POINTS_BLOCK + v);
+            vec3 x = points_position(shown, (size_t)b->block * POINTS_BLOCK + v);
             double size = scaled_size(&f, x), lowest = 1.0 + (double)b->floor[v];
             if (b->band[v] > 0.0f && size < lowest && size > 1e-6)
                 deepest =
@@ -279,7 +279,7 @@ static bool fill_block(projection_block *out, const proxy_frame *f, const points
     bool any = false;
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
         size_t slot = (size_t)out->block * POINTS_BLOCK + i;
-        vec3 x = points_place(rest, slot);
+        vec3 x = points_position(rest, slot);
         double size = scaled_size(f, x), height = size - 1.0;
         double mm_per_height = vec3_length(vec3_sub(x, f->centre)) / size;
         out->inside[i] = -1.0f;

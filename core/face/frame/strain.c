@@ -75,7 +75,7 @@ float strain_fold(const float e[2][3], const float d[2][3], const float n[3])
     return -least / way.room;
 }
 
-float strain_turn_over(const float e[2][3], const float d[2][3], const float n[3])
+float strain_flip(const float e[2][3], const float d[2][3], const float n[3])
 {
     const fold_way way = way_of(e, d, n);
     if (!(way.room > 0.0f))

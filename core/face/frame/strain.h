@@ -24,7 +24,7 @@ typedef struct strain_corners {
 /* 1 over the first edge's length, how far the second one goes along it, 1 over the height. What is
  * squashed to nothing has 0, and is not strained. */
 typedef struct strain_shapes {
-    float of_a[STRAIN_GROUP], along[STRAIN_GROUP], of_height[STRAIN_GROUP];
+    float inv_first[STRAIN_GROUP], along[STRAIN_GROUP], inv_height[STRAIN_GROUP];
 } strain_shapes;
 
 /* And by axis: where the first edge points, across it in the triangle's plane, its normal. */
@@ -34,10 +34,10 @@ typedef struct strain_frames {
 } strain_frames;
 
 typedef struct strain_found {
-    float strain[STRAIN_GROUP];    /* squeezed over M, and tilted times of_tilt */
-    float alone[STRAIN_GROUP];     /* the same, if bones had tilted nothing */
-    float turn_over[STRAIN_GROUP]; /* squeezed, and tilted times of_turn */
-    float size[STRAIN_GROUP];      /* of the gradient: the root of its sum of squares */
+    float strain[STRAIN_GROUP]; /* squeezed over M, and tilted times inv_tan_tilt */
+    float alone[STRAIN_GROUP];  /* the same, if bones had tilted nothing */
+    float flip[STRAIN_GROUP];   /* squeezed, and tilted times inv_tan_turn */
+    float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
 } strain_found;
 
 typedef struct strain_folds {
@@ -53,12 +53,13 @@ typedef struct strain_loops {
      * of `rotation`, to `posed`. */
     void (*turned)(float *out, const strain_frames *rest, const strain_frames *posed,
                    const float rotation[9]);
-    /* of_turn, 1 over the tangent of how far each may turn, less of what it has turned already. */
-    void (*turns)(float *out, const float *of_turn, const float *turned_cosine);
+    /* inv_tan_turn, 1 over the tangent of how far each may turn, less of what it has turned
+     * already. */
+    void (*turns)(float *out, const float *inv_tan_turn, const float *turn_cosine);
     /* The greatest size of the gradient of a displacement of these corners. */
     float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
-    void (*strains)(strain_found *out, const strain_frames *f, const float *of_tilt,
-                    const float *of_turn, const strain_corners *displacement);
+    void (*strains)(strain_found *out, const strain_frames *f, const float *inv_tan_tilt,
+                    const float *inv_tan_turn, const strain_corners *displacement);
     /* out += share times (rotation applied to rest), of each; rotation: what is added to the
      * identity */
     void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
@@ -78,7 +79,7 @@ float strain_fold(const float e[2][3], const float d[2][3], const float n[3]);
 
 /* 1 over the way along which the same triangle surely keeps STRAIN_FOLD_ROOM: in proportion to d,
  * and continuous, for which what d alone spans counts only against it. */
-float strain_turn_over(const float e[2][3], const float d[2][3], const float n[3]);
+float strain_flip(const float e[2][3], const float d[2][3], const float n[3]);
 
 /* Of the instruction set that is used. */
 const strain_loops *strain_loops_now(void);
@@ -91,11 +92,12 @@ const strain_loops *strain_loops_now(void);
     void STRAIN_OF(frames, variant)(strain_frames * out, const strain_corners *at);                \
     void STRAIN_OF(turned, variant)(float *out, const strain_frames *rest,                         \
                                     const strain_frames *posed, const float rotation[9]);          \
-    void STRAIN_OF(turns, variant)(float *out, const float *of_turn, const float *turned_cosine);  \
+    void STRAIN_OF(turns, variant)(float *out, const float *inv_tan_turn,                          \
+                                   const float *turn_cosine);                                      \
     float STRAIN_OF(steepest, variant)(const strain_shapes *s,                                     \
                                        const strain_corners *displacement);                        \
     void STRAIN_OF(strains, variant)(strain_found * out, const strain_frames *f,                   \
-                                     const float *of_tilt, const float *of_turn,                   \
+                                     const float *inv_tan_tilt, const float *inv_tan_turn,         \
                                      const strain_corners *displacement);                          \
     void STRAIN_OF(turn_normals, variant)(float(*out)[STRAIN_GROUP],                               \
                                           const float(*rest)[STRAIN_GROUP], const float *share,    \

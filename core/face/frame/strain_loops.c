@@ -40,18 +40,18 @@ void STRAIN(frames)(strain_frames *restrict out, const strain_corners *at)
         float nx = ay * bz - az * by, ny = az * bx - ax * bz, nz = ax * by - ay * bx;
         float aa = ax * ax + ay * ay + az * az, nn = nx * nx + ny * ny + nz * nz;
         bool is_good = (aa > 1e-20f) & (nn > 1e-30f);
-        float of_a = is_good ? 1.0f / sqrtf(is_good ? aa : 1.0f) : 0.0f;
+        float inv_first = is_good ? 1.0f / sqrtf(is_good ? aa : 1.0f) : 0.0f;
         float of_n = is_good ? 1.0f / sqrtf(is_good ? nn : 1.0f) : 0.0f;
-        float fx = ax * of_a, fy = ay * of_a, fz = az * of_a;
+        float fx = ax * inv_first, fy = ay * inv_first, fz = az * inv_first;
         nx *= of_n, ny *= of_n, nz *= of_n;
         out->first[0][i] = fx, out->first[1][i] = fy, out->first[2][i] = fz;
         out->normal[0][i] = nx, out->normal[1][i] = ny, out->normal[2][i] = nz;
         out->second[0][i] = ny * fz - nz * fy;
         out->second[1][i] = nz * fx - nx * fz;
         out->second[2][i] = nx * fy - ny * fx;
-        out->shape.of_a[i] = of_a;
+        out->shape.inv_first[i] = inv_first;
         out->shape.along[i] = bx * fx + by * fy + bz * fz;
-        out->shape.of_height[i] = is_good ? of_n / (is_good ? of_a : 1.0f) : 0.0f;
+        out->shape.inv_height[i] = is_good ? of_n / (is_good ? inv_first : 1.0f) : 0.0f;
     }
 }
 
@@ -66,15 +66,15 @@ void STRAIN(turned)(float *restrict out, const strain_frames *rest, const strain
     }
 }
 
-void STRAIN(turns)(float *restrict out, const float *restrict of_turn,
-                   const float *restrict turned_cosine)
+void STRAIN(turns)(float *restrict out, const float *restrict inv_tan_turn,
+                   const float *restrict turn_cosine)
 {
     const float none_left = 1e6f;
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        float cosine = turned_cosine[i], square = 1.0f - cosine * cosine;
+        float cosine = turn_cosine[i], square = 1.0f - cosine * cosine;
         float sine = sqrtf(square > 1e-6f ? square : 0.0f); /* less is rounding */
-        float left = cosine - of_turn[i] * sine;            /* cot (a - b) */
-        float of_left = (of_turn[i] * cosine + sine) / (left > 1e-6f ? left : 1e-6f);
+        float left = cosine - inv_tan_turn[i] * sine;       /* cot (a - b) */
+        float of_left = (inv_tan_turn[i] * cosine + sine) / (left > 1e-6f ? left : 1e-6f);
         out[i] = left > 1e-6f && of_left < none_left ? of_left : none_left;
     }
 }
@@ -85,10 +85,11 @@ float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacemen
     float square[STRAIN_GROUP], most = 0.0f;
     gather(&e, displacement);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        float px = e.a[0][i] * s->of_a[i], py = e.a[1][i] * s->of_a[i], pz = e.a[2][i] * s->of_a[i];
-        float qx = (e.b[0][i] - s->along[i] * px) * s->of_height[i];
-        float qy = (e.b[1][i] - s->along[i] * py) * s->of_height[i];
-        float qz = (e.b[2][i] - s->along[i] * pz) * s->of_height[i];
+        float px = e.a[0][i] * s->inv_first[i], py = e.a[1][i] * s->inv_first[i],
+              pz = e.a[2][i] * s->inv_first[i];
+        float qx = (e.b[0][i] - s->along[i] * px) * s->inv_height[i];
+        float qy = (e.b[1][i] - s->along[i] * py) * s->inv_height[i];
+        float qz = (e.b[2][i] - s->along[i] * pz) * s->inv_height[i];
         square[i] = px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz;
     }
     for (size_t i = 0; i < STRAIN_GROUP; ++i)
@@ -97,7 +98,7 @@ float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacemen
 }
 
 void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
-                     const float *restrict of_tilt, const float *restrict of_turn,
+                     const float *restrict inv_tan_tilt, const float *restrict inv_tan_turn,
                      const strain_corners *displacement)
 {
     const float of_squeeze = 1.0f / STRAIN_SQUEEZE_MOST;
@@ -105,10 +106,11 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
     edges e;
     gather(&e, displacement);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        float px = e.a[0][i] * s->of_a[i], py = e.a[1][i] * s->of_a[i], pz = e.a[2][i] * s->of_a[i];
-        float qx = (e.b[0][i] - s->along[i] * px) * s->of_height[i];
-        float qy = (e.b[1][i] - s->along[i] * py) * s->of_height[i];
-        float qz = (e.b[2][i] - s->along[i] * pz) * s->of_height[i];
+        float px = e.a[0][i] * s->inv_first[i], py = e.a[1][i] * s->inv_first[i],
+              pz = e.a[2][i] * s->inv_first[i];
+        float qx = (e.b[0][i] - s->along[i] * px) * s->inv_height[i];
+        float qy = (e.b[1][i] - s->along[i] * py) * s->inv_height[i];
+        float qz = (e.b[2][i] - s->along[i] * pz) * s->inv_height[i];
         float pp = f->first[0][i] * px + f->first[1][i] * py + f->first[2][i] * pz;
         float sp = f->second[0][i] * px + f->second[1][i] * py + f->second[2][i] * pz;
         float np = f->normal[0][i] * px + f->normal[1][i] * py + f->normal[2][i] * pz;
@@ -119,9 +121,9 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
         float squeeze = sqrtf(apart * apart + shear * shear) - mean;
         float tilt = sqrtf(np * np + nq * nq);
         squeeze = squeeze > 0.0f ? squeeze : 0.0f;
-        out->strain[i] = squeeze * of_squeeze + tilt * of_tilt[i];
+        out->strain[i] = squeeze * of_squeeze + tilt * inv_tan_tilt[i];
         out->alone[i] = squeeze * of_squeeze + tilt * (1.0f / STRAIN_TILT_MOST);
-        out->turn_over[i] = squeeze + tilt * of_turn[i];
+        out->flip[i] = squeeze + tilt * inv_tan_turn[i];
         out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
     }
 }

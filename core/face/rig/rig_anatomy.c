@@ -2,7 +2,7 @@
 
 #include "base/percentile.h"
 #include "face/bind.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -140,7 +140,7 @@ static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
         for (uint32_t v = 0; v < m->vertex_count; ++v)
             if (share_of(m, is_below, v) >= 0.5f) {
                 count += 1;
-                z = fmax(z, mesh_place(m, v).z);
+                z = fmax(z, mesh_position(m, v).z);
             }
         if (count < 16)
             continue;
@@ -166,7 +166,7 @@ static mrt_result find_head_joint(rig_anatomy *a, const mesh *m, error *err)
     return MRT_OK;
 }
 
-/* ---- heads by their place ---- */
+/* ---- heads by their position ---- */
 
 enum { ROWS = 256 };
 
@@ -190,8 +190,8 @@ static void fill_rows(rows *r, const mesh *m, const uint8_t *is_head, vec3 low, 
     }
     for (uint32_t i = 0; i < m->triangle_count; ++i) {
         const uint32_t *corner = m->triangle + (size_t)i * 3;
-        vec3 a = mesh_place(m, corner[0]), b = mesh_place(m, corner[1]),
-             c = mesh_place(m, corner[2]);
+        vec3 a = mesh_position(m, corner[0]), b = mesh_position(m, corner[1]),
+             c = mesh_position(m, corner[2]);
         vec3 from = least(a, least(b, c)), to = greatest(a, greatest(b, c));
         if (!is_head[corner[0]])
             continue;
@@ -292,7 +292,7 @@ static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
     if (neck >= 0) {
         double y = r->low_y + neck * r->row_mm;
         for (uint32_t v = 0; v < m->vertex_count; ++v)
-            a->is_head[v] &= mesh_place(m, v).y >= y;
+            a->is_head[v] &= mesh_position(m, v).y >= y;
         a->neck = (vec3){0.5 * (r->low_x[neck] + r->high_x[neck]), y,
                          0.6 * r->low_z[neck] + 0.4 * r->high_z[neck]};
         a->has_body = true;
@@ -378,7 +378,7 @@ static mrt_result find_head_by_shape(rig_anatomy *a, const mesh *m, error *err)
     vec3 low = {0, 0, 0}, high = {0, 0, 0};
     bool found = false;
     for (uint32_t v = 0; result >= 0 && v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         if (!a->is_head[v])
             continue;
         low = found ? least(low, p) : p;
@@ -405,7 +405,7 @@ static mrt_result measure_pieces(rig_anatomy *a, const mesh *m, const topology *
         return no_memory(err);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
         anatomy_piece *p = &a->piece[a->of_vertex[v]];
-        vec3 at = mesh_place(m, v);
+        vec3 at = mesh_position(m, v);
         if (mesh_point(m, v) != v)
             continue;
         if (p->point_count == 0)
@@ -489,7 +489,7 @@ static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy
     const uint32_t *member = a->member + p->first_member;
     double n[4][5] = {{0}}, miss = 0.0;
     for (uint32_t k = 0; k < p->point_count; ++k) {
-        vec3 d = vec3_sub(mesh_place(m, member[k]), p->mean);
+        vec3 d = vec3_sub(mesh_position(m, member[k]), p->mean);
         double row[5] = {2.0 * d.x, 2.0 * d.y, 2.0 * d.z, 1.0, vec3_dot(d, d)};
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 5; ++j)
@@ -511,7 +511,7 @@ static double fit_sphere(vec3 *out_centre, double *out_radius, const rig_anatomy
     *out_centre = vec3_add(p->mean, c);
     *out_radius = sqrt(square);
     for (uint32_t k = 0; k < p->point_count; ++k)
-        miss += fabs(vec3_length(vec3_sub(mesh_place(m, member[k]), *out_centre)) - *out_radius);
+        miss += fabs(vec3_length(vec3_sub(mesh_position(m, member[k]), *out_centre)) - *out_radius);
     return miss / p->point_count / *out_radius;
 }
 
@@ -549,7 +549,8 @@ static void draw_pixel(front_view *f, int x, int y, double z, uint32_t piece)
 static void draw_triangle(front_view *f, const mesh *m, uint32_t triangle, uint32_t piece)
 {
     const uint32_t *corner = m->triangle + (size_t)triangle * 3;
-    vec3 a = mesh_place(m, corner[0]), b = mesh_place(m, corner[1]), c = mesh_place(m, corner[2]);
+    vec3 a = mesh_position(m, corner[0]), b = mesh_position(m, corner[1]),
+         c = mesh_position(m, corner[2]);
     vec3 middle = vec3_scale(vec3_add(a, vec3_add(b, c)), 1.0 / 3.0);
     vec3 from = least(a, least(b, c)), to = greatest(a, greatest(b, c));
     int first_x = pixel_of(from.x, f->low.x, f->high.x),
@@ -577,20 +578,20 @@ static bool may_be_face(const rig_anatomy *a, const mesh *m, uint32_t piece)
            !sounds(m, p, sounds_like_teeth);
 }
 
-/* Points of a piece within reach_mm of a place. */
+/* Points of a piece within reach_mm of a point. */
 static uint32_t count_near(const rig_anatomy *a, const mesh *m, const anatomy_piece *p,
                            vec3 location, double reach_mm)
 {
     uint32_t count = 0;
     for (uint32_t k = 0; k < p->point_count; ++k)
-        count += vec3_length(vec3_sub(mesh_place(m, a->member[p->first_member + k]), location)) <
+        count += vec3_length(vec3_sub(mesh_position(m, a->member[p->first_member + k]), location)) <
                  reach_mm;
     return count;
 }
 
 /* Skin that holds a pair of eyeballs, one beside the other, is seen four times: hats and hair may
  * be larger. */
-static void prefer_sockets(double *seen, const rig_anatomy *a, const mesh *m, double height)
+static void prefer_sockets(double *visible, const rig_anatomy *a, const mesh *m, double height)
 {
     enum { BALLS_MAX = 64, NEAR_LEAST = 4 };
     anatomy_eye ball[BALLS_MAX];
@@ -612,30 +613,30 @@ static void prefer_sockets(double *seen, const rig_anatomy *a, const mesh *m, do
                 fabs(ball[j].radius_mm - radius) > 0.2 * radius)
                 continue;
             for (uint32_t k = 0; k < a->piece_count; ++k)
-                if (seen[k] > 0.0 &&
+                if (visible[k] > 0.0 &&
                     count_near(a, m, &a->piece[k], ball[i].centre, 1.5 * radius) >= NEAR_LEAST &&
                     count_near(a, m, &a->piece[k], ball[j].centre, 1.5 * radius) >= NEAR_LEAST)
-                    seen[k] *= -4.0; /* below 0: once is enough */
+                    visible[k] *= -4.0; /* below 0: once is enough */
         }
     for (uint32_t k = 0; k < a->piece_count; ++k)
-        seen[k] = fabs(seen[k]);
+        visible[k] = fabs(visible[k]);
 }
 
 static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
 {
     front_view *f = calloc(1, sizeof *f);
-    double *seen = calloc((size_t)a->piece_count + 1, sizeof *seen);
+    double *visible = calloc((size_t)a->piece_count + 1, sizeof *visible);
     bool found = false;
     a->face = a->piece_count;
     for (uint32_t v = 0; f && v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         if (!a->is_head[v])
             continue;
         f->low = found ? least(f->low, p) : p;
         f->high = found ? greatest(f->high, p) : p;
         found = true;
     }
-    bool has_memory = f && seen;
+    bool has_memory = f && visible;
     bool is_flat = !found || !(f->high.x > f->low.x) || !(f->high.y > f->low.y);
     for (size_t i = 0; has_memory && i < PIXELS * PIXELS; ++i) {
         f->z[i] = -(double)INFINITY;
@@ -647,17 +648,17 @@ static mrt_result find_face(rig_anatomy *a, const mesh *m, error *err)
             draw_triangle(f, m, i, a->of_vertex[corner]);
     }
     for (size_t i = 0; has_memory && i < PIXELS * PIXELS; ++i)
-        seen[f->piece[i]] += 1.0;
+        visible[f->piece[i]] += 1.0;
     if (has_memory && found)
-        prefer_sockets(seen, a, m, f->high.y - f->low.y);
+        prefer_sockets(visible, a, m, f->high.y - f->low.y);
     for (uint32_t i = 0; has_memory && i < a->piece_count; ++i) {
         if (anatomy_has_word(name_of(m, &a->piece[i]), WORDS("head", "face")))
-            seen[i] *= 4.0;
-        if (seen[i] > 0.0 && (a->face == a->piece_count || seen[i] > seen[a->face]))
+            visible[i] *= 4.0;
+        if (visible[i] > 0.0 && (a->face == a->piece_count || visible[i] > visible[a->face]))
             a->face = i;
     }
     free(f);
-    free(seen);
+    free(visible);
     if (!has_memory)
         return no_memory(err);
     if (a->face == a->piece_count)
@@ -879,7 +880,7 @@ static void give_back_neck(rig_anatomy *a, const mesh *m)
         a->neck = (vec3){0.5 * (r->low_x[neck] + r->high_x[neck]), y,
                          0.6 * r->low_z[neck] + 0.4 * r->high_z[neck]};
         for (uint32_t v = 0; v < m->vertex_count; ++v)
-            a->is_head[v] = a->is_face[v] || mesh_place(m, v).y >= y;
+            a->is_head[v] = a->is_face[v] || mesh_position(m, v).y >= y;
         for (uint32_t i = 0; i < a->piece_count; ++i)
             a->piece[i].head_count = 0;
         count_head(a, m);
@@ -908,7 +909,7 @@ static mrt_result find_slit(rig_anatomy *a, const mesh *m, const topology *t, er
         free(distance);
         return no_memory(err);
     }
-    double straight = vec3_length(vec3_sub(mesh_place(m, above), mesh_place(m, below)));
+    double straight = vec3_length(vec3_sub(mesh_position(m, above), mesh_position(m, below)));
     double around = fmin(distance[below], reach_mm) - straight;
     a->lips_mm = fmin(distance[below], reach_mm);
     bool is_open =
@@ -935,13 +936,13 @@ static mrt_result find_hidden(rig_anatomy *a, const mesh *m, error *err)
         f->z[i] = -(double)INFINITY;
     for (uint32_t i = 0; i < m->triangle_count; ++i) {
         const uint32_t *corner = m->triangle + (size_t)i * 3;
-        vec3 p = mesh_place(m, corner[0]);
+        vec3 p = mesh_position(m, corner[0]);
         if (a->is_face[corner[0]] && p.x > f->low.x && p.x < f->high.x && p.y > f->low.y &&
             p.y < f->high.y)
             draw_triangle(f, m, i, a->face);
     }
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         if (!a->is_face[v] ||
             !(p.x > f->low.x && p.x < f->high.x && p.y > f->low.y && p.y < f->high.y))
             continue;
@@ -967,8 +968,8 @@ static double widest_in(const rig_anatomy *a, const mesh *m, const band *b)
 {
     double widest = 0.0;
     for (uint32_t v = 0; v < m->vertex_count; ++v)
-        if (a->is_face[v] && is_in_band(b, mesh_place(m, v)))
-            widest = fmax(widest, fabs(mesh_place(m, v).x - a->head.middle_x));
+        if (a->is_face[v] && is_in_band(b, mesh_position(m, v)))
+            widest = fmax(widest, fabs(mesh_position(m, v).x - a->head.middle_x));
     return widest;
 }
 
@@ -986,7 +987,7 @@ static void find_ears(rig_anatomy *a, const mesh *m)
     double edge = ear - 0.35 * (ear - 0.9 * fmin(side, ear));
     uint32_t count = 0;
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         if (!a->is_face[v] || !is_in_band(&beside, p) || fabs(p.x - head->middle_x) < edge)
             continue;
         rim_y += p.y;

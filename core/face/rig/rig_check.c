@@ -4,7 +4,7 @@
 #include "face/bones.h"
 #include "face/rig/rig_document.h"
 #include "face/rig/rig_anatomy.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -204,7 +204,7 @@ static double wedge(const mesh *m, uint32_t triangle, vec3 from)
 {
     vec3 p[3];
     for (size_t i = 0; i < 3; ++i)
-        p[i] = vec3_sub(mesh_place(m, m->triangle[(size_t)triangle * 3 + i]), from);
+        p[i] = vec3_sub(mesh_position(m, m->triangle[(size_t)triangle * 3 + i]), from);
     return vec3_dot(p[0], vec3_cross(p[1], p[2]));
 }
 
@@ -285,14 +285,14 @@ static double height_of(const mesh *m)
 }
 
 /* A point of the surface, and where it is in cells that are far smaller than triangles. */
-typedef struct placed_point {
+typedef struct cell_point {
     int64_t cell[3];
     uint32_t vertex;
-} placed_point;
+} cell_point;
 
 static int by_cell(const void *left, const void *right)
 {
-    const placed_point *a = left, *b = right;
+    const cell_point *a = left, *b = right;
     for (int i = 0; i < 3; ++i)
         if (a->cell[i] != b->cell[i])
             return a->cell[i] < b->cell[i] ? -1 : 1;
@@ -314,13 +314,13 @@ static double apart(const checking *c, uint32_t v, uint32_t w)
  * What is rigid is meant to leave what it touches. */
 static void check_parting(checking *c, const pieces *p)
 {
-    enum { FEW = 4 }; /* places: fewer touch by chance */
+    enum { FEW = 4 }; /* points: fewer touch by chance */
     const double parts_from = 0.05;
     float low[3], high[3];
     uint32_t count = 0, found = 0, example[2] = {0, 0};
     mesh_bounds(c->m, low, high);
     const double cell_mm = fmax(1e-5 * height_of(c->m), 1e-9);
-    placed_point *at =
+    cell_point *at =
         c->binding && c->marks ? malloc(((size_t)c->m->vertex_count + 1) * sizeof *at) : NULL;
     for (uint32_t v = 0; at && v < c->m->vertex_count; ++v) {
         if (mesh_point(c->m, v) != v || p->of_vertex[v] >= p->count ||
@@ -395,8 +395,8 @@ static hole measure_hole(const checking *c, uint32_t loop)
     uint32_t first = t->border_loop_start[loop], end = t->border_loop_start[loop + 1];
     hole out = {.vertex_count = end - first};
     for (uint32_t i = first; i < end; ++i) {
-        vec3 a = mesh_place(c->m, t->border_vertex[i]);
-        vec3 b = mesh_place(c->m, t->border_vertex[i + 1 < end ? i + 1 : first]);
+        vec3 a = mesh_position(c->m, t->border_vertex[i]);
+        vec3 b = mesh_position(c->m, t->border_vertex[i + 1 < end ? i + 1 : first]);
         out.length_mm += vec3_length(vec3_sub(a, b));
         out.centre = vec3_add(out.centre, vec3_scale(a, 1.0 / (end - first)));
     }
@@ -483,7 +483,7 @@ static bool weights_differ(const binding *b, uint32_t first, uint32_t second)
 
 static bool are_twins(const mesh *m, uint32_t a, uint32_t b)
 {
-    vec3 d = vec3_sub(mesh_place(m, a), mesh_place(m, b));
+    vec3 d = vec3_sub(mesh_position(m, a), mesh_position(m, b));
     return vec3_dot(d, d) < twin_reach_mm * twin_reach_mm;
 }
 
@@ -516,7 +516,7 @@ static void check_side(checking *c, uint32_t index, const json_path *path)
     const rig_contact *contact = &c->r->contact[index];
     size_t length = strlen(contact->name);
     const char *end = length > 2 ? contact->name + length - 2 : "";
-    double x = mesh_place(c->m, contact->vertex).x;
+    double x = mesh_position(c->m, contact->vertex).x;
     x -= c->head ? c->head->middle_x : 0.0;
     bool is_left = strcmp(end, ".l") == 0, is_right = strcmp(end, ".r") == 0;
     if ((is_left && x < 0.0) || (is_right && x > 0.0))
@@ -534,9 +534,9 @@ static void check_mirror(checking *c, uint32_t index, const json_path *path)
         return;
     const rig_contact *other = &c->r->contact[contact->mirror];
     double middle_x = c->head ? c->head->middle_x : 0.0, distance_mm;
-    vec3 image = mesh_place(c->m, contact->vertex);
+    vec3 image = mesh_position(c->m, contact->vertex);
     image.x = 2.0 * middle_x - image.x;
-    double off_mm = vec3_length(vec3_sub(image, mesh_place(c->m, other->vertex)));
+    double off_mm = vec3_length(vec3_sub(image, mesh_position(c->m, other->vertex)));
     if (off_mm <= mirror_reach_mm)
         return;
     uint32_t better = rig_mirror_of(c->m, NULL, contact->vertex, middle_x, &distance_mm);
@@ -568,8 +568,8 @@ static void check_mobility(checking *c, uint32_t index, const json_path *path)
 
 static double distance_between(const checking *c, uint32_t a, uint32_t b)
 {
-    return vec3_length(vec3_sub(mesh_place(c->m, c->r->contact[a].vertex),
-                                mesh_place(c->m, c->r->contact[b].vertex)));
+    return vec3_length(vec3_sub(mesh_position(c->m, c->r->contact[a].vertex),
+                                mesh_position(c->m, c->r->contact[b].vertex)));
 }
 
 static void check_spacing(checking *c)
@@ -655,7 +655,7 @@ static bool find_incisor(vec3 *out, const checking *c, uint32_t jaw)
     bool found = c->r->bone[jaw].has_incisor;
     *out = c->r->bone[jaw].incisor;
     for (uint32_t v = 0; c->marks && !c->r->bone[jaw].has_incisor && v < c->m->vertex_count; ++v) {
-        vec3 p = mesh_place(c->m, v);
+        vec3 p = mesh_position(c->m, v);
         if (c->marks->rigid_bone[v] != jaw || (found && p.z <= out->z))
             continue;
         *out = p;

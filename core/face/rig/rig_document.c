@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- values and their places ---- */
+/* ---- values and their JSON paths ---- */
 
 enum { NOTE_CAP = 8192, LINE_TEXT = 512 };
 static const double coordinate_cap = 1e6;
@@ -516,7 +516,7 @@ json_node rig_document_paint(const rig_document *d, const char *name, uint32_t *
 
 /* ---- which entry is which ---- */
 
-/* By which an entry is found again; NULL: it knows its source, or only its place. */
+/* By which an entry is found again; NULL: it knows its source, or only its index. */
 static const char *matched_name(const rig *r, rig_section section, uint32_t index)
 {
     switch (section) {

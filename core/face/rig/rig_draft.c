@@ -5,7 +5,7 @@
 #include "face/weights/weights_laplace.h"
 #include "face/face.h"
 #include "face/rig_check.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -54,7 +54,7 @@ static const char *const sure[] = {[BY_SHAPE] = "by its shape: likely",
 
 static const double degree_per_radian = 57.29577951308232;
 
-#define HEAD_LEAST_MM 10.0 /* places are said to 0.1 mm */
+#define HEAD_LEAST_MM 10.0 /* positions are told to 0.1 mm */
 
 /* To 0.1 mm. */
 static json_t *point_of(vec3 p)
@@ -272,7 +272,7 @@ static void draft_pieces(drafting *d)
     }
 }
 
-/* ---- by place ---- */
+/* ---- by position ---- */
 
 static json_t *half_space(vec3 point, vec3 normal)
 {
@@ -378,7 +378,7 @@ static json_t *hidden_vertices(const drafting *d, double deep_mm)
     for (uint32_t v = 0; v < count; ++v) {
         uint32_t first = v;
         while (v < count && (double)d->a.hidden_mm[v] > deep_mm &&
-               mesh_place(d->m, v).y < d->head.lip_upper_y + 0.3 * d->reach_mm)
+               mesh_position(d->m, v).y < d->head.lip_upper_y + 0.3 * d->reach_mm)
             ++v;
         if (v > first)
             json_array_append_new(list, v == first + 1 ? json_integer((json_int_t)first)
@@ -495,7 +495,7 @@ static bool find_lids(lid_edges *out, const drafting *d, const anatomy_eye *eye)
     bool has_upper = false, has_lower = false;
     double from = -1.2, to = 1.2;
     for (uint32_t v = 0; v < d->m->vertex_count; ++v) {
-        vec3 p = vec3_sub(mesh_place(d->m, v), eye->centre);
+        vec3 p = vec3_sub(mesh_position(d->m, v), eye->centre);
         if (!d->a.is_face[v] || fabs(p.x) > 0.35 * eye->radius_mm || p.z < 0.25 * eye->radius_mm ||
             vec3_length(p) > LID_REACH * eye->radius_mm)
             continue;
@@ -804,7 +804,7 @@ static mrt_result find_patch(drafting *d, const rig *r, bool *out_found, error *
     if (b->jaw != RIG_NONE && d->a.has_slit && d->patch_count + 2 <= PATCHES_MAX) {
         dof[b->first_dof[b->jaw]] = (float)r->bone[b->jaw].open_max_rad;
         result = face_pull(f, NULL, dof, err);
-        double determinant = result < 0 ? 1.0 : face_worst_place(f, &at);
+        double determinant = result < 0 ? 1.0 : face_worst_triangle(f, &at);
         double size = d->patch_count < 4 ? 0.05 : d->patch_count < 8 ? 0.08 : 0.12;
         *out_found = determinant < 0.3 && fabs(at.y - d->head.mouth_y) < 0.25 * d->reach_mm &&
                      fabs(at.x - d->head.middle_x) > 0.1 * d->head.half_width;
@@ -992,7 +992,7 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
     double *way = malloc(((size_t)m->vertex_count + 1) * sizeof *way), off[2] = {far, far};
     bool has_memory = near && before && way;
     for (uint32_t v = 0; has_memory && v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         before[v] = RIG_NONE;
         way[v] = -1.0; /* not of those near the mouth, or done */
         if (!a->is_face[v] || mesh_point(m, v) != v ||
@@ -1025,7 +1025,7 @@ static mrt_result find_mouth_line(uint32_t **out, uint32_t *out_count, const rig
         for (uint32_t k = 0;
              !is_done && k < t->neighbour_start[next + 1] - t->neighbour_start[next]; ++k) {
             uint32_t to = t->neighbour[t->neighbour_start[next] + k];
-            double through = way[next] + line_cost(l, mesh_place(m, next), mesh_place(m, to));
+            double through = way[next] + line_cost(l, mesh_position(m, next), mesh_position(m, to));
             if (way[to] >= 0.0 && through < way[to]) {
                 way[to] = through;
                 before[to] = next;

@@ -1277,7 +1277,7 @@ void rig_edit_describe(const rig_select *select, char *out, size_t capacity)
     describe(&w, select);
 }
 
-/* ---- from a place in the file ---- */
+/* ---- from a JSON path ---- */
 
 /* "$.regions[1]" is said by "$.regions[1].select", not by "$.regions[12]". */
 static bool is_below(const char *path, const json_path *entry)
@@ -1355,7 +1355,7 @@ void rig_history_push(rig_history *self, rig *changed)
         rig_destroy(state_of(self, undone));
     self->now += 1;
     self->last = self->now;
-    rig_destroy(state_of(self, self->now)); /* the oldest, when all places are taken */
+    rig_destroy(state_of(self, self->now)); /* the oldest, when all slots are taken */
     if (self->last - self->first >= RIG_HISTORY_MAX)
         self->first = self->last - RIG_HISTORY_MAX + 1;
     *state_of(self, self->now) = *changed;

@@ -1,6 +1,6 @@
 #include "face/rig/rig_head.h"
 
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -8,10 +8,10 @@
 /* ---- left and right ---- */
 
 /* A vertex in its cell of a grid; doubles, because a mesh may be huge and its reach tiny. */
-typedef struct placed {
+typedef struct sorted_vertex {
     double cell[3];
     uint32_t vertex;
-} placed;
+} sorted_vertex;
 
 enum { SCANNED_MAX = 100 }; /* vertices of three cells: more lie on each other */
 static const double cell_min_mm = 1e-9;
@@ -24,9 +24,9 @@ static int compare_cells(const double a[3], const double b[3])
     return 0;
 }
 
-static int compare_placed(const void *left, const void *right)
+static int compare_sorted(const void *left, const void *right)
 {
-    const placed *a = left, *b = right;
+    const sorted_vertex *a = left, *b = right;
     const int cells = compare_cells(a->cell, b->cell);
     return cells ? cells : a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
 }
@@ -38,7 +38,7 @@ static void find_cell(double out[3], vec3 p, double cell_mm)
     out[2] = floor(p.z / cell_mm);
 }
 
-static size_t first_at_least(const placed *sorted, size_t count, const double cell[3])
+static size_t first_at_least(const sorted_vertex *sorted, size_t count, const double cell[3])
 {
     size_t low = 0, high = count;
     while (low < high) {
@@ -57,7 +57,7 @@ static vec3 mirrored(vec3 p, double middle_x)
 }
 
 /* Three cells above each other are one run of the sorted ones. */
-static bool has_partner(const placed *sorted, size_t count, const mesh *m, vec3 image,
+static bool has_partner(const sorted_vertex *sorted, size_t count, const mesh *m, vec3 image,
                         double reach_mm, double cell_mm)
 {
     double at[3];
@@ -68,7 +68,7 @@ static bool has_partner(const placed *sorted, size_t count, const mesh *m, vec3 
         const size_t first = first_at_least(sorted, count, from);
         for (size_t i = first;
              i < count && i - first < SCANNED_MAX && compare_cells(sorted[i].cell, to) <= 0; ++i) {
-            vec3 d = vec3_sub(mesh_place(m, sorted[i].vertex), image);
+            vec3 d = vec3_sub(mesh_position(m, sorted[i].vertex), image);
             if (vec3_dot(d, d) <= reach_mm * reach_mm)
                 return true;
         }
@@ -82,20 +82,21 @@ bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const me
     size_t count = 0;
     *out_count = 0;
     *out_example = 0;
-    placed *sorted = malloc(((size_t)m->vertex_count + 1) * sizeof *sorted);
+    sorted_vertex *sorted = malloc(((size_t)m->vertex_count + 1) * sizeof *sorted);
     if (!sorted)
         return false;
     const double cell_mm = fmax(reach_mm, cell_min_mm);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
         if (is_face && !is_face[v])
             continue;
-        find_cell(sorted[count].cell, mesh_place(m, v), cell_mm);
+        find_cell(sorted[count].cell, mesh_position(m, v), cell_mm);
         sorted[count++].vertex = v;
     }
-    qsort(sorted, count, sizeof *sorted, compare_placed);
+    qsort(sorted, count, sizeof *sorted, compare_sorted);
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
         if ((is_face && !is_face[v]) ||
-            has_partner(sorted, count, m, mirrored(mesh_place(m, v), middle_x), reach_mm, cell_mm))
+            has_partner(sorted, count, m, mirrored(mesh_position(m, v), middle_x), reach_mm,
+                        cell_mm))
             continue;
         if (*out_count == 0)
             *out_example = v;
@@ -108,11 +109,11 @@ bool rig_mirror_count_alone(uint32_t *out_count, uint32_t *out_example, const me
 uint32_t rig_mirror_of(const mesh *m, const uint8_t *is_face, uint32_t vertex, double middle_x,
                        double *out_distance_mm)
 {
-    vec3 image = mirrored(mesh_place(m, vertex), middle_x);
+    vec3 image = mirrored(mesh_position(m, vertex), middle_x);
     uint32_t best = vertex;
     double best_square = (double)INFINITY;
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 d = vec3_sub(mesh_place(m, v), image);
+        vec3 d = vec3_sub(mesh_position(m, v), image);
         double square = vec3_dot(d, d);
         if (square < best_square && (!is_face || is_face[v])) {
             best_square = square;
@@ -173,7 +174,7 @@ static void add_triangle(profile *p, const vec3 corner[3], double middle_x)
 static void triangle_corners(vec3 out[3], const mesh *m, uint32_t triangle)
 {
     for (size_t i = 0; i < 3; ++i)
-        out[i] = mesh_place(m, m->triangle[(size_t)triangle * 3 + i]);
+        out[i] = mesh_position(m, m->triangle[(size_t)triangle * 3 + i]);
 }
 
 static bool is_of_face(const mesh *m, const uint8_t *is_face, uint32_t triangle)
@@ -325,13 +326,13 @@ static bool find_touching(double *out_y, const mesh *m, const uint8_t *is_face,
     uint32_t found[LOOKED_AT], count = 0, touching = 0;
     double sum = 0.0;
     for (uint32_t v = 0; v < m->vertex_count && count < LOOKED_AT; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         if ((is_face && !is_face[v]) || mesh_point(m, v) != v ||
             fabs(p.x - head->middle_x) > 0.15 * span || p.y > head->nose.y - 0.15 * span ||
             p.y < head->chin.y + 0.1 * span || p.z < head->chin.z - 0.5 * span)
             continue;
         for (uint32_t i = 0; i < count; ++i)
-            if (vec3_length(vec3_sub(p, mesh_place(m, found[i]))) < near) {
+            if (vec3_length(vec3_sub(p, mesh_position(m, found[i]))) < near) {
                 touching += 1;
                 sum += p.y;
             }
@@ -361,7 +362,7 @@ static bool bounds_of(bounds *out, const mesh *m, const uint8_t *is_face)
 {
     bool found = false;
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         if (is_face && !is_face[v])
             continue;
         if (!found)
@@ -573,7 +574,7 @@ static uint32_t nearest_corner(const mesh *m, uint32_t triangle, vec3 to)
     double best_mm = (double)INFINITY;
     for (size_t i = 0; i < 3; ++i) {
         uint32_t vertex = m->triangle[(size_t)triangle * 3 + i];
-        double mm = vec3_length(vec3_sub(mesh_place(m, vertex), to));
+        double mm = vec3_length(vec3_sub(mesh_position(m, vertex), to));
         if (mm < best_mm) {
             best_mm = mm;
             best = vertex;

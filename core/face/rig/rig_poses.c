@@ -1,7 +1,7 @@
 #include "face/rig/rig_poses.h"
 
 #include "mesh/arkit.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -253,20 +253,20 @@ typedef struct head {
     bones bones;
 } head;
 
-static bool place_on(vec3 *out, const head *of, const char *contact)
+static bool contact_position(vec3 *out, const head *of, const char *contact)
 {
     uint32_t at = rig_find_contact(of->rig, contact);
     if (at == RIG_NONE || of->rig->contact[at].vertex >= of->mesh->vertex_count)
         return false;
-    *out = mesh_place(of->mesh, of->rig->contact[at].vertex);
+    *out = mesh_position(of->mesh, of->rig->contact[at].vertex);
     return true;
 }
 
 static double ratio_of(const head *to, const head *from, const char *a, const char *b)
 {
     vec3 at[4];
-    if (!place_on(&at[0], to, a) || !place_on(&at[1], to, b) || !place_on(&at[2], from, a) ||
-        !place_on(&at[3], from, b))
+    if (!contact_position(&at[0], to, a) || !contact_position(&at[1], to, b) ||
+        !contact_position(&at[2], from, a) || !contact_position(&at[3], from, b))
         return 0.0;
     double length = vec3_length(vec3_sub(at[2], at[3]));
     return length > 0.0 ? vec3_length(vec3_sub(at[0], at[1])) / length : 0.0;
@@ -293,7 +293,7 @@ static double lip_travel(const head *of)
     vec3 at;
     float dof[MRT_MAX_DOFS] = {0};
     rigid pose[RIG_BONES_MAX];
-    if (b->jaw == RIG_NONE || !place_on(&at, of, "lip.lower.mid"))
+    if (b->jaw == RIG_NONE || !contact_position(&at, of, "lip.lower.mid"))
         return 0.0;
     dof[b->first_dof[b->jaw]] = b->dof[b->first_dof[b->jaw]].max;
     bones_pose(pose, b, dof);

@@ -2,7 +2,7 @@
 
 #include "base/budget.h"
 #include "face/rig/rig_document.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -304,7 +304,7 @@ static mrt_result select_attribute(float *out, const rig_select *select, const m
                      path_of(select), select->name, list[0] ? list : "none");
 }
 
-/* ---- by place ---- */
+/* ---- by position ---- */
 
 static bool is_in_box(vec3 p, vec3 low, vec3 high)
 {
@@ -322,7 +322,7 @@ static bool is_in_ellipsoid(vec3 p, vec3 centre, vec3 radii)
 static void select_shape(float *out, const rig_select *select, const mesh *m)
 {
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
-        vec3 p = mesh_place(m, v);
+        vec3 p = mesh_position(m, v);
         bool is_in = select->kind == SELECT_BOX ? is_in_box(p, select->a, select->b)
                      : select->kind == SELECT_ELLIPSOID
                          ? is_in_ellipsoid(p, select->a, select->b)
@@ -462,7 +462,7 @@ static mrt_result select_pieces_inside(float *out, const rig_select *select, sel
     return result;
 }
 
-/* One that speaks of vertices, not of places. */
+/* One that names vertices, not a region of space. */
 static mrt_result select_by_vertex(float *out, const rig_select *select, selecting *s, error *err)
 {
     const mesh *m = s->m;

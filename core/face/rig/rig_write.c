@@ -280,7 +280,7 @@ static json_t *turn_to_json(const rig_turn *turn, const json_t *source)
     return out;
 }
 
-/* The turn's entry before: by its name, or, when it has a new one, the one in its place. */
+/* The turn's entry before: by its name, or, when it has a new one, the one at its index. */
 static const json_t *source_of_turn(const json_t *before, const rig_bone *bone, uint32_t index)
 {
     size_t i;

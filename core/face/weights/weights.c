@@ -2,7 +2,7 @@
 #include "base/arrays.h"
 #include "face/weights/weights_laplace.h"
 #include "face/weights/weights_nearest.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,13 +46,13 @@ static uint32_t root_bone(const rig *r)
 }
 
 /* The nearest bone above `bone` about which the marks of this vertex are silent; else RIG_NONE. */
-static uint32_t silent_parent(const rig *r, const bool *is_said, uint32_t bone)
+static uint32_t unmarked_parent(const rig *r, const bool *is_marked, uint32_t bone)
 {
     for (uint32_t step = 0; step < r->bone_count; step++) {
         bone = r->bone[bone].parent;
         if (bone >= r->bone_count)
             return RIG_NONE;
-        if (!is_said[bone])
+        if (!is_marked[bone])
             return bone;
     }
     return RIG_NONE;
@@ -64,14 +64,14 @@ static bool settle_vertex(const weights *w, const bind_marks *marks, float *shar
 {
     const rig *r = w->rig;
     uint32_t count = w->mesh->vertex_count, most = RIG_NONE;
-    bool is_said[RIG_BONES_MAX] = {false};
+    bool is_marked[RIG_BONES_MAX] = {false};
     float sum = 0;
     for (uint32_t b = 0; b < r->bone_count; b++) {
         float mark = marks->weight[(size_t)b * count + v];
-        is_said[b] = !isnan(mark);
-        share[b] = is_said[b] ? unit_range(mark) : 0;
+        is_marked[b] = !isnan(mark);
+        share[b] = is_marked[b] ? unit_range(mark) : 0;
         sum += share[b];
-        if (is_said[b] && (most == RIG_NONE || share[b] > share[most]))
+        if (is_marked[b] && (most == RIG_NONE || share[b] > share[most]))
             most = b;
     }
     uint32_t holder = marks->rigid_bone[v];
@@ -82,7 +82,7 @@ static bool settle_vertex(const weights *w, const bind_marks *marks, float *shar
     }
     if (most == RIG_NONE)
         return false;
-    uint32_t parent = silent_parent(r, is_said, most);
+    uint32_t parent = unmarked_parent(r, is_marked, most);
     if (sum < 1 && parent != RIG_NONE) {
         share[parent] += 1 - sum;
         sum = 1;
@@ -565,14 +565,14 @@ static vec3 normal_at(const mesh *m, uint32_t vertex)
         const uint32_t *corner = m->triangle + 3 * (size_t)i;
         if (!is_corner(m, corner, mesh_point(m, vertex)))
             continue;
-        vec3 a = mesh_place(m, corner[0]);
-        sum = vec3_add(sum, vec3_cross(vec3_sub(mesh_place(m, corner[1]), a),
-                                       vec3_sub(mesh_place(m, corner[2]), a)));
+        vec3 a = mesh_position(m, corner[0]);
+        sum = vec3_add(sum, vec3_cross(vec3_sub(mesh_position(m, corner[1]), a),
+                                       vec3_sub(mesh_position(m, corner[2]), a)));
     }
     return vec3_normalised(sum, (vec3){0, 0, 1});
 }
 
-static mrt_result place_contacts(binding *out, const rig *r, const mesh *m, error *err)
+static mrt_result set_contact_positions(binding *out, const rig *r, const mesh *m, error *err)
 {
     for (uint32_t c = 0; c < r->contact_count; c++) {
         uint32_t vertex = r->contact[c].vertex;
@@ -582,7 +582,7 @@ static mrt_result place_contacts(binding *out, const rig *r, const mesh *m, erro
                              "another vertex for \"%s\"",
                              r->path != NULL ? r->path : "rig", c, vertex, m->vertex_count,
                              r->contact[c].name);
-        out->contact_position[c] = mesh_place(m, vertex);
+        out->contact_position[c] = mesh_position(m, vertex);
         out->contact_normal[c] = normal_at(m, vertex);
     }
     return MRT_OK;
@@ -628,7 +628,7 @@ mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topol
         return result;
     bind_marks marks = {0}, bare = {0};
     const bool paints = is_painted(r);
-    result = place_contacts(out, r, m, err);
+    result = set_contact_positions(out, r, m, err);
     if (result == MRT_OK)
         result = bind_marks_create(&marks, r, m, t, err);
     if (result == MRT_OK && paints)

@@ -1,7 +1,7 @@
 #include "face/weights/weights_laplace.h"
 
 #include "base/rigid.h"
-#include "mesh/place.h"
+#include "mesh/position.h"
 
 #include <cholmod.h>
 #include <math.h>
@@ -20,7 +20,7 @@
 /* Changes fade to a sixth in each ring of edges. */
 #define FADE 2.0
 
-/* The place of `to` in the row of `from`; SIZE_MAX when they are no neighbours. */
+/* The index of `to` in the row of `from`; SIZE_MAX when they are no neighbours. */
 static size_t edge_of(const topology *t, uint32_t from, uint32_t to)
 {
     size_t low = t->neighbour_start[from], high = t->neighbour_start[from + 1];
@@ -48,8 +48,8 @@ static void add_triangle(laplace *l, const mesh *m, const uint32_t corner[3])
 {
     for (int i = 0; i < 3; i++) {
         uint32_t a = corner[i], b = corner[(i + 1) % 3], c = corner[(i + 2) % 3];
-        vec3 to_b = vec3_sub(mesh_place(m, b), mesh_place(m, a));
-        vec3 to_c = vec3_sub(mesh_place(m, c), mesh_place(m, a));
+        vec3 to_b = vec3_sub(mesh_position(m, b), mesh_position(m, a));
+        vec3 to_c = vec3_sub(mesh_position(m, c), mesh_position(m, a));
         double twice_area = vec3_length(vec3_cross(to_b, to_c));
         double cosine = vec3_dot(to_b, to_c);
         l->stiffness[a] += twice_area / 6;

@@ -221,7 +221,7 @@ class material_reader
         return out;
     }
 
-    /* KHR_texture_transform: shift * turn * scale. */
+    /* KHR_texture_transform: shift * rotation * scale. */
     static void uv_transform(mesh_texture &out, const value &transform)
     {
         double shift[2] = {0, 0}, scale[2] = {1, 1};

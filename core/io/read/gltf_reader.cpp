@@ -113,9 +113,9 @@ std::string text_of(const tinygltf::Value &value)
 /* An expression without a preset may be called like one. */
 std::string word_of(const std::string &preset_name, const std::string &name)
 {
-    for (const std::string &said : {lower(preset_name), lower(name)})
+    for (const std::string &given : {lower(preset_name), lower(name)})
         for (const auto &known : preset)
-            if (said == known[0] || said == lower(known[1]))
+            if (given == known[0] || given == lower(known[1]))
                 return known[1];
     return name;
 }
@@ -304,11 +304,11 @@ class geometry_reader
                       out_.skin_weight + first * MESH_SKIN_WIDTH);
         float *position = out_.position + first * 3;
         gltf_accessor(model_, source.attributes.at("POSITION")).read_floats(position);
-        skin.place_points(position, group.vertex_count);
+        skin.transform_points(position, group.vertex_count);
         if (plan_.has_normals) {
             float *normal = out_.normal + first * 3;
             gltf_accessor(model_, source.attributes.at("NORMAL")).read_floats(normal);
-            skin.place_normals(normal, group.vertex_count);
+            skin.transform_normals(normal, group.vertex_count);
         }
         read_looks(source, group.vertex_count, first);
         for (const auto &attribute : source.attributes)
@@ -320,7 +320,7 @@ class geometry_reader
                 continue;
             float *offset = out_.target[mesh.target_slots[i]].offset + first * 3;
             gltf_accessor(model_, offsets->second).read_floats(offset);
-            skin.place_vectors(offset, group.vertex_count);
+            skin.transform_vectors(offset, group.vertex_count);
         }
     }
 

@@ -338,7 +338,7 @@ gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &s
     out.rides_on.assign(model.nodes.size(), MESH_NO_JOINT);
     std::vector<std::string> role = humanoid_roles(model);
     std::vector<bool> is_node_shown(model.nodes.size(), false), is_joint(model.nodes.size(), false);
-    for (const gltf_placed_node &placed : scene.nodes)
+    for (const gltf_world_node &placed : scene.nodes)
         is_node_shown[placed.node] = true;
     for (const gltf_instance &instance : scene.instances) {
         if (instance.skin < 0)
@@ -349,7 +349,7 @@ gltf_skeleton gltf_skeleton_of(const tinygltf::Model &model, const gltf_scene &s
         for (int joint : skin.joints)
             is_joint[(size_t)joint] = is_joint[(size_t)joint] || is_usable;
     }
-    for (const gltf_placed_node &placed : scene.nodes) {
+    for (const gltf_world_node &placed : scene.nodes) {
         uint32_t above = placed.parent < 0 ? MESH_NO_JOINT : out.rides_on[(size_t)placed.parent];
         out.rides_on[placed.node] = above;
         if (!is_joint[placed.node] && role[placed.node].empty())
@@ -519,19 +519,19 @@ template <class Apply> void gltf_skin::transform_each(float *value, size_t count
         apply(blend(v), value + v * 3, (size_t)1);
 }
 
-void gltf_skin::place_points(float *point, size_t count) const
+void gltf_skin::transform_points(float *point, size_t count) const
 {
     transform_each(point, count, gltf_transform_points);
 }
 
-void gltf_skin::place_vectors(float *vector, size_t count) const
+void gltf_skin::transform_vectors(float *vector, size_t count) const
 {
     if (is_rigid_ && gltf_transform_is_linear_identity(common_))
         return;
     transform_each(vector, count, gltf_transform_vectors);
 }
 
-void gltf_skin::place_normals(float *normal, size_t count) const
+void gltf_skin::transform_normals(float *normal, size_t count) const
 {
     transform_each(normal, count, gltf_transform_normals);
 }

@@ -27,7 +27,7 @@ struct gltf_instance {
     int skin; /* -1: none */
 };
 
-struct gltf_placed_node {
+struct gltf_world_node {
     size_t node;
     int parent; /* node; -1: a root */
     gltf_transform world;
@@ -35,7 +35,7 @@ struct gltf_placed_node {
 
 struct gltf_scene {
     std::vector<gltf_instance> instances; /* in the order of the nodes */
-    std::vector<gltf_placed_node> nodes;  /* parents first */
+    std::vector<gltf_world_node> nodes;   /* parents first */
     bool has_nodes;                       /* false: every mesh once, as it is */
 };
 
@@ -82,9 +82,9 @@ class gltf_skin
     void read(const tinygltf::Primitive &source, size_t count, uint32_t *joint, float *weight);
 
     /* In place, `count` by 3, the vertices that were read last. */
-    void place_points(float *point, size_t count) const;
-    void place_vectors(float *vector, size_t count) const;
-    void place_normals(float *normal, size_t count) const;
+    void transform_points(float *point, size_t count) const;
+    void transform_vectors(float *vector, size_t count) const;
+    void transform_normals(float *normal, size_t count) const;
     bool mirrors() const;
     size_t unweighted_count() const
     {

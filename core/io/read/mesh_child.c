@@ -249,15 +249,15 @@ static mrt_result ask(void **out_answer, size_t *out_size, const char *argument,
 
 mrt_result mesh_child_read(mesh *out, const char *path, error *err)
 {
-    void *said = NULL;
+    void *answer = NULL;
     size_t size = 0;
     *out = (mesh){0};
     mrt_result result =
-        ask(&said, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path,
+        ask(&answer, &size, strcmp(path, MESH_CHILD_DECODE) == 0 ? "./" MESH_CHILD_DECODE : path,
             NULL, 0, err);
     if (result == MRT_OK)
-        result = mesh_wire_parse(out, said, size, err);
-    free(said);
+        result = mesh_wire_parse(out, answer, size, err);
+    free(answer);
     return result;
 }
 

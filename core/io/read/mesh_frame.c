@@ -67,7 +67,7 @@ static mesh_axis nearest_axis(const double vector[3])
     return MESH_AXIS_AUTO;
 }
 
-static void joint_place(double out[3], const mesh_joint *joint)
+static void joint_position(double out[3], const mesh_joint *joint)
 {
     for (int i = 0; i < 3; ++i)
         out[i] = (double)joint->rest[i * 4 + 3];
@@ -118,8 +118,8 @@ static void find_left(double out[3], const mesh *m)
             if (!is_other_side(m->joint[a].name, m->joint[b].name))
                 continue;
             double left[3], right[3];
-            joint_place(left, &m->joint[a]);
-            joint_place(right, &m->joint[b]);
+            joint_position(left, &m->joint[a]);
+            joint_position(right, &m->joint[b]);
             for (int i = 0; i < 3; ++i)
                 out[i] += left[i] - right[i];
         }
@@ -131,8 +131,8 @@ static bool find_spine(const mesh *m, double out_hips[3], double out_head[3])
     const mesh_joint *head = find_joint(m, "head", heads), *hip = find_joint(m, "hips", hips);
     if (!head || !hip)
         return false;
-    joint_place(out_head, head);
-    joint_place(out_hips, hip);
+    joint_position(out_head, head);
+    joint_position(out_hips, hip);
     return true;
 }
 
@@ -154,7 +154,7 @@ static bool find_by_skeleton(const mesh *m, mesh_axis *out_up, mesh_axis *out_fo
 
 /* ---- by the shape ---- */
 
-/* Where the small triangles are, of a face its features: the mean place of the triangles less that
+/* Where the small triangles are, of a face its features: the mean centre of the triangles less that
  * of the area, in parts of the box. */
 static void find_detail(double out[3], const mesh *m, const float low[3], const float high[3])
 {
@@ -173,9 +173,9 @@ static void find_detail(double out[3], const mesh *m, const float low[3], const 
         area = sqrt(area);
         area_sum += area;
         for (int i = 0; i < 3; ++i) {
-            double place = ((double)a[i] + (double)b[i] + (double)c[i]) / 3.0;
-            mean[i] += place;
-            by_area[i] += area * place;
+            double centre = ((double)a[i] + (double)b[i] + (double)c[i]) / 3.0;
+            mean[i] += centre;
+            by_area[i] += area * centre;
         }
     }
     for (int i = 0; i < 3; ++i) {

@@ -439,14 +439,14 @@ uint32_t mtl_apply(mesh *m, mtl_library *library, const char *directory, size_t 
 {
     applying a = {
         .m = m, .directory = directory, .bytes = budget_of(BUDGET_IMAGE, (uint64_t)obj_size)};
-    uint32_t missing = 0, first_missing = 0, unplaced = 0;
+    uint32_t missing = 0, first_missing = 0, without_uv = 0;
     if (library->count)
         qsort(library->material, library->count, sizeof *library->material, by_name);
     for (uint32_t i = 0; i < m->material_count; ++i) {
         const mtl_material *from = find(library, m->material[i].name);
         if (from) {
             give_look(&a, &m->material[i], from);
-            unplaced += !m->uv && from->map[MTL_BASE].file;
+            without_uv += !m->uv && from->map[MTL_BASE].file;
         } else if (library->file_count && m->material[i].name[0] && missing++ == 0) {
             first_missing = i;
         }
@@ -461,5 +461,5 @@ uint32_t mtl_apply(mesh *m, mtl_library *library, const char *directory, size_t 
                   "%zu lines of its materials make no sense and are passed over, the first is "
                   "line %llu",
                   library->malformed_count, (unsigned long long)library->malformed_line);
-    return unplaced;
+    return without_uv;
 }

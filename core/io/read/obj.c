@@ -194,11 +194,11 @@ static mrt_result add_looks(mesh *m, text_view text, const char *directory, mesh
         else if (one < 0)
             mesh_note(m, "its materials \"%s\" are not read, it is grey: %s", shown, why.text);
     }
-    uint32_t unplaced = result >= 0 ? mtl_apply(m, &library, directory, size) : 0;
-    if (unplaced && vertices == MESH_VERTICES_AS_WRITTEN)
+    uint32_t without_uv = result >= 0 ? mtl_apply(m, &library, directory, size) : 0;
+    if (without_uv && vertices == MESH_VERTICES_AS_WRITTEN)
         mesh_note(m, "its pictures are not drawn: they need more vertices than the rig was made "
                      "for; marotte rig new drafts one that has them");
-    else if (unplaced)
+    else if (without_uv)
         mesh_note(m, "its pictures are not drawn: it has no texture coordinates");
     mtl_library_finish(&library);
     return result;

@@ -562,7 +562,7 @@ static bool is_strips(const ply_element *e)
     return strcmp(e->name, "tristrips") == 0;
 }
 
-static void name_place(const ply_reader *r, const ply_element *e, int64_t index)
+static void name_element(const ply_reader *r, const ply_element *e, int64_t index)
 {
     char prefix[96];
     if (r->header.format == PLY_ASCII) {
@@ -583,7 +583,7 @@ static mrt_result read_elements(ply_reader *r, const ply_element *e,
         if (result == MRT_OK)
             result = end_line(r);
         if (result < 0) {
-            name_place(r, e, i);
+            name_element(r, e, i);
             return result;
         }
     }

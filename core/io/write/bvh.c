@@ -42,8 +42,8 @@ static bool is_tip(int joint)
     return joint > 0 && joint % BONES_A_FINGER == 0;
 }
 
-/* The least turn that brings one direction to another. */
-static rigid turn_between(vec3 from, vec3 to)
+/* The smallest rotation that brings one direction to another. */
+static rigid rotation_between(vec3 from, vec3 to)
 {
     const vec3 x = {1, 0, 0};
     vec3 a = vec3_normalised(from, x), b = vec3_normalised(to, x);
@@ -67,7 +67,7 @@ static rigid palm_of(vec3 wrist, vec3 index, vec3 middle)
         .r = {{along.x, out.x, across.x}, {along.y, out.y, across.y}, {along.z, out.z, across.z}}};
 }
 
-static rigid wrist_turn(const bvh_hand *of, const double *hand)
+static rigid wrist_rotation(const bvh_hand *of, const double *hand)
 {
     rigid now = palm_of(joint_at(hand, 0), joint_at(hand, 5), joint_at(hand, 9));
     rigid rest = palm_of((vec3){0, 0, 0}, of->rest[5], of->rest[9]);
@@ -90,7 +90,8 @@ static void euler_of(const rigid *m, double out_zxy[3])
     out_zxy[2] = atan2(-m->r[2][0], m->r[2][2]) * degrees;
 }
 
-/* The same turn, nearest to that of the frame before: who interpolates between frames sees no jump.
+/* The same rotation, nearest to that of the frame before: who interpolates between frames sees no
+ * jump.
  */
 static void stay_near(double zxy[3], const double last[3])
 {
@@ -203,23 +204,23 @@ static void put_channels(FILE *out, const vec3 *position, double per_mm, const r
 static void put_pose(FILE *out, bvh_hand *of, const double *hand, double per_mm)
 {
     const rigid still = rigid_identity();
-    rigid palm = hand ? wrist_turn(of, hand) : still;
+    rigid palm = hand ? wrist_rotation(of, hand) : still;
     vec3 wrist = hand ? vec3_add(joint_at(hand, 0), of->aside) : of->aside;
     put_channels(out, &wrist, per_mm, &palm, of->last_zxy[0]);
     rigid back = rigid_inverse(&palm);
     for (int base = 1; base < MRT_JOINTS; base += BONES_A_FINGER) {
         rigid to_joint = back; /* from the hand's axes into those of the joint's parent */
         for (int joint = base; joint < base + BONES_A_FINGER; ++joint) {
-            vec3 place = of->rest[joint];
+            vec3 root = of->rest[joint];
             rigid rotation = still;
             if (hand && is_base(joint))
-                place = rigid_rotate(&back, vec3_sub(joint_at(hand, joint), joint_at(hand, 0)));
+                root = rigid_rotate(&back, vec3_sub(joint_at(hand, joint), joint_at(hand, 0)));
             if (hand && !is_tip(joint)) {
                 vec3 along = vec3_sub(joint_at(hand, joint + 1), joint_at(hand, joint));
                 rotation =
-                    turn_between(bone_at_rest(of, joint + 1), rigid_rotate(&to_joint, along));
+                    rotation_between(bone_at_rest(of, joint + 1), rigid_rotate(&to_joint, along));
             }
-            put_channels(out, is_base(joint) ? &place : NULL, per_mm, &rotation,
+            put_channels(out, is_base(joint) ? &root : NULL, per_mm, &rotation,
                          of->last_zxy[joint]);
             rigid undo = rigid_inverse(&rotation);
             to_joint = rigid_compose(&undo, &to_joint);

@@ -116,7 +116,7 @@ static mrt_result survey_frames(window_frames *w, survey *all, error *err)
     return MRT_OK;
 }
 
-/* A vertex that never moves has exactly its place as mean. */
+/* A vertex that never moves has exactly its position as mean. */
 static void find_base(window_frames *w, const survey *all, float still)
 {
     for (size_t v = 0; v < w->frames->vertex_count; ++v) {

@@ -59,7 +59,7 @@ static uint32_t picked_frame(const planner *p, uint32_t i)
     return component_frames_spread(i, p->picked, p->frames->count);
 }
 
-/* is_moved: of all vertices, which leave the place they have in the first frame. */
+/* is_moved: of all vertices, which leave the position of the first frame. */
 static mrt_result find_moved(planner *p, uint8_t *is_moved, uint32_t *out_count, double threshold_m,
                              error *err)
 {
@@ -88,9 +88,9 @@ static mrt_result find_moved(planner *p, uint8_t *is_moved, uint32_t *out_count,
 static void pick_vertices(planner *p, const uint8_t *is_moved, uint32_t moved_count)
 {
     p->vertex_count = moved_count < MAX_VERTICES ? moved_count : MAX_VERTICES;
-    uint32_t seen = 0, taken = 0;
+    uint32_t moved = 0, taken = 0;
     for (uint32_t v = 0; taken < p->vertex_count; ++v)
-        if (is_moved[v] && seen++ == component_frames_spread(taken, p->vertex_count, moved_count))
+        if (is_moved[v] && moved++ == component_frames_spread(taken, p->vertex_count, moved_count))
             p->vertex[taken++] = v;
 }
 
@@ -156,7 +156,7 @@ static void close_window(const planner *p, estimate *e, uint32_t end)
     double share = p->vertex_count ? (double)moved / p->vertex_count : 0.0;
     double frames = (double)(end - plan->first[plan->count]);
     double numbers = share * 3.0 * (double)p->frames->vertex_count;
-    double bytes = 2.0 * sizeof(float) * numbers; /* of places and normals */
+    double bytes = 2.0 * sizeof(float) * numbers; /* of positions and normals */
     e->cost += rank * (bytes + sizeof(float) * (double)p->frames->count);
     e->cost += 2.0 * frames * rank * numbers / PRODUCTS_PER_BYTE;
     plan->need[plan->count++] = rank;

@@ -240,7 +240,7 @@ void gltf_source::place_group(group &out, const tinygltf::Model &model, const gl
     std::vector<float> share(joint.size()), point(plan.vertex_count * 3), column[3];
     skin.read(*plan.source, plan.vertex_count, joint.data(), share.data());
     gltf_accessor(model, plan.source->attributes.at("POSITION")).read_floats(point.data());
-    skin.place_points(point.data(), plan.vertex_count);
+    skin.transform_points(point.data(), plan.vertex_count);
     double size = 0.0, off = 0.0;
     for (size_t v = 0; v < plan.vertex_count; ++v) {
         float wanted[3];
@@ -257,7 +257,7 @@ void gltf_source::place_group(group &out, const tinygltf::Model &model, const gl
         column[i].assign(plan.vertex_count * 3, 0.0f);
         for (size_t v = 0; v < plan.vertex_count; ++v)
             column[i][v * 3 + i] = 1.0f;
-        skin.place_vectors(column[i].data(), plan.vertex_count);
+        skin.transform_vectors(column[i].data(), plan.vertex_count);
     }
     for (size_t v = 0; v < plan.vertex_count; ++v) {
         double of[3][3];

@@ -138,7 +138,7 @@ gltf_surface make_surface(const mesh *m)
     s.position = gltf_in_metres(m->position, size_t{m->vertex_count} * 3);
     s.area.resize(s.position.size());
     s.work.resize(s.position.size());
-    s.turn.resize(s.position.size());
+    s.normal_offset.resize(s.position.size());
     s.normal.resize(s.position.size());
     morph_area(s.area.data(), s.position.data(), m->vertex_count, m->triangle, m->triangle_count);
     for (size_t i = 0; i < s.position.size(); i += 3)
@@ -151,7 +151,7 @@ gltf_surface make_surface(const mesh *m)
 const double NO_TURN[4] = {0.0, 0.0, 0.0, 1.0};
 
 /* conjugate(parent) * own, w >= 0. */
-void turn_from(double out[4], const double *own, const double *parent)
+void rotation_from(double out[4], const double *own, const double *parent)
 {
     double x = -parent[0], y = -parent[1], z = -parent[2], w = parent[3];
     out[0] = w * own[0] + x * own[3] + y * own[2] - z * own[1];
@@ -191,7 +191,7 @@ gltf_bone bone_of(const clip *c, uint32_t index)
         if (pose) {
             const double *own = pose + size_t{index} * 7;
             const double *parent = has_parent ? pose + size_t{bone->parent} * 7 : nullptr;
-            turn_from(rotation, own, parent ? parent : NO_TURN);
+            rotation_from(rotation, own, parent ? parent : NO_TURN);
             way_from(translation, own + 4, parent ? parent + 4 : origin, parent ? parent : NO_TURN);
         }
         for (double part : rotation)
@@ -227,13 +227,13 @@ std::vector<float> gltf_in_metres(const float *value_mm, size_t count)
     return out;
 }
 
-void gltf_surface_turn(gltf_surface &s, const std::string &name, const float *offset)
+void gltf_surface_bend_normals(gltf_surface &s, const std::string &name, const float *offset)
 {
     const mesh *m = s.source;
     gltf_output_check(offset, s.position.size(), name);
     morph_surface rest = {s.position.data(), s.normal.data(), s.area.data(),
                           m->triangle,       m->vertex_count, m->triangle_count};
-    morph_normal_offset(s.turn.data(), s.work.data(), &rest, offset);
+    morph_normal_offset(s.normal_offset.data(), s.work.data(), &rest, offset);
 }
 
 void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
@@ -243,7 +243,7 @@ void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &n
     target.name = name;
     target.position = gltf_output_offsets(out, offset, s.source->vertex_count);
     if (s.source->triangle_count > 0)
-        target.normal = gltf_output_offsets(out, s.turn.data(), s.source->vertex_count);
+        target.normal = gltf_output_offsets(out, s.normal_offset.data(), s.source->vertex_count);
     s.target.push_back(target);
 }
 

@@ -25,16 +25,17 @@ struct gltf_surface {
     std::vector<double> area;            /* morph_area of position */
     std::map<std::string, int> attribute;
     std::vector<gltf_target> target;
-    std::vector<double> work; /* V by 3: scratch */
-    std::vector<float> turn;  /* V by 3: scratch */
+    std::vector<double> work;         /* V by 3: scratch */
+    std::vector<float> normal_offset; /* V by 3: scratch */
 };
 
 /* Checks the mesh. */
 gltf_surface gltf_surface_of(const mesh *m);
-/* Leaves in s.turn how the normals follow an offset, to first order. offset: V by 3, metres per
- * unit of weight, finite; `name` is for the error. */
-void gltf_surface_turn(gltf_surface &s, const std::string &name, const float *offset);
-/* Adds the materials and attributes of the mesh; then its targets, with the normals of s.turn. */
+/* Leaves in s.normal_offset how the normals follow an offset, to first order. offset: V by 3,
+ * metres per unit of weight, finite; `name` is for the error. */
+void gltf_surface_bend_normals(gltf_surface &s, const std::string &name, const float *offset);
+/* Adds the materials and attributes of the mesh; then its targets, with the normals of
+ * s.normal_offset. */
 void gltf_surface_begin(gltf_output &out, gltf_surface &s);
 void gltf_surface_target(gltf_output &out, gltf_surface &s, const std::string &name,
                          const float *offset);
@@ -43,7 +44,7 @@ void gltf_surface_scene(gltf_output &out, const gltf_surface &s);
 
 std::vector<float> gltf_in_metres(const float *value_mm, size_t count);
 
-/* Places and turns of a bone against its parent's. */
+/* Positions and rotations of a bone relative to its parent. */
 struct gltf_bone {
     std::string name;
     size_t parent;    /* SIZE_MAX: none */

@@ -127,13 +127,13 @@ struct target_list {
 
     void add(const std::string &name, const float *offset)
     {
-        gltf_surface_turn(surface, name, offset);
+        gltf_surface_bend_normals(surface, name, offset);
         hash.add(name);
         hash.add(offset, surface.position.size());
         if (listed)
-            list_target(*listed, name, offset, surface.turn);
+            list_target(*listed, name, offset, surface.normal_offset);
         else if (source)
-            source->add_target(name, offset, surface.turn.data());
+            source->add_target(name, offset, surface.normal_offset.data());
         else
             gltf_surface_target(bare, surface, name, offset);
         ++count;

@@ -72,8 +72,8 @@ void morph_normal_offset(float *out, double *work, const morph_surface *s, const
         double along = change[0] * n.x + change[1] * n.y + change[2] * n.z;
         const double normal[3] = {n.x, n.y, n.z};
         for (int axis = 0; axis < 3; ++axis) {
-            float turn = (float)((change[axis] - along * normal[axis]) / size);
-            out[v * 3 + (size_t)axis] = isfinite(turn) ? turn : 0.0f;
+            float bend = (float)((change[axis] - along * normal[axis]) / size);
+            out[v * 3 + (size_t)axis] = isfinite(bend) ? bend : 0.0f;
         }
     }
 }

@@ -15,7 +15,7 @@ namespace
 
 struct vrma {
     const clip *source;
-    std::vector<gltf_bone> turning;
+    std::vector<gltf_bone> bone_tracks;
     gltf_output out;
     ordered_json nodes = ordered_json::array(), bones = ordered_json::object(),
                  animation = gltf_output_animation("performance"), presets = ordered_json::object(),
@@ -48,15 +48,15 @@ uint32_t find_bone(const clip *c, const char *name)
 }
 
 /* Of one bone, or of the middle between two, against its parent. */
-std::vector<float> turns_of(const vrma &from, uint32_t bone, uint32_t other)
+std::vector<float> rotations_of(const vrma &from, uint32_t bone, uint32_t other)
 {
-    std::vector<float> out = from.turning[bone == CLIP_NO_BONE ? other : bone].rotation;
+    std::vector<float> out = from.bone_tracks[bone == CLIP_NO_BONE ? other : bone].rotation;
     if (bone == CLIP_NO_BONE || other == CLIP_NO_BONE)
         return out;
     for (size_t i = 0; i < out.size(); i += 4) {
         float length = 0.0f;
         for (size_t k = i; k < i + 4; ++k) {
-            out[k] += from.turning[other].rotation[k];
+            out[k] += from.bone_tracks[other].rotation[k];
             length += out[k] * out[k];
         }
         for (size_t k = i; k < i + 4; ++k)
@@ -70,7 +70,7 @@ void add_bone(vrma &to, const char *called, const char *human, size_t node)
     uint32_t bone = find_bone(to.source, called);
     to.bones[human] = {{"node", node}};
     if (bone != CLIP_NO_BONE)
-        add_track(to, node, "rotation", turns_of(to, bone, CLIP_NO_BONE), 4);
+        add_track(to, node, "rotation", rotations_of(to, bone, CLIP_NO_BONE), 4);
 }
 
 /* Weights are the x of a node of their own. */
@@ -106,7 +106,7 @@ void write_vrma(const char *path, const clip *c)
 {
     vrma to;
     to.source = c;
-    to.turning = gltf_bones_of(c);
+    to.bone_tracks = gltf_bones_of(c);
     std::vector<float> time_s;
     for (uint32_t i = 0; i < clip_frame_count(c); ++i)
         time_s.push_back(static_cast<float>(i / clip_fps(c)));
@@ -129,7 +129,7 @@ void write_vrma(const char *path, const clip *c)
     if (left != CLIP_NO_BONE || right != CLIP_NO_BONE) {
         size_t look = add_node(to, "lookAt", 0.0, SIZE_MAX);
         extension["lookAt"] = {{"node", look}, {"offsetFromHeadBone", {0.0, 0.06, 0.0}}};
-        add_track(to, look, "rotation", turns_of(to, left, right), 4);
+        add_track(to, look, "rotation", rotations_of(to, left, right), 4);
     }
     if (to.animation["channels"].empty())
         gltf_fail(MRT_ERR_UNSUPPORTED,

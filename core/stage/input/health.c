@@ -116,7 +116,7 @@ static void sort(double *values, uint32_t count)
     }
 }
 
-/* The median of the slopes between all pairs (Theil-Sen): one late window does not turn it. */
+/* The median of the slopes between all pairs (Theil-Sen): one late window does not change it. */
 static double envelope_slope_ms_per_s(const health_meter *self)
 {
     double slope[HEALTH_WINDOWS * (HEALTH_WINDOWS - 1) / 2];

@@ -17,18 +17,19 @@ typedef struct input_record {
     uint32_t version;
 } input_record;
 
-/* A device that is away. The reading thread's. */
+/* Of a device that was lost. The reading thread's. */
 typedef struct input_outage {
-    int64_t went_ns, next_try_ns;
+    int64_t lost_ns, next_try_ns;
     uint32_t tries;
-    log_once logged; /* every text about it once */
+    log_once logged; /* so that each text about it is logged once */
 } input_outage;
 
 struct input {
     instance plugin;
     const mrt_input *functions;
     char *address, name[INPUT_NAME];
-    bool open; /* the plugin is: [main] until input_start and after input_stop, else the thread's */
+    bool open; /* of the plugin. Owned by [main] until input_start and after input_stop, else the
+                  thread's */
     bool has_thread;
     pthread_t thread;
     ring *samples, *incidents; /* input_record, input_incident */
@@ -44,9 +45,9 @@ struct input {
     input_record pending;
     uint32_t peeked_version;
     /* The reading thread's (on a virtual clock: the frame thread's). */
-    bool has_last, has_owed, told_time;
-    mrt_sample last;   /* delivered since the device was opened */
-    input_record owed; /* found no room in the ring: the newest one is never lost */
+    bool has_last, has_unsent, has_warned_of_time;
+    mrt_sample last;     /* delivered since the device was opened */
+    input_record unsent; /* the newest sample, when the ring had no room for it */
     int64_t opened_ns, posted_ns;
     int64_t patience_first_ns, patience_later_ns;
     uint32_t hasty_reads; /* in a row that gave nothing and did not wait */
@@ -55,20 +56,21 @@ struct input {
     health_board board;
 };
 
-/* The first half of this file runs on the thread that reads the plugin: the input's own, or the
- * frame thread where the clock is virtual. The second half, from "used" on, is for whoever has an
- * input: [main] and the frame thread. */
+/* The first half of this file runs on the thread that reads the plugin: the input's own thread, or
+ * the frame thread on a virtual clock. The second half, below "the functions of input.h", is called
+ * by [main] and the frame thread. */
 
 /* How long a read may block before the thread looks whether it is to stop. */
 static const int64_t read_span_ns = 100 * NS_PER_MS;
 
-/* While a sample waits for room in the ring. */
-static const int64_t owed_span_ns = 5 * NS_PER_MS;
+/* How often a sample that waits for room in the ring is tried again. */
+static const int64_t unsent_span_ns = 5 * NS_PER_MS;
 
-/* Samples of a device that are further from now were not measured now. */
+/* A device's samples with a time stamp outside of these bounds around now are refused. */
 static const int64_t past_max_ns = 10 * NS_PER_S, future_max_ns = 1 * NS_PER_S;
 
-/* A plugin that returns at once and gives nothing is slowed down after so many reads in a row. */
+/* After HASTY_READS reads in a row that returned at once and gave nothing each further one is
+ * followed by a pause. */
 enum { HASTY_READS = 16, FRUITLESS_READS = 100000, TRIES_AT_FIRST = 8 };
 static const int64_t hasty_ns = NS_PER_MS / 10, pause_ns = 1 * NS_PER_MS;
 
@@ -95,7 +97,7 @@ static void signal_player(const input *self)
         wake_signal(self->signal);
 }
 
-static void pass_on(const input *self, const error *why, int32_t level)
+static void log_plugin_text(const input *self, const error *why, int32_t level)
 {
     if (why->text[0])
         log_push(self->plugin.log, level, self->plugin.type->id, why->text);
@@ -126,40 +128,40 @@ static void change_state(input *self, input_state state, const char *words, int6
 
 /* ---- delivery ---- */
 
-static bool push_owed(input *self)
+static bool push_unsent(input *self)
 {
-    if (self->has_owed && ring_push(self->samples, &self->owed))
-        self->has_owed = false;
-    return !self->has_owed;
+    if (self->has_unsent && ring_push(self->samples, &self->unsent))
+        self->has_unsent = false;
+    return !self->has_unsent;
 }
 
-/* While the ring is full the newest sample is kept in `owed`: a pedal that is let go must not stay
- * down. */
+/* While the ring is full the newest sample is kept in `unsent`, and older ones are dropped: the
+ * last sample of a pedal, which lets it go, must arrive. */
 static void deliver(input *self, const mrt_sample *sample)
 {
     input_record record = {*sample, atomic_load(&self->version)};
-    bool had_owed = !push_owed(self);
-    if (had_owed || !ring_push(self->samples, &record)) {
-        if (had_owed) {
+    bool had_unsent = !push_unsent(self);
+    if (had_unsent || !ring_push(self->samples, &record)) {
+        if (had_unsent) {
             atomic_fetch_add(&self->dropped, 1);
             health_dropped(&self->meter);
         }
-        self->owed = record;
-        self->has_owed = true;
+        self->unsent = record;
+        self->has_unsent = true;
     }
     self->last = *sample;
     self->has_last = true;
     signal_player(self);
 }
 
-static void deliver_rest(input *self)
+static void deliver_unsent(input *self)
 {
-    while (!push_owed(self) && !is_stopping(self))
-        instance_wait_until_ns(&self->plugin, clock_now_ns() + owed_span_ns);
+    while (!push_unsent(self) && !is_stopping(self))
+        instance_wait_until_ns(&self->plugin, clock_now_ns() + unsent_span_ns);
     signal_player(self);
 }
 
-/* No pedal stays down when its device is gone: the last sample once more, with the pedals up. */
+/* Before a device closes: repeats its last sample with all pedals up, so that none stays down. */
 static void release_pedals(input *self, int64_t now_ns)
 {
     const channel_table *table = newest_table(self);
@@ -199,8 +201,8 @@ static void close_plugin(input *self)
     self->has_last = false;
 }
 
-/* Opens the plugin and copies what its channels are. On failure it is closed, and err has what the
- * plugin said of it: "" nothing. */
+/* Opens the plugin and copies its table of channels. On failure the plugin is closed, and err has
+ * the error that it logged, or "". */
 static mrt_result open_plugin(input *self, log_once *already_logged, channel_table *out, error *err)
 {
     error why = {""};
@@ -213,9 +215,9 @@ static mrt_result open_plugin(input *self, log_once *already_logged, channel_tab
     self->opened_ns = clock_now_ns();
     if (result < 0)
         return error_set(err, result, "%s", why.text);
-    pass_on(self, &why, MRT_LOG_ERROR);
+    log_plugin_text(self, &why, MRT_LOG_ERROR);
     self->open = true;
-    self->told_time = false;
+    self->has_warned_of_time = false;
     uint32_t count = 0;
     const mrt_channel *channels = self->functions->channels(self->plugin.self, &count);
     result = channel_table_init(out, channels, count, self->name, err);
@@ -224,7 +226,7 @@ static mrt_result open_plugin(input *self, log_once *already_logged, channel_tab
     return result;
 }
 
-/* Samples have these channels from now on. */
+/* Makes `table` the version of the samples to come: an equal one that was there, or a new one. */
 static mrt_result adopt_channels(input *self, const channel_table *table, error *err)
 {
     uint32_t at = 0;
@@ -241,8 +243,7 @@ static mrt_result adopt_channels(input *self, const channel_table *table, error 
     return MRT_OK;
 }
 
-/* [main] before the thread starts, then the reading thread: opens the plugin and takes its channels
- * over as the newest version. */
+/* Called by [main] before the thread starts, by the reading thread afterwards. */
 static mrt_result open_input(input *self, error *err)
 {
     channel_table table;
@@ -267,16 +268,16 @@ static mrt_result open_input(input *self, error *err)
 
 /* ---- reading ---- */
 
-static bool is_of_now(input *self, const mrt_sample *sample, int64_t now_ns)
+static bool is_current(input *self, const mrt_sample *sample, int64_t now_ns)
 {
     if (!is_device(self) ||
         (sample->time_ns >= now_ns - past_max_ns && sample->time_ns <= now_ns + future_max_ns))
         return true;
-    if (!self->told_time)
+    if (!self->has_warned_of_time)
         log_pushf(self->plugin.log, MRT_LOG_WARNING, self->plugin.type->id,
                   "%s: samples are not of now but %.3g s away: refused", self->name,
                   ((double)sample->time_ns - (double)now_ns) / 1e9);
-    self->told_time = true;
+    self->has_warned_of_time = true;
     return false;
 }
 
@@ -287,11 +288,11 @@ static bool is_good(input *self, const mrt_sample *sample, int64_t now_ns)
     for (uint32_t i = 0; i < sample->count; ++i)
         if (!isfinite(sample->value[i]))
             return false;
-    return is_of_now(self, sample, now_ns);
+    return is_current(self, sample, now_ns);
 }
 
-/* MRT_OK: a good sample. MRT_TIMEOUT: none, or one that was refused. < 0: out_why has the plugin's
- * words. */
+/* MRT_OK: a good sample. MRT_TIMEOUT: none, or one that was refused. < 0: out_why has the error
+ * that the plugin logged. */
 static mrt_result read_plugin(input *self, int64_t deadline_ns, mrt_sample *out, int64_t *out_now,
                               error *out_why)
 {
@@ -303,7 +304,7 @@ static mrt_result read_plugin(input *self, int64_t deadline_ns, mrt_sample *out,
     instance_listen_end(&self->plugin);
     *out_now = clock_now_ns();
     if (result >= 0)
-        pass_on(self, out_why, MRT_LOG_ERROR);
+        log_plugin_text(self, out_why, MRT_LOG_ERROR);
     if (result != MRT_OK || is_good(self, out, *out_now))
         return result;
     atomic_fetch_add(&self->refused, 1);
@@ -315,24 +316,24 @@ static mrt_result read_plugin(input *self, int64_t deadline_ns, mrt_sample *out,
 
 static void end(input *self)
 {
-    deliver_rest(self);
+    deliver_unsent(self);
     change_state(self, INPUT_ENDED, "", clock_now_ns());
 }
 
 static void fail(input *self, const error *why)
 {
     int64_t now_ns = clock_now_ns();
-    pass_on(self, why, MRT_LOG_ERROR);
+    log_plugin_text(self, why, MRT_LOG_ERROR);
     if (is_device(self)) {
         release_pedals(self, now_ns);
-        deliver_rest(self);
+        deliver_unsent(self);
     }
     change_state(self, INPUT_FAILED, why->text, now_ns);
 }
 
-/* ---- away ---- */
+/* ---- a lost device ---- */
 
-static void try_later(input *self)
+static void schedule_retry(input *self)
 {
     int64_t patience_ns =
         self->outage.tries < TRIES_AT_FIRST ? self->patience_first_ns : self->patience_later_ns;
@@ -340,21 +341,21 @@ static void try_later(input *self)
     self->outage.next_try_ns = clock_now_ns() + patience_ns;
 }
 
-static void say_once(input *self, const error *why)
+static void log_outage_once(input *self, const error *why)
 {
     if (!why->text[0])
         return;
     if (!log_once_repeats(&self->outage.logged, why->text))
-        pass_on(self, why, MRT_LOG_WARNING);
+        log_plugin_text(self, why, MRT_LOG_WARNING);
     health_state(&self->meter, INPUT_LOST, why->text, clock_now_ns());
 }
 
-static void go_away(input *self, const error *why, int64_t now_ns)
+static void lose_device(input *self, const error *why, int64_t now_ns)
 {
     release_pedals(self, now_ns);
-    self->outage = (input_outage){.went_ns = now_ns};
+    self->outage = (input_outage){.lost_ns = now_ns};
     (void)log_once_repeats(&self->outage.logged, why->text);
-    /* At once, but not more often than patience allows. */
+    /* The first attempt comes at once, unless the device was opened just before. */
     self->outage.next_try_ns = self->opened_ns + self->patience_first_ns;
     health_lost(&self->meter);
     tell_incident(self, INPUT_WENT, now_ns, 0, why->text);
@@ -362,16 +363,16 @@ static void go_away(input *self, const error *why, int64_t now_ns)
     close_plugin(self);
 }
 
-/* A device is back when it has been read, not when it could be opened. */
-static void come_back(input *self, int64_t now_ns)
+/* Called at the first read that does not fail; that it could be opened is not enough. */
+static void device_is_back(input *self, int64_t now_ns)
 {
     const channel_table *table = newest_table(self);
     health_reopened(&self->meter, table->channel, table->count);
-    tell_incident(self, INPUT_CAME, now_ns, now_ns - self->outage.went_ns, "");
+    tell_incident(self, INPUT_CAME, now_ns, now_ns - self->outage.lost_ns, "");
     change_state(self, INPUT_RUNNING, "", now_ns);
 }
 
-static mrt_result open_lost(input *self, error *err)
+static mrt_result open_device_again(input *self, error *err)
 {
     channel_table table;
     error what;
@@ -384,23 +385,23 @@ static mrt_result open_lost(input *self, error *err)
                      what.text);
 }
 
-static void seek_lost(input *self)
+static void reopen_device(input *self)
 {
     int64_t now_ns = clock_now_ns();
     if (now_ns < self->outage.next_try_ns) {
         int64_t until_ns = self->outage.next_try_ns;
-        if (self->has_owed && now_ns + owed_span_ns < until_ns)
-            until_ns = now_ns + owed_span_ns;
+        if (self->has_unsent && now_ns + unsent_span_ns < until_ns)
+            until_ns = now_ns + unsent_span_ns;
         instance_wait_until_ns(&self->plugin, until_ns);
         return;
     }
     error why = {""};
     (void)instance_take_restart(&self->plugin); /* it is being opened anyway */
-    mrt_result result = open_lost(self, &why);
+    mrt_result result = open_device_again(self, &why);
     if (result >= 0 || is_stopping(self))
         return;
-    say_once(self, &why);
-    try_later(self);
+    log_outage_once(self, &why);
+    schedule_retry(self);
 }
 
 /* ---- restart ---- */
@@ -413,7 +414,7 @@ static void restart(input *self)
     if (result >= 0 || is_stopping(self))
         return;
     if (is_device(self))
-        go_away(self, &why, clock_now_ns());
+        lose_device(self, &why, clock_now_ns());
     else
         fail(self, &why);
 }
@@ -424,7 +425,7 @@ static bool may_restart(input *self)
         return false;
     if (clock_now_ns() >= self->opened_ns + self->patience_first_ns)
         return true;
-    atomic_store(&self->plugin.restart_asked, true); /* later: it was opened just now */
+    atomic_store(&self->plugin.restart_asked, true); /* asked again, as it was opened just now */
     return false;
 }
 
@@ -442,12 +443,12 @@ static void read_live(input *self)
     mrt_sample sample;
     error why = {""};
     int64_t began_ns = clock_now_ns(), now_ns;
-    int64_t deadline_ns = began_ns + (self->has_owed ? owed_span_ns : read_span_ns);
+    int64_t deadline_ns = began_ns + (self->has_unsent ? unsent_span_ns : read_span_ns);
     mrt_result result = read_plugin(self, deadline_ns, &sample, &now_ns, &why);
     if (is_stopping(self) && result < 0)
         return;
     if (is_lost(self) && (result == MRT_OK || result == MRT_TIMEOUT))
-        come_back(self, now_ns);
+        device_is_back(self, now_ns);
     if (result == MRT_OK) {
         self->hasty_reads = 0;
         health_sample(&self->meter, &sample, now_ns);
@@ -458,10 +459,10 @@ static void read_live(input *self)
         slow_down(self, began_ns, now_ns);
     } else if (is_lost(self)) {
         close_plugin(self);
-        say_once(self, &why);
-        try_later(self);
+        log_outage_once(self, &why);
+        schedule_retry(self);
     } else if (result == MRT_ERR_IO && is_device(self)) {
-        go_away(self, &why, now_ns);
+        lose_device(self, &why, now_ns);
     } else {
         fail(self, &why);
     }
@@ -477,9 +478,9 @@ static void *run(void *data)
 {
     input *self = data;
     while (!is_stopping(self) && is_live(self)) {
-        (void)push_owed(self);
+        (void)push_unsent(self);
         if (!self->open)
-            seek_lost(self);
+            reopen_device(self);
         else if (may_restart(self))
             restart(self);
         else
@@ -518,7 +519,7 @@ static bool read_virtual(input *self, input_record *out)
     return false;
 }
 
-/* ==== used ==== */
+/* ==== the functions of input.h ==== */
 
 static const int64_t patience_first_ns = 250 * NS_PER_MS, patience_later_ns = 500 * NS_PER_MS;
 

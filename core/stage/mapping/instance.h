@@ -50,7 +50,7 @@ CHECKED mrt_result instance_set_text(instance *self, const char *key, const char
                                      error *err);
 /* [main] "key=value,key=value": every one of them; "" sets nothing. */
 CHECKED mrt_result instance_set_list(instance *self, const char *list, error *err);
-/* [any] The same by its place in the type's table: made a value that it may have. What is no number
+/* [any] The same by its index in the type's table: made a value that it may have. What is no number
  * changes nothing. */
 void instance_set_value(instance *self, uint32_t index, double value);
 /* [any] As set last; the plugin sees it from its next call on. */

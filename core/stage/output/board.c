@@ -138,10 +138,10 @@ static float *put_bones(float *out, const face *f, uint32_t count)
         bones_pose(pose, face_bones(f), dof);
     }
     for (uint32_t i = 0; i < count; ++i, out += 7) {
-        double turn[4];
-        rigid_to_quaternion(&pose[i], turn);
+        double quaternion[4];
+        rigid_to_quaternion(&pose[i], quaternion);
         for (int k = 0; k < 4; ++k)
-            out[k] = (float)turn[k];
+            out[k] = (float)quaternion[k];
         out[4] = (float)pose[i].t.x;
         out[5] = (float)pose[i].t.y;
         out[6] = (float)pose[i].t.z;

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* A source of pulls: what it wants now, and what of it is in the shape. */
-typedef struct voice {
+typedef struct part_state {
     bool is_present;  /* in this step */
     bool was_present; /* in the step before */
     composer_part part;
@@ -24,7 +24,7 @@ typedef struct voice {
     bool was_near, is_dragging;
     double tip[MRT_MAX_VECTORS * 3]; /* where the tips really are */
     uint32_t tip_count;
-} voice;
+} part_state;
 
 enum { COMPOSER_NO_CONTROL = UINT32_MAX };
 
@@ -48,7 +48,7 @@ struct composer {
     vec3 centre;
     shading *shading;
 
-    voice voice[COMPOSER_PARTS_MAX];
+    part_state state[COMPOSER_PARTS_MAX];
     uint32_t order[COMPOSER_PARTS_MAX]; /* slots of the parts of this step, bottom first */
     uint32_t order_count;
     uint32_t joined_order[COMPOSER_PARTS_MAX]; /* slots of those in the engagement, bottom first */
@@ -70,12 +70,12 @@ static void composer_show(composer *self); /* if stale */
 /* how: the pull that says how it is solved; NULL: nobody does. */
 static csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how);
 
-/* ---- the anchored voices ---- */
+/* ---- the anchored parts ---- */
 
 static void composer_join(composer *self);
-/* The face as if the voices pulled nothing but what `keep` has added; bones as they are. */
-static void composer_show_only(composer *self, bool (*keep)(const voice *v));
-/* Bakes what a voice that has committed has added; true: one has, and the others join anew. */
+/* The face as if the parts pulled nothing but what `keep` has added; bones as they are. */
+static void composer_show_only(composer *self, bool (*keep)(const part_state *v));
+/* Bakes what a part that has committed has added; true: one has, and the others join anew. */
 static bool composer_commit(composer *self);
 static bool composer_is_anybody_joined(const composer *self);
 
@@ -83,25 +83,25 @@ static bool composer_is_anybody_joined(const composer *self);
 
 static vec3 composer_vec3(mrt_vec3 p);
 /* Its weight and its gain. */
-static double composer_share(const voice *v);
-/* Whether one of those that hold the face is counted; NULL: all are. */
-static bool composer_counts_anybody(const composer *self, bool (*counts)(const voice *v));
-/* Where each control of the engagement is to land, 3 * control_count, mm: a way from its start for
- * what rides[k] with the bones, else a place (face_ride). `counts`: whose pull is taken, NULL: all.
- */
-static void composer_blend_ends(const composer *self, bool (*counts)(const voice *v), double *end,
-                                uint8_t *rides);
-/* The degrees of freedom as all voices together want them. */
+static double composer_share(const part_state *v);
+/* Whether `counts` accepts some part that holds the face; NULL accepts all. */
+static bool composer_counts_anybody(const composer *self, bool (*counts)(const part_state *v));
+/* The target of each control of the engagement, 3 * control_count, mm: an offset from its start
+ * where rides[k] (face_ride adds what the bones do), else a position. `counts` selects the parts
+ * whose pulls are blended; NULL: all. */
+static void composer_blend_ends(const composer *self, bool (*counts)(const part_state *v),
+                                double *end, uint8_t *rides);
+/* The degrees of freedom as all parts together want them. */
 static void composer_blend_dofs(const composer *self, float *out);
 
-/* ---- what the pulls of all voices add up to, layer by layer ---- */
+/* ---- what the pulls of all parts add up to, layer by layer ---- */
 
 static vec3 composer_vec3(mrt_vec3 p)
 {
     return (vec3){(double)p.x, (double)p.y, (double)p.z};
 }
 
-static double composer_share(const voice *v)
+static double composer_share(const part_state *v)
 {
     return v->part.weight * v->part.gain;
 }
@@ -117,7 +117,7 @@ typedef struct blended {
     double sum[3]; /* of the layer at hand */
     bool is_additive;
     uint32_t layer;
-    uint32_t voices;
+    uint32_t parts;
 } blended;
 
 static void close_layer(blended *b)
@@ -130,11 +130,11 @@ static void close_layer(blended *b)
     memset(b->sum, 0, sizeof b->sum);
 }
 
-static void add_voice(blended *b, const voice *v, double weight, const double *added)
+static void add_part(blended *b, const part_state *v, double weight, const double *added)
 {
     if (b->layer != v->part.layer)
         close_layer(b);
-    b->voices += 1;
+    b->parts += 1;
     b->layer = v->part.layer;
     b->is_additive = v->part.is_additive;
     if (b->cover > 0.0)
@@ -145,18 +145,18 @@ static void add_voice(blended *b, const voice *v, double weight, const double *a
     b->cover += weight;
 }
 
-static bool composer_counts_anybody(const composer *self, bool (*counts)(const voice *v))
+static bool composer_counts_anybody(const composer *self, bool (*counts)(const part_state *v))
 {
     for (uint32_t i = 0; counts && i < self->joined_count; ++i) {
-        const voice *v = &self->voice[self->joined_order[i]];
+        const part_state *v = &self->state[self->joined_order[i]];
         if (v->is_joined && counts(v))
             return true;
     }
     return !counts;
 }
 
-static void composer_blend_ends(const composer *self, bool (*counts)(const voice *v), double *end,
-                                uint8_t *rides)
+static void composer_blend_ends(const composer *self, bool (*counts)(const part_state *v),
+                                double *end, uint8_t *rides)
 {
     blended at[MRT_MAX_VECTORS];
     memset(at, 0, sizeof at);
@@ -168,7 +168,7 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const voice
         at[k].value[2] = held->z;
     }
     for (uint32_t i = 0; i < COMPOSER_PARTS_MAX; ++i) {
-        const voice *v = &self->voice[self->joined_order[i]];
+        const part_state *v = &self->state[self->joined_order[i]];
         for (uint32_t j = 0; i < self->joined_count && v->is_joined && j < v->joined.count; ++j) {
             uint32_t k = v->control[j];
             if (k == COMPOSER_NO_CONTROL || (counts && !counts(v)))
@@ -177,7 +177,7 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const voice
                  to = composer_vec3(v->joined.vector[j].end);
             const double added[3] = {v->share * (to.x - start.x), v->share * (to.y - start.y),
                                      v->share * (to.z - start.z)};
-            add_voice(&at[k], v, v->weight, added);
+            add_part(&at[k], v, v->weight, added);
         }
     }
     for (uint32_t k = 0; k < self->control_count; ++k) {
@@ -187,11 +187,11 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const voice
         memcpy(end + 3 * k, at[k].value, sizeof at[k].value);
         if (rides[k])
             continue;
-        const voice *v = &self->voice[c->slot];
+        const part_state *v = &self->state[c->slot];
         vec3 position = c->start;
-        if (v->is_joined && !v->part.is_pointer && at[k].voices == 1 && is_one(v->share) &&
+        if (v->is_joined && !v->part.is_pointer && at[k].parts == 1 && is_one(v->share) &&
             (!counts || counts(v))) {
-            /* it lands on its end itself: no digits lost on the way */
+            /* the end itself: start + (end - start) would round */
             position = composer_vec3(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);
         }
@@ -207,7 +207,7 @@ static void composer_blend_dofs(const composer *self, float *out)
         blended at = {.cover = 0};
         bool is_driven = false;
         for (uint32_t i = 0; i < self->order_count; ++i) {
-            const voice *v = &self->voice[self->order[i]];
+            const part_state *v = &self->state[self->order[i]];
             const mrt_pull *pull =
                 v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->last_pull;
             bool speaks = v->has_pull || v->part.pull->mode == MRT_UNANCHORED;
@@ -215,7 +215,7 @@ static void composer_blend_dofs(const composer *self, float *out)
                 (v->part.owns && !v->part.owns[self->about.contact_count + d]))
                 continue;
             const double added[3] = {composer_share(v) * (double)pull->dof[d], 0, 0};
-            add_voice(&at, v, v->part.weight, added);
+            add_part(&at, v, v->part.weight, added);
             is_driven = true;
         }
         close_layer(&at);
@@ -223,7 +223,7 @@ static void composer_blend_dofs(const composer *self, float *out)
     }
 }
 
-/* The head's own shapes as all voices together want them, from the next frame on. */
+/* The head's own shapes as all parts together want them, from the next frame on. */
 static void ask_shapes(composer *self)
 {
     uint32_t free_points = self->about.contact_count + self->about.dof_count;
@@ -232,12 +232,12 @@ static void ask_shapes(composer *self)
     for (uint32_t s = 0; s < count; ++s) {
         blended at = {.cover = 0};
         for (uint32_t i = 0; i < self->order_count; ++i) {
-            const voice *v = &self->voice[self->order[i]];
+            const part_state *v = &self->state[self->order[i]];
             if (!v->part.shapes || isnan(v->part.shapes[s]) ||
                 (v->part.owns && !v->part.owns[free_points]))
                 continue;
             const double added[3] = {composer_share(v) * (double)v->part.shapes[s], 0, 0};
-            add_voice(&at, v, v->part.weight, added);
+            add_part(&at, v, v->part.weight, added);
         }
         close_layer(&at);
         asked[s] = (float)at.value[0];
@@ -245,9 +245,9 @@ static void ask_shapes(composer *self)
     face_ask_shapes(self->face, asked);
 }
 
-/* ---- the anchored pulls of all voices in one solve ---- */
+/* ---- the anchored pulls of all parts in one solve ---- */
 
-static bool owns(const composer *self, const voice *v, uint32_t contact)
+static bool owns(const composer *self, const part_state *v, uint32_t contact)
 {
     if (!v->part.owns)
         return true;
@@ -265,13 +265,13 @@ static uint32_t find_contact(const joined_control *control, uint32_t count, uint
     return COMPOSER_NO_CONTROL;
 }
 
-/* Two parts of one layer that hold the same free point, as while one takes over from the other,
- * hold it together. */
+/* A free point has one control for all parts of a layer that pull it: in a cross-fade both sides
+ * hold the same one. */
 static uint32_t find_free_point(const composer *self, const joined_control *control, uint32_t count,
-                                const voice *v, const mrt_vector *vector)
+                                const part_state *v, const mrt_vector *vector)
 {
     for (uint32_t k = 0; k < count; ++k) {
-        const voice *other = &self->voice[control[k].slot];
+        const part_state *other = &self->state[control[k].slot];
         if (control[k].contact == 0 && other->part.layer == v->part.layer &&
             memcmp(&other->last_pull.vector[control[k].vector].start, &vector->start,
                    sizeof vector->start) == 0)
@@ -287,14 +287,14 @@ typedef struct holds {
     uint32_t of[COMPOSER_PARTS_MAX][MRT_MAX_VECTORS]; /* the control of each vector, by slot */
 } holds;
 
-/* The controls of all voices, in their order. */
+/* The controls of all parts, in their order. */
 static void list_holds(composer *self, holds *out)
 {
     out->count = 0;
     for (uint32_t i = 0; i < self->order_count; ++i) {
         uint32_t slot = self->order[i];
-        const voice *v = &self->voice[slot];
-        uint32_t others = out->count; /* a voice may hold one contact twice */
+        const part_state *v = &self->state[slot];
+        uint32_t others = out->count; /* a part may hold one contact twice */
         for (uint32_t j = 0; v->has_pull && j < v->last_pull.count; ++j) {
             uint32_t contact = v->last_pull.vector[j].contact;
             uint32_t at = COMPOSER_NO_CONTROL;
@@ -338,14 +338,14 @@ static bool are_held(const composer *self, const holds *h)
     return true;
 }
 
-/* The radius of one solve for all: of the lowest voice that names one; a pointer names it when it
+/* The radius of one solve for all: of the lowest part that names one; a pointer names it when it
  * is alone. */
 static float joined_radius_mm(const composer *self)
 {
     float of_pointer = 0.0f;
     bool is_alone = true;
     for (uint32_t i = 0; i < self->order_count; ++i) {
-        const voice *v = &self->voice[self->order[i]];
+        const part_state *v = &self->state[self->order[i]];
         if (!v->has_pull)
             continue;
         is_alone &= v->part.is_pointer || v->last_pull.count == 0;
@@ -356,11 +356,11 @@ static float joined_radius_mm(const composer *self)
     return is_alone ? of_pointer : 0.0f;
 }
 
-/* Of the lowest voice that is no pointer; NULL: there is none. */
+/* Of the lowest part that is no pointer; NULL: there is none. */
 static const mrt_pull *joined_manner(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i) {
-        const voice *v = &self->voice[self->order[i]];
+        const part_state *v = &self->state[self->order[i]];
         if (v->has_pull && !v->part.is_pointer)
             return &v->last_pull;
     }
@@ -368,7 +368,7 @@ static const mrt_pull *joined_manner(const composer *self)
 }
 
 /* It takes hold anew: what it has added so far stays in the shape. */
-static bool is_anew(const voice *v)
+static bool is_anew(const part_state *v)
 {
     return v->is_joined && v->is_present && !v->part.is_pointer &&
            (v->joined.anchor != v->last_pull.anchor || v->joined.count != v->last_pull.count ||
@@ -379,7 +379,7 @@ static bool is_anew(const voice *v)
 
 /* ---- the engagement ---- */
 
-static void aim(composer *self, bool (*counts)(const voice *v), const float *dof)
+static void aim(composer *self, bool (*counts)(const part_state *v), const float *dof)
 {
     error err = {""};
     double end[MRT_MAX_VECTORS * 3];
@@ -396,8 +396,8 @@ static void aim(composer *self, bool (*counts)(const voice *v), const float *dof
     self->stale = true;
 }
 
-/* Everybody pulls what has been added, or as `keep` says; the bones stay where they are. */
-static void composer_show_only(composer *self, bool (*keep)(const voice *v))
+/* Shows the face with the pulls of only those parts that `keep` accepts; bones stay as they are. */
+static void composer_show_only(composer *self, bool (*keep)(const part_state *v))
 {
     if (!self->engaged)
         return;
@@ -405,14 +405,14 @@ static void composer_show_only(composer *self, bool (*keep)(const voice *v))
     composer_show(self);
 }
 
-static bool nobody(const voice *v)
+static bool nobody(const part_state *v)
 {
     (void)v;
     return false;
 }
 
-/* Where a place of the rest face is in the shape shown: beside the vertex that is nearest at rest.
- */
+/* Where a point of the rest face is in the shape shown: it keeps its offset from the vertex that is
+ * nearest to it at rest. */
 static vec3 position_now(const composer *self, vec3 at_rest)
 {
     const points *rest = face_rest(self->face), *shown = face_shown(self->face);
@@ -434,22 +434,22 @@ static vec3 position_now(const composer *self, vec3 at_rest)
     return vec3_add(at_rest, moved);
 }
 
-/* A contact is taken where it is now, wherever the mapping says that it rests; so is a place that a
- * pointer holds. */
+/* Where an engagement takes hold of the control: a contact, or a point under a pointer, where it is
+ * in the shape shown; another free point where the mapping says. */
 static vec3 start_of(const composer *self, const joined_control *c)
 {
     if (c->contact > 0)
         return face_contact_now(self->face, c->contact);
-    if (self->voice[c->slot].part.is_pointer)
+    if (self->state[c->slot].part.is_pointer)
         return position_now(self, c->rest);
-    return composer_vec3(self->voice[c->slot].last_pull.vector[c->vector].start);
+    return composer_vec3(self->state[c->slot].last_pull.vector[c->vector].start);
 }
 
 /* ---- pointers take hold of the face as it is ---- */
 
 static const joined_control *held_before(const composer *self, const joined_control *c)
 {
-    if (!self->voice[c->slot].was_present)
+    if (!self->state[c->slot].was_present)
         return NULL;
     for (uint32_t k = 0; k < self->control_count; ++k) {
         const joined_control *old = &self->control[k];
@@ -461,8 +461,10 @@ static const joined_control *held_before(const composer *self, const joined_cont
     return NULL;
 }
 
-/* Before the others let go: where the places are, mm, that pointers take hold of now. */
-static void find_places(composer *self, const holds *h, double *out_place, bool *out_comes)
+/* The positions, mm, of what pointers begin to hold in this step, while the old engagement is still
+ * shown. out_comes: which controls those are. */
+static void find_grip_positions(composer *self, const holds *h, double *out_position,
+                                bool *out_comes)
 {
     composer_show(self);
     for (uint32_t k = 0; k < h->count; ++k) {
@@ -471,9 +473,9 @@ static void find_places(composer *self, const holds *h, double *out_place, bool 
         if (!out_comes[k])
             continue;
         vec3 position = start_of(self, c);
-        out_place[3 * k] = position.x;
-        out_place[3 * k + 1] = position.y;
-        out_place[3 * k + 2] = position.z;
+        out_position[3 * k] = position.x;
+        out_position[3 * k + 1] = position.y;
+        out_position[3 * k + 2] = position.z;
     }
 }
 
@@ -487,7 +489,8 @@ static void keep_held(const composer *self, holds *h)
     }
 }
 
-/* Engaged anew: how far from the base the others had those places. */
+/* After the new engagement: how far from the base the other parts had moved what pointers now hold.
+ */
 static void hold_positions(composer *self, const double *position, const bool *comes)
 {
     double way[MRT_MAX_VECTORS * 3] = {0};
@@ -511,7 +514,7 @@ static void hold_positions(composer *self, const double *position, const bool *c
     }
 }
 
-/* What they were held at is in the base now. */
+/* The base now contains the offsets that pointers started from. */
 static void forget_held(composer *self)
 {
     for (uint32_t k = 0; k < self->control_count; ++k)
@@ -546,17 +549,18 @@ static void engage(composer *self, holds *h)
 static bool composer_is_anybody_joined(const composer *self)
 {
     for (uint32_t i = 0; i < self->joined_count; ++i)
-        if (self->voice[self->joined_order[i]].is_joined)
+        if (self->state[self->joined_order[i]].is_joined)
             return true;
     return false;
 }
 
-/* Of what the voices pull only what some of them leave stays in the shape. */
-static void settle(composer *self, bool (*stays)(const voice *v))
+/* Ends an engagement: bakes into the shape the pulls of the parts that `stays` accepts, and no
+ * others. */
+static void settle(composer *self, bool (*stays)(const part_state *v))
 {
     bool all_stay = true;
     for (uint32_t i = 0; i < self->joined_count; ++i) {
-        const voice *v = &self->voice[self->joined_order[i]];
+        const part_state *v = &self->state[self->joined_order[i]];
         all_stay &= !v->is_joined || stays(v);
     }
     composer_show(self); /* the base is the shape of this step, not of the last drawn frame */
@@ -566,15 +570,15 @@ static void settle(composer *self, bool (*stays)(const voice *v))
         forget_held(self);
 }
 
-/* The voices hold the face with what they say now. */
+/* Records the pulls of this step as those that hold the face. */
 static void join(composer *self, const holds *h)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        self->voice[slot].is_joined = false;
+        self->state[slot].is_joined = false;
     self->joined_count = 0;
     for (uint32_t i = 0; i < self->order_count && self->engaged; ++i) {
         uint32_t slot = self->order[i];
-        voice *v = &self->voice[slot];
+        part_state *v = &self->state[slot];
         if (!v->has_pull)
             continue;
         v->is_joined = true;
@@ -589,12 +593,12 @@ static void join(composer *self, const holds *h)
 static bool has_any_pull(const composer *self)
 {
     for (uint32_t i = 0; i < self->order_count; ++i)
-        if (self->voice[self->order[i]].has_pull)
+        if (self->state[self->order[i]].has_pull)
             return true;
     return false;
 }
 
-/* Whoever was there has gone: the face goes back to its base. */
+/* No part is left: the face returns to its base. */
 static void rest(composer *self)
 {
     static const float still[MRT_MAX_DOFS] = {0};
@@ -605,16 +609,16 @@ static void rest(composer *self)
     forget_held(self);
     self->joined_count = 0;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        self->voice[slot].is_joined = false;
+        self->state[slot].is_joined = false;
 }
 
-static bool has_committed(const voice *v)
+static bool has_committed(const part_state *v)
 {
     return v->is_present && v->was_present && v->part.pull->commit != v->commit;
 }
 
-/* What it pulled is in the base now; it begins anew with its next anchored pull. */
-static void forget_committed(voice *v)
+/* After a commit: a part that is not anchored has no pull until its next anchored one. */
+static void forget_committed(part_state *v)
 {
     if (has_committed(v) && v->part.pull->mode != MRT_ANCHORED)
         v->has_pull = false;
@@ -624,7 +628,7 @@ static bool composer_commit(composer *self)
 {
     bool is_wanted = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
-        bool now = has_committed(&self->voice[self->order[i]]);
+        bool now = has_committed(&self->state[self->order[i]]);
         self->counts.commits += now;
         is_wanted |= now;
     }
@@ -632,12 +636,13 @@ static bool composer_commit(composer *self)
         return false;
     settle(self, has_committed);
     face_commit(self->face);
-    face_show(self->face); /* of what is kept alone, as after composer_load */
+    face_show(
+        self->face); /* the shape follows from the saved state alone, as after composer_load */
     self->engaged = false;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        forget_committed(&self->voice[self->order[i]]);
+        forget_committed(&self->state[self->order[i]]);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        self->voice[slot].is_joined = false;
+        self->state[slot].is_joined = false;
     return true;
 }
 
@@ -650,14 +655,14 @@ static void composer_join(composer *self)
     }
     bool is_new = !self->engaged || fabsf(joined_radius_mm(self) - self->engaged_radius_mm) > 0.0f;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        is_new |= is_anew(&self->voice[self->order[i]]);
+        is_new |= is_anew(&self->state[self->order[i]]);
     list_holds(self, &h);
     is_new |= !are_held(self, &h);
     if (is_new) {
         double position[MRT_MAX_VECTORS * 3];
         bool comes[MRT_MAX_VECTORS] = {false};
         uint64_t before = self->counts.engagements;
-        find_places(self, &h, position, comes);
+        find_grip_positions(self, &h, position, comes);
         settle(self, is_anew);
         keep_held(self, &h);
         engage(self, &h);
@@ -801,7 +806,7 @@ void composer_destroy(composer *self)
 void composer_reset(composer *self)
 {
     face_reset(self->face);
-    memset(self->voice, 0, sizeof self->voice);
+    memset(self->state, 0, sizeof self->state);
     self->order_count = self->joined_count = self->control_count = 0;
     self->engaged = self->stale = false;
 }
@@ -850,7 +855,7 @@ static void copy_ends(double *out, const mrt_pull *pull)
 
 /* Where this step's drag begins: at the tips as they really are when the mapping goes on from its
  * last ends, else where the mapping says. */
-static void drag_from(const voice *v, double *out_from)
+static void drag_from(const part_state *v, double *out_from)
 {
     const mrt_pull *pull = v->part.pull;
     for (uint32_t i = 0; i < pull->count; ++i) {
@@ -863,8 +868,8 @@ static void drag_from(const voice *v, double *out_from)
         memcpy(out_from, v->tip, (size_t)pull->count * 3 * sizeof *out_from);
 }
 
-/* A weight below 1 goes only a part of the way. */
-static void shorten(const voice *v, const double *from, double *to)
+/* Scales the step by the part's weight and gain. */
+static void shorten(const part_state *v, const double *from, double *to)
 {
     double share = v->part.weight * v->part.gain;
     for (size_t i = 0; fabs(share - 1.0) > 0.0 && i < (size_t)v->part.pull->count * 3; ++i)
@@ -873,7 +878,7 @@ static void shorten(const voice *v, const double *from, double *to)
 
 /* Tips that have fallen behind the hand come after it at most at twice its speed: what held them
  * back may be gone at once, and the shape must not jump. */
-static void limit_catch_up(const voice *v, const double *from, double *to)
+static void limit_catch_up(const part_state *v, const double *from, double *to)
 {
     const mrt_pull *pull = v->part.pull;
     for (uint32_t i = 0; v->is_dragging && i < pull->count; ++i) {
@@ -889,7 +894,7 @@ static void limit_catch_up(const voice *v, const double *from, double *to)
 }
 
 /* Some tip is not where the hand is. */
-static bool is_behind(const voice *v, const double *to)
+static bool is_behind(const part_state *v, const double *to)
 {
     return memcmp(v->tip, to, (size_t)v->tip_count * 3 * sizeof *to) != 0;
 }
@@ -902,7 +907,8 @@ static bool drives_bones(const composer *self, const mrt_pull *pull)
     return false;
 }
 
-static void drag_along_way(composer *self, voice *v, const csrbf_settings *settings, double *to)
+static void drag_along_way(composer *self, part_state *v, const csrbf_settings *settings,
+                           double *to)
 {
     const mrt_pull *pull = v->part.pull;
     error err = {""};
@@ -928,13 +934,13 @@ static void drag_along_way(composer *self, voice *v, const csrbf_settings *setti
     self->counts.min_determinant = fmin(self->counts.min_determinant, step.min_determinant);
 }
 
-static bool is_nobody(const voice *v)
+static bool is_nobody(const part_state *v)
 {
     (void)v;
     return false;
 }
 
-/* The shape itself is kneaded: what anchored voices add to it is taken off for that long. */
+/* A drag changes the shape itself: takes off what the anchored parts add until it is done. */
 static void bare_shape(composer *self)
 {
     composer_show(self);
@@ -942,10 +948,10 @@ static void bare_shape(composer *self)
         composer_show_only(self, is_nobody);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        self->voice[slot].is_joined = false;
+        self->state[slot].is_joined = false;
 }
 
-static void drag_unanchored(composer *self, voice *v, double dt_s)
+static void drag_unanchored(composer *self, part_state *v, double dt_s)
 {
     const mrt_pull *pull = v->part.pull;
     bare_shape(self);
@@ -953,7 +959,7 @@ static void drag_unanchored(composer *self, voice *v, double dt_s)
     double to[MRT_MAX_VECTORS * 3];
     copy_ends(to, pull);
     bool near = !pull->gate || face_is_near(self->face, to, pull->count, settings.radius);
-    /* The first sample near the shape only says where the tips are. */
+    /* The first sample near the shape only sets where the tips start from. */
     bool may_move = near && v->was_near && pull->count > 0;
     if (pull->count == 0)
         may_move = drives_bones(self, pull);
@@ -974,7 +980,7 @@ static void restore(composer *self, double part)
         composer_show_only(self, is_nobody);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        self->voice[slot].is_joined = false;
+        self->state[slot].is_joined = false;
     face_restore(self->face, part);
 }
 
@@ -983,24 +989,24 @@ static void restore(composer *self, double part)
 static void take_parts(composer *self, const composer_part *part, uint32_t count)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        self->voice[slot].is_present = false;
+        self->state[slot].is_present = false;
     self->order_count = 0;
     for (uint32_t i = 0; i < count && self->order_count < COMPOSER_PARTS_MAX; ++i) {
         if (part[i].slot >= COMPOSER_PARTS_MAX)
             continue;
-        voice *v = &self->voice[part[i].slot];
+        part_state *v = &self->state[part[i].slot];
         v->is_present = true;
         v->part = part[i];
         self->order[self->order_count++] = part[i].slot;
     }
 }
 
-/* What the voices say now; true: something of it is new. */
+/* What the parts say now; true: something of it is new. */
 static bool listen(composer *self)
 {
     bool is_new = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
-        voice *v = &self->voice[slot];
+        part_state *v = &self->state[slot];
         is_new |= v->is_present != v->was_present;
         if (!v->is_present) {
             if (!v->is_joined)
@@ -1020,7 +1026,7 @@ static bool listen(composer *self)
     return is_new;
 }
 
-static void add_pulled(mrt_pull *out, const voice *v)
+static void add_pulled(mrt_pull *out, const part_state *v)
 {
     const mrt_pull *pull = v->part.pull;
     float share = (float)(v->part.weight * v->part.gain);
@@ -1035,7 +1041,7 @@ static void add_pulled(mrt_pull *out, const voice *v)
 
 static void note_pulled(composer *self)
 {
-    const voice *first = &self->voice[self->order[0]];
+    const part_state *first = &self->state[self->order[0]];
     bool is_one = self->order_count == 1 && !(fabs(first->part.weight - 1.0) > 0.0) &&
                   !(fabs(first->part.gain - 1.0) > 0.0);
     if (is_one) {
@@ -1045,14 +1051,14 @@ static void note_pulled(composer *self)
     self->pulled.count = 0;
     self->pulled.mode = self->engaged ? MRT_ANCHORED : MRT_UNANCHORED;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        add_pulled(&self->pulled, &self->voice[self->order[i]]);
+        add_pulled(&self->pulled, &self->state[self->order[i]]);
     composer_blend_dofs(self, self->pulled.dof);
 }
 
 static void leave(composer *self)
 {
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
-        voice *v = &self->voice[slot];
+        part_state *v = &self->state[slot];
         v->was_present = v->is_present;
         if (v->is_present) {
             v->commit = v->part.pull->commit;
@@ -1066,7 +1072,7 @@ static void leave(composer *self)
     }
 }
 
-static bool is_kneading(const voice *v)
+static bool is_kneading(const part_state *v)
 {
     return v->part.pull->mode == MRT_UNANCHORED && v->part.is_fresh;
 }
@@ -1078,16 +1084,16 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
     is_new |= listen(self);
     bool is_kneaded = false, is_held = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
-        const voice *v = &self->voice[self->order[i]];
+        const part_state *v = &self->state[self->order[i]];
         is_kneaded |= is_kneading(v);
         is_held |= v->has_pull;
     }
     self->is_mixed = is_kneaded && is_held;
     for (uint32_t i = 0; i < self->order_count; ++i)
-        if (is_kneading(&self->voice[self->order[i]]))
-            drag_unanchored(self, &self->voice[self->order[i]], dt_s);
+        if (is_kneading(&self->state[self->order[i]]))
+            drag_unanchored(self, &self->state[self->order[i]], dt_s);
     for (uint32_t i = 0; i < self->order_count; ++i) {
-        const voice *v = &self->voice[self->order[i]];
+        const part_state *v = &self->state[self->order[i]];
         if (!(v->part.restore > 0.0))
             continue;
         restore(self, v->part.restore);
@@ -1186,8 +1192,8 @@ const composer_counts *composer_counted(const composer *self)
     return &self->counts;
 }
 
-/* The state of a composer as bytes. Who speaks is told again by the next step; what they hold the
- * face with is kept. */
+/* The state of a composer as bytes: the pulls that hold the face. Which parts pull now is not
+ * stored, as every step says it. */
 
 enum { STORE_VERSION = 3, STORE_WITH_POINTERS = 4 };
 enum { IS_ADDITIVE = 1, IS_POINTER = 2 };
@@ -1222,7 +1228,7 @@ static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
         in->failed |= isinf(out->dof[i]);
 }
 
-static void put_voice(bytes_out *out, const voice *v)
+static void put_state(bytes_out *out, const part_state *v)
 {
     bytes_put_u32(out, v->part.layer);
     bytes_put_u32(out,
@@ -1245,7 +1251,7 @@ static void put_voice(bytes_out *out, const voice *v)
         bytes_put(out, v->tip, (size_t)v->tip_count * 3 * sizeof *v->tip);
 }
 
-static void take_voice(bytes_in *in, const composer *self, voice *out)
+static void take_state(bytes_in *in, const composer *self, part_state *out)
 {
     out->was_present = true;
     out->part.layer = bytes_take_u32(in);
@@ -1276,7 +1282,7 @@ static void take_voice(bytes_in *in, const composer *self, voice *out)
             out->tip[i] = bytes_take_f64(in);
 }
 
-/* Most faces never felt one: they are kept as ever. */
+/* Without any the format is STORE_VERSION, which older versions read. */
 static bool has_pointers(const composer *self)
 {
     bool any = false;
@@ -1354,21 +1360,21 @@ static void take_controls(bytes_in *in, composer *self)
 size_t composer_save(composer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    uint32_t voice_count = 0;
+    uint32_t state_count = 0;
     bytes_put_u32(&out, has_pointers(self) ? STORE_WITH_POINTERS : STORE_VERSION);
     put_controls(&out, self);
     if (has_pointers(self))
         put_pointers(&out, self);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
-        voice_count += self->voice[slot].was_present || self->voice[slot].is_joined;
-    bytes_put_u32(&out, voice_count);
+        state_count += self->state[slot].was_present || self->state[slot].is_joined;
+    bytes_put_u32(&out, state_count);
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot) {
-        const voice *v = &self->voice[slot];
+        const part_state *v = &self->state[slot];
         if (!v->was_present && !v->is_joined)
             continue;
         bytes_put_u32(&out, slot);
         bytes_put_u32(&out, v->was_present);
-        put_voice(&out, v);
+        put_state(&out, v);
     }
     size_t face_size = face_save(self->face, NULL, 0);
     bytes_put_u32(&out, (uint32_t)face_size);
@@ -1384,16 +1390,16 @@ static mrt_result load(composer *self, bytes_in *in, error *err)
     take_controls(in, self);
     if (version == STORE_WITH_POINTERS)
         take_pointers(in, self);
-    uint32_t voice_count = bytes_take_u32(in);
-    for (uint32_t i = 0; i < voice_count && !in->failed; ++i) {
+    uint32_t state_count = bytes_take_u32(in);
+    for (uint32_t i = 0; i < state_count && !in->failed; ++i) {
         uint32_t slot = bytes_take_u32(in);
         bool was_present = bytes_take_u32(in) != 0;
         if (slot >= COMPOSER_PARTS_MAX) {
             in->failed = true;
             break;
         }
-        take_voice(in, self, &self->voice[slot]);
-        self->voice[slot].was_present = was_present;
+        take_state(in, self, &self->state[slot]);
+        self->state[slot].was_present = was_present;
     }
     size_t size = bytes_take_u32(in);
     if (in->failed || size != (size_t)(in->end - in->at))

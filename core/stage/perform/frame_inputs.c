@@ -28,7 +28,7 @@ static bool is_known_as(const frame_inputs *self, uint32_t i, const channel_rout
     return route->name[0] || channel_table_equal(&self->table[i], &route->table, NULL);
 }
 
-static uint32_t place_of(const frame_inputs *self, const channel_route *route)
+static uint32_t slot_of(const frame_inputs *self, const channel_route *route)
 {
     uint32_t oldest = 0;
     for (uint32_t i = 0; i < self->count; ++i) {
@@ -69,7 +69,7 @@ void frame_inputs_read(frame_inputs *self, const sample_step *s, int64_t time_ns
         const mrt_sample *sample = &s->of[k].sample;
         if (is_hosts_own(route))
             continue;
-        uint32_t i = place_of(self, route);
+        uint32_t i = slot_of(self, route);
         describe(self, i, route);
         memset(self->value[i], 0, sizeof self->value[i]);
         for (uint32_t c = 0; c < route->table.count && c < sample->count; ++c)

@@ -19,22 +19,22 @@ struct layer_room {
         *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
 };
 
-/* The cross-fade from the pull before to that of the mapping that takes over. */
+/* The cross-fade from the last pull to the first ones of a mapping that takes over. */
 typedef struct crossfade {
-    bool is_waiting; /* for the first pull of the new one */
-    bool is_other;   /* while waiting: the new one is another mapping */
+    bool is_waiting; /* for the first pull of the new mapping */
+    bool is_other;   /* while waiting: another mapping, not a newer build of the same */
     bool is_fading;
     bool is_leaving; /* while fading: `leaving` is seen */
-    bool is_homing;  /* while fading: to rest, before the new one begins (layer_go_home) */
+    bool is_homing;  /* while fading: to rest; the new mapping begins after that (go_home) */
     double fade_s;
     uint32_t side;
     uint32_t anchor_shift;     /* added to the mapping's anchors */
-    float posed[MRT_MAX_DOFS]; /* of another mapping: the bones when it came */
+    float posed[MRT_MAX_DOFS]; /* is_other: the degrees of freedom at the switch */
     mrt_pull leaving;
-    mrt_pull shown; /* with the shift, or at rest; in use while there is one, or while homing */
+    mrt_pull shown; /* what layer_pull gives instead of `good` while anchor_shift or is_homing */
 } crossfade;
 
-/* What is pulled on the way home: nothing, and the bones that `leaving` drove are at rest. */
+/* The target of homing: no control vectors, and the bones that `leaving` drove at rest. */
 static mrt_pull layer_home(const mrt_pull *leaving);
 
 struct layer {
@@ -49,7 +49,7 @@ struct layer {
     frame_inputs inputs;
     patch_bay bay;
     pointer pointer;
-    bool resets;          /* the mapping is to begin anew, once nothing is between */
+    bool resets;          /* the mapping is to be reset as soon as its state is known */
     uint32_t reset_waits; /* steps, for what it was taught */
     mrt_frame frame;
     mrt_pull pull; /* what the mapping fills; it sees its own last values */
@@ -71,8 +71,8 @@ static void let_bones_go(mrt_pull *pull)
         pull->dof[i] = NAN;
 }
 
-/* What it was taught by now is what a reset returns to. False: it did not say; a process of its own
- * may be late. */
+/* Asks the mapping for what it was taught, which a reset gives back to it. False: no answer yet, as
+ * an isolated mapping may be late. */
 static bool keep_taught(layer *self)
 {
     error ignored = {""};
@@ -221,7 +221,8 @@ instance *layer_replace(layer *self, instance *mapping, layer_room **room, const
     instance *old = layer_switch(self, mapping, room);
     self->crossfade.is_other = true;
     memcpy(self->crossfade.posed, posed, sizeof self->crossfade.posed);
-    let_bones_go(&self->pull); /* the new one may say nothing of what the old one drove */
+    let_bones_go(
+        &self->pull); /* `pull` is in and out: do not hand the old mapping's bones to the new one */
     return old;
 }
 
@@ -246,7 +247,7 @@ uint32_t layer_side(const layer *self)
     return self->crossfade.side;
 }
 
-/* Free points are taken hold of elsewhere: the two pulls cannot be laid over each other. */
+/* Two anchored pulls whose free points differ cannot be blended: a new engagement is needed. */
 static bool holds_elsewhere(const mrt_pull *a, const mrt_pull *b)
 {
     if (a->mode != MRT_ANCHORED || b->mode != MRT_ANCHORED)
@@ -273,7 +274,7 @@ static bool drives_bones(const mrt_pull *pull)
     return false;
 }
 
-/* Of a bone that the old one drove the new one says nothing: it would stay as it is for good. */
+/* A bone that only the old mapping drove would stay as it left it. */
 static bool leaves_bones(const layer *self, const mrt_pull *leaving, const mrt_pull *new)
 {
     for (uint32_t i = 0; i < self->about->dof_count; ++i)
@@ -282,7 +283,8 @@ static bool leaves_bones(const layer *self, const mrt_pull *leaving, const mrt_p
     return false;
 }
 
-/* What vectors have done to a jaw that is driven from now on is eased from there. */
+/* A jaw that vectors moved and that the new mapping drives fades from where it was at the switch.
+ */
 static void leave_posed(crossfade *c, const mrt_pull *new)
 {
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
@@ -298,7 +300,7 @@ static mrt_pull layer_home(const mrt_pull *leaving)
     return out;
 }
 
-/* What was pulled eases to rest; then the new one takes hold of that (begin_at_home). */
+/* The old pull fades to rest; then the new mapping engages there (begin_at_home). */
 static void go_home(layer *self)
 {
     crossfade *c = &self->crossfade;
@@ -393,15 +395,15 @@ static void tell_params(layer *self, int64_t time_ns)
     }
 }
 
-/* What the mapping sees as its own last pull. */
+/* Gives the mapping, whose pull is in and out, the last one that was used. */
 static void give_back_good(layer *self)
 {
     self->pull = self->good;
-    if (self->crossfade.is_waiting) /* still another's, or of before it was to begin anew */
+    if (self->crossfade.is_waiting) /* `good` is the old mapping's, or of before the reset */
         let_bones_go(&self->pull);
 }
 
-/* Fills self->good with what the mapping wants now, if it makes sense. */
+/* Runs process(). Leaves self->good as it was on MRT_HOLD, on an error and on a faulty pull. */
 static void run_mapping(layer *self, int64_t time_ns)
 {
     instance_latch(self->mapping);
@@ -431,7 +433,7 @@ static void run_mapping(layer *self, int64_t time_ns)
     if (!self->counts.first_problem.text[0])
         error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "mapping %s gave %s",
                   self->mapping->type->id, fault);
-    give_back_good(self); /* "on entry: what it held last" stays sane */
+    give_back_good(self); /* plugin.h: "on entry: what it held last" */
 }
 
 static void read_pointer(layer *self, const sample_step *s)
@@ -562,9 +564,12 @@ void layer_shift_time(layer *self, int64_t by_ns)
 }
 
 enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3, STORE_WITH_INPUTS = 4 };
-enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* more than 1, that it is waiting, is fading */
+enum {
+    STORE_OTHER = 2,
+    STORE_HOMING = 2
+}; /* values of the stored is_waiting and is_fading beyond true */
 
-/* What the hands and the mapping take goes behind its own size. */
+/* A nested state, preceded by its size. */
 static void put_sized(bytes_out *out, size_t (*save)(void *of, void *bytes, size_t capacity),
                       void *of)
 {
@@ -586,7 +591,8 @@ static size_t save_mapping(void *of, void *bytes, size_t capacity)
     return self->resume->save(self->mapping->self, bytes, capacity);
 }
 
-/* Those behind the ones in use too, up to the last that is not all zero: the mapping sees them. */
+/* The mapping sees the whole array: also vectors beyond `count` are kept, up to the last one that
+ * is not zero. */
 static uint32_t vectors_to_keep(const mrt_pull *pull)
 {
     static const mrt_vector nothing = {{0, 0, 0}, {0, 0, 0}, 0};

@@ -15,7 +15,8 @@ typedef struct layer_settings {
     hands_settings hands;
     double reach_mm; /* the guard: no vector leads further from `centre` */
     vec3 centre;
-    /* What the mapping was taught outlives a reset; false: as it was before this was so. */
+    /* What the mapping was taught outlives a reset; false for takes of versions in which it did
+     * not. */
     bool keeps_taught;
 } layer_settings;
 

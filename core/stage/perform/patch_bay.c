@@ -298,7 +298,7 @@ void patch_bay_finish(patch_bay *self)
     self->plan = NULL;
 }
 
-/* What is pulled now leaves from here on. */
+/* Starts the fade-out of the current pull. */
 static void begin_fade(patch_bay *self)
 {
     for (int k = 0; k < PATCH_PULLS; ++k) {
@@ -311,7 +311,7 @@ static void begin_fade(patch_bay *self)
     self->fade_s = 0.0;
 }
 
-/* A connection that is as before goes on from where it is. */
+/* Copies the state of connections that the old plan has, too. */
 static void carry_courses_over(patch_bay *self, const patch_plan *plan)
 {
     patch_course kept[PATCH_CONNECTIONS_MAX];
@@ -413,7 +413,7 @@ void patch_bay_params(const patch_bay *self, const double *own, double *out)
 
 /* ---- a step ---- */
 
-/* Where the target is without this connection. */
+/* The value of the target without this connection. */
 static double under_of(const patch_bay *self, uint32_t i, const double *own, const mrt_pull *below)
 {
     const patch_connection *c = &self->plan->of.connection[i];
@@ -470,7 +470,7 @@ static bool is_pulling(const patch_bay *self, uint32_t i)
     return self->may_speak[i] && kind != PATCH_PARAM && kind != PATCH_ACTION;
 }
 
-/* Another set of them speaks from here on, once what came before has come. */
+/* Another set of connections is active: starts a fade, unless one is running. */
 static void fade_on_change(patch_bay *self)
 {
     bool is_other = false;

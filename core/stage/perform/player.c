@@ -30,7 +30,7 @@ struct player_loop {
     int64_t start_ns;
     int64_t work_ns;           /* since the last drawn frame */
     int64_t drawn_ns, draw_ns; /* goes on: when it was drawn last, and how long that took */
-    bool is_wanted;            /* goes on: to be drawn as soon as no sample waits */
+    bool is_wanted;            /* a stage that goes on: to be drawn as soon as no sample waits */
 };
 
 static int64_t frame_time_ns(const player_loop *self, uint32_t index)
@@ -104,7 +104,7 @@ static mrt_result check_gap(const player_loop *self, const sample_step *came, er
                      (double)(came->time_ns - of->last_ns) / 1e9, (uintmax_t)of->sample_count);
 }
 
-/* A step that has its place in the order. */
+/* Performs a step that already has its time. */
 static mrt_result play_step(player_loop *self, const sample_step *s, error *err)
 {
     mrt_result result = MRT_OK;

@@ -127,7 +127,7 @@ static pointer_offset *add_offset(pointer *self, uint32_t contact, vec3 rest)
     return o;
 }
 
-/* One more than may stay is about to be held: the oldest that rests on its offset eases back. */
+/* Before one more is held: when too many keep an offset, the oldest of these eases back. */
 static void make_room(pointer *self)
 {
     uint32_t staying = 0;

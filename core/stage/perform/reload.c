@@ -98,7 +98,7 @@ typedef struct version {
     char identity[TAKE_IDENTITY]; /* as recorder_plugin_identity */
 } version;
 
-/* Whose turn it is. */
+/* Which thread acts next, and on what. */
 enum {
     STEP_NOTHING = 0, /* the loader's */
     STEP_SAVE,        /* the frame thread's: MRT_STATE of the old one */

@@ -94,7 +94,7 @@ static bool is_before(const scheduler_entry *a, const scheduler_entry *b)
 static mrt_result ask(scheduler_entry *e, error *err)
 {
     const sample_source *from = &e->source;
-    mrt_result result = from->peek(from->self, &e->sample, &e->seen_version, err);
+    mrt_result result = from->peek(from->self, &e->sample, &e->next_version, err);
     if (result < 0)
         return result;
     e->is_there = result == MRT_OK;
@@ -256,8 +256,8 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
         scheduler_entry *e = &self->entry[i];
         if (!e->is_chosen)
             continue;
-        if (e->seen_version != e->version)
-            route_version(self, i, e->seen_version);
+        if (e->next_version != e->version)
+            route_version(self, i, e->next_version);
         out->of[out->count++] = (step_sample){.input = i, .route = e->route, .sample = e->sample};
     }
     return MRT_OK;

@@ -32,7 +32,7 @@ typedef struct scheduler_entry {
     bool is_missed;     /* it was waited for, and did not come */
     /* as it was asked last */
     bool is_there, is_over, is_chosen;
-    uint32_t seen_version;
+    uint32_t next_version;
     int64_t due_ns;
     mrt_sample sample;
 } scheduler_entry;
@@ -69,7 +69,7 @@ void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration 
  * now_ns: of the host's clock, SCHEDULE_LIVE only. */
 CHECKED mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out,
                                   int64_t *out_until_ns, error *err);
-/* What scheduler_next gave is taken and gets its place in the order: its time. */
+/* What scheduler_next gave is taken, and gets its time. */
 void scheduler_take(scheduler *self, sample_step *s);
 /* The same for a step that no source gave. */
 void scheduler_insert(scheduler *self, sample_step *s);

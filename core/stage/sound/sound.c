@@ -11,13 +11,13 @@
 /* Changes of the transport that are smaller are not worth to begin anew. */
 static const double motion_ns = 0.5e6;
 
-typedef struct voice { /* how sounds of one rate and channel count are played */
+typedef struct playback { /* how sounds of one rate and channel count are played */
     uint32_t rate_hz, channel_count;
     ring *packets;
     sound_follow follow;
     sound_feed *feed;
-    struct voice *next; /* of the retired */
-} voice;
+    struct playback *next; /* of the retired */
+} playback;
 
 struct sound {
     sound_settings settings;
@@ -26,10 +26,10 @@ struct sound {
     sound_motion posted; /* [frame] the newest */
     /* playing */
     sound_device *out;
-    voice *voice;         /* that is to be played; [main] */
+    playback *playback;   /* that is to be played; [main] */
     pthread_mutex_t lock; /* of these two: between [main] and [opener] */
-    voice *coming, *retired;
-    voice *playing;        /* [opener], and [device] while it is open; NULL: only beats */
+    playback *coming, *retired;
+    playback *playing;     /* [opener], and [device] while it is open; NULL: only beats */
     uint32_t out_channels; /* likewise: of the device, as it was opened */
     sound_click click;     /* likewise */
     bool wants_beats;
@@ -91,9 +91,9 @@ static void in_block(void *data, const sound_block *block)
     sound_record_block(((sound *)data)->record, block);
 }
 
-/* ---- voices ---- */
+/* ---- playbacks ---- */
 
-static void destroy_voice(voice *of)
+static void playback_destroy(playback *of)
 {
     if (!of)
         return;
@@ -103,9 +103,9 @@ static void destroy_voice(voice *of)
     free(of);
 }
 
-static voice *create_voice(sound *self, const show_audio *audio, error *err)
+static playback *playback_create(sound *self, const show_audio *audio, error *err)
 {
-    voice *of = calloc(1, sizeof *of);
+    playback *of = calloc(1, sizeof *of);
     if (!of) {
         (void)error_set(err, MRT_ERR_MEMORY, "no memory to play sound");
         return NULL;
@@ -121,19 +121,19 @@ static voice *create_voice(sound *self, const show_audio *audio, error *err)
                                    &self->board, &of->follow, self->settings.threads, err);
     if (result >= 0)
         return of;
-    destroy_voice(of);
+    playback_destroy(of);
     return NULL;
 }
 
 static void free_retired(sound *self)
 {
     pthread_mutex_lock(&self->lock);
-    voice *retired = self->retired;
+    playback *retired = self->retired;
     self->retired = NULL;
     pthread_mutex_unlock(&self->lock);
     while (retired) {
-        voice *next = retired->next;
-        destroy_voice(retired);
+        playback *next = retired->next;
+        playback_destroy(retired);
         retired = next;
     }
 }
@@ -151,20 +151,20 @@ static void want_out(sound *self, uint32_t rate_hz, uint32_t channel_count)
 
 void sound_want_beats(sound *self)
 {
-    if (!self->voice && !self->wants_beats)
+    if (!self->playback && !self->wants_beats)
         want_out(self, 0, 2);
     self->wants_beats = true;
 }
 
 /* It is played once the device has been opened for it. */
-static void bring_voice(sound *self, voice *of)
+static void hand_over(sound *self, playback *of)
 {
     pthread_mutex_lock(&self->lock);
-    voice *never_played = self->coming;
+    playback *never_played = self->coming;
     self->coming = of;
     pthread_mutex_unlock(&self->lock);
-    destroy_voice(never_played);
-    self->voice = of;
+    playback_destroy(never_played);
+    self->playback = of;
     want_out(self, of->rate_hz, of->channel_count);
 }
 
@@ -181,18 +181,18 @@ mrt_result sound_load(sound *self, const take_audio *audio, error *err)
         mrt_result result = show_audio_info(self->settings.show, wanted->audio, &info, err);
         if (result < 0)
             return result;
-        if (!self->voice || self->voice->rate_hz != info.rate_hz ||
-            self->voice->channel_count != info.channel_count) {
-            voice *of = create_voice(self, &info, err);
+        if (!self->playback || self->playback->rate_hz != info.rate_hz ||
+            self->playback->channel_count != info.channel_count) {
+            playback *of = playback_create(self, &info, err);
             if (!of)
                 return MRT_ERR_MEMORY;
-            bring_voice(self, of);
+            hand_over(self, of);
         }
     }
     self->audio = *wanted;
     self->edition += 1;
-    if (self->voice)
-        sound_feed_load(self->voice->feed, wanted, self->edition);
+    if (self->playback)
+        sound_feed_load(self->playback->feed, wanted, self->edition);
     atomic_store(&self->board.edition, self->edition);
     return MRT_OK;
 }
@@ -255,8 +255,8 @@ static void explain_silence(sound *self, sound_play_status *out)
     if (!out->is_loaded && !self->wants_beats)
         return;
     (void)sound_board_read(&self->board, &motion);
-    if (self->voice)
-        sound_feed_trouble(self->voice->feed, &trouble);
+    if (self->playback)
+        sound_feed_trouble(self->playback->feed, &trouble);
     if (trouble.text[0])
         snprintf(out->text, sizeof out->text, "%.255s", trouble.text);
     else if (out->device.state == SOUND_DEVICE_AWAY)
@@ -264,12 +264,12 @@ static void explain_silence(sound *self, sound_play_status *out)
     else if (out->is_loaded && motion.speed != 0.0 && motion.speed != 1.0)
         snprintf(out->text, sizeof out->text, "sound is muted at %gx: it plays at 1x only",
                  motion.speed);
-    else if (self->voice && self->voice->channel_count > 2 &&
+    else if (self->playback && self->playback->channel_count > 2 &&
              out->device.state == SOUND_DEVICE_RUNNING &&
-             out->device.stream.channel_count < self->voice->channel_count)
+             out->device.stream.channel_count < self->playback->channel_count)
         snprintf(out->text, sizeof out->text,
                  "the first %u of %u channels are heard: the loudspeaker has no more",
-                 out->device.stream.channel_count, self->voice->channel_count);
+                 out->device.stream.channel_count, self->playback->channel_count);
 }
 
 void sound_play_look(sound *self, sound_play_status *out)
@@ -277,8 +277,8 @@ void sound_play_look(sound *self, sound_play_status *out)
     *out = (sound_play_status){.device = *sound_device_look(self->out),
                                .is_loaded = self->audio.audio != 0,
                                .click_count = atomic_load(&self->click.count)};
-    if (self->voice) {
-        sound_count *count = &self->voice->follow.count;
+    if (self->playback) {
+        sound_count *count = &self->playback->follow.count;
         out->is_heard = out->device.state == SOUND_DEVICE_RUNNING && atomic_load(&count->is_heard);
         out->drift_ppm = (double)atomic_load(&count->drift_ppb) / 1000.0;
         out->spliced_count = atomic_load(&count->spliced);
@@ -372,8 +372,8 @@ void sound_work(sound *self, int64_t now_ns)
     (void)sound_device_work(self->out, now_ns);
     if (self->in)
         (void)sound_device_work(self->in, now_ns);
-    if (self->voice)
-        sound_feed_work(self->voice->feed);
+    if (self->playback)
+        sound_feed_work(self->playback->feed);
     if (self->record)
         sound_record_work(self->record);
 }
@@ -412,8 +412,8 @@ void sound_destroy(sound *self)
     bool is_left_behind = !sound_device_destroy(self->out);
     is_left_behind |= end_recording(self);
     if (self->coming != self->playing)
-        destroy_voice(self->coming);
-    destroy_voice(self->playing);
+        playback_destroy(self->coming);
+    playback_destroy(self->playing);
     free_retired(self);
     if (!is_left_behind)
         sound_portaudio_destroy(&self->portaudio);

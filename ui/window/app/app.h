@@ -63,19 +63,18 @@ settings *app_settings(app *self);
 #define APP_REZERO_PEDAL "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
 news_list *app_news(app *self); /* what was said, for the log panel and the last line */
 
-/* An error is said in the news, once, and comes back: as all do that follow here, but for those
- * that give it to their caller. */
+/* Shows an error in the news, and returns `result`. All functions below do the same with their
+ * errors, but those that have an `err`. */
 mrt_result app_report(app *self, mrt_result result, const error *err);
 
 /* ---- the show, and what is kept with it: how the surface is solved, the scene ---- */
 
 CHECKED mrt_result app_open_show(app *self, const char *path);
-/* A copy under a new name, which is the open show as soon as it is whole: the news say so. The one
- * before stays as it is now. */
+/* Copies the show to a new name, and opens the copy as soon as it is complete, which the news tell.
+ */
 CHECKED mrt_result app_save_show_as(app *self, const char *path, error *err);
 
-/* How the surface is solved, kept with the show; NULL: as the rig says. radius 0: the rig's. Not
- * said in the news. */
+/* The solver settings that the show keeps; NULL: the rig's. radius 0: the rig's. */
 const csrbf_settings *app_solver(const app *self);
 CHECKED mrt_result app_set_solver(app *self, const csrbf_settings *solver, error *err);
 
@@ -86,17 +85,17 @@ kept_scenery *app_scenery(const app *self); /* kept_scenery.h */
 /* ---- the face and its rig ---- */
 
 CHECKED mrt_result app_open_face(app *self, const char *path);
-/* The face's rig was changed in memory (the rig panel) or on disk: the same inputs and mapping go
- * on with it. Takes what is in `face` over, also when it fails: `face` is zeroed. */
+/* After a change of the rig, in memory (the rig panel) or on disk: the same inputs and mapping go
+ * on with the new face. Takes the contents of `face` over and zeroes it, also on an error. */
 CHECKED mrt_result app_change_face(app *self, face_file *face);
 
-/* The face's mesh, which has no rig, read again with that unit and those axes: a person sees what
- * its shape does not say. Of a unit that nobody said mm_per_unit is 0. */
+/* Reads the mesh of a face without a rig again with that unit and those axes, where its shape does
+ * not tell them. mm_per_unit 0: the unit is not known. */
 CHECKED mrt_result app_set_face_frame(app *self, const mesh_frame *frame);
-double app_face_unit_mm(const app *self); /* as it was said so; 0: it was not */
+double app_face_unit_mm(const app *self); /* as set so; 0: it was not */
 
-/* Work that is not on the disk yet (a rig): whoever has some says so. The title has a dot then, and
- * before the program ends or another face is opened the person is asked: save, leave it, stay. */
+/* Set by whoever holds unsaved work (the rig panel). The title then has a dot, and before the
+ * program ends or another face is opened the person is asked: save, leave it, stay. */
 typedef struct app_unsaved {
     void *owner;
     char words[EDIT_TEXT]; /* "the rig puppet.rig.json" */
@@ -106,7 +105,7 @@ typedef struct app_unsaved {
 void app_set_unsaved(app *self, const app_unsaved *unsaved); /* copied; NULL: none */
 const app_unsaved *app_unsaved_now(const app *self);         /* NULL: none */
 
-/* Whoever edits the rig of the face says how it is saved under another name. */
+/* Set by the editor of the rig: how the rig is saved under another name. */
 typedef struct app_rig_saver {
     void *owner;
     const char *(*path)(void *owner); /* where it would be saved; NULL: the face has no rig */
@@ -118,13 +117,13 @@ CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
 
 /* ---- inputs ---- */
 
-/* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1": opened beside the window; it joins the stage
- * when it is open, behind a take that is being recorded. What goes wrong then is said in the news
- * and by app_opening_trouble. */
+/* "cyberglove:/dev/ttyUSB0", "log:demo.csv,loop=1". Opens in the background; the input joins the
+ * stage when it is open, but not before the end of a take that is being recorded. Its errors come
+ * later, in the news and by app_opening_trouble. */
 CHECKED mrt_result app_open_input(app *self, const char *text);
 uint32_t app_openings(app *self, input_opening out[INPUT_OPENINGS_MAX]);
 void app_give_up_opening(app *self, uint64_t id);
-/* Why the last one that came did not join; "" it did. */
+/* Why the input that was opened last did not join; "": it did. */
 const char *app_opening_trouble(const app *self);
 
 /* ---- outputs: where the face goes; kept between runs, and open from the start ---- */
@@ -138,18 +137,18 @@ const char *app_output_trouble(const app *self); /* why the last one was not add
 
 const app_picture *app_picture_now(const app *self);
 void app_set_picture(app *self, const app_picture *wanted);
-/* What whoever sends them has to say: how many streams there are, and what is wrong; "". */
+/* Set by the sender of the streams: what is wrong (or ""), and how many streams there are. */
 void app_note_picture(app *self, const char *says, uint32_t streams);
 const char *app_picture_says(const app *self, uint32_t *out_streams);
 
 /* ---- the patch ---- */
 
-/* As it is wanted: on the stage a moment later, behind a take that is being recorded. Kept between
- * runs beside the settings. */
+/* The patch as set; the stage has it a moment later, but not before the end of a take that is being
+ * recorded. Kept between runs, beside the settings. */
 const patch *app_patch(const app *self);
 void app_set_patch(app *self, const patch *p);
-/* What somebody points at while the patch panel learns: a contact on the face, a slider of the
- * mapping panel. The panel that learns takes it. */
+/* While the patch panel learns: the target that the person points at, a contact on the face or a
+ * slider of the mapping panel. The patch panel takes it. */
 typedef struct app_patch_aim {
     bool is_learning;
     patch_kind kind; /* PATCH_NOTHING: nothing was pointed at */
@@ -194,9 +193,9 @@ uint32_t app_takes(const app *self, const app_take_line **out); /* newest last; 
                                                                             next update */
 int64_t app_take_id(const app *self);                           /* 0: none */
 CHECKED mrt_result app_choose_take(app *self, int64_t id);      /* 0: none; shows it on the stage */
-/* In the list; on the stage too if a take is there, else the live hands stay. */
+/* Chooses it in the list. On the stage it replaces another take, but not the live hands. */
 CHECKED mrt_result app_select_take(app *self, int64_t id);
-bool app_is_take_shown(const app *self); /* the chosen one is on the stage; else it stands at 0 */
+bool app_is_take_shown(const app *self); /* the chosen take is on the stage */
 const take *app_take(const app *self);   /* NULL: none; until the next edit */
 
 /* What is chosen on the timeline: for split, remove, mute. */
@@ -209,15 +208,14 @@ typedef struct app_choice {
 } app_choice;
 app_choice *app_chosen(app *self);
 
-/* Of the chosen take, which comes to the stage if it is not there. Nothing while one is recorded.
- */
+/* Of the chosen take, which is put on the stage for it. Does nothing while a take is recorded. */
 void app_seek(app *self, int64_t at_ns);
 void app_set_range(app *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
 uint64_t app_take_edition(const app *self);                   /* grows with each change of it */
 
 /* ---- its edits, and undo of whatever is done in the window ---- */
 
-/* The copy is chosen, and on the stage if that one was; one step of undo. */
+/* Chooses the copy, and puts it on the stage if the original was there; one step of undo. */
 CHECKED mrt_result app_duplicate_take(app *self, int64_t id);
 /* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
 const history *app_history(const app *self);
@@ -229,10 +227,10 @@ CHECKED mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
 /* Another take than the chosen one (rating, name in the list). */
 CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
 
-/* Of the chosen take, and of everything else that is done in the window. "trim 'mouth' ..."; "". */
+/* What the next undo or redo would do, "trim 'mouth' ..."; "": nothing is left. */
 const char *app_undo_words(const app *self);
 const char *app_redo_words(const app *self);
-/* A step that somebody else undoes and redoes: a parameter, a rig. The owner must stay valid until
+/* A step of undo that is not an edit of a take: a parameter, a rig. The owner must stay valid until
  * app_forget_steps(owner). */
 typedef struct app_step {
     void *owner;
@@ -246,7 +244,8 @@ typedef struct app_step {
 /* Takes step->data over, and forgets it when the step can be neither undone nor redone any more:
  * another one is done after it was undone, or APP_UNDO_MAX steps or APP_UNDO_BYTES after it. */
 void app_did(app *self, const app_step *step);
-/* Both ways with a copy of the data. Without memory for that it is done, but cannot be undone. */
+/* The same with a copy of the data, which undo and redo get. Without memory for it the step cannot
+ * be undone. */
 static inline void app_did_with(app *self, app_step *step, const void *data, size_t bytes)
 {
     step->data = malloc(bytes);
@@ -262,35 +261,34 @@ void app_forget_steps(app *self, const void *owner);
 
 /* ---- recording ---- */
 
-/* What comes before a recording that R, a pedal or a remote control begins, s, 0 to 60; kept. While
- * it counts in nothing moves by itself, and R gives it up; then a take that is performed over plays
- * for the pre-roll before the hands take over. */
+/* The wait before a recording begins, s, 0 to 60; kept between runs. During the count-in nothing
+ * moves by itself, and R cancels it. Over a take, that take then plays for the pre-roll before the
+ * hands take over. */
 typedef struct app_lead_in {
     double count_in_s, preroll_s;
 } app_lead_in;
 app_lead_in app_lead_in_of(const app *self);
 void app_set_lead_in(app *self, app_lead_in to);
-/* The click of whoever performs; kept. Why there is none, where that is so, the news say. */
+/* The metronome; kept between runs. If it cannot be heard the news tell why. */
 live_click app_click(const app *self);
 void app_set_click(app *self, const live_click *to);
-double app_leads_in_s(const app *self); /* until what is performed counts; 0: nothing is awaited */
+double app_leads_in_s(const app *self); /* until the recording begins; 0: none is awaited */
 
-/* As a pedal says it: record only begins, stop only ends. False: it is so already. */
+/* As a pedal does it: record only begins, stop only ends. False: nothing had to change. */
 bool app_press(app *self, patch_action of);
 
 /* Makes a take of what was performed between two instants of the host's clock; it is chosen in the
  * list once all of it is in the show. */
 void app_keep(app *self, int64_t from_ns, int64_t to_ns);
 
-/* The sound of a file becomes that of the chosen take once it is read, which goes on beside all
- * else: one at a time. */
+/* Reads a sound file in the background, one at a time, and then attaches it to the chosen take. */
 CHECKED mrt_result app_attach_voice(app *self, const char *path);
 double app_voice_part(const app *self); /* 0..1 of it is read; < 0: none is being read */
 
 /* ---- exports ---- */
 
-/* As a file for other programs, in a process beside the window, after those that were asked for
- * before; the news say how it ended. */
+/* Exports in a process of its own, after the exports asked for before; the news tell how it ended.
+ */
 struct export_request;
 CHECKED mrt_result app_export_take(app *self, int64_t id, const struct export_request *request);
 struct exporter *app_exporter(const app *self); /* exporter.h: those that go on or wait */
@@ -331,13 +329,13 @@ typedef struct app_looks { /* how it is shown; kept between runs */
 } app_looks;
 app_looks *app_looks_of(app *self);
 
-/* What actions ask of the window and the panels, taken by them: true once. */
+/* An action that the window or a panel carries out; true once, for the one who takes it. */
 bool app_take_request(app *self, action of);
 
 bool app_can(app *self, action of, const char **out_why_not);
 void app_do(app *self, action of);
 bool app_wants_to_quit(const app *self);
-void app_stay(app *self);                /* it is not to be quit after all */
+void app_stay(app *self);                /* revokes the wish to quit */
 bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
 
 /* ---- what the pointer leaves on the live face ---- */
@@ -347,13 +345,13 @@ bool app_is_held(const app *self);
 bool app_has_pulled(const app *self);        /* the pointer took hold of the face in this run */
 void app_begin_pull(app *self);              /* the face is as it was before it */
 void app_hold(app *self, const char *words); /* what began stays: a step of undo */
-/* Before the rig is changed: what stays goes, as a step of undo of its own, since it belongs to the
- * rig as it was. */
+/* Called before the rig is changed: removes what the pointer has left on the face, as a step of
+ * undo of its own, since it belongs to the rig as it was. */
 void app_clear_pulls(app *self);
 
 /* ---- what one part of the window asks of the others, and tells them ---- */
 
-/* What one part of the window asks of another, which takes it: true once. */
+/* A request of one part of the window to another; app_take_call is true once for each. */
 typedef enum app_call {
     APP_CALL_CAMERA = 0, /* the camera and its page, of the devices panel */
     APP_CALL_PICTURE,    /* the dialog that opens a picture behind the face */
@@ -362,7 +360,7 @@ typedef enum app_call {
 } app_call;
 void app_ask(app *self, app_call of);
 bool app_take_call(app *self, app_call of);
-/* A mapping that rests, or else the one of a new stage, performs on the draft. */
+/* Asks for a first rig. The mapping that did not fit, or else the usual one, performs on it. */
 void app_ask_draft(app *self);
 
 /* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the

@@ -24,8 +24,9 @@
 
 #define WRITE_EVERY_S 4.0
 
-/* The switches of the looks: what turns each, and where it is kept; key NULL: it is not. The output
- * is not opened by itself: a projector is switched on by a person. */
+/* The switches of the looks: the action of each, and the key of the settings that keeps it; NULL:
+ * it is not kept. So the output window stays closed at a start: a person switches a projector on.
+ */
 static const struct look_switch {
     action of; /* ACTION_NONE: another widget does */
     size_t offset;
@@ -123,7 +124,7 @@ static void keep_mapping(app *self)
     settings_set_text(self->settings, "last.mapping", text[0] ? text : self->resting);
 }
 
-/* Those that a plugin of the list gives: not what the program itself moves. */
+/* Whether a plugin of the list gives this input: the program's own (feed.h) are not kept. */
 static bool can_be_opened_again(app *self, const char *text)
 {
     char name[128];
@@ -159,7 +160,7 @@ void app_keep_settings_now(app *self)
     self->settings_failed = result < 0;
 }
 
-/* Into the settings, and those to the disk some times a minute. */
+/* Once a frame; writes the settings every WRITE_EVERY_S. */
 void app_keep_settings(app *self, double dt_s)
 {
     self->settings_wait_s += dt_s;
@@ -219,7 +220,7 @@ static mrt_result open_or_make(show **out, const char *path, error *err)
     return exists(path) ? show_open(out, path, SHOW_RECORD, err) : show_create(out, path, err);
 }
 
-/* The one of today, in the folder for documents. */
+/* A show named by today's date, in the folder for documents. */
 static mrt_result make_show(show **out, error *err)
 {
     const char *documents = getenv("XDG_DOCUMENTS_DIR"), *home = getenv("HOME");
@@ -253,8 +254,8 @@ static void keep_show_path(app *self)
         app_say(self, MRT_LOG_INFO, "Save as makes a copy of it that is recorded into");
 }
 
-/* Whoever named a show wants that one; the last one may have gone. Without any the stage performs
- * and records nothing. */
+/* A show that the person named must open. Otherwise the last one, or a new one; if there is none at
+ * all the stage performs and records nothing. */
 static mrt_result open_first_show(app *self, const char *path, error *err)
 {
     const char *last = settings_text(self->settings, "last.show", NULL);
@@ -322,8 +323,7 @@ mrt_result app_open_show(app *self, const char *path)
 
 /* ---- under another name ---- */
 
-/* A whole copy, with the faces that are packed beside it, made on a thread of its own while the
- * show goes on. */
+/* Copies the show and the faces that are packed beside it, on a thread of its own. */
 typedef struct show_copier {
     char *from, *to;
     pthread_t thread;
@@ -410,8 +410,8 @@ mrt_result app_save_show_as(app *self, const char *path, error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to copy the show");
 }
 
-/* The take that is chosen is the same one in the copy. One that has begun meanwhile is recorded to
- * its end first. */
+/* Opens the copy once it is complete, with the same take chosen. A recording that goes on is
+ * finished before. */
 void app_follow_copy(app *self)
 {
     char path[APP_PATH];
@@ -430,7 +430,7 @@ void app_follow_copy(app *self)
 
 /* ---- a voice from a file ---- */
 
-/* The sound of a file into the show that is open, on a thread of its own while the show goes on. */
+/* Reads the sound of a file into the open show, on a thread of its own. */
 typedef struct voice_import {
     show *into; /* its own */
     char *path;
@@ -504,7 +504,7 @@ double app_voice_part(const app *self)
     return self->voice ? 1e-3 * (double)atomic_load(&self->voice->thousandths) : -1.0;
 }
 
-/* What has not ended is given up, with nothing of it left in the show. */
+/* Cancels an import that has not ended; nothing of it is left in the show. */
 void app_drop_voice(app *self)
 {
     voice_import *voice = self->voice;
@@ -572,7 +572,7 @@ static mrt_result read_face(face_file **out, const char *path, const mesh_frame 
     return result;
 }
 
-/* As the person said it, or as it is installed; NULL: no memory. To be freed. */
+/* An installed face of that name, else the path as given; to be freed. NULL: no memory. */
 static char *path_of_face(const char *given)
 {
     char *found = installed_face(given), *real = found ? realpath(found, NULL) : NULL;
@@ -580,7 +580,7 @@ static char *path_of_face(const char *given)
     return real ? real : strdup(given);
 }
 
-/* The notes of a face are for its maker; the panel lists them. Here their number is enough. */
+/* Tells a single note; of several only how many, as the rig panel lists them. */
 static void tell_face(app *self)
 {
     uint32_t lines = 0;
@@ -592,7 +592,7 @@ static void tell_face(app *self)
         app_say(self, MRT_LOG_INFO, "the face has %u notes: see the rig panel", lines);
 }
 
-/* Why the face rests, and which mappings there are for it. */
+/* Remembers the mapping that does not fit the face, and tells why and which mappings fit. */
 static void rest(app *self, const face_file *made, const char *mapping, const error *why)
 {
     char names[400];
@@ -603,8 +603,8 @@ static void rest(app *self, const face_file *made, const char *mapping, const er
             names[0] ? names : "none that there is");
 }
 
-/* Another face is there, or another rig: what rested performs again where it fits, unless somebody
- * has chosen another since. */
+/* After a change of the face or its rig: the mapping that did not fit before is tried again, unless
+ * another has been chosen. */
 static void perform_again(app *self)
 {
     error ignored = {0};
@@ -616,11 +616,11 @@ static void perform_again(app *self)
 void app_ask_draft(app *self)
 {
     app_ask(self, APP_CALL_DRAFT);
-    if (!self->resting[0]) /* none has performed: what a new stage performs with */
+    if (!self->resting[0]) /* no mapping has been chosen: the draft gets the usual one */
         (void)snprintf(self->resting, sizeof self->resting, "%s", DEFAULT_MAPPING);
 }
 
-/* A face that the mapping does not fit is opened at rest, as at the start. */
+/* Where the mapping does not fit the face, the face is shown without one, at rest. */
 static mrt_result set_face_or_rest(app *self, const face_file *made, const char *path, error *err)
 {
     char mapping[PRESET_MAPPING];
@@ -637,7 +637,7 @@ static mrt_result set_face_or_rest(app *self, const face_file *made, const char 
     return result;
 }
 
-/* The stage goes over to the face, which is the application's whatever comes back. */
+/* Puts the face on the stage. Takes `made` over, also on an error. */
 static mrt_result put_face(app *self, face_file *made, const char *path, double unit_mm)
 {
     error err = {0};
@@ -735,7 +735,7 @@ static void *read_first_face(void *data)
     return NULL;
 }
 
-/* What the newest performance was performed on. */
+/* The face of the show's newest performance; "": there is none. */
 static void face_of_show(app *self, show *s, char out[APP_PATH])
 {
     int64_t *ids = NULL;
@@ -750,7 +750,7 @@ static void face_of_show(app *self, show *s, char out[APP_PATH])
         const char *path = newest.performance.rig;
         mrt_result result = pack_find(packed, show_path(s), &newest.performance, &err);
         path = result == MRT_OK ? packed : path;
-        if (result < 0) /* what came with it is not to be trusted: nor is where it once was */
+        if (result < 0) /* a pack that does not verify: do not use the recorded path either */
             app_say(self, MRT_LOG_ERROR, "%s", err.text);
         else if (path && (result == MRT_OK || path[0] == '/') && strlen(path) < APP_PATH &&
                  exists(path))
@@ -776,7 +776,7 @@ static void choose_faces(app *self, const app_options *options, face_reading *ou
 
 /* ---- the stage ---- */
 
-/* A face that the mapping does not fit is there all the same: why it does not, and which do. */
+/* The stage without a mapping, as the wanted one does not fit the face. */
 static mrt_result open_at_rest(app *self, live_settings *with, const error *why)
 {
     error err = {0};
@@ -808,7 +808,7 @@ static mrt_result start_live(app *self, const char *mapping, error *err)
     if (mapping && !is_known)
         return result;
     if (!is_known) {
-        /* What was kept may name a plugin that is gone: the stage opens all the same. */
+        /* The settings name a mapping whose plugin is gone: the usual one instead. */
         (void)app_report(self, result, err);
         with.mapping = DEFAULT_MAPPING;
         result = live_start(&self->live, &with, err);
@@ -832,7 +832,8 @@ static void chosen_finish(chosen *self)
         free(self->input[i]);
 }
 
-/* Before the folders are looked through: a library that the person names hides others of its id. */
+/* Called before the folders are searched: a library named here takes precedence over others with
+ * its id. */
 static mrt_result choose(app *self, const app_options *options, chosen *out, error *err)
 {
     *out = (chosen){NULL, {NULL}, 0};

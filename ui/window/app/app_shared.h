@@ -24,14 +24,14 @@ typedef struct app_done {
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
 } app_done;
 
-/* The face on the other side of a pull's step: before it, or after it once undone. */
+/* The face that undoing a pull restores; once undone, the one that redoing it restores. */
 typedef struct app_pulled {
     void *bytes; /* NULL: nothing has been pulled, or it was too much to keep */
     size_t size;
     bool is_held;
 } app_pulled;
 
-/* What a take looked like when its line was made: it is folded again when that is no more so. */
+/* The state of a take for which its line was made; the line is made again when it differs. */
 typedef struct app_take_key {
     int32_t edit_head, edit_count;
     bool is_recording, is_stale;
@@ -48,7 +48,7 @@ struct app {
     show *show;
     face_file *face;
     char *face_path;
-    double face_unit_mm;          /* of a mesh alone, as a person said it; 0: nobody did */
+    double face_unit_mm;          /* of a mesh without a rig, as the person set it; 0: not set */
     char resting[PRESET_MAPPING]; /* the mapping that the face did not fit; "": none */
     live *live;
     const live_view *view;
@@ -81,10 +81,10 @@ struct app {
     int64_t chosen;
     uint64_t edition;
     app_choice choice;
-    int64_t awaited;      /* a take that the writer has not got to yet; 0: none */
+    int64_t awaited;      /* a take that is not yet completely stored; 0: none */
     bool awaited_is_kept; /* from the journal; else it was recorded */
     double awaited_s;
-    int64_t noted; /* what is not as it was recorded has been said of it */
+    int64_t noted; /* the take of which tell_note has told how it differs */
 
     /* ---- undo: done[0..done_count) can be taken back, those up to all_count done again ---- */
     app_done done[APP_UNDO_MAX];
@@ -95,11 +95,11 @@ struct app {
 
     /* ---- recording and playing ---- */
     int64_t leads_in_until_ns; /* clock; 0: nothing is awaited */
-    bool counts_in;            /* a take of the live hands begins then; else it has begun */
+    bool counts_in;            /* a take of the live hands begins then; false: it has begun */
     bool was_recording, had_problem;
     int64_t over_take;   /* that is performed over; 0: none */
     bool over_is_ended;  /* by a person */
-    double over_ended_s; /* > 0: it has just ended by itself, for so long it counts as that */
+    double over_ended_s; /* > 0: it has ended by itself just now; R is ignored for so long */
     int64_t played_from_ns;
 
     /* ---- looks and requests ---- */
@@ -107,17 +107,17 @@ struct app {
     bool asked[ACTION_COUNT];
     bool wants_to_quit, has_hand_keys, keeps_settings;
     app_pulled begun; /* before the pull that goes on */
-    bool is_held;     /* something was pulled that is there to be cleared */
-    int64_t ranged;   /* the take whose range of the last run has been looked for */
+    bool is_held;     /* something that the pointer pulled is still there */
+    int64_t ranged;   /* the take for which the range of the last run has been restored */
     struct viewport *viewport;
     app_unsaved unsaved;
     bool has_unsaved;
     app_rig_saver rig_saver;
-    struct show_copier *copier; /* of the show, being saved under another name; NULL: none */
-    struct voice_import *voice; /* that is being read into the show; NULL: none */
-    int64_t voice_take;         /* whose it becomes */
-    bool is_chasing;            /* the time code from outside has set the take going */
-    int64_t chased_ns;          /* host clock: when it was laid on it last */
+    struct show_copier *copier; /* saves the show under another name; NULL: not now */
+    struct voice_import *voice; /* reads a sound into the show; NULL: not now */
+    int64_t voice_take;         /* the take that gets it */
+    bool is_chasing;            /* the take plays because time code comes in */
+    int64_t chased_ns;          /* host clock: when it was last synchronised */
     double settings_wait_s;
     bool settings_failed; /* it was said */
 

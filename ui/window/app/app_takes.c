@@ -286,8 +286,8 @@ static void take_changed(app *self)
 
 #define AWAITED_S 10.0
 
-/* The one that is being recorded grows. What begins over a take is not said yet for some frames:
- * the one before it is whole, and stays as it is. */
+/* Updates the line of the take that is being recorded. For some frames after an overdub has begun
+ * the status still names the take before it, which is whole and keeps its length. */
 static void follow_recording(app *self)
 {
     for (uint32_t i = self->line_count; i > 0; --i)
@@ -299,13 +299,13 @@ static void follow_recording(app *self)
         }
 }
 
-/* It is in the show as soon as the writer has got to it. */
+/* A take has begun that is not in the list yet: the writer has still to store it. */
 static bool lacks_recording(const app *self)
 {
     return self->status.is_recording && self->status.take && !line_of(self, self->status.take);
 }
 
-/* It is chosen in the list as soon as all of it is in the show. */
+/* Chooses the take in the list as soon as all of it is stored. */
 static void await_take(app *self, int64_t id, bool is_kept)
 {
     self->awaited = id;
@@ -329,7 +329,7 @@ static void tell_kept(app *self, int64_t id)
                 line->title);
 }
 
-/* A disk that is full lets it wait; it is in the list when it is there. */
+/* With a full disk the take is stored only when there is room; then it appears in the list. */
 static void follow_awaited(app *self, double dt_s)
 {
     const int64_t id = self->awaited;
@@ -346,7 +346,7 @@ static void follow_awaited(app *self, double dt_s)
     }
 }
 
-/* The stage itself has changed it: its sound was written, and is in it. */
+/* The stage has edited a take itself: it attached the sound that was recorded with it. */
 static void follow_stage_edit(app *self)
 {
     const int64_t id = live_take_edited(self->live);
@@ -364,7 +364,7 @@ static void follow_stage_edit(app *self)
         app_reported(show_chosen(self));
 }
 
-/* What is not as it was recorded, once for each take that comes on the stage. */
+/* Tells once, for each take that is put on the stage, how it differs from what was recorded. */
 static void tell_note(app *self)
 {
     const int64_t shown = live_shown_take(self->live);
@@ -434,7 +434,8 @@ size_t app_undo_bytes(const app *self)
 
 /* ---- steps of takes ---- */
 
-/* An edit that is made after an undo abandons the edits behind it: no step leads there any more. */
+/* A new edit after an undo discards the edits that were undone: drops the steps that lead to them.
+ */
 static void forget_abandoned(app *self, int64_t id, int64_t head)
 {
     for (uint32_t i = self->all_count; i > 0; --i) {
@@ -464,7 +465,7 @@ static void note_edits(app *self, int64_t head_before)
     put(self, &step);
 }
 
-/* What was done last is said so. */
+/* Renames the newest step. */
 static void name_last_step(app *self, const char *words)
 {
     app_done *last = self->done_count ? &self->done[self->done_count - 1] : NULL;
@@ -472,7 +473,7 @@ static void name_last_step(app *self, const char *words)
         (void)snprintf(last->step.words, sizeof last->step.words, "%s", words);
 }
 
-/* The chosen take is a copy of that one, and was made just now. */
+/* Adds the step that made the chosen take, as a copy of take `of`. */
 static void note_copy(app *self, int64_t of, const char *words)
 {
     app_done step = {
@@ -481,14 +482,16 @@ static void note_copy(app *self, int64_t of, const char *words)
     put(self, &step);
 }
 
-/* Another take was chosen since it was done: what it changes is not seen. */
+/* The step belongs to a take that is not the chosen one, so that nobody would see what it changes.
+ */
 static bool is_elsewhere(const app *self, const app_done *step)
 {
     return step->take && self->chosen && step->take != self->chosen &&
            step->chosen_take != self->chosen && step->copied_from != self->chosen;
 }
 
-/* The border of what is in front: its take comes there, and nothing is changed yet. */
+/* Shows the take of a step that is elsewhere, and changes nothing yet: the next undo or redo does.
+ */
 static mrt_result bring_to_front(app *self, const app_done *step, const char *what)
 {
     mrt_result result = app_choose_take(self, step->take);
@@ -556,8 +559,8 @@ void app_undo_update(app *self)
     self->is_rig_shown = is_shown;
 }
 
-/* Who works on the rig does not look at takes: what was done to them before it came into the dock
- * stays as it is. */
+/* While the rig panel is open undo stops at steps of takes that were made before it was opened: who
+ * works on the rig does not look at them. */
 static bool is_behind_rig(const app *self)
 {
     const uint32_t floor = self->is_rig_shown ? self->rig_done_count : self->done_count;
@@ -565,7 +568,7 @@ static bool is_behind_rig(const app *self)
            (self->done_count == 0 || self->done[self->done_count - 1].take != 0);
 }
 
-/* A pull of the live face, which is not seen while a take is, nor changed while one is recorded. */
+/* Why a pull of the live face cannot be undone now: a take is shown, or one is being recorded. */
 static const char *why_not_pulled(const app *self, const app_done *step)
 {
     if (step->take || step->step.owner != self)
@@ -824,8 +827,8 @@ double app_leads_in_s(const app *self)
     return left_ns > 0 ? 1e-9 * (double)left_ns : 0.0;
 }
 
-/* A take of the live hands, if it counts in; another one has begun. 0 s: what was awaited is not
- * any longer. */
+/* Starts the wait before a recording; 0 s ends it. counts_in: a take of the live hands begins after
+ * it; false: a recording over a take has begun already, and plays its pre-roll. */
 static void lead_in(app *self, double s, bool counts_in)
 {
     const bool counted_in = self->counts_in;
@@ -848,8 +851,8 @@ static void begin_live(app *self)
                 line->title);
 }
 
-/* A layer that is armed gets what was performed between the ends of the range, or from the play
- * head to the take's end; else a layer of its own does. */
+/* Records over the take on the stage, between the ends of the range or from the play head to the
+ * end: into the armed layer, or into a new one. */
 static void begin_over(app *self)
 {
     error err = {0};
@@ -894,7 +897,7 @@ void app_record_toggle(app *self)
         self->over_is_ended = true;
         (void)app_report(self, live_record_end(self->live, &err), &err);
     } else if (self->over_take || self->over_ended_s > 0.0) {
-        /* Whoever wanted to end it came a moment late: another recording is not meant. */
+        /* R was meant to end a recording that has just ended by itself, not to begin another. */
         self->over_ended_s = 0.0;
         app_say(self, MRT_LOG_INFO, "recording over the take ended by itself: R begins another");
     } else if (live_shown_take(self->live)) { /* the view may be of a frame before */

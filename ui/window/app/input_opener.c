@@ -187,7 +187,7 @@ static bool is_done(opening_job *job)
 
 /* ---- all of them ---- */
 
-static const uint64_t places = 2 * INPUT_OPENER_MAX; /* more than a job has texts */
+static const uint64_t job_stride = 2 * INPUT_OPENER_MAX; /* more than a job has texts */
 
 input_opener *input_opener_create(const plugin_list *plugins, log_queue *log)
 {
@@ -269,13 +269,13 @@ static uint32_t list(opening_job *job, input_opening out[2])
     opened next;
     uint32_t count = 0;
     if (peek(job, &next)) {
-        out[count] = (input_opening){.id = job->number * places + next.index, .is_open = true};
+        out[count] = (input_opening){.id = job->number * job_stride + next.index, .is_open = true};
         name_opening(&out[count++], &job->request[next.index]);
     }
     const uint32_t at = job->at;
     if (at == nothing || job->given_up[at])
         return count;
-    out[count] = (input_opening){.id = job->number * places + at};
+    out[count] = (input_opening){.id = job->number * job_stride + at};
     name_opening(&out[count++], &job->request[at]);
     return count;
 }
@@ -294,8 +294,8 @@ uint32_t input_opener_going(input_opener *self, input_opening out[INPUT_OPENINGS
 
 void input_opener_give_up(input_opener *self, uint64_t id)
 {
-    const uint64_t index = id % places;
+    const uint64_t index = id % job_stride;
     for (uint32_t i = 0; i < INPUT_OPENINGS_MAX; ++i)
-        if (self->job[i] && self->job[i]->number == id / places && index < INPUT_OPENER_MAX)
+        if (self->job[i] && self->job[i]->number == id / job_stride && index < INPUT_OPENER_MAX)
             atomic_store(&self->job[i]->given_up[index], true);
 }

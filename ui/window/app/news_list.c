@@ -9,7 +9,7 @@
 struct news_list {
     news_item item[NEWS_MAX]; /* a ring */
     uint32_t first, count;
-    uint64_t said;
+    uint64_t total;
 };
 
 /* Layers of one take say the same of their mapping; so does a device that comes and goes. */
@@ -30,7 +30,7 @@ static news_item *at(news_list *self, uint32_t index)
     return &self->item[(self->first + index) % NEWS_MAX];
 }
 
-static bool is_said_again(news_list *self, const news_item *item)
+static bool is_repeated(news_list *self, const news_item *item)
 {
     if (self->count == 0)
         return false;
@@ -53,9 +53,9 @@ void news_list_add(news_list *self, int32_t level, const char *source, const cha
     news_item item = {.level = level, .utc_ms = clock_utc_ms()};
     copy_line(item.source, sizeof item.source, source);
     copy_line(item.text, sizeof item.text, text);
-    if (is_said_again(self, &item))
+    if (is_repeated(self, &item))
         return;
-    self->said += 1;
+    self->total += 1;
     if (self->count == NEWS_MAX)
         self->first = (self->first + 1) % NEWS_MAX;
     else
@@ -84,9 +84,9 @@ uint32_t news_list_count(const news_list *self)
     return self->count;
 }
 
-uint64_t news_list_said(const news_list *self)
+uint64_t news_list_total(const news_list *self)
 {
-    return self->said;
+    return self->total;
 }
 
 const news_item *news_list_at(const news_list *self, uint32_t index)
@@ -94,9 +94,9 @@ const news_item *news_list_at(const news_list *self, uint32_t index)
     return &self->item[(self->first + index) % NEWS_MAX];
 }
 
-uint32_t news_list_first_after(const news_list *self, uint64_t said)
+uint32_t news_list_first_after(const news_list *self, uint64_t total)
 {
-    const uint64_t fresh = self->said - said;
+    const uint64_t fresh = self->total - total;
     return fresh < self->count ? self->count - (uint32_t)fresh : 0;
 }
 

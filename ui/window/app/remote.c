@@ -243,7 +243,7 @@ static answer *answer_to(remote *self, const asker *to)
     if (self->answer_count == ANSWERS)
         return NULL;
     answer *a = &self->answer[self->answer_count++];
-    *a = (answer){.to = *to, .news_before = news_list_said(app_news(self->of))};
+    *a = (answer){.to = *to, .news_before = news_list_total(app_news(self->of))};
     return a;
 }
 
@@ -321,10 +321,10 @@ static json_t *json_of_answer(const remote *self, const answer *a)
 
 static void tell_answer(remote *self, answer *a)
 {
-    const news_item *said = newest_word(self, a->news_before);
-    if (said && !a->is_refused) {
-        a->is_refused = said->level >= MRT_LOG_WARNING;
-        (void)snprintf(a->says, sizeof a->says, "%.300s", said->text);
+    const news_item *newest = newest_word(self, a->news_before);
+    if (newest && !a->is_refused) {
+        a->is_refused = newest->level >= MRT_LOG_WARNING;
+        (void)snprintf(a->says, sizeof a->says, "%.300s", newest->text);
     }
     (void)snprintf(self->last, sizeof self->last, "%s: %.280s",
                    a->command.word[0] ? a->command.word : "refused", a->says);
@@ -356,7 +356,7 @@ static void tell_news(remote *self)
     for (uint32_t i = news_list_first_after(news, self->news_told); i < news_list_count(news); ++i)
         if (news_list_at(news, i)->level >= MRT_LOG_INFO)
             tell_all(self, json_pack("{so}", "news", json_text(news_list_at(news, i)->text)));
-    self->news_told = news_list_said(news);
+    self->news_told = news_list_total(news);
     if (is_recording != self->was_recording)
         tell_all(self, json_pack("{sb}", "recording", (int)is_recording));
     self->was_recording = is_recording;
@@ -580,7 +580,7 @@ static void open_sockets(remote *self)
         return;
     }
     self->trouble[0] = '\0';
-    self->news_told = news_list_said(app_news(self->of));
+    self->news_told = news_list_total(app_news(self->of));
     self->was_recording = app_status(self->of)->is_recording;
     char words[APP_REMOTE_ADDRESS + 64];
     (void)snprintf(words, sizeof words, "remote control at %s port %u: OSC and WebSocket",

@@ -18,18 +18,18 @@ typedef struct bone {
     float width;
 } bone;
 
-typedef struct seen {
+typedef struct projected {
     float x, y, depth; /* mm; depth grows towards the eye */
-} seen;
+} projected;
 
 /* Fingers up, the back of the hand towards the eye. */
-static seen turned(mrt_vec3 at, double yaw_rad)
+static projected turned(mrt_vec3 at, double yaw_rad)
 {
     const double x = -(double)at.x, y = (double)at.z - MIDDLE_MM, z = (double)at.y;
     const double across = cos(yaw_rad) * x + sin(yaw_rad) * z;
     const double deep = cos(yaw_rad) * z - sin(yaw_rad) * x;
-    return (seen){(float)across, (float)(cos(TILT_RAD) * y - sin(TILT_RAD) * deep),
-                  (float)(sin(TILT_RAD) * y + cos(TILT_RAD) * deep)};
+    return (projected){(float)across, (float)(cos(TILT_RAD) * y - sin(TILT_RAD) * deep),
+                       (float)(sin(TILT_RAD) * y + cos(TILT_RAD) * deep)};
 }
 
 static int by_depth(const void *a, const void *b)
@@ -61,7 +61,7 @@ void hand_figure_draw(ui *on, ui_rectangle where, const hand_skeleton *of, const
 {
     mrt_vec3 joint[MRT_JOINTS], palm[MRT_PALM];
     bone all[BONES];
-    seen at[MRT_JOINTS];
+    projected at[MRT_JOINTS];
     const rigid still = rigid_identity();
     const double yaw_rad = TURN_RAD * sin(2.0 * 3.14159265358979 * at_s / TURN_S);
     const float scale = 0.5f * fminf(where.width, where.height) / (float)REACH_MM;

@@ -1813,7 +1813,7 @@ ui_cursor ui_cursor_wanted(const ui *self)
     return self->cursor;
 }
 
-/* ---- places ---- */
+/* ---- positions ---- */
 
 void ui_panel_begin(ui *self, const char *id, ui_rectangle where, ui_ground ground)
 {

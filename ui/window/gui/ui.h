@@ -47,7 +47,7 @@ void ui_set_theme(ui *self, theme of);
 void ui_on_face_begin(ui *self);
 void ui_on_face_end(ui *self);
 
-/* ---- places: panels have fixed rectangles; what is in them flows downwards ---- */
+/* ---- layout: panels have fixed rectangles; what is in them flows downwards ---- */
 
 typedef enum ui_ground { UI_GROUND_NONE = 0, UI_GROUND_PANEL } ui_ground;
 /* Everything is drawn between these two. */

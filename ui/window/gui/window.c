@@ -216,19 +216,19 @@ static mrt_result window_write_picture(uint32_t width_px, uint32_t height_px, bo
 /* ---- a texture over everything ---- */
 
 static const char fill_vertex[] =
-    "out vec2 place;\n"
+    "out vec2 texture_uv;\n"
     "uniform float mirror;\n"
     "void main() {\n"
     "    vec2 corner = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);\n"
-    "    place = vec2(mix(corner.x, 1.0 - corner.x, mirror), corner.y);\n"
+    "    texture_uv = vec2(mix(corner.x, 1.0 - corner.x, mirror), corner.y);\n"
     "    gl_Position = vec4(2.0 * corner - 1.0, 0.0, 1.0);\n"
     "}\n";
-static const char fill_fragment[] = "in vec2 place;\n"
+static const char fill_fragment[] = "in vec2 texture_uv;\n"
                                     "out vec4 colour;\n"
                                     "uniform sampler2D picture;\n"
                                     "uniform float clear;\n" /* 1: premultiplied */
                                     "void main() {\n"
-                                    "    vec4 straight = texture(picture, place);\n"
+                                    "    vec4 straight = texture(picture, texture_uv);\n"
                                     "    float alpha = mix(1.0, straight.a, clear);\n"
                                     "    colour = vec4(straight.rgb * alpha, alpha);\n"
                                     "}\n";

@@ -253,7 +253,7 @@ const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
     return self->kept;
 }
 
-/* The list of inputs may have changed beneath it: the glove has another place then, or is gone. */
+/* The list of inputs may have changed beneath it: the glove has another index then, or is gone. */
 static bool is_still_there(calibrate_panel *self)
 {
     live *stage = app_live(self->app);
@@ -308,11 +308,11 @@ static void draw_steps(const calibrate_panel *self, ui *on)
     char words[64];
     ui_canvas_begin(on, "steps", 0.0f, 20.0f, &at);
     float y = at.where.y + 10.0f;
-    int count, number = guide_number(self->guide.guide, &count), place = 0;
+    int count, number = guide_number(self->guide.guide, &count), column = 0;
     for (int step = 0; step < GUIDE_STEPS; ++step) {
         if (!guide_asks(self->guide.guide, (guide_step)step))
             continue;
-        float x = at.where.x + 8.0f + gap * (float)place++;
+        float x = at.where.x + 8.0f + gap * (float)column++;
         if (step == (int)now)
             ui_draw_ring(on, x, y, radius + 1.0f, THEME_ACCENT, 2.0f);
         else if (guide_has(self->guide.guide, (guide_step)step))

@@ -482,18 +482,18 @@ static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
 
 enum { CALIBRATIONS_MAX = 64 };
 
-/* seen_by: as hand_calibration's input. */
+/* tracker: as hand_calibration's input. */
 static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
-                             const char *seen_by)
+                             const char *tracker)
 {
-    const char *items[CALIBRATIONS_MAX + 2] = {seen_by[0] ? "as it is seen" : "as shipped"};
+    const char *items[CALIBRATIONS_MAX + 2] = {tracker[0] ? "as it is seen" : "as shipped"};
     const char *paths[CALIBRATIONS_MAX + 2] = {""};
     const char *used = live_calibration(app_live(self->app), side);
     uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
     for (uint32_t i = 0; i < self->found->calibrations.count && count <= CALIBRATIONS_MAX; ++i) {
         const calibration_entry *entry = &self->found->calibrations.entry[i];
         const bool is_used = used && strcmp(used, entry->path) == 0;
-        if (entry->side != side || strcmp(entry->input, seen_by) != 0) {
+        if (entry->side != side || strcmp(entry->input, tracker) != 0) {
             chosen = is_used ? 0 : chosen; /* by an input of another kind */
             continue;
         }
@@ -519,7 +519,7 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
             say_trouble(self, why.text);
     }
     ui_hint(on,
-            seen_by[0] ? "Flat, fist, spread: ten seconds." : "Ten poses, a minute and a half.");
+            tracker[0] ? "Flat, fist, spread: ten seconds." : "Ten poses, a minute and a half.");
     ui_id_end(on);
 }
 
@@ -690,12 +690,12 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
         draw_camera_card(self, on, live_input_text(stage, index));
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         const glove_channels_kind kind = glove_channels_of(channels, count, side);
-        char seen_by[HAND_INPUT] = "";
+        char tracker[HAND_INPUT] = "";
         if (kind == GLOVE_CHANNELS_RAD)
-            glove_channels_input(seen_by, input_name(of));
+            glove_channels_input(tracker, input_name(of));
         if (kind == GLOVE_CHANNELS_COUNT ||
             (kind == GLOVE_CHANNELS_RAD && !is_recorded(of) && !is_made(self, of)))
-            draw_calibration(self, on, index, side, seen_by);
+            draw_calibration(self, on, index, side, tracker);
     }
     if (ui_section(on, "Details", false))
         draw_details(on, &health, channels, count);

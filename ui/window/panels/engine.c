@@ -290,7 +290,7 @@ static void draw_meters(ui *on, const live_view *view)
     }
 }
 
-/* Figures end at the same place. */
+/* Figures are aligned at their right ends. */
 static void draw_figure(ui *on, float right, double ms)
 {
     char words[ENGINE_MS] = "\xe2\x80\x94";

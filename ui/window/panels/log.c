@@ -16,8 +16,8 @@ struct panel {
     uint32_t filter, room; /* room: how many are drawn at most */
     int64_t cleared_ms;    /* those until then are not shown */
     bool is_text;
-    char text[AS_TEXT]; /* for marking and copying */
-    uint64_t text_said; /* news_list_said, as it was written; UINT64_MAX: it is not */
+    char text[AS_TEXT];  /* for marking and copying */
+    uint64_t text_total; /* news_list_total, as it was written; UINT64_MAX: it is not */
     uint32_t text_filter;
 };
 
@@ -107,9 +107,9 @@ static void write_text(panel *self)
 static void draw_as_text(panel *self, ui *on)
 {
     const news_list *news = app_news(self->app);
-    if (news_list_said(news) != self->text_said || self->filter != self->text_filter) {
+    if (news_list_total(news) != self->text_total || self->filter != self->text_filter) {
         write_text(self);
-        self->text_said = news_list_said(news);
+        self->text_total = news_list_total(news);
         self->text_filter = self->filter;
     }
     ui_width(on, 0.0f);
@@ -124,7 +124,7 @@ static void clear(panel *self)
     uint32_t count = news_list_count(news);
     if (count > 0)
         self->cleared_ms = news_list_at(news, count - 1)->utc_ms;
-    self->text_said = UINT64_MAX;
+    self->text_total = UINT64_MAX;
     self->room = PAGE;
 }
 
@@ -163,7 +163,7 @@ static panel *create(app *of)
         return NULL;
     self->app = of;
     self->room = PAGE;
-    self->text_said = UINT64_MAX;
+    self->text_total = UINT64_MAX;
     self->cleared_ms = INT64_MIN;
     return self;
 }

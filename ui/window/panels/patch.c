@@ -279,8 +279,8 @@ static void add_item(panel *self, const char *text)
     self->item_count += 1;
 }
 
-/* Its place; one that is not there comes last. */
-static uint32_t place_of(panel *self, const char *text)
+/* Its index; one that is not there is added at the end. */
+static uint32_t index_of(panel *self, const char *text)
 {
     for (uint32_t i = 0; i < self->item_count; ++i)
         if (strcmp(self->items[i], text) == 0)
@@ -314,7 +314,7 @@ static void list_targets(panel *self, patch_kind kind)
     for (uint32_t i = 0; kind == PATCH_SHAPE && file && i < file->mesh.target_count; ++i)
         add_item(self, file->mesh.target[i].name);
     for (uint32_t i = 0; kind == PATCH_SHAPE && file && i < file->mesh.expression_count; ++i)
-        (void)place_of(self, file->mesh.expression[i].name);
+        (void)index_of(self, file->mesh.expression[i].name);
 }
 
 static void list_sources(panel *self, const heard *now)
@@ -326,7 +326,7 @@ static void list_sources(panel *self, const heard *now)
             char text[ITEM];
             name_channel(now, i, c, &of);
             (void)snprintf(text, sizeof text, "%.40s: %.60s", of.input, of.channel);
-            (void)place_of(self, text);
+            (void)index_of(self, text);
         }
 }
 
@@ -340,7 +340,7 @@ static void draw_source(panel *self, ui *on, patch_connection *c, const heard *n
         (void)snprintf(text, sizeof text, "%.40s: %.60s", c->input, c->channel);
     else
         (void)snprintf(text, sizeof text, "%.60s", c->channel);
-    uint32_t at = place_of(self, text);
+    uint32_t at = index_of(self, text);
     if (!ui_choice(on, "Channel", LABEL, self->items, self->item_count, &at))
         return;
     const char *colon = strstr(self->items[at], ": ");
@@ -369,7 +369,7 @@ static void draw_aim(panel *self, ui *on, patch_connection *c)
         }
     }
     list_targets(self, c->kind);
-    uint32_t at = place_of(self, c->target);
+    uint32_t at = index_of(self, c->target);
     if (ui_choice(on, "Which", LABEL, self->items, self->item_count, &at)) {
         (void)snprintf(c->target, sizeof c->target, "%.63s", self->items[at]);
         change(self, "another target");

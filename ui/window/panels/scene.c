@@ -53,7 +53,7 @@ static bool draw_looks(ui *on, scenery *scene)
 
 /* ---- lights ---- */
 
-static void place_of(const ui_canvas *pad, const lighting_lamp *lamp, float out[2])
+static void lamp_position(const ui_canvas *pad, const lighting_lamp *lamp, float out[2])
 {
     const float radius = 0.5f * PAD - LAMP_SIZE - 2.0f;
     out[0] = pad->where.x + 0.5f * PAD + radius * lamp->direction[0];
@@ -68,7 +68,7 @@ static int lamp_at(const ui_canvas *pad, const lighting *light)
     int found = -1;
     for (int i = 0; i < LIGHTING_LAMPS; ++i) {
         float at[2];
-        place_of(pad, &light->lamp[i], at);
+        lamp_position(pad, &light->lamp[i], at);
         const float far = hypotf(at[0] - x, at[1] - y);
         if (far < nearest) {
             nearest = far;
@@ -82,7 +82,7 @@ static void paint_lamp(ui *on, const ui_canvas *pad, const lighting_lamp *lamp, 
                        bool is_lit)
 {
     float at[2];
-    place_of(pad, lamp, at);
+    lamp_position(pad, lamp, at);
     const bool is_behind = lamp->direction[2] < 0.0f;
     const uint32_t colour = is_lit ? THEME_ACCENT : THEME_TEXT;
     const ui_rectangle disc = {at[0] - LAMP_SIZE, at[1] - LAMP_SIZE, 2.0f * LAMP_SIZE,
@@ -218,7 +218,7 @@ static bool draw_picture(panel *self, ui *on, scenery *scene)
 
 static bool draw_views(panel *self, ui *on, scenery *scene)
 {
-    viewport *seen = app_viewport(self->app);
+    viewport *view = app_viewport(self->app);
     bool has_changed = false;
     ui_text(on, UI_STYLE_TITLE, "Camera views");
     for (uint32_t i = 0; i < scene->view_count; ++i) {
@@ -227,8 +227,8 @@ static bool draw_views(panel *self, ui *on, scenery *scene)
         (void)snprintf(id, sizeof id, "view%u", i);
         ui_id_begin(on, id);
         ui_width(on, -70.0f);
-        if (ui_row(on, name, false) != UI_ROW_NONE && seen)
-            viewport_go_to(seen, &scene->view[i]);
+        if (ui_row(on, name, false) != UI_ROW_NONE && view)
+            viewport_go_to(view, &scene->view[i]);
         ui_hint(on, "Glides there.");
         ui_same_line(on);
         if (ui_button(on, "Remove", UI_QUIET)) {
@@ -240,9 +240,9 @@ static bool draw_views(panel *self, ui *on, scenery *scene)
         }
         ui_id_end(on);
     }
-    ui_disabled_begin(on, scene->view_count == SCENERY_VIEWS || !seen);
-    if (ui_button(on, "Keep this view", UI_PLAIN) && seen) {
-        scene->view[scene->view_count++] = viewport_view(seen);
+    ui_disabled_begin(on, scene->view_count == SCENERY_VIEWS || !view);
+    if (ui_button(on, "Keep this view", UI_PLAIN) && view) {
+        scene->view[scene->view_count++] = viewport_view(view);
         has_changed = true;
     }
     ui_hint(on, scene->view_count == SCENERY_VIEWS ? "Six are kept: remove one first."

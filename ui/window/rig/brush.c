@@ -196,7 +196,7 @@ void brush_begin(brush *self, const brush_shape *shape)
     self->last_vertex = NONE;
 }
 
-/* Distances along the surface from a place beside `vertex`. */
+/* Distances along the surface from a point beside `vertex`. */
 static mrt_result spread(brush *self, uint32_t vertex, const float position[3], double reach_mm,
                          error *err)
 {
@@ -262,7 +262,7 @@ static mrt_result dab_sides(brush *self, uint32_t vertex, const float position[3
     return dab(self, BRUSH_THERE, image, image_position, err);
 }
 
-/* ---- between two places ---- */
+/* ---- between two points ---- */
 
 /* Of the vertices that the last spread has reached. */
 static uint32_t nearest_reached(const brush *self, const float position[3])

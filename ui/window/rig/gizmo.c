@@ -97,8 +97,8 @@ static uint32_t draw_arc(overlay_item *out, const rig_edit_jaw *jaw)
     vec3 axis = vec3_normalised(vec3_sub(jaw->left, jaw->right), across), before = jaw->incisor;
     for (uint32_t i = 0; i < ARC_STEPS; ++i) {
         double angle = jaw->open_max_rad * (double)(i + 1) / ARC_STEPS;
-        rigid turn = rigid_turn(jaw->left, axis, angle);
-        vec3 now = rigid_apply(&turn, jaw->incisor);
+        rigid rotation = rigid_turn(jaw->left, axis, angle);
+        vec3 now = rigid_apply(&rotation, jaw->incisor);
         out[i] = overlay_line(before, now, 2.0f, arc_rgba);
         before = now;
     }

@@ -116,7 +116,7 @@ static void paint(panel *self, viewport *view)
 
 /* ---- contacts ---- */
 
-static vec3 place_of_contact(const panel *self, uint32_t contact)
+static vec3 contact_position(const panel *self, uint32_t contact)
 {
     const mesh *m = rig_model_mesh(self->model);
     const rig_placing *placing = &self->placing;
@@ -135,7 +135,7 @@ static uint32_t contact_at(const panel *self, const viewport_stroke *s)
     uint32_t best = RIG_NONE;
     double reach = reach_points;
     for (uint32_t i = 0; i < r->contact_count; ++i) {
-        vec3 at = place_of_contact(self, i);
+        vec3 at = contact_position(self, i);
         if (r->contact[i].vertex >= rig_model_mesh(self->model)->vertex_count ||
             vec3_dot(vec3_of(normal + (size_t)r->contact[i].vertex * 3), vec3_sub(ray.eye, at)) <
                 0.0 ||
@@ -211,7 +211,7 @@ static void drag_contact(panel *self, const viewport_stroke *s)
     }
 }
 
-static void place_contacts(panel *self, viewport *view)
+static void set_contact_positions(panel *self, viewport *view)
 {
     const viewport_stroke *s = viewport_stroke_now(view);
     rig_placing *placing = &self->placing;
@@ -511,7 +511,7 @@ static uint32_t add_contacts(const panel *self, overlay_item *out)
     uint32_t contacts = rig_model_rig(self->model)->contact_count, count = 0;
     for (uint32_t i = 0; i < contacts && count + 4 <= ITEMS_MAX; ++i) {
         bool is_chosen = i == self->contact;
-        vec3 at = place_of_contact(self, i);
+        vec3 at = contact_position(self, i);
         float width_px = is_chosen ? 12.0f : 8.0f;
         out[count++] = overlay_dot(at, width_px + 2.0f, rim_rgba);
         out[count++] = overlay_dot(at, width_px, is_chosen ? chosen_rgba : dot_rgba);
@@ -558,7 +558,7 @@ void rig_panel_face(panel *self, viewport *view)
     if (paints)
         paint(self, view);
     else if (has_rig && self->tab == RIG_TAB_CONTACTS)
-        place_contacts(self, view);
+        set_contact_positions(self, view);
     else if (has_rig && self->tab == RIG_TAB_JAW)
         turn_jaw(self, view);
     else

@@ -406,7 +406,7 @@ static bool draw_share(ui *on, const char *label, double *value)
     return ui_slider_is_held(on);
 }
 
-static bool is_said_alike(const rig_edit_says *a, const rig_region *b)
+static bool has_same_attributes(const rig_edit_says *a, const rig_region *b)
 {
     bool same_weight = !(a->weight < b->weight) && !(a->weight > b->weight);
     bool same_mobility = !(a->mobility < b->mobility) && !(a->mobility > b->mobility);
@@ -427,7 +427,7 @@ static void draw_shares(panel *self, ui *on, const rig_region *region)
     if (!isnan(says->mobility))
         is_held = draw_share(on, "Mobility", &says->mobility) || is_held;
     self->is_says_held = is_held;
-    if (is_held || is_said_alike(says, region))
+    if (is_held || has_same_attributes(says, region))
         return;
     rig_edit_says next = *says;
     set_says(self, &next, "change a region's share");
@@ -910,7 +910,7 @@ static void open_model(panel *self)
     error err = {""};
     const face_file *file = app_face(self->of);
     if (self->model || !file ||
-        !(self->is_seen || self->is_draft_wanted || self->known_s > look_after_s))
+        !(self->is_shown || self->is_draft_wanted || self->known_s > look_after_s))
         return;
     if (rig_model_create(&self->model, file, app_face_path(self->of),
                          settings_folder(app_settings(self->of)), &err) < 0) {
@@ -1048,7 +1048,7 @@ static void take_draft(panel *self)
         return;
     rig_panel_say(self, made.result < 0 ? made.err.text : "");
     if (made.result < 0) {
-        if (!self->is_seen)
+        if (!self->is_shown)
             news_list_add(app_news(self->of), MRT_LOG_ERROR, "rig", made.err.text);
         return;
     }
@@ -1056,7 +1056,7 @@ static void take_draft(panel *self)
     self->confirm = made.confirm;
     note_step(self, made.number, made.has_cut ? "cut the mouth" : "draft");
     rig_panel_choose(self, RIG_TAB_CHECK, 0);
-    if (!self->is_seen) {
+    if (!self->is_shown) {
         char text[128], keys[KEY_WORDS + 4];
         key_map_after(&app_looks_of(self->of)->keys, ACTION_PANEL_RIG, keys);
         (void)snprintf(text, sizeof text,
@@ -1108,11 +1108,11 @@ static void update(panel *self, double dt_s)
     }
     notes->is_drafting = self->model && rig_model_is_drafting(self->model);
     notes->is_mouth_asked = self->model && rig_model_asks_mouth(self->model);
-    if (view && self->model && self->is_seen && is_on_stage(self, before))
+    if (view && self->model && self->is_shown && is_on_stage(self, before))
         rig_panel_face(self, view);
     else if (view)
         rig_panel_release(self, view);
-    self->is_seen = false;
+    self->is_shown = false;
 }
 
 /* ---- drawn ---- */
@@ -1215,7 +1215,7 @@ static void draw_tabs(panel *self, ui *on)
 
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
-    self->is_seen = true;
+    self->is_shown = true;
     ui_panel_begin(on, "rig", where, UI_GROUND_PANEL);
     if (!self->model) {
         ui_text_wrapped(on, UI_STYLE_DIM,

@@ -86,7 +86,7 @@ struct panel {
     bool stage_rig_is_file; /* false: the stage's face is a mesh's file, its rig is new */
     bool adopts;            /* the next face of the stage is the model's own */
     double known_s;         /* since the face is known */
-    bool is_seen, was_unsaved;
+    bool is_shown, was_unsaved;
     bool is_draft_wanted; /* as soon as there is a model */
     uint32_t tab;
     error err;                       /* of the change that is made */

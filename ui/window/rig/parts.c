@@ -410,7 +410,7 @@ static bool draw_mm(ui *on, const char *label, double low, double high, double *
     return ui_slider_is_held(on);
 }
 
-static bool draw_place(const panel *self, ui *on, vec3 *at)
+static bool draw_position(const panel *self, ui *on, vec3 *at)
 {
     const bounds b = bounds_of(self);
     bool is_held = draw_mm(on, "Across", b.low.x, b.high.x, &at->x);
@@ -491,7 +491,7 @@ static void draw_ball(panel *self, ui *on, const rig_bone *bone)
         parting->centre = bone->centre;
         parting->radii = (vec3){bone->radius_mm, 0.0, 0.0};
     }
-    bool is_held = draw_place(self, on, &parting->centre);
+    bool is_held = draw_position(self, on, &parting->centre);
     is_held = draw_mm(on, "Radius", 1.0, 0.3 * size_of(self), &parting->radii.x) || is_held;
     const vec3 radius = {bone->radius_mm, 0.0, 0.0};
     parting->is_held = is_held;
@@ -643,7 +643,7 @@ static void draw_proxy(panel *self, ui *on, const rig *r)
         parting->radii = proxy.radii;
     }
     ui_id_begin(on, "proxy");
-    bool is_held = draw_place(self, on, &parting->centre);
+    bool is_held = draw_position(self, on, &parting->centre);
     is_held = draw_mm(on, "Wide", 1.0, most, &parting->radii.x) || is_held;
     is_held = draw_mm(on, "High", 1.0, most, &parting->radii.y) || is_held;
     is_held = draw_mm(on, "Deep", 1.0, most, &parting->radii.z) || is_held;
@@ -780,7 +780,7 @@ static void draw_limits(panel *self, ui *on)
         rig_panel_put_jaw(self);
 }
 
-static void draw_jaw_place(ui *on, const char *label, vec3 at)
+static void draw_jaw_point(ui *on, const char *label, vec3 at)
 {
     char text[64];
     (void)snprintf(text, sizeof text, "%.1f  %.1f  %.1f mm", at.x, at.y, at.z);
@@ -795,10 +795,10 @@ static void draw_jaw_axis(panel *self, ui *on)
     ui_text_wrapped(on, UI_STYLE_DIM,
                     "Drag the balls on the face: the two joints before the ears, and the edge of "
                     "the lower front teeth.");
-    draw_jaw_place(on, "Left", jaw->left);
-    draw_jaw_place(on, "Right", jaw->right);
+    draw_jaw_point(on, "Left", jaw->left);
+    draw_jaw_point(on, "Right", jaw->right);
     if (jaw->has_incisor)
-        draw_jaw_place(on, "Teeth", jaw->incisor);
+        draw_jaw_point(on, "Teeth", jaw->incisor);
     (void)ui_check(on, "Both sides##jaw", &self->is_even);
     if (!ui_check(on, "The teeth are placed by hand", &has_incisor))
         return;

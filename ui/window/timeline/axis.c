@@ -35,7 +35,7 @@ void timeline_axis_fit(timeline_axis *self, int64_t from_ns, int64_t to_ns)
     self->from_ns = from_ns - rounded(left_ns);
 }
 
-void timeline_axis_place(timeline_axis *self, float x, float width)
+void timeline_axis_set_extent(timeline_axis *self, float x, float width)
 {
     self->x = x;
     self->width = width > 1.0f ? width : 1.0f;

@@ -21,7 +21,7 @@ typedef struct timeline_axis {
 /* Shows from..to, with a little air on both sides. */
 void timeline_axis_fit(timeline_axis *self, int64_t from_ns, int64_t to_ns);
 /* The same instants on another part of the screen: those at its left stay. */
-void timeline_axis_place(timeline_axis *self, float x, float width);
+void timeline_axis_set_extent(timeline_axis *self, float x, float width);
 
 float timeline_axis_x(const timeline_axis *self, int64_t at_ns);
 int64_t timeline_axis_ns(const timeline_axis *self, float x);

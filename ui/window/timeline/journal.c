@@ -238,7 +238,7 @@ static void paint_takes(panel *self, ui *on, const strip *s)
 
 /* ---- lanes ---- */
 
-/* The text says which device; of two alike the place in memory tells them apart. */
+/* The text says which device; of two alike the address tells them apart. */
 uint64_t timeline_journal_input(live *stage, uint32_t index)
 {
     const char *text = live_input_text(stage, index);

@@ -301,8 +301,8 @@ static float height_of(float value)
     return 1.0f - expf(-7.0f * value);
 }
 
-static float place(const panel *self, const take_layer *lane, const take_clip *clip,
-                   int64_t show_ns)
+static float clip_x(const panel *self, const take_layer *lane, const take_clip *clip,
+                    int64_t show_ns)
 {
     int64_t at_ns = take_warp_to_timeline(clip, show_ns - clip->from_ns);
     return timeline_axis_x(&self->axis, at_ns + lane->offset_ns);
@@ -335,7 +335,7 @@ static void paint_curve(panel *self, ui *on, ui_rectangle box, const take_layer 
             continue;
         }
         int64_t show_ns = strip->from_ns + (int64_t)((i + 0.5) * step_ns);
-        float x = place(self, lane, clip, show_ns);
+        float x = clip_x(self, lane, clip, show_ns);
         float y = low - high * height_of(bin[i].greatest * gain);
         self->column_x[count] = x;
         self->column_low[count] = low;
@@ -411,7 +411,7 @@ static void paint_words(panel *self, ui *on, ui_rectangle box, const take_clip *
 
 /* ---- all of it ---- */
 
-static ui_rectangle seen_part(const panel *self, ui_rectangle box)
+static ui_rectangle visible_part(const panel *self, ui_rectangle box)
 {
     float left = self->axis.x - 20.0f, right = self->axis.x + self->axis.width + 20.0f;
     float x0 = box.x < left ? left : box.x;
@@ -425,7 +425,7 @@ static void paint_clip(panel *self, ui *on, ui_rectangle box, const take_layer *
     const app_choice *choice = app_chosen(self->app);
     bool is_chosen = owner == 0 && choice->clip == clip->id;
     look as = look_of(clip, is_heard);
-    ui_rectangle where = seen_part(self, box);
+    ui_rectangle where = visible_part(self, box);
     if (where.width <= 0.0f)
         return;
     where.width = where.width < 1.0f ? 1.0f : where.width;

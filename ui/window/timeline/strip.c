@@ -100,9 +100,9 @@ static void sign_arrow(ui *on, float x, float y, float towards, uint32_t ink)
 {
     float line[14];
     for (int i = 0; i < 7; ++i) {
-        float turn = 3.14159f * ((float)i / 6.0f * 0.9f - 0.05f);
-        line[2 * i] = x + towards * 6.0f * cosf(turn);
-        line[2 * i + 1] = y + 3.0f - 6.0f * sinf(turn);
+        float angle = 3.14159f * ((float)i / 6.0f * 0.9f - 0.05f);
+        line[2 * i] = x + towards * 6.0f * cosf(angle);
+        line[2 * i + 1] = y + 3.0f - 6.0f * sinf(angle);
     }
     float tip = x - towards * 6.5f;
     const float head[6] = {tip - 4.0f, y + 1.0f, tip + 4.0f, y + 1.0f, tip, y + 7.0f};

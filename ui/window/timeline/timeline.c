@@ -25,12 +25,12 @@ static uint32_t find(const panel *self, int64_t of, int64_t id)
 
 static void lay(panel *self, const timeline_slid *so)
 {
-    uint32_t place = find(self, so->of, so->take);
-    if (place == TIMELINE_COMPS_MAX) {
-        place = self->slid_next;
+    uint32_t slot = find(self, so->of, so->take);
+    if (slot == TIMELINE_COMPS_MAX) {
+        slot = self->slid_next;
         self->slid_next = (self->slid_next + 1) % TIMELINE_COMPS_MAX;
     }
-    self->slid[place] = *so;
+    self->slid[slot] = *so;
 }
 
 /* What was performed over the take lies where it was performed: the take shows it there too. */
@@ -435,8 +435,8 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
     ui_panel_begin(on, "timeline_lanes", where, UI_GROUND_NONE);
     ui_canvas_begin(on, "lanes", 0.0f, 0.0f, &canvas);
     ui_draw_box(on, where, THEME_PANEL, 0.0f);
-    timeline_axis_place(&self->axis, where.x + TIMELINE_HEAD_WIDTH,
-                        where.width - TIMELINE_HEAD_WIDTH);
+    timeline_axis_set_extent(&self->axis, where.x + TIMELINE_HEAD_WIDTH,
+                             where.width - TIMELINE_HEAD_WIDTH);
     follow_take(self);
     self->hint = "";
     /* What is performed is seen, whatever take is chosen beside it. */

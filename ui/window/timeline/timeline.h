@@ -131,7 +131,7 @@ struct panel {
     bool is_snapping, is_following, has_comps;
     uint32_t regions; /* that a swipe comps */
     timeline_slid slid[TIMELINE_COMPS_MAX];
-    uint32_t slid_next; /* whose place the next one takes */
+    uint32_t slid_next; /* the slot that the next one takes */
     char *slid_show;    /* path of the show whose takes they are; NULL: not looked at yet */
     /* the pointer */
     timeline_gesture gesture;

@@ -125,7 +125,7 @@ static void worker_reader_close(worker_reader *self)
 
 /* ---- curves ---- */
 
-static worker_curve *place_for_curve(worker_reader *self)
+static worker_curve *slot_for_curve(worker_reader *self)
 {
     if (self->curve_count < WORKER_CURVES_MAX)
         return &self->curve[self->curve_count++];
@@ -164,7 +164,7 @@ static worker_curve *curve_of(worker_reader *self, int64_t performance)
         if (self->curve[i].performance == performance)
             curve = &self->curve[i];
     if (!curve) {
-        curve = place_for_curve(self);
+        curve = slot_for_curve(self);
         begin_curve(self, curve, performance);
     }
     curve->used = ++self->uses;

@@ -80,7 +80,7 @@ static hand_stance hand_stance_of(const viewport_scene_of *of, uint32_t side)
     return pose;
 }
 
-static vec3 in_place(const hand_stance *pose, mrt_vec3 joint)
+static vec3 to_face_frame(const hand_stance *pose, mrt_vec3 joint)
 {
     vec3 at = pose->wrist;
     at = vec3_add(at, vec3_scale(pose->right, pose->mm * (double)joint.x));
@@ -94,8 +94,8 @@ static void add_bone(viewport_scene *out, const hand_stance *pose, const mrt_han
     overlay_item bone = *like;
     bone.kind = OVERLAY_BONE;
     bone.radius_mm = (float)(radius_mm * pose->mm);
-    set_point(bone.from, in_place(pose, hand->joint[from]));
-    set_point(bone.to, in_place(pose, hand->joint[to]));
+    set_point(bone.from, to_face_frame(pose, hand->joint[from]));
+    set_point(bone.to, to_face_frame(pose, hand->joint[to]));
     viewport_scene_add(out, &bone);
 }
 
@@ -118,8 +118,8 @@ static void add_hand(viewport_scene *out, const viewport_scene_of *of, uint32_t 
         ball.radius_mm = (float)(7.0 * pose.mm);
         for (int i = 0; i < 3; ++i)
             ball.rgba[i] = 0.45f * ball.rgba[i] + 0.55f;
-        set_point(ball.from, in_place(&pose, hand->joint[tip]));
-        set_point(ball.to, in_place(&pose, hand->joint[tip]));
+        set_point(ball.from, to_face_frame(&pose, hand->joint[tip]));
+        set_point(ball.to, to_face_frame(&pose, hand->joint[tip]));
         viewport_scene_add(out, &ball);
     }
     for (int finger = 1; finger + 1 < FINGERS; ++finger)
@@ -252,8 +252,8 @@ static void add_arc(viewport_scene *out, const viewport_scene_of *of, const rig_
     vec3 last = {0, 0, 0};
     for (int i = 0; i <= ARC_PARTS; ++i) {
         double open = jaw->open_min_rad + (jaw->open_max_rad - jaw->open_min_rad) * i / ARC_PARTS;
-        rigid turn = bones_jaw(&b, open, 0.0, 0.0);
-        vec3 at = rigid_apply(carrier, rigid_apply(&turn, jaw->incisor));
+        rigid opening = bones_jaw(&b, open, 0.0, 0.0);
+        vec3 at = rigid_apply(carrier, rigid_apply(&opening, jaw->incisor));
         if (i > 0)
             add_line(out, &line, last, at);
         last = at;

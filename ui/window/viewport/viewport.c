@@ -21,7 +21,7 @@ typedef struct viewport_grip {
     pointer_grip how;
     float rest[3];   /* mm: what is held, of the rest face */
     float begin[3];  /* mm: that, as shown when it was taken */
-    float offset[3]; /* mm: from the place under the pointer to what is held */
+    float offset[3]; /* mm: from the point under the pointer to what is held */
     float depth_mm;  /* towards the viewer, by the wheel */
     float at[3];     /* mm: where it is to be now */
 } viewport_grip;
@@ -184,8 +184,8 @@ void viewport_labels_place(viewport_label *label, uint32_t count, ui_rectangle w
 /* Away from what is held the camera is its own business: at most so much of its distance. */
 static const float most_lift = 0.5f;
 
-/* The place under the pointer in the plane of what is held, lifted. */
-static bool place_under(float out[3], const viewport *self)
+/* The point under the pointer in the plane of what is held, lifted. */
+static bool point_under_pointer(float out[3], const viewport *self)
 {
     const draw_camera *camera = &self->camera.now;
     float right[3], up[3], back[3];
@@ -206,7 +206,7 @@ static void take_grip(viewport *self, pointer_grip how, const float rest[3], con
     memcpy(grip->begin, shown, sizeof grip->begin);
     memcpy(grip->at, shown, sizeof grip->at);
     float under[3];
-    if (!place_under(under, self))
+    if (!point_under_pointer(under, self))
         return;
     for (int i = 0; i < 3; ++i)
         grip->offset[i] = shown[i] - under[i];
@@ -222,7 +222,7 @@ static void drag_grip(viewport *self, float towards_mm)
         return;
     if (towards_mm != 0.0f)
         grip->depth_mm = fminf(fmaxf(grip->depth_mm + towards_mm, -most), most);
-    if (!place_under(under, self))
+    if (!point_under_pointer(under, self))
         return;
     for (int i = 0; i < 3; ++i)
         grip->at[i] = under[i] + grip->offset[i];
@@ -260,7 +260,7 @@ static double reach_mm(const viewport *self)
                                  : 0.25 * (double)face_height(self);
 }
 
-/* ---- places ---- */
+/* ---- positions ---- */
 
 /* Points from the canvas's top left; false: behind the eye. */
 static bool to_points(const viewport *self, const float at[3], float *out_x, float *out_y)
@@ -289,7 +289,7 @@ static uint32_t contact_count(const viewport *self)
 }
 
 /* Where a contact is in the shape that is shown, and whether that side of it is seen. */
-static void place_of_contact(const viewport *self, uint32_t contact, float out[3])
+static void contact_position(const viewport *self, uint32_t contact, float out[3])
 {
     memcpy(out, self->shape + (size_t)self->face.rig->contact[contact].vertex * 3, 3 * sizeof *out);
 }
@@ -299,7 +299,7 @@ static bool contact_is_seen(const viewport *self, uint32_t contact)
     const float *normal = self->normal + (size_t)self->face.rig->contact[contact].vertex * 3;
     float eye[3], at[3], facing = 0.0f;
     camera_eye(&self->camera.now, eye);
-    place_of_contact(self, contact, at);
+    contact_position(self, contact, at);
     for (int i = 0; i < 3; ++i)
         facing += normal[i] * (eye[i] - at[i]);
     return facing > 0.0f;
@@ -313,7 +313,7 @@ static uint32_t find_contact(const viewport *self, const ui_canvas *canvas)
     float nearest = reach_points;
     for (uint32_t i = 0; i < contact_count(self); ++i) {
         float at[3], x, y;
-        place_of_contact(self, i, at);
+        contact_position(self, i, at);
         if (!to_points(self, at, &x, &y))
             continue;
         float away = hypotf(x - canvas->x, y - canvas->y);
@@ -363,11 +363,11 @@ static void tell_ray(viewport *self, viewport_stroke *out)
     float right[3], up[3], back[3], squared = 0.0f;
     camera_eye(camera, out->eye);
     camera_axes_of(camera, right, up, back);
-    bool is_seen =
+    bool is_under =
         draw_unproject(out->ray, camera, self->rectangle, self->pointer_px, camera->target);
     for (int i = 0; i < 3; ++i) {
         out->forward[i] = -back[i];
-        out->ray[i] = is_seen ? out->ray[i] - out->eye[i] : out->forward[i];
+        out->ray[i] = is_under ? out->ray[i] - out->eye[i] : out->forward[i];
         squared += out->ray[i] * out->ray[i];
     }
     for (int i = 0; i < 3; ++i)
@@ -408,7 +408,7 @@ static void take_hold(viewport *self, const ui_canvas *canvas)
         const mrt_contact *contact = &view_of(self)->about->contacts[self->contact - 1];
         const float exactly[3] = {contact->rest.x, contact->rest.y, contact->rest.z};
         memcpy(rest, exactly, sizeof rest);
-        place_of_contact(self, self->contact - 1, shown);
+        contact_position(self, self->contact - 1, shown);
     } else {
         rest_of_hit(self, rest);
         memcpy(shown, self->hit.at, sizeof shown);
@@ -461,7 +461,7 @@ static void let_go_of_all(viewport *self)
     const mrt_contact *contact = &view_of(self)->about->contacts[self->contact - 1];
     const float rest[3] = {contact->rest.x, contact->rest.y, contact->rest.z};
     float at[3];
-    place_of_contact(self, self->contact - 1, at);
+    contact_position(self, self->contact - 1, at);
     if (app_is_held(self->of))
         app_begin_pull(self->of);
     live_point(app_live(self->of), POINTER_LETS_GO, rest, at, false, 0.0);
@@ -792,7 +792,7 @@ static const char *contact_name(const viewport *self, uint32_t contact)
 static bool add_label(const viewport *self, const ui *on, uint32_t contact, viewport_label *out)
 {
     float at[3];
-    place_of_contact(self, contact, at);
+    contact_position(self, contact, at);
     if (!contact_is_seen(self, contact) || !to_points(self, at, &out->x, &out->y))
         return false;
     out->width = ui_text_width(on, UI_STYLE_BODY, contact_name(self, contact)) + 8.0f;
@@ -1244,7 +1244,7 @@ static uint32_t pixels(float length)
     return length > 1.0f ? (uint32_t)lrintf(length) : 1;
 }
 
-static void take_place(viewport *self, const ui_canvas *canvas, float scale)
+static void update_rectangle(viewport *self, const ui_canvas *canvas, float scale)
 {
     float before = self->rectangle[3] ? aspect_of(self) : 0.0f;
     self->where = canvas->where;
@@ -1336,7 +1336,7 @@ void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
     ui_panel_begin(on, "viewport", where, UI_GROUND_NONE);
     ui_canvas_begin(on, "face", 0.0f, 0.0f, &canvas);
     ui_on_face_begin(on);
-    take_place(self, &canvas, scale);
+    update_rectangle(self, &canvas, scale);
     follow_face(self);
     if (self->has_face)
         draw_face_in(self, on, &canvas);
