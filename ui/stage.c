@@ -174,7 +174,7 @@ static bool remember_size(stage *self, double *out_width, double *out_height)
     return is_maximised;
 }
 
-static mrt_result open_front(stage *self, error *err)
+static mrt_result open_window(stage *self, error *err)
 {
     const stage_options *options = self->options;
     double width = WIDTH, height = HEIGHT;
@@ -202,7 +202,7 @@ static mrt_result open_stage(stage *self, error *err)
     if (self->options->script)
         result = script_read(&self->script, self->options->script, err);
     if (result >= 0) /* first: without a display nothing is left behind */
-        result = open_front(self, err);
+        result = open_window(self, err);
     app_options with = self->options->app;
     with.note = self->settings_note;
     if (result >= 0)

@@ -18,8 +18,8 @@ __attribute__((format(printf, 3, 4))) mrt_result error_set(error *out, mrt_resul
 
 #ifdef __clang_analyzer__
 /* The analyzer sees one file at a time: this tells it that an error returns its code. */
-void error_said(const char *format, ...);
-#define error_set(out, code, ...) (error_said(__VA_ARGS__), (void)(out), (code))
+void error_check_format(const char *format, ...);
+#define error_set(out, code, ...) (error_check_format(__VA_ARGS__), (void)(out), (code))
 #endif
 
 /* Puts "prefix: " before the text that is there: a caller that knows the file names it. */

@@ -621,7 +621,7 @@ static float put_exports(pen *p, float right)
 }
 
 /* How much of a voice is read. Returns its left end. */
-static float put_voice(pen *p, float right)
+static float put_audio_import(pen *p, float right)
 {
     const double part = app_voice_part(p->workspace->app);
     char words[40];
@@ -646,7 +646,7 @@ static void put_right(pen *p, float left)
     x = put_word(p, x, ACTION_OUTPUT, "Output", app_looks_of(of)->has_output) - 4.0f;
     x = put_word(p, x, ACTION_SOUND_ARM, "Mic", app_status(of)->is_sound_armed) - 4.0f;
     x = put_exports(p, x) - 8.0f;
-    x = put_voice(p, x);
+    x = put_audio_import(p, x);
     if (p->where.width < 1000.0f)
         return;
     if (fast->latency_p50_ms > 0.0)

@@ -317,25 +317,25 @@ static float steepest_in(const float *row, const uint32_t *corner, const strain_
 
 /* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; given likewise.
  */
-static double left_of(double of_angle, angle_sincos less)
+static double angle_subtract(double of_angle, angle_sincos less)
 {
     double left = less.cos - of_angle * less.sin;
     return left > 0.0 ? (of_angle * less.cos + less.sin) / left : (double)INFINITY;
 }
 
-static angle_sincos turn_of_cosine(double cosine)
+static angle_sincos angle_of_cosine(double cosine)
 {
     return (angle_sincos){.cos = cosine, .sin = sqrt(fmax(1.0 - cosine * cosine, 0.0))};
 }
 
-static angle_sincos turn_of_sine(double sine)
+static angle_sincos angle_of_sine(double sine)
 {
     sine = fmin(sine, 1.0);
     return (angle_sincos){.cos = sqrt(1.0 - sine * sine), .sin = sine};
 }
 
 /* The sum of two angles, 90 degrees at most. */
-static angle_sincos turn_add(angle_sincos a, angle_sincos b)
+static angle_sincos angle_add(angle_sincos a, angle_sincos b)
 {
     double cosine = a.cos * b.cos - a.sin * b.sin;
     return cosine > 0.0 ? (angle_sincos){.cos = cosine, .sin = a.sin * b.cos + a.cos * b.sin}
@@ -347,9 +347,10 @@ static angle_sincos turn_add(angle_sincos a, angle_sincos b)
 static float steepness_of(const limit_group *g, angle_sincos tilt, angle_sincos apart)
 {
     const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
-    const angle_sincos all = turn_add(tilt, apart);
-    double inv_tan_tilt = fmax(1.0 / (double)STRAIN_TILT_MOST, left_of((double)inv_tan_seen, tilt));
-    double inv_tan_turn = left_of((double)g->inv_tan_turn, all);
+    const angle_sincos all = angle_add(tilt, apart);
+    double inv_tan_tilt =
+        fmax(1.0 / (double)STRAIN_TILT_MOST, angle_subtract((double)inv_tan_seen, tilt));
+    double inv_tan_turn = angle_subtract((double)g->inv_tan_turn, all);
     double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
     return (float)(sure * fmax(sqrt(squeezed + inv_tan_tilt * inv_tan_tilt),
                                sqrt(1.0 + inv_tan_turn * inv_tan_turn)));
@@ -396,7 +397,7 @@ static void bound_group(face *f, size_t group)
         float without = steepest_in(row, corner, &patch->origin.shape, count, 0.0f);
         rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
     }
-    const angle_sincos tilt = turn_of_cosine((double)g->tilt_cosine), none = {.cos = 1.0};
+    const angle_sincos tilt = angle_of_cosine((double)g->tilt_cosine), none = {.cos = 1.0};
     g->steepness = is_squashed ? INFINITY : steepness_of(g, tilt, none);
     g->rounding = rounding;
 }
@@ -639,7 +640,7 @@ static angle_sincos half_apart(face *f, const limit_group *g)
         double rotation = apart_of(f, g->main_bone, (uint32_t)__builtin_ctz(left))->rotation;
         most = 0.5 * rotation > most ? 0.5 * rotation : most;
     }
-    return turn_of_sine(most);
+    return angle_of_sine(most);
 }
 
 /* Upper bound of the angle between the rotation of a triangle of the group and the main bone's. */
@@ -649,7 +650,7 @@ static angle_sincos blend_apart(face *f, const limit_group *g)
     for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
         most += (double)f->limit.carried[i].weight *
                 apart_of(f, g->main_bone, f->limit.carried[i].bone)->rotation;
-    return turn_of_sine(most);
+    return angle_of_sine(most);
 }
 
 /* Lower bound of the length that the bones leave of a unit vector of the group; < 0: none is known.
@@ -677,8 +678,8 @@ static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
     }
     const double cosine = 1.0 / sqrt(1.0 + steepest * steepest);
     const angle_sincos by_one = {.cos = cosine, .sin = steepest * cosine};
-    const angle_sincos by_others = turn_of_sine(scale > 0.0 ? 1.01 * lost / scale : 1.0);
-    *out_tilt = turn_add(by_one, by_others);
+    const angle_sincos by_others = angle_of_sine(scale > 0.0 ? 1.01 * lost / scale : 1.0);
+    *out_tilt = angle_add(by_one, by_others);
     return (float)(scale - 1.01 * lost);
 }
 
@@ -688,7 +689,7 @@ static float room_of_pose(face *f, const limit_group *g)
 {
     angle_sincos tilt, apart = half_apart(f, g);
     float scale = bound_pose(f, g, &tilt) - g->rounding;
-    tilt = turn_add(tilt, turn_of_cosine((double)g->tilt_cosine));
+    tilt = angle_add(tilt, angle_of_cosine((double)g->tilt_cosine));
     float steepness = steepness_of(g, tilt, apart);
     return isfinite(steepness) ? scale * g->steepness / steepness : 0.0f;
 }
@@ -865,7 +866,7 @@ static void leave_tilts(face *f, size_t group, const float *turn_cosine)
 {
     const limit_group *g = &f->limit.group[group];
     limit_patch *patch = &f->limit.patch[group];
-    const angle_sincos less = turn_add(blend_apart(f, g), turn_of_cosine((double)g->tilt_cosine));
+    const angle_sincos less = angle_add(blend_apart(f, g), angle_of_cosine((double)g->tilt_cosine));
     const bool is_known = less.sin < tilt_free.sin;
     const double enough = tilt_free.cos * less.cos + tilt_free.sin * less.sin;
     float of_angle[GROUP], cosine[GROUP];

@@ -1,19 +1,19 @@
 /* The head's own shapes (morph targets of its file) answer a pull before the fields do.
  *
- * Learnt at load. Of each shape what the bones can do is found: the degrees of freedom theta_k that
- * come closest where a bone alone carries the face. What is left, S_k, is in the frame of the
- * bones, so that at theta_k and weight 1 the face is the shape as it was made; it is 0 on what is
- * rigid, and where the shape alone would fold the skin it is made smaller until it does not.
- * A frame, of the contacts' ways y with the bones at rest:
+ * Learnt at load. For each shape the degrees of freedom theta_k are found with which the bones come
+ * closest to it, where a bone alone carries the face. The rest of the shape, S_k, is stored in the
+ * frame of the bones, so that theta_k and weight 1 give the shape as it was made. S_k is 0 on rigid
+ * parts, and is smoothed where the shape alone would fold the skin.
+ * Each frame. y: the displacements that the controls ask for, with the bones at rest.
  *   min |A w - y|^2 + sum_k ridge_k w_k^2 + few_k w_k,   0 <= w_k <= high_k
- * A being the shapes at the contacts, ridge_k = 3 C (lambda_k e_k)^2, and e_k the root mean square
- * of a shape over the skin: what the contacts cannot see must not run away. (Lewis and Anjyo,
- * Direct Manipulation Blendshapes, 2010, with bounds; lambda_k grows as the contacts see less.)
- * A shape that is a bone's motion more than any other follows that bone: its weight is how far the
- * bone has gone on theta_k. Others with a part in theta go no further than their bones have. A bone
- * that nobody drives, and that the contacts speak of, is where the weights put it.
- * What the shapes leave over of where the contacts go says how far each is believed; as far as they
- * are not, the jaw is where the contacts on it alone would bring it.
+ * A: the shapes at the controls. ridge_k = 3 C (lambda_k e_k)^2, with e_k the root mean square of a
+ * shape over the skin, keeps shapes small that the controls hardly determine. (Lewis and Anjyo,
+ * Direct Manipulation Blendshapes, 2010, with bounds; lambda_k is larger the less a shape moves the
+ * controls.) The shape that is a bone's motion more than any other follows that bone: its weight is
+ * how far the bone has gone along theta_k. Others with a part in theta get no larger weight than
+ * their bones allow. A bone that is not driven, and that shapes move, is posed by the weights. The
+ * residual at the controls that a shape moves says how far the shape is trusted. As far as shapes
+ * are not trusted, the jaw is where the controls on it alone would bring it.
  * The fields do what is left of y, so that each control lands on its end. */
 #include "face/frame/frame.h"
 #include "face/frame/shape_solve.h"
@@ -35,9 +35,9 @@ static const double carried = 0.9;       /* weight of what a bone carries nearly
 static const float strain_most = 0.6f;   /* of a shape alone; above 1 it may fold */
 static const double ridge_blind = 0.05, ridge_seeing = 0.02; /* lambda_k */
 static const double few_mm = 0.02;
-/* Of the square of where the contacts go that a shape moves, what the shapes leave over: it is
- * believed wholly, and not at all: where many contacts speak of it, and where one does, which many
- * shapes could explain. */
+/* The residual, as a share of the squared displacements of the controls that a shape moves, up to
+ * which it is trusted wholly, and from which it is not at all. trusted_alone: of a single control,
+ * whose displacement many shapes could explain. */
 static const double trusted_from = 0.005, trusted_to = 0.15, trusted_alone = 0.01;
 static const uint64_t bytes_most = UINT64_C(1) << 30;
 
@@ -72,7 +72,8 @@ static float weight_of(const face *f, uint32_t carrier, size_t slot)
     return sum;
 }
 
-/* What the bone carries nearly alone: rigid parts if there are any, else skin; evenly chosen. */
+/* Samples the vertices that the bone carries nearly alone: rigid ones if there are any, else skin.
+ */
 static void choose_points(learning *l, uint32_t bone)
 {
     const face *f = l->f;
@@ -111,7 +112,7 @@ static vec3 row_of(const learning *l, size_t slot)
 
 /* ---- what the bones do of a shape ---- */
 
-/* Sum of the squares of what a bone leaves over at these degrees of freedom. */
+/* The sum of squares of the residual of the shape at the bone's points. out: the residual. */
 static double left_over(const learning *l, uint32_t bone, const float *dof, vec3 *out)
 {
     rigid pose[RIG_BONES_MAX];
@@ -179,7 +180,7 @@ static bool improve_fit(const learning *l, uint32_t bone, float *dof, double dam
     return true;
 }
 
-/* What the bone would take out of the whole shape, of its square. */
+/* The share of the whole shape's sum of squares that the bone explains. */
 static double part_of(const learning *l, uint32_t bone, const float *dof)
 {
     const face *f = l->f;
@@ -230,8 +231,8 @@ static void set_row(float (*row)[4], size_t slot, vec3 value)
     row[slot][2] = (float)value.z;
 }
 
-/* l->row := what is left of the shape once the bones are as it has them, and l->posed where they
- * have the face. Returns of its sum of squares the part that they do. */
+/* l->posed := the face with the bones as in the shape, l->row := the rest of the shape. Returns the
+ * share of its sum of squares that the bones explain. */
 static double take_bones_out(learning *l, const rigid *pose)
 {
     const face *f = l->f;
@@ -272,7 +273,7 @@ static void turn_normals(learning *l, const rigid *pose)
     }
 }
 
-/* l->row with the bones at rest; all vertices of a point have one. */
+/* Brings l->row into the frame of the bones at rest. Vertices of one point get the same. */
 static void carry_back(learning *l, const rigid *pose)
 {
     const face *f = l->f;
@@ -314,8 +315,7 @@ static bool ease_triangle(learning *l, uint32_t triangle)
     return true;
 }
 
-/* Only what differs between the corners of a triangle folds it: where a shape does, it is smoothed.
- */
+/* Smooths a shape where it folds skin: a triangle folds by the differences between its corners. */
 static void ease_folds(learning *l)
 {
     const face *f = l->f;
@@ -442,7 +442,8 @@ static double dof_product(const face_shapes *s, const float *a, const float *b, 
     return sum;
 }
 
-/* Of the shapes that go one way of the same bones the one that is that motion most leads. */
+/* Of shapes that move the same bones the same way, the one that is that motion most follows the
+ * bones. */
 static void choose_leads(face *f)
 {
     face_shapes *s = &f->shapes;
@@ -463,7 +464,7 @@ static void choose_leads(face *f)
     }
 }
 
-/* How far a vertex that a bone carries goes for each 1 of its degrees of freedom. */
+/* dof_mm: how far a degree of freedom, changed by 1, moves the vertices that its bone carries. */
 static void measure_dofs(learning *l)
 {
     const face *f = l->f;
@@ -481,7 +482,7 @@ static void measure_dofs(learning *l)
         }
 }
 
-/* It has skin of its own, as the jaw and lids have and an eyeball has not. */
+/* Whether skin rides on the bone, as on the jaw and on lids, but not on an eyeball. */
 static bool carries_skin(const face *f, uint32_t bone)
 {
     for (uint32_t slot = 0; slot < f->rest.count; ++slot)
@@ -686,7 +687,7 @@ static bool is_derived(const face *f, uint32_t dof, uint32_t derived)
     return (derived >> f->bones.dof[dof].bone & 1) != 0 && f->shapes.covers[dof];
 }
 
-/* A, and what does not change while the same bones follow the weights. */
+/* Computes A, and what depends only on which bones follow the weights. */
 static void find_responses(face *f, uint32_t derived)
 {
     face_shapes *s = &f->shapes;
@@ -738,7 +739,7 @@ static void find_responses(face *f, uint32_t derived)
 
 /* ---- a frame ---- */
 
-/* How far the bones have gone on the way of a shape, 0..1. */
+/* How far the bones have gone along the theta of a shape, 0..1. */
 static double drive_of(const face *f, const face_shape *one, const float *dof)
 {
     double way = dof_product(&f->shapes, one->dof, dof, f->bones.dof_count);
@@ -746,7 +747,7 @@ static double drive_of(const face *f, const face_shape *one, const float *dof)
     return part > 0.0 ? (part < 1.0 ? part : 1.0) : 0.0;
 }
 
-/* What of a shape is there whatever is pulled: what bones lead to, or what is asked for. */
+/* The weight of a shape without pulls: by the bones that it follows, or by face_ask_shapes. */
 static double led_by(const face *f, uint32_t i, const float *dof)
 {
     const face_shapes *s = &f->shapes;
@@ -784,7 +785,8 @@ static bool is_driven(const bones *b, uint32_t bone, const float *dof)
     return false;
 }
 
-/* Bones that nobody drives and that shapes move; the jaw only where some control rides on it. */
+/* The bones that are posed by the weights: not driven, and moved by shapes; the jaw only if some
+ * control rides on it. */
 static uint32_t derived_bones(const face *f, const float *dof)
 {
     const face_shapes *s = &f->shapes;
@@ -796,7 +798,8 @@ static uint32_t derived_bones(const face *f, const float *dof)
     return out & s->speaks_of;
 }
 
-/* The bounds of a frame, and y: the ways of the controls as the bones are that do not follow. */
+/* Sets the bounds of the weights, and y: the displacements asked for, less those by the bones that
+ * do not follow the weights. */
 static void begin_frame(face *f, const float *resolved, uint32_t derived, const double *end)
 {
     face_shapes *s = &f->shapes;
@@ -825,7 +828,8 @@ static void begin_frame(face *f, const float *resolved, uint32_t derived, const 
     }
 }
 
-/* Of what a corrective needs the least weight. True: one had more than that. */
+/* Bounds each corrective by the least weight of the shapes that it corrects. True: one was above.
+ */
 static bool bound_correctives(face_shapes *s)
 {
     bool any = false;
@@ -842,8 +846,8 @@ static bool bound_correctives(face_shapes *s)
     return any;
 }
 
-/* A shape is believed as far as the shapes explain where the contacts go that it moves: what others
- * than it would explain is left to the fields. */
+/* Reduces each shape by how badly the shapes explain the displacements of the controls that it
+ * moves; the fields do the rest. */
 static void trust_shapes(face *f)
 {
     face_shapes *s = &f->shapes;
@@ -876,7 +880,7 @@ static void trust_shapes(face *f)
     }
 }
 
-/* Of each degree of freedom how far the weights go its way, whichever way that is. */
+/* For each degree of freedom the sum of what the shapes do of it, without signs. */
 static void add_ways(const face *f, double *out)
 {
     const face_shapes *s = &f->shapes;
@@ -887,7 +891,8 @@ static void add_ways(const face *f, double *out)
     }
 }
 
-/* A bone is where the weights put it as far as these are believed, and else where it was. */
+/* Blends, by how far the weights are trusted, between the value that they give and the one before.
+ */
 static double derive_dof(const face *f, uint32_t d, double was, double asked, double believed)
 {
     const face_shapes *s = &f->shapes;

@@ -225,7 +225,7 @@ static void keep_outputs(app *self)
     settings_set_list(self->settings, "outputs", kept, count, OUTPUTS_MAX);
 }
 
-/* As they were when the program ended: what they name is looked up among what is loaded. */
+/* Opens the outputs of the last run whose plugins are loaded. */
 static void open_outputs(app *self)
 {
     const char *kept[OUTPUTS_MAX];
@@ -318,7 +318,7 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     return MRT_OK;
 }
 
-/* Whoever is left to hear it sees it in a terminal: the window is gone. */
+/* An error goes to stderr, as the window is gone. */
 static void end_live(app *self)
 {
     error err = {0};
@@ -337,7 +337,7 @@ void app_destroy(app *self)
     remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
     app_drop_copy(self);
-    app_drop_voice(self);
+    app_drop_audio(self);
     exporter_destroy(self->exports);
     app_record_finish_over(self);
     app_drop_take(self);
@@ -360,8 +360,8 @@ void app_destroy(app *self)
 
 /* ---- each frame ---- */
 
-/* There is no microphone, which the log has said: it is not armed. One that was there and went is
- * waited for. */
+/* Disarms the sound when there is no microphone, which the log has told. One that was lost while it
+ * was in use is waited for. */
 static void follow_sound(app *self)
 {
     const sound_device_status *device = &self->status.listening.device;
@@ -370,7 +370,8 @@ static void follow_sound(app *self)
         live_disarm_sound(self->live);
 }
 
-/* None joins a take that is being recorded: it comes when that has ended. */
+/* Inputs that were opened join the stage, but not before the end of a take that is being recorded.
+ */
 static void take_inputs(app *self)
 {
     input_opened one;
@@ -418,7 +419,7 @@ void app_update(app *self, double dt_s)
     kept_scenery_update(self->scenery);
     app_takes_update(self, dt_s);
     app_follow_copy(self);
-    app_follow_voice(self);
+    app_follow_audio(self);
     app_chase(self);
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)

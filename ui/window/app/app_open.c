@@ -295,7 +295,7 @@ mrt_result app_open_show(app *self, const char *path)
     mrt_result result = open_or_make(&opened, path, &err);
     if (result < 0)
         return app_report(self, result, &err);
-    app_drop_voice(self);
+    app_drop_audio(self);
     app_record_finish_over(self);
     app_drop_take(self);
     app_forget_steps(self, NULL);
@@ -428,10 +428,10 @@ void app_follow_copy(app *self)
         app_reported(app_select_take(self, chosen));
 }
 
-/* ---- a voice from a file ---- */
+/* ---- sound from a file ---- */
 
 /* Reads the sound of a file into the open show, on a thread of its own. */
-typedef struct voice_import {
+typedef struct audio_import {
     show *into; /* its own */
     char *path;
     pthread_t thread;
@@ -440,35 +440,35 @@ typedef struct voice_import {
     int64_t audio; /* once it has ended, as the result and the error */
     mrt_result result;
     error err;
-} voice_import;
+} audio_import;
 
 static bool goes_on(void *data, double part)
 {
-    voice_import *self = data;
+    audio_import *self = data;
     atomic_store(&self->thousandths, (uint32_t)(part * 1000.0));
     return !atomic_load(&self->is_given_up);
 }
 
 static void *import(void *data)
 {
-    voice_import *self = data;
+    audio_import *self = data;
     const sound_file_watch watch = {goes_on, self};
     self->result = sound_file_import(&self->audio, self->into, self->path, &watch, &self->err);
     atomic_store(&self->has_ended, true);
     return NULL;
 }
 
-static void voice_import_free(voice_import *self)
+static void audio_import_free(audio_import *self)
 {
     show_close(self->into);
     free(self->path);
     free(self);
 }
 
-static mrt_result voice_import_begin(voice_import **out, show *into, const char *path, error *err)
+static mrt_result audio_import_begin(audio_import **out, show *into, const char *path, error *err)
 {
     *out = NULL;
-    voice_import *self = calloc(1, sizeof *self);
+    audio_import *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to read %s", path);
     self->path = strdup(path);
@@ -476,7 +476,7 @@ static mrt_result voice_import_begin(voice_import **out, show *into, const char 
     if (result >= 0 && (!self->path || pthread_create(&self->thread, NULL, import, self) != 0))
         result = error_set(err, MRT_ERR_MEMORY, "no memory to read %s", path);
     if (result < 0) {
-        voice_import_free(self);
+        audio_import_free(self);
         return result;
     }
     *out = self;
@@ -490,46 +490,47 @@ mrt_result app_attach_voice(app *self, const char *path)
     if (!app_take(self) || !show_is_writable(self->show))
         result = error_set(&err, MRT_ERR_ARGUMENT,
                            "choose the take that the voice belongs to, then open it again");
-    else if (self->voice)
+    else if (self->audio_import)
         result = error_set(&err, MRT_ERR_ARGUMENT,
                            "a voice is being read: wait until it is in its take");
     if (result >= 0)
-        result = voice_import_begin(&self->voice, self->show, path, &err);
-    self->voice_take = self->chosen;
+        result = audio_import_begin(&self->audio_import, self->show, path, &err);
+    self->audio_take = self->chosen;
     return app_report(self, result, &err);
 }
 
 double app_voice_part(const app *self)
 {
-    return self->voice ? 1e-3 * (double)atomic_load(&self->voice->thousandths) : -1.0;
+    return self->audio_import ? 1e-3 * (double)atomic_load(&self->audio_import->thousandths) : -1.0;
 }
 
 /* Cancels an import that has not ended; nothing of it is left in the show. */
-void app_drop_voice(app *self)
+void app_drop_audio(app *self)
 {
-    voice_import *voice = self->voice;
-    if (!voice)
+    audio_import *job = self->audio_import;
+    if (!job)
         return;
-    atomic_store(&voice->is_given_up, true);
-    (void)pthread_join(voice->thread, NULL);
-    voice_import_free(voice);
-    self->voice = NULL;
+    atomic_store(&job->is_given_up, true);
+    (void)pthread_join(job->thread, NULL);
+    audio_import_free(job);
+    self->audio_import = NULL;
 }
 
 /* What is recorded or played meanwhile is not disturbed. */
-void app_follow_voice(app *self)
+void app_follow_audio(app *self)
 {
     edit e;
-    if (!self->voice || self->status.is_recording || self->over_take || self->awaited ||
-        !atomic_load(&self->voice->has_ended))
+    if (!self->audio_import || self->status.is_recording || self->over_take || self->awaited ||
+        !atomic_load(&self->audio_import->has_ended))
         return;
     edit_init(&e, EDIT_AUDIO_ATTACH);
-    e.audio = self->voice->audio;
-    const mrt_result result = app_report(self, self->voice->result, &self->voice->err);
-    app_drop_voice(self);
+    e.audio = self->audio_import->audio;
+    const mrt_result result =
+        app_report(self, self->audio_import->result, &self->audio_import->err);
+    app_drop_audio(self);
     if (result < 0)
         return;
-    if (self->chosen != self->voice_take && app_pick_take(self, self->voice_take) < 0)
+    if (self->chosen != self->audio_take && app_pick_take(self, self->audio_take) < 0)
         return;
     app_reported(app_edit(self, &e));
     edit_finish(&e);

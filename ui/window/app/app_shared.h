@@ -15,10 +15,10 @@
 
 enum { APP_UNDO_MAX = 1024, APP_UNDO_BYTES = 512 << 20, APP_PATH = 4096 };
 
-/* One line of undo: so many edits of a take, or somebody else's step. */
+/* A step of undo: some edits of a take, or an app_step of another owner. */
 typedef struct app_done {
     app_step step; /* of a take: its words alone */
-    int64_t take;  /* 0: somebody else's */
+    int64_t take;  /* 0: a step of another owner */
     int64_t head_before, head_after;
     int64_t chosen_take; /* the take that was chosen as it was done */
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
@@ -113,11 +113,11 @@ struct app {
     app_unsaved unsaved;
     bool has_unsaved;
     app_rig_saver rig_saver;
-    struct show_copier *copier; /* saves the show under another name; NULL: not now */
-    struct voice_import *voice; /* reads a sound into the show; NULL: not now */
-    int64_t voice_take;         /* the take that gets it */
-    bool is_chasing;            /* the take plays because time code comes in */
-    int64_t chased_ns;          /* host clock: when it was last synchronised */
+    struct show_copier *copier;        /* saves the show under another name; NULL: not now */
+    struct audio_import *audio_import; /* reads a sound into the show; NULL: not now */
+    int64_t audio_take;                /* the take that gets it */
+    bool is_chasing;                   /* the take plays because time code comes in */
+    int64_t chased_ns;                 /* host clock: when it was last synchronised */
     double settings_wait_s;
     bool settings_failed; /* it was said */
 
@@ -132,30 +132,30 @@ struct app {
 __attribute__((format(printf, 3, 4))) void app_say(app *self, int32_t level, const char *format,
                                                    ...);
 
-/* What failed is in the news: there is nothing more to do about it here. */
+/* Drops the result of a call that shows its errors in the news itself. */
 static inline void app_reported(mrt_result result)
 {
     (void)result;
 }
 
-/* Another face: there is nothing to go back to of what was pulled. */
+/* On another face: drops the undo steps of pulls. */
 void app_forget_pulls(app *self);
 
 /* ---- app_open.c ---- */
 
 void app_looks_read(app *self);              /* from the settings */
-bool *app_look_switch(app *self, action of); /* that the action turns; NULL: it turns none */
-/* What is kept between runs: every few seconds, and at the end. */
+bool *app_look_switch(app *self, action of); /* the switch that the action toggles; NULL: none */
+/* Writes the settings: every few seconds, and at the end. */
 void app_keep_settings(app *self, double dt_s);
 void app_keep_settings_now(app *self);
-/* Show, face, plugins and stage, as the options or the last run say. */
+/* Opens show, face, plugins and stage, as the options or else the last run say. */
 CHECKED mrt_result app_open_first(app *self, const app_options *options, error *err);
-/* A copy of the show that is whole is the open show: once a frame. */
+/* Once a frame: opens a copy of the show as soon as it is complete. */
 void app_follow_copy(app *self);
 void app_drop_copy(app *self);    /* waits for it */
-void app_follow_voice(app *self); /* a voice that has been read becomes its take's */
-void app_chase(app *self);        /* the time code from outside */
-void app_drop_voice(app *self);   /* that is being read */
+void app_follow_audio(app *self); /* once a frame: attaches a sound that has been read */
+void app_chase(app *self);        /* once a frame: follows time code that comes in */
+void app_drop_audio(app *self);   /* cancels reading it */
 
 /* ---- app_takes.c ---- */
 
@@ -171,9 +171,10 @@ const char *app_undo_why_not(const app *self); /* NULL: it can be undone */
 bool app_can_redo(const app *self);
 
 void app_record_update(app *self);
-/* Of a show whose file was taken away under it all is saved beside; closes it. NULL is fine. */
+/* Closes the show, NULL is fine. One whose file has been deleted or replaced is saved beside it
+ * first. */
 void app_close_show(app *self, show *of);
-/* What is performed over a take ends, and becomes a part of it while its show is there. */
+/* Ends a recording over a take and makes it a part of that, before its show is closed. */
 void app_record_finish_over(app *self);
 void app_record_toggle(app *self);
 void app_mark(app *self);
@@ -181,7 +182,7 @@ void app_mark(app *self);
 /* The transport. */
 void app_play_do(app *self, action of);
 
-/* What the edit actions do to what is chosen. */
+/* The edit actions, on the choice. */
 const char *app_edit_why_not(app *self, action of); /* NULL: it can be done */
 void app_edit_do(app *self, action of);
 

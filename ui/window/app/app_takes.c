@@ -492,7 +492,7 @@ static bool is_elsewhere(const app *self, const app_done *step)
 
 /* Shows the take of a step that is elsewhere, and changes nothing yet: the next undo or redo does.
  */
-static mrt_result bring_to_front(app *self, const app_done *step, const char *what)
+static mrt_result show_take_of(app *self, const app_done *step, const char *what)
 {
     mrt_result result = app_choose_take(self, step->take);
     const app_take_line *line = line_of(self, step->take);
@@ -633,7 +633,7 @@ mrt_result app_undo(app *self)
     if (app_undo_why_not(self))
         return MRT_END;
     if (self->done_count > 0 && is_elsewhere(self, &self->done[self->done_count - 1]))
-        return bring_to_front(self, &self->done[self->done_count - 1], "undoes");
+        return show_take_of(self, &self->done[self->done_count - 1], "undoes");
     (void)snprintf(words, sizeof words, "%s", app_undo_words(self));
     const mrt_result result = has_older(self) ? undo_older(self) : undo_newest(self);
     if (result >= 0)
@@ -665,7 +665,7 @@ mrt_result app_redo(app *self)
 {
     char words[EDIT_TEXT];
     if (self->done_count < self->all_count && is_elsewhere(self, &self->done[self->done_count]))
-        return bring_to_front(self, &self->done[self->done_count], "does again");
+        return show_take_of(self, &self->done[self->done_count], "does again");
     (void)snprintf(words, sizeof words, "%s", app_redo_words(self));
     const mrt_result result = redo(self);
     if (result == MRT_OK)
@@ -989,7 +989,7 @@ static void say_problem(app *self)
     self->had_problem = has_problem;
 }
 
-/* Said in a terminal too: the window may be gone. */
+/* What it tells goes to stderr, too, as the window may be gone. */
 void app_close_show(app *self, show *of)
 {
     char path[4096];
@@ -1006,7 +1006,7 @@ void app_close_show(app *self, show *of)
     show_close(of);
 }
 
-/* Who shows a take meanwhile wants something else. */
+/* Runs the count-in. Showing a take meanwhile cancels it. */
 static void count_in(app *self)
 {
     if (live_shown_take(self->live)) {

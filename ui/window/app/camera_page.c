@@ -44,7 +44,7 @@ mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, err
                    : error_set(err, MRT_ERR_FORMAT, "%s: is none of marotte's: remove it", path);
 }
 
-/* A browser that starts with it stays beside: what was started says at once that it has done so. */
+/* xdg-open returns at once, also when the browser that it starts goes on running. */
 mrt_result camera_page_show(uint16_t port, error *err)
 {
     char address[CAMERA_PAGE_ADDRESS];

@@ -31,7 +31,7 @@ typedef struct call {
     char program[PATH_MAX], show[PATH_MAX], face[PATH_MAX];
     char take[24], fps[32], in[40], out[40];
     export_request request;
-    const char *argument[ARGUMENTS]; /* in the call itself, which stays where it is */
+    const char *argument[ARGUMENTS]; /* point into this struct, which does not move */
 } call;
 
 typedef struct job {
@@ -288,7 +288,8 @@ static mrt_result tell_end(const job *self, int status, char *out_text, size_t c
     return MRT_ERR_IO;
 }
 
-/* One that waits begins as soon as there is room; the line that says why it cannot is its last. */
+/* Polls a job, and starts one that waits as soon as there is room. Why it could not be started
+ * becomes its last line. */
 static bool has_ended(job *self, bool has_room, int *out_status)
 {
     error err = {0};

@@ -11,7 +11,8 @@
 #define INPUT_NAME "expressions" /* as the id ends (input_name_of) */
 
 static const double rate_hz = 125.0;
-static const double settle_s = 0.5;  /* the patch's smoothing comes to rest with samples only */
+static const double settle_s =
+    0.5; /* samples go on for so long after a fade, for the patch's smoothing to settle */
 static const double smooth_s = 0.02; /* between two drawn frames */
 
 typedef struct expression {
@@ -91,7 +92,7 @@ static void give(expressions *self, feed_activity activity)
     self->is_moving = activity == FEED_MOVES;
 }
 
-/* False: not now, or not at all; what was said of it is said once. */
+/* Removes the input from the stage. False: it cannot be removed now. */
 static bool leave(expressions *self)
 {
     error ignored = {""};

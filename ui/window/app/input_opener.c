@@ -162,7 +162,7 @@ static void end_job(opening_job *job)
     free_job(job);
 }
 
-/* What was given up is closed on the way. */
+/* The next opened input; closes those that were given up meanwhile. */
 static bool peek(opening_job *job, opened *out)
 {
     while (ring_peek(job->opened, out)) {
@@ -174,7 +174,8 @@ static bool peek(opening_job *job, opened *out)
     return false;
 }
 
-/* Everything that is still wanted of it has been taken; what was given up may hang. */
+/* Whether all that is still wanted of the job has been taken. One that was given up may still hang.
+ */
 static bool is_done(opening_job *job)
 {
     opened next;

@@ -141,7 +141,7 @@ mrt_result kept_scenery_choose(kept_scenery *self, const char *path, error *err)
     return start(self, strdup(path), NULL, 0, "", file_name_of(path), err);
 }
 
-/* What the show says is behind the face, from the show. */
+/* Reads the picture behind the face from the show. */
 static mrt_result fetch(kept_scenery *self, error *err)
 {
     void *bytes = NULL;
@@ -230,7 +230,7 @@ bool kept_scenery_is_reading(const kept_scenery *self)
 
 /* ---- the scene ---- */
 
-/* What is read was meant for another show. */
+/* Discards what is being read: it was for another show. */
 static void end_thread(kept_scenery *self)
 {
     if (!self->reading)

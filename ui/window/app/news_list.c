@@ -12,7 +12,8 @@ struct news_list {
     uint64_t total;
 };
 
-/* Layers of one take say the same of their mapping; so does a device that comes and goes. */
+/* The same line again within this time is shown once: layers of one take tell the same of their
+ * mapping, and so does a device with a loose cable. */
 static const double REPEAT_S = 2.0;
 
 news_list *news_list_create(void)
@@ -39,7 +40,7 @@ static bool is_repeated(news_list *self, const news_item *item)
            strcmp(last->source, item->source) == 0 && strcmp(last->text, item->text) == 0;
 }
 
-/* One line: what would end it becomes a blank. */
+/* Copies the text as one line: line ends become blanks. */
 static void copy_line(char *out, size_t capacity, const char *text)
 {
     (void)snprintf(out, capacity, "%s", text);

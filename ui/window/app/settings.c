@@ -45,7 +45,8 @@ static void set_aside(settings *self, const char *why, char *out_note, size_t ca
     text_make_printable(out_note); /* why: with words of the file */
 }
 
-/* What there is is read; what makes no sense is put aside; what cannot be read is left alone. */
+/* Reads the file. One that is no JSON object is renamed (set_aside); one without permission to read
+ * is left alone, and nothing is kept then. */
 static void read_file(settings *self, char *out_note, size_t capacity)
 {
     file_bytes bytes;
@@ -165,7 +166,8 @@ const char *settings_text(const settings *self, const char *key, const char *oth
     return json_is_string(value) ? json_string_value(value) : otherwise;
 }
 
-/* Takes the value over; NULL removes. What stood in the way of the path gives way. */
+/* Takes the value over; NULL removes the key. Values on the path that are no objects are replaced.
+ */
 static void put(settings *self, const char *key, json_t *value)
 {
     char part[KEY_MAX], next[KEY_MAX];

@@ -180,7 +180,8 @@ static unsigned char *fetch_taught(panel *self, size_t *out_size)
     return NULL;
 }
 
-/* The mapping that performs is taught what `of` says, and `made` becomes a step of it too. */
+/* Gives the mapping what a preset was taught (takes `taught` over), and adds that to the step
+ * `made`. */
 static void teach(panel *self, step *made, unsigned char *taught, size_t size)
 {
     error err = {""};
@@ -484,7 +485,7 @@ void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32
 
 /* ---- parameters ---- */
 
-#define LESSON_S 0.3 /* after a button that teaches: the frame thread has seen it */
+#define LESSON_S 0.3 /* after a button that teaches, until the frame thread has handled it */
 static const float label_least = 84.0f, label_most = 146.0f;
 
 /* Whether a parameter is drawn among the others: neither hidden nor a link. */
@@ -915,7 +916,7 @@ static void save(panel *self)
     self->is_naming = false;
 }
 
-/* What is set now is the preset that was used last, and no more. */
+/* Whether the values and what was taught are still those of the preset that was used last. */
 static bool is_still(const panel *self, const instance *mapping)
 {
     char now[PRESET_TEXT];
@@ -1215,7 +1216,8 @@ static void find_groups(panel *self)
     }
 }
 
-/* Another mapping performs, or another version of it. Returns it only if there is room to think. */
+/* The mapping that performs; adapts the panel when it is another or another version. NULL: none, or
+ * no memory. */
 static instance *follow_mapping(panel *self)
 {
     instance *mapping = live_mapping(app_live(self->app));

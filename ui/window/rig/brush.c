@@ -287,7 +287,8 @@ typedef struct brush_way {
     uint32_t count;
 } brush_way;
 
-/* Places on the way, less than half a radius apart; none where the surface does not lead there. */
+/* Points of the way along the surface, less than half a radius apart; none where no surface
+ * connects its ends. */
 static mrt_result find_way(brush *self, brush_way *out, uint32_t vertex, const float position[3],
                            error *err)
 {
@@ -526,7 +527,7 @@ static void start_from(rig_stroke *self, layer *l, const float *filled)
             l->start[v] = in_255ths(filled[v]);
 }
 
-/* The other bones keep what they have of a vertex: each has its ink. */
+/* One layer for each bone, so that the others keep their shares of a vertex. */
 static mrt_result find_all_shares(rig_stroke *self, const rig *r, const binding *filled, error *err)
 {
     mrt_result result = MRT_OK;
@@ -611,7 +612,8 @@ static bool theirs_is_new(const layer *winner, uint32_t vertex)
     return winner->now[vertex] > 0 && winner->before[vertex] == 0;
 }
 
-/* Shares of bones leave room for each other; what is said of mobility is said once. */
+/* The value of a layer at a vertex that the stroke gives to another layer: shares of bones sum to 1
+ * at most, and mobility has one value. */
 static uint8_t make_room(const layer *l, const layer *winner, uint32_t vertex)
 {
     bool begins = is_share(l) && is_share(winner) && theirs_is_new(winner, vertex);

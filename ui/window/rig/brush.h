@@ -23,8 +23,8 @@ void brush_destroy(brush *self); /* NULL is fine */
 
 /* A stroke: nothing is touched yet. */
 void brush_begin(brush *self, const brush_shape *shape);
-/* On to `position`, which is nearest to `vertex`; also over what lies between there and the
- * position before, where one surface joins them. */
+/* Moves on to `position`, whose nearest vertex is `vertex`; touches what lies between it and the
+ * position before, where a surface connects them. */
 CHECKED mrt_result brush_move(brush *self, uint32_t vertex, const float position[3], error *err);
 
 enum { BRUSH_HERE = 0, BRUSH_THERE = 1 }; /* where the pointer was; its mirror image */
@@ -66,7 +66,7 @@ CHECKED mrt_result rig_stroke_begin(rig_stroke **out, const rig *r, uint32_t ver
 void rig_stroke_destroy(rig_stroke *self); /* NULL is fine */
 /* After each brush_move. */
 void rig_stroke_update(rig_stroke *self, const brush *b);
-/* What of the ink is at a vertex now, 0..255; of an eraser: what it leaves. */
+/* The ink at a vertex, 0..255; of an eraser what is left there. */
 uint8_t rig_stroke_value(const rig_stroke *self, uint32_t vertex);
 /* Which bone the ink is of, here and on the other side; RIG_NONE: none. */
 uint32_t rig_stroke_bone(const rig_stroke *self, uint32_t side);

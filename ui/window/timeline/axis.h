@@ -35,7 +35,7 @@ void timeline_axis_zoom(timeline_axis *self, float x, double factor);
 void timeline_axis_pan(timeline_axis *self, float points);
 /* Keeps something of low..high in sight. */
 void timeline_axis_hold(timeline_axis *self, int64_t low_ns, int64_t high_ns);
-/* Turns the page when an instant has left it; true: it did. */
+/* Scrolls by a page when the instant has left the axis; true: it did. */
 bool timeline_axis_follow(timeline_axis *self, int64_t at_ns);
 
 typedef struct timeline_code { /* how instants are called */

@@ -96,7 +96,7 @@ static void scrub(panel *self, int64_t at_ns)
         app_seek(self->app, at_ns);
 }
 
-/* The comp lane that was pressed; UINT32_MAX: none, or it is there no more. */
+/* The comp lane that was pressed; UINT32_MAX: none, or it has gone. */
 static uint32_t pressed_comp(const panel *self)
 {
     const uint32_t row = (uint32_t)self->pressed.row;
@@ -233,8 +233,8 @@ static void drag_range(panel *self, const ui_canvas *canvas)
         self->span_to_ns = at_ns;
 }
 
-/* What is dragged beyond an edge takes the page along. */
-static void turn_page(panel *self, const ui_canvas *canvas)
+/* Scrolls while something is dragged beyond an edge. */
+static void scroll_page(panel *self, const ui_canvas *canvas)
 {
     float x = screen_x(canvas), end = self->axis.x + self->axis.width;
     bool is_gain = self->gesture == GESTURE_EDIT && (self->drag.kind == TIMELINE_DRAG_GAIN ||
@@ -247,7 +247,7 @@ static void turn_page(panel *self, const ui_canvas *canvas)
     timeline_axis_pan(&self->axis, -SCROLL_SHARE * beyond);
 }
 
-/* By ear and eye, as sound: not to frames. */
+/* Without snapping to frames, as sound is laid by ear and eye. */
 static void slide_comp(panel *self, const ui_canvas *canvas)
 {
     const uint32_t comp = pressed_comp(self);
@@ -284,7 +284,7 @@ static void follow(panel *self, const ui_canvas *canvas)
     default:
         return;
     }
-    turn_page(self, canvas);
+    scroll_page(self, canvas);
 }
 
 /* ---- letting go ---- */

@@ -13,7 +13,7 @@ typedef struct switch_row { /* along a row of the corner */
     float x, y;
 } switch_row;
 
-/* A small word that is on or off; true: clicked. */
+/* A switch, drawn as a small word; true: clicked. */
 static bool put_word(switch_row *p, const char *word, float width, bool is_on, bool is_bright,
                      bool *out_over)
 {
@@ -52,7 +52,8 @@ static void put_regions(panel *self, switch_row *p)
     }
 }
 
-/* Within a frame the ruler's labels do not say which: the corner does, of the left end. */
+/* When less than a frame is shown the ruler's labels lack the time code: the corner has that of the
+ * left end. */
 static void put_name(panel *self, switch_row *p, const take *t)
 {
     timeline_code code = timeline_code_now(self);
@@ -610,7 +611,7 @@ static void paint_row(panel *self, ui *on, const timeline_row *row, const take *
                  1.0f);
 }
 
-/* What is beyond the take's end is not played. */
+/* Shades what lies beyond the take's end, which is not played. */
 static void paint_end(panel *self, ui *on, const take *t)
 {
     float end = self->axis.x + self->axis.width;

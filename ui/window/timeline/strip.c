@@ -179,7 +179,7 @@ static void put_word_with_room(pen *p, action of, const char *word)
 static void put_time(pen *p)
 {
     const live_status *status = app_status(p->self->app);
-    /* What is performed is on the clock, whatever take is chosen beside it. */
+    /* While hands perform the clock shows them, whichever take is chosen. */
     const bool is_live = status->is_recording && app_view(p->self->app)->mode == LIVE_PERFORMS;
     const take *t = is_live ? NULL : app_take(p->self->app);
     timeline_code code = timeline_code_of(t);
@@ -201,7 +201,7 @@ static void put_time(pen *p)
     p->x += (other > width ? other : width) + GAP;
 }
 
-/* Where there is no room only a speed that is not 1 is said: keys change it too. */
+/* In a narrow window the speed is shown only when it is not 1, as keys change it, too. */
 static void put_speed(pen *p, double speed)
 {
     char words[24];

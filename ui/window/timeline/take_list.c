@@ -100,7 +100,7 @@ static void toggle_fold(timeline_takes *self, int64_t id)
         self->unfolded[self->unfolded_next++ % TAKES_UNFOLDED] = id;
 }
 
-/* What was performed over what was performed over a take lies under that, too. */
+/* The root of a take: overdubs of overdubs are listed under the first take, too. */
 static void find_roots(timeline_takes *self, const app_take_line *line, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -114,7 +114,7 @@ static void find_roots(timeline_takes *self, const app_take_line *line, uint32_t
     }
 }
 
-/* Below its root, in the order of the timeline. */
+/* Overdubs come below their root, by their times on its timeline. */
 static void put_over(timeline_takes *self, const app_take_line *line, uint32_t i)
 {
     takes_root *root = &self->root[self->root[i].at];
@@ -335,7 +335,7 @@ static bool is_on_fold(const takes_row *row, const ui_canvas *canvas)
 static void click_line(panel *self, const app_take_line *line, const ui_canvas *canvas,
                        ui_rectangle where)
 {
-    /* Of one that is not chosen a click chooses it, wherever. */
+    /* In a line that is not chosen a click anywhere chooses it. */
     const bool is_chosen = app_take_id(self->app) == line->id;
     const uint32_t star = is_chosen ? star_at(where, canvas->where.x + canvas->x) : 0;
     const bool is_click = canvas->is_pressed && canvas->button == 0 && !line->is_recording;
@@ -352,7 +352,7 @@ static void click_line(panel *self, const app_take_line *line, const ui_canvas *
 
 /* ---- the list ---- */
 
-/* The one that was chosen elsewhere comes into sight. */
+/* Scrolls to a take that was chosen elsewhere. */
 static void keep_in_sight(panel *self, const app_take_line *line, float height)
 {
     int64_t chosen = app_take_id(self->app);
@@ -612,7 +612,7 @@ static void put_filter(panel *self, ui *on, uint32_t count)
 
 #define BACK_HEIGHT 32.0f
 
-/* Back to what is seen while no take is chosen. */
+/* The button that goes back to the strip of the last half hour. */
 static void put_back(panel *self, ui *on)
 {
     if (ui_row(on, "Always recorded", false) != UI_ROW_NONE)

@@ -439,7 +439,7 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
                              where.width - TIMELINE_HEAD_WIDTH);
     follow_take(self);
     self->hint = "";
-    /* What is performed is seen, whatever take is chosen beside it. */
+    /* While hands perform the timeline shows them, whichever take is chosen. */
     const bool is_live =
         app_status(self->app)->is_recording && app_view(self->app)->mode == LIVE_PERFORMS;
     if (app_take(self->app) && !is_live) {

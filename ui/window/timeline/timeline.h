@@ -39,13 +39,13 @@ typedef enum takes_filter {
 
 enum { TAKES_WORDS = 64, TAKES_SEARCH_FROM = 9 }; /* so many takes are worth a search field */
 typedef struct takes_row {                        /* of the list, as it is shown */
-    uint32_t line, over_count; /* so many were performed over it: folded under it */
-    bool is_over;              /* it is one of those, under its take */
+    uint32_t line, over_count;                    /* overdubs of it, folded under it */
+    bool is_over;                                 /* it is one of those, under its take */
 } takes_row;
 
 typedef struct takes_root { /* of a line */
     uint32_t at;            /* the line that it lies under, or itself; not shown: UINT32_MAX */
-    uint32_t over_count, put_count, row; /* so many lie under it; they follow its row */
+    uint32_t over_count, put_count, row; /* overdubs listed below it */
     bool is_unfolded;
 } takes_root;
 
@@ -56,7 +56,7 @@ typedef struct timeline_takes {
     takes_row *row;
     takes_root *root; /* of each line */
     uint32_t count, capacity;
-    int64_t unfolded[TAKES_UNFOLDED]; /* takes; what was performed over them is seen */
+    int64_t unfolded[TAKES_UNFOLDED]; /* takes whose overdubs are unfolded */
     uint32_t unfolded_next;
 } timeline_takes;
 
@@ -79,7 +79,8 @@ typedef struct timeline_journal timeline_journal;
 timeline_journal *timeline_journal_create(void);       /* NULL: no memory */
 void timeline_journal_destroy(timeline_journal *self); /* NULL is fine */
 /* The newest sample of an input, seen at now_ns; its channels say what a whole movement is. of:
- * which input, whatever its place among them; the one that was not seen for longest makes room. */
+ * which input, whatever its index; when there are too many, the one not updated for longest goes.
+ */
 void timeline_journal_note(timeline_journal *self, uint64_t of, int64_t now_ns,
                            const mrt_sample *sample, const mrt_channel *channel);
 /* The greatest movement between two instants, 0..1: of a lane's channels, as a mean share of their

@@ -414,8 +414,9 @@ static void timeline_comps_free(timeline_comps *comps)
 
 /* ---- the thread ---- */
 
-/* Waits while nothing is to be done: until something is said, or a recording may have gone on.
- * True: something was said. */
+/* While idle: waits for a request, or until a recording may have grown. True: there is a new
+ * request.
+ */
 static bool take_order(timeline_worker *self, bool is_idle)
 {
     pthread_mutex_lock(&self->lock);

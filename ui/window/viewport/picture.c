@@ -426,7 +426,7 @@ static draw_fit fit_of(const viewport_picture_look *look)
     return look->scenery ? look->scenery->fit : DRAW_COVER;
 }
 
-/* Zeroed where nothing is said: may be compared. */
+/* Zeroed where unset, so that memcmp compares. */
 static void make_key(picture_key *out, const viewport_picture_look *look)
 {
     memset(out, 0, sizeof *out);

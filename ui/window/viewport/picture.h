@@ -10,7 +10,7 @@
 
 enum { VIEWPORT_ITEMS_MAX = 1024 };
 typedef struct viewport_scene {
-    overlay_item item[VIEWPORT_ITEMS_MAX]; /* zeroed beyond what is said: may be compared */
+    overlay_item item[VIEWPORT_ITEMS_MAX]; /* zeroed where unset, so that memcmp compares */
     uint32_t count;
 } viewport_scene;
 
@@ -22,7 +22,7 @@ typedef struct viewport_scene_of {
     float aspect;                  /* of the picture, width to height */
     float px_per_point;            /* of the screen */
     const float *contact_position; /* vertex_count by 3, mm: the shape that is shown */
-    bool stands_in; /* another shape than the stage's: nothing of what pulls the stage's is shown */
+    bool stands_in; /* another shape is shown than the stage's, without control vectors */
 } viewport_scene_of;
 void viewport_scene_make(viewport_scene *out, const viewport_scene_of *of);
 /* What does not fit is left out. */

@@ -92,13 +92,13 @@ struct viewport {
     viewport_grip grip;
     double radius_mm; /* of the pointer; 0: the rig's */
     double radius_shown_s;
-    ui_rectangle chip;        /* that says what is held, as it was drawn; width 0: it was not */
-    ui_rectangle mirrored;    /* likewise: that says that right is left */
+    ui_rectangle chip;        /* the button "what is held", as drawn; width 0: not shown */
+    ui_rectangle mirrored;    /* likewise "Mirrored" */
     bool is_over, is_on_face; /* the pointer: over the viewport, on the face */
     float pointer_px[2];
     draw_hit hit;      /* while it is on the face */
     uint32_t contact;  /* 1 + index: in reach of the pointer; 0: none */
-    bool is_off_stage; /* a take is shown: what is pulled would not be seen */
+    bool is_off_stage; /* a take is shown instead of the live face */
     viewport_stroke stroke;
 };
 
@@ -181,7 +181,7 @@ void viewport_labels_place(viewport_label *label, uint32_t count, ui_rectangle w
 
 /* ---- the pointer's hold of the face ---- */
 
-/* Away from what is held the camera is its own business: at most so much of its distance. */
+/* How far towards the camera a held point may be lifted, as a share of the camera's distance. */
 static const float most_lift = 0.5f;
 
 /* The point under the pointer in the plane of what is held, lifted. */
@@ -288,7 +288,7 @@ static uint32_t contact_count(const viewport *self)
     return view->about && view->contact_count < of_rig ? view->contact_count : of_rig;
 }
 
-/* Where a contact is in the shape that is shown, and whether that side of it is seen. */
+/* The position of a contact in the shape that is shown. */
 static void contact_position(const viewport *self, uint32_t contact, float out[3])
 {
     memcpy(out, self->shape + (size_t)self->face.rig->contact[contact].vertex * 3, 3 * sizeof *out);
@@ -626,8 +626,8 @@ static bool take_face(viewport *self, const viewport_face *now, error *err)
     return true;
 }
 
-/* Another rig on the surface that is shown: what is shown, and how, stays, unless it has another
- * head: then that is looked at. */
+/* Another rig on the same surface: the picture and the camera stay, but the camera moves to the
+ * head if the rig has another one. */
 static void take_rig(viewport *self, const viewport_face *now)
 {
     float low[3], high[3];
@@ -800,7 +800,7 @@ static bool add_label(const viewport *self, const ui *on, uint32_t contact, view
     return true;
 }
 
-/* The name under the pointer comes first: it has room whatever the others want. */
+/* The name under the pointer is laid out first, so that it always has room. */
 static void ink_contacts(const viewport *self, ui *on)
 {
     const live_view *view = app_view(self->of);
@@ -888,7 +888,7 @@ static void write_beside(const viewport *self, ui *on, const float at[3], const 
                    text);
 }
 
-/* At the picture's upper edge, away from what the pointer is at. */
+/* Writes at the upper edge of the picture, away from the pointer. */
 static void write_at_edge(const viewport *self, ui *on, const char *text)
 {
     float width = ui_text_width(on, UI_STYLE_BODY, text);
@@ -916,7 +916,7 @@ static void ink_quality(const viewport *self, ui *on)
                    THEME_DIM, words);
 }
 
-/* What was let go of with Shift, and clay, is there still: how to be rid of it. */
+/* A button that removes what pulls with Shift, and clay, have left on the face. */
 static void ink_chip(viewport *self, ui *on)
 {
     char keys[KEY_WORDS], words[80];
@@ -934,7 +934,7 @@ static void ink_chip(viewport *self, ui *on)
                  THEME_ACCENT, 0.0f, words);
 }
 
-/* Writing is seen in a mirror, and names end in .r on the right: a click turns it. */
+/* Tells that the view is mirrored, which is easily overlooked; a click ends it. */
 static void ink_mirrored(viewport *self, ui *on)
 {
     static const char words[] = "Mirrored";

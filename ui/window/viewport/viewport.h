@@ -42,7 +42,8 @@ void viewport_paint(viewport *self, const float *rgb);
  * and normal vertex_count by 3, mm, as live_view's; the stage performs on. NULL: the stage's again.
  * Copied. */
 void viewport_stand_in(viewport *self, const float *position, const float *normal);
-/* Extra things in space (a gizmo): copied, until said again. Their width_px are points here. */
+/* Extra things in space (a gizmo); copied, and shown until the next call. Their width_px are points
+ * here. */
 struct overlay_item;
 void viewport_add(viewport *self, const struct overlay_item *item, uint32_t count);
 /* The face alone as a texture, straight alpha: for the output window, for those who take pictures.
@@ -55,7 +56,7 @@ typedef enum viewport_taker {
 uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint32_t height);
 /* What is behind it there: as draw_ground. Copied. */
 void viewport_set_ground(viewport *self, const float rgba[4]);
-/* How often it drew the face: not while all is still, which tests ask. */
+/* How many times the face was drawn: not while nothing changes. For tests. */
 uint64_t viewport_drawn(const viewport *self);
 
 /* ---- names beside dots: pure; lengths in points ---- */

@@ -198,7 +198,7 @@ struct virtual_hand {
     uint32_t side;
     feed *feed[2];   /* NULL: not used yet */
     input *made[2];  /* live's; only to be compared */
-    bool is_refused; /* it could not join, which was said; the stage was like that: */
+    bool is_refused; /* it could not join; tried again when one of the next two has changed: */
     bool was_recording;
     uint32_t input_count;
     double joined_s; /* since it joined the stage */
@@ -307,7 +307,8 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
     return MRT_OK;
 }
 
-/* What it was refused for may be over: a take, too many inputs. */
+/* After a refusal, not before a recording has begun or ended or the inputs have changed: a take
+ * that was recorded, or too many inputs, may have been the reason. */
 static bool may_join(const virtual_hand *self)
 {
     return !self->is_refused || self->was_recording != app_status(self->of)->is_recording ||
