@@ -1,7 +1,6 @@
-/* stage/output/board.h - a face on its way out: its names, and a slot into which who performs it
- * puts its newest values. Made for one face on [main]; filled by [frame] without waiting; taken by
- * the thread of outputs.h, which says it in weights (face/face_weights.h). Leaves out where it
- * goes. */
+/* stage/output/board.h - the face for the outputs: its names, and a slot with its newest values.
+ * Made for one face on [main]; filled by [frame] without waiting; taken by the thread of outputs.h,
+ * which says it in weights (face/face_weights.h). Leaves out where it goes. */
 #ifndef MAROTTE_STAGE_OUTPUT_BOARD_H
 #define MAROTTE_STAGE_OUTPUT_BOARD_H
 #include "base/slot.h"
@@ -38,14 +37,14 @@ CHECKED mrt_result face_board_create(face_board **out, composer *of, const face_
 face_board *face_board_keep(face_board *self); /* [any] one reference more */
 void face_board_drop(face_board *self);        /* [any but frame] NULL is fine */
 
-/* [main] Before it is shown: what weights are found with is made now, not with its first face. */
+/* [main] Makes what weights are found with now, instead of with the first face that is taken. */
 void face_board_prepare(face_board *self);
 
 /* [frame] What the composer shows, drawn; a face like the one that it was made for. */
 void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t take_ns,
                      bool with_vertices);
-/* [taker] The newest, said in weights; NULL: none since the last call. Until the next call. The
- * first takes some 100 ms more: what the weights are found with is made. */
+/* [taker] The newest face, with its weights, until the next call; NULL: none since the last one.
+ * The first call takes some 100 ms more, to make what the weights are found with. */
 const board_face *face_board_take(face_board *self);
 
 #endif

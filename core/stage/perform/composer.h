@@ -34,13 +34,13 @@ const rig *composer_rig(const composer *self); /* the face file's; NULL: a mesh 
 double composer_reach_mm(const composer *self, vec3 *out_centre);
 
 typedef struct composer_part {
-    uint32_t slot;  /* who speaks, 0..COMPOSER_PARTS_MAX - 1, while it lasts */
+    uint32_t slot;  /* 0..COMPOSER_PARTS_MAX - 1, the same in each step that it is there */
     uint32_t layer; /* parts come ordered by layer, bottom first */
     bool is_additive;
     bool is_pointer; /* its vectors come and go; a free point's start is its place on the rest face,
                        and end - start how far it is pulled */
-    double restore;  /* 0..1: so much of the way from the base to the rest shape is gone */
-    bool is_fresh;   /* the pull is of this step: kneads; false: it was heard before */
+    double restore;  /* 0..1: moves the base by that share towards the rest shape */
+    bool is_fresh;   /* the pull is of this step, and drags; false: of an earlier one */
     double weight;   /* 0..1 */
     double gain;
     const mrt_pull *pull;
@@ -51,7 +51,7 @@ typedef struct composer_part {
                             it must not speak; NULL: it may everywhere */
 } composer_part;
 
-/* One step: what all who speak now pull. At most 64 vectors are joined; more are left out and
+/* One step, with all parts that pull. At most 64 vectors are joined; more are left out and
  * counted. dt_s: since the step before, for leaks. */
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s);
 /* For mrt_frame.near of the next frame. Asked of shapes that do not depend on when frames are
@@ -65,7 +65,7 @@ void composer_reset(composer *self);
 /* The face; its shape is that of composer_draw, in the engine's order. */
 face *composer_face(composer *self);
 const shading *composer_shading(const composer *self); /* its normals, in the engine's order */
-/* What all pulled in the last step, weighed, not blended; as for exports. */
+/* The pulls of all parts in the last step, weighted but not blended; for exports. */
 const mrt_pull *composer_pull(const composer *self);
 /* What the last anchored step asked of the face, all layers blended, for each control that holds
  * it. Returns how many; 0: not anchored. */

@@ -124,7 +124,7 @@ static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_
 /* The layers of a lane, bottom first. */
 enum { LANE_MAPPING = 0, LANE_INSTEAD, LANE_ADDED, LANE_POINTER, LANE_LAYERS };
 
-/* Over the mapping: what a contact is pulled by both adds up. */
+/* The pointer's part lies over the mapping and adds to it. */
 static composer_part pointer_part(const composer_part *as, uint32_t bank, const mrt_pull *pull)
 {
     composer_part out = *as;
@@ -135,7 +135,7 @@ static composer_part pointer_part(const composer_part *as, uint32_t bank, const 
     return out;
 }
 
-/* What its patch pulls, and what of it is leaving. */
+/* The parts of a voice's patch: its pull, and the one that fades out. */
 static uint32_t patch_parts(const layer *of, const composer_part *as, composer_part *out)
 {
     static const uint32_t lane_of[PATCH_PULLS] = {LANE_INSTEAD, LANE_ADDED};
@@ -176,7 +176,8 @@ static uint32_t pointer_parts(const layer *of, const composer_part *as, composer
     return part_count;
 }
 
-/* What a voice pulls, what is leaving it, and what its pointer adds, to contacts and to places. */
+/* The parts of a voice: its mapping's pull, the one that fades out, the patch's, and the pointer's,
+ * of contacts and of other points of the skin. */
 static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t now_ns,
                          composer_part out[PERFORMER_PARTS_MAX])
 {

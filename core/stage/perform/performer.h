@@ -1,10 +1,10 @@
-/* stage/perform/performer.h - who performs a face: up to PERFORMER_VOICES_MAX voices, each a layer
- * (phases 3 to 5) that is seen as far as its voice says, and one composer (phases 6 and 7) that
- * hears them all. Live one voice performs, on a take one for each clip that is shown, and over a
- * take one more. Phases 3 to 6 run once per step of samples, in time order; phase 7 per step while
- * unanchored and once per drawn frame while anchored: a performance is a function of its samples
- * alone. Leaves out whose samples come next (scheduler.h). [frame] after create; no allocation
- * then. */
+/* stage/perform/performer.h - performs a face. A performer has up to PERFORMER_VOICES_MAX voices,
+ * as a synthesizer has: each is a layer (phases 3 to 5) with the weight at which it shows; one
+ * composer (phases 6 and 7) blends what all of them pull. Live hands are one voice; of a take each
+ * clip that is shown is one, and what is performed over it is one more. Phases 3 to 6 run once per
+ * step of samples, in time order; phase 7 per step while unanchored and once per drawn frame while
+ * anchored: a performance is a function of its samples alone. Leaves out whose samples come next
+ * (scheduler.h). [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
 #include "stage/perform/composer.h"
@@ -42,10 +42,10 @@ enum {
     PERFORMER_NOBODY = PERFORMER_VOICES_MAX
 };
 typedef struct performer_voice {
-    layer *layer;        /* NULL: nobody */
-    bool is_seen;        /* false: it pulls nothing */
-    uint32_t lane, rank; /* lanes lie over each other, bottom first; the voices of one are blended
-                            into each other, in the order of their ranks */
+    layer *layer;        /* NULL: unused */
+    bool is_seen;        /* false: it performs, but nothing of it reaches the face */
+    uint32_t lane, rank; /* lanes are laid over each other, bottom first; the voices of one lane are
+                            cross-faded, in the order of their ranks */
     bool is_additive;    /* composer_part says what each is */
     double weight, gain;
     const uint8_t *owns;
@@ -54,11 +54,12 @@ typedef struct performer_voice {
     int64_t smooth_ns;
     mrt_pull smooth;
 } performer_voice;
-/* Between steps, to be changed as the caller pleases; zeroed: nobody. */
+/* The caller may change it between steps; zeroed: an unused one. */
 performer_voice *performer_voice_of(performer *self, uint32_t voice);
 
-/* Phases 3 to 5 of the voice s->voice, and then 6 for all: it has performed now, when its clock
- * says now_ns; PERFORMER_NOBODY: the voices have changed. */
+/* performer_step in two: phases 3 to 5 of the voice s->voice; and phase 6 for all of them, after
+ * that voice has performed, at now_ns by its clock. PERFORMER_NOBODY: none has, but the voices were
+ * changed. */
 void performer_map(performer *self, const sample_step *s);
 void performer_constrain(performer *self, uint32_t voice, int64_t now_ns);
 /* Phases 3 to 6, and 7 while unanchored. A step older than the last one of its voice counts as
