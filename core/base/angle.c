@@ -35,17 +35,25 @@ static double cosine_near_zero(double x)
     return 1.0 + q * p;
 }
 
-angle_sincos angle_sincos_of(double angle_rad)
+/* What is left of a finite angle within a quarter turn, and how many quarters (modulo 4). */
+static double within_quarter(double angle_rad, int *out_quarter)
 {
-    if (!isfinite(angle_rad))
-        return (angle_sincos){0.0, 1.0};
     if (angle_rad > 1e4 || angle_rad < -1e4)
         angle_rad = fmod(angle_rad, 2.0 * ANGLE_PI); /* exact by definition, in every libm */
     double quarters = angle_rad * (2.0 / ANGLE_PI);
     int32_t quarter = (int32_t)(quarters < 0.0 ? quarters - 0.5 : quarters + 0.5);
-    double x = angle_rad - quarter * QUARTER_HIGH - quarter * QUARTER_LOW;
+    *out_quarter = quarter & 3;
+    return angle_rad - quarter * QUARTER_HIGH - quarter * QUARTER_LOW;
+}
+
+angle_sincos angle_sincos_of(double angle_rad)
+{
+    int quarter;
+    if (!isfinite(angle_rad))
+        return (angle_sincos){0.0, 1.0};
+    double x = within_quarter(angle_rad, &quarter);
     double s = sine_near_zero(x), c = cosine_near_zero(x);
-    switch (quarter & 3) {
+    switch (quarter) {
     case 0:
         return (angle_sincos){s, c};
     case 1:
@@ -55,4 +63,14 @@ angle_sincos angle_sincos_of(double angle_rad)
     default:
         return (angle_sincos){-c, s};
     }
+}
+
+double angle_sine_of(double angle_rad)
+{
+    int quarter;
+    if (!isfinite(angle_rad))
+        return 0.0;
+    double x = within_quarter(angle_rad, &quarter);
+    double sine = quarter % 2 ? cosine_near_zero(x) : sine_near_zero(x);
+    return quarter < 2 ? sine : -sine;
 }

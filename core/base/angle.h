@@ -14,5 +14,7 @@ typedef struct angle_sincos {
  * finite value) the angle is first taken modulo the double nearest to 2 pi; a non-finite angle
  * counts as 0. */
 angle_sincos angle_sincos_of(double angle_rad);
+/* Its sine alone, the same bits in half of the time. */
+double angle_sine_of(double angle_rad);
 
 #endif

@@ -9,17 +9,6 @@ rigid rigid_identity(void)
     return (rigid){.r = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 }
 
-rigid rigid_compose(const rigid *a, const rigid *b)
-{
-    rigid out;
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            out.r[i][j] =
-                a->r[i][0] * b->r[0][j] + a->r[i][1] * b->r[1][j] + a->r[i][2] * b->r[2][j];
-    out.t = rigid_apply(a, b->t);
-    return out;
-}
-
 rigid rigid_inverse(const rigid *m)
 {
     rigid out;
@@ -30,11 +19,16 @@ rigid rigid_inverse(const rigid *m)
     return out;
 }
 
+/* Exact for small angles. */
+static double one_minus_cosine(double angle_rad)
+{
+    double half = angle_sine_of(0.5 * angle_rad);
+    return 2.0 * half * half;
+}
+
 rigid rigid_turn(vec3 point, vec3 axis, double angle_rad)
 {
-    double s = angle_sincos_of(angle_rad).sin;
-    double half = angle_sincos_of(0.5 * angle_rad).sin;
-    double c1 = 2.0 * half * half; /* 1 - cos, exact for small angles */
+    double s = angle_sine_of(angle_rad), c1 = one_minus_cosine(angle_rad);
     double u[3] = {axis.x, axis.y, axis.z};
     rigid out = rigid_identity();
     double k[3][3] = {{0, -u[2], u[1]}, {u[2], 0, -u[0]}, {-u[1], u[0], 0}};
@@ -43,6 +37,25 @@ rigid rigid_turn(vec3 point, vec3 axis, double angle_rad)
             out.r[i][j] += s * k[i][j] + c1 * (u[i] * u[j] - (i == j ? 1.0 : 0.0));
     out.t = vec3_sub(point, rigid_rotate(&out, point));
     return out;
+}
+
+/* 0 + s and 0 - s: no zero is negative, as there. */
+rigid rigid_turn_x(double angle_rad)
+{
+    double s = angle_sine_of(angle_rad), c = 1.0 - one_minus_cosine(angle_rad);
+    return (rigid){.r = {{1, 0, 0}, {0, c, 0.0 - s}, {0, 0.0 + s, c}}};
+}
+
+rigid rigid_turn_y(double angle_rad)
+{
+    double s = angle_sine_of(angle_rad), c = 1.0 - one_minus_cosine(angle_rad);
+    return (rigid){.r = {{c, 0, 0.0 + s}, {0, 1, 0}, {0.0 - s, 0, c}}};
+}
+
+rigid rigid_turn_z(double angle_rad)
+{
+    double s = angle_sine_of(angle_rad), c = 1.0 - one_minus_cosine(angle_rad);
+    return (rigid){.r = {{c, 0.0 - s, 0}, {0.0 + s, c, 0}, {0, 0, 1}}};
 }
 
 rigid rigid_from_quaternion(const double xyzw[4], vec3 t)

@@ -63,12 +63,26 @@ static inline vec3 rigid_apply(const rigid *m, vec3 a)
     return vec3_add(rigid_rotate(m, a), m->t);
 }
 
-rigid rigid_identity(void);
 /* First b, then a. */
-rigid rigid_compose(const rigid *a, const rigid *b);
+static inline rigid rigid_compose(const rigid *a, const rigid *b)
+{
+    rigid out;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out.r[i][j] =
+                a->r[i][0] * b->r[0][j] + a->r[i][1] * b->r[1][j] + a->r[i][2] * b->r[2][j];
+    out.t = rigid_apply(a, b->t);
+    return out;
+}
+
+rigid rigid_identity(void);
 rigid rigid_inverse(const rigid *m);
 /* Right-handed turn by angle_rad about the unit direction `axis` through `point` (Rodrigues). */
 rigid rigid_turn(vec3 point, vec3 axis, double angle_rad);
+/* About an axis of the coordinates, through the origin: the same bits in a fraction of the time. */
+rigid rigid_turn_x(double angle_rad);
+rigid rigid_turn_y(double angle_rad);
+rigid rigid_turn_z(double angle_rad);
 /* From a quaternion x, y, z, w of any non-zero length (identity otherwise) and a translation. */
 rigid rigid_from_quaternion(const double xyzw[4], vec3 t);
 /* The unit quaternion x, y, z, w of its rotation; w >= 0. */

@@ -233,7 +233,7 @@ void hand_skeleton_destroy(hand_skeleton *skeleton)
 /* ---- a pose ---- */
 
 static const vec3 ORIGIN = {0, 0, 0};
-static const vec3 AXIS_X = {1, 0, 0}, AXIS_Y = {0, 1, 0}, AXIS_Z = {0, 0, 1};
+static const vec3 AXIS_X = {1, 0, 0}, AXIS_Z = {0, 0, 1};
 
 /* Half a turn of the flexion axis away from the plane of the roll's cone: the thumb bends as much
  * towards the index finger as across the palm. */
@@ -249,8 +249,8 @@ static double angle_of(const float *angle_rad, int sensor)
 /* First yaw towards the thumb, then pitch towards the palm, both in the forearm's axes. */
 static rigid wrist_rotation(const float *angle_rad)
 {
-    rigid yaw = rigid_turn(ORIGIN, AXIS_Y, angle_of(angle_rad, SENSOR_WRIST_YAW));
-    rigid pitch = rigid_turn(ORIGIN, AXIS_X, angle_of(angle_rad, SENSOR_WRIST_PITCH));
+    rigid yaw = rigid_turn_y(angle_of(angle_rad, SENSOR_WRIST_YAW));
+    rigid pitch = rigid_turn_x(angle_of(angle_rad, SENSOR_WRIST_PITCH));
     return rigid_compose(&pitch, &yaw);
 }
 
@@ -259,9 +259,9 @@ static rigid wrist_rotation(const float *angle_rad)
 static rigid thumb_turn(const float *angle_rad)
 {
     double abduction_rad = THUMB_REST_RAD + angle_of(angle_rad, SENSOR_THUMB_ABDUCTION);
-    rigid roll = rigid_turn(ORIGIN, AXIS_Z, -angle_of(angle_rad, SENSOR_THUMB_ROLL));
-    rigid abduction = rigid_turn(ORIGIN, AXIS_Y, abduction_rad);
-    rigid twist = rigid_turn(ORIGIN, AXIS_Z, THUMB_TWIST_RAD);
+    rigid roll = rigid_turn_z(-angle_of(angle_rad, SENSOR_THUMB_ROLL));
+    rigid abduction = rigid_turn_y(abduction_rad);
+    rigid twist = rigid_turn_z(THUMB_TWIST_RAD);
     rigid opened = rigid_compose(&abduction, &twist);
     return rigid_compose(&roll, &opened);
 }
@@ -273,21 +273,21 @@ static rigid joint_turn(const node *n, const float *angle_rad)
     if (n->flexion_sensor == SENSOR_NONE)
         return rigid_identity();
     double flexion_rad = angle_of(angle_rad, n->flexion_sensor);
-    rigid flexion = rigid_turn(ORIGIN, AXIS_X, flexion_rad);
+    rigid flexion = rigid_turn_x(flexion_rad);
     double spread_rad = n->spread[0] * angle_of(angle_rad, SENSOR_MIDDLE_INDEX_SPREAD) +
                         n->spread[1] * angle_of(angle_rad, SENSOR_RING_MIDDLE_SPREAD) +
                         n->spread[2] * angle_of(angle_rad, SENSOR_LITTLE_RING_SPREAD);
     if (spread_rad == 0.0)
         return flexion;
     double looseness = fmax(angle_sincos_of(flexion_rad).cos, 0.0);
-    rigid spread = rigid_turn(ORIGIN, AXIS_Y, spread_rad * looseness);
+    rigid spread = rigid_turn_y(spread_rad * looseness);
     return rigid_compose(&spread, &flexion);
 }
 
 static rigid arch_rotation(const node *n, const float *angle_rad)
 {
     double arch_rad = n->arch_share * angle_of(angle_rad, SENSOR_ARCH);
-    return rigid_turn(ORIGIN, AXIS_Z, arch_rad);
+    return rigid_turn_z(arch_rad);
 }
 
 /* Where a node stands in the hand, given where its parent stands. */
@@ -569,7 +569,7 @@ static finger_reading read_finger(const hand_skeleton *skeleton, const hand_land
                                   const rigid *wrist, int finger, float *angle_rad)
 {
     const double arch_rad = fingers[finger].arch_share * (double)angle_rad[SENSOR_ARCH];
-    rigid frame = rigid_turn(ORIGIN, AXIS_Z, arch_rad);
+    rigid frame = rigid_turn_z(arch_rad);
     finger_reading out = {.sure = 0.0};
     vec3 bone[3];
     if (!finger_bones(skeleton, seen, wrist, &frame, finger, bone))
@@ -580,8 +580,8 @@ static finger_reading read_finger(const hand_skeleton *skeleton, const hand_land
     out.sure = share_between(looseness, spread_from, spread_full);
     out.spread_rad = looseness > spread_from ? aside / looseness : 0.0;
     float *bend = &angle_rad[fingers[finger].mpj_sensor];
-    rigid first = rigid_turn(ORIGIN, AXIS_Y, aside);
-    rigid second = rigid_turn(ORIGIN, AXIS_X, bend_rad);
+    rigid first = rigid_turn_y(aside);
+    rigid second = rigid_turn_x(bend_rad);
     frame = rigid_compose(&first, &second);
     double about_x_rad;
     bend[0] = (float)bend_rad;

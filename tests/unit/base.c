@@ -243,6 +243,21 @@ static void rigid_motions_compose_invert_and_keep_lengths(void **state)
     assert_true(vec3_length(vec3_sub(z, (vec3){0, 1, 0})) < 1e-15 * 4);
 }
 
+static void turns_about_the_axes_have_the_bits_of_any_turn(void **state)
+{
+    (void)state;
+    for (int i = -5000; i <= 5000; ++i) {
+        const double angle_rad = i * 0.00123;
+        const rigid own[3] = {rigid_turn_x(angle_rad), rigid_turn_y(angle_rad),
+                              rigid_turn_z(angle_rad)};
+        for (int axis = 0; axis < 3; ++axis) {
+            const vec3 along = {axis == 0, axis == 1, axis == 2};
+            const rigid any = rigid_turn((vec3){0, 0, 0}, along, angle_rad);
+            assert_memory_equal(&own[axis], &any, sizeof any);
+        }
+    }
+}
+
 static void files_are_written_whole_or_not_at_all(void **state)
 {
     (void)state;
@@ -367,6 +382,7 @@ int main(void)
         cmocka_unit_test(slot_gives_the_newest_value_only_once),
         cmocka_unit_test(log_loses_nothing_silently_with_many_writers),
         cmocka_unit_test(rigid_motions_compose_invert_and_keep_lengths),
+        cmocka_unit_test(turns_about_the_axes_have_the_bits_of_any_turn),
         cmocka_unit_test(files_are_written_whole_or_not_at_all),
         cmocka_unit_test(reading_refuses_what_is_not_a_file_with_bytes),
         cmocka_unit_test(holes_of_a_file_do_not_count),

@@ -42,6 +42,7 @@ static void agrees_with_libm_over_two_turns(void **state)
         angle_sincos turn = angle_sincos_of(angle);
         assert_true(fabs(turn.sin - sin(angle)) < TOLERANCE);
         assert_true(fabs(turn.cos - cos(angle)) < TOLERANCE);
+        assert_true(turn.sin == angle_sine_of(angle));
     }
 }
 
