@@ -1,21 +1,21 @@
 #!/usr/bin/env bash
 # The main job: the demo recording performs the puppet with one hand, and two hands the Moai through both
-# mappings of the paper; every export is there, complete and not empty. The first 8 s of the recordings: ./run, which
+# mappings of the paper; every export is there, complete and not empty. The first 4 s of the recordings: ./run, which
 # e2e/readme runs, plays the whole of them.
 source "$(dirname "$0")/lib.sh"
 for map in one_hand anchored unanchored; do
     face=${moai%.glb}.rig.json
-    hands=(--input "log:$demo,end=8" --input "log:$demo_left,end=8")
-    [ $map = one_hand ] && face=$puppet hands=(--input "log:$demo,end=8")
+    hands=(--input "log:$demo,end=4" --input "log:$demo_left,end=4")
+    [ $map = one_hand ] && face=$puppet hands=(--input "log:$demo,end=4")
     facts=$scratch/$map.txt
     exports=()
     for kind in glb pc2 mdd csv png; do exports+=(--export "$scratch/$map.$kind"); done
-    "$MAROTTE" perform --face "$face" "${hands[@]}" --map $map "${exports[@]}" >"$facts" ||
+    "$MAROTTE" perform --face "$face" "${hands[@]}" --map $map --size 640x320 "${exports[@]}" >"$facts" ||
         fail "perform $map"
     echo "--- $map"
     cat "$facts"
-    [ "$(fact 'samples read' "$facts")" -ge 790 ] || fail "$map: too few samples"
-    [ "$(fact frames "$facts")" -ge 239 ] || fail "$map: too few frames"
+    [ "$(fact 'samples read' "$facts")" -ge 390 ] || fail "$map: too few samples"
+    [ "$(fact frames "$facts")" -ge 119 ] || fail "$map: too few frames"
     [ "$(fact folds "$facts")" -eq 0 ] || fail "$map: the face folds"
     awk -v mm="$(fact 'range of motion' "$facts")" 'BEGIN { exit !(mm > 5 && mm < 120) }' ||
         fail "$map: the face moves $(fact 'range of motion' "$facts") mm"
@@ -30,7 +30,7 @@ for map in one_hand anchored unanchored; do
 done
 # The other ways to read the hand fold nothing either.
 for mode in mask layered_waldo; do
-    "$MAROTTE" perform --face "$puppet" --input "log:$demo" --map "one_hand,mode=$mode" \
+    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=8" --map "one_hand,mode=$mode" \
         >"$scratch/mode.txt" || fail "perform one_hand $mode"
     [ "$(fact folds "$scratch/mode.txt")" -eq 0 ] || fail "one_hand $mode: the face folds"
 done

@@ -14,7 +14,8 @@ mv "$scratch/first" "$prefix" && mkdir "$scratch/work" && cd "$scratch/work" || 
 packages=$(dirname "$(find "$prefix" -name marotte.pc)")
 alone=(env -i "PATH=$prefix/bin:/usr/bin:/bin" "HOME=$scratch" "TMPDIR=${TMPDIR:-/tmp}"
     "ASAN_OPTIONS=${ASAN_OPTIONS:-}" "LSAN_OPTIONS=${LSAN_OPTIONS:-}"
-    "TSAN_OPTIONS=${TSAN_OPTIONS:-}" "PKG_CONFIG_PATH=$packages")
+    "TSAN_OPTIONS=${TSAN_OPTIONS:-}" "MESA_SHADER_CACHE_DIR=${XDG_CACHE_HOME:-$HOME/.cache}"
+    "PKG_CONFIG_PATH=$packages")
 
 # ---- what is there ----
 for file in bin/marotte bin/marotte-meshload bin/marotte-plugincheck bin/marotte-pluginhost include/marotte/plugin.h \
@@ -76,6 +77,7 @@ for build in build11 build17 build_include buildcpp; do
         >"$scratch/facts" || fail "$build does not perform"
     moved 5 "$scratch/facts"
     cmp build11.pc2 $build.pc2 || fail "$build: other bits than C11"
+    case $build in build17 | build_include) continue ;; esac # the same source by the same compiler
     "${alone[@]}" marotte plugin check $build/wave.so >"$scratch/log" 2>&1 || {
         fail "$build: plugin check"
         cat "$scratch/log"

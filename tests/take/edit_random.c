@@ -11,7 +11,7 @@
 
 #include "take/own.h"
 
-enum { SEQUENCES = 10000, LENGTH = 16 };
+enum { SEQUENCES = 2500, SEQUENCES_LONG = 10000, LENGTH = 16 };
 
 /* ---- any edit ---- */
 
@@ -259,7 +259,8 @@ static void any_edits_keep_a_take_and_undo_leads_back(void **state)
 {
     (void)state;
     tally counts = {{0}, {0}};
-    for (uint64_t i = 0; i < SEQUENCES; ++i)
+    const uint64_t sequences = getenv("MAROTTE_TEST_LONG") ? SEQUENCES_LONG : SEQUENCES;
+    for (uint64_t i = 0; i < sequences; ++i)
         one_sequence(i, &counts);
     for (int kind = EDIT_NONE + 1; kind < EDIT_KIND_COUNT; ++kind) {
         printf("%-16s %6u applied %6u refused\n", edit_name((edit_kind)kind), counts.applied[kind],

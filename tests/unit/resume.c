@@ -98,7 +98,11 @@ static story *check_play(const scene_play *play)
     assert_true(count_faces(told) > SAMPLES / 4); /* something happens */
     if (told->counts.bad_pulls + told->counts.held_pulls > 0)
         fail_msg("%s on the %s: %s", play->mapping, play->face, told->counts.first_problem.text);
-    for (int i = 0; i < KEPT; ++i)
+    /* The puppet is the slowest, and the plane shows the same of these mappings. */
+    bool is_shown_elsewhere =
+        strcmp(play->face, "puppet") == 0 && strcmp(play->mapping, "one_hand") != 0;
+    int step = is_shown_elsewhere && !getenv("MAROTTE_TEST_LONG") ? 4 : 1;
+    for (int i = 0; i < KEPT; i += step)
         go_on(told, i, play, &file);
     face_file_destroy(&file);
     return told;

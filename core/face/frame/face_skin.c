@@ -84,14 +84,55 @@ static bool is_above(double a, double b_squared, double c_squared, double least)
     return a > 0.0 && (least <= 0.0 || a * a > margin * least * least * b_squared * c_squared);
 }
 
+/* What face_skin_along has in common for all triangles of a pose: the bones that move, how far they
+ * turn. */
+typedef struct skin_turns {
+    uint32_t count;
+    const float *weight[RIG_BONES_MAX];
+    matrix3x3 turn[RIG_BONES_MAX]; /* R_b - I */
+} skin_turns;
+
+static void skin_turns_of(skin_turns *out, const face *f)
+{
+    out->count = 0;
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        if (!f->bones.moves[b])
+            continue;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                out->turn[out->count].at[i][j] = f->pose[b].r[i][j] - (i == j ? 1.0 : 0.0);
+        out->weight[out->count++] = f->field[b].weight;
+    }
+}
+
+/* face_skin_along, to the bit; rest: face_skin_area there. */
+static vec3 skin_along(const skin_turns *turns, vec3 rest, const uint32_t *corner)
+{
+    matrix3x3 sum = {{{0}}};
+    for (uint32_t b = 0; b < turns->count; ++b) {
+        const float *weight = turns->weight[b];
+        double share =
+            ((double)weight[corner[0]] + (double)weight[corner[1]] + (double)weight[corner[2]]) /
+            3.0;
+        if (share == 0.0)
+            continue;
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j)
+                sum.at[i][j] += share * turns->turn[b].at[i][j];
+    }
+    return vec3_add(rest, matrix3x3_apply(&sum, rest));
+}
+
 static double skin_determinant(const face *f, uint32_t *out_triangle)
 {
     double smallest = 1.0;
+    skin_turns turns;
     *out_triangle = 0;
+    skin_turns_of(&turns, f);
     for (uint32_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + (size_t)3 * t;
         vec3 rest = face_skin_area(&f->rest, corner), shown = face_skin_area(&f->shown, corner);
-        vec3 along = face_skin_along(f, corner);
+        vec3 along = skin_along(&turns, rest, corner);
         if (t > 0 && is_above(vec3_dot(shown, along), vec3_dot(along, along), vec3_dot(rest, rest),
                               smallest))
             continue;
