@@ -6,7 +6,7 @@ cd "$scratch" || exit 1
 
 # A performance hears the whole movement, however long it takes to begin: its sender sends again and again.
 perform() { # input patch show sender
-    "$MAROTTE" perform --face "$puppet" --seconds 3 --input "$1" --map one_hand --patch "$2" --record "$3" \
+    "$MAROTTE" perform --face "$puppet" --seconds 2 --input "$1" --map one_hand --patch "$2" --record "$3" \
         >said 2>stderr &
     local performing=$!
     while kill -0 $performing 2>/dev/null; do "$4" 2>/dev/null; done

@@ -5,12 +5,12 @@ source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 show=$scratch/a.marotte
 
-# A double of a fader box and a pad: 4 s at 125 Hz.
+# A double of a fader box and a pad: 2 s at 125 Hz.
 awk 'BEGIN {
     print "time_s,cc.0,cc.1,lefty,button.mark\nunit,0..1,0..1,-1..1,1"
-    for (i = 0; i < 500; ++i)
+    for (i = 0; i < 250; ++i)
         printf "%.3f,%.4f,%.4f,%.4f,%d\n", i * 0.008, 0.5 - 0.5 * cos(i * 0.02),
-            (i > 200 ? 1 : i / 200), sin(i * 0.03), (i >= 250 && i < 270)
+            (i > 100 ? 1 : i / 100), sin(i * 0.03), (i >= 150 && i < 170)
 }' >faders.csv
 patch_of() { # file connections
     printf '{"marotte_patch": 1, "name": "test", "connections": [%s]}\n' "$2" >"$1"
@@ -27,7 +27,7 @@ patch_of less.json "$brows, $joy, $smile, $gaze, $mark"
 perform() { # patch [more]
     local patch=$1
     shift
-    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=4" --input log:faders.csv \
+    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=2" --input log:faders.csv \
         --map one_hand ${patch:+--patch "$patch"} "$@" >said 2>stderr ||
         fail "perform --patch $patch: $(cat stderr)"
 }

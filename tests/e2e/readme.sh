@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Every command that the README and the guides to exports and outputs show works as shown, from the top folder, but for the size of
-# videos, which is smaller except in ./test --long. (./test is what runs this.)
+# pictures and videos, which is smaller except in ./test --long. (./test is what runs this.)
 source "$(dirname "$0")/lib.sh"
 cd "$SOURCE_DIR" || exit 1
 count=0
@@ -10,7 +10,9 @@ while read -r line; do
     "./run bench --quick" | "./run paper --quick") continue ;; # bench/gate and e2e/paper run these
     blender*) command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed: $line"; continue; } ;;
     esac
-    [ -n "${MAROTTE_TEST_LONG:-}" ] || line=$(sed -E 's/--size [0-9]+x[0-9]+/--size 160x90/' <<<"$line")
+    if [ -z "${MAROTTE_TEST_LONG:-}" ]; then
+        line=$(sed -E 's/--size [0-9]+x[0-9]+/--size 160x90/; /--size/! s/^\.\/run .*\.png.*/& --size 640x320/' <<<"$line")
+    fi
     count=$((count + 1))
     echo "\$ $line"
     bash -c "$line" >"$scratch/log" 2>&1 || { fail "$line"; tail -n 5 "$scratch/log"; }

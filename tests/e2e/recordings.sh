@@ -17,7 +17,7 @@ maps=(anchored unanchored one_hand one_hand,mode=mask one_hand,mode=layered_wald
 facts=$scratch/facts.txt
 for i in "${!maps[@]}"; do
     map=${maps[i]} tried=("${recordings[@]}")
-    [ -n "${MAROTTE_RECORDINGS_FPS:-}" ] || tried=("${recordings[i % ${#recordings[@]}]}")
+    [ -n "${MAROTTE_RECORDINGS_FPS:-}" ] || tried=("${recordings[(i < 3 ? i : 5 - i) % ${#recordings[@]}]}") # the longest once
     for recording in "${tried[@]}"; do
         face=$moai
         [ "$map" = "${map#one_hand}" ] || face=$puppet

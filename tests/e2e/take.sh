@@ -93,13 +93,13 @@ take undo "$show" 1 >/dev/null
 
 # Exports at true rates, with time code.
 for rate in 24 25 29.97 30 50 60; do
-    take export "$show" 1 --export "$scratch/r.csv" --fps $rate >"$scratch/said"
+    take export "$show" 1 --export "$scratch/r.csv" --fps $rate --out 0.2 >"$scratch/said"
     head -n 1 "$scratch/r.csv" | grep -q '^# first frame 01:00:00:00' ||
         fail "$rate fps: $(head -n 1 "$scratch/r.csv")"
 done
 head -n 1 "$scratch/r.csv" | grep -q '60/1 frames a second' || fail "$(head -n 1 "$scratch/r.csv")"
 take export "$show" 1 --export "$scratch/o.glb" --export "$scratch/o.pc2" --export "$scratch/o.mdd" \
-    --export "$scratch/o.png" --in 0.5 --out 1.5 >"$scratch/said"
+    --export "$scratch/o.png" --size 640x320 --in 0.5 --out 1.5 >"$scratch/said"
 [ "$(fact frames "$scratch/said")" = 25 ] || fail "not 25 frames of 25 fps in a second"
 grep -q 'first frame        01:00:00:13' "$scratch/said" || fail "first frame: $(cat "$scratch/said")"
 grep -aq '"timecode":"01:00:00:13"' "$scratch/o.glb" || fail "no time code in the glTF"

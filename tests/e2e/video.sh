@@ -97,12 +97,12 @@ perform "${small[@]}" --seconds 0.1 --view side --export side/ --background tran
 [ "$(pixel side/00001.png 80 45 | cut -d' ' -f4)" = 255 ] || fail "the face is transparent"
 
 # ---- .mp4 ----
-perform "${small[@]}" --fps 29.97 --export a.mp4
+perform "${small[@]}" --fps 29.97 --seconds 1 --export a.mp4
 [ "$(probe a.mp4 v codec_name,pix_fmt | xargs)" = 'h264 yuv420p' ] || fail "a.mp4: $(probe a.mp4 v codec_name,pix_fmt)"
 [ "$(probe a.mp4 v r_frame_rate)" = 30000/1001 ] || fail "frame rate: $(probe a.mp4 v r_frame_rate)"
 [ "$(probe a.mp4 v nb_frames)" -eq "$(fact frames said)" ] || fail "frames of a.mp4: $(probe a.mp4 v nb_frames)"
 [ -z "$(probe a.mp4 a codec_name)" ] || fail "there is sound from nowhere"
-perform "${small[@]}" --fps 29.97 --export b.mp4
+perform "${small[@]}" --fps 29.97 --seconds 1 --export b.mp4
 [ "$(decoded a.mp4)" = "$(decoded b.mp4)" ] || fail "two performances are not the same .mp4"
 
 # ---- a take: its range, its time code, its sound where the timeline has it ----

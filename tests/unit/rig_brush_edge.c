@@ -156,8 +156,10 @@ static void strokes_end_where_they_end(void **state)
     const brush_shape small = {.radius_mm = 8.0, .sides = BRUSH_ONE_SIDE},
                       hard = {.radius_mm = 14.0, .falloff = BRUSH_HARD, .sides = BRUSH_ONE_SIDE};
     for (size_t i = 0; i < sizeof places / sizeof *places; ++i)
-        for (int b = 0; b < 2; ++b) {
+        for (size_t b = 0; b < 2; ++b) {
             const char *bone = b == 0 ? "jaw" : "skull";
+            if (b != i % 2 && !getenv("MAROTTE_TEST_LONG"))
+                continue; /* each place with one of them */
             a_stroke_ends_where_it_ends(places[i], bone, &wide, 1);
             a_stroke_ends_where_it_ends(places[i], bone, &small, 2);
             a_stroke_ends_where_it_ends(places[i], bone, &hard, 5);

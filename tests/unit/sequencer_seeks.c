@@ -12,7 +12,11 @@
 
 #include <sqlite3.h>
 
-enum { SEEKS = 50 };
+/* Of each kind. */
+static uint64_t count_seeks(void)
+{
+    return getenv("MAROTTE_TEST_LONG") ? 50 : 20;
+}
 
 /* SplitMix64. */
 static uint64_t random_of(uint64_t n)
@@ -26,7 +30,7 @@ static uint64_t random_of(uint64_t n)
 static void check_seeks(film *f, sequencer *s, uint64_t seed, const char *how)
 {
     int64_t end_ns = f->at_ns[f->count - 1];
-    for (uint64_t i = 0; i < SEEKS; ++i) {
+    for (uint64_t i = 0; i < count_seeks(); ++i) {
         uint64_t random = random_of(seed * 1000 + i);
         int64_t at_ns = (int64_t)(random % (uint64_t)end_ns);
         if (i % 5 == 4) /* exactly at a sample, and just before it */
@@ -229,7 +233,7 @@ static void a_take_of_the_last_seconds_shows_what_was_shown(void **state)
         scene_must(show_take_create(f->show, &made, &id, &err), &err);
         scene_must(show_take_base(f->show, id, &t, &err), &err);
         sequencer *s = film_project(f, &t, 0);
-        for (uint64_t k = 0; k < SEEKS; ++k) {
+        for (uint64_t k = 0; k < count_seeks(); ++k) {
             int64_t at_ns = (int64_t)(random_of(k) % (uint64_t)(t.duration_ns));
             if (film_seek(s, at_ns) != f->hash[film_sample_at(f, at_ns + from_ns)])
                 fail_msg("%s: the face at %lld ns differs", mappings[i], (long long)at_ns);
@@ -275,7 +279,7 @@ static void edited_takes_are_the_same_from_wherever_they_are_sought(void **state
             hash[k] = film_play_to(straight, at_ns[k]);
         }
         scene_must(sequencer_seek(sought, at_ns[99], &err), &err); /* keeps instants */
-        for (uint64_t k = 0; k < SEEKS; ++k) {
+        for (uint64_t k = 0; k < count_seeks(); ++k) {
             int n = (int)(random_of(k) % 100);
             if (film_seek(sought, at_ns[n]) != hash[n])
                 fail_msg("%s: the face at %lld ns differs", mappings[i], (long long)at_ns[n]);
