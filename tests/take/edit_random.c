@@ -1,5 +1,5 @@
 /* core/take/edit.h, history.h: whatever is done to a take, in whatever order, it stays a take, and
- * undo and redo lead back to it. Seeded: the same 10^4 sequences every time. */
+ * undo and redo lead back to it. Seeded: the same sequences every time. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
