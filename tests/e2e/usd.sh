@@ -22,7 +22,7 @@ shows() { # name ARGS...: both forms
     done
 }
 cache_mm=1
-hands=(--input "log:$demo,end=2" --fps 12)
+hands=(--input "log:$demo,end=3" --fps 12)
 shows moai --face "${moai%.glb}.rig.json" --map anchored "${hands[@]}"
 shows clay --face "$moai" --map unanchored "${hands[@]}"
 cache_mm=10 # the point cache is in that unit too
