@@ -29,6 +29,11 @@ void draw_renderer_destroy(draw_renderer *self);
 /* A mesh on the graphics card; the mesh itself is not needed any more. */
 typedef struct draw_face draw_face;
 draw_face *draw_face_create(const mesh *m, error *err);
+/* The same in two parts, for a face that may not be drawn soon: before it is, draw_face_shade finds
+ * how much of the room each vertex sees, which takes a tenth of a second; m: the same mesh. The
+ * shape is that at rest then. */
+draw_face *draw_face_create_unshaded(const mesh *m, error *err);
+CHECKED mrt_result draw_face_shade(draw_face *self, const mesh *m, error *err);
 void draw_face_destroy(draw_face *self);
 /* position, normal: vertex_count by 3, mm; normal NULL: computed. */
 void draw_face_update(draw_face *self, const float *position, const float *normal);

@@ -766,12 +766,10 @@ static mrt_result fill(draw_face *self, const mesh *m, error *err)
     else
         face_compute_normals(self, m->position);
     result = upload(self, m, err);
-    if (result == MRT_OK)
-        result = add_textures(self, m, err);
-    return result == MRT_OK ? add_openness(self, m->position, err) : result;
+    return result == MRT_OK ? add_textures(self, m, err) : result;
 }
 
-draw_face *draw_face_create(const mesh *m, error *err)
+draw_face *draw_face_create_unshaded(const mesh *m, error *err)
 {
     if (gl_check_current(err) != MRT_OK || mesh_validate(m, err) != MRT_OK)
         return NULL;
@@ -792,6 +790,27 @@ draw_face *draw_face_create(const mesh *m, error *err)
     mrt_result result = fill(self, m, err);
     gl_state_leave(&before);
     if (result == MRT_OK)
+        return self;
+    draw_face_destroy(self);
+    return NULL;
+}
+
+mrt_result draw_face_shade(draw_face *self, const mesh *m, error *err)
+{
+    gl_state before;
+    if (m->normal)
+        memcpy(self->normal, m->normal, (size_t)m->vertex_count * 3 * sizeof *self->normal);
+    gl_state_enter(&before);
+    draw_face_update(self, m->position, m->normal);
+    mrt_result result = add_openness(self, m->position, err);
+    gl_state_leave(&before);
+    return result;
+}
+
+draw_face *draw_face_create(const mesh *m, error *err)
+{
+    draw_face *self = draw_face_create_unshaded(m, err);
+    if (!self || draw_face_shade(self, m, err) >= 0)
         return self;
     draw_face_destroy(self);
     return NULL;

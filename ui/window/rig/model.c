@@ -425,6 +425,7 @@ struct rig_model {
     uint64_t saved_number;
     bool is_saved_known; /* some state is what the file has */
     bool is_left;        /* what is not saved is not wanted */
+    bool is_looked_at;
     rig_keep keep;
     char *keep_folder;
     bool is_moved; /* it is saved elsewhere now: what is kept is to be kept for that one */
@@ -479,7 +480,7 @@ mrt_result rig_model_create(rig_model **out, const face_file *of, const char *pa
         return no_memory(err);
     mrt_result result = copy_face(self, of, path, err);
     self->is_saved_known = true;
-    self->waits_s = of->rig ? 0.0 : -1.0;
+    self->waits_s = -1.0;
     if (result >= 0)
         result = rig_keep_open(&self->keep, keep_folder, self->path, err);
     if (result >= 0 && !(self->keep_folder = strdup(keep_folder)))
@@ -691,6 +692,13 @@ static void end_keeping(rig_model *self)
         return;
     rig_keep_close(&self->keep);
     self->is_moved = rig_keep_open(&self->keep, self->keep_folder, self->path, NULL) < 0;
+}
+
+void rig_model_look(rig_model *self)
+{
+    if (!self->is_looked_at && self->edition == 0 && rig_model_rig(self))
+        self->waits_s = 0.0;
+    self->is_looked_at = true;
 }
 
 bool rig_model_update(rig_model *self, double dt_s)

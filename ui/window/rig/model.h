@@ -31,6 +31,8 @@ CHECKED mrt_result rig_model_create(rig_model **out, const face_file *of, const 
                                     const char *keep_folder, error *err);
 /* What is not saved stays kept. */
 void rig_model_destroy(rig_model *self); /* NULL is fine */
+/* Somebody looks: the rig as it was opened is laid, too. Without that only changes of it are. */
+void rig_model_look(rig_model *self);
 /* Each frame: asks the worker a while after the last change. True: rig_model_work is another. */
 bool rig_model_update(rig_model *self, double dt_s);
 

@@ -27,7 +27,7 @@ typedef struct worker_reader { /* [thread] */
     char show_path[WORKER_PATH], face_path[WORKER_PATH]; /* that were opened; "": none */
     show *show;
     face_file face;
-    bool has_face;
+    bool has_face, is_face_open; /* is_face_open: it was tried */
     performer *scratch;
     replay_world world;
     worker_curve curve[WORKER_CURVES_MAX];
@@ -72,9 +72,13 @@ static void note(worker_reader *self, const error *err)
     (void)snprintf(self->note, sizeof self->note, "%.255s", err->text);
 }
 
+/* Not before there is a curve to be performed: binding a face takes a tenth of a second. */
 static void open_face(worker_reader *self)
 {
     error err = {""};
+    if (self->is_face_open)
+        return;
+    self->is_face_open = true;
     if (!self->face_path[0] ||
         face_file_read(&self->face, self->face_path, NULL, FACE_FILE_USABLE, &err) < 0) {
         note(self, &err);
@@ -84,6 +88,7 @@ static void open_face(worker_reader *self)
     const performer_settings as = {.solver = kept_solver_for(self->show, &self->face, NULL)};
     if (performer_create(&self->scratch, &self->face, NULL, &as, &err) < 0)
         note(self, &err);
+    self->world.scratch = self->scratch;
 }
 
 /* Opens what the paths name; what fails is noted. */
@@ -99,9 +104,8 @@ static void worker_reader_open(worker_reader *self, const order *now)
         note(self, &err);
         return;
     }
-    open_face(self);
-    self->world = (replay_world){
-        .show = self->show, .plugins = self->plugins, .log = self->log, .scratch = self->scratch};
+    self->world =
+        (replay_world){.show = self->show, .plugins = self->plugins, .log = self->log};
 }
 
 static void drop_news(worker_reader *self)
@@ -148,6 +152,7 @@ static void begin_curve(worker_reader *self, worker_curve *out, int64_t performa
     }
     out->from_ns = about.from_ns;
     show_performance_finish(&about);
+    open_face(self);
     if (!self->scratch)
         return;
     if (activity_create(&out->curve, &self->world, performance, &err) < 0) {

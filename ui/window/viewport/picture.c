@@ -320,7 +320,7 @@ struct viewport_picture {
     draw_face *face;
     uint32_t vertex_count;
     float *shape; /* vertex_count by 3: as drawn last, while has_shape */
-    bool has_shape, has_colours, is_stale;
+    bool is_shaded, has_shape, has_colours, is_stale;
     picture_key drawn;
     viewport_scene scene; /* likewise */
     uint64_t count, shape_count;
@@ -341,7 +341,7 @@ static void drop_face(viewport_picture *self)
     self->face = NULL;
     self->shape = NULL;
     self->vertex_count = 0;
-    self->has_colours = false;
+    self->is_shaded = self->has_colours = false;
     self->is_stale = true;
 }
 
@@ -363,13 +363,22 @@ mrt_result viewport_picture_face(viewport_picture *self, const mesh *m, error *e
     self->shape = malloc(size + 1);
     if (!self->shape)
         return error_set(err, MRT_ERR_MEMORY, "no memory to show the face");
-    self->face = draw_face_create(m, err);
+    self->face = draw_face_create_unshaded(m, err);
     if (!self->face)
         return MRT_ERR_UNSUPPORTED;
     memcpy(self->shape, m->position, size);
     self->has_shape = true;
     self->vertex_count = m->vertex_count;
     return MRT_OK;
+}
+
+mrt_result viewport_picture_shade(viewport_picture *self, const mesh *m, error *err)
+{
+    if (self->is_shaded || !self->face)
+        return MRT_OK;
+    self->is_shaded = true;
+    self->has_shape = false;
+    return draw_face_shade(self->face, m, err);
 }
 
 static void note_shape(viewport_picture *self, bool is_kept)

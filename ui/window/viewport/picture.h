@@ -37,8 +37,11 @@ typedef struct viewport_picture viewport_picture;
 viewport_picture *viewport_picture_create(draw_renderer *renderer);
 void viewport_picture_destroy(viewport_picture *self); /* NULL is fine */
 
-/* Another face, at rest and in its own colours: takes some tenths of a second. NULL: none. */
+/* Another face, at rest and in its own colours: takes a tenth of a second. NULL: none. */
 CHECKED mrt_result viewport_picture_face(viewport_picture *self, const mesh *m, error *err);
+/* Before the shape of a frame that is drawn is given: another tenth, once for each face. m: its
+ * mesh. */
+CHECKED mrt_result viewport_picture_shade(viewport_picture *self, const mesh *m, error *err);
 /* vertex_count by 3, mm; normal NULL: computed. Copied. */
 void viewport_picture_shape(viewport_picture *self, const float *position, const float *normal);
 /* The same of the stage's face: only what has changed of it is copied. */

@@ -1330,6 +1330,15 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
         keep_camera(self);
 }
 
+/* A window that is put away has not drawn yet. */
+static void shade_face(viewport *self)
+{
+    error err = {{0}};
+    self->has_face = viewport_picture_shade(self->picture, &self->face.file->mesh, &err) >= 0;
+    if (!self->has_face)
+        say(self, MRT_LOG_ERROR, err.text);
+}
+
 void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
 {
     ui_canvas canvas;
@@ -1338,6 +1347,8 @@ void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
     ui_on_face_begin(on);
     update_rectangle(self, &canvas, scale);
     follow_face(self);
+    if (self->has_face && !ui_is_hidden(on))
+        shade_face(self);
     if (self->has_face)
         draw_face_in(self, on, &canvas);
     ui_on_face_end(on);
@@ -1397,7 +1408,8 @@ static bool has_output(viewport *self, viewport_taker to, error *err)
     }
     if (!self->output_has_face[to])
         self->output_has_face[to] =
-            viewport_picture_face(self->output[to], &self->face.file->mesh, err) >= 0;
+            viewport_picture_face(self->output[to], &self->face.file->mesh, err) >= 0 &&
+            viewport_picture_shade(self->output[to], &self->face.file->mesh, err) >= 0;
     return self->output_has_face[to];
 }
 
