@@ -457,12 +457,19 @@ void stand_settle(stand *s)
 }
 
 /* What is looked for beside the panel moves what is below it once it is found. */
+/* What is waited for has the processor. */
+static void wait_a_frame(stand *s)
+{
+    stand_frame(s);
+    clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
+}
+
 static void settle_first(stand *s)
 {
     const int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
     stand_settle(s);
     while (stand_shows(s, "Looking\xe2\x80\xa6") && clock_now_ns() < until_ns)
-        stand_frame(s);
+        wait_a_frame(s);
     stand_settle(s);
 }
 
@@ -540,7 +547,7 @@ void stand_wait_for(stand *s, const char *part)
 {
     const int64_t until_ns = clock_now_ns() + 20 * NS_PER_S;
     do
-        stand_frame(s);
+        wait_a_frame(s);
     while (!stand_shows(s, part) && clock_now_ns() < until_ns);
     if (!stand_shows(s, part))
         fail_msg("\"%s\" does not come", part);
@@ -689,10 +696,11 @@ void stand_picture(stand *s, const char *name)
 {
     char path[1024];
     error err = {""};
-    window_hidden_put_away(s->window, false);
+    const bool is_kept = getenv("MAROTTE_PICTURES") != NULL;
+    window_hidden_put_away(s->window, !is_kept);
     stand_frame(s);
     window_hidden_put_away(s->window, true);
-    if (!getenv("MAROTTE_PICTURES"))
+    if (!is_kept)
         return;
     (void)mkdir(BUILD_DIR "/out", 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);

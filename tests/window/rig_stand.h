@@ -38,6 +38,7 @@ bool rig_stand_says(rig_stand *s, const char *text); /* some word drawn begins w
 void rig_stand_place(const rig_stand *s, uint32_t vertex, float *out_x, float *out_y);
 /* A place of space, likewise. */
 void rig_stand_place_at(const rig_stand *s, vec3 at, float *out_x, float *out_y);
+/* A frame; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
 void rig_stand_picture(rig_stand *s, const char *name);
 /* No word of the panel is cut, lies over another, or leaves the panel. */
 void rig_stand_check_words(rig_stand *s);

@@ -654,10 +654,11 @@ void stand_picture(stand *s, const char *name)
 {
     char path[512];
     error err = {""};
-    window_hidden_put_away(s->window, false);
+    const bool is_kept = getenv("MAROTTE_PICTURES") != NULL;
+    window_hidden_put_away(s->window, !is_kept);
     stand_frame(s);
     window_hidden_put_away(s->window, true);
-    if (!getenv("MAROTTE_PICTURES"))
+    if (!is_kept)
         return;
     mkdir(BUILD_DIR "/out", 0777);
     snprintf(path, sizeof path, "%s/out/timeline_%s.png", BUILD_DIR, name);

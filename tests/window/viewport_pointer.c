@@ -43,14 +43,13 @@ static const stand_told *last_told(void)
 static void open_plain(void)
 {
     stand_open(&s, puppet, WIDTH, HEIGHT, 1.0f);
-    stand_put_away(&s);
 }
 
 static void an_idle_viewport_draws_nothing(void **state)
 {
     (void)state;
     open_plain();
-    window_hidden_put_away(s.window, false);
+    stand_show(&s);
     stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     assert_true(drawn > 0);
@@ -180,7 +179,7 @@ static void the_wheel_moves_what_is_held_towards_the_viewer(void **state)
     stand_wheel(&s, -3);
     assert_near(last_told()->at[2], before, 0.01);
     stand_button(&s, 0, false);
-    window_hidden_put_away(s.window, false);
+    stand_show(&s);
     stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     stand_wheel(&s, 1); /* now it zooms */
@@ -243,7 +242,7 @@ static void beside_the_face_the_left_button_orbits(void **state)
 {
     (void)state;
     open_plain();
-    window_hidden_put_away(s.window, false);
+    stand_show(&s);
     stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     stand_drag(&s, 0, 20, 20, 60, 20);
@@ -262,7 +261,7 @@ static void views_are_reached_in_a_fifth_of_a_second(void **state)
     assert_true(viewport_stroke_now(s.viewport)->forward[0] > -0.999f);
     stand_frames(&s, 8);
     assert_near(viewport_stroke_now(s.viewport)->forward[0], -1.0, 1e-4); /* from its left */
-    window_hidden_put_away(s.window, false);
+    stand_show(&s);
     stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
     stand_frames(&s, 3);
@@ -369,6 +368,7 @@ static bool says_it_is_less_sharp(void)
 static uint64_t drawn_after_an_orbit(double dt_s)
 {
     stand_open_slow(&s, puppet, WIDTH, HEIGHT, dt_s);
+    stand_show(&s);
     ui_note_words(s.ui, true);
     stand_move(&s, 320, 240);
     stand_button(&s, 1, true);
@@ -396,6 +396,7 @@ static void a_whole_performance_in_a_small_window_does_no_harm(void **state)
 {
     (void)state;
     stand_open(&s, puppet, 8, 6, 1.0f);
+    stand_show(&s);
     s.looks = (app_looks){.shows_hands = true,
                           .shows_vectors = true,
                           .shows_supports = true,

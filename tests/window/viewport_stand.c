@@ -295,6 +295,8 @@ static void open_all(viewport_stand *s, const char *face_path, uint32_t width, u
     memset(s, 0, sizeof *s);
     here = s;
     open_screen(s, width, height, scale, dt_s);
+    s->is_away = true;
+    window_hidden_put_away(s->window, true);
     s->log = log_queue_create();
     s->news = news_list_create();
     assert_true(s->log && s->news);
@@ -404,10 +406,10 @@ void stand_place(const viewport_stand *s, const float at[3], float *out_x, float
     *out_y = s->where.y + px[1];
 }
 
-void stand_put_away(viewport_stand *s)
+void stand_show(viewport_stand *s)
 {
-    s->is_away = true;
-    window_hidden_put_away(s->window, true);
+    s->is_away = false;
+    window_hidden_put_away(s->window, false);
 }
 
 void stand_picture(viewport_stand *s, const char *name)
@@ -415,11 +417,11 @@ void stand_picture(viewport_stand *s, const char *name)
     error err = {{0}};
     char path[1024];
     stand_frames(s, 1);
+    if (!getenv("MAROTTE_PICTURES"))
+        return;
     window_hidden_put_away(s->window, false);
     stand_frames(s, 1);
     window_hidden_put_away(s->window, s->is_away);
-    if (!getenv("MAROTTE_PICTURES"))
-        return;
     snprintf(path, sizeof path, "%s/out", BUILD_DIR);
     mkdir(path, 0777);
     snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);

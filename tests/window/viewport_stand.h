@@ -41,14 +41,15 @@ typedef struct viewport_stand {
     bool is_away;       /* the window: frames are drawn for pictures alone */
 } viewport_stand;
 
-/* Skips the test where there is no OpenGL. face: "rigs/puppet/puppet.rig.json". */
+/* Skips the test where there is no OpenGL. The window is put away: nothing is drawn before it is
+ * shown. face: "rigs/puppet/puppet.rig.json". */
 void stand_open(viewport_stand *s, const char *face, uint32_t width, uint32_t height, float scale);
 /* The same on a renderer that takes so long for a frame; else it is 1/60 s. */
 void stand_open_slow(viewport_stand *s, const char *face, uint32_t width, uint32_t height,
                      double dt_s);
 void stand_close(viewport_stand *s);
-/* From now on, as a window that is put away: nothing is drawn but for a picture. */
-void stand_put_away(viewport_stand *s);
+/* From now on each frame is drawn. */
+void stand_show(viewport_stand *s);
 /* The viewport is made again, as when the program starts anew. */
 void stand_reopen(viewport_stand *s);
 /* view.pull becomes the shape. */
@@ -67,6 +68,6 @@ void stand_drag(viewport_stand *s, uint32_t button, float x0, float y0, float x1
 /* Where a place is on the screen as the viewport shows it from the front, points. */
 void stand_place(const viewport_stand *s, const float at[3], float *out_x, float *out_y);
 void stand_picture(viewport_stand *s,
-                   const char *name); /* draws; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
+                   const char *name); /* a frame; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
 
 #endif

@@ -1187,14 +1187,16 @@ static bool hidden_begin(window *base, ui *to, ui_screen *out_screen)
                               .dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self),
                               .is_hidden = self->is_unseen};
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
-    window_clear(base->width_px, base->height_px);
+    if (!self->is_unseen)
+        window_clear(base->width_px, base->height_px);
     return true;
 }
 
 static void hidden_end(window *base, ui *from)
 {
-    (void)base;
     (void)from;
+    if (hidden_of(base)->is_unseen)
+        return;
     gl_end_scene();
     glFlush();
 }

@@ -104,8 +104,7 @@ static void worker_reader_open(worker_reader *self, const order *now)
         note(self, &err);
         return;
     }
-    self->world =
-        (replay_world){.show = self->show, .plugins = self->plugins, .log = self->log};
+    self->world = (replay_world){.show = self->show, .plugins = self->plugins, .log = self->log};
 }
 
 static void drop_news(worker_reader *self)
