@@ -408,16 +408,22 @@ static inline void scene_check_words(scene *s)
 
 /* ---- pictures ---- */
 
-/* A frame that is drawn whole, as BUILD_DIR/out/NAME.png. */
+/* A frame that is drawn whole. */
+static inline void scene_draw(scene *s)
+{
+    window_hidden_put_away(s->window, false);
+    scene_frame(s);
+    window_hidden_put_away(s->window, !s->is_drawn);
+}
+
+/* The same, as BUILD_DIR/out/NAME.png. */
 static inline void scene_picture(scene *s, const char *name)
 {
     char path[512];
     error err = {0};
     (void)mkdir(BUILD_DIR "/out", 0777);
     (void)snprintf(path, sizeof path, "%s/out/%s.png", BUILD_DIR, name);
-    window_hidden_put_away(s->window, false);
-    scene_frame(s);
-    window_hidden_put_away(s->window, !s->is_drawn);
+    scene_draw(s);
     if (window_picture(s->window, path, &err) < 0)
         fail_msg("%s", err.text);
 }

@@ -389,7 +389,7 @@ static void make_show(void)
 static void undo_goes_back_to_the_first_state_and_redo_to_the_last(void **state)
 {
     const char *seed = getenv("MAROTTE_SEED"), *wanted = getenv("MAROTTE_ACTIONS");
-    const uint32_t actions = wanted ? (uint32_t)atoi(wanted) : 600;
+    const uint32_t actions = wanted ? (uint32_t)atoi(wanted) : 200;
     (void)state;
     lot = seed ? strtoull(seed, NULL, 10) : 1;
     const scene_options with = {.width_px = 1280, .height_px = 720, .scale = 1.0f};

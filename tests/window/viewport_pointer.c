@@ -14,7 +14,11 @@
 #define assert_near(a, b, tolerance)                                                               \
     assert_true(fabs((double)(a) - (double)(b)) <= (double)(tolerance))
 
-enum { WIDTH = 640, HEIGHT = 480 };
+enum {
+    WIDTH = 640,
+    HEIGHT = 480,
+    COARSE = 4 /* points a pixel: that it is drawn is looked at, not how */
+};
 static const char puppet[] = "rigs/puppet/puppet.rig.json";
 
 static viewport_stand s;
@@ -45,10 +49,15 @@ static void open_plain(void)
     stand_open(&s, puppet, WIDTH, HEIGHT, 1.0f);
 }
 
+static void open_coarse(void)
+{
+    stand_open(&s, puppet, WIDTH / COARSE, HEIGHT / COARSE, 1.0f / COARSE);
+}
+
 static void an_idle_viewport_draws_nothing(void **state)
 {
     (void)state;
-    open_plain();
+    open_coarse();
     stand_show(&s);
     stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
@@ -168,7 +177,7 @@ static void control_kneads_and_shift_lets_it_stay(void **state)
 static void the_wheel_moves_what_is_held_towards_the_viewer(void **state)
 {
     (void)state;
-    open_plain();
+    open_coarse();
     float x, y;
     screen_of("chin", &x, &y);
     stand_move(&s, x, y);
@@ -241,7 +250,7 @@ static void right_drag_orbits_and_the_face_follows_the_pointer(void **state)
 static void beside_the_face_the_left_button_orbits(void **state)
 {
     (void)state;
-    open_plain();
+    open_coarse();
     stand_show(&s);
     stand_frames(&s, 2);
     uint64_t drawn = viewport_drawn(s.viewport);
@@ -254,7 +263,7 @@ static void beside_the_face_the_left_button_orbits(void **state)
 static void views_are_reached_in_a_fifth_of_a_second(void **state)
 {
     (void)state;
-    open_plain();
+    open_coarse();
     s.asked[ACTION_VIEW_SIDE] = true;
     stand_frames(&s, 6);
     assert_true(viewport_stroke_now(s.viewport)->forward[0] < -0.05f); /* on its way */
@@ -367,7 +376,7 @@ static bool says_it_is_less_sharp(void)
 /* How often it is drawn once nothing moves any more. */
 static uint64_t drawn_after_an_orbit(double dt_s)
 {
-    stand_open_slow(&s, puppet, WIDTH, HEIGHT, dt_s);
+    stand_open_slow(&s, puppet, WIDTH / COARSE, HEIGHT / COARSE, 1.0f / COARSE, dt_s);
     stand_show(&s);
     ui_note_words(s.ui, true);
     stand_move(&s, 320, 240);

@@ -312,9 +312,9 @@ void stand_open(viewport_stand *s, const char *face_path, uint32_t width, uint32
 }
 
 void stand_open_slow(viewport_stand *s, const char *face_path, uint32_t width, uint32_t height,
-                     double dt_s)
+                     float scale, double dt_s)
 {
-    open_all(s, face_path, width, height, 1.0f, dt_s);
+    open_all(s, face_path, width, height, scale, dt_s);
 }
 
 void stand_reopen(viewport_stand *s)

@@ -46,7 +46,7 @@ typedef struct viewport_stand {
 void stand_open(viewport_stand *s, const char *face, uint32_t width, uint32_t height, float scale);
 /* The same on a renderer that takes so long for a frame; else it is 1/60 s. */
 void stand_open_slow(viewport_stand *s, const char *face, uint32_t width, uint32_t height,
-                     double dt_s);
+                     float scale, double dt_s);
 void stand_close(viewport_stand *s);
 /* From now on each frame is drawn. */
 void stand_show(viewport_stand *s);

@@ -108,10 +108,10 @@ static void look_at_everything(scene *s, const char *prefix)
         scene_do(s, views[i]);
         scene_frames(s, 3);
         (void)snprintf(name, sizeof name, "%s_%s", prefix, action_of(views[i])->name);
-        if (is_large) /* drawn once is enough: it takes its time */
+        if (!is_large && !getenv("MAROTTE_PICTURES"))
+            scene_draw(s);
+        else /* drawn once is enough: it takes its time */
             scene_look(s, name);
-        else
-            scene_picture(s, name);
         const uint32_t here = scene_word_faults(s);
         if (here)
             print_message("^ in %s\n", name);
