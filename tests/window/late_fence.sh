@@ -8,8 +8,8 @@ library=$BUILD_DIR/tests/window/liblate_fence.so
 cd "$scratch" || exit 1
 cp -r "$SOURCE_DIR/rigs/puppet" puppet # it may be painted
 for seed in 5 6; do
-    printf '%s\n' 'do output' "random $seed 4" >script.txt
-    LD_PRELOAD=$library "$MAROTTE" stage --hidden "show$seed.marotte" --face puppet/puppet.rig.json --settings "" \
+    printf '%s\n' 'do output' "random $seed 2" >script.txt
+    LD_PRELOAD=$library "$MAROTTE" stage --hidden --size 640x400 "show$seed.marotte" --face puppet/puppet.rig.json --settings "" \
         --input "log:$demo,loop=1" --script script.txt >said 2>&1
     code=$?
     grep -q 'OpenGL\|EGL' said && { echo "SKIPPED: nothing can be drawn here: $(head -n 1 said)"; exit 77; }

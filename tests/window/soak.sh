@@ -2,12 +2,12 @@
 # soak.sh SECONDS [SEED]: the real window, clicked, dragged and typed at without sense, while a glove is
 # unplugged and plugged in again. It must not crash, leave nothing damaged, and its memory must not grow.
 # ./test runs it for a moment, ./test --long for an hour, and under the address sanitizer for ten minutes.
-seconds=${1:-8} seed=${2:-1}
+seconds=${1:-5} seed=${2:-1}
 source "$(dirname "$0")/xvfb.sh"
 grown_mb_max=5 judged_from_s=600 # what is opened for the first time takes memory too
 rounds=10                        # at whose ends the program is left alone with the live hands, and says what it has
 away_s=4 away_more_s=12          # a cable is pulled after so long, and that much at the most
-[ "$seconds" -ge 60 ] || rounds=3 away_s=1 away_more_s=2
+[ "$seconds" -ge 60 ] || rounds=3 away_s=1 away_more_s=2 window_size=800x500 # fewer pixels, as many clicks
 emulator=$BUILD_DIR/tests/device/glove_emulator
 [ -x "$emulator" ] || { echo "SKIPPED: $emulator is not built"; exit 77; }
 trap '[ -z "$program_pid" ] || kill -9 "$program_pid" 2>/dev/null; [ -z "${hand_pid:-}" ] || kill "$hand_pid" 2>/dev/null; rm -rf "$scratch"' EXIT

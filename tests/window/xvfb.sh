@@ -50,7 +50,7 @@ is_gone() {
 
 # open_window ARGUMENTS...: the program in its window, with the keyboard.
 open_window() {
-    "$MAROTTE" stage --size 1280x720 --json "$@" >facts.json 2>stderr.txt &
+    "$MAROTTE" stage --size "${window_size:-1280x720}" --json "$@" >facts.json 2>stderr.txt &
     program_pid=$!
     if ! until_true 60 has_windows 1; then
         fail "no window opens: $(cat stderr.txt)"
