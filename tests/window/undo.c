@@ -1,4 +1,4 @@
-/* A thousand things that somebody does in the window, drawn by lot: takes, the rig, parameters, the
+/* Hundreds of things that somebody does in the window, drawn by lot: takes, the rig, parameters, the
  * patch, pulls and clay, the voice, the light. All of them are undone, and everything is as it was,
  * bit for bit; all are done again, and it is as it was left. */
 #include <stdarg.h>
