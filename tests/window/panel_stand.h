@@ -89,6 +89,6 @@ void stand_type(stand *s, const char *text);
 /* No word over another, none cut (but those listed, NULL-ended; may be NULL), all readable. */
 void stand_check_words(stand *s, const char *const *may_be_cut);
 void stand_picture(stand *s,
-                   const char *name); /* a frame; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
+                   const char *name); /* draws; with MAROTTE_PICTURES BUILD_DIR/out/NAME.png */
 
 #endif

@@ -77,10 +77,15 @@ static inline void scene_frame(scene *s)
         s->is_over = true;
 }
 
+/* Many of them are to take a while, in which the stage's threads go on: undrawn frames are quick.
+ */
 static inline void scene_frames(scene *s, uint32_t count)
 {
-    for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t i = 0; i < count; ++i) {
         scene_frame(s);
+        if (count >= 20)
+            clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
+    }
 }
 
 /* Until all events have been handed over, and what they opened has its size. */

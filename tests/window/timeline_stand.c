@@ -654,11 +654,10 @@ void stand_picture(stand *s, const char *name)
 {
     char path[512];
     error err = {""};
-    const bool is_kept = getenv("MAROTTE_PICTURES") != NULL;
-    window_hidden_put_away(s->window, !is_kept);
+    window_hidden_put_away(s->window, false);
     stand_frame(s);
     window_hidden_put_away(s->window, true);
-    if (!is_kept)
+    if (!getenv("MAROTTE_PICTURES"))
         return;
     mkdir(BUILD_DIR "/out", 0777);
     snprintf(path, sizeof path, "%s/out/timeline_%s.png", BUILD_DIR, name);

@@ -70,7 +70,7 @@ void stand_click_word(stand *s, const char *text);
 
 /* ---- looking ---- */
 
-/* A frame; with MAROTTE_PICTURES BUILD_DIR/out/timeline_NAME.png */
+/* Draws; with MAROTTE_PICTURES BUILD_DIR/out/timeline_NAME.png */
 void stand_picture(stand *s, const char *name);
 /* No two words overlap, none is cut off by an edge. */
 void stand_check_words(stand *s);

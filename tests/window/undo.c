@@ -1,6 +1,6 @@
-/* Hundreds of things that somebody does in the window, drawn by lot: takes, the rig, parameters, the
- * patch, pulls and clay, the voice, the light. All of them are undone, and everything is as it was,
- * bit for bit; all are done again, and it is as it was left. */
+/* Hundreds of things that somebody does in the window, drawn by lot: takes, the rig, parameters,
+ * the patch, pulls and clay, the voice, the light. All of them are undone, and everything is as it
+ * was, bit for bit; all are done again, and it is as it was left. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

@@ -97,6 +97,21 @@ static bool dof_is_so(scene *of, void *data)
     return value > w->more && value < w->less;
 }
 
+typedef struct stillness {
+    uint64_t number; /* of the face that is shown */
+    uint32_t frames; /* that it has been for */
+} stillness;
+
+/* For a second: what springs back has come to rest. */
+static bool is_still(scene *of, void *data)
+{
+    stillness *now = data;
+    const uint64_t number = app_view(of->app)->number;
+    now->frames = number == now->number ? now->frames + 1 : 0;
+    now->number = number;
+    return now->frames > 60;
+}
+
 static void a_drag_on_the_mouth_corner_moves_it_by_the_drag(void **state)
 {
     (void)state;
@@ -130,6 +145,7 @@ static void with_shift_it_stays_until_a_double_click(void **state)
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
     uint32_t chin = contact_named("chin");
+    stillness still = {0};
     vec3 rest = view_now()->contact[chin];
     const lens l = find_lens();
     float x, y;
@@ -143,7 +159,7 @@ static void with_shift_it_stays_until_a_double_click(void **state)
     scene_button(&s, 0, false);
     scene_settle(&s);
     scene_hold_key(&s, UI_KEY_SHIFT, false);
-    scene_frames(&s, 40);
+    assert_true(scene_until(&s, is_still, &still));
     vec3 stays = view_now()->contact[chin];
     assert_true(vec3_length(vec3_sub(stays, rest)) > 3.0);
     screen_of(&l, stays, &x, &y);
@@ -179,21 +195,6 @@ static bool is_face(scene *of, void *data)
 {
     const face_rows *wanted = data;
     return memcmp(app_view(of->app)->position, wanted->row, wanted->size) == 0;
-}
-
-typedef struct stillness {
-    uint64_t number; /* of the face that is shown */
-    uint32_t frames; /* that it has been for */
-} stillness;
-
-/* For a second: what springs back has come to rest. */
-static bool is_still(scene *of, void *data)
-{
-    stillness *now = data;
-    const uint64_t number = app_view(of->app)->number;
-    now->frames = number == now->number ? now->frames + 1 : 0;
-    now->number = number;
-    return now->frames > 60;
 }
 
 static face_rows pull_with(uint32_t modifiers, float x, float y)
