@@ -8,9 +8,11 @@
 
 #include <cmocka.h>
 
+#include "stage/mapping/isolate_process.h"
 #include "unit/sequencer_scene.h"
 
 #include <sqlite3.h>
+#include <unistd.h>
 
 /* Of each kind. */
 static uint64_t count_seeks(void)
@@ -184,7 +186,6 @@ static void damaged_states_are_left_aside(void **state)
     }
 }
 
-/* A take kept afterwards starts in the middle of a performance; its pre-roll was kept too. */
 /* What is performed over a take may wait for no file: here all samples and states are gone from the
  * show by the time that they are played. */
 static void what_was_prepared_needs_no_file(void **state)
@@ -206,6 +207,40 @@ static void what_was_prepared_needs_no_file(void **state)
     film_burn(f);
 }
 
+/* Where memory ends the face is held, until nobody performs over the take any more. */
+static void what_does_not_fit_in_memory_is_held(void **state)
+{
+    (void)state;
+    enum { FIT = 100 };
+    error err = {""};
+    take t = {0};
+    sequencer *s;
+    const scene_play play = {
+        .mapping = "anchored", .face = "plane", .params = "gate=off,commit_pedal=1"};
+    film *f = film_shoot(&play, FILM_DEMO, "start=3,end=9", 6.0);
+    film_take(f, &t);
+    const sequencer_settings settings = {.show = f->show,
+                                         .plugins = &f->plugins,
+                                         .log = f->log,
+                                         .face = &f->file,
+                                         .ahead_bytes = FIT * sizeof(mrt_sample)};
+    scene_must(sequencer_create(&s, &settings, &t, &err), &err);
+    scene_must(sequencer_seek(s, 0, &err), &err);
+    scene_must(sequencer_prepare(s, 0, t.duration_ns, &err), &err);
+    assert_non_null(strstr(sequencer_note(s), "is held from its"));
+    for (int pass = 0; pass < 2; ++pass) {
+        assert_true(film_seek(s, 0) == f->hash[0]);
+        assert_true(film_play_to(s, f->at_ns[FIT / 2]) == f->hash[FIT / 2]);
+        assert_true(film_play_to(s, f->at_ns[f->count - 1]) == f->hash[FIT - 1]);
+    }
+    sequencer_set_live(s, NULL, NULL, false);
+    check_seeks(f, s, 43, "after it was held");
+    sequencer_destroy(s);
+    take_finish(&t);
+    film_burn(f);
+}
+
+/* A take kept afterwards starts in the middle of a performance; its pre-roll was kept too. */
 static void a_take_of_the_last_seconds_shows_what_was_shown(void **state)
 {
     (void)state;
@@ -245,6 +280,24 @@ static void a_take_of_the_last_seconds_shows_what_was_shown(void **state)
     }
 }
 
+static void edit_in_many_ways(film *f, take *t)
+{
+    char add[256];
+    film_take(f, t);
+    help_do(t, "{'op':'clip.split','clip':2,'at_ns':5000m}");
+    help_do(t, "{'op':'clip.speed','clip':3,'speed':1.5}");
+    help_do(t, "{'op':'clip.fade','clip':2,'fade_in_ns':700m,'fade_out_ns':300m}");
+    help_do(t, "{'op':'layer.add','name':'over'}");
+    snprintf(add, sizeof add,
+             "{'op':'clip.add','layer':4,'performance':%lld,'from_ns':%lld,'to_ns':%lld,"
+             "'source_ns':3000m,'start_ns':2000m,'end_ns':8000m}",
+             (long long)f->performance, (long long)t->layer[0].clip[0].from_ns,
+             (long long)t->layer[0].clip[0].to_ns);
+    help_do(t, add);
+    help_do(t, "{'op':'layer.additive','layer':4,'additive':true}");
+    help_do(t, "{'op':'clip.smooth','clip':5,'smooth_s':0.1}");
+}
+
 /* With several clips, layers, fades and smoothing there are only the instants that were kept while
  * it was played. */
 static void edited_takes_are_the_same_from_wherever_they_are_sought(void **state)
@@ -255,22 +308,9 @@ static void edited_takes_are_the_same_from_wherever_they_are_sought(void **state
         const scene_play play = {
             .mapping = mappings[i], .face = "plane", .params = "gate=off,gain=0.4"};
         film *f = film_shoot(&play, FILM_DEMO, "start=2,end=14", 1.0);
-        char add[256];
         error err = {""};
         take t = {0};
-        film_take(f, &t);
-        help_do(&t, "{'op':'clip.split','clip':2,'at_ns':5000m}");
-        help_do(&t, "{'op':'clip.speed','clip':3,'speed':1.5}");
-        help_do(&t, "{'op':'clip.fade','clip':2,'fade_in_ns':700m,'fade_out_ns':300m}");
-        help_do(&t, "{'op':'layer.add','name':'over'}");
-        snprintf(add, sizeof add,
-                 "{'op':'clip.add','layer':4,'performance':%lld,'from_ns':%lld,'to_ns':%lld,"
-                 "'source_ns':3000m,'start_ns':2000m,'end_ns':8000m}",
-                 (long long)f->performance, (long long)t.layer[0].clip[0].from_ns,
-                 (long long)t.layer[0].clip[0].to_ns);
-        help_do(&t, add);
-        help_do(&t, "{'op':'layer.additive','layer':4,'additive':true}");
-        help_do(&t, "{'op':'clip.smooth','clip':5,'smooth_s':0.1}");
+        edit_in_many_ways(f, &t);
         sequencer *straight = film_project(f, &t, 0), *sought = film_project(f, &t, 0);
         uint64_t hash[100];
         int64_t at_ns[100];
@@ -291,6 +331,87 @@ static void edited_takes_are_the_same_from_wherever_they_are_sought(void **state
     }
 }
 
+static uint64_t asked_count; /* requests to processes */
+
+/* The linker's --wrap puts it in front of the program's own.
+ * NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+void __real_isolate_process_ask(isolate_process *self, uint32_t kind);
+void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind);
+
+void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind)
+{
+    asked_count += 1;
+    __real_isolate_process_ask(self, kind);
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
+/* Of a library that did not come with the program. */
+static void copy_library(const film *f, char to[FILM_PATH])
+{
+    char from[FILM_PATH], bytes[4096];
+    size_t size;
+    snprintf(from, sizeof from, "%s/plugins/%s.so", BUILD_DIR, f->play->mapping);
+    snprintf(to, FILM_PATH, "%s/%s.so", f->folder, f->play->mapping);
+    FILE *in = fopen(from, "rb"), *out = fopen(to, "wb");
+    assert_non_null(in);
+    assert_non_null(out);
+    while ((size = fread(bytes, 1, sizeof bytes, in)) > 0)
+        assert_int_equal(fwrite(bytes, 1, size, out), size);
+    assert_int_equal(fclose(in), 0);
+    assert_int_equal(fclose(out), 0);
+}
+
+/* From there on, as often as one likes, it is as with the mapping here. change: of its type. */
+static void play_apart(film *f, void (*change)(film *f))
+{
+    enum { FACES = 60 };
+    const int64_t from_ns = 2500 * help_ms, apart_ns = 97 * help_ms;
+    error err = {""};
+    char library[FILM_PATH];
+    plugin_list here = f->plugins, apart = {0};
+    take t = {0};
+    uint64_t hash[FACES];
+    edit_in_many_ways(f, &t);
+    sequencer *s = film_project(f, &t, 0);
+    for (int k = 0; k < FACES; ++k)
+        hash[k] = film_play_to(s, from_ns + k * apart_ns);
+    sequencer_destroy(s);
+    copy_library(f, library);
+    scene_must(plugin_list_add(&apart, library, &err), &err);
+    f->plugins = apart;
+    if (change)
+        change(f);
+    s = film_project(f, &t, 0);
+    scene_must(sequencer_seek(s, from_ns, &err), &err);
+    scene_must(sequencer_prepare(s, from_ns, t.duration_ns, &err), &err);
+    const uint64_t before = asked_count;
+    assert_true(before > 0);
+    for (int n = 0; n < 3 * FACES; ++n)
+        if (film_play_to(s, from_ns + n % FACES * apart_ns) != hash[n % FACES])
+            fail_msg("face %d differs where its mapping is not asked", n);
+    assert_true(asked_count == before);
+    assert_string_equal(sequencer_note(s), "");
+    sequencer_set_live(s, NULL, NULL, false);
+    assert_true(film_play_to(s, from_ns + apart_ns) == hash[1]); /* by its process again */
+    assert_true(asked_count > before);
+    sequencer_destroy(s);
+    f->plugins = here;
+    plugin_list_destroy(&apart);
+    assert_int_equal(unlink(library), 0);
+    take_finish(&t);
+}
+
+static void what_was_prepared_asks_no_process(void **state)
+{
+    (void)state;
+    const scene_play play = {
+        .mapping = "unanchored", .face = "plane", .params = "gate=off,gain=0.4"};
+    film *f = film_shoot(&play, FILM_DEMO, "start=2,end=14", 1.0);
+    play_apart(f, NULL);
+    play_apart(f, forget_resume);
+    film_burn(f);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -300,6 +421,8 @@ int main(void)
         cmocka_unit_test(two_inputs_are_the_same_from_wherever_they_are_sought),
         cmocka_unit_test(damaged_states_are_left_aside),
         cmocka_unit_test(what_was_prepared_needs_no_file),
+        cmocka_unit_test(what_does_not_fit_in_memory_is_held),
+        cmocka_unit_test(what_was_prepared_asks_no_process),
         cmocka_unit_test(a_take_of_the_last_seconds_shows_what_was_shown),
         cmocka_unit_test(edited_takes_are_the_same_from_wherever_they_are_sought),
     };

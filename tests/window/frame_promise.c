@@ -1,8 +1,10 @@
 /* The frame thread of a live stage keeps its promise while it is recorded: no allocation, lock,
  * file or process, from the first sample on, through takes, marks, changes of the mapping and a
- * device that comes back with other channels. Functions of this program stand in front of libc's.
- */
+ * device that comes back with other channels. Over a take it asks no other process either.
+ * Functions of this program stand in front of libc's. */
 #include "base/program.h"
+#include "stage/mapping/isolate_process.h"
+#include "stage/take/sequencer.h"
 #include "window/live_fixture.h"
 
 #include <marotte/plugin.h>
@@ -28,7 +30,8 @@ typedef struct broken_promise {
 static struct {
     pthread_t frame;
     _Atomic bool is_watched;
-    bool is_noting; /* the frame thread's own */
+    _Atomic bool asks_nobody; /* what is performed live runs here */
+    bool is_noting;           /* the frame thread's own */
     _Atomic uint32_t count;
     broken_promise note[NOTES];
 } watched;
@@ -152,6 +155,19 @@ CATCH(int, posix_spawn,
 
 /* NOLINTEND(readability-inconsistent-declaration-parameter-name,bugprone-macro-parentheses) */
 
+/* The linker's --wrap puts it in front of the program's own.
+ * NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
+void __real_isolate_process_ask(isolate_process *self, uint32_t kind);
+void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind);
+
+void __wrap_isolate_process_ask(isolate_process *self, uint32_t kind)
+{
+    if (atomic_load(&watched.asks_nobody))
+        note("isolate_process_ask");
+    __real_isolate_process_ask(self, kind);
+}
+/* NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming) */
+
 /* ---- watching ---- */
 
 static void watch(const live_fixture *d)
@@ -206,6 +222,7 @@ static bool has_two_tracks(live_fixture *d, void *data)
 static void begin_session(live_fixture *d)
 {
     error err = {""};
+    atomic_store(&watched.asks_nobody, false);
     fixture_start(d, "puppet", "one_hand", FIXTURE_NO_SHOW);
     snprintf(d->show_path, sizeof d->show_path, "%s/fixture.marotte", d->folder);
     fixture_must(show_create(&d->show, d->show_path, &err), &err);
@@ -325,6 +342,164 @@ static void a_take_is_performed_over(void **state)
     end_session(&d);
 }
 
+/* ---- over a take whose mapping runs in a process of its own ---- */
+
+enum { SEEN_MAX = 4096 };
+
+typedef struct seen { /* faces of the take alone */
+    uint32_t count, passes;
+    int64_t at_ns[SEEN_MAX];
+    uint64_t hash[SEEN_MAX];
+} seen;
+
+static uint64_t hash_of(const live_fixture *d, const float *rows)
+{
+    return fixture_hash(rows, (size_t)d->view->vertex_count * 3);
+}
+
+/* What is performed over it is seen from in_ns on. */
+static void look(live_fixture *d, int64_t in_ns, seen *s)
+{
+    fixture_frame(d);
+    const live_view *v = d->view;
+    bool is_new = s->count == 0 || s->at_ns[s->count - 1] != v->at_ns;
+    if (v->mode != LIVE_OVERDUBS || v->at_ns >= in_ns || !is_new || s->count == SEEN_MAX)
+        return;
+    s->passes = v->pass + 1;
+    s->at_ns[s->count] = v->at_ns;
+    s->hash[s->count++] = hash_of(d, v->position);
+}
+
+/* The take, played by somebody else, shows the same faces. */
+static void are_of_the_take(live_fixture *d, const take *t, int64_t until_ns, const seen *s)
+{
+    error err = {""};
+    sequencer *plays;
+    show *reading;
+    uint32_t compared = 0;
+    fixture_must(show_open(&reading, d->show_path, SHOW_READ, &err), &err);
+    const sequencer_settings settings = {
+        .show = reading, .plugins = &d->plugins, .log = d->log, .face = &d->face};
+    fixture_must(sequencer_create(&plays, &settings, t, &err), &err);
+    composer *shown = performer_composer(sequencer_performer(plays));
+    float *rows = malloc((size_t)d->view->vertex_count * 3 * sizeof *rows);
+    for (uint32_t i = 0; i < s->count; ++i) {
+        if (s->at_ns[i] >= until_ns)
+            continue;
+        fixture_must(sequencer_play_to(plays, s->at_ns[i], &err), &err);
+        composer_draw(shown);
+        points_to_rows(rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
+        if (hash_of(d, rows) != s->hash[i])
+            fail_msg("face %u of %u, at %.4f s, is not the take's", i, s->count,
+                     (double)s->at_ns[i] / 1e9);
+        compared += 1;
+    }
+    assert_true(compared > 20);
+    free(rows);
+    sequencer_destroy(plays);
+    show_close(reading);
+}
+
+static void set_trouble(live_fixture *d, const char *kind)
+{
+    error err = {""};
+    fixture_must(instance_set_text(live_mapping(d->live), "trouble", kind, &err), &err);
+}
+
+/* The mapping goes wrong in the middle; returns when, on the timeline. */
+static int64_t record_trouble(live_fixture *d, const char *kind, take *out)
+{
+    error err = {""};
+    live_status status;
+    char hand[FIXTURE_PATH];
+    fixture_must(plugin_list_add(&d->plugins, BUILD_DIR "/tests/plugin/troubled.so", &err), &err);
+    fixture_must(live_set_mapping(d->live, "troubled", &err), &err);
+    snprintf(hand, sizeof hand, "log:%s/plugins/log/demo_hand.csv,loop=1", SOURCE_DIR);
+    fixture_must(fixture_add_input(d, hand, &err), &err);
+    fixture_perform(d, 0.3);
+    fixture_must(live_record(d->live, &slate, &err), &err);
+    fixture_perform(d, 0.4);
+    const int64_t wrong_ns = clock_now_ns() - d->live->take_begun_ns;
+    set_trouble(d, kind);
+    fixture_perform(d, 0.3);
+    set_trouble(d, "None");
+    fixture_perform(d, 0.2);
+    fixture_must(live_record_end(d->live, &err), &err);
+    live_status_of(d->live, &status);
+    fixture_take(d, status.take, out);
+    return wrong_ns;
+}
+
+static void perform_over(live_fixture *d, const take *t, seen *s)
+{
+    error err = {""};
+    fixture_must(live_set_mapping(d->live, "anchored", &err), &err);
+    fixture_must(live_show_take(d->live, t, &err), &err);
+    assert_true(fixture_until(d, is_on_the_stage, NULL));
+    fixture_pass(d, 0.5); /* what was seen before has faded */
+    const int64_t in_ns = t->duration_ns - 50 * NS_PER_MS;
+    const overdub_plan over = {
+        .in_ns = in_ns, .out_ns = t->duration_ns, .preroll_ns = in_ns, .passes = 3};
+    atomic_store(&watched.asks_nobody, true);
+    watch(d);
+    fixture_must(live_record_over(d->live, &over, &err), &err);
+    while (d->live->is_over)
+        look(d, in_ns, s);
+    is_kept("performing over what another process performed");
+    assert_int_equal(s->passes, 3);
+    atomic_store(&watched.is_watched, false);
+    atomic_store(&watched.asks_nobody, false);
+}
+
+static void over_a_mapping_that_goes_wrong(const char *kind, seen *out, int64_t *out_wrong_ns)
+{
+    live_fixture d;
+    error err = {""};
+    take t = {0};
+    edit *edits;
+    uint32_t count;
+    memset(out, 0, sizeof *out);
+    fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
+    *out_wrong_ns = record_trouble(&d, kind, &t);
+    perform_over(&d, &t, out);
+    const bool is_slow = strcmp(kind, "Sleep") == 0;
+    are_of_the_take(&d, &t, is_slow ? INT64_MAX : *out_wrong_ns, out);
+    if (!live_take_over(d.live, &edits, &count, &err))
+        fail_msg("nothing was performed: %s", err.text);
+    for (uint32_t i = 0; i < count; ++i)
+        edit_finish(&edits[i]);
+    free(edits);
+    take_finish(&t);
+    fixture_finish(&d);
+}
+
+static void a_take_of_a_slow_process_is_performed_over(void **state)
+{
+    (void)state;
+    static seen s;
+    int64_t wrong_ns;
+    over_a_mapping_that_goes_wrong("Sleep", &s, &wrong_ns);
+}
+
+/* Where it hangs the face is held. */
+static void a_take_of_a_process_that_hangs_is_performed_over(void **state)
+{
+    (void)state;
+    static seen s;
+    int64_t wrong_ns;
+    uint32_t held = 0;
+    uint64_t last = 0;
+    over_a_mapping_that_goes_wrong("Hang", &s, &wrong_ns);
+    for (uint32_t i = 0; i < s.count; ++i) {
+        if (s.at_ns[i] < wrong_ns + 50 * NS_PER_MS)
+            continue;
+        if (held++ > 0)
+            assert_true(s.hash[i] == last);
+        last = s.hash[i];
+    }
+    assert_true(held > 20);
+}
+
 static void copy_file(const char *from, const char *to)
 {
     char part[FIXTURE_PATH + 8], bytes[4096];
@@ -383,6 +558,8 @@ int main(void)
         cmocka_unit_test(takes_marks_and_changes_of_the_mapping),
         cmocka_unit_test(a_device_that_comes_back_with_other_channels),
         cmocka_unit_test(a_take_is_performed_over),
+        cmocka_unit_test(a_take_of_a_slow_process_is_performed_over),
+        cmocka_unit_test(a_take_of_a_process_that_hangs_is_performed_over),
         cmocka_unit_test(a_mapping_is_rebuilt),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,7 +19,8 @@ static void open_lanes(live_fixture *d, lanes *out, int64_t performance)
     const performer_settings of_rig = {.rezero_pedal = 0};
     fixture_must(show_open(&out->show, d->show_path, SHOW_READ, &err), &err);
     fixture_must(performer_create(&out->scratch, &d->face, NULL, &of_rig, &err), &err);
-    out->world = (replay_world){out->show, &d->plugins, d->log, out->scratch};
+    out->world = (replay_world){
+        .show = out->show, .plugins = &d->plugins, .log = d->log, .scratch = out->scratch};
     fixture_must(activity_create(&out->of, &out->world, performance, &err), &err);
 }
 

@@ -42,6 +42,7 @@ struct layer {
     const mrt_mapping *functions;
     const mrt_resume *resume;         /* NULL: it has none */
     const isolate_takeover *takeover; /* NULL: it runs here */
+    answers *answers;                 /* NULL: neither written down nor given again */
     const mrt_face *about;
     guard guard;
     layer_settings settings;
@@ -71,6 +72,16 @@ static void let_bones_go(mrt_pull *pull)
         pull->dof[i] = NAN;
 }
 
+static bool is_answered(const layer *self)
+{
+    return self->answers && self->answers->is_given;
+}
+
+void layer_set_answers(layer *self, answers *of)
+{
+    self->answers = of;
+}
+
 /* Asks the mapping for what it was taught, which a reset gives back to it. False: no answer yet, as
  * an isolated mapping may be late. */
 static bool keep_taught(layer *self)
@@ -79,8 +90,15 @@ static bool keep_taught(layer *self)
     unsigned char *bytes = self->room->taught;
     if (!self->settings.keeps_taught || !bytes)
         return true;
+    if (is_answered(self)) {
+        const answers_step *then = answers_find(self->answers, self->frame.time_ns);
+        return then && then->is_taught;
+    }
     size_t size = taught_save(self->mapping, bytes, TAUGHT_BYTES_MAX);
-    return size > 0 && taught_load(self->mapping, bytes, size, &ignored) >= 0;
+    bool is_taught = size > 0 && taught_load(self->mapping, bytes, size, &ignored) >= 0;
+    if (self->answers)
+        self->answers->is_taught = is_taught;
+    return is_taught;
 }
 
 void layer_begin_anew(layer *self)
@@ -403,6 +421,19 @@ static void give_back_good(layer *self)
         let_bones_go(&self->pull);
 }
 
+static mrt_result ask_mapping(layer *self)
+{
+    if (is_answered(self))
+        return answers_take(self->answers, self->frame.time_ns, &self->pull);
+    if (self->takeover && !layer_is_fading(self) &&
+        self->takeover->take_over(self->mapping->self, &self->pull))
+        layer_crossfade(self);
+    mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
+    if (self->answers)
+        answers_add(self->answers, self->frame.time_ns, result, &self->pull);
+    return result;
+}
+
 /* Runs process(). Leaves self->good as it was on MRT_HOLD, on an error and on a faulty pull. */
 static void run_mapping(layer *self, int64_t time_ns)
 {
@@ -415,10 +446,7 @@ static void run_mapping(layer *self, int64_t time_ns)
         patch_bay_params(&self->bay, self->mapping->params, self->room->patched_params);
         self->frame.params = self->room->patched_params;
     }
-    if (self->takeover && !layer_is_fading(self) &&
-        self->takeover->take_over(self->mapping->self, &self->pull))
-        layer_crossfade(self);
-    mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
+    mrt_result result = ask_mapping(self);
     if (result == MRT_HOLD) {
         give_back_good(self);
         return;
@@ -588,7 +616,7 @@ static size_t save_hands(void *of, void *bytes, size_t capacity)
 static size_t save_mapping(void *of, void *bytes, size_t capacity)
 {
     layer *self = of;
-    return self->resume->save(self->mapping->self, bytes, capacity);
+    return is_answered(self) ? 0 : self->resume->save(self->mapping->self, bytes, capacity);
 }
 
 /* The mapping sees the whole array: also vectors beyond `count` are kept, up to the last one that
@@ -690,7 +718,7 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const mrt_plugin_type *type = self->mapping->type;
-    if (!self->resume || save_mapping(self, NULL, 0) == 0)
+    if (!is_answered(self) && (!self->resume || save_mapping(self, NULL, 0) == 0))
         return 0;
     bytes_put_u32(&out, STORE_WITH_INPUTS);
     bytes_put_u32(&out, type->param_count);
@@ -799,7 +827,7 @@ static void take_inputs_and_bay(bytes_in *in, layer *self)
 
 static mrt_result load(layer *self, bytes_in *in, error *err)
 {
-    if (!self->resume)
+    if (!self->resume && !is_answered(self))
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     uint32_t version = bytes_take_u32(in);
@@ -825,7 +853,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (in->failed || in->at != in->end)
         return error_set(err, MRT_ERR_FORMAT, "the stored state of mapping %s is damaged",
                          self->mapping->type->id);
-    if (self->resume->load(self->mapping->self, bytes, size) < 0)
+    if (!is_answered(self) && self->resume->load(self->mapping->self, bytes, size) < 0)
         return error_set(err, MRT_ERR_FORMAT, "mapping %s refuses its stored state",
                          self->mapping->type->id);
     use_stored_params(self);

@@ -4,6 +4,7 @@
  * then. */
 #ifndef MAROTTE_STAGE_LAYER_H
 #define MAROTTE_STAGE_LAYER_H
+#include "stage/mapping/answers.h"
 #include "stage/mapping/instance.h"
 #include "stage/perform/hands.h"
 #include "stage/perform/patch_bay.h"
@@ -91,6 +92,10 @@ size_t layer_save(layer *self, void *bytes, size_t capacity);
 CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);
 /* As if all samples so far had been so much later: for a state that was kept by another clock. */
 void layer_shift_time(layer *self, int64_t by_ns);
+
+/* Its mapping's answers are written down there from now on, or given from there: then it is not
+ * asked for anything, and layer_save leaves out what it says of itself. NULL: neither. */
+void layer_set_answers(layer *self, answers *of);
 
 typedef struct layer_counts {
     uint64_t samples, steps;

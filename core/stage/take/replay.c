@@ -1,5 +1,6 @@
 #include "stage/take/replay.h"
 #include "base/bytes.h"
+#include "base/clock.h"
 #include "hand/calibration_file.h"
 #include "stage/mapping/isolate.h"
 #include "stage/mapping/null_mapping.h"
@@ -14,8 +15,8 @@
 #include <string.h>
 
 enum { NOTE = 512 };
-/* Of samples that are read ahead, of a performance. */
-static const size_t ahead_bytes = (size_t)64 << 20;
+/* Of samples that are read ahead, of a performance; and of its mapping's answers. */
+static const size_t ahead_bytes_default = (size_t)64 << 20;
 
 typedef struct track { /* one input of the performance */
     int64_t id;
@@ -26,7 +27,6 @@ typedef struct track { /* one input of the performance */
     mrt_sample pending;
     mrt_sample *ahead; /* read ahead, by time; NULL: none */
     size_t ahead_count, ahead_at;
-    bool is_ahead; /* the next sample is ahead[ahead_at], or behind them */
 } track;
 
 struct replay {
@@ -39,9 +39,11 @@ struct replay {
     uint32_t track_count;
     scheduler scheduler; /* of the tracks, while it is performed by itself */
     scheduler_entry entry[TAKE_TRACKS_MAX];
-    bool has_ahead;
-    int64_t ahead_from_ns, ahead_to_ns; /* show time: every sample of it is in memory */
+    bool has_ahead;      /* nothing is read, and no process asked */
+    int64_t ahead_to_ns; /* show time: of the last sample in memory */
     int64_t asked_from_ns, asked_to_ns;
+    answers answers;             /* to the samples in memory, of a mapping in its own process */
+    char missing[160];           /* why ahead_to_ns is not as far as was asked for */
     show_checkpoint ahead_state; /* from which the first of them go on; no bytes: none */
     double length_mm[2];         /* of the hands, by their calibrations; 0: not said */
     take_event *event;           /* of the whole performance, by time */
@@ -212,15 +214,12 @@ static mrt_result read_events(replay *self, error *err)
 static mrt_result read_sample(replay *self, track *t, error *err)
 {
     mrt_result result;
-    if (t->is_ahead && t->ahead_at < t->ahead_count) {
+    if (self->has_ahead && t->ahead_at == t->ahead_count)
+        return MRT_END;
+    if (self->has_ahead) {
         t->pending = t->ahead[t->ahead_at++];
         return MRT_OK;
     }
-    if (t->is_ahead && self->ahead_to_ns >= self->info.to_ns)
-        return MRT_END;
-    if (t->is_ahead && show_reader_seek(t->reader, self->ahead_to_ns + 1, err) < 0)
-        return MRT_ERR_IO;
-    t->is_ahead = false;
     while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
         if (strcmp(self->damage.text, err->text) == 0)
             continue;
@@ -396,23 +395,26 @@ fail:
     return result;
 }
 
-static void forget_ahead(replay *self)
+void replay_forget_ahead(replay *self)
 {
     for (uint32_t i = 0; i < self->track_count; ++i) {
         free(self->track[i].ahead);
         self->track[i].ahead = NULL;
         self->track[i].ahead_count = 0;
-        self->track[i].is_ahead = false;
     }
     show_checkpoint_finish(&self->ahead_state);
+    answers_finish(&self->answers);
+    if (self->layer)
+        layer_set_answers(self->layer, NULL);
     self->has_ahead = false;
+    self->missing[0] = '\0';
 }
 
 void replay_close(replay *self)
 {
     if (!self)
         return;
-    forget_ahead(self);
+    replay_forget_ahead(self);
     for (uint32_t i = 0; i < self->track_count; ++i)
         show_reader_close(self->track[i].reader);
     layer_destroy(self->layer);
@@ -493,11 +495,6 @@ mrt_result replay_step(replay *self, int64_t before_ns, error *err)
 
 /* ---- to any instant ---- */
 
-static bool is_ahead(const replay *self, int64_t time_ns)
-{
-    return self->has_ahead && time_ns >= self->ahead_from_ns && time_ns <= self->ahead_to_ns;
-}
-
 static size_t count_before(const track *t, int64_t time_ns)
 {
     size_t low = 0, high = t->ahead_count;
@@ -519,8 +516,7 @@ static mrt_result position(replay *self, error *err)
         track *t = &self->track[i];
         int64_t from_ns = self->now_ns == INT64_MIN ? self->info.from_ns : self->now_ns + 1;
         t->has_pending = false;
-        t->is_ahead = t->ahead && is_ahead(self, from_ns);
-        if (t->is_ahead)
+        if (self->has_ahead)
             t->ahead_at = count_before(t, from_ns);
         else
             result = show_reader_seek(t->reader, from_ns, err);
@@ -537,7 +533,8 @@ static mrt_result rewind_all(replay *self, error *err)
     error why = {""};
     self->now_ns = INT64_MIN;
     set_first_params(self);
-    if (self->taught && taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
+    if (self->taught && !self->answers.is_given &&
+        taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
         log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
     layer_reset(self->layer);
     composer_reset(performer_composer(self->world.scratch));
@@ -561,8 +558,8 @@ mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, perfor
     error ignored = {""};
     if (!self->is_same_plugin || time_ns == INT64_MIN)
         return MRT_HOLD;
-    bool has_kept = is_ahead(self, time_ns);
-    if (has_kept && !self->ahead_state.bytes)
+    bool has_kept = self->has_ahead;
+    if (has_kept && (!self->ahead_state.bytes || self->ahead_state.time_ns >= time_ns))
         return MRT_HOLD;
     mrt_result result = MRT_OK;
     if (has_kept)
@@ -601,18 +598,35 @@ mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
     return result < 0 ? result : MRT_OK;
 }
 
-/* ---- read ahead ---- */
+/* ---- from memory ---- */
 
-/* To the sample behind to_ns, or to the end; *io_to_ns: as far as there was room. */
-static mrt_result read_track_ahead(replay *self, track *t, int64_t *io_to_ns, error *err)
+static size_t ahead_bytes(const replay *self)
 {
-    size_t most = ahead_bytes / sizeof *t->ahead / self->track_count, capacity = 0;
-    mrt_result result = show_reader_seek(t->reader, self->ahead_from_ns, err);
+    return self->world.ahead_bytes ? self->world.ahead_bytes : ahead_bytes_default;
+}
+
+/* There is nothing behind this show time. */
+static void end_ahead(replay *self, int64_t at_ns, const char *why)
+{
+    int64_t since_ns = at_ns > self->info.from_ns ? at_ns - self->info.from_ns : 0;
+    self->ahead_to_ns = at_ns;
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        self->track[i].ahead_count = count_before(&self->track[i], at_ns + 1);
+    (void)snprintf(self->missing, sizeof self->missing,
+                   "performing over the take, performance %lld is held from its %.1f s on: %s",
+                   (long long)self->info.performance.id, (double)since_ns * 1e-9, why);
+}
+
+/* To the last sample up to ahead_to_ns, which is where there is no more room. */
+static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, error *err)
+{
+    size_t most = ahead_bytes(self) / sizeof *t->ahead / self->track_count, capacity = 0;
+    mrt_result result = show_reader_seek(t->reader, from_ns, err);
     while (result >= 0 && (result = read_sample(self, t, err)) == MRT_OK) {
-        if (t->pending.time_ns > *io_to_ns)
+        if (t->pending.time_ns > self->ahead_to_ns)
             break;
         if (t->ahead_count == most) {
-            *io_to_ns = t->pending.time_ns - 1;
+            end_ahead(self, t->pending.time_ns - 1, "it is too long to be kept in memory");
             break;
         }
         if (t->ahead_count == capacity) {
@@ -627,28 +641,33 @@ static mrt_result read_track_ahead(replay *self, track *t, int64_t *io_to_ns, er
     return result < 0 ? result : MRT_OK;
 }
 
-static mrt_result read_ahead(replay *self, error *err)
+/* The last state that was kept before what was asked for; without one, all from the start. */
+static int64_t read_state_ahead(replay *self)
 {
     kept_parts parts;
     error ignored = {""};
-    int64_t to_ns = self->asked_to_ns < self->info.to_ns ? self->asked_to_ns : self->info.to_ns;
-    self->ahead_from_ns = self->info.from_ns;
-    if (self->is_same_plugin &&
+    if (!self->is_same_plugin ||
         show_checkpoint_before(self->world.show, self->info.performance.id, self->asked_from_ns - 1,
-                               most_kept(self), &self->ahead_state, &ignored) >= 0) {
-        bool is_usable = parse_checkpoint(&parts, &self->ahead_state) && parts.state_size > 0;
-        if (is_usable && self->ahead_state.time_ns >= self->info.from_ns)
-            self->ahead_from_ns = self->ahead_state.time_ns + 1;
-        if (!is_usable)
-            show_checkpoint_finish(&self->ahead_state);
-    }
+                               most_kept(self), &self->ahead_state, &ignored) < 0)
+        return self->info.from_ns;
+    if (parse_checkpoint(&parts, &self->ahead_state) && parts.state_size > 0 &&
+        self->ahead_state.time_ns >= self->info.from_ns)
+        return self->ahead_state.time_ns + 1;
+    show_checkpoint_finish(&self->ahead_state);
+    return self->info.from_ns;
+}
+
+static mrt_result read_ahead(replay *self, error *err)
+{
+    replay_forget_ahead(self);
+    self->ahead_to_ns = self->asked_to_ns < self->info.to_ns ? self->asked_to_ns : self->info.to_ns;
+    int64_t from_ns = read_state_ahead(self);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->track_count && result >= 0; ++i)
-        result = read_track_ahead(self, &self->track[i], &to_ns, err);
-    for (uint32_t i = 0; i < self->track_count; ++i) /* none has more than the others */
-        self->track[i].ahead_count = count_before(&self->track[i], to_ns + 1);
-    self->ahead_to_ns = to_ns;
+        result = read_track_ahead(self, &self->track[i], from_ns, err);
     self->has_ahead = result >= 0;
+    self->answers.is_given = self->has_ahead && self->isolate;
+    layer_set_answers(self->layer, self->answers.is_given ? &self->answers : NULL);
     return result;
 }
 
@@ -658,12 +677,51 @@ mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error
         from_ns = self->asked_from_ns;
     if (self->has_ahead && self->asked_to_ns > to_ns)
         to_ns = self->asked_to_ns;
-    forget_ahead(self);
     self->asked_from_ns = from_ns;
     self->asked_to_ns = to_ns;
     mrt_result result = read_ahead(self, err);
     mrt_result placed = position(self, err);
     return result < 0 ? result : placed;
+}
+
+/* NULL: it may go on. */
+static const char *why_not_on(const replay *self, int64_t until_ns)
+{
+    error ignored = {""};
+    if (replay_check(self, &ignored) < 0)
+        return "its mapping's process has failed";
+    if (clock_now_ns() >= until_ns)
+        return "its mapping answers too slowly";
+    bool is_too_much = self->answers.is_full || answers_size(&self->answers) > ahead_bytes(self);
+    return is_too_much ? "its mapping's answers are too many to be kept in memory" : NULL;
+}
+
+mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
+{
+    const char *why = NULL;
+    self->answers.is_given = false; /* asked, they are written down */
+    mrt_result result = replay_recall(self, INT64_MAX, INT64_MIN, self->world.scratch, err);
+    if (result == MRT_HOLD && self->ahead_state.bytes) { /* that state is refused: without it */
+        self->is_same_plugin = false;
+        result = read_ahead(self, err) < 0 ? MRT_ERR_IO : MRT_HOLD;
+        self->answers.is_given = false;
+    }
+    if (result == MRT_HOLD)
+        result = rewind_all(self, err);
+    while (self->isolate && result >= 0 && !why &&
+           (result = replay_step(self, INT64_MAX, err)) == MRT_OK) {
+        performer_constrain(self->world.scratch, 0, self->now_ns);
+        why = why_not_on(self, until_ns);
+    }
+    if (why)
+        end_ahead(self, self->now_ns - 1, why);
+    self->answers.is_given = self->isolate != NULL;
+    return result < 0 ? result : MRT_OK;
+}
+
+const char *replay_missing(const replay *self)
+{
+    return self->missing;
 }
 
 /* ---- kept ---- */

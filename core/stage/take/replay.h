@@ -17,6 +17,7 @@ typedef struct replay_world {
     const plugin_list *plugins;
     log_queue *log;
     performer *scratch; /* performs alone what has to be brought to some instant */
+    size_t ahead_bytes; /* bound of what each reads ahead; 0: 64 MiB */
 } replay_world;
 
 /* How stored states are told from those of another way to keep them (show_checkpoint.version). */
@@ -48,7 +49,7 @@ const char *replay_note(const replay *self);
 CHECKED mrt_result replay_check(const replay *self, error *err);
 
 /* Its tracks become sources of `into`: as->voice, due_ns and clock are theirs. Asked for a sample,
- * they read the show, unless it was read ahead. */
+ * they read the show, or what was read ahead. */
 void replay_schedule(replay *self, scheduler *into, const sample_source *as);
 /* [frame] Before its layer performs a step of those: what was changed before it then. */
 void replay_prepare(replay *self, const sample_step *s);
@@ -68,9 +69,20 @@ CHECKED mrt_result replay_seek(replay *self, int64_t time_ns, error *err);
 CHECKED mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
                                  error *err);
 
-/* What it needs from this show time to that one is in memory from now on, as far as 64 MiB reach:
- * to perform and seek in between takes no reading. */
+/* ---- performed from memory: where nothing may be read and no process asked ---- */
+
+/* From now on it performs from memory alone: what it needs from this show time to that one is read
+ * now, as far as the bound reaches; where that ends it stays as it is. A mapping in a process of
+ * its own is not asked any more, but answers nothing yet. Where it is stays. */
 CHECKED mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error *err);
+/* What such a mapping answers over all of that is asked for now, until the clock says until_ns:
+ * where it fails, or there are more answers than the bound, it ends too. It is somewhere then, and
+ * has to be sought or loaded. */
+CHECKED mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err);
+/* Why less is in memory than was asked for; "" all of it is. */
+const char *replay_missing(const replay *self);
+/* It asks the show and its process again; it has to be sought or loaded. */
+void replay_forget_ahead(replay *self);
 
 /* Where it is, as bytes (as layer_save); 0: its mapping cannot say. */
 size_t replay_save(replay *self, void *bytes, size_t capacity);

@@ -19,6 +19,8 @@ enum {
 
 static const size_t checkpoint_bytes_default = (size_t)256 << 20;
 static const int64_t span_min_ns = NS_PER_S / 2;
+/* That all processes together are asked ahead. */
+static const int64_t answers_patience_ns = 30 * NS_PER_S;
 static const char unprepared[] = "more clips come than can be opened at once: some are left out";
 
 typedef struct play { /* a clip that is shown now */
@@ -54,7 +56,9 @@ struct sequencer {
     char note[1024];
     error failed;     /* of a mapping whose clip has ended */
     bool is_touched;  /* by somebody live: the face is not the take's alone */
-    bool is_prepared; /* nothing is opened, read or closed now */
+    bool is_prepared; /* nothing is opened, read, asked or closed now */
+    bool is_ahead;    /* its replays perform from memory */
+    checkpoint start; /* while it is prepared: of where it stood then; size 0: none */
 
     checkpoint *checkpoint; /* by at_ns */
     size_t checkpoint_count, checkpoint_capacity, checkpoint_bytes;
@@ -142,6 +146,17 @@ static void close_plays(sequencer *self)
 {
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
         close_play(self, &self->play[slot]);
+}
+
+static uint32_t list_open(const sequencer *self, replay *out[OPEN_MAX + PLAYS_MAX])
+{
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        if (self->play[slot].replay)
+            out[count++] = self->play[slot].replay;
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        out[count++] = self->spare[i];
+    return count;
 }
 
 mrt_result sequencer_check(const sequencer *self, error *err)
@@ -343,6 +358,13 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
     return result;
 }
 
+/* The face is the take's alone: who performs over it is not seen until its next step. */
+static void be_untouched(sequencer *self)
+{
+    self->is_touched = false;
+    performer_voice_of(self->performer, LIVE_VOICE)->weight = 0.0;
+}
+
 /* Before the first instant, its clips ready. */
 static mrt_result restart(sequencer *self, error *err)
 {
@@ -350,7 +372,7 @@ static mrt_result restart(sequencer *self, error *err)
     close_plays(self);
     composer_reset(performer_composer(self->performer));
     self->now_ns = BEFORE_ALL;
-    self->is_touched = false;
+    be_untouched(self);
     return cross_boundary(self, 0, &is_changed, err);
 }
 
@@ -446,7 +468,7 @@ static mrt_result take_up(sequencer *self, const checkpoint *m, error *err)
                                err);
     schedule_plays(self);
     self->now_ns = m->at_ns;
-    self->is_touched = false;
+    be_untouched(self);
     return result;
 }
 
@@ -534,6 +556,40 @@ static void forget_checkpoints(sequencer *self)
     self->is_unkeepable = false;
 }
 
+/* Nobody performs over it any more, and what was prepared for that is there yet. */
+static bool is_left(const sequencer *self)
+{
+    return self->is_ahead && !self->is_prepared;
+}
+
+/* Its replays ask the show and their processes again, and have to be sought. */
+static void forget_ahead(sequencer *self)
+{
+    replay *open[OPEN_MAX + PLAYS_MAX];
+    uint32_t open_count = list_open(self, open);
+    for (uint32_t i = 0; i < open_count; ++i)
+        replay_forget_ahead(open[i]);
+    free(self->start.bytes);
+    self->start = (checkpoint){0};
+    self->is_prepared = self->is_ahead = false;
+    self->is_touched = true;
+}
+
+/* Its mapping's part is left out where that is not asked. */
+static mrt_result keep_start(sequencer *self, error *err)
+{
+    size_t size = put_all(self, NULL, 0);
+    if (size == 0)
+        return MRT_OK;
+    self->start = (checkpoint){self->now_ns, malloc(size), size};
+    if (!self->start.bytes) {
+        self->start.size = 0;
+        return error_set(err, MRT_ERR_MEMORY, "no memory for checkpoints");
+    }
+    put_all(self, self->start.bytes, size);
+    return MRT_OK;
+}
+
 /* A take that shows one performance as it was: what was kept while it was recorded serves too. */
 static const take_clip *only_clip(const sequencer *self)
 {
@@ -565,15 +621,25 @@ static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns,
     self->now_ns =
         take_warp_to_timeline(clip, replay_now_ns(self->play[0].replay) - clip->from_ns) +
         offset_ns;
-    self->is_touched = false;
+    be_untouched(self);
     return MRT_OK;
+}
+
+/* The last that was kept at or before at_ns; NULL: none. */
+static const checkpoint *kept_before(const sequencer *self, int64_t at_ns)
+{
+    size_t count = count_until(self, at_ns);
+    const checkpoint *best = count > 0 ? &self->checkpoint[count - 1] : NULL;
+    bool is_start = self->start.size > 0 && self->start.at_ns <= at_ns;
+    return is_start && (!best || best->at_ns <= self->start.at_ns) ? &self->start : best;
 }
 
 /* To the last instant at or before at_ns from which playing on is quickest. */
 static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
 {
-    size_t count = count_until(self, at_ns);
-    const checkpoint *best = count > 0 ? &self->checkpoint[count - 1] : NULL;
+    if (is_left(self))
+        forget_ahead(self);
+    const checkpoint *best = kept_before(self, at_ns);
     int64_t from_ns = best ? best->at_ns : 0;
     bool may_go_on = self->now_ns <= at_ns && !self->is_touched;
     if (may_go_on && (self->now_ns >= from_ns || at_ns - self->now_ns < span_min_ns))
@@ -731,17 +797,6 @@ static uint32_t count_playing(const sequencer *self, int64_t performance, int64_
     return count;
 }
 
-static uint32_t list_open(const sequencer *self, replay *out[OPEN_MAX + PLAYS_MAX])
-{
-    uint32_t count = 0;
-    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
-        if (self->play[slot].replay)
-            out[count++] = self->play[slot].replay;
-    for (uint32_t i = 0; i < self->spare_count; ++i)
-        out[count++] = self->spare[i];
-    return count;
-}
-
 static void close_what_is_not_shown(sequencer *self, int64_t from_ns, int64_t to_ns)
 {
     for (uint32_t k = self->spare_count; k-- > 0;) {
@@ -784,23 +839,50 @@ static mrt_result prepare_clip(sequencer *self, uint32_t lane, const take_clip *
     return result;
 }
 
+static mrt_result answer_ahead(sequencer *self, error *err)
+{
+    replay *open[OPEN_MAX + PLAYS_MAX];
+    uint32_t open_count = list_open(self, open);
+    int64_t until_ns = clock_now_ns() + answers_patience_ns;
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < open_count && result >= 0; ++i) {
+        result = replay_answer_ahead(open[i], until_ns, err);
+        const char *missing = replay_missing(open[i]);
+        add_note(self, missing);
+        if (missing[0])
+            log_push(self->world.log, MRT_LOG_WARNING, "take", missing);
+    }
+    return result;
+}
+
 mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err)
 {
     mrt_result result = MRT_OK;
+    int64_t at_ns = self->now_ns;
+    if (self->is_ahead) {
+        forget_ahead(self);
+        result = sequencer_seek(self, at_ns, err);
+    }
     from_ns -= span_min_ns; /* an instant that is kept may lie so far before */
+    self->is_ahead = true;
     close_what_is_not_shown(self, from_ns, to_ns);
     for (uint32_t i = 0; i < self->take.layer_count; ++i)
         for (uint32_t j = 0; j < self->take.layer[i].clip_count && result >= 0; ++j)
             if (is_shown(self, i, &self->take.layer[i].clip[j], from_ns, to_ns))
                 result = prepare_clip(self, i, &self->take.layer[i].clip[j], from_ns, to_ns, err);
+    if (result >= 0)
+        result = keep_start(self, err);
+    if (result >= 0)
+        result = answer_ahead(self, err);
     self->is_prepared = result >= 0;
-    return result;
+    self->is_touched = true;
+    return result < 0 ? result : sequencer_seek(self, at_ns, err);
 }
 
 mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err)
 {
     bool is_sample;
-    if (at_ns < self->now_ns)
+    if (at_ns < self->now_ns || is_left(self))
         return sequencer_seek(self, at_ns, err);
     mrt_result result = MRT_OK;
     while (result == MRT_OK)
@@ -851,7 +933,11 @@ mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings,
         result = performer_create(&self->performer, settings->face, NULL, &as, err);
     if (result >= 0)
         result = performer_create(&self->scratch, settings->face, NULL, &as, err);
-    self->world = (replay_world){settings->show, settings->plugins, settings->log, self->scratch};
+    self->world = (replay_world){.show = settings->show,
+                                 .plugins = settings->plugins,
+                                 .log = settings->log,
+                                 .scratch = self->scratch,
+                                 .ahead_bytes = settings->ahead_bytes};
     if (result >= 0)
         result = sequencer_set_take(self, t, err);
     if (result < 0) {
@@ -866,6 +952,7 @@ void sequencer_destroy(sequencer *self)
 {
     if (!self)
         return;
+    forget_ahead(self);
     close_plays(self);
     close_spares(self);
     forget_checkpoints(self);
@@ -886,7 +973,7 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
     if (result < 0)
         return result;
     int64_t at_ns = self->now_ns;
-    self->is_prepared = false;
+    forget_ahead(self);
     close_plays(self);
     close_spares(self); /* performances may have become longer */
     forget_checkpoints(self);
@@ -907,6 +994,7 @@ void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is
 {
     *performer_voice_of(self->performer, LIVE_VOICE) =
         (performer_voice){.layer = of, .owns = owns, .is_additive = is_additive, .gain = 1.0};
+    self->is_prepared = self->is_prepared && of;
 }
 
 void sequencer_live_step(sequencer *self, const sample_step *s, double weight)

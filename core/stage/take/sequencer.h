@@ -19,6 +19,7 @@ typedef struct sequencer_settings {
     const csrbf_settings *solver; /* read by create; NULL: as the show says (kept_solver.h); radius
                                      0: the rig's */
     size_t checkpoint_bytes;      /* bound of what is kept to scrub; 0: 256 MiB */
+    size_t ahead_bytes;           /* as of replay_world */
 } sequencer_settings;
 
 /* The settings' things must outlive it; the take is copied. */
@@ -33,10 +34,11 @@ CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err
 CHECKED mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err);
 /* Plays on to a later instant; an earlier one is a seek. */
 CHECKED mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err);
-/* What clips of this span perform with is opened and read now: to play it takes no file and no
- * process. From then on nothing is opened, read or closed, until nobody performs over it any more
- * (sequencer_set_live) or the take changes: clips beyond 64, or of elsewhere, are left out and
- * noted. */
+/* It stands at from_ns. What clips of this span perform with is opened and read now, and what their
+ * mappings in processes of their own answer is asked for, so that to play it, and to seek to
+ * from_ns, takes no file and no process: from then on nothing is opened, read, asked or closed,
+ * until nobody performs over it any more (sequencer_set_live) or the take changes. What does not
+ * fit is left out or held, and noted. */
 CHECKED mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err);
 /* To the next step of any clip shown, or (MRT_END) none is left before the take's end. */
 CHECKED mrt_result sequencer_step(sequencer *self, error *err);

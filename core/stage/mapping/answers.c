@@ -1,0 +1,103 @@
+#include "stage/mapping/answers.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void answers_finish(answers *self)
+{
+    free(self->of);
+    free(self->bytes);
+    *self = (answers){0};
+}
+
+static bool make_room(answers *self, size_t size)
+{
+    if (self->count == self->capacity) {
+        size_t capacity = self->capacity * 2 + 256;
+        answers_step *grown = realloc(self->of, capacity * sizeof *grown);
+        if (!grown)
+            return false;
+        self->of = grown;
+        self->capacity = capacity;
+    }
+    if (self->size + size <= self->bytes_capacity)
+        return true;
+    size_t capacity = self->bytes_capacity * 2 + 64 * size;
+    unsigned char *bytes = realloc(self->bytes, capacity);
+    if (!bytes)
+        return false;
+    self->bytes = bytes;
+    self->bytes_capacity = capacity;
+    return true;
+}
+
+/* Those behind the ones in use too, up to the last that is not all zero: the mapping sees them. */
+static uint32_t vectors_to_keep(const mrt_pull *pull)
+{
+    static const mrt_vector nothing = {{0, 0, 0}, {0, 0, 0}, 0};
+    uint32_t count = MRT_MAX_VECTORS;
+    while (count > 0 && memcmp(&pull->vector[count - 1], &nothing, sizeof nothing) == 0)
+        count -= 1;
+    return count;
+}
+
+void answers_add(answers *self, int64_t time_ns, mrt_result result, const mrt_pull *pull)
+{
+    uint32_t count = vectors_to_keep(pull);
+    size_t size = sizeof count + sizeof *pull;
+    if (self->is_full || !make_room(self, size)) {
+        self->is_full = true;
+        return;
+    }
+    unsigned char *to = self->bytes + self->size;
+    self->of[self->count++] = (answers_step){
+        .time_ns = time_ns, .at = self->size, .result = result, .is_taught = self->is_taught};
+    memcpy(to, &count, sizeof count);
+    to += sizeof count;
+    memcpy(to, pull, offsetof(mrt_pull, vector));
+    to += offsetof(mrt_pull, vector);
+    memcpy(to, pull->dof, sizeof pull->dof);
+    to += sizeof pull->dof;
+    memcpy(to, pull->vector, count * sizeof *pull->vector);
+    self->size = (size_t)(to - self->bytes) + count * sizeof *pull->vector;
+}
+
+const answers_step *answers_find(answers *self, int64_t time_ns)
+{
+    size_t low = 0, high = self->count;
+    if (self->next < self->count && self->of[self->next].time_ns == time_ns)
+        return &self->of[self->next];
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (self->of[middle].time_ns < time_ns)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    self->next = low;
+    return low < self->count && self->of[low].time_ns == time_ns ? &self->of[low] : NULL;
+}
+
+mrt_result answers_take(answers *self, int64_t time_ns, mrt_pull *pull)
+{
+    uint32_t count;
+    const answers_step *found = answers_find(self, time_ns);
+    if (!found)
+        return MRT_HOLD;
+    const unsigned char *from = self->bytes + found->at;
+    memcpy(&count, from, sizeof count);
+    from += sizeof count;
+    *pull = (mrt_pull){0};
+    memcpy(pull, from, offsetof(mrt_pull, vector));
+    from += offsetof(mrt_pull, vector);
+    memcpy(pull->dof, from, sizeof pull->dof);
+    from += sizeof pull->dof;
+    memcpy(pull->vector, from, count * sizeof *pull->vector);
+    self->next += 1;
+    return found->result;
+}
+
+size_t answers_size(const answers *self)
+{
+    return self->size + self->count * sizeof *self->of;
+}
