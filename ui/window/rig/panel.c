@@ -1099,7 +1099,7 @@ static void update(panel *self, double dt_s)
         take_draft(self);
         if (app_take_request(self->of, ACTION_SAVE))
             save_as_asked(self);
-        if (self->is_seen)
+        if (self->is_shown)
             rig_model_look(self->model);
         if (rig_model_update(self->model, dt_s))
             self->shown.is_tint_new = self->shown.is_shape_new = true;
