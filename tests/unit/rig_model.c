@@ -126,6 +126,7 @@ static void what_is_on_the_stage_already_is_not_given_to_it(void **state)
 {
     (void)state;
     rig_model *model = open_model("moai.rig.json");
+    rig_model_look(model);
     wait_until_laid(model);
     const rig_work *work = rig_model_work(model);
     assert_int_equal(work->result, MRT_OK);
