@@ -866,7 +866,10 @@ static void who_hangs_and_a_network_that_is_gone_cost_the_frame_nothing(void **s
         while (outputs_count(s.outputs) > 0)
             outputs_remove(s.outputs, 0);
     }
-    assert_true(ratio < 1.5 && longest_ms < 500.0); /* of a machine that does other things */
+    assert_true(longest_ms < 500.0); /* of a machine that does other things */
+#if !defined(__SANITIZE_THREAD__)    /* it watches what fills the board, not the sums of a frame */
+    assert_true(ratio < 1.5);
+#endif
     lie_down(&s);
     close(udp);
     close(mute);
