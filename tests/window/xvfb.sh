@@ -48,11 +48,16 @@ is_gone() {
     ! kill -0 "$program_pid" 2>/dev/null
 }
 
+has_ended_or_window() {
+    is_gone || has_windows 1
+}
+
 # open_window ARGUMENTS...: the program in its window, with the keyboard.
 open_window() {
     "$MAROTTE" stage --size "${window_size:-1280x720}" --json "$@" >facts.json 2>stderr.txt &
     program_pid=$!
-    if ! until_true 60 has_windows 1; then
+    until_true 60 has_ended_or_window # one that says why is not waited for
+    if ! has_windows 1; then
         fail "no window opens: $(cat stderr.txt)"
         finish
     fi
