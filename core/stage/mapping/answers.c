@@ -31,35 +31,47 @@ static bool make_room(answers *self, size_t size)
     return true;
 }
 
-/* Those behind the ones in use too, up to the last that is not all zero: the mapping sees them. */
 static uint32_t vectors_to_keep(const mrt_pull *pull)
 {
     static const mrt_vector nothing = {{0, 0, 0}, {0, 0, 0}, 0};
     uint32_t count = MRT_MAX_VECTORS;
-    while (count > 0 && memcmp(&pull->vector[count - 1], &nothing, sizeof nothing) == 0)
+    while (count > pull->count && memcmp(&pull->vector[count - 1], &nothing, sizeof nothing) == 0)
         count -= 1;
+    return count;
+}
+
+void answers_put_pull(bytes_out *out, const mrt_pull *pull)
+{
+    uint32_t count = vectors_to_keep(pull);
+    bytes_put(out, pull, offsetof(mrt_pull, vector));
+    bytes_put_u32(out, count);
+    bytes_put(out, pull->vector, count * sizeof *pull->vector);
+    bytes_put(out, pull->dof, sizeof pull->dof);
+}
+
+uint32_t answers_take_pull(bytes_in *in, mrt_pull *out)
+{
+    bytes_take(in, out, offsetof(mrt_pull, vector));
+    uint32_t count = bytes_take_u32(in);
+    if (count > MRT_MAX_VECTORS)
+        in->failed = true;
+    else
+        bytes_take(in, out->vector, count * sizeof *out->vector);
+    bytes_take(in, out->dof, sizeof out->dof);
     return count;
 }
 
 void answers_add(answers *self, int64_t time_ns, mrt_result result, const mrt_pull *pull)
 {
-    uint32_t count = vectors_to_keep(pull);
-    size_t size = sizeof count + sizeof *pull;
-    if (self->is_full || !make_room(self, size)) {
+    if (self->is_full || !make_room(self, sizeof(uint32_t) + sizeof *pull)) {
         self->is_full = true;
         return;
     }
-    unsigned char *to = self->bytes + self->size;
+    bytes_out out = {self->bytes, self->bytes_capacity, self->size};
     self->of[self->count++] = (answers_step){
         .time_ns = time_ns, .at = self->size, .result = result, .is_taught = self->is_taught};
-    memcpy(to, &count, sizeof count);
-    to += sizeof count;
-    memcpy(to, pull, offsetof(mrt_pull, vector));
-    to += offsetof(mrt_pull, vector);
-    memcpy(to, pull->dof, sizeof pull->dof);
-    to += sizeof pull->dof;
-    memcpy(to, pull->vector, count * sizeof *pull->vector);
-    self->size = (size_t)(to - self->bytes) + count * sizeof *pull->vector;
+    answers_put_pull(&out, pull);
+    self->size = out.size;
 }
 
 const answers_step *answers_find(answers *self, int64_t time_ns)
@@ -80,19 +92,12 @@ const answers_step *answers_find(answers *self, int64_t time_ns)
 
 mrt_result answers_take(answers *self, int64_t time_ns, mrt_pull *pull)
 {
-    uint32_t count;
     const answers_step *found = answers_find(self, time_ns);
     if (!found)
         return MRT_HOLD;
-    const unsigned char *from = self->bytes + found->at;
-    memcpy(&count, from, sizeof count);
-    from += sizeof count;
+    bytes_in in = {self->bytes + found->at, self->bytes + self->size, false};
     *pull = (mrt_pull){0};
-    memcpy(pull, from, offsetof(mrt_pull, vector));
-    from += offsetof(mrt_pull, vector);
-    memcpy(pull->dof, from, sizeof pull->dof);
-    from += sizeof pull->dof;
-    memcpy(pull->vector, from, count * sizeof *pull->vector);
+    (void)answers_take_pull(&in, pull);
     self->next += 1;
     return found->result;
 }

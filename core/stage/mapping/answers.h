@@ -3,10 +3,14 @@
  * (layer.h), and for which steps (replay.h). */
 #ifndef MAROTTE_STAGE_ANSWERS_H
 #define MAROTTE_STAGE_ANSWERS_H
+#include "base/bytes.h"
+
 #include <marotte/plugin.h>
 
-#include <stdbool.h>
-#include <stddef.h>
+/* A pull as bytes. The mapping sees the whole array: also vectors beyond `count` are kept, up to
+ * the last one that is not zero; take returns how many. */
+void answers_put_pull(bytes_out *out, const mrt_pull *pull);
+uint32_t answers_take_pull(bytes_in *in, mrt_pull *out);
 
 typedef struct answers_step {
     int64_t time_ns;

@@ -619,36 +619,10 @@ static size_t save_mapping(void *of, void *bytes, size_t capacity)
     return is_answered(self) ? 0 : self->resume->save(self->mapping->self, bytes, capacity);
 }
 
-/* The mapping sees the whole array: also vectors beyond `count` are kept, up to the last one that
- * is not zero. */
-static uint32_t vectors_to_keep(const mrt_pull *pull)
-{
-    static const mrt_vector nothing = {{0, 0, 0}, {0, 0, 0}, 0};
-    uint32_t count = MRT_MAX_VECTORS;
-    while (count > pull->count && memcmp(&pull->vector[count - 1], &nothing, sizeof nothing) == 0)
-        count -= 1;
-    return count;
-}
-
-static void put_pull(bytes_out *out, const mrt_pull *pull)
-{
-    uint32_t count = vectors_to_keep(pull);
-    bytes_put(out, pull, offsetof(mrt_pull, vector));
-    bytes_put_u32(out, count);
-    bytes_put(out, pull->vector, count * sizeof *pull->vector);
-    bytes_put(out, pull->dof, sizeof pull->dof);
-}
-
 static void take_pull(bytes_in *in, const layer *self, mrt_pull *out)
 {
-    bytes_take(in, out, offsetof(mrt_pull, vector));
-    uint32_t count = bytes_take_u32(in);
-    if (count > MRT_MAX_VECTORS || count < out->count)
-        in->failed = true;
-    else
-        bytes_take(in, out->vector, count * sizeof *out->vector);
-    bytes_take(in, out->dof, sizeof out->dof);
-    in->failed = in->failed || guard_fault(&self->guard, out) != NULL;
+    uint32_t kept = answers_take_pull(in, out);
+    in->failed = in->failed || kept < out->count || guard_fault(&self->guard, out) != NULL;
 }
 
 static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
@@ -671,7 +645,7 @@ static void put_crossfade(bytes_out *out, const crossfade *c)
     bytes_put_f64(out, c->fade_s);
     bytes_put_u32(out, c->side);
     bytes_put_u32(out, c->anchor_shift);
-    put_pull(out, &c->leaving);
+    answers_put_pull(out, &c->leaving);
     if (c->is_other)
         bytes_put(out, c->posed, sizeof c->posed);
 }
@@ -737,8 +711,8 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
         bytes_put(&out, hand->joint, sizeof hand->joint);
         bytes_put(&out, hand->palm, sizeof hand->palm);
     }
-    put_pull(&out, &self->good);
-    put_pull(&out, &self->pull);
+    answers_put_pull(&out, &self->good);
+    answers_put_pull(&out, &self->pull);
     put_crossfade(&out, &self->crossfade);
     bytes_put_u32(&out, self->resets);
     put_sized(&out, save_pointer, &self->pointer);
