@@ -311,14 +311,24 @@ static bool is_on_the_stage(live_fixture *d, void *data)
     return d->view->mode == LIVE_SHOWS;
 }
 
+static void throw_away_what_was_performed(live_fixture *d)
+{
+    error err = {""};
+    edit *edits;
+    uint32_t count;
+    if (!live_take_over(d->live, &edits, &count, &err))
+        fail_msg("nothing was performed: %s", err.text);
+    for (uint32_t i = 0; i < count; ++i)
+        edit_finish(&edits[i]);
+    free(edits);
+}
+
 static void a_take_is_performed_over(void **state)
 {
     (void)state;
     live_fixture d;
     error err = {""};
     take t = {0};
-    edit *edits;
-    uint32_t count;
     begin_session(&d);
     const int64_t id = record(&d);
     fixture_let_go(&d);
@@ -333,11 +343,7 @@ static void a_take_is_performed_over(void **state)
     fixture_must(live_record_end(d.live, &err), &err);
     fixture_let_go(&d);
     is_kept("the end of it");
-    if (!live_take_over(d.live, &edits, &count, &err))
-        fail_msg("nothing was performed: %s", err.text);
-    for (uint32_t i = 0; i < count; ++i)
-        edit_finish(&edits[i]);
-    free(edits);
+    throw_away_what_was_performed(&d);
     take_finish(&t);
     end_session(&d);
 }
@@ -454,21 +460,14 @@ static void perform_over(live_fixture *d, const take *t, seen *s)
 static void over_a_mapping_that_goes_wrong(const char *kind, seen *out, int64_t *out_wrong_ns)
 {
     live_fixture d;
-    error err = {""};
     take t = {0};
-    edit *edits;
-    uint32_t count;
     memset(out, 0, sizeof *out);
     fixture_start(&d, "puppet", NULL, FIXTURE_SHOW);
     *out_wrong_ns = record_trouble(&d, kind, &t);
     perform_over(&d, &t, out);
     const bool is_slow = strcmp(kind, "Sleep") == 0;
     are_of_the_take(&d, &t, is_slow ? INT64_MAX : *out_wrong_ns, out);
-    if (!live_take_over(d.live, &edits, &count, &err))
-        fail_msg("nothing was performed: %s", err.text);
-    for (uint32_t i = 0; i < count; ++i)
-        edit_finish(&edits[i]);
-    free(edits);
+    throw_away_what_was_performed(&d);
     take_finish(&t);
     fixture_finish(&d);
 }

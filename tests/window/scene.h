@@ -111,6 +111,21 @@ static inline bool scene_until(scene *s, scene_condition *holds, void *data)
     return false;
 }
 
+typedef struct scene_stillness { /* zeroed; data of scene_is_still */
+    uint64_t number;             /* of the face that is shown */
+    uint32_t frames;             /* that it has been for */
+} scene_stillness;
+
+/* For a second: what springs back has come to rest. */
+static inline bool scene_is_still(scene *s, void *data)
+{
+    scene_stillness *now = data;
+    const uint64_t number = app_view(s->app)->number;
+    now->frames = number == now->number ? now->frames + 1 : 0;
+    now->number = number;
+    return now->frames > 60;
+}
+
 static inline bool scene_has_face(scene *s, void *data)
 {
     (void)data;

@@ -106,20 +106,6 @@ static void say_rig(FILE *out)
     (void)unlink(path);
 }
 
-typedef struct stillness {
-    uint64_t number;
-    uint32_t frames;
-} stillness;
-
-static bool is_still(scene *of, void *data)
-{
-    stillness *now = data;
-    const uint64_t number = app_view(of->app)->number;
-    now->frames = number == now->number ? now->frames + 1 : 0;
-    now->number = number;
-    return now->frames > 40;
-}
-
 static bool is_rig_laid(scene *of, void *data)
 {
     (void)data;
@@ -129,10 +115,10 @@ static bool is_rig_laid(scene *of, void *data)
 static words say_all(void)
 {
     words out = {.text = NULL};
-    stillness still = {0};
+    scene_stillness still = {0};
     assert_true(scene_until(&s, is_rig_laid, NULL));
     scene_do(&s, ACTION_LIVE);
-    assert_true(scene_until(&s, is_still, &still));
+    assert_true(scene_until(&s, scene_is_still, &still));
     out.file = open_memstream(&out.text, &out.size);
     assert_non_null(out.file);
     const live_view *view = app_view(s.app);

@@ -97,21 +97,6 @@ static bool dof_is_so(scene *of, void *data)
     return value > w->more && value < w->less;
 }
 
-typedef struct stillness {
-    uint64_t number; /* of the face that is shown */
-    uint32_t frames; /* that it has been for */
-} stillness;
-
-/* For a second: what springs back has come to rest. */
-static bool is_still(scene *of, void *data)
-{
-    stillness *now = data;
-    const uint64_t number = app_view(of->app)->number;
-    now->frames = number == now->number ? now->frames + 1 : 0;
-    now->number = number;
-    return now->frames > 60;
-}
-
 static void a_drag_on_the_mouth_corner_moves_it_by_the_drag(void **state)
 {
     (void)state;
@@ -145,7 +130,7 @@ static void with_shift_it_stays_until_a_double_click(void **state)
     (void)state;
     scene_open(&s, 1280, 720, 1.0f);
     uint32_t chin = contact_named("chin");
-    stillness still = {0};
+    scene_stillness still = {0};
     vec3 rest = view_now()->contact[chin];
     const lens l = find_lens();
     float x, y;
@@ -159,7 +144,7 @@ static void with_shift_it_stays_until_a_double_click(void **state)
     scene_button(&s, 0, false);
     scene_settle(&s);
     scene_hold_key(&s, UI_KEY_SHIFT, false);
-    assert_true(scene_until(&s, is_still, &still));
+    assert_true(scene_until(&s, scene_is_still, &still));
     vec3 stays = view_now()->contact[chin];
     assert_true(vec3_length(vec3_sub(stays, rest)) > 3.0);
     screen_of(&l, stays, &x, &y);
@@ -199,11 +184,11 @@ static bool is_face(scene *of, void *data)
 
 static face_rows pull_with(uint32_t modifiers, float x, float y)
 {
-    stillness still = {0};
+    scene_stillness still = {0};
     scene_modifiers(&s, modifiers, true);
     scene_drag(&s, x, y, x + 20.0f, y + 25.0f, 12);
     scene_modifiers(&s, modifiers, false);
-    assert_true(scene_until(&s, is_still, &still));
+    assert_true(scene_until(&s, scene_is_still, &still));
     return face_now();
 }
 
