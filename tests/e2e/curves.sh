@@ -47,7 +47,7 @@ if [ -e "$SOURCE_DIR/tests/e2e/node_modules/gltf-validator" ]; then
     node "$SOURCE_DIR/tests/e2e/validate.mjs" "$scratch/one_hand.glb" "$odd.glb" "$odd.vrma" >"$scratch/said" ||
         fail "the validator: $(grep -m 5 'error\|warning' "$scratch/said")"
 else
-    echo "SKIPPED: the validator is not installed (bash tests/e2e/setup_validator.sh)"
+    echo "SKIPPED: the validator is not installed (bash tests/e2e/setup_packages.sh)"
 fi
 "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=1" --map one_hand --export "$scratch/no.vrm" \
     >/dev/null 2>"$scratch/stderr" && fail "a .vrm of a face that is none"

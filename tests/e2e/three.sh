@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # three.js with three-vrm, in a headless Chromium, plays what is exported: at three times its weights are those of the file, its
 # vertices those of the point cache, and its picture is that of the cache's vertices. MAROTTE_NODE_MODULES names the folder
-# of the packages where it is not tests/e2e/node_modules (setup_validator.sh fills that).
+# of the packages where it is not tests/e2e/node_modules (setup_packages.sh fills that).
 source "$(dirname "$0")/lib.sh"
 skip() { echo "SKIPPED: $1"; exit 77; }
 packages=${MAROTTE_NODE_MODULES:-$SOURCE_DIR/tests/e2e/node_modules}
@@ -9,7 +9,7 @@ chromium=$(command -v chromium || command -v chromium-browser || command -v goog
 [ -n "$chromium" ] || skip "chromium is not installed"
 command -v node >/dev/null || skip "node is not installed"
 for package in three @pixiv/three-vrm; do
-    [ -e "$packages/$package/package.json" ] || skip "no $package in $packages: bash tests/e2e/setup_validator.sh"
+    [ -e "$packages/$package/package.json" ] || skip "no $package in $packages: bash tests/e2e/setup_packages.sh"
 done
 out=$BUILD_DIR/out
 mkdir -p "$out"

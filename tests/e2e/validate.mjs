@@ -1,5 +1,5 @@
 // node validate.mjs FILE.glb...: what the Khronos validator says of each file, one line per issue.
-// Exit 1 on any error or warning, 77 when the validator is not installed (setup_validator.sh).
+// Exit 1 on any error or warning, 77 when the validator is not installed (setup_packages.sh).
 import { readFile } from 'node:fs/promises';
 import { basename } from 'node:path';
 
@@ -10,7 +10,7 @@ let validator;
 try {
   validator = (await import('gltf-validator')).default;
 } catch {
-  console.log('SKIPPED: gltf-validator is not installed: run tests/e2e/setup_validator.sh');
+  console.log('SKIPPED: gltf-validator is not installed: run tests/e2e/setup_packages.sh');
   process.exit(77);
 }
 

@@ -9,7 +9,7 @@ avatar=$shared/data/heads/rpm_arkit.glb
 [ -n "$chromium" ] || skip "chromium is not installed"
 command -v node >/dev/null || skip "node is not installed"
 for package in three @pixiv/three-vrm osc-min; do
-    [ -e "$packages/$package/package.json" ] || skip "no $package in $packages: bash tests/e2e/setup_validator.sh"
+    [ -e "$packages/$package/package.json" ] || skip "no $package in $packages: bash tests/e2e/setup_packages.sh"
 done
 [ -e "$avatar" ] || skip "no $avatar (set MAROTTE_SHARED)"
 cd "$scratch" || exit 1
