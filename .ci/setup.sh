@@ -45,6 +45,8 @@ setup_follow() {
             at=
             case $line in
             dlstatus:*) [[ $line =~ ([0-9]+)\ of\ [0-9]+ ]] && verb=downloading count=${BASH_REMATCH[1]} stepped=$SECONDS ;;
+            pmstatus:*:"Unpacking "*) [ "$verb" = unpacking ] || count=0 verb=unpacking
+                count=$((count + 1)) stepped=$SECONDS ;;
             pmstatus:*:"Installed "*) [ "$verb" = installing ] || count=0 verb=installing
                 count=$((count + 1)) stepped=$SECONDS ;;
             pmstatus:*) at=${line##*:} ;;

@@ -8,7 +8,7 @@ failed=0
 complain() { echo "$1"; failed=1; }
 
 files=$(find core ui plugins rigs tests run README.md ARCHITECTURE.md CONTRIBUTING.md -type f \
-    -not -path '*/build/*' -not -path '*/golden/*' -not -path '*/seeds/*')
+    -not -path '*/build/*' -not -path '*/node_modules/*' -not -path '*/golden/*' -not -path '*/seeds/*')
 # Of the C library, of libraries, made by the build, or in the examples of a guide.
 others='cmocka.h math.h linux/input.h wave.c s.c a.c a.b.c shaders.c template_name.c FOLDER_OF_marotte/plugin.h NAME.c
 ui/NAME.c tests/FOLDER/NAME.c tests/fuzz/fuzz_NAME.c FILE.c fuzz_NAME.c'
@@ -38,6 +38,11 @@ wrong=$(awk -v others="$others" '
     }
     !($2 in is_there) { print $1 ": there is no " $2 }' <(echo "$files") <(echo "$said"))
 [ -z "$wrong" ] || complain "$wrong"
+
+# A formatter of C once took a guide for code.
+while read -r guide; do
+    head -n 1 "$guide" | grep -q '^# [A-Za-z]' || complain "$guide: the first line is not a title, \"# ...\""
+done < <(grep -E '\.md$' <<<"$files")
 
 while IFS= read -r header; do
     read -r open name rest <"$header"
