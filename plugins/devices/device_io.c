@@ -124,8 +124,9 @@ bool device_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, in
 /* Long enough to meet an arrival that was not late, short enough to follow two crystals: 50 ppm in
  * 8 s are 0.4 ms. */
 static const int64_t window_ns = 1000000000;
-/* How fast the offset follows an estimate that grew: 0.2 ms a second, more than crystals drift. */
-static const int64_t rise_per_s_ns = 200000;
+/* The offset follows an estimate that grew by 1 ns in so many: 0.2 ms a second, more than crystals
+ * drift. */
+static const int64_t rise_span_ns = 5000;
 static const int64_t jump_ns = 1000000000;
 
 void clock_map_reset(clock_map *map)
@@ -168,6 +169,7 @@ static int64_t least(const clock_map *map)
 
 int64_t clock_map_to_host(clock_map *map, int64_t device_ns, int64_t arrival_ns)
 {
+    device_ns = device_time_ns(device_ns);
     int64_t late_ns = arrival_ns - device_ns;
     int64_t step_ns = device_ns - map->last_device_ns;
     int64_t off_ns = late_ns - map->offset_ns;
@@ -176,7 +178,7 @@ int64_t clock_map_to_host(clock_map *map, int64_t device_ns, int64_t arrival_ns)
     remember(map, late_ns, arrival_ns);
     int64_t wanted_ns = least(map);
     /* An earlier arrival than ever is the truth at once; a later estimate is crept up to. */
-    int64_t rise_ns = (device_ns - map->last_device_ns) / 1000 * rise_per_s_ns / 1000000;
+    int64_t rise_ns = (device_ns - map->last_device_ns) / rise_span_ns;
     if (wanted_ns > map->offset_ns + rise_ns)
         wanted_ns = map->offset_ns + rise_ns;
     map->offset_ns = wanted_ns;

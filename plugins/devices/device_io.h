@@ -51,6 +51,16 @@ bool device_condition_wait(pthread_cond_t *condition, pthread_mutex_t *mutex, in
  * slowly, so that it is neither moved by one late arrival nor lost when the two clocks drift apart.
  * Leaves out units and wrap-around: the caller's. Pure functions on one struct ---- */
 
+/* Times of other clocks are cut to +- this, 73 years: sums and differences of two fit 64 bits. */
+static const int64_t DEVICE_TIME_MAX_NS = INT64_C(1) << 61;
+
+static inline int64_t device_time_ns(int64_t time_ns)
+{
+    if (time_ns > DEVICE_TIME_MAX_NS)
+        return DEVICE_TIME_MAX_NS;
+    return time_ns < -DEVICE_TIME_MAX_NS ? -DEVICE_TIME_MAX_NS : time_ns;
+}
+
 enum { CLOCK_MAP_WINDOWS = 8 };
 typedef struct clock_map {
     bool running;
@@ -64,7 +74,7 @@ typedef struct clock_map {
 void clock_map_reset(clock_map *map);
 /* Host time of what the device measured at device_ns and the host received at arrival_ns: never
  * after the arrival, never before what was returned last. A device clock that jumps (backwards, or
- * by more than a second against the host's) starts the map anew. */
+ * by more than a second against the host's) starts the map anew. device_ns may be any number. */
 int64_t clock_map_to_host(clock_map *map, int64_t device_ns, int64_t arrival_ns);
 
 #endif

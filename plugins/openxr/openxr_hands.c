@@ -2,6 +2,7 @@
  * program of its own, because the runtime and its drivers are loaded into it. Started and watched
  * by the plugin (openxr_helper.c); ends with a record that says why, or when nobody reads any more.
  */
+#include "device_io.h"
 #include "openxr_record.h"
 
 #include <fcntl.h>
@@ -167,7 +168,7 @@ static void open_session(session *s)
 
 static void follow_state(session *s, const XrEventDataSessionStateChanged *changed)
 {
-    s->runtime_offset_ns = changed->time - now_ns();
+    s->runtime_offset_ns = device_time_ns(changed->time) - now_ns();
     if (changed->state == XR_SESSION_STATE_READY) {
         XrSessionBeginInfo begin = {.type = XR_TYPE_SESSION_BEGIN_INFO,
                                     .primaryViewConfigurationType =
@@ -216,8 +217,11 @@ static int64_t to_monotonic(const session *s, XrTime time)
 {
     struct timespec at;
     if (!s->to_timespec)
-        return time - s->runtime_offset_ns;
+        return device_time_ns(time) - s->runtime_offset_ns;
     need(s->to_timespec(s->instance, time, &at), "to tell the time");
+    const int64_t most_s = DEVICE_TIME_MAX_NS / ns_per_s;
+    if (at.tv_sec < -most_s || at.tv_sec > most_s || at.tv_nsec < 0 || at.tv_nsec >= ns_per_s)
+        return INT64_MAX; /* no clock has that time: the reader drops the frame */
     return (int64_t)at.tv_sec * ns_per_s + at.tv_nsec;
 }
 

@@ -266,6 +266,8 @@ bool openxr_record_take(openxr_record *record)
 static void take_frame(watcher *self, const openxr_record *record, int64_t arrival_ns)
 {
     self->has_frames = true;
+    if (record->time_ns != device_time_ns(record->time_ns))
+        return; /* no clock has that time */
     /* From the past; but a clock that stays there has been set. */
     if (self->has_time && record->time_ns <= self->newest_ns &&
         arrival_ns - self->newest_arrival_ns < reset_ns)

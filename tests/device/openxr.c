@@ -190,8 +190,8 @@ static void two_hands_are_two_inputs_of_one_process(void **state)
 static void what_is_damaged_is_left_out(void **state)
 {
     (void)state;
-    static const char *const mode[] = {"nan", "back", "no_clock"};
-    for (int i = 0; i < 3; ++i) {
+    static const char *const mode[] = {"nan", "back", "no_clock", "far"};
+    for (int i = 0; i < 4; ++i) {
         input_host *self = begin(mode[i]);
         await_hand(self);
         expect_hand(self, 40);

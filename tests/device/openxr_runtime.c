@@ -1,7 +1,8 @@
 /* An OpenXR runtime without a headset: two hands of our own skeleton that bend two fingers,
  * 60 new frames a second. MAROTTE_TEST_OPENXR says how it misbehaves:
  *   inactive, untracked       no hand; a hand that is guessed
- *   nan, back                 joints that are no numbers; a clock that steps back, now and then
+ *   nan, back, far            joints that are no numbers, a clock that steps back, times at both
+ *                             ends of 64 bits: now and then
  *   freeze                    the same frame for ever, after half a second
  *   loss, hang, crash, end    after half a second
  *   no_hands, no_headless, no_clock, no_headset      what it lacks
@@ -245,6 +246,8 @@ static XRAPI_ATTR XrResult XRAPI_CALL to_timespec(XrInstance instance, XrTime ti
     (void)instance;
     time -= clock_offset_ns;
     *out = (struct timespec){(time_t)(time / ns_per_s), (long)(time % ns_per_s)};
+    if (is_mode("far") && tick % 20 < 4) /* times that no clock has */
+        *out = (struct timespec){tick % 20 < 2 ? INT64_MAX / ns_per_s : INT64_MIN, 999999999};
     return XR_SUCCESS;
 }
 
