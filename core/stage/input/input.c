@@ -233,8 +233,10 @@ static mrt_result adopt_channels(input *self, const channel_table *table, error 
     while (at < self->version_count && !channel_table_equal(&self->table[at], table, NULL))
         at += 1;
     if (at == INPUT_VERSIONS)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has had other channels %d times: too often",
-                         self->name, INPUT_VERSIONS);
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: the channels changed %d times, more are not possible: close this "
+                         "input and open it again",
+                         self->name, INPUT_VERSIONS - 1);
     if (at == self->version_count) {
         channel_table_copy(&self->table[at], table->channel, table->count);
         self->version_count += 1;
@@ -372,17 +374,22 @@ static void device_is_back(input *self, int64_t now_ns)
     change_state(self, INPUT_RUNNING, "", now_ns);
 }
 
+/* What was learned just before the loss, or another device in its place, has other channels. */
 static mrt_result open_device_again(input *self, error *err)
 {
     channel_table table;
-    error what;
+    error what = {""};
     mrt_result result = open_plugin(self, &self->outage.logged, &table, err);
     if (result < 0 || channel_table_equal(newest_table(self), &table, &what))
         return result;
-    close_plugin(self);
-    return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "%s: came back with %s: give back what was there, or start again", self->name,
-                     what.text);
+    result = adopt_channels(self, &table, err);
+    if (result < 0)
+        close_plugin(self);
+    else
+        log_pushf(self->plugin.log, MRT_LOG_WARNING, self->plugin.type->id,
+                  "%s: came back with %.200s: these are recorded from now on", self->name,
+                  what.text);
+    return result;
 }
 
 static void reopen_device(input *self)

@@ -49,7 +49,8 @@ void input_destroy(input *self); /* stops its thread first; NULL is fine */
 const char *input_name(const input *self); /* "log demo_hand.csv"; until destroy */
 const mrt_plugin_type *input_plugin(const input *self);
 /* [any] Of the newest samples; valid until destroy. A plugin that asked to be restarted may have
- * other channels then: those of a sample are the ones of its version. */
+ * other channels then, and so may a device that comes back: those of a sample are the ones of its
+ * version. */
 const mrt_channel *input_channels(const input *self, uint32_t *out_count);
 const mrt_channel *input_channels_of(const input *self, uint32_t version, uint32_t *out_count);
 
