@@ -8,21 +8,30 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-enum { PATH_BYTES = 96, RECORDS_MAX = 1 << 20, RECORDS_AT = 256 };
-static const uint64_t magic = 0x31304c4f4f50534d; /* "MSPOOL01" */
+enum { PATH_BYTES = 96, RECORDS_MAX = 1 << 20, RECORDS_AT = 512 };
+static const uint64_t magic = 0x32304c4f4f50534d; /* "MSPOOL02" */
 
-typedef struct head { /* of the file; the records follow at RECORDS_AT */
+typedef struct lane_head {
+    _Atomic int64_t whose;
+    _Atomic uint32_t written, done;
+} lane_head;
+
+typedef struct head { /* of the file; the records follow at RECORDS_AT, then those of each lane */
     uint64_t magic;
     uint64_t device, inode; /* of the show */
     int64_t context;
     uint32_t record_size, record_count;
     _Atomic uint32_t written, taken, settled;
+    uint32_t lane_record_size, lane_record_count;
+    lane_head lane[SPOOL_LANES];
 } head;
+_Static_assert(sizeof(head) <= RECORDS_AT, "the head has room before the records");
 
 struct spool {
     head *head;
-    uint8_t *records;
-    size_t record_size, map_size; /* map_size 0: plain memory */
+    uint8_t *records, *lanes;
+    spool_shape shape;
+    size_t map_size; /* 0: plain memory */
     uint32_t mask;
     uint32_t next; /* what pop gives next, of one that was found */
     bool is_found;
@@ -55,21 +64,27 @@ static void *map_new_file(const char *path, size_t size)
     return map;
 }
 
-static void use_map(spool *self, void *map, size_t record_size, uint32_t record_count)
+static size_t size_of(const spool_shape *shape)
+{
+    return RECORDS_AT + shape->record_size * shape->record_count +
+           SPOOL_LANES * shape->lane_record_size * shape->lane_record_count;
+}
+
+static void use_map(spool *self, void *map, const spool_shape *shape)
 {
     self->head = map;
     self->records = (uint8_t *)map + RECORDS_AT;
-    self->record_size = record_size;
-    self->mask = record_count - 1;
+    self->lanes = self->records + shape->record_size * shape->record_count;
+    self->shape = *shape;
+    self->mask = shape->record_count - 1;
 }
 
-spool *spool_create(const struct stat *of, size_t record_size, uint32_t record_count,
-                    int64_t context)
+spool *spool_create(const struct stat *of, const spool_shape *shape, int64_t context)
 {
     spool *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    size_t size = RECORDS_AT + record_size * record_count;
+    size_t size = size_of(shape);
     path_of(self->path, of);
     void *map = map_new_file(self->path, size);
     self->map_size = map ? size : 0;
@@ -79,12 +94,14 @@ spool *spool_create(const struct stat *of, size_t record_size, uint32_t record_c
         free(self);
         return NULL;
     }
-    use_map(self, map, record_size, record_count);
+    use_map(self, map, shape);
     self->head->device = (uint64_t)of->st_dev;
     self->head->inode = (uint64_t)of->st_ino;
     self->head->context = context;
-    self->head->record_size = (uint32_t)record_size;
-    self->head->record_count = record_count;
+    self->head->record_size = (uint32_t)shape->record_size;
+    self->head->record_count = shape->record_count;
+    self->head->lane_record_size = (uint32_t)shape->lane_record_size;
+    self->head->lane_record_count = shape->lane_record_count;
     self->head->magic = magic;
     return self;
 }
@@ -117,7 +134,8 @@ bool spool_push(spool *self, const void *record)
         atomic_fetch_add_explicit(&self->loss_count, 1, memory_order_relaxed);
         return false;
     }
-    memcpy(self->records + (written & self->mask) * self->record_size, record, self->record_size);
+    memcpy(self->records + (written & self->mask) * self->shape.record_size, record,
+           self->shape.record_size);
     atomic_store_explicit(&self->head->written, written + 1, memory_order_release);
     return true;
 }
@@ -128,7 +146,8 @@ bool spool_pop(spool *self, void *out_record)
                                  : atomic_load_explicit(&self->head->taken, memory_order_relaxed);
     if (at == atomic_load_explicit(&self->head->written, memory_order_acquire))
         return false;
-    memcpy(out_record, self->records + (at & self->mask) * self->record_size, self->record_size);
+    memcpy(out_record, self->records + (at & self->mask) * self->shape.record_size,
+           self->shape.record_size);
     if (self->is_found)
         self->next = at + 1;
     else
@@ -160,6 +179,61 @@ uint32_t spool_loss_count(const spool *self)
     return atomic_load_explicit(&self->loss_count, memory_order_relaxed);
 }
 
+/* ---- lanes ---- */
+
+static uint8_t *lane_record(const spool *self, uint32_t lane, uint32_t at)
+{
+    const size_t index =
+        (size_t)lane * self->shape.lane_record_count + (at & (self->shape.lane_record_count - 1));
+    return self->lanes + index * self->shape.lane_record_size;
+}
+
+void spool_lane_clear(spool *self, uint32_t lane)
+{
+    lane_head *h = &self->head->lane[lane];
+    atomic_store(&h->whose, 0);
+    atomic_store(&h->written, 0);
+    atomic_store(&h->done, 0);
+}
+
+void spool_lane_push(spool *self, uint32_t lane, const void *record)
+{
+    lane_head *h = &self->head->lane[lane];
+    uint32_t written = atomic_load_explicit(&h->written, memory_order_relaxed);
+    memcpy(lane_record(self, lane, written), record, self->shape.lane_record_size);
+    atomic_store_explicit(&h->written, written + 1, memory_order_release);
+}
+
+void spool_lane_mark(spool *self, uint32_t lane, int64_t whose)
+{
+    atomic_store_explicit(&self->head->lane[lane].whose, whose, memory_order_release);
+}
+
+void spool_lane_done(spool *self, uint32_t lane, uint32_t done)
+{
+    atomic_store_explicit(&self->head->lane[lane].done, done, memory_order_release);
+}
+
+/* The oldest of a full lane may have been half overwritten. */
+spool_lane spool_lane_of(const spool *self, uint32_t lane)
+{
+    const lane_head *h = &self->head->lane[lane];
+    const uint32_t written = atomic_load(&h->written), capacity = self->shape.lane_record_count;
+    return (spool_lane){.whose = atomic_load(&h->whose),
+                        .done = atomic_load(&h->done),
+                        .count = written < capacity ? written
+                                 : capacity         ? capacity - 1
+                                                    : 0};
+}
+
+void spool_lane_read(const spool *self, uint32_t lane, uint32_t index, void *out_record)
+{
+    const spool_lane all = spool_lane_of(self, lane);
+    const uint32_t written = atomic_load(&self->head->lane[lane].written);
+    memcpy(out_record, lane_record(self, lane, written - all.count + index),
+           self->shape.lane_record_size);
+}
+
 /* ---- what was left ---- */
 
 static void *map_old_file(const char *path, size_t *out_size)
@@ -178,16 +252,22 @@ static void *map_old_file(const char *path, size_t *out_size)
     return map == MAP_FAILED ? NULL : map;
 }
 
-static bool is_of(const head *h, size_t size, const struct stat *of, size_t record_size)
+/* What the head says, as far as it can be. */
+static bool has_shape(const head *h, const spool_shape *shape)
 {
-    return h->magic == magic && h->device == (uint64_t)of->st_dev &&
-           h->inode == (uint64_t)of->st_ino && h->record_size == record_size &&
-           h->record_count > 0 && h->record_count <= RECORDS_MAX &&
-           (h->record_count & (h->record_count - 1)) == 0 &&
-           size == RECORDS_AT + record_size * h->record_count;
+    return h->record_size == shape->record_size && h->record_count > 0 &&
+           h->record_count <= RECORDS_MAX && (h->record_count & (h->record_count - 1)) == 0 &&
+           h->lane_record_size == shape->lane_record_size && h->lane_record_count <= RECORDS_MAX &&
+           (h->lane_record_count & (h->lane_record_count - 1)) == 0;
 }
 
-spool *spool_find(const struct stat *of, size_t record_size, int64_t *out_context)
+static bool is_of(const head *h, size_t size, const struct stat *of, const spool_shape *shape)
+{
+    return h->magic == magic && h->device == (uint64_t)of->st_dev &&
+           h->inode == (uint64_t)of->st_ino && size == size_of(shape);
+}
+
+spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_context)
 {
     spool *self = calloc(1, sizeof *self);
     if (!self)
@@ -199,11 +279,14 @@ spool *spool_find(const struct stat *of, size_t record_size, int64_t *out_contex
         return NULL;
     }
     self->head = map;
-    if (!is_of(map, self->map_size, of, record_size)) {
+    spool_shape found = *shape;
+    found.record_count = self->head->record_count;
+    found.lane_record_count = self->head->lane_record_count;
+    if (!has_shape(map, shape) || !is_of(map, self->map_size, of, &found)) {
         spool_destroy(self);
         return NULL;
     }
-    use_map(self, map, record_size, self->head->record_count);
+    use_map(self, map, &found);
     *out_context = self->head->context;
     self->is_found = true;
     self->next = atomic_load(&self->head->written) - left_count(self);

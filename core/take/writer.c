@@ -2,7 +2,6 @@
 
 #include "base/clock.h"
 #include "base/condition.h"
-#include "take/spool.h"
 #include "take/writer_store.h"
 
 #include <errno.h>
@@ -153,6 +152,8 @@ struct writer {
     uint8_t *checkpoint[WRITER_CHECKPOINTS];
     _Atomic bool is_taken[WRITER_CHECKPOINTS];
     _Atomic uint32_t ring_lost_samples, ring_lost_events, given_samples;
+
+    bool has_place[SPOOL_LANES]; /* [main] an input */
 
     _Atomic uint32_t track_count; /* [main], and who records */
 
@@ -644,11 +645,7 @@ static void commit_journal(writer *self)
 
 /* ---- what everybody else calls ---- */
 
-enum {
-    RING_RECORDS = 32768, /* 100 s of two gloves, should the writer's thread stand still */
-    DEFAULT_MEMORY_BYTES = 64 * 1024 * 1024,
-    DEFAULT_JOURNAL_S = 30 * 60
-};
+enum { DEFAULT_MEMORY_BYTES = 64 * 1024 * 1024, DEFAULT_JOURNAL_S = 30 * 60 };
 static const int64_t commit_ns = 40 * NS_PER_MS;
 static const int64_t retry_ns = 250 * NS_PER_MS;
 
@@ -700,6 +697,46 @@ void writer_checkpoint(writer *self, int64_t performance, int64_t time_ns, uint3
     r.of.checkpoint.size = size;
     if (size > self->checkpoint_bytes || !spool_push(self->ring, &r))
         atomic_store_explicit(&self->is_taken[index], false, memory_order_release);
+}
+
+/* ---- what arrives ---- */
+
+uint32_t writer_arrivals_open(writer *self)
+{
+    for (uint32_t i = 0; i < SPOOL_LANES; ++i)
+        if (!self->has_place[i]) {
+            self->has_place[i] = true;
+            return i;
+        }
+    return WRITER_NO_PLACE;
+}
+
+void writer_arrivals_close(writer *self, uint32_t place)
+{
+    if (place == WRITER_NO_PLACE)
+        return;
+    spool_lane_clear(self->ring, place);
+    self->has_place[place] = false;
+}
+
+void writer_arrived(writer *self, uint32_t place, uint32_t number, uint32_t version,
+                    const mrt_sample *sample)
+{
+    const writer_arrival arrival = {.number = number, .version = version, .sample = *sample};
+    if (place != WRITER_NO_PLACE)
+        spool_lane_push(self->ring, place, &arrival);
+}
+
+void writer_arrivals_follow(writer *self, uint32_t place, int64_t track, uint32_t version)
+{
+    if (place != WRITER_NO_PLACE)
+        spool_lane_mark(self->ring, place, writer_arrivals_mark(track, version));
+}
+
+void writer_arrivals_performed(writer *self, uint32_t place, uint32_t number)
+{
+    if (place != WRITER_NO_PLACE)
+        spool_lane_done(self->ring, place, number);
 }
 
 /* ---- the thread ---- */
@@ -763,7 +800,7 @@ static mrt_result begin_session(show *s, const writer_options *options, int64_t 
 static mrt_result allocate(writer *self, const writer_options *options, error *err)
 {
     struct stat of = {.st_dev = self->of->device, .st_ino = self->of->inode};
-    self->ring = spool_create(&of, sizeof(writer_record), RING_RECORDS, self->to_show_ns);
+    self->ring = spool_create(&of, &writer_spool_shape, self->to_show_ns);
     bool good = self->ring != NULL;
     self->lent = malloc(WRITER_WAITING_MAX * sizeof *self->lent);
     self->room = malloc(WRITER_WAITING_TEXTS_MAX * sizeof *self->room);

@@ -1,7 +1,8 @@
 /* take/writer.h - everything that is measured, into a show, while it happens. The recording thread
  * hands over and never waits; a thread of the writer's commits it, at most 40 ms later; another one
  * sees to it that it reaches the disk, at most 1 s later. So a program that is killed loses what
- * the last 100 ms gave, a power cut the last seconds, and neither damages what was there before.
+ * it did in the last 100 ms, but no sample that has arrived; a power cut the last seconds; and
+ * neither damages what was there before.
  *
  * A disk that is full, or gone for a while, loses nothing as long as memory lasts: what is not
  * written is held (options.memory_bytes, which is hours of two gloves) and written when it can be.
@@ -88,8 +89,8 @@ CHECKED mrt_result writer_flush(writer *self, error *err);
 
 /* ---- [frame]: all the time; one thread ---- */
 
-/* Time and values as measured: not descending within a track, finite. A sample that cannot be taken
- * is counted as lost. */
+/* The time is the step's, values are as measured; times are not descending within a track, finite.
+ * A sample that cannot be taken is counted as lost. */
 void writer_sample(writer *self, int64_t track, const mrt_sample *sample);
 void writer_event(writer *self, const take_event *event);
 /* A buffer of checkpoint_bytes to fill, NULL: none is free now, leave this one out. */
@@ -97,6 +98,24 @@ void *writer_checkpoint_buffer(writer *self);
 /* Hands the buffer over. */
 void writer_checkpoint(writer *self, int64_t performance, int64_t time_ns, uint32_t version,
                        void *buffer, size_t size);
+
+/* ---- what arrives, and waits to be performed: a kill does not lose it. Each input has a place for
+ * its newest samples; who opens the show next records those that were not performed, in steps as
+ * the frame thread would have made (step_rule.h) ---- */
+
+/* [main] A place for one input; WRITER_NO_PLACE: all are taken, and a kill may lose some. */
+enum { WRITER_NO_PLACE = UINT32_MAX };
+uint32_t writer_arrivals_open(writer *self);
+/* [main] Nobody gives any more. */
+void writer_arrivals_close(writer *self, uint32_t place);
+/* [the input's thread] number: of the input's samples, +1 each; version: of its channels. Never
+ * waits. */
+void writer_arrived(writer *self, uint32_t place, uint32_t number, uint32_t version,
+                    const mrt_sample *sample);
+/* [frame] Samples of that version are of this track. Before writer_sample. */
+void writer_arrivals_follow(writer *self, uint32_t place, int64_t track, uint32_t version);
+/* [frame] Samples up to this number, without it, were given by writer_sample. */
+void writer_arrivals_performed(writer *self, uint32_t place, uint32_t number);
 
 /* ---- [any] ---- */
 

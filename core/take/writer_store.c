@@ -3,13 +3,26 @@
 #include "base/clock.h"
 #include "take/chunk.h"
 #include "take/edit.h"
-#include "take/spool.h"
+#include "take/step_rule.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+const spool_shape writer_spool_shape = {
+    .record_size = sizeof(writer_record),
+    .record_count = 32768, /* 100 s of two gloves, should the writer's thread stand still */
+    .lane_record_size = sizeof(writer_arrival),
+    .lane_record_count = 1024}; /* as many as an input lets wait for the frame thread */
+
+enum { VERSIONS_MAX = 256 };
+
+int64_t writer_arrivals_mark(int64_t track, uint32_t version)
+{
+    return track < INT64_MAX / VERSIONS_MAX ? track * VERSIONS_MAX + version % VERSIONS_MAX : 0;
+}
 
 /* ---- jobs in memory ---- */
 
@@ -465,7 +478,19 @@ typedef struct leftover_track {
     bool has_last; /* of the samples that the show has */
     int64_t last_ns;
     uint32_t last_sequence;
+    mrt_sample newest; /* of those that were added too, show time; count 0: none */
+    uint32_t measures; /* step_rule.h */
 } leftover_track;
+
+/* The samples of an input of which some were not performed. */
+typedef struct waiting_lane {
+    leftover_track *track;
+    uint32_t index, next; /* of the spool's lanes; of its records */
+    spool_lane of;
+    step_rhythm rhythm;
+    bool is_there, is_chosen; /* `now` */
+    writer_arrival now;
+} waiting_lane;
 
 typedef struct leftover {
     writer_store store;
@@ -473,6 +498,8 @@ typedef struct leftover {
     leftover_track track[WRITER_TRACKS_MAX];
     uint32_t track_count;
     mrt_sample *sample; /* CHUNK_SAMPLES_MAX */
+    waiting_lane lane[SPOOL_LANES];
+    uint32_t lane_count;
 } leftover;
 
 /* ---- where each track stands ---- */
@@ -493,11 +520,28 @@ static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, e
         } else {
             out->track.ordinal = head.ordinal + 1;
             out->has_last = true;
-            out->last_ns = self->sample[head.sample_count - 1].time_ns;
-            out->last_sequence = self->sample[head.sample_count - 1].sequence;
+            out->newest = self->sample[head.sample_count - 1];
+            out->last_ns = out->newest.time_ns;
+            out->last_sequence = out->newest.sequence;
         }
     }
     return sqlite_finish_rows(last, result);
+}
+
+static mrt_result read_channels(leftover *self, int64_t id, uint32_t *out_count,
+                                uint32_t *out_measures, error *err)
+{
+    sqlite_statement *channels = sqlite_query(
+        self->store.db, "SELECT semantic, hand FROM channel WHERE track = ?", "ii", "i", id);
+    mrt_result result;
+    *out_count = *out_measures = 0;
+    while ((result = sqlite_step(channels, err)) == MRT_OK && *out_count <= MRT_MAX_CHANNELS) {
+        const int64_t semantic = sqlite_int(channels, 0), hand = sqlite_int(channels, 1);
+        *out_count += 1;
+        if (semantic >= 0 && semantic <= UINT32_MAX && hand >= 0 && hand <= MRT_RIGHT)
+            *out_measures |= step_measures((uint32_t)semantic, (uint32_t)hand);
+    }
+    return sqlite_finish_rows(channels, result == MRT_OK ? MRT_END : result);
 }
 
 /* A track whose row was not committed has nowhere to go: known, but of no use. */
@@ -506,14 +550,11 @@ static mrt_result add_track(leftover *self, int64_t id, leftover_track **out, er
     *out = NULL;
     if (self->track_count == WRITER_TRACKS_MAX)
         return MRT_OK;
-    sqlite_statement *channels =
-        sqlite_query(self->store.db, "SELECT COUNT(*) FROM channel WHERE track = ?", "i", "i", id);
-    mrt_result result = sqlite_step(channels, err);
-    int64_t count = result == MRT_OK ? sqlite_int(channels, 0) : 0;
-    sqlite_finish(channels);
+    uint32_t count;
     leftover_track *track = &self->track[self->track_count];
+    mrt_result result = read_channels(self, id, &count, &track->measures, err);
     if (result >= 0)
-        result = writer_track_init(&track->track, id, (uint32_t)count, err);
+        result = writer_track_init(&track->track, id, count, err);
     if (result < 0)
         return result;
     ++self->track_count;
@@ -565,6 +606,7 @@ static mrt_result take_sample(leftover *self, int64_t id, const mrt_sample *samp
     track->track.sample[track->track.count++].time_ns = show_ns;
     track->track.last_ns = sample->time_ns;
     track->track.has_last = true;
+    track->newest = track->track.sample[track->track.count - 1];
     return result;
 }
 
@@ -582,6 +624,111 @@ static mrt_result take_event_once(leftover *self, const take_event *given, error
     return result == MRT_END ? show_event_insert(self->store.db, &event, err) : result;
 }
 
+/* ---- what had arrived and was not performed: in steps, behind all that was ---- */
+
+static bool is_waiting(const waiting_lane *lane)
+{
+    return (int32_t)(lane->now.number - lane->of.done) >= 0;
+}
+
+/* Killed between the two, the frame thread had given the sample, and had not said so. */
+static bool was_given(const waiting_lane *lane)
+{
+    const mrt_sample *given = &lane->track->newest, *now = &lane->now.sample;
+    return lane->now.number == lane->of.done && given->count == now->count &&
+           given->sequence == now->sequence &&
+           memcmp(given->value, now->value, now->count * sizeof *now->value) == 0;
+}
+
+/* Those that were performed are gone through too: for the rhythm. What waits with other channels
+ * has no track yet: it ends the lane. */
+static void next_arrival(waiting_lane *lane, const spool *left)
+{
+    const leftover_track *track = lane->track;
+    for (lane->is_there = false; !lane->is_there && lane->next < lane->of.count;) {
+        spool_lane_read(left, lane->index, lane->next++, &lane->now);
+        const bool is_of_track =
+            writer_arrivals_mark(track->track.id, lane->now.version) == lane->of.whose;
+        if (!is_of_track && is_waiting(lane))
+            lane->next = lane->of.count;
+        lane->is_there = is_of_track && lane->now.sample.count == track->track.channel_count &&
+                         writer_track_is_time(lane->now.sample.time_ns) && !was_given(lane);
+    }
+}
+
+static mrt_result add_lanes(leftover *self, const spool *left, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < SPOOL_LANES && result >= 0; ++i) {
+        waiting_lane *lane = &self->lane[self->lane_count];
+        *lane = (waiting_lane){.index = i, .of = spool_lane_of(left, i)};
+        const int64_t id = lane->of.whose / VERSIONS_MAX;
+        if (id <= 0 || lane->of.count == 0)
+            continue;
+        result = find_track(self, id, &lane->track, err);
+        if (result < 0 || !lane->track || !lane->track->is_known)
+            continue;
+        lane->rhythm.measures = lane->track->measures;
+        next_arrival(lane, left);
+        self->lane_count += 1;
+    }
+    return result;
+}
+
+/* The next step; false: there is none. */
+static bool choose_step(leftover *self, int64_t *out_time_ns)
+{
+    waiting_lane *first = NULL, *end = self->lane + self->lane_count;
+    for (waiting_lane *l = self->lane; l < end; ++l)
+        if (l->is_there && (!first || l->now.sample.time_ns < first->now.sample.time_ns))
+            first = l;
+    if (!first)
+        return false;
+    step_choice choice = step_choice_of(&first->rhythm, first->now.sample.time_ns);
+    for (waiting_lane *l = self->lane; l < end; ++l)
+        l->is_chosen = l == first || (l->is_there && step_choice_pairs(&choice, &l->rhythm,
+                                                                       l->now.sample.time_ns));
+    for (waiting_lane *l = self->lane; l < end; ++l)
+        l->is_chosen |=
+            l->is_there && step_choice_covers(&choice, &l->rhythm, l->now.sample.time_ns);
+    *out_time_ns = choice.until_ns;
+    return true;
+}
+
+static int64_t newest_given_ns(const leftover *self)
+{
+    int64_t out = INT64_MIN;
+    for (uint32_t i = 0; i < self->lane_count; ++i) {
+        const mrt_sample *newest = &self->lane[i].track->newest;
+        if (newest->count > 0 && writer_track_is_time(newest->time_ns) &&
+            newest->time_ns - self->to_show_ns > out)
+            out = newest->time_ns - self->to_show_ns;
+    }
+    return out;
+}
+
+static mrt_result take_arrivals(leftover *self, spool *left, error *err)
+{
+    mrt_result result = add_lanes(self, left, err);
+    int64_t time_ns, last_ns = newest_given_ns(self);
+    for (uint64_t n = 1; result >= 0 && choose_step(self, &time_ns); ++n) {
+        time_ns = time_ns > last_ns ? time_ns : last_ns + 1;
+        for (uint32_t i = 0; i < self->lane_count && result >= 0; ++i) {
+            waiting_lane *lane = &self->lane[i];
+            if (!lane->is_chosen)
+                continue;
+            step_rhythm_take(&lane->rhythm, lane->now.sample.time_ns, n);
+            lane->now.sample.time_ns = time_ns;
+            if (is_waiting(lane)) {
+                result = take_sample(self, lane->track->track.id, &lane->now.sample, err);
+                last_ns = time_ns;
+            }
+            next_arrival(lane, left);
+        }
+    }
+    return result;
+}
+
 static mrt_result take_all(leftover *self, spool *left, error *err)
 {
     writer_record record;
@@ -593,6 +740,8 @@ static mrt_result take_all(leftover *self, spool *left, error *err)
                  writer_track_is_time(record.of.event.time_ns))
             result = take_event_once(self, &record.of.event, err);
     }
+    if (result >= 0)
+        result = take_arrivals(self, left, err);
     for (uint32_t i = 0; i < self->track_count && result >= 0; ++i)
         result = put_chunk(self, &self->track[i], err);
     return result;
@@ -631,7 +780,7 @@ mrt_result writer_leftover_commit(show *s, error *err)
     bool is_ours;
     int64_t to_show_ns;
     struct stat of = {.st_dev = s->device, .st_ino = s->inode};
-    spool *left = spool_find(&of, sizeof(writer_record), &to_show_ns);
+    spool *left = spool_find(&of, &writer_spool_shape, &to_show_ns);
     if (!left)
         return MRT_OK;
     mrt_result result = check_session(s, to_show_ns, &is_ours, err);

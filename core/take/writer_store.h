@@ -4,6 +4,7 @@
 #ifndef MAROTTE_TAKE_WRITER_STORE_H
 #define MAROTTE_TAKE_WRITER_STORE_H
 #include "take/show_file.h"
+#include "take/spool.h"
 
 /* ---- what is given while it happens; a spool keeps it ---- */
 
@@ -25,6 +26,17 @@ typedef struct writer_record { /* of the ring */
         } checkpoint;
     } of;
 } writer_record;
+
+/* What an input measured, from when it arrives: as long as nobody has performed it, it is nowhere
+ * else. Of a lane of the spool. */
+typedef struct writer_arrival {
+    uint32_t number, version; /* of the input's samples, +1 each; of its channels */
+    mrt_sample sample;
+} writer_arrival;
+/* Whose a lane is: a track, and the version of the input's channels that are the track's. */
+int64_t writer_arrivals_mark(int64_t track, uint32_t version);
+
+extern const spool_shape writer_spool_shape;
 
 enum { WRITER_TRACKS_MAX = 64 };
 

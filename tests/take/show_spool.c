@@ -55,6 +55,88 @@ static void what_a_killed_writer_was_given_is_found(void **state)
     show_close(s);
 }
 
+/* Samples 0..9 were given, the last of them as the kill came; 10..14 wait, and 15..19 with channels
+ * that have no track yet. Another input's have none at all. */
+static void record_and_wait(const scene *at)
+{
+    error err;
+    show *s;
+    scene_recording r;
+    writer_options options = scene_options();
+    if (show_create(&s, at->path, &err) < 0)
+        _exit(1);
+    scene_record(&r, s, &options);
+    const uint32_t place = writer_arrivals_open(r.writer), other = writer_arrivals_open(r.writer);
+    for (uint32_t n = 0; n < 20; ++n) {
+        const mrt_sample sample = scene_sample(r.track, n);
+        writer_arrived(r.writer, place, n + 7, n < 15 ? 3 : 4, &sample);
+        writer_arrived(r.writer, other, n, 0, &sample);
+    }
+    writer_arrivals_follow(r.writer, place, r.track, 3);
+    scene_give(&r, 0, 9);
+    writer_arrivals_performed(r.writer, place, 9 + 7);
+    scene_give(&r, 9, 10);
+    scene_flush(&r);
+    raise(SIGKILL);
+}
+
+static void what_had_arrived_and_was_not_performed_is_added_once(void **state)
+{
+    scene *at = *state;
+    int status;
+    pid_t child = fork();
+    if (child == 0)
+        record_and_wait(at);
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status));
+    if (access("/dev/shm", W_OK) != 0)
+        skip();
+    for (int i = 0; i < 2; ++i) {
+        show *s = scene_open(at, SHOW_WRITE);
+        scene_expect(s, 1, 0, 15);
+        show_close(s);
+    }
+}
+
+/* Of a lane that has gone round all but the oldest, which may be half overwritten. */
+static void a_lane_keeps_the_newest(void **state)
+{
+    scene *at = *state;
+    struct stat of;
+    int64_t context;
+    uint32_t record;
+    const spool_shape shape = {.record_size = sizeof record,
+                               .record_count = 8,
+                               .lane_record_size = sizeof record,
+                               .lane_record_count = 8};
+    assert_int_equal(stat(at->folder, &of), 0);
+    spool *made = spool_create(&of, &shape, 5);
+    assert_non_null(made);
+    for (uint32_t i = 0; i < 100; ++i)
+        spool_lane_push(made, SPOOL_LANES - 1, &i);
+    for (uint32_t i = 0; i < 3; ++i)
+        spool_lane_push(made, 0, &i);
+    spool_lane_mark(made, 0, 77);
+    spool_lane_done(made, 0, 1);
+    spool_abandon(made);
+    if (access("/dev/shm", W_OK) != 0)
+        skip();
+    spool *found = spool_find(&of, &shape, &context);
+    assert_non_null(found);
+    spool_lane last = spool_lane_of(found, SPOOL_LANES - 1), first = spool_lane_of(found, 0);
+    assert_int_equal(last.count, 7);
+    assert_int_equal(last.whose, 0);
+    for (uint32_t i = 0; i < 7; ++i) {
+        spool_lane_read(found, SPOOL_LANES - 1, i, &record);
+        assert_int_equal(record, 93 + i);
+    }
+    assert_true(first.count == 3 && first.whose == 77 && first.done == 1);
+    spool_lane_read(found, 0, 2, &record);
+    assert_int_equal(record, 2);
+    assert_int_equal(spool_lane_of(found, 1).count, 0);
+    spool_destroy(found);
+}
+
 static void a_spool_of_another_session_is_left_out(void **state)
 {
     scene *at = *state;
@@ -68,7 +150,9 @@ static void a_spool_of_another_session_is_left_out(void **state)
     struct stat of;
     int64_t context;
     assert_int_equal(stat(at->path, &of), 0);
-    spool *stranger = spool_create(&of, sizeof(writer_record), 8, 12345);
+    spool_shape shape = writer_spool_shape;
+    shape.record_count = 8;
+    spool *stranger = spool_create(&of, &shape, 12345);
     assert_non_null(stranger);
     writer_record record = {
         .kind = WRITER_RECORD_SAMPLE, .id = 1, .of.sample = scene_sample(1, 50)};
@@ -77,7 +161,7 @@ static void a_spool_of_another_session_is_left_out(void **state)
     s = scene_open(at, SHOW_WRITE);
     scene_expect(s, 1, 0, 10);
     show_close(s);
-    assert_null(spool_find(&of, sizeof(writer_record), &context));
+    assert_null(spool_find(&of, &writer_spool_shape, &context));
 }
 
 static void a_ring_gives_what_it_took_in_order(void **state)
@@ -86,8 +170,10 @@ static void a_ring_gives_what_it_took_in_order(void **state)
     struct stat of;
     uint32_t record, count = 0;
     int64_t context = 0;
+    const spool_shape shape = {.record_size = sizeof record, .record_count = 8};
+    const spool_shape other = {.record_size = sizeof record + 4, .record_count = 8};
     assert_int_equal(stat(at->folder, &of), 0);
-    spool *ring = spool_create(&of, sizeof record, 8, 77);
+    spool *ring = spool_create(&of, &shape, 77);
     assert_non_null(ring);
     for (uint32_t i = 0; i < 8; ++i)
         assert_true(spool_push(ring, &i));
@@ -102,19 +188,19 @@ static void a_ring_gives_what_it_took_in_order(void **state)
     spool_abandon(ring);
     if (access("/dev/shm", W_OK) != 0)
         skip();
-    assert_null(spool_find(&of, sizeof record + 4, &context)); /* of another shape: removed */
-    ring = spool_create(&of, sizeof record, 8, 78);
+    assert_null(spool_find(&of, &other, &context)); /* of another shape: removed */
+    ring = spool_create(&of, &shape, 78);
     for (uint32_t i = 0; i < 6; ++i)
         assert_true(spool_push(ring, &i) && (i >= 3 || spool_pop(ring, &record)));
     spool_abandon(ring);
-    ring = spool_find(&of, sizeof record, &context);
+    ring = spool_find(&of, &shape, &context);
     assert_non_null(ring);
     assert_int_equal(context, 78);
     while (spool_pop(ring, &record))
         assert_int_equal(record, count++);
     assert_int_equal(count, 6);
     spool_destroy(ring);
-    assert_null(spool_find(&of, sizeof record, &context));
+    assert_null(spool_find(&of, &shape, &context));
 }
 
 #define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, scene_tear_down)
@@ -123,6 +209,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(what_a_killed_writer_was_given_is_found),
+        TEST(what_had_arrived_and_was_not_performed_is_added_once),
+        TEST(a_lane_keeps_the_newest),
         TEST(a_spool_of_another_session_is_left_out),
         TEST(a_ring_gives_what_it_took_in_order),
     };

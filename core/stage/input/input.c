@@ -14,7 +14,7 @@ enum { INPUT_VERSIONS = 8, INPUT_RING = 1024, INPUT_INCIDENTS = 64 };
 
 typedef struct input_record {
     mrt_sample sample;
-    uint32_t version;
+    uint32_t version, number;
 } input_record;
 
 /* Of a device that was lost. The reading thread's. */
@@ -34,6 +34,8 @@ struct input {
     pthread_t thread;
     ring *samples, *incidents; /* input_record, input_incident */
     wake *signal;
+    pthread_mutex_t keeper_lock;
+    input_keeper keeper;                 /* GUARDED_BY(keeper_lock) */
     channel_table table[INPUT_VERSIONS]; /* those below version_count never change */
     uint32_t version_count;              /* the reading thread's */
     _Atomic uint32_t version;            /* of the newest samples */
@@ -43,9 +45,10 @@ struct input {
     /* The frame thread's. */
     bool has_pending; /* virtual clock: read ahead by one */
     input_record pending;
-    uint32_t peeked_version;
+    uint32_t peeked_version, peeked_number, taken_count;
     /* The reading thread's (on a virtual clock: the frame thread's). */
     bool has_last, has_unsent, has_warned_of_time;
+    uint32_t delivered_count;
     mrt_sample last;     /* delivered since the device was opened */
     input_record unsent; /* the newest sample, when the ring had no room for it */
     int64_t opened_ns, posted_ns;
@@ -135,11 +138,20 @@ static bool push_unsent(input *self)
     return !self->has_unsent;
 }
 
+static void keep(input *self, const input_record *record)
+{
+    pthread_mutex_lock(&self->keeper_lock);
+    if (self->keeper.keep)
+        self->keeper.keep(self->keeper.data, record->number, record->version, &record->sample);
+    pthread_mutex_unlock(&self->keeper_lock);
+}
+
 /* While the ring is full the newest sample is kept in `unsent`, and older ones are dropped: the
  * last sample of a pedal, which lets it go, must arrive. */
 static void deliver(input *self, const mrt_sample *sample)
 {
-    input_record record = {*sample, atomic_load(&self->version)};
+    input_record record = {*sample, atomic_load(&self->version), self->delivered_count++};
+    keep(self, &record);
     bool had_unsent = !push_unsent(self);
     if (had_unsent || !ring_push(self->samples, &record)) {
         if (had_unsent) {
@@ -575,6 +587,7 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
     self->patience_first_ns = patience_first_ns;
     self->patience_later_ns = patience_later_ns;
     health_board_init(&self->board);
+    pthread_mutex_init(&self->keeper_lock, NULL);
     mrt_result result = instance_create(&self->plugin, type, clock, log, err);
     if (result < 0)
         goto fail;
@@ -613,6 +626,7 @@ void input_destroy(input *self)
     instance_destroy(&self->plugin);
     ring_destroy(self->samples);
     ring_destroy(self->incidents);
+    pthread_mutex_destroy(&self->keeper_lock);
     free(self->address);
     free(self);
 }
@@ -642,6 +656,18 @@ const mrt_channel *input_channels(const input *self, uint32_t *out_count)
 void input_set_wake(input *self, wake *signal)
 {
     self->signal = signal;
+}
+
+void input_set_keeper(input *self, input_keeper keeper)
+{
+    pthread_mutex_lock(&self->keeper_lock);
+    self->keeper = keeper;
+    pthread_mutex_unlock(&self->keeper_lock);
+}
+
+uint32_t input_taken(const input *self)
+{
+    return self->taken_count;
 }
 
 void input_set_patience_ns(input *self, int64_t first_ns, int64_t later_ns)
@@ -695,6 +721,7 @@ bool input_peek(input *self, mrt_sample *out_sample)
     }
     *out_sample = record.sample;
     self->peeked_version = record.version;
+    self->peeked_number = record.number;
     return true;
 }
 
@@ -704,6 +731,7 @@ void input_take(input *self)
     if (self->plugin.clock == CLOCK_REAL)
         (void)ring_pop(self->samples, &dropped);
     self->has_pending = false;
+    self->taken_count = self->peeked_number + 1;
 }
 
 uint32_t input_newest_version(const input *self)

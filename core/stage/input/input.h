@@ -57,6 +57,18 @@ const mrt_channel *input_channels_of(const input *self, uint32_t version, uint32
 /* Before input_start. What is signalled when there is a sample, an incident or another state; it
  * must outlive the input. NULL: nothing. */
 void input_set_wake(input *self, wake *signal);
+/* Who is given each sample on the input's own thread as soon as it has been read, before the frame
+ * thread sees it. number: +1 each; version: of its channels. It must not wait. */
+typedef struct input_keeper {
+    void (*keep)(void *data, uint32_t number, uint32_t version, const mrt_sample *sample);
+    void *data;
+} input_keeper;
+/* At any time; {0}: nobody. The one before is not called any more when this returns. Not on a
+ * virtual clock: there nothing arrives before it is performed. */
+void input_set_keeper(input *self, input_keeper keeper);
+/* [frame] The number behind the newest sample that input_take took. */
+uint32_t input_taken(const input *self);
+
 /* Before input_start. How long to wait between two attempts to open a lost device: at first (250
  * ms), and after eight attempts (500 ms). For tests that lose many devices. */
 void input_set_patience_ns(input *self, int64_t first_ns, int64_t later_ns);

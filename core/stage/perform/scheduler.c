@@ -3,9 +3,6 @@
 
 #include <string.h>
 
-/* Further apart they have no rhythm: a pedal, a device that was away. */
-static const int64_t period_max_ns = 100 * NS_PER_MS;
-
 void scheduler_init(scheduler *out, scheduler_rule rule, scheduler_entry *entry,
                     channel_route *route, uint32_t capacity)
 {
@@ -18,13 +15,8 @@ void scheduler_init(scheduler *out, scheduler_rule rule, scheduler_entry *entry,
 static uint32_t measured_by(const channel_route *route)
 {
     uint32_t out = 0;
-    for (uint32_t i = 0; i < route->table.count; ++i) {
-        uint32_t semantic = route->table.channel[i].semantic, side = route->table.channel[i].hand;
-        bool is_angle = channel_is_angle(&route->table.channel[i]);
-        bool is_wrist = semantic >= MRT_CH_WRIST && semantic < MRT_CH_PEDAL;
-        if (side <= MRT_RIGHT && (is_angle || is_wrist))
-            out |= 1u << (2 * side + (is_wrist ? 1u : 0u));
-    }
+    for (uint32_t i = 0; i < route->table.count; ++i)
+        out |= step_measures(route->table.channel[i].semantic, route->table.channel[i].hand);
     return out;
 }
 
@@ -42,7 +34,7 @@ static void route_version(scheduler *self, uint32_t index, uint32_t version)
         channel_route_calibrate(route, side, self->calibration[side]);
     e->route = route;
     e->version = version;
-    e->measures = measured_by(route);
+    e->rhythm.measures = measured_by(route);
 }
 
 void scheduler_add(scheduler *self, const sample_source *source, const channel_route *route)
@@ -127,31 +119,17 @@ static mrt_result look(scheduler *self, scheduler_entry **out_first, error *err)
 
 /* ---- what goes together ---- */
 
-/* Different hands, or of one hand what only the other measures. */
 static bool may_pair(const scheduler_entry *a, const scheduler_entry *b)
 {
-    return a->source.voice == b->source.voice && a->measures && b->measures &&
-           !(a->measures & b->measures);
-}
-
-static int64_t shorter_period_ns(const scheduler_entry *a, const scheduler_entry *b)
-{
-    return a->period_ns < b->period_ns ? a->period_ns : b->period_ns;
-}
-
-/* How far apart two samples of one step may be. */
-static int64_t window_ns(const scheduler_entry *a, const scheduler_entry *b)
-{
-    int64_t period_ns = shorter_period_ns(a, b);
-    bool were_together = a->last_step > 0 && a->last_step == b->last_step;
-    return were_together ? period_ns / 4 * 3 : period_ns / 2;
+    return a->source.voice == b->source.voice && step_may_pair(&a->rhythm, &b->rhythm);
 }
 
 /* The sample of `e`, which is not there, ought to come soon enough to go with the first one. */
 static bool is_expected(const scheduler_entry *e, const scheduler_entry *first, int64_t first_ns)
 {
-    return may_pair(e, first) && e->period_ns > 0 && first->period_ns > 0 && !e->is_missed &&
-           e->last_ns + e->period_ns - first_ns <= window_ns(e, first);
+    const step_rhythm *r = &e->rhythm;
+    return may_pair(e, first) && r->period_ns > 0 && first->rhythm.period_ns > 0 && !e->is_missed &&
+           r->last_ns + r->period_ns - first_ns <= step_window_ns(r, &first->rhythm);
 }
 
 /* True: until waits_until_ns something may come that goes with the first sample. */
@@ -163,7 +141,7 @@ static bool is_to_wait(scheduler *self, const scheduler_entry *first, int64_t no
         const scheduler_entry *e = &self->entry[i];
         if (e->is_there || e->is_over || !is_expected(e, first, first->sample.time_ns))
             continue;
-        int64_t period_ns = shorter_period_ns(e, first);
+        int64_t period_ns = step_shorter_period_ns(&e->rhythm, &first->rhythm);
         most_ns = period_ns > most_ns ? period_ns : most_ns;
     }
     if (most_ns == 0)
@@ -185,24 +163,18 @@ static bool is_to_wait(scheduler *self, const scheduler_entry *first, int64_t no
 /* As it was measured: the instant of the last sample of the step. */
 static int64_t choose_measured(scheduler *self, scheduler_entry *first)
 {
-    int64_t first_ns = first->sample.time_ns, until_ns = first_ns;
-    uint32_t measures = first->measures;
-    first->is_chosen = true;
+    step_choice choice = step_choice_of(&first->rhythm, first->sample.time_ns);
     for (uint32_t i = 0; i < self->count; ++i) {
         scheduler_entry *e = &self->entry[i];
-        if (!e->is_there || e->is_chosen || !may_pair(e, first) || (e->measures & measures) ||
-            e->sample.time_ns - first_ns > window_ns(e, first))
-            continue;
-        measures |= e->measures;
-        e->is_chosen = true;
-        until_ns = e->sample.time_ns > until_ns ? e->sample.time_ns : until_ns;
+        e->is_chosen = e == first || (e->is_there && e->source.voice == first->source.voice &&
+                                      step_choice_pairs(&choice, &e->rhythm, e->sample.time_ns));
     }
     for (uint32_t i = 0; i < self->count; ++i) {
         scheduler_entry *e = &self->entry[i];
-        e->is_chosen |= e->is_there && e->measures == 0 && e->sample.time_ns <= until_ns &&
-                        e->source.voice == first->source.voice;
+        e->is_chosen |= e->is_there && e->source.voice == first->source.voice &&
+                        step_choice_covers(&choice, &e->rhythm, e->sample.time_ns);
     }
-    return until_ns;
+    return choice.until_ns;
 }
 
 static int64_t choose_recorded(scheduler *self, const scheduler_entry *first)
@@ -265,17 +237,6 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
 
 /* ---- performed ---- */
 
-static void keep_rhythm(scheduler_entry *e, int64_t time_ns, bool is_first)
-{
-    int64_t since_ns = time_ns - e->last_ns;
-    if (is_first || since_ns <= 0 || since_ns > period_max_ns)
-        e->period_ns = 0;
-    else
-        e->period_ns = e->period_ns == 0 ? since_ns : e->period_ns + (since_ns - e->period_ns) / 8;
-    e->last_ns = time_ns;
-    e->is_missed = false;
-}
-
 void scheduler_insert(scheduler *self, sample_step *s)
 {
     if (self->rule != SCHEDULE_RECORDED)
@@ -290,8 +251,8 @@ void scheduler_take(scheduler *self, sample_step *s)
     uint64_t number = self->step_count + 1;
     for (uint32_t i = 0; i < s->count; ++i) {
         scheduler_entry *e = &self->entry[s->of[i].input];
-        keep_rhythm(e, s->of[i].sample.time_ns, e->last_step == 0);
-        e->last_step = number;
+        step_rhythm_take(&e->rhythm, s->of[i].sample.time_ns, number);
+        e->is_missed = false;
         e->source.take(e->source.self);
     }
     scheduler_insert(self, s);

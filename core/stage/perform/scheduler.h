@@ -3,17 +3,18 @@
  * at once: one step. Leaves out the clock (player.h) and what a step does (layer.h). One thread; no
  * allocation.
  *
- * STEPS  A step's samples have one time, and that is how it is recorded: samples of one time are
- * one step, whoever performs them again. While it is measured, inputs that measure different hands
- * go together when their samples are at most half a sample's period apart (once together, up to
- * three quarters, so that noise does not part them); what else was measured in between goes with
- * them. Live, a late hand is waited for at most a sample's period, and only once: what did not come
- * is waited for again when it has. Steps come in an order of their own: each is later than the one
- * before, if by a nanosecond. */
+ * STEPS  (take/step_rule.h) A step's samples have one time, and that is how it is recorded: samples
+ * of one time are one step, whoever performs them again. While it is measured, inputs that measure
+ * different hands go together when their samples are at most half a sample's period apart (once
+ * together, up to three quarters, so that noise does not part them); what else was measured in
+ * between goes with them. Live, a late hand is waited for at most a sample's period, and only once:
+ * what did not come is waited for again when it has. Steps come in an order of their own: each is
+ * later than the one before, if by a nanosecond. */
 #ifndef MAROTTE_STAGE_SCHEDULER_H
 #define MAROTTE_STAGE_SCHEDULER_H
 #include "stage/input/sample_source.h"
 #include "stage/perform/hands.h"
+#include "take/step_rule.h"
 
 typedef enum scheduler_rule {
     SCHEDULE_RECORDED = 0, /* times are steps already */
@@ -25,10 +26,7 @@ typedef struct scheduler_entry {
     sample_source source;
     const channel_route *route;
     uint32_t version;
-    uint32_t measures;  /* bits: angles and wrist of each hand; 0: no hand */
-    int64_t last_ns;    /* when its newest taken sample was measured */
-    int64_t period_ns;  /* between its samples; 0: not known */
-    uint64_t last_step; /* number of the step that had it */
+    step_rhythm rhythm; /* of the samples that were taken */
     bool is_missed;     /* it was waited for, and did not come */
     /* as it was asked last */
     bool is_there, is_over, is_chosen;

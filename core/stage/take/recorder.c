@@ -16,8 +16,17 @@
 
 enum { RECORDER_INPUTS_MAX = TAKE_TRACKS_MAX };
 
+/* What an input gives is the writer's from when it arrives. [main], `writer` and `place` any. */
+typedef struct recorder_arrivals {
+    input *of; /* NULL: free */
+    writer *writer;
+    uint32_t place, user_count; /* casts */
+} recorder_arrivals;
+enum { ARRIVALS_MAX = 2 * RECORDER_INPUTS_MAX }; /* of two casts */
+
 struct recorder_cast { /* who performs, and as what it is recorded */
     input *inputs[RECORDER_INPUTS_MAX];
+    recorder_arrivals *arrivals[RECORDER_INPUTS_MAX]; /* NULL: virtual clock */
     const char *input_text[RECORDER_INPUTS_MAX];
     uint32_t input_count;
     char *calibration[2];
@@ -39,6 +48,7 @@ struct recorder {
     size_t state_capacity;
     writer *writer;
     recorder_cast *cast;
+    recorder_arrivals arrivals[ARRIVALS_MAX];
     bool has_begun;   /* a performance */
     bool is_to_begin; /* another one, with the next sample */
     layer *watched;
@@ -220,12 +230,56 @@ static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uin
     return MRT_OK;
 }
 
+/* ---- what arrives ---- */
+
+static void keep_arrival(void *data, uint32_t number, uint32_t version, const mrt_sample *sample)
+{
+    const recorder_arrivals *self = data;
+    writer_arrived(self->writer, self->place, number, version, sample);
+}
+
+/* NULL: none of two casts is free. */
+static recorder_arrivals *find_arrivals(recorder *self, const input *of)
+{
+    for (uint32_t i = 0; i < ARRIVALS_MAX; ++i)
+        if (self->arrivals[i].of == of)
+            return &self->arrivals[i];
+    return NULL;
+}
+
+static void hold_arrivals(recorder *self, recorder_cast *cast, uint32_t i)
+{
+    input *of = cast->inputs[i];
+    if (self->settings.clock == CLOCK_VIRTUAL)
+        return;
+    recorder_arrivals *found = find_arrivals(self, of);
+    if (!found && (found = find_arrivals(self, NULL))) {
+        *found = (recorder_arrivals){of, self->writer, writer_arrivals_open(self->writer), 0};
+        input_set_keeper(of, (input_keeper){keep_arrival, found});
+    }
+    if (found)
+        found->user_count += 1;
+    cast->arrivals[i] = found;
+}
+
+/* The last cast with it leaves the input. */
+static void drop_arrivals(recorder_arrivals *self)
+{
+    if (!self || --self->user_count > 0)
+        return;
+    input_set_keeper(self->of, (input_keeper){0});
+    writer_arrivals_close(self->writer, self->place);
+    self->of = NULL;
+}
+
 /* ---- casts ---- */
 
 static void destroy_cast(recorder_cast *cast)
 {
     if (!cast)
         return;
+    for (uint32_t i = 0; i < cast->input_count; ++i)
+        drop_arrivals(cast->arrivals[i]);
     free(cast->calibration[MRT_LEFT]);
     free(cast->calibration[MRT_RIGHT]);
     for (uint32_t i = 0; i < RECORDER_INPUTS_MAX; ++i)
@@ -278,6 +332,7 @@ mrt_result recorder_prepare(recorder *self, const recorder_settings *of, recorde
     for (uint32_t i = 0; i < of->input_count && result >= 0; ++i) {
         cast->inputs[i] = of->inputs[i];
         cast->input_text[i] = of->input_text[i];
+        hold_arrivals(self, cast, i);
         cast->is_kept[i] = self->cast && keep_track(self->cast, cast, i);
         if (cast->is_kept[i])
             continue;
@@ -418,10 +473,10 @@ mrt_result recorder_stop(recorder *self, error *err)
         result = recorder_take_end(self, err);
     if (self->writer && self->has_begun && result >= 0)
         result = writer_end_performance(self->writer, self->last_ns + 1, err);
+    destroy_cast(self->cast); /* it leaves the writer */
     error later = {""};
     if (self->writer && writer_stop(self->writer, &later) < 0 && result >= 0)
         result = error_set(err, MRT_ERR_IO, "%s", later.text);
-    destroy_cast(self->cast);
     free(self);
     return result;
 }
@@ -629,6 +684,25 @@ static void tell_rezeros(recorder *self, int64_t time_ns)
     self->rezero = 0;
 }
 
+/* What arrives meanwhile is of the tracks that the step's samples are of. */
+static void follow_arrivals(recorder *self)
+{
+    const recorder_cast *cast = self->cast;
+    for (uint32_t i = 0; i < cast->input_count; ++i)
+        if (cast->arrivals[i])
+            writer_arrivals_follow(self->writer, cast->arrivals[i]->place, cast->track[i],
+                                   cast->version[i]);
+}
+
+static void note_performed(recorder *self)
+{
+    const recorder_cast *cast = self->cast;
+    for (uint32_t i = 0; i < cast->input_count; ++i)
+        if (cast->arrivals[i])
+            writer_arrivals_performed(self->writer, cast->arrivals[i]->place,
+                                      input_taken(cast->inputs[i]));
+}
+
 void recorder_step(recorder *self, const sample_step *s)
 {
     error err = {""};
@@ -648,8 +722,10 @@ void recorder_step(recorder *self, const sample_step *s)
     if (result < 0)
         note_problem(self, &err);
     tell_rezeros(self, s->time_ns);
+    follow_arrivals(self);
     for (uint32_t i = 0; i < s->count; ++i)
         writer_sample(self->writer, self->cast->track[s->of[i].input], &s->of[i].sample);
+    note_performed(self);
     self->last_ns = s->time_ns;
     self->ahead += s->count;
     if (self->settings.clock != CLOCK_VIRTUAL || self->ahead < SAMPLES_AHEAD)

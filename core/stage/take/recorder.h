@@ -39,7 +39,8 @@ typedef struct recorder_settings {
 
 /* Starts a session: from here on everything is recorded, as far back as the journal goes. */
 CHECKED mrt_result recorder_start(recorder **out, const recorder_settings *settings, error *err);
-/* Writes what is left. < 0: what could not be written; it is freed all the same. */
+/* Writes what is left. The inputs are still there. < 0: what could not be written; it is freed all
+ * the same. */
 CHECKED mrt_result recorder_stop(recorder *self, error *err);
 
 /* ---- what is performed changes ---- */
@@ -54,7 +55,7 @@ CHECKED mrt_result recorder_prepare(recorder *self, const recorder_settings *now
 recorder_cast *recorder_change(recorder *self, recorder_cast *cast);
 /* [frame] No sample comes any more: what it watches may go. */
 void recorder_leave(recorder *self);
-/* One that was given back, or never used. */
+/* One that was given back, or never used. Its inputs are still there. */
 void recorder_dismiss(recorder *self, recorder_cast *cast);
 
 /* ---- time code from outside: the newest MRT_CH_TIMECODE of an input ---- */
