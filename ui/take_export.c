@@ -115,7 +115,8 @@ static mrt_result open_videos(take_call *call, frame_sinks *into, const take_sta
                                      .pace = VIDEO_EVERY_FRAME,
                                      .rate = frames->rate,
                                      .timecode = start->timecode,
-                                     .sound = into->sound};
+                                     .sound = into->sound,
+                                     .cancel = cancel_flag()};
     return result < 0 ? result : exports_video_open(into->videos, &settings, err);
 }
 

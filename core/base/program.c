@@ -93,21 +93,6 @@ static void sleep_beside(int pidfd, int64_t left_ns)
         clock_sleep_until_ns(clock_now_ns() + (left_ns < step_ns ? left_ns : step_ns));
 }
 
-static bool ends_within(pid_t pid, int pidfd, int *out_status, int64_t patience_ns)
-{
-    const int64_t until_ns = clock_now_ns() + patience_ns;
-    for (;;) {
-        pid_t ended = waitpid(pid, out_status, WNOHANG);
-        int64_t left_ns = until_ns - clock_now_ns();
-        if (ended == pid || (ended < 0 && errno != EINTR))
-            return true;
-        if (left_ns <= 0)
-            return false;
-        if (ended == 0)
-            sleep_beside(pidfd, left_ns);
-    }
-}
-
 void program_limit(int resource, rlim_t soft, rlim_t hard)
 {
     const struct rlimit both = {soft, hard};
@@ -116,15 +101,30 @@ void program_limit(int resource, rlim_t soft, rlim_t hard)
         (void)setrlimit(resource, &both);
 }
 
-bool program_wait(pid_t pid, int *out_status, int64_t patience_ns)
+bool program_ends_within(pid_t pid, int *out_status, int64_t patience_ns)
 {
+    const int64_t until_ns = clock_now_ns() + patience_ns;
+    const int pidfd = (int)syscall(SYS_pidfd_open, pid, 0u); /* closed in children: so it is made */
+    bool has_ended = false;
     *out_status = 0;
-    int pidfd = (int)syscall(SYS_pidfd_open, pid, 0u); /* closed in children: so it is made */
-    bool has_ended = ends_within(pid, pidfd, out_status, patience_ns);
-    if (!has_ended && kill(pid, SIGKILL) == 0)
-        (void)ends_within(pid, pidfd, out_status, NS_PER_S);
+    for (int64_t left_ns = patience_ns; !has_ended; left_ns = until_ns - clock_now_ns()) {
+        const pid_t ended = waitpid(pid, out_status, WNOHANG);
+        has_ended = ended == pid || (ended < 0 && errno != EINTR);
+        if (has_ended || left_ns <= 0)
+            break;
+        if (ended == 0)
+            sleep_beside(pidfd, left_ns);
+    }
     if (pidfd >= 0)
         close(pidfd);
+    return has_ended;
+}
+
+bool program_wait(pid_t pid, int *out_status, int64_t patience_ns)
+{
+    const bool has_ended = program_ends_within(pid, out_status, patience_ns);
+    if (!has_ended && kill(pid, SIGKILL) == 0)
+        (void)program_ends_within(pid, out_status, NS_PER_S);
     return has_ended;
 }
 

@@ -55,6 +55,10 @@ typedef struct program_start {
 /* 0, or the number of the error. */
 CHECKED int program_spawn(pid_t *out, const program_start *how);
 
+/* Waits for the child's end for at most so long. True: it has ended, with out_status; false: it
+ * still runs. */
+bool program_ends_within(pid_t pid, int *out_status, int64_t patience_ns);
+
 /* Waits for the child's end for at most so long; then it is killed. False: it has not ended of its
  * own will in time, and out_status is 0 if not even then (a disk that hangs holds it): nobody waits
  * for ever. */

@@ -153,10 +153,10 @@ fake() { # what an ffmpeg does: the rest of a script
     chmod +x bin/ffmpeg
 }
 fake 'head -c 2000000 >/dev/null; kill -9 $$'
-refused 1 'out/a.mp4: ffmpeg was ended (Killed) at frame' env PATH="$scratch/bin:$PATH" "$MAROTTE" perform \
+refused 1 'out/a.mp4: ffmpeg was ended (Killed) after' env PATH="$scratch/bin:$PATH" "$MAROTTE" perform \
     "${performed[@]}" "${small[@]}" --export out/a.mp4
 fake 'head -c 2000000 >/dev/null; echo "something else" >&2; echo "av_interleaved_write_frame(): No space left on device" >&2; exit 1'
-refused 1 'No space left on device' env PATH="$scratch/bin:$PATH" "$MAROTTE" take export s.marotte 1 "${small[@]}" --export out/a.mp4
+refused 1 'out/a.mp4: no space is left in out/' env PATH="$scratch/bin:$PATH" "$MAROTTE" take export s.marotte 1 "${small[@]}" --export out/a.mp4
 fake 'exit 3'
 refused 1 'it does not say why' env PATH="$scratch/bin:$PATH" "$MAROTTE" perform "${performed[@]}" "${small[@]}" --export out/a.mp4
 echo old >out/a.mp4

@@ -11,7 +11,9 @@
 #include "stream/video.h"
 
 #include <dirent.h>
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -20,7 +22,7 @@ enum { SIDE = 64, PICTURE = SIDE * SIDE * 4 };
 
 static const timecode_rate film = {24, 1, false};
 static const video_folder_about about = {SIDE, SIDE, false, {24, 1, false}, ""};
-static char scratch[64], frames[128], movie[128];
+static char scratch[64], frames[128], movie[128], usual_path[2048];
 static bool can_draw;
 
 static int set_up(void **state)
@@ -414,7 +416,8 @@ static void write_movie(const char *timecode, timecode_rate rate)
 {
     error err = {""};
     video_ffmpeg *encoder = NULL;
-    const video_ffmpeg_about of = {SIDE, SIDE, rate, timecode, NULL, false};
+    const video_ffmpeg_about of = {
+        .width = SIDE, .height = SIDE, .rate = rate, .timecode = timecode};
     if (video_ffmpeg_check(movie, &err) != MRT_OK)
         skip();
     assert_int_equal(video_ffmpeg_open(&encoder, movie, &of, &err), MRT_OK);
@@ -483,6 +486,78 @@ static void sound_comes_to_a_movie_that_is_there(void **state)
     assert_int_equal(unlink(movie), 0);
 }
 
+/* ---- stand-ins for ffmpeg: what an encoder may do ---- */
+
+/* Programs of this name come first from now on. `script` has the file to write as $out. */
+static void begin_stand_in(const char *script)
+{
+    char folder[128], path[160], text[1024], search[4096];
+    error err = {""};
+    (void)snprintf(folder, sizeof folder, "%s/bin", scratch);
+    (void)snprintf(path, sizeof path, "%s/ffmpeg", folder);
+    (void)snprintf(text, sizeof text, "#!/bin/sh\nfor out; do :; done\nout=${out#file:}\n%s\n",
+                   script);
+    (void)snprintf(search, sizeof search, "%s:%s", folder, usual_path);
+    assert_int_equal(mkdir(folder, 0777), 0);
+    assert_int_equal(file_write(path, text, strlen(text), &err), MRT_OK);
+    assert_int_equal(chmod(path, 0755), 0);
+    assert_int_equal(setenv("PATH", search, 1), 0);
+}
+
+/* Nothing but the stand-in is left. */
+static void end_stand_in(void)
+{
+    assert_int_equal(setenv("PATH", usual_path, 1), 0);
+    assert_int_equal(empty(in_folder(scratch, "/bin")), 1);
+    assert_int_equal(empty(scratch), 0);
+    assert_int_equal(mkdir(scratch, 0700), 0);
+}
+
+static const video_ffmpeg_about small_film = {
+    .width = SIDE, .height = SIDE, .rate = {24, 1, false}, .timecode = ""};
+
+/* The result of an export of so many pictures. */
+static mrt_result encode(const video_ffmpeg_about *of, uint32_t count, error *err)
+{
+    video_ffmpeg *encoder = NULL;
+    mrt_result result = video_ffmpeg_open(&encoder, movie, of, err);
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        result = video_ffmpeg_add(encoder, picture, err);
+    if (result >= 0)
+        return video_ffmpeg_commit(encoder, err);
+    video_ffmpeg_abandon(encoder);
+    return result;
+}
+
+static void half_a_file_is_none_whatever_the_encoder_returns(void **state)
+{
+    (void)state;
+    error err = {""};
+    begin_stand_in("cat >/dev/null; head -c 9999 /dev/zero >\"$out\"; exit 0");
+    assert_int_equal(encode(&small_film, 5, &err), MRT_ERR_IO);
+    assert_non_null(strstr(err.text, movie));
+    assert_non_null(strstr(err.text, "ffmpeg did not finish the file"));
+    assert_false(is_there(scratch, "/movie.mp4"));
+    end_stand_in();
+}
+
+static void a_full_disk_is_named_by_its_folder(void **state)
+{
+    (void)state;
+    error err = {""};
+    char words[256];
+    (void)snprintf(words, sizeof words, "%s: no space is left in %s/", movie, scratch);
+    begin_stand_in("cat >/dev/null; head -c 9999 /dev/zero >\"$out\"\n"
+                   "echo \"Error writing trailer of file:$out: No space left on device\" >&2\n"
+                   "echo \"Error closing file\" >&2\n"
+                   "exit 0");
+    assert_int_equal(encode(&small_film, 5, &err), MRT_ERR_IO);
+    assert_non_null(strstr(err.text, words));
+    assert_non_null(strstr(err.text, "another folder"));
+    assert_false(is_there(scratch, "/movie.mp4"));
+    end_stand_in();
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -505,7 +580,12 @@ int main(void)
         cmocka_unit_test(a_video_that_is_not_finished_is_removed),
         cmocka_unit_test(every_rate_can_be_written),
         cmocka_unit_test(sound_comes_to_a_movie_that_is_there),
+        cmocka_unit_test(half_a_file_is_none_whatever_the_encoder_returns),
+        cmocka_unit_test(a_full_disk_is_named_by_its_folder),
     };
+    const char *search = getenv("PATH");
+    (void)snprintf(usual_path, sizeof usual_path, "%s", search ? search : "/usr/bin:/bin");
+    (void)signal(SIGPIPE, SIG_IGN); /* as the program does */
     error err;
     draw_context *context = draw_context_create(&err);
     can_draw = context != NULL;

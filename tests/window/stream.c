@@ -16,6 +16,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,6 +61,76 @@ static void a_device_that_is_none_is_one_calm_line(void **state)
     assert_null(strchr(now.says, '\n'));
     assert_int_equal(now.given, 0);
     stream_close(to);
+}
+
+/* ---- a stand-in for ffmpeg ---- */
+
+typedef struct stand_in {
+    char folder[64], path[96], pid[96];
+    char search[4096]; /* $PATH as it was */
+} stand_in;
+
+static const stream_look large = {640, 480, 30}; /* a picture is more than a pipe holds */
+
+static void begin_stand_in(stand_in *s, const char *script)
+{
+    const char *search = getenv("PATH");
+    char joined[sizeof s->search + sizeof s->folder];
+    (void)snprintf(s->search, sizeof s->search, "%s", search ? search : "/usr/bin:/bin");
+    (void)snprintf(s->folder, sizeof s->folder, "/tmp/marotte_stream_XXXXXX");
+    assert_non_null(mkdtemp(s->folder));
+    (void)snprintf(s->path, sizeof s->path, "%s/ffmpeg", s->folder);
+    (void)snprintf(s->pid, sizeof s->pid, "%s/pid", s->folder);
+    (void)snprintf(joined, sizeof joined, "%s:%s", s->folder, s->search);
+    FILE *file = fopen(s->path, "w");
+    assert_non_null(file);
+    fprintf(file, "#!/bin/sh\necho $$ >\"%s.new\"; mv \"%s.new\" \"%s\"\n%s\n", s->pid, s->pid,
+            s->pid, script);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(chmod(s->path, 0755), 0);
+    assert_int_equal(setenv("PATH", joined, 1), 0);
+}
+
+static void end_stand_in(stand_in *s)
+{
+    assert_int_equal(setenv("PATH", s->search, 1), 0);
+    (void)unlink(s->pid);
+    (void)unlink(s->path);
+    assert_int_equal(rmdir(s->folder), 0);
+}
+
+/* The process that runs the script, once it does. */
+static pid_t stand_in_pid(const stand_in *s, stream_target *to)
+{
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
+    int pid = 0;
+    while (pid == 0 && clock_now_ns() < end_ns) {
+        FILE *file = fopen(s->pid, "r");
+        stream_give(to);
+        if (file && fscanf(file, "%d", &pid) != 1)
+            pid = 0;
+        if (file)
+            (void)fclose(file);
+        clock_sleep_until_ns(clock_now_ns() + 10 * NS_PER_MS);
+    }
+    assert_true(pid > 0);
+    return pid;
+}
+
+/* It takes nothing and does not end when it is asked to. */
+static void an_encoder_that_takes_nothing_does_not_hold_the_stream(void **state)
+{
+    stand_in s;
+    stream_target *to = NULL;
+    error err = {""};
+    (void)state;
+    begin_stand_in(&s, "trap '' TERM; exec sleep 1000");
+    assert_int_equal(stream_open(&to, "srt://127.0.0.1:9?mode=listener", &large, &err), MRT_OK);
+    const pid_t pid = stand_in_pid(&s, to);
+    stream_close(to);
+    assert_int_equal(kill(pid, 0), -1); /* ended and reaped */
+    assert_int_equal(errno, ESRCH);
+    end_stand_in(&s);
 }
 
 /* ---- a video device: pixels ---- */
@@ -290,8 +361,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(what_is_no_place_is_an_error_of_one_line),
         cmocka_unit_test(a_device_that_is_none_is_one_calm_line),
+        cmocka_unit_test(an_encoder_that_takes_nothing_does_not_hold_the_stream),
         cmocka_unit_test(pixels_lie_over_green_as_yuyv),
         cmocka_unit_test(frames_come_out_of_a_pipewire_camera_with_their_alpha),
     };
+    (void)signal(SIGPIPE, SIG_IGN); /* as the program does */
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <linux/videodev2.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,27 +18,45 @@
 /* ---- srt:// and udp:// by the program ffmpeg, as video files are written (video.h). Without
  * alpha. ---- */
 
-static mrt_result ffmpeg_open(void **out, const char *target, const stream_look *look, error *err)
+typedef struct encoder {
+    video_ffmpeg *ffmpeg;
+    char target[STREAM_TARGET];
+} encoder;
+
+static mrt_result ffmpeg_open(void **out, const char *target, const stream_look *look,
+                              const _Atomic bool *stop, error *err)
 {
     const video_ffmpeg_about about = {.width = look->width,
                                       .height = look->height,
                                       .rate = {look->fps, 1},
                                       .timecode = "",
-                                      .is_live = true};
-    video_ffmpeg *made = NULL;
-    const mrt_result result = video_ffmpeg_open(&made, target, &about, err);
-    *out = made;
+                                      .is_live = true,
+                                      .gives_up = stop};
+    encoder *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for %s", target);
+    (void)snprintf(self->target, sizeof self->target, "%s", target);
+    const mrt_result result = video_ffmpeg_open(&self->ffmpeg, target, &about, err);
+    if (result < 0)
+        free(self);
+    else
+        *out = self;
     return result;
 }
 
-static mrt_result ffmpeg_give(void *self, const uint8_t *rgba, error *err)
+static mrt_result ffmpeg_give(void *data, const uint8_t *rgba, error *err)
 {
-    return video_ffmpeg_add(self, rgba, err);
+    encoder *self = data;
+    return video_ffmpeg_offer(self->ffmpeg, rgba, err);
 }
 
-static void ffmpeg_close(void *self)
+static void ffmpeg_close(void *data, error *why)
 {
-    video_ffmpeg_abandon(self);
+    encoder *self = data;
+    if (!video_ffmpeg_abandon(self->ffmpeg))
+        error_set(why, MRT_ERR_IO, "%s: ffmpeg did not end when it was asked to, and was killed",
+                  self->target);
+    free(self);
 }
 
 static const stream_way stream_ffmpeg = {ffmpeg_open, ffmpeg_give, ffmpeg_close};
@@ -79,9 +98,10 @@ void stream_yuyv(uint8_t *out, const uint8_t *rgba, size_t count)
     }
 }
 
-static void v4l2_close(void *data)
+static void v4l2_close(void *data, error *why)
 {
     device *self = data;
+    (void)why;
     if (self->fd >= 0)
         close(self->fd);
     free(self->yuyv);
@@ -112,10 +132,11 @@ static mrt_result set_format(device *self, const char *path, error *err)
                      self->look.width, self->look.height);
 }
 
-static mrt_result v4l2_open(void **out, const char *target, const stream_look *look, error *err)
+static mrt_result v4l2_open(void **out, const char *target, const stream_look *look,
+                            const _Atomic bool *stop, error *err)
 {
     device *self = calloc(1, sizeof *self);
-    *out = NULL;
+    (void)stop; /* nothing here waits */
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %s", target);
     self->look = *look;
@@ -129,7 +150,7 @@ static mrt_result v4l2_open(void **out, const char *target, const stream_look *l
     if (result >= 0)
         result = set_format(self, target, err);
     if (result < 0) {
-        v4l2_close(self);
+        v4l2_close(self, NULL);
         return result;
     }
     *out = self;
@@ -148,10 +169,11 @@ static mrt_result v4l2_give(void *data, const uint8_t *rgba, error *err)
 
 static const stream_way stream_v4l2 = {v4l2_open, v4l2_give, v4l2_close};
 
-/* ---- a target: its thread, and whoever hands pictures over ---- */
+/* ---- a target: its thread, and the one that hands pictures over ---- */
 
 enum { PICTURES = 3 };
 static const int64_t retry_ns = 2 * NS_PER_S;
+static const int64_t stall_ns = 3 * NS_PER_S; /* after which the status says that none is taken */
 
 struct stream_target {
     const stream_way *way;
@@ -161,9 +183,10 @@ struct stream_target {
     uint8_t *picture[PICTURES];
     pthread_t thread;
     bool has_thread, has_mutex;
-    pthread_mutex_t mutex; /* guards what follows */
+    _Atomic bool stop; /* set under the mutex, which guards what follows */
+    pthread_mutex_t mutex;
     pthread_cond_t wake;
-    bool is_new, stop;
+    bool is_new;
     stream_status status;
 };
 
@@ -172,21 +195,39 @@ struct stream_target {
 static bool wait_for_picture(stream_target *self)
 {
     pthread_mutex_lock(&self->mutex);
-    while (!self->is_new && !self->stop)
+    while (!self->is_new && !atomic_load(&self->stop))
         pthread_cond_wait(&self->wake, &self->mutex);
     self->is_new = false;
-    const bool goes_on = !self->stop;
+    const bool goes_on = !atomic_load(&self->stop);
     pthread_mutex_unlock(&self->mutex);
     return goes_on;
 }
 
-static void note(stream_target *self, bool is_open, const char *says)
+/* given: 1 for a picture that was taken */
+static void note(stream_target *self, bool is_open, uint64_t given, const char *says)
 {
     pthread_mutex_lock(&self->mutex);
     self->status.is_open = is_open;
-    self->status.given += is_open;
+    self->status.given += given;
     (void)snprintf(self->status.says, sizeof self->status.says, "%.*s", STREAM_SAYS - 1, says);
     pthread_mutex_unlock(&self->mutex);
+}
+
+/* One picture, for as long as it takes: a listener may wait for its first caller for hours.
+ * MRT_TIMEOUT: the stream ends before it is taken. */
+static mrt_result give(stream_target *self, void *way, error *err)
+{
+    const uint8_t *rgba = self->picture[slot_front(&self->slot)];
+    const int64_t began_ns = clock_now_ns();
+    mrt_result result;
+    while ((result = self->way->give(way, rgba, err)) == MRT_TIMEOUT && !atomic_load(&self->stop)) {
+        if (clock_now_ns() - began_ns < stall_ns)
+            continue;
+        (void)error_set(err, MRT_OK, "%s: no picture is taken: no receiver, or it stands still",
+                        self->target);
+        note(self, false, 0, err->text);
+    }
+    return result;
 }
 
 static void *run(void *data)
@@ -194,23 +235,31 @@ static void *run(void *data)
     stream_target *self = data;
     void *way = NULL;
     int64_t again_ns = 0;
+    error left = {""};
     while (wait_for_picture(self)) {
         error err = {""};
         if (!slot_take(&self->slot) || (!way && clock_now_ns() < again_ns))
             continue;
-        mrt_result result = way ? MRT_OK : self->way->open(&way, self->target, &self->look, &err);
+        mrt_result result =
+            way ? MRT_OK : self->way->open(&way, self->target, &self->look, &self->stop, &err);
         if (result >= 0)
-            result = self->way->give(way, self->picture[slot_front(&self->slot)], &err);
-        note(self, result >= 0, result < 0 ? err.text : "");
+            result = give(self, way, &err);
+        if (result != MRT_TIMEOUT)
+            note(self, result >= 0, result >= 0, result < 0 ? err.text : "");
         if (result >= 0)
             continue;
         if (way)
-            self->way->close(way);
+            self->way->close(way, &left);
         way = NULL;
         again_ns = clock_now_ns() + retry_ns;
     }
+    left.text[0] = '\0';
     if (way)
-        self->way->close(way);
+        self->way->close(way, &left);
+    note(self, false, 0, left.text);
+    pthread_mutex_lock(&self->mutex);
+    self->status.has_ended = true;
+    pthread_mutex_unlock(&self->mutex);
     return NULL;
 }
 
@@ -276,15 +325,20 @@ mrt_result stream_open(stream_target **out, const char *target, const stream_loo
     return MRT_OK;
 }
 
+void stream_stop(stream_target *self)
+{
+    pthread_mutex_lock(&self->mutex);
+    atomic_store(&self->stop, true);
+    pthread_cond_signal(&self->wake);
+    pthread_mutex_unlock(&self->mutex);
+}
+
 void stream_close(stream_target *self)
 {
     if (!self)
         return;
     if (self->has_thread) {
-        pthread_mutex_lock(&self->mutex);
-        self->stop = true;
-        pthread_cond_signal(&self->wake);
-        pthread_mutex_unlock(&self->mutex);
+        stream_stop(self);
         (void)pthread_join(self->thread, NULL);
     }
     if (self->has_mutex) {

@@ -88,9 +88,10 @@ static const struct pw_stream_events stream_events = {.version = PW_VERSION_STRE
 
 /* ---- opened and closed ---- */
 
-static void pipewire_close(void *data)
+static void pipewire_close(void *data, error *why)
 {
     camera *self = data;
+    (void)why;
     if (self->loop)
         pw_thread_loop_stop(self->loop);
     if (self->stream)
@@ -129,12 +130,13 @@ static bool connect_stream(camera *self, const char *name)
                              PW_STREAM_FLAG_DRIVER | PW_STREAM_FLAG_MAP_BUFFERS, format, 1) >= 0;
 }
 
-static mrt_result pipewire_open(void **out, const char *target, const stream_look *look, error *err)
+static mrt_result pipewire_open(void **out, const char *target, const stream_look *look,
+                                const _Atomic bool *stop, error *err)
 {
     const char *colon = strchr(target, ':');
+    (void)stop; /* nothing here waits for the daemon */
     pw_init(NULL, NULL);
     camera *self = calloc(1, sizeof *self);
-    *out = self;
     if (!self) {
         pw_deinit();
         return error_set(err, MRT_ERR_MEMORY, "no memory for a PipeWire camera");
@@ -148,11 +150,12 @@ static mrt_result pipewire_open(void **out, const char *target, const stream_loo
     if (self->core)
         pw_core_add_listener(self->core, &self->core_listener, &core_events, self);
     if (self->core && connect_stream(self, colon && colon[1] ? colon + 1 : "marotte") &&
-        pw_thread_loop_start(self->loop) >= 0)
+        pw_thread_loop_start(self->loop) >= 0) {
+        *out = self;
         return MRT_OK;
+    }
     const bool has_daemon = self->core != NULL;
-    pipewire_close(self);
-    *out = NULL;
+    pipewire_close(self, NULL);
     return error_set(err, MRT_ERR_IO,
                      has_daemon ? "PipeWire refuses a camera"
                                 : "PipeWire does not run here: the camera comes when it does");

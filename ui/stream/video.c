@@ -1,5 +1,6 @@
 #include "stream/video.h"
 #include "draw/offscreen.h"
+#include "stream/mp4.h"
 
 #include "base/clock.h"
 #include "base/file.h"
@@ -14,13 +15,17 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 /* ---- how the face is seen ---- */
@@ -521,10 +526,19 @@ void video_folder_abandon(video_folder *self)
 
 /* ---- the ffmpeg program ---- */
 
-/* For what is left to encode and to write when the last picture was given. */
-static const int64_t patience_ns = 600 * NS_PER_S;
+static const int64_t usual_patience_ns = 30 * NS_PER_S; /* of an encoder that stands still */
+static const int64_t slice_ns = 100 * NS_PER_MS;        /* between two looks at who gives up */
+static const int64_t goodbye_ns = NS_PER_S;             /* to end in, when it is asked to */
+/* An encoder that computes for less than a 300th of its patience stands still. A listener that
+ * nobody calls wakes up ten times a second and computes for less. */
+enum { BUSY_PART = 300 };
 
 enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, STDERR_MAX = 4096 };
+
+typedef struct ffmpeg_signs { /* of life of a running ffmpeg, beside the bytes that it takes */
+    int64_t busy_ns;          /* processor time */
+    struct timespec written;  /* the last change of its file */
+} ffmpeg_signs;
 
 struct video_ffmpeg {
     file_writer file;   /* ffmpeg writes into its temporary file */
@@ -532,8 +546,13 @@ struct video_ffmpeg {
     pid_t pid;          /* 0: not running */
     int fd;             /* to ffmpeg; -1 */
     int status;         /* how it ended */
-    size_t picture_size;
-    uint64_t count; /* of pictures */
+    bool is_live, has_sound;
+    const _Atomic bool *gives_up; /* NULL: nobody */
+    int64_t patience_ns;
+    size_t picture_size, written; /* bytes of a picture; and of it, those that ffmpeg has */
+    uint64_t count;               /* of pictures that ffmpeg has */
+    ffmpeg_signs signs;           /* the last that were new */
+    int64_t signs_ns;             /* when they came */
 };
 
 /* ---- which one ---- */
@@ -709,6 +728,7 @@ static mrt_result run_with_pipe(video_ffmpeg *self, words *w, error *err)
     if (result < 0)
         return result;
     self->fd = end[1];
+    (void)fcntl(self->fd, F_SETFL, O_NONBLOCK); /* of this end alone */
     result = run_ffmpeg(self, w, end[0], err);
     close(end[0]);
     return result;
@@ -721,6 +741,7 @@ static mrt_result create(video_ffmpeg **out, words **out_words, const char *path
     if (!*out || !*out_words)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     (*out)->fd = -1;
+    (*out)->patience_ns = usual_patience_ns;
     if (!video_is_stream(path))
         return file_writer_open(&(*out)->file, path, err);
     (*out)->file.path = strdup(path);
@@ -739,6 +760,11 @@ mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_f
     result = create(out, &w, path, err);
     if (result >= 0) {
         (*out)->picture_size = (size_t)about->width * about->height * 4;
+        (*out)->is_live = about->is_live;
+        (*out)->has_sound = about->sound != NULL;
+        (*out)->gives_up = about->gives_up;
+        if (about->patience_ns > 0)
+            (*out)->patience_ns = about->patience_ns;
         const char *to = (*out)->file.temporary_path;
         describe_video(w, program, about, to ? to : path);
         result = run_with_pipe(*out, w, err);
@@ -751,23 +777,76 @@ mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_f
     return result;
 }
 
-/* ---- ended ---- */
+/* ---- waited for ---- */
 
-static void wait_for(video_ffmpeg *self)
+static ffmpeg_signs signs_of(const video_ffmpeg *self)
+{
+    ffmpeg_signs out = {.busy_ns = 0};
+    struct timespec busy;
+    struct stat status;
+    clockid_t clock;
+    if (clock_getcpuclockid(self->pid, &clock) == 0 && clock_gettime(clock, &busy) == 0)
+        out.busy_ns = busy.tv_sec * NS_PER_S + busy.tv_nsec;
+    if (self->file.stream && fstat(fileno(self->file.stream), &status) == 0)
+        out.written = status.st_mtim;
+    return out;
+}
+
+static void begin_patience(video_ffmpeg *self)
+{
+    self->signs = signs_of(self);
+    self->signs_ns = clock_now_ns();
+}
+
+static mrt_result stopped(const char *path, error *err)
+{
+    return error_set(err, MRT_ERR_IO, "%s: stopped, and not written", path);
+}
+
+/* < 0: ffmpeg has shown no sign of life for its patience, or the caller gives up. */
+static mrt_result check_patience(video_ffmpeg *self, error *err)
+{
+    if (self->gives_up && atomic_load(self->gives_up))
+        return stopped(self->file.path, err);
+    const ffmpeg_signs now = signs_of(self);
+    if (now.written.tv_sec != self->signs.written.tv_sec ||
+        now.written.tv_nsec != self->signs.written.tv_nsec ||
+        now.busy_ns - self->signs.busy_ns >= self->patience_ns / BUSY_PART)
+        begin_patience(self);
+    if (clock_now_ns() - self->signs_ns < self->patience_ns)
+        return MRT_OK;
+    return error_set(err, MRT_ERR_IO,
+                     "%s: ffmpeg stood still for %.3g s after %ju frames and was ended: %s",
+                     self->file.path, (double)self->patience_ns / 1e9, (uintmax_t)self->count,
+                     video_is_stream(self->file.path) ? "start the receiver first"
+                                                      : "export again, or to another folder");
+}
+
+static void close_pipe(video_ffmpeg *self)
 {
     if (self->fd >= 0)
         close(self->fd);
     self->fd = -1;
-    if (self->pid == 0)
-        return;
-    (void)program_wait(self->pid, &self->status, patience_ns);
-    self->pid = 0;
 }
 
-/* The last line that ffmpeg said; "" nothing. */
-static void read_last_line(video_ffmpeg *self, char *out, size_t capacity)
+static mrt_result wait_for_end(video_ffmpeg *self, error *err)
 {
-    char text[STDERR_MAX];
+    mrt_result result = MRT_OK;
+    close_pipe(self);
+    while (self->pid != 0 && result >= 0) {
+        if (program_ends_within(self->pid, &self->status, slice_ns))
+            self->pid = 0;
+        else
+            result = check_patience(self, err);
+    }
+    return result;
+}
+
+/* ---- judged: by its file and its words, not by its exit code alone ---- */
+
+/* The end of what ffmpeg said, without the blanks behind it. */
+static void read_stderr(video_ffmpeg *self, char out[STDERR_MAX])
+{
     out[0] = '\0';
     if (fseek(self->child_stderr, 0, SEEK_END) != 0)
         return;
@@ -775,25 +854,93 @@ static void read_last_line(video_ffmpeg *self, char *out, size_t capacity)
     if (size <= 0 ||
         fseek(self->child_stderr, size < STDERR_MAX ? 0 : size - STDERR_MAX + 1, SEEK_SET) != 0)
         return;
-    size_t length = fread(text, 1, sizeof text - 1, self->child_stderr);
-    while (length > 0 && (unsigned char)text[length - 1] <= ' ')
+    size_t length = fread(out, 1, STDERR_MAX - 1, self->child_stderr);
+    while (length > 0 && (unsigned char)out[length - 1] <= ' ')
         --length;
-    text[length] = '\0';
-    const char *newline = strrchr(text, '\n');
-    (void)snprintf(out, capacity, "%.400s", newline ? newline + 1 : text);
+    out[length] = '\0';
 }
 
+/* Why ffmpeg could not write; 0: it does not say. */
+static int write_error_of(const char *said)
+{
+    static const int reasons[] = {ENOSPC, EDQUOT, EFBIG, EIO, EROFS};
+    for (size_t i = 0; i < sizeof reasons / sizeof reasons[0]; ++i)
+        if (strstr(said, strerror(reasons[i])))
+            return reasons[i];
+    return 0;
+}
+
+static bool is_full(const char *folder)
+{
+    struct statvfs disk;
+    return statvfs(folder, &disk) == 0 && disk.f_bavail == 0;
+}
+
+static mrt_result explain_write(const video_ffmpeg *self, int reason, error *err)
+{
+    const char *path = self->file.path;
+    char *directory = file_directory(path);
+    const char *folder = directory && directory[0] ? directory : "./";
+    mrt_result result = MRT_ERR_IO;
+    if (reason == ENOSPC || reason == EDQUOT || (reason == 0 && is_full(folder)))
+        error_set(err, result, "%s: no space is left in %s: free some, or export to another folder",
+                  path, folder);
+    else if (reason == EFBIG)
+        error_set(err, result,
+                  "%s: %s takes no file of this size: export a shorter range, or to another folder",
+                  path, folder);
+    else if (reason != 0)
+        error_set(err, result, "%s: ffmpeg could not write into %s: %s", path, folder,
+                  strerror(reason));
+    else
+        result = MRT_OK;
+    free(directory);
+    return result;
+}
+
+static mrt_result check_file(const video_ffmpeg *self, error *err)
+{
+    mp4_facts file;
+    mp4_read(&file, fileno(self->file.stream));
+    if (!file.is_complete)
+        return error_set(err, MRT_ERR_IO, "%s: ffmpeg did not finish the file: export it again",
+                         self->file.path);
+    if (file.picture_count < self->count)
+        return error_set(err, MRT_ERR_IO, "%s: ffmpeg wrote %ju of %ju frames: export it again",
+                         self->file.path, (uintmax_t)file.picture_count, (uintmax_t)self->count);
+    if (self->has_sound && !file.has_sound)
+        return error_set(err, MRT_ERR_IO, "%s: ffmpeg wrote no sound: export it again",
+                         self->file.path);
+    return MRT_OK;
+}
+
+/* ffmpeg exits with 0 though it could not write the end of its file (5.1): its file and its words
+ * count, too. */
 static mrt_result judge(video_ffmpeg *self, error *err)
 {
-    char line[512];
-    wait_for(self);
-    if (WIFEXITED(self->status) && WEXITSTATUS(self->status) == 0)
-        return MRT_OK;
+    char said[STDERR_MAX];
+    error incomplete = {""};
+    mrt_result result = wait_for_end(self, err);
+    if (result < 0)
+        return result;
+    read_stderr(self, said);
+    const bool is_file = self->file.stream != NULL;
+    const int reason = write_error_of(said);
+    if (WIFEXITED(self->status) && WEXITSTATUS(self->status) == 0) {
+        result = is_file ? check_file(self, &incomplete) : MRT_OK;
+        if (result >= 0 && (!is_file || (reason == 0 && !strstr(said, "Error writing"))))
+            return MRT_OK;
+    }
+    if (is_file && explain_write(self, reason, err) < 0)
+        return MRT_ERR_IO;
+    if (result < 0)
+        return error_set(err, result, "%s", incomplete.text);
     if (WIFSIGNALED(self->status))
-        return error_set(err, MRT_ERR_IO, "%s: ffmpeg was ended (%s) at frame %ju", self->file.path,
-                         strsignal(WTERMSIG(self->status)), (uintmax_t)self->count);
-    read_last_line(self, line, sizeof line);
-    return error_set(err, MRT_ERR_IO, "%s: ffmpeg failed at frame %ju: %s", self->file.path,
+        return error_set(err, MRT_ERR_IO, "%s: ffmpeg was ended (%s) after %ju frames",
+                         self->file.path, strsignal(WTERMSIG(self->status)),
+                         (uintmax_t)self->count);
+    const char *newline = strrchr(said, '\n'), *line = newline ? newline + 1 : said;
+    return error_set(err, MRT_ERR_IO, "%s: ffmpeg failed after %ju frames: %.400s", self->file.path,
                      (uintmax_t)self->count, line[0] ? line : "it does not say why");
 }
 
@@ -803,25 +950,54 @@ static mrt_result stopped_taking(video_ffmpeg *self, int reason, error *err)
     mrt_result result = judge(self, err);
     if (result < 0)
         return result;
-    return error_set(err, MRT_ERR_IO, "%s: ffmpeg took no more pictures from frame %ju on: %s",
+    return error_set(err, MRT_ERR_IO, "%s: ffmpeg took no more pictures after %ju frames: %s",
                      self->file.path, (uintmax_t)self->count, strerror(reason));
+}
+
+/* ---- given pictures ---- */
+
+mrt_result video_ffmpeg_offer(video_ffmpeg *self, const uint8_t *rgba, error *err)
+{
+    const int64_t until_ns = clock_now_ns() + slice_ns;
+    while (self->written < self->picture_size) {
+        const ssize_t got =
+            write(self->fd, rgba + self->written, self->picture_size - self->written);
+        if (got < 0 && errno != EINTR && errno != EAGAIN)
+            return stopped_taking(self, errno, err);
+        if (got > 0) {
+            self->written += (size_t)got;
+            continue;
+        }
+        const int64_t left_ns = until_ns - clock_now_ns();
+        struct pollfd room = {.fd = self->fd, .events = POLLOUT};
+        if (left_ns <= 0)
+            return MRT_TIMEOUT;
+        (void)poll(&room, 1, (int)(left_ns / NS_PER_MS) + 1);
+    }
+    self->written = 0;
+    self->count += 1;
+    return MRT_OK;
 }
 
 mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err)
 {
-    size_t written = 0;
-    self->count += 1;
-    while (written < self->picture_size) {
-        ssize_t got = write(self->fd, rgba + written, self->picture_size - written);
-        if (got < 0 && errno != EINTR)
-            return stopped_taking(self, errno, err);
-        written += got > 0 ? (size_t)got : 0;
+    size_t before = 0;
+    mrt_result result;
+    begin_patience(self);
+    while ((result = video_ffmpeg_offer(self, rgba, err)) == MRT_TIMEOUT) {
+        if (self->written != before)
+            begin_patience(self);
+        before = self->written;
+        const mrt_result checked = check_patience(self, err);
+        if (checked < 0)
+            return checked;
     }
-    return MRT_OK;
+    return result;
 }
 
 mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err)
 {
+    begin_patience(self);
     mrt_result result = judge(self, err);
     if (result >= 0 && self->file.stream)
         result = file_writer_commit(&self->file, err);
@@ -829,17 +1005,34 @@ mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err)
     return result;
 }
 
-void video_ffmpeg_abandon(video_ffmpeg *self)
+/* What is live is asked to end, so that its receiver is told; of a file nothing is kept. */
+bool video_ffmpeg_abandon(video_ffmpeg *self)
 {
     if (!self)
-        return;
-    if (self->pid)
-        (void)kill(self->pid, SIGKILL);
-    wait_for(self);
+        return true;
+    bool has_ended = true;
+    close_pipe(self);
+    if (self->pid != 0) {
+        (void)kill(self->pid, self->is_live ? SIGTERM : SIGKILL);
+        has_ended = program_wait(self->pid, &self->status, goodbye_ns);
+    }
     if (self->child_stderr)
         (void)fclose(self->child_stderr);
     file_writer_abandon(&self->file);
     free(self);
+    return has_ended;
+}
+
+/* The pictures of an .mp4; 0: it is none. */
+static uint64_t pictures_of(const char *path)
+{
+    mp4_facts file = {.picture_count = 0};
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return 0;
+    mp4_read(&file, fd);
+    close(fd);
+    return file.picture_count;
 }
 
 mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *err)
@@ -852,6 +1045,8 @@ mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *er
         return result;
     result = create(&self, &w, path, err);
     if (result >= 0) {
+        self->count = pictures_of(path);
+        self->has_sound = true;
         describe_sound(w, program, path, sound, self->file.temporary_path);
         result = run_ffmpeg(self, w, -1, err);
     }
@@ -893,6 +1088,8 @@ struct video {
     pthread_cond_t changed;
     /* under the lock */
     video_state state;
+    bool has_ended;        /* the thread has nothing more to do */
+    _Atomic bool gives_up; /* as the state, for whatever waits for ffmpeg; without the lock */
     frame queue[QUEUE];
     uint32_t first, count;
     mrt_result result; /* < 0: failed, for `why` */
@@ -926,8 +1123,12 @@ static mrt_result open_sinks(video *self, error *err)
     const video_settings *s = &self->settings;
     const video_folder_about folder = {s->look.width, s->look.height,
                                        s->look.ground == VIDEO_NOTHING, s->rate, s->timecode};
-    const video_ffmpeg_about film = {s->look.width, s->look.height, s->rate,
-                                     s->timecode,   s->sound,       false};
+    const video_ffmpeg_about film = {.width = s->look.width,
+                                     .height = s->look.height,
+                                     .rate = s->rate,
+                                     .timecode = s->timecode,
+                                     .sound = s->sound,
+                                     .gives_up = &self->gives_up};
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < self->file_count && result >= 0; ++i) {
         const char *path = self->file[i].path;
@@ -990,6 +1191,14 @@ static mrt_result commit(video *self, error *err)
     return result;
 }
 
+static bool is_to_be_kept(video *self)
+{
+    pthread_mutex_lock(&self->lock);
+    const bool is_kept = self->state == VIDEO_ENDS;
+    pthread_mutex_unlock(&self->lock);
+    return is_kept;
+}
+
 /* Waits for a frame; false: there is none to come. */
 static bool take_frame(video *self, frame *out)
 {
@@ -1022,9 +1231,9 @@ static mrt_result work(video *self, error *err)
             result = write_picture(self, err);
         give_back(self);
     }
-    if (result >= 0 && self->state == VIDEO_ENDS)
-        result = commit(self, err);
-    return result;
+    if (result < 0)
+        return result;
+    return is_to_be_kept(self) ? commit(self, err) : stopped(self->file[0].path, err);
 }
 
 static void tell(video *self, video_state state, mrt_result result, const error *why)
@@ -1050,10 +1259,14 @@ static void *run(void *data)
         result = work(self, &err);
     for (uint32_t i = 0; i < self->file_count; ++i) {
         video_folder_abandon(self->sink[i].folder);
-        video_ffmpeg_abandon(self->sink[i].ffmpeg);
+        (void)video_ffmpeg_abandon(self->sink[i].ffmpeg);
     }
     offscreen_finish(&self->offscreen);
     tell(self, VIDEO_RUNS, result, &err);
+    pthread_mutex_lock(&self->lock);
+    self->has_ended = true;
+    pthread_cond_broadcast(&self->changed);
+    pthread_mutex_unlock(&self->lock);
     return NULL;
 }
 
@@ -1101,8 +1314,12 @@ mrt_result video_create(video **out, const video_file *file, uint32_t count,
     self->settings = *settings;
     self->file_count = count;
     memcpy(self->file, file, count * sizeof *file);
+    pthread_condattr_t monotonic;
+    pthread_condattr_init(&monotonic);
+    pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
     pthread_mutex_init(&self->lock, NULL);
-    pthread_cond_init(&self->changed, NULL);
+    pthread_cond_init(&self->changed, &monotonic);
+    pthread_condattr_destroy(&monotonic);
     mrt_result result = make_queue(self, err);
     if (result >= 0)
         result = start_thread(self, err);
@@ -1113,6 +1330,23 @@ mrt_result video_create(video **out, const video_file *file, uint32_t count,
     return result;
 }
 
+static bool is_cancelled(const video *self)
+{
+    return self->settings.cancel && atomic_load(self->settings.cancel);
+}
+
+/* Under the lock: until something changes, or it is time to look for a cancel, which wakes nobody.
+ */
+static void wait_for_change(video *self)
+{
+    struct timespec until;
+    clock_gettime(CLOCK_MONOTONIC, &until);
+    const int64_t ns = until.tv_nsec + slice_ns;
+    until.tv_sec += (time_t)(ns / NS_PER_S);
+    until.tv_nsec = (long)(ns % NS_PER_S);
+    (void)pthread_cond_timedwait(&self->changed, &self->lock, &until);
+}
+
 static void end_thread(video *self, video_state state)
 {
     if (!self->has_thread)
@@ -1120,6 +1354,13 @@ static void end_thread(video *self, video_state state)
     pthread_mutex_lock(&self->lock);
     self->state = state;
     pthread_cond_broadcast(&self->changed);
+    while (!self->has_ended) {
+        if (self->state == VIDEO_GIVES_UP || is_cancelled(self)) {
+            self->state = VIDEO_GIVES_UP;
+            atomic_store(&self->gives_up, true);
+        }
+        wait_for_change(self);
+    }
     pthread_mutex_unlock(&self->lock);
     pthread_join(self->thread, NULL);
     self->has_thread = false;
@@ -1137,13 +1378,13 @@ void video_destroy(video *self)
     free(self);
 }
 
-/* Under the lock. NULL: nowhere to put a frame; it failed, or it is live and late. */
+/* Under the lock. NULL: nowhere to put a frame; it failed, is cancelled, or is live and late. */
 static frame *room(video *self)
 {
     bool waits = self->settings.pace == VIDEO_EVERY_FRAME;
-    while (waits && self->count == QUEUE && self->result >= 0)
-        pthread_cond_wait(&self->changed, &self->lock);
-    if (self->result < 0)
+    while (waits && self->count == QUEUE && self->result >= 0 && !is_cancelled(self))
+        wait_for_change(self);
+    if (self->result < 0 || (waits && is_cancelled(self)))
         return NULL;
     if (self->count < QUEUE)
         return &self->queue[(self->first + self->count) % QUEUE];
@@ -1159,6 +1400,8 @@ mrt_result video_add(video *self, const points *shape, const points_order *order
     mrt_result result = self->settings.pace == VIDEO_LIVE ? MRT_OK : self->result;
     if (result < 0 && err)
         *err = self->why;
+    else if (!next && self->settings.pace == VIDEO_EVERY_FRAME)
+        result = stopped(self->file[0].path, err);
     pthread_mutex_unlock(&self->lock);
     if (!next)
         return result;

@@ -95,6 +95,9 @@ typedef struct video_ffmpeg_about {
     const char *timecode; /* of the first frame; "" none */
     const char *sound;    /* a WAV whose first sample belongs to the first picture; NULL: silent */
     bool is_live;         /* of a stream: pictures count when they come, not by the rate */
+    const _Atomic bool
+        *gives_up;       /* set by any thread: whatever waits for ffmpeg fails; NULL: never */
+    int64_t patience_ns; /* with an ffmpeg that stands still; 0: the usual 30 s */
 } video_ffmpeg_about;
 
 /* "srt://..." or "udp://...": ffmpeg sends MPEG-TS there, in the time that the rate says. */
@@ -104,11 +107,18 @@ bool video_is_stream(const char *path);
 CHECKED mrt_result video_ffmpeg_check(const char *path, error *err);
 CHECKED mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path,
                                      const video_ffmpeg_about *about, error *err);
-/* Waits while ffmpeg is busy. rgba: rows from the top. */
+/* Waits while ffmpeg is busy; an error: it stood still for its patience, or the caller gives up.
+ * rgba: rows from the top. */
 CHECKED mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err);
-/* Waits until the file is there. Freed whatever the result. */
+/* The same, for a caller that watches the time itself: MRT_TIMEOUT after 100 ms in which ffmpeg did
+ * not take all of it; then the same picture comes again. */
+CHECKED mrt_result video_ffmpeg_offer(video_ffmpeg *self, const uint8_t *rgba, error *err);
+/* Waits until ffmpeg has ended, as video_ffmpeg_add does. Success: the file has an end, an index
+ * and all the pictures, and is there; else what was there before is. Freed whatever the result. */
 CHECKED mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err);
-void video_ffmpeg_abandon(video_ffmpeg *self); /* waits for nobody; NULL is fine */
+/* Ends ffmpeg: a live one has a second to end by itself. False: it had to be killed. NULL is fine.
+ */
+bool video_ffmpeg_abandon(video_ffmpeg *self);
 
 /* The .mp4 gets this sound in place of what it has, its pictures stay as they are. */
 CHECKED mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *err);
@@ -130,8 +140,9 @@ typedef struct video_settings {
     video_look look;
     video_pace pace;
     timecode_rate rate;
-    const char *timecode; /* of the first frame; "" none */
-    const char *sound;    /* a WAV for the .mp4; NULL: silent */
+    const char *timecode;       /* of the first frame; "" none */
+    const char *sound;          /* a WAV for the .mp4; NULL: silent */
+    const _Atomic bool *cancel; /* set: the files are given up at once; NULL: never */
 } video_settings;
 
 typedef struct video video;

@@ -22,6 +22,7 @@ struct streams {
     uint64_t edition; /* of what is open */
     stream_target *target[STREAM_TARGETS_MAX];
     uint32_t count;
+    bool is_ending; /* the targets were stopped and have not all ended */
     stream_look look;
     double wait_s;
     GLuint framebuffer;
@@ -48,11 +49,32 @@ streams *streams_create(app *of, viewport *from)
     return self;
 }
 
-static void close_targets(streams *self)
+/* All at once: what hangs takes its seconds once. */
+static void stop_targets(streams *self)
 {
     for (uint32_t i = 0; i < self->count; ++i)
+        stream_stop(self->target[i]);
+    self->is_ending = true;
+}
+
+static bool have_ended(const streams *self)
+{
+    bool have = true;
+    for (uint32_t i = 0; i < self->count; ++i)
+        have &= stream_status_of(self->target[i]).has_ended;
+    return have;
+}
+
+static void close_targets(streams *self)
+{
+    for (uint32_t i = 0; i < self->count; ++i) {
+        const stream_status last = stream_status_of(self->target[i]);
+        if (last.says[0])
+            news_list_add(app_news(self->of), MRT_LOG_WARNING, "stream", last.says);
         stream_close(self->target[i]);
+    }
     self->count = 0;
+    self->is_ending = false;
     for (int i = 0; i < READS; ++i) {
         if (self->reading[i].done)
             glDeleteSync(self->reading[i].done);
@@ -67,6 +89,7 @@ void streams_destroy(streams *self)
 {
     if (!self)
         return;
+    stop_targets(self);
     close_targets(self);
     if (self->framebuffer)
         glDeleteFramebuffers(1, &self->framebuffer);
@@ -166,10 +189,15 @@ static void begin(streams *self)
 void streams_update(streams *self, double dt_s)
 {
     const app_picture *wanted = app_picture_now(self->of);
-    if (wanted->edition != self->edition) {
+    if (wanted->edition != self->edition && !self->is_ending)
+        stop_targets(self);
+    if (self->is_ending) { /* what comes next may want the same port or device */
+        if (!have_ended(self))
+            return;
         close_targets(self);
         open_targets(self, wanted);
         self->edition = wanted->edition;
+        tell(self);
     }
     if (self->count == 0)
         return;
