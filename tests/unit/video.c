@@ -517,16 +517,22 @@ static const video_ffmpeg_about small_film = {
     .width = SIDE, .height = SIDE, .rate = {24, 1, false}, .timecode = ""};
 
 /* The result of an export of so many pictures. */
-static mrt_result encode(const video_ffmpeg_about *of, uint32_t count, error *err)
+static mrt_result encode_to(const char *path, const video_ffmpeg_about *of, uint32_t count,
+                            error *err)
 {
     video_ffmpeg *encoder = NULL;
-    mrt_result result = video_ffmpeg_open(&encoder, movie, of, err);
+    mrt_result result = video_ffmpeg_open(&encoder, path, of, err);
     for (uint32_t i = 0; i < count && result >= 0; ++i)
         result = video_ffmpeg_add(encoder, picture, err);
     if (result >= 0)
         return video_ffmpeg_commit(encoder, err);
     video_ffmpeg_abandon(encoder);
     return result;
+}
+
+static mrt_result encode(const video_ffmpeg_about *of, uint32_t count, error *err)
+{
+    return encode_to(movie, of, count, err);
 }
 
 static void half_a_file_is_none_whatever_the_encoder_returns(void **state)
@@ -558,6 +564,69 @@ static void a_full_disk_is_named_by_its_folder(void **state)
     end_stand_in();
 }
 
+/* It takes nothing, or everything and does not end. */
+static void an_encoder_that_stands_still_is_ended(void **state)
+{
+    (void)state;
+    static const char *const scripts[] = {"exec sleep 1000", "cat >/dev/null; exec sleep 1000"};
+    video_ffmpeg_about impatient = small_film;
+    impatient.patience_ns = 200 * NS_PER_MS;
+    for (size_t i = 0; i < sizeof scripts / sizeof *scripts; ++i) {
+        error err = {""};
+        begin_stand_in(scripts[i]);
+        assert_int_equal(encode(&impatient, 30, &err), MRT_ERR_IO);
+        assert_non_null(strstr(err.text, movie));
+        assert_non_null(strstr(err.text, "ffmpeg stood still"));
+        end_stand_in();
+    }
+}
+
+/* A picture may take longer than the patience, as long as the encoder computes. */
+static void an_encoder_that_computes_does_not_stand_still(void **state)
+{
+    (void)state;
+    error err = {""};
+    video_ffmpeg_about impatient = small_film;
+    impatient.patience_ns = 600 * NS_PER_MS;
+    begin_stand_in("end=$(($(date +%s%N) + 1500000000))\n"
+                   "while [ $(date +%s%N) -lt $end ]; do i=0; while [ $i -lt 9999 ]; do "
+                   "i=$((i+1)); done; done\n"
+                   "cat >/dev/null; echo bored >&2; exit 3");
+    assert_int_equal(encode(&impatient, 30, &err), MRT_ERR_IO);
+    assert_non_null(strstr(err.text, "ffmpeg failed after 30 frames: bored"));
+    end_stand_in();
+}
+
+static void a_receiver_that_does_not_come_ends_an_export(void **state)
+{
+    (void)state;
+    error err = {""};
+    video_ffmpeg_about impatient = small_film;
+    impatient.patience_ns = 200 * NS_PER_MS;
+    begin_stand_in("while :; do :; done"); /* whatever it computes while it waits */
+    assert_int_equal(encode_to("srt://127.0.0.1:9?mode=listener", &impatient, 30, &err),
+                     MRT_ERR_IO);
+    assert_non_null(strstr(err.text, "srt://127.0.0.1:9?mode=listener: ffmpeg stood still"));
+    assert_non_null(strstr(err.text, "start the receiver"));
+    end_stand_in();
+}
+
+static void whoever_gives_up_does_not_wait_for_the_encoder(void **state)
+{
+    (void)state;
+    static const char *const scripts[] = {"exec sleep 1000", "cat >/dev/null; exec sleep 1000"};
+    static const _Atomic bool gives_up = true;
+    video_ffmpeg_about given_up = small_film; /* with the usual patience */
+    given_up.gives_up = &gives_up;
+    for (size_t i = 0; i < sizeof scripts / sizeof *scripts; ++i) {
+        error err = {""};
+        begin_stand_in(scripts[i]);
+        assert_int_equal(encode(&given_up, 30, &err), MRT_ERR_IO);
+        assert_non_null(strstr(err.text, "stopped, and not written"));
+        end_stand_in();
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -582,6 +651,10 @@ int main(void)
         cmocka_unit_test(sound_comes_to_a_movie_that_is_there),
         cmocka_unit_test(half_a_file_is_none_whatever_the_encoder_returns),
         cmocka_unit_test(a_full_disk_is_named_by_its_folder),
+        cmocka_unit_test(an_encoder_that_stands_still_is_ended),
+        cmocka_unit_test(an_encoder_that_computes_does_not_stand_still),
+        cmocka_unit_test(a_receiver_that_does_not_come_ends_an_export),
+        cmocka_unit_test(whoever_gives_up_does_not_wait_for_the_encoder),
     };
     const char *search = getenv("PATH");
     (void)snprintf(usual_path, sizeof usual_path, "%s", search ? search : "/usr/bin:/bin");

@@ -117,6 +117,16 @@ static pid_t stand_in_pid(const stand_in *s, stream_target *to)
     return pid;
 }
 
+static stream_status ended(stream_target *to)
+{
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
+    stream_stop(to);
+    while (!stream_status_of(to).has_ended && clock_now_ns() < end_ns)
+        clock_sleep_until_ns(clock_now_ns() + 10 * NS_PER_MS);
+    assert_true(stream_status_of(to).has_ended);
+    return stream_status_of(to);
+}
+
 /* It takes nothing and does not end when it is asked to. */
 static void an_encoder_that_takes_nothing_does_not_hold_the_stream(void **state)
 {
@@ -127,9 +137,32 @@ static void an_encoder_that_takes_nothing_does_not_hold_the_stream(void **state)
     begin_stand_in(&s, "trap '' TERM; exec sleep 1000");
     assert_int_equal(stream_open(&to, "srt://127.0.0.1:9?mode=listener", &large, &err), MRT_OK);
     const pid_t pid = stand_in_pid(&s, to);
-    stream_close(to);
-    assert_int_equal(kill(pid, 0), -1); /* ended and reaped */
+    stream_status now = give_until(to, false, true);
+    assert_non_null(strstr(now.says, "127.0.0.1:9"));
+    assert_non_null(strstr(now.says, "no picture is taken"));
+    assert_int_equal(now.given, 0);
+    assert_int_equal(kill(pid, 0), 0); /* a listener may wait for hours */
+    now = ended(to);
+    assert_non_null(strstr(now.says, "was killed"));
+    assert_int_equal(kill(pid, 0), -1); /* and reaped */
     assert_int_equal(errno, ESRCH);
+    stream_close(to);
+    end_stand_in(&s);
+}
+
+static void an_encoder_that_ends_when_it_is_asked_to_is_no_news(void **state)
+{
+    stand_in s;
+    stream_target *to = NULL;
+    error err = {""};
+    (void)state;
+    begin_stand_in(&s, "exec cat >/dev/null");
+    assert_int_equal(stream_open(&to, "udp://127.0.0.1:9", &large, &err), MRT_OK);
+    const pid_t pid = stand_in_pid(&s, to);
+    assert_true(give_until(to, true, false).given > 0);
+    assert_string_equal(ended(to).says, "");
+    assert_int_equal(kill(pid, 0), -1);
+    stream_close(to);
     end_stand_in(&s);
 }
 
@@ -343,6 +376,15 @@ static void frames_come_out_of_a_pipewire_camera_with_their_alpha(void **state)
     assert_true(open_reader(&by));
     assert_true(is_read(camera, &by, 99));
     close_reader(&by);
+    assert_int_equal(kill(room.pid, SIGSTOP), 0); /* it takes nothing more: nobody waits for it */
+    for (uint8_t i = 0; i < 20; ++i) {
+        paint(stream_picture(camera), i);
+        stream_give(camera);
+        clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
+    }
+    stream_close(camera);
+    assert_int_equal(stream_open(&camera, "pipewire", &small, &err), MRT_OK);
+    stream_give(camera);
     stream_close(camera);
     close_daemon(&room);
     pw_deinit();
@@ -362,6 +404,7 @@ int main(void)
         cmocka_unit_test(what_is_no_place_is_an_error_of_one_line),
         cmocka_unit_test(a_device_that_is_none_is_one_calm_line),
         cmocka_unit_test(an_encoder_that_takes_nothing_does_not_hold_the_stream),
+        cmocka_unit_test(an_encoder_that_ends_when_it_is_asked_to_is_no_news),
         cmocka_unit_test(pixels_lie_over_green_as_yuyv),
         cmocka_unit_test(frames_come_out_of_a_pipewire_camera_with_their_alpha),
     };

@@ -529,8 +529,7 @@ void video_folder_abandon(video_folder *self)
 static const int64_t usual_patience_ns = 30 * NS_PER_S; /* of an encoder that stands still */
 static const int64_t slice_ns = 100 * NS_PER_MS;        /* between two looks at who gives up */
 static const int64_t goodbye_ns = NS_PER_S;             /* to end in, when it is asked to */
-/* An encoder that computes for less than a 300th of its patience stands still. A listener that
- * nobody calls wakes up ten times a second and computes for less. */
+/* An encoder of a file that computes for less than a 300th of the patience stands still. */
 enum { BUSY_PART = 300 };
 
 enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, STDERR_MAX = 4096 };
@@ -779,15 +778,18 @@ mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_f
 
 /* ---- waited for ---- */
 
+/* Of one that writes a file. One that waits for a receiver computes, too. */
 static ffmpeg_signs signs_of(const video_ffmpeg *self)
 {
     ffmpeg_signs out = {.busy_ns = 0};
     struct timespec busy;
     struct stat status;
     clockid_t clock;
+    if (!self->file.stream)
+        return out;
     if (clock_getcpuclockid(self->pid, &clock) == 0 && clock_gettime(clock, &busy) == 0)
         out.busy_ns = busy.tv_sec * NS_PER_S + busy.tv_nsec;
-    if (self->file.stream && fstat(fileno(self->file.stream), &status) == 0)
+    if (fstat(fileno(self->file.stream), &status) == 0)
         out.written = status.st_mtim;
     return out;
 }
