@@ -800,16 +800,17 @@ static void begin_patience(video_ffmpeg *self)
     self->signs_ns = clock_now_ns();
 }
 
-static mrt_result stopped(const char *path, error *err)
+static mrt_result stopped(const char *path, uint64_t frame, error *err)
 {
-    return error_set(err, MRT_ERR_IO, "%s: stopped, and not written", path);
+    return error_set(err, MRT_ERR_IO, "%s: stopped at frame %ju, and not written", path,
+                     (uintmax_t)frame);
 }
 
 /* < 0: ffmpeg has shown no sign of life for its patience, or the caller gives up. */
 static mrt_result check_patience(video_ffmpeg *self, error *err)
 {
     if (self->gives_up && atomic_load(self->gives_up))
-        return stopped(self->file.path, err);
+        return stopped(self->file.path, self->count, err);
     const ffmpeg_signs now = signs_of(self);
     if (now.written.tv_sec != self->signs.written.tv_sec ||
         now.written.tv_nsec != self->signs.written.tv_nsec ||
@@ -1084,6 +1085,7 @@ struct video {
     video_settings settings;
     video_file file[VIDEO_FILES_MAX];
     uint32_t file_count;
+    uint64_t frame_count; /* added */
     pthread_t thread;
     bool has_thread;
     pthread_mutex_t lock;
@@ -1093,8 +1095,8 @@ struct video {
     bool has_ended;        /* the thread has nothing more to do */
     _Atomic bool gives_up; /* as the state, for whatever waits for ffmpeg; without the lock */
     frame queue[QUEUE];
-    uint32_t first, count;
-    mrt_result result; /* < 0: failed, for `why` */
+    uint32_t first, count; /* of those that wait */
+    mrt_result result;     /* < 0: failed, for `why` */
     error why;
     /* of the thread; [main] after it */
     offscreen offscreen;
@@ -1235,7 +1237,8 @@ static mrt_result work(video *self, error *err)
     }
     if (result < 0)
         return result;
-    return is_to_be_kept(self) ? commit(self, err) : stopped(self->file[0].path, err);
+    return is_to_be_kept(self) ? commit(self, err)
+                               : stopped(self->file[0].path, self->report.picture_count, err);
 }
 
 static void tell(video *self, video_state state, mrt_result result, const error *why)
@@ -1403,11 +1406,12 @@ mrt_result video_add(video *self, const points *shape, const points_order *order
     if (result < 0 && err)
         *err = self->why;
     else if (!next && self->settings.pace == VIDEO_EVERY_FRAME)
-        result = stopped(self->file[0].path, err);
+        result = stopped(self->file[0].path, self->frame_count, err);
     pthread_mutex_unlock(&self->lock);
     if (!next)
         return result;
     points_to_rows(next->position, shape, order);
+    self->frame_count += 1;
     next->repeats = 0;
     pthread_mutex_lock(&self->lock);
     self->count += 1;
