@@ -60,10 +60,6 @@ static void free_columns(recording *self)
     free(self->vector);
     free(self->name);
     free(self->names);
-    for (uint32_t k = 0; k < self->column_capacity; ++k)
-        pull_finish(&self->pull[k]);
-    free(self->pull);
-    free(self->main);
     self->column_capacity = 0;
 }
 
@@ -75,6 +71,8 @@ void recording_destroy(recording *self)
     face_weights_destroy(self->weights);
     free(self->rows);
     free_columns(self);
+    for (uint32_t k = 0; k < MRT_MAX_VECTORS; ++k)
+        pull_finish(&self->pull[k]);
     free(self->value);
     free(self->work_ms);
     *self = (recording){0};
@@ -104,10 +102,7 @@ static mrt_result make_room(recording *self, uint32_t count, error *err)
     self->vector = calloc((size_t)count * 3, sizeof *self->vector);
     self->name = calloc((size_t)count + 1, sizeof *self->name);
     self->names = calloc((size_t)count + 1, sizeof *self->names);
-    self->pull = calloc((size_t)count + 1, sizeof *self->pull);
-    self->main = calloc((size_t)count + 1, sizeof *self->main);
-    if (!self->column || !self->scale || !self->vector || !self->name || !self->names ||
-        !self->pull || !self->main)
+    if (!self->column || !self->scale || !self->vector || !self->name || !self->names)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the recording");
     self->column_capacity = count;
     return MRT_OK;
@@ -358,6 +353,7 @@ static mrt_result set_pulls(recording *self, const face *f, uint32_t column_coun
         face_control control = face_control_at(f, k);
         char name[128];
         pull_finish(to);
+        self->main[k] = RECORDING_NO_COLUMN;
         if (control.contact > 0)
             (void)snprintf(name, sizeof name, "%s", contact[control.contact - 1].name);
         else
@@ -406,7 +402,8 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
 {
     const face *f = composer_face(from);
     composer_asked asked[MRT_MAX_VECTORS];
-    double free_point[MRT_MAX_VECTORS * 6], *value = self->value;
+    double free_point[MRT_MAX_VECTORS * 6], pulled[MRT_MAX_VECTORS * 3] = {0};
+    double *value = self->value;
     uint32_t asked_count = composer_asks(from, asked), dof_count = face_bones(f)->dof_count;
     uint32_t count = clip_curve_count(self->clip), free_count = 0;
     for (uint32_t i = 0; i < count; ++i)
@@ -423,10 +420,11 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
         value[self->first_shape + i] = face_shape_weight(f, i);
     if (asked_count > 0)
         put_solver(value + count - SOLVER_CURVES, from);
-    for (uint32_t k = 0; k < self->pull_count; ++k)
-        memcpy(self->vector + 3 * k, now->weight + 3 * self->main[k], 3 * sizeof *self->vector);
     bool is_pulled = composer_is_anchored(from) && self->pull_count > 0;
-    mrt_result result = clip_add_named(self->clip, value, is_pulled ? self->vector : NULL, err);
+    for (uint32_t k = 0; is_pulled && k < self->pull_count; ++k)
+        if (self->main[k] != RECORDING_NO_COLUMN)
+            memcpy(pulled + 3 * k, now->weight + 3 * self->main[k], 3 * sizeof *pulled);
+    mrt_result result = clip_add_named(self->clip, value, is_pulled ? pulled : NULL, err);
     if (result >= 0)
         result = add_pose(self, f, err);
     return result < 0 ? result : clip_add_controls(self->clip, free_point, free_count, err);

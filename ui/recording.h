@@ -13,6 +13,9 @@ typedef enum recording_use {
     RECORDING_MEASURES /* no clip is needed: memory does not grow with what the frames show */
 } recording_use;
 
+/* Of a control that moves nothing: where it holds the face, all is rigid. */
+#define RECORDING_NO_COLUMN UINT32_MAX
+
 typedef struct recording {
     clip *clip; /* NULL: it only measures */
     const mesh *mesh;
@@ -25,10 +28,10 @@ typedef struct recording {
     char (*name)[FACE_COLUMN_NAME]; /* column_capacity */
     const char **names;
     uint32_t column_capacity;
-    clip_pull *pull;     /* column_capacity: of each control */
-    uint32_t *main;      /* column_capacity: its column of the greatest share */
-    uint32_t pull_count; /* of the segment */
-    bool has_curves;     /* the face has been asked for them */
+    clip_pull pull[MRT_MAX_VECTORS]; /* of each control of the segment */
+    uint32_t main[MRT_MAX_VECTORS];  /* its column of the greatest share; RECORDING_NO_COLUMN */
+    uint32_t pull_count;             /* of the segment */
+    bool has_curves;                 /* the face has been asked for them */
     uint32_t bone[RIG_BONES_MAX], bone_count; /* of the rig's, those that turn */
     uint32_t first_shape;                     /* of the curves: those of the head\'s own shapes */
     struct face_weights *weights;             /* NULL: nothing is said in names */
