@@ -612,6 +612,69 @@ static void what_has_no_face_is_refused(void **state)
     mesh_destroy(&m);
 }
 
+/* A sheet of 41 by 101 vertices, 200 mm high from low_y on, whose front comes out by `slope` a mm
+ * upwards. Its middle begins 20 mm above what is beside it. */
+static mesh make_slope(float low_y, float slope)
+{
+    enum { ACROSS = 41, UP = 101, HOLE = 10 };
+    mesh m;
+    error err = {""};
+    if (mesh_create(&m, ACROSS * UP, 2 * (ACROSS - 1) * (UP - 1), &err) < 0)
+        fail_msg("%s", err.text);
+    m.triangle_count = 0;
+    for (uint32_t v = 0; v < ACROSS * UP; ++v) {
+        uint32_t column = v % ACROSS, row = v / ACROSS;
+        m.position[3 * v] = 2.0f * (float)column - (float)(ACROSS - 1);
+        m.position[3 * v + 1] = low_y + 2.0f * (float)row;
+        m.position[3 * v + 2] = slope * 2.0f * (float)row;
+        bool is_hole = row < HOLE && column > ACROSS / 4 && column < ACROSS * 3 / 4;
+        if (is_hole || column + 1 == ACROSS || row + 1 == UP)
+            continue;
+        const uint32_t corner[6] = {v, v + 1, v + ACROSS, v + 1, v + ACROSS + 1, v + ACROSS};
+        memcpy(m.triangle + 3 * (size_t)m.triangle_count, corner, sizeof corner);
+        m.triangle_count += 2;
+    }
+    return m;
+}
+
+/* What comes out most may be the uppermost or the lowest of a head: its nose is still within it. */
+static void a_nose_at_an_end_of_the_profile_is_within_it(void **state)
+{
+    (void)state;
+    static const float low_y[] = {-100.0f, 1e5f}, slope[] = {1.0f, -1.0f};
+    for (int i = 0; i < 4; ++i) {
+        rig_head head;
+        error err = {""};
+        mesh m = make_slope(low_y[i % 2], slope[i / 2]);
+        mrt_result result = rig_head_measure(&head, &m, NULL, &err);
+        assert_true(result == MRT_OK || result == MRT_ERR_UNSUPPORTED);
+        assert_true(result < 0 || (isfinite(head.nose.z) && head.nose.y >= (double)low_y[i % 2] &&
+                                   head.nose.y <= (double)low_y[i % 2] + 200.0));
+        mesh_destroy(&m);
+    }
+}
+
+/* Nor has one a neck where there is no skin: a head may hover above its body. */
+static void a_head_above_its_body_has_a_neck_that_is_somewhere(void **state)
+{
+    (void)state;
+    drafted d = {.confirm = NULL};
+    make_figure(&d.file.mesh, strong_neck);
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < d.file.mesh.triangle_count; ++i) {
+        const uint32_t *corner = d.file.mesh.triangle + (size_t)i * 3;
+        const float y = d.file.mesh.position[(size_t)corner[0] * 3 + 1];
+        if (y < 740.0f || y > 785.0f)
+            memmove(d.file.mesh.triangle + 3 * (size_t)kept++, corner, 3 * sizeof *corner);
+    }
+    assert_true(kept < d.file.mesh.triangle_count);
+    d.file.mesh.triangle_count = kept;
+    draft_of(&d);
+    for (uint32_t b = 0; b < d.rig.bone_count; ++b)
+        assert_true(isfinite(vec3_length(d.rig.bone[b].centre)));
+    finish(&d);
+}
+
 static float draw(uint32_t *random) /* 0 .. 1 */
 {
     *random = *random * 1664525u + 1013904223u;
@@ -698,6 +761,8 @@ int main(void)
         cmocka_unit_test(a_mouth_is_cut_where_lips_are_one_surface),
         cmocka_unit_test(contacts_lie_near_the_landmarks_of_a_real_face),
         cmocka_unit_test(what_has_no_face_is_refused),
+        cmocka_unit_test(a_nose_at_an_end_of_the_profile_is_within_it),
+        cmocka_unit_test(a_head_above_its_body_has_a_neck_that_is_somewhere),
         cmocka_unit_test(a_mesh_of_millions_is_refused_before_the_work),
         cmocka_unit_test(vertices_without_a_mirror_image_are_counted),
         cmocka_unit_test(a_flat_mesh_without_mirror_images_is_no_work),

@@ -177,8 +177,8 @@ typedef struct rows { /* of a mesh, by height */
 
 static int row_of(const rows *r, double y)
 {
-    int row = (int)floor((y - r->low_y) / r->row_mm);
-    return row < 0 ? 0 : row >= ROWS ? ROWS - 1 : row;
+    double row = floor((y - r->low_y) / r->row_mm); /* flat: not a number */
+    return !(row > 0.0) ? 0 : row < (double)ROWS ? (int)row : ROWS - 1;
 }
 
 static void fill_rows(rows *r, const mesh *m, const uint8_t *is_head, vec3 low, vec3 high)
@@ -208,6 +208,14 @@ static double width_at(const rows *r, int row)
 {
     double width = r->high_x[row] - r->low_x[row];
     return isfinite(width) ? width : 0.0;
+}
+
+/* The first at or above a row; -1: none. */
+static int row_with_skin(const rows *r, int row)
+{
+    while (row < ROWS && !isfinite(r->low_x[row]))
+        row += 1;
+    return row < ROWS ? row : -1;
 }
 
 /* Shoulders: below a head the body gets far wider than the head was, and stays so; below ears it
@@ -289,6 +297,8 @@ static void cut_off_body(rig_anatomy *a, const mesh *m, vec3 low, vec3 high)
     fill_rows(r, m, a->is_head, low, high);
     bool is_tall = high.y - low.y > 2.2 * (high.z - low.z);
     int neck = is_tall ? find_neck_of_body(r) : find_neck_of_bust(r);
+    if (neck >= 0)
+        neck = row_with_skin(r, neck); /* a head may hover above its body */
     if (neck >= 0) {
         double y = r->low_y + neck * r->row_mm;
         for (uint32_t v = 0; v < m->vertex_count; ++v)
@@ -871,8 +881,8 @@ static void give_back_neck(rig_anatomy *a, const mesh *m)
     for (uint32_t v = 0; v < m->vertex_count; ++v)
         a->is_face[v] = a->of_vertex[v] == a->face;
     fill_rows(r, m, a->is_face, face->low, face->high);
-    if (find_shoulders(r) < 0) {
-        int neck = ROWS / 2;
+    int neck = row_with_skin(r, ROWS / 2);
+    if (find_shoulders(r) < 0 && neck >= 0) {
         for (int row = neck; row >= 0 && width_at(r, row) < 1.25 * width_at(r, neck); --row)
             if (width_at(r, row) > 0.0 && width_at(r, row) < width_at(r, neck))
                 neck = row;

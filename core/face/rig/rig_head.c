@@ -230,7 +230,8 @@ static int find_nose(double *out_mm, const profile *p, const profile *left, cons
     }
     for (int from = -1; best >= 0 && from != best;) { /* to its tip, however high it is */
         from = best;
-        for (int row = from - ROWS / 64; row <= from + ROWS / 64; ++row)
+        const int low = from - ROWS / 64, high = from + ROWS / 64;
+        for (int row = low > 0 ? low : 0; row <= high && row < ROWS; ++row)
             if (forward_at(p, left, right, row) > forward_at(p, left, right, best))
                 best = row;
     }
