@@ -316,6 +316,189 @@ static void its_own_target_is_played_by_the_curve_of_its_name(void **state)
     mesh_destroy(&m);
 }
 
+/* Sets what a JSON pointer leads to, "-" being one more item; NULL: takes it away. */
+static void set_at(json_t *root, const char *pointer, const char *text)
+{
+    char key[64];
+    json_t *at = root;
+    for (const char *rest = pointer; *rest;) {
+        size_t length = strcspn(rest + 1, "/");
+        snprintf(key, sizeof key, "%.*s", (int)length, rest + 1);
+        rest += 1 + length;
+        bool is_list = json_is_array(at), is_last = !*rest;
+        size_t index = strcmp(key, "-") == 0 ? json_array_size(at) : (size_t)atoi(key);
+        json_t *value = is_last && text ? json_loads(text, JSON_DECODE_ANY, NULL) : NULL;
+        assert_true(!is_last || !text || value);
+        if (is_last && is_list)
+            assert_int_equal(text ? index < json_array_size(at)
+                                        ? json_array_set_new(at, index, value)
+                                        : json_array_append_new(at, value)
+                                  : json_array_remove(at, index),
+                             0);
+        else if (is_last)
+            assert_int_equal(text ? json_object_set_new(at, key, value) : json_object_del(at, key),
+                             0);
+        else
+            at = is_list ? json_array_get(at, index) : json_object_get(at, key);
+        assert_non_null(at);
+    }
+}
+
+/* The reader looks only at what is shown. An export takes all along and appends to it: what does
+ * not hold there leaves the mesh alone in the export, and the place is told. */
+static void what_cannot_be_carried_over_is_told_by_its_place(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *pointer, *text, *place; /* place NULL: pointer */
+    } wrong[] = {
+        {"/bufferViews/-", "{\"buffer\":1000,\"byteLength\":4}", "/bufferViews/8/buffer"},
+        {"/bufferViews/-", "{\"buffer\":20000,\"byteLength\":4}", "/bufferViews/8/buffer"},
+        {"/bufferViews/-", "{\"buffer\":0,\"byteOffset\":2000000000,\"byteLength\":4}",
+         "/bufferViews/8"},
+        {"/bufferViews/-", "{\"buffer\":0,\"byteLength\":2147483647}", "/bufferViews/8"},
+        {"/meshes/-", "{}", "/meshes/2/primitives"},
+        {"/meshes/-", "{\"primitives\":[]}", "/meshes/2/primitives"},
+        {"/meshes/-", "{\"primitives\":[{\"attributes\":{}}]}", "/meshes/2/primitives/0"},
+        {"/meshes/-", "{\"primitives\":[{\"attributes\":{\"POSITION\":99}}]}",
+         "/meshes/2/primitives/0/attributes/POSITION"},
+        {"/meshes/0/primitives/-", "{\"attributes\":{\"POSITION\":99},\"mode\":0}",
+         "/meshes/0/primitives/1/attributes/POSITION"},
+        {"/meshes/0/primitives/-", "{\"attributes\":{\"NORMAL\":1},\"mode\":0}",
+         "/meshes/0/primitives/1"},
+        {"/meshes/1/primitives/-", "{\"attributes\":{\"POSITION\":0},\"mode\":0}",
+         "/meshes/1/primitives/1"},
+        {"/meshes/0/primitives/0/attributes/a~b", "99", "/meshes/0/primitives/0/attributes/a~0b"},
+        {"/meshes/1/extras", "[]", NULL},
+        {"/meshes/1/extras/targetNames", "\"smile\"", NULL},
+        {"/meshes/1/weights", "[0,0,0]", NULL},
+        {"/meshes/1/weights", "[\"much\"]", NULL},
+        {"/nodes/2/weights", "[0,0]", NULL},
+        {"/nodes/-", "{\"mesh\":9}", "/nodes/5/mesh"},
+        {"/nodes/-", "{\"skin\":9}", "/nodes/5/skin"},
+        {"/nodes/-", "{\"camera\":0}", "/nodes/5/camera"},
+        {"/skins/-", "{\"joints\":[3,44]}", "/skins/1/joints/1"},
+        {"/skins/0/skeleton", "77", NULL},
+        {"/skins/-", "{\"joints\":[3],\"inverseBindMatrices\":77}", "/skins/1/inverseBindMatrices"},
+        {"/scenes/-", "{\"nodes\":[77]}", "/scenes/1/nodes/0"},
+        {"/textures/-", "{\"source\":7}", "/textures/1/source"},
+        {"/textures/-", "{\"sampler\":0}", "/textures/1/sampler"},
+        {"/images/-", "{\"bufferView\":77}", "/images/1/bufferView"},
+        {"/materials/-", "{\"occlusionTexture\":{\"index\":8}}",
+         "/materials/1/occlusionTexture/index"},
+        {"/accessors/-",
+         "{\"bufferView\":77,\"componentType\":5126,\"count\":1,\"type\":\"SCALAR\"}",
+         "/accessors/8/bufferView"},
+        {"/accessors/-", "{\"bufferView\":0,\"componentType\":5126,\"count\":26,\"type\":\"VEC3\"}",
+         "/accessors/8"},
+        {"/accessors/-",
+         "{\"bufferView\":0,\"byteOffset\":2147483647,\"componentType\":5126,\"count\":1,"
+         "\"type\":\"MAT3\"}",
+         "/accessors/8"},
+        {"/accessors/-",
+         "{\"componentType\":5126,\"count\":9,\"type\":\"VEC3\",\"sparse\":{\"count\":9,"
+         "\"indices\":{\"bufferView\":55,\"componentType\":5123},\"values\":{\"bufferView\":0}}}",
+         "/accessors/8/sparse/indices/bufferView"},
+        {"/animations/0/channels/0/sampler", "1", NULL},
+        {"/animations/0/channels/0/target/node", "-1", NULL},
+        {"/animations/0/samplers/0/input", "1e3", NULL},
+        {"/animations/0/samplers/0/output", "\"none\"", NULL},
+        {"/animations/-", "7", "/animations/1"},
+        {"/animations", "{}", NULL},
+    };
+    char copy[160];
+    snprintf(copy, sizeof copy, "%s/wrong.gltf", folder);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        error err = {""};
+        mesh m, again;
+        gltf_report with, without;
+        const char *place = wrong[i].place ? wrong[i].place : wrong[i].pointer;
+        json_t *root = json_load_file(source, 0, NULL);
+        set_at(root, wrong[i].pointer, wrong[i].text);
+        assert_int_equal(json_dump_file(root, copy, 0), 0);
+        json_decref(root);
+        if (mesh_file_read(&m, copy, NULL, &err) < 0)
+            fail_msg("%s = %s is refused by the reader already: %s", wrong[i].pointer,
+                     wrong[i].text, err.text);
+        perform(&m, &with, &without);
+        size_t length = strlen(place);
+        if (strncmp(with.why_bare.text, place, length) != 0 || with.why_bare.text[length] != ' ')
+            fail_msg("%s = %s: \"%s\"", wrong[i].pointer, wrong[i].text, with.why_bare.text);
+        assert_int_equal(with.byte_count, without.byte_count);
+        assert_int_equal(mesh_file_read(&again, whole, NULL, &err), MRT_OK);
+        mesh_destroy(&again);
+        mesh_destroy(&m);
+    }
+}
+
+/* Small files that would take all memory: a large description shown by many nodes. */
+static void copies_of_a_mesh_cost_no_more_than_its_file(void **state)
+{
+    (void)state;
+    enum { NODES = 3000, LETTERS = 300000 };
+    error err = {""};
+    mesh m;
+    gltf_report with;
+    char copy[160], *text = calloc(LETTERS + 1, 1);
+    json_t *root = json_load_file(source, 0, NULL);
+    memset(text, 'a', LETTERS);
+    json_object_set_new(json_array_get(json_object_get(root, "meshes"), 0), "name",
+                        json_string(text));
+    for (int i = 0; i < NODES; ++i) {
+        set_at(root, "/nodes/-", "{\"mesh\":0}");
+        json_array_append_new(
+            json_object_get(json_array_get(json_object_get(root, "scenes"), 0), "nodes"),
+            json_integer(5 + i));
+    }
+    snprintf(copy, sizeof copy, "%s/copies.gltf", folder);
+    assert_int_equal(json_dump_file(root, copy, 0), 0);
+    json_decref(root);
+    free(text);
+    if (mesh_file_read(&m, copy, NULL, &err) < 0)
+        fail_msg("%s", err.text);
+    clip *c = clip_create(&m, 30.0, NULL, &err);
+    assert_int_equal(clip_add_free(c, m.position, &err), MRT_OK);
+    assert_int_equal(gltf_write(whole, c, NULL, NULL, &with, &err), MRT_OK);
+    assert_non_null(strstr(with.why_bare.text, "/meshes/0 is shown by many nodes: "));
+    clip_destroy(c);
+    mesh_destroy(&m);
+}
+
+/* What the file names by a link that leads out of its folder is not taken along; what it names
+ * often is taken once. */
+static void pictures_come_from_the_folder_alone_and_once(void **state)
+{
+    (void)state;
+    error err = {""};
+    mesh m;
+    gltf_report with, without;
+    char copy[160], other[] = "/tmp/marotte_export_picture_XXXXXX", link[160], command[512];
+    assert_non_null(mkdtemp(other));
+    snprintf(command, sizeof command, "cp %s %s/secret.png && ln -s %s/secret.png %s/link.png",
+             picture, other, other, folder);
+    assert_int_equal(system(command), 0);
+    json_t *root = json_load_file(source, 0, NULL);
+    set_at(root, "/images/-", "{\"uri\":\"link.png\"}");
+    set_at(root, "/images/-", "{\"uri\":\"paint.png\"}");
+    snprintf(copy, sizeof copy, "%s/links.gltf", folder);
+    assert_int_equal(json_dump_file(root, copy, 0), 0);
+    json_decref(root);
+    assert_int_equal(mesh_file_read(&m, copy, NULL, &err), MRT_OK);
+    perform(&m, &with, &without);
+    assert_string_equal(with.why_bare.text, "");
+    json_t *after = json_of_glb(whole), *images = json_object_get(after, "images");
+    json_t *first = json_array_get(images, 0), *again = json_array_get(images, 2);
+    assert_string_equal(json_string_value(json_object_get(json_array_get(images, 1), "uri")),
+                        "link.png");
+    assert_true(json_equal(first, again));
+    json_decref(after);
+    mesh_destroy(&m);
+    snprintf(link, sizeof link, "%s/link.png", folder);
+    assert_int_equal(unlink(link), 0);
+    snprintf(command, sizeof command, "rm -rf %s", other);
+    assert_int_equal(system(command), 0);
+}
+
 /* The file is another one by now: the mesh alone is written, and why is told. */
 static void a_file_that_has_changed_is_not_used(void **state)
 {
@@ -345,6 +528,9 @@ int main(void)
         cmocka_unit_test(each_target_moves_what_it_moves_in_the_bare_mesh),
         cmocka_unit_test(all_else_is_as_it_was),
         cmocka_unit_test(its_own_target_is_played_by_the_curve_of_its_name),
+        cmocka_unit_test(what_cannot_be_carried_over_is_told_by_its_place),
+        cmocka_unit_test(copies_of_a_mesh_cost_no_more_than_its_file),
+        cmocka_unit_test(pictures_come_from_the_folder_alone_and_once),
         cmocka_unit_test(a_file_that_has_changed_is_not_used),
     };
     return cmocka_run_group_tests(tests, make_files, remove_files);

@@ -379,11 +379,10 @@ void set_aside_draco_indices(json &document)
 /* A buffer that only readers without meshopt would need (its views are decoded from another). */
 void make_fallback_empty(json &buffer)
 {
-    const char *const names[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
     auto extensions = buffer.find("extensions");
     if (buffer.contains("uri") || extensions == buffer.end() || !extensions->is_object())
         return;
-    for (const char *name : names)
+    for (const char *name : GLTF_MESHOPT_NAMES)
         if (extensions->contains(name)) {
             buffer["uri"] = "data:application/octet-stream;base64,AA==";
             buffer["byteLength"] = 1;
@@ -589,11 +588,9 @@ int add_view(tinygltf::Model &model, const unsigned char *at, size_t size, size_
 
 /* ---- meshopt ---- */
 
-const char *const MESHOPT_NAMES[] = {"EXT_meshopt_compression", "KHR_meshopt_compression"};
-
 const tinygltf::Value *meshopt_of(const tinygltf::BufferView &view)
 {
-    for (const char *name : MESHOPT_NAMES) {
+    for (const char *name : GLTF_MESHOPT_NAMES) {
         auto found = view.extensions.find(name);
         if (found != view.extensions.end())
             return &found->second;

@@ -1,4 +1,5 @@
 #include "io/write/gltf_source.hpp"
+#include "io/write/gltf_source_check.hpp"
 
 extern "C" {
 #include "base/file.h"
@@ -161,10 +162,31 @@ gltf_source::gltf_source(const char *path, const mesh *m)
     tinygltf::Model model = gltf_load(container, directory.c_str()).model;
     document_ = ordered_json::parse(container.json.at, container.json.end);
     file_of_face_ = file_of_mesh(m);
+    copies_ = budget_of(BUDGET_MESH, file.bytes.size);
+    gltf_source_check(document_, buffer_sizes(model, container));
     take_buffers(model, container);
     take_images(directory);
     gltf_decode(model, file.bytes.size);
     take_instances(model, gltf_plan_of(model, file.bytes.size), m);
+}
+
+/* Else its bytes are only what its views are decompressed to. */
+bool gltf_source::travels(size_t buffer, const gltf_container &container) const
+{
+    bool is_chunk =
+        buffer == 0 && container.is_binary && container.binary.at != container.binary.end;
+    return is_chunk || document_["buffers"][buffer].contains("uri");
+}
+
+std::vector<size_t> gltf_source::buffer_sizes(const tinygltf::Model &model,
+                                              const gltf_container &container) const
+{
+    std::vector<size_t> size;
+    for (size_t i = 0; i < model.buffers.size(); ++i)
+        size.push_back(travels(i, container)
+                           ? model.buffers[i].data.size()
+                           : document_["buffers"][i].value("byteLength", size_t{0}));
+    return size;
 }
 
 /* All that has data becomes the one buffer of a .glb; new data follows. */
@@ -173,14 +195,10 @@ void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_containe
     ordered_json buffers = ordered_json::array({ordered_json::object()});
     std::vector<std::pair<size_t, size_t>>
         translation; /* of each buffer: which now, and from where */
-    const ordered_json none = ordered_json::array();
-    const ordered_json &before = document_.contains("buffers") ? document_["buffers"] : none;
-    for (size_t i = 0; i < before.size(); ++i) {
-        bool is_chunk =
-            i == 0 && container.is_binary && container.binary.at != container.binary.end;
-        if (!is_chunk && !before[i].contains("uri")) { /* what its views are decompressed to */
+    for (size_t i = 0; i < model.buffers.size(); ++i) {
+        if (!travels(i, container)) {
             translation.push_back({buffers.size(), 0});
-            buffers.push_back(before[i]);
+            buffers.push_back(document_["buffers"][i]);
             continue;
         }
         translation.push_back({0, out_.binary_size});
@@ -200,7 +218,7 @@ void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_containe
         document_["bufferViews"] = ordered_json::array();
     for (ordered_json &view : document_["bufferViews"]) {
         move(view);
-        for (const char *extension : {"EXT_meshopt_compression", "KHR_meshopt_compression"})
+        for (const char *extension : GLTF_MESHOPT_NAMES)
             if (view.contains("extensions") && view["extensions"].contains(extension))
                 move(view["extensions"][extension]);
     }
@@ -213,23 +231,40 @@ void gltf_source::take_buffers(const tinygltf::Model &model, const gltf_containe
         vertex_counts_.push_back(accessor.count);
 }
 
-/* Pictures that lie beside a .gltf travel with it; what is missing stays named. */
+/* Pictures that lie beside a .gltf travel with it, each once; what is missing stays named. */
 void gltf_source::take_images(const std::string &directory)
 {
+    std::map<std::string, std::pair<int, const char *>> taken; /* by path: view and media type */
     if (!document_.contains("images"))
         return;
     for (ordered_json &image : document_["images"]) {
         std::string path = path_below(directory, member(image, "uri"));
-        open_file file;
-        error ignored;
-        if (path.empty() || file_read(&file.bytes, path.c_str(), IMAGE_BYTES_MAX, &ignored) < 0 ||
-            !media_type(file.bytes))
+        if (path.empty())
             continue;
-        const auto *byte = static_cast<const unsigned char *>(file.bytes.data);
+        auto found = taken.find(path);
+        if (found == taken.end())
+            found = taken.insert({path, take_image(directory, path)}).first;
+        if (!found->second.second)
+            continue;
         image.erase("uri");
-        image["bufferView"] = gltf_output_view(out_, gltf_bytes(byte, byte + file.bytes.size), 0);
-        image["mimeType"] = media_type(file.bytes);
+        image["bufferView"] = found->second.first;
+        image["mimeType"] = found->second.second;
     }
+}
+
+/* Its view and media type; NULL: it stays where it is. */
+std::pair<int, const char *> gltf_source::take_image(const std::string &directory,
+                                                     const std::string &path)
+{
+    open_file file;
+    error ignored;
+    if (file_check_below(directory.c_str(), path.c_str(), &ignored) < 0 ||
+        file_read(&file.bytes, path.c_str(), IMAGE_BYTES_MAX, &ignored) < 0 ||
+        !media_type(file.bytes))
+        return {0, nullptr};
+    const auto *byte = static_cast<const unsigned char *>(file.bytes.data);
+    return {gltf_output_view(out_, gltf_bytes(byte, byte + file.bytes.size), 0),
+            media_type(file.bytes)};
 }
 
 void gltf_source::place_group(group &out, const tinygltf::Model &model, const gltf_group_plan &plan,
@@ -271,6 +306,21 @@ void gltf_source::place_group(group &out, const tinygltf::Model &model, const gl
     out.has_normals = plan.source->attributes.count("NORMAL") > 0;
 }
 
+/* Of a large description the copies may be far larger than the file. */
+void gltf_source::copy_mesh(instance &of)
+{
+    constexpr size_t BYTES_A_LETTER = 16; /* of its JSON, in memory */
+    ordered_json copy = document_["meshes"][of.mesh];
+    error failed = {""};
+    mrt_result result = budget_spend_bytes(&copies_, BYTES_A_LETTER * copy.dump().size(), &failed);
+    if (result < 0)
+        gltf_fail(result, "/meshes/%zu is shown by many nodes: %s", of.mesh, failed.text);
+    of.mesh = document_["meshes"].size();
+    document_["meshes"].push_back(std::move(copy));
+    if (of.has_node)
+        document_["nodes"][of.node]["mesh"] = of.mesh;
+}
+
 void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &plan, const mesh *m)
 {
     if (plan.vertex_count != m->vertex_count || plan.triangle_count != m->triangle_count)
@@ -294,13 +344,8 @@ void gltf_source::take_instances(const tinygltf::Model &model, const gltf_plan &
         for (const gltf_primitive_plan &surface : of.surfaces)
             to.group_of[static_cast<size_t>(surface.source - primitives.data())] =
                 static_cast<int>(surface.group);
-        if (is_taken[to.mesh]) { /* each moves in its own way */
-            ordered_json copy = document_["meshes"][to.mesh];
-            to.mesh = document_["meshes"].size();
-            document_["meshes"].push_back(std::move(copy));
-            if (to.has_node)
-                document_["nodes"][to.node]["mesh"] = to.mesh;
-        }
+        if (is_taken[to.mesh]) /* each moves in its own way */
+            copy_mesh(to);
         is_taken[shown.mesh] = true;
         const ordered_json &in_file = document_["meshes"][to.mesh];
         to.own_count = in_file["primitives"][0].contains("targets")
@@ -413,7 +458,10 @@ bool gltf_source::add_own_target(const std::string &name)
  * the targets move. */
 void gltf_source::add_bones(ordered_json &animation, int time, const std::vector<gltf_bone> &bones)
 {
-    if (bones.empty() || !document_.contains("nodes") || !document_.contains("scenes"))
+    auto is_empty = [&](const char *list) {
+        return !document_.contains(list) || document_[list].empty();
+    };
+    if (bones.empty() || is_empty("nodes") || is_empty("scenes"))
         return;
     ordered_json &nodes = document_["nodes"];
     size_t root = nodes.size(), first = root + 1;

@@ -7,13 +7,19 @@
 #include "io/read/gltf_plan.hpp"
 #include "io/write/gltf_surface.hpp"
 
+extern "C" {
+#include "base/budget.h"
+}
+
+#include <map>
+
 #include <nlohmann/json.hpp>
 
 class gltf_source
 {
   public:
-    /* Fails when the file cannot be read, or when `m` is not what it shows: it has changed since,
-     * or the face has been cut out of it. */
+    /* Fails when the file cannot be read or carried over whole (gltf_source_check.hpp), or when `m`
+     * is not what it shows: it has changed since, or the face has been cut out of it. */
     gltf_source(const char *path, const mesh *m);
 
     /* offset, turn: V by 3, of the mesh: metres and change of normal per unit of weight. What they
@@ -47,8 +53,13 @@ class gltf_source
         std::map<size_t, size_t> played; /* of its own, with which of those that were added */
     };
 
+    bool travels(size_t buffer, const gltf_container &container) const;
+    std::vector<size_t> buffer_sizes(const tinygltf::Model &model,
+                                     const gltf_container &container) const;
     void take_buffers(const tinygltf::Model &model, const gltf_container &container);
     void take_images(const std::string &directory);
+    std::pair<int, const char *> take_image(const std::string &directory, const std::string &path);
+    void copy_mesh(instance &of);
     void take_instances(const tinygltf::Model &model, const gltf_plan &plan, const mesh *m);
     void place_group(group &out, const tinygltf::Model &model, const gltf_group_plan &plan,
                      gltf_skin &skin, const mesh *m);
@@ -66,6 +77,7 @@ class gltf_source
     std::vector<size_t> vertex_counts_; /* of accessors in the file */
     std::map<size_t, int> zeros_;
     gltf_transform file_of_face_;
+    budget copies_; /* what copies of meshes may take */
     size_t target_count_ = 0, first_view_ = 0, first_accessor_ = 0;
 };
 
