@@ -647,14 +647,13 @@ void hand_read(const hand_skeleton *skeleton, const hand_landmarks *seen, hand_r
 {
     hand_reading now = *reading;
     vec3 to[PALM_JOINTS];
-    double weight[PALM_JOINTS], all = 0.0;
+    double weight[PALM_JOINTS];
     int count = 0;
     reading->confidence = 0.0;
     for (int i = 0; i < PALM_JOINTS; ++i) {
         bool is_there = is_seen(seen, palm_joint[i]);
         to[i] = is_there ? vec3_of(seen->at[palm_joint[i]]) : ORIGIN;
         weight[i] = is_there ? palm_weight[i] : 0.0;
-        all += weight[i];
         count += is_there;
     }
     if (count < 4)
