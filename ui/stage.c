@@ -154,44 +154,52 @@ static int read_options(stage_options *out, int argc, char **argv)
 
 /* ---- the stage ---- */
 
-/* As it was left, and whether it was maximised; what is not there is not made. Damaged settings are
- * set aside here already: the application finds none, and is told. */
-static bool remember_size(stage *self, double *out_width, double *out_height)
+typedef struct left {
+    double width, height; /* as --size or the last run says, else the usual ones */
+    bool is_maximised;
+} left;
+
+/* A settings file that cannot be one is refused here, before there is a window. A damaged default
+ * file is renamed here already: the application finds none, and receives the note. */
+static mrt_result read_left(stage *self, left *out, error *err)
 {
-    settings *kept = NULL;
-    error ignored;
-    if (settings_open(&kept, self->options->app.settings_path, self->settings_note,
-                      sizeof self->settings_note, &ignored) < 0)
-        return false;
+    const stage_options *options = self->options;
+    settings *kept;
+    *out = (left){.width = WIDTH, .height = HEIGHT};
+    const mrt_result result = settings_open(&kept, options->app.settings_path, self->settings_note,
+                                            sizeof self->settings_note, err);
+    if (result < 0)
+        return result;
     const double width = settings_number(kept, "window.width", 0.0);
     const double height = settings_number(kept, "window.height", 0.0);
-    if (width >= 800.0 && width <= 8192.0 && height >= 500.0 && height <= 8192.0) {
-        *out_width = width;
-        *out_height = height;
+    if (options->width) {
+        out->width = options->width;
+        out->height = options->height;
+    } else {
+        if (width >= 800.0 && width <= 8192.0 && height >= 500.0 && height <= 8192.0) {
+            out->width = width;
+            out->height = height;
+        }
+        out->is_maximised = settings_number(kept, "window.maximised", 0.0) > 0.5;
     }
-    const bool is_maximised = settings_number(kept, "window.maximised", 0.0) > 0.5;
     settings_close(kept);
-    return is_maximised;
+    return MRT_OK;
 }
 
 static mrt_result open_window(stage *self, error *err)
 {
     const stage_options *options = self->options;
-    double width = WIDTH, height = HEIGHT;
-    bool is_maximised = false;
-    if (options->width) {
-        width = options->width;
-        height = options->height;
-    } else {
-        is_maximised = remember_size(self, &width, &height);
-    }
+    left was;
+    mrt_result result = read_left(self, &was, err);
+    if (result < 0)
+        return result;
     if (options->is_hidden)
-        return window_open_hidden(&self->window, (uint32_t)lround(width * options->scale),
-                                  (uint32_t)lround(height * options->scale), (float)options->scale,
-                                  0.0, err);
-    const mrt_result result =
-        window_open_window(&self->window, (uint32_t)width, (uint32_t)height, "marotte", err);
-    if (result >= 0 && is_maximised)
+        return window_open_hidden(&self->window, (uint32_t)lround(was.width * options->scale),
+                                  (uint32_t)lround(was.height * options->scale),
+                                  (float)options->scale, 0.0, err);
+    result = window_open_window(&self->window, (uint32_t)was.width, (uint32_t)was.height, "marotte",
+                                err);
+    if (result >= 0 && was.is_maximised)
         window_maximise(self->window);
     return result;
 }

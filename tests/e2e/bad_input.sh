@@ -159,6 +159,25 @@ usage 'not expected' perform surplus
 usage 'say what to do' plugin
 usage 'there is no "lits"' plugin lits
 
+# Settings: what the person names and is no settings file stays as it is, and the stage does not start.
+stage_with() { # words path
+    refused 1 "$1" "$MAROTTE" stage "$scratch/out/a.marotte" --hidden --seconds 0.1 --size 640x400 --settings "$2"
+}
+mkdir "$in/years"
+echo "My thesis." >"$in/thesis.txt"
+echo "Its draft." >"$in/thesis.txt.damaged"
+echo '{"name": "a package"}' >"$in/years/package.json"
+ln -s thesis.txt "$in/link.json"
+ln -s nowhere "$in/nowhere.json"
+before=$(cd "$in" && ls -lR thesis* years link.json nowhere.json && cat thesis* years/*)
+stage_with "$in/years: is a directory" "$in/years"
+stage_with "$in/thesis.txt: is not a settings file of marotte (line 1" "$in/thesis.txt"
+stage_with "$in/years/package.json: is not a settings file of marotte" "$in/years/package.json"
+stage_with "$in/link.json: is not a settings file" "$in/link.json"
+stage_with "$in/nowhere.json: No such file" "$in/nowhere.json"
+[ "$before" = "$(cd "$in" && ls -lR thesis* years link.json nowhere.json && cat thesis* years/*)" ] ||
+    fail "a file that is no settings file was changed: $(ls -lR "$in")"
+
 # Names that steer a terminal: printed as '?', also in JSON; commands to copy name the same file.
 is_clean() { # what file
     ! LC_ALL=C grep -qP '\x1b|\xff' "$2" || fail "$1 prints what steers a terminal"

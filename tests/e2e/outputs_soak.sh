@@ -63,7 +63,7 @@ to=("vmc:127.0.0.1:$vmc" "face_osc:127.0.0.1:$face_osc" "livelink:127.0.0.1:$liv
 hand=log:$demo,loop=1,speed=1.5 # 100 samples a second, half as fast again
 if [ "$where" = stage ]; then
     {
-        printf '{"outputs": {'
+        printf '{"looks": {}, "outputs": {'
         for i in "${!to[@]}"; do printf '%s"%d": "org.marotte.%s"' "$([ "$i" -eq 0 ] || echo ', ')" "$i" "${to[$i]}"; done
         printf '}}\n'
     } >window.json

@@ -1,16 +1,17 @@
-/* The window's settings: whatever lies in the file, the window starts; what made no sense lies
- * aside, and is said. What is set is kept, beside what was there. */
+/* The window's settings: whatever lies in the default file, the window starts; a damaged file is
+ * renamed, and a note says so. What is set is kept, beside what was there. */
 #include "fuzz_text.h"
 #include "window/app/settings.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-static char folder[64], path[128], aside[160];
+static char folder[64], below[96], path[128], aside[160];
 
 static void require(bool holds, const char *what)
 {
@@ -24,6 +25,7 @@ static void remove_all(void)
 {
     (void)unlink(path);
     (void)unlink(aside);
+    (void)rmdir(below);
     (void)rmdir(folder);
 }
 
@@ -34,7 +36,9 @@ static void make_folder(void)
     strcpy(folder, access("/dev/shm", W_OK) == 0 ? "/dev/shm/marotte_fuzz_XXXXXX"
                                                  : "/tmp/marotte_fuzz_XXXXXX");
     require(mkdtemp(folder) != NULL, "a folder");
-    (void)snprintf(path, sizeof path, "%s/window.json", folder);
+    (void)snprintf(below, sizeof below, "%s/marotte", folder);
+    require(mkdir(below, 0700) == 0 && setenv("XDG_CONFIG_HOME", folder, 1) == 0, "its folder");
+    (void)snprintf(path, sizeof path, "%s/window.json", below);
     (void)snprintf(aside, sizeof aside, "%s.damaged", path);
     (void)atexit(remove_all);
 }
@@ -43,22 +47,22 @@ static settings *opened(char *note, size_t capacity)
 {
     settings *self;
     error err = {""};
-    require(settings_open(&self, path, note, capacity, &err) == MRT_OK, "the window starts");
+    require(settings_open(&self, NULL, note, capacity, &err) == MRT_OK, "the window starts");
     return self;
 }
 
 /* All that is there can be asked for; and what is below it. */
 static void walk(const settings *self, const char *key, int depth)
 {
-    char **name, below[300];
+    char **name, inner[300];
     uint32_t count = settings_keys(self, key, &name);
     (void)settings_number(self, key, 0.0);
     const char *text = settings_text(self, key, "");
     require(text != NULL && strlen(text) < 1u << 22, "a text");
     for (uint32_t i = 0; i < count && depth < 6 && i < 64; ++i) {
-        int length = snprintf(below, sizeof below, "%s.%s", key, name[i]);
-        if (length > 0 && length < (int)sizeof below)
-            walk(self, below, depth + 1);
+        int length = snprintf(inner, sizeof inner, "%s.%s", key, name[i]);
+        if (length > 0 && length < (int)sizeof inner)
+            walk(self, inner, depth + 1);
     }
     free(name);
 }

@@ -59,8 +59,8 @@ static void a_last_show_that_is_no_show_stops_nothing(void **state)
     (void)state;
     make_room(&r);
     assert_int_equal(file_write(r.show, "no show", 7, &err), MRT_OK);
-    (void)snprintf(text, sizeof text, "{\"last\": {\"show\": \"%s\", \"mapping\": \"gone\"}}",
-                   r.show);
+    (void)snprintf(text, sizeof text,
+                   "{\"looks\": {}, \"last\": {\"show\": \"%s\", \"mapping\": \"gone\"}}", r.show);
     assert_int_equal(file_write(r.settings, text, strlen(text), &err), MRT_OK);
     (void)setenv("XDG_DOCUMENTS_DIR", r.folder, 1);
     const app_options with = {.face_path = puppet, .settings_path = r.settings};
@@ -190,6 +190,33 @@ static void another_face_and_another_show_are_opened_on_a_running_stage(void **s
 static bool has_input(app *of)
 {
     return live_input_count(app_live(of)) == 1;
+}
+
+/* The patch lies beside the settings: a file of that name that is no patch is somebody's. */
+static void a_file_that_is_no_patch_is_not_written_over(void **state)
+{
+    (void)state;
+    static const char text[] = "[{\"op\": \"remove\", \"path\": \"/a\"}]";
+    room r;
+    error err = {0};
+    char path[128];
+    file_bytes bytes;
+    make_room(&r);
+    (void)snprintf(path, sizeof path, "%s/patch.json", r.folder);
+    assert_int_equal(file_write(path, text, strlen(text), &err), MRT_OK);
+    const app_options with = {
+        .show_path = r.show, .face_path = puppet, .settings_path = r.settings};
+    assert_int_equal(open_with(&r, &with, &err), MRT_OK);
+    const patch none = {.name = "none"};
+    app_set_patch(r.app, &none);
+    assert_int_equal(file_read(&bytes, path, 1 << 16, &err), MRT_OK);
+    assert_string_equal((const char *)bytes.data, text);
+    file_bytes_finish(&bytes);
+    assert_int_equal(unlink(path), 0);
+    app_set_patch(r.app, &none);
+    assert_int_equal(access(path, F_OK), 0);
+    app_set_patch(r.app, &none);
+    close_room(&r);
 }
 
 static void looks_and_inputs_are_kept_between_runs(void **state)
@@ -349,6 +376,7 @@ int main(void)
         cmocka_unit_test(what_rests_performs_again_on_a_face_that_it_fits_after_a_restart_too),
         cmocka_unit_test(a_face_that_the_mapping_does_not_fit_is_opened_at_rest),
         cmocka_unit_test(another_face_and_another_show_are_opened_on_a_running_stage),
+        cmocka_unit_test(a_file_that_is_no_patch_is_not_written_over),
         cmocka_unit_test(looks_and_inputs_are_kept_between_runs),
         cmocka_unit_test(the_range_of_a_take_is_there_tomorrow),
         cmocka_unit_test(an_input_that_cannot_be_opened_is_said),

@@ -28,7 +28,7 @@ until_true 30 test -e "$scratch/glove" || { echo "SKIPPED: no terminal for a glo
 cp -r "$SOURCE_DIR/rigs/puppet" puppet # it may be painted
 # All that a day has on: faces are sent to programs that may not be there, a remote control is let in, a click counts.
 cat >window.json <<'END'
-{"outputs": {"0": "vmc:127.0.0.1:39539", "1": "face_osc:127.0.0.1:39540"},
+{"looks": {}, "outputs": {"0": "vmc:127.0.0.1:39539", "1": "face_osc:127.0.0.1:39540"},
  "remote": {"place": "127.0.0.1:39541"}, "click": {"when": 3, "bpm": 140, "bar": 3},
  "record": {"count_in_s": 1, "preroll_s": 1}, "timecode": {"chase": 1}}
 END

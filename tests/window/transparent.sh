@@ -19,7 +19,7 @@ shoot() { ffmpeg -nostdin -v error -y -f x11grab -draw_mouse 0 -video_size 1280x
 looks_below() { shoot shot.rgb rawvideo && pixel_is_below "$1" "$2"; }
 until_true 60 looks_below 480 270 || { echo "SKIPPED: nothing can be shown below here: $(tail -n 1 picom.txt)"; exit 77; }
 
-echo '{"picture": {"background": "transparent", "window": 1}}' >window.json
+echo '{"looks": {}, "picture": {"background": "transparent", "window": 1}}' >window.json
 printf 'frames 3\ndo output\nwait 600\n' >script.txt
 open_window s.marotte --face "$puppet" --map one_hand --settings window.json --size 640x360 --script script.txt
 until_true 120 xdotool search --onlyvisible --name 'marotte: output' || { fail "no output opens: $(cat stderr.txt)"; finish; }

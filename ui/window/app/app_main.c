@@ -59,7 +59,12 @@ static void keep_patch(app *self)
     error err = {""};
     if (!self->keeps_settings || !patch_path(self, path, sizeof path))
         return;
-    mrt_result result = patch_file_write(&text, &self->patch, &err);
+    patch before;
+    mrt_result result = access(path, F_OK) == 0 ? patch_file_read(&before, path, &err) : MRT_OK;
+    if (result < 0)
+        error_prefix(&err, "the patch is not saved over this file; move it away");
+    else
+        result = patch_file_write(&text, &self->patch, &err);
     if (result >= 0)
         result = file_write(path, text, strlen(text), &err);
     free(text);
@@ -333,7 +338,7 @@ void app_destroy(app *self)
     if (!self)
         return;
     if (self->keeps_settings)
-        app_keep_settings_now(self);
+        app_keep_settings_last(self);
     remote_destroy(self->remote);
     input_opener_destroy(self->inputs);
     app_drop_copy(self);

@@ -144,9 +144,8 @@ static void keep_inputs(app *self)
     settings_set_list(self->settings, "inputs", kept, count, INPUT_OPENER_MAX);
 }
 
-void app_keep_settings_now(app *self)
+static void note_settings(app *self)
 {
-    error err = {0};
     keep_looks(self);
     if (self->live) {
         keep_mapping(self);
@@ -154,10 +153,15 @@ void app_keep_settings_now(app *self)
         if (input_opener_are_done(self->inputs))
             keep_inputs(self);
     }
-    const mrt_result result = settings_write(self->settings, &err);
-    if (result < 0 && !self->settings_failed)
-        (void)app_report(self, result, &err);
-    self->settings_failed = result < 0;
+}
+
+/* An error goes to stderr, as the window is gone. */
+void app_keep_settings_last(app *self)
+{
+    error err = {0};
+    note_settings(self);
+    if (settings_write_last(self->settings, &err) < 0 && !self->settings_failed)
+        fprintf(stderr, "marotte: %s\n", err.text);
 }
 
 /* Once a frame; writes the settings every WRITE_EVERY_S. */
@@ -166,8 +170,13 @@ void app_keep_settings(app *self, double dt_s)
     self->settings_wait_s += dt_s;
     if (self->settings_wait_s < WRITE_EVERY_S)
         return;
+    error err = {0};
     self->settings_wait_s = 0.0;
-    app_keep_settings_now(self);
+    note_settings(self);
+    const mrt_result result = settings_write(self->settings, &err);
+    if (result < 0 && !self->settings_failed)
+        (void)app_report(self, result, &err);
+    self->settings_failed = result < 0;
 }
 
 /* ---- how the surface is solved: kept with the show ---- */

@@ -147,7 +147,7 @@ void app_looks_read(app *self);              /* from the settings */
 bool *app_look_switch(app *self, action of); /* the switch that the action toggles; NULL: none */
 /* Writes the settings: every few seconds, and at the end. */
 void app_keep_settings(app *self, double dt_s);
-void app_keep_settings_now(app *self);
+void app_keep_settings_last(app *self);
 /* Opens show, face, plugins and stage, as the options or else the last run say. */
 CHECKED mrt_result app_open_first(app *self, const app_options *options, error *err);
 /* Once a frame: opens a copy of the show as soon as it is complete. */

@@ -1,27 +1,49 @@
+#define _GNU_SOURCE /* renameat2 */
 #include "window/app/settings.h"
 
 #include "base/file.h"
 #include "base/text.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { SIZE_CAP = 4 << 20, KEY_MAX = 256, DUMP_FLAGS = JSON_INDENT(2) | JSON_SORT_KEYS };
+enum {
+    SIZE_CAP = 4 << 20,
+    KEY_MAX = 256,
+    DUMP_FLAGS = JSON_INDENT(2) | JSON_SORT_KEYS,
+    ASIDE_NAMES = 100,
+    LAST_TRIES = 500, /* of settings_write_last */
+    LAST_PAUSE_MS = 10
+};
+
+/* A key that every settings file of marotte has: by it a file is known as one. */
+static const char own_key[] = "looks";
 
 struct settings {
-    char *path, *folder; /* "": nothing is written */
-    json_t *root;
-    bool has_changed;
+    char *path, *folder; /* path "": nothing is written */
+    bool is_named;       /* by the person, not the default path */
+    json_t *root;        /* values as this program sees them */
+    json_t *changes;     /* since the last write: key to value in their order; null: removed */
 };
 
 /* ---- the file ---- */
+
+typedef enum content {
+    CONTENT_NONE = 0, /* no file yet */
+    CONTENT_SETTINGS,
+    CONTENT_FOREIGN,   /* a file with other content, or damaged */
+    CONTENT_UNREADABLE /* no permission, a folder, a device, a link that leads nowhere */
+} content;
 
 static char *default_path(void)
 {
@@ -31,52 +53,91 @@ static char *default_path(void)
     return strdup(path);
 }
 
-static void set_aside(settings *self, const char *why, char *out_note, size_t capacity)
+/* In the default place any JSON object counts. A file that the person names must be empty of keys
+ * or have own_key, because other programs write JSON too. */
+static bool is_settings(const settings *self, const json_t *root)
 {
-    char aside[PATH_MAX];
-    const int length = snprintf(aside, sizeof aside, "%s.damaged", self->path);
-    const bool is_aside = length < (int)sizeof aside && rename(self->path, aside) == 0;
-    (void)snprintf(out_note, capacity,
-                   is_aside ? "the settings made no sense (%s): they are in %s now, and the "
-                              "window starts as new"
-                            : "the settings make no sense (%s): %s is not used, and the window "
-                              "starts as new",
-                   why, is_aside ? aside : self->path);
-    text_make_printable(out_note); /* why: with words of the file */
+    return json_is_object(root) &&
+           (!self->is_named || json_object_size(root) == 0 || json_object_get(root, own_key));
 }
 
-/* Reads the file. One that is no JSON object is renamed (set_aside); one without permission to read
- * is left alone, and nothing is kept then. */
-static void read_file(settings *self, char *out_note, size_t capacity)
+/* out_root: only with CONTENT_SETTINGS. why: a sentence with the path where it is neither settings
+ * nor absent. */
+static content read_content(const settings *self, json_t **out_root, error *why)
 {
     file_bytes bytes;
-    error err = {0};
-    json_error_t where;
+    json_error_t where = {.line = 1};
     struct stat info;
-    if (!self->path[0] || (stat(self->path, &info) != 0 && (errno == ENOENT || errno == ENOTDIR)))
-        return;
-    if (access(self->path, R_OK) != 0) {
-        (void)snprintf(out_note, capacity, "%s cannot be read: %s; nothing is kept between runs",
-                       self->path, strerror(errno));
-        self->path[0] = '\0';
-        return;
-    }
-    if (file_read(&bytes, self->path, SIZE_CAP, &err) < 0) {
-        set_aside(self, err.text, out_note, capacity);
-        return;
-    }
+    *out_root = NULL;
+    if (lstat(self->path, &info) != 0 && (errno == ENOENT || errno == ENOTDIR))
+        return CONTENT_NONE;
+    const mrt_result result = file_read(&bytes, self->path, SIZE_CAP, why);
+    if (result < 0)
+        return result == MRT_ERR_FORMAT || result == MRT_ERR_UNSUPPORTED ? CONTENT_FOREIGN
+                                                                         : CONTENT_UNREADABLE;
     json_t *root = json_loadb((const char *)bytes.data, bytes.size, 0, &where);
     file_bytes_finish(&bytes);
-    if (!json_is_object(root)) {
-        char why[200];
-        (void)snprintf(why, sizeof why, "line %d: %s", root ? 1 : where.line,
-                       root ? "an object was expected" : where.text);
-        set_aside(self, why, out_note, capacity);
-        json_decref(root);
-        return;
+    if (is_settings(self, root)) {
+        *out_root = root;
+        return CONTENT_SETTINGS;
     }
-    json_decref(self->root);
-    self->root = root;
+    (void)error_set(why, MRT_ERR_FORMAT, "%s: is not a settings file of marotte (line %d: %s)",
+                    self->path, root ? 1 : where.line,
+                    !root                  ? where.text
+                    : json_is_object(root) ? "the key \"looks\" is missing"
+                                           : "an object was expected");
+    json_decref(root);
+    return CONTENT_FOREIGN;
+}
+
+/* Never over another file. The damaged file is the default one. */
+static bool set_aside(const settings *self, char aside[PATH_MAX])
+{
+    for (int n = 1; n <= ASIDE_NAMES; ++n) {
+        const int length = n > 1 ? snprintf(aside, PATH_MAX, "%s.damaged-%d", self->path, n)
+                                 : snprintf(aside, PATH_MAX, "%s.damaged", self->path);
+        if (length >= PATH_MAX)
+            return false;
+        if (renameat2(AT_FDCWD, self->path, AT_FDCWD, aside, RENAME_NOREPLACE) == 0)
+            return true;
+        if (errno != EEXIST)
+            return false;
+    }
+    return false;
+}
+
+static mrt_result refuse(const error *why, error *err)
+{
+    return error_set(err, MRT_ERR_FORMAT,
+                     "%s. It is left as it is: choose another file for the settings", why->text);
+}
+
+/* A default file that is of no use stops nobody: the note says what becomes of it. */
+static mrt_result read_file(settings *self, char *out_note, size_t capacity, error *err)
+{
+    char aside[PATH_MAX];
+    error why = {""};
+    json_t *root;
+    const content found = self->path[0] ? read_content(self, &root, &why) : CONTENT_NONE;
+    if (found == CONTENT_NONE)
+        return MRT_OK;
+    if (found == CONTENT_SETTINGS) {
+        json_decref(self->root);
+        self->root = root;
+        return MRT_OK;
+    }
+    if (self->is_named)
+        return refuse(&why, err);
+    if (found == CONTENT_FOREIGN && set_aside(self, aside)) {
+        (void)snprintf(out_note, capacity,
+                       "%s. The file is now %s, and the window starts with default settings",
+                       why.text, aside);
+    } else {
+        (void)snprintf(out_note, capacity, "%s. No settings are kept between runs", why.text);
+        self->path[0] = '\0';
+    }
+    text_make_printable(out_note); /* why: with words of the file */
+    return MRT_OK;
 }
 
 mrt_result settings_open(settings **out, const char *path, char *out_note, size_t capacity,
@@ -87,38 +148,125 @@ mrt_result settings_open(settings **out, const char *path, char *out_note, size_
         out_note[0] = '\0';
     settings *self = calloc(1, sizeof *self);
     if (self) {
+        self->is_named = path != NULL;
         self->path = path ? strdup(path) : default_path();
         self->folder = self->path ? file_directory(self->path) : NULL;
         self->root = json_object();
+        self->changes = json_object();
     }
-    if (!self || !self->path || !self->folder || !self->root) {
+    mrt_result result = MRT_OK;
+    if (!self || !self->path || !self->folder || !self->root || !self->changes)
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the settings");
+    if (result >= 0)
+        result = read_file(self, out_note, capacity, err);
+    if (result < 0) {
         settings_close(self);
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the settings");
+        return result;
     }
-    read_file(self, out_note, capacity);
     *out = self;
     return MRT_OK;
 }
 
-mrt_result settings_write(settings *self, error *err)
+static void write_value(json_t *root, const char *key, json_t *value);
+
+/* What the file is to hold: its values now with the changes of this program. NULL: see err. */
+static json_t *merge(const settings *self, error *err)
 {
-    if (!self->has_changed || !self->path[0])
-        return MRT_OK;
-    char *text = json_dumps(self->root, DUMP_FLAGS);
+    char aside[PATH_MAX];
+    const char *key;
+    error why = {""};
+    json_t *root, *value;
+    const content found = read_content(self, &root, &why);
+    if (found == CONTENT_UNREADABLE ||
+        (found == CONTENT_FOREIGN && (self->is_named || !set_aside(self, aside)))) {
+        (void)refuse(&why, err);
+        return NULL;
+    }
+    if (!root)
+        root = json_deep_copy(self->root); /* it was removed or damaged meanwhile */
+    json_object_foreach(self->changes, key, value)
+        write_value(root, key, json_is_null(value) ? NULL : json_incref(value));
+    if (root && !json_object_get(root, own_key))
+        (void)json_object_set_new(root, own_key, json_object());
+    if (!root)
+        (void)error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
+    return root;
+}
+
+/* Only one program at a time reads, merges and writes. A folder is locked, because the file is
+ * replaced by each write, and so that no lock file is left behind. -1: busy; -2: this file system
+ * locks no folders, so the programs that write are not ordered. */
+static int lock_folder(const char *folder)
+{
+    const int fd = open(folder[0] ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
+        return fd;
+    const bool is_busy = fd >= 0 && errno == EWOULDBLOCK;
+    if (fd >= 0)
+        close(fd);
+    return is_busy ? -1 : -2;
+}
+
+static mrt_result write_merged(settings *self, const char *real, error *err)
+{
+    json_t *root = merge(self, err);
+    if (!root)
+        return MRT_ERR_IO;
+    char *text = json_dumps(root, DUMP_FLAGS);
+    json_decref(root);
     if (!text)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
-    mrt_result result = self->folder[0] ? file_make_folders(self->folder, err) : MRT_OK;
-    if (result >= 0)
-        result = file_write(self->path, text, strlen(text), err);
+    const mrt_result result = file_write(real, text, strlen(text), err);
     free(text);
-    self->has_changed = result < 0;
     return result;
+}
+
+mrt_result settings_write(settings *self, error *err)
+{
+    if (json_object_size(self->changes) == 0 || !self->path[0])
+        return MRT_OK;
+    mrt_result result = self->folder[0] ? file_make_folders(self->folder, err) : MRT_OK;
+    if (result < 0)
+        return result;
+    char *real = realpath(self->path, NULL); /* a link stays a link */
+    if (!real)
+        real = strdup(self->path);
+    char *folder = real ? file_directory(real) : NULL;
+    const int lock = folder ? lock_folder(folder) : -2;
+    if (!folder)
+        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
+    else if (lock == -1)
+        result = MRT_END;
+    else
+        result = write_merged(self, real, err);
+    if (lock >= 0)
+        close(lock);
+    free(folder);
+    free(real);
+    if (result == MRT_OK)
+        (void)json_object_clear(self->changes);
+    return result;
+}
+
+mrt_result settings_write_last(settings *self, error *err)
+{
+    const struct timespec pause = {.tv_nsec = LAST_PAUSE_MS * 1000000L};
+    for (int i = 0; i < LAST_TRIES; ++i) {
+        const mrt_result result = settings_write(self, err);
+        if (result != MRT_END)
+            return result;
+        (void)nanosleep(&pause, NULL);
+    }
+    return error_set(err, MRT_ERR_IO,
+                     "%s: the last changes were not written: another program locks its folder",
+                     self->path);
 }
 
 void settings_close(settings *self)
 {
     if (!self)
         return;
+    json_decref(self->changes);
     json_decref(self->root);
     free(self->folder);
     free(self->path);
@@ -166,12 +314,12 @@ const char *settings_text(const settings *self, const char *key, const char *oth
     return json_is_string(value) ? json_string_value(value) : otherwise;
 }
 
-/* Takes the value over; NULL removes the key. Values on the path that are no objects are replaced.
- */
-static void put(settings *self, const char *key, json_t *value)
+/* Owns the value from now on; NULL removes the key. Values on the path that are no objects are
+ * replaced. */
+static void write_value(json_t *root, const char *key, json_t *value)
 {
     char part[KEY_MAX], next[KEY_MAX];
-    json_t *at = self->root;
+    json_t *at = root;
     if (!next_part(&key, part)) {
         json_decref(value);
         return;
@@ -186,8 +334,18 @@ static void put(settings *self, const char *key, json_t *value)
         at = below;
         memcpy(part, next, sizeof part);
     }
-    if (value ? json_object_set_new(at, part, value) == 0 : json_object_del(at, part) == 0)
-        self->has_changed = true;
+    if (value)
+        (void)json_object_set_new(at, part, value);
+    else
+        (void)json_object_del(at, part);
+}
+
+/* As write_value; the change is written to the file later. */
+static void put(settings *self, const char *key, json_t *value)
+{
+    (void)json_object_del(self->changes, key); /* the last change comes last */
+    (void)json_object_set_new(self->changes, key, value ? json_deep_copy(value) : json_null());
+    write_value(self->root, key, value);
 }
 
 void settings_set_number(settings *self, const char *key, double value)

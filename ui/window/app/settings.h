@@ -1,18 +1,24 @@
 /* window/app/settings.h - what is kept between runs: a small JSON file in the user's configuration
- * folder ($XDG_CONFIG_HOME/marotte/window.json). Written beside and renamed; a file that makes no
- * sense is set aside (window.json.damaged) with a note. Keys of a newer version are kept. [main] */
+ * folder ($XDG_CONFIG_HOME/marotte/window.json). Several stages may share the file: each writes
+ * only the keys that it changed into what the file holds by then, under a lock, beside it and
+ * renamed. Keys of a newer version are kept. [main] */
 #ifndef MAROTTE_UI_WINDOW_APP_SETTINGS_H
 #define MAROTTE_UI_WINDOW_APP_SETTINGS_H
 #include "base/error.h"
 
 typedef struct settings settings;
 
-/* path NULL: the user's; "": nothing is read or written. out_note: what a person should know; "".
- */
+/* path NULL: the user's default; "": nothing is read or written. A default file that is damaged is
+ * renamed to window.json.damaged (-2, -3: never over another file), and out_note says so ("": there
+ * is nothing to say). A named file that is no settings file of marotte is an error and is never
+ * changed: a text, another program's JSON, a folder, a link that leads nowhere. */
 CHECKED mrt_result settings_open(settings **out, const char *path, char *out_note, size_t capacity,
                                  error *err);
-CHECKED mrt_result settings_write(settings *self, error *err); /* if something has changed */
-void settings_close(settings *self);                           /* NULL is fine; does not write */
+/* Writes what has changed. MRT_END: another program writes there; the changes wait for the next
+ * call. A file that is no longer one of settings is treated as by settings_open. */
+CHECKED mrt_result settings_write(settings *self, error *err);
+CHECKED mrt_result settings_write_last(settings *self, error *err); /* waits up to 5 s for others */
+void settings_close(settings *self); /* NULL is fine; does not write */
 
 /* Where the file lies, with the final '/': for what else is kept between runs (an unsaved rig);
  * "": nothing is to be written. */
