@@ -7,7 +7,9 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { WILD = 6 }; /* letters of a temporary name that are drawn */
@@ -88,15 +90,10 @@ bool file_next_data(int fd, uint64_t from, uint64_t *out_begin, uint64_t *out_en
 uint64_t file_data_size(const char *path)
 {
     struct stat status;
-    uint64_t size = 0, begin, end = 0;
-    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0)
+    if (stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return 0;
-    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
-        while (file_next_data(fd, end, &begin, &end))
-            size += end - begin;
-    close(fd);
-    return size;
+    const uint64_t size = (uint64_t)status.st_size, stored = 512 * (uint64_t)status.st_blocks;
+    return stored == 0 || stored > size ? size : stored;
 }
 
 void file_bytes_finish(file_bytes *bytes)
@@ -217,6 +214,27 @@ mrt_result file_write(const char *path, const void *data, size_t size, error *er
         return result;
     (void)fwrite(data, 1, size, writer.stream); /* a short write is found by commit */
     return file_writer_commit(&writer, err);
+}
+
+file_lock file_lock_folder(int *out_fd, const char *path, int patience_ms)
+{
+    const struct timespec pause = {.tv_nsec = 1000000};
+    char *folder = file_directory(path);
+    const int fd = folder ? open(folder[0] ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    free(folder);
+    *out_fd = -1;
+    if (fd < 0)
+        return FILE_LOCK_UNSUPPORTED;
+    while (flock(fd, LOCK_EX | LOCK_NB) != 0) {
+        const int reason = errno;
+        if (reason != EWOULDBLOCK || patience_ms-- <= 0) {
+            close(fd);
+            return reason == EWOULDBLOCK ? FILE_LOCK_BUSY : FILE_LOCK_UNSUPPORTED;
+        }
+        (void)nanosleep(&pause, NULL);
+    }
+    *out_fd = fd;
+    return FILE_LOCK_HELD;
 }
 
 /* ---- what one file may name ---- */

@@ -23,7 +23,10 @@ void file_bytes_finish(file_bytes *bytes);
  * goes over all of it, looks at what is there. The next bytes at or after `from` that are not a
  * hole; false: none. Where the file system knows no holes, that is all of it. */
 bool file_next_data(int fd, uint64_t from, uint64_t *out_begin, uint64_t *out_end);
-uint64_t file_data_size(const char *path); /* how many there are; 0: no regular file, or none */
+/* How much of it is stored, about; all of it where the file system does not say. 0: no regular
+ * file. The file is not opened: closing it would drop the locks that this process has on it,
+ * SQLite's. */
+uint64_t file_data_size(const char *path);
 
 typedef struct file_writer {
     FILE *stream; /* write here; errors are found by file_writer_commit */
@@ -39,6 +42,17 @@ void file_writer_abandon(file_writer *writer);
 
 /* Writes `size` bytes as a whole file, by the above. */
 CHECKED mrt_result file_write(const char *path, const void *data, size_t size, error *err);
+
+/* Orders programs that replace or remove files in the folder of `path`: only one of them holds its
+ * lock. The folder itself is locked, so no lock file is left behind, and a kill releases it. Waits
+ * for others up to patience_ms. To be released by close(*out_fd), which is -1 where it is not
+ * held. */
+typedef enum file_lock {
+    FILE_LOCK_HELD = 0,
+    FILE_LOCK_BUSY,
+    FILE_LOCK_UNSUPPORTED /* no such folder, or its file system locks no folders (NFS) */
+} file_lock;
+file_lock file_lock_folder(int *out_fd, const char *path, int patience_ms);
 
 /* Whether what `path` leads to, links followed, is in `folder` ("": the working directory) or below
  * it, or in a folder that the person names in $MAROTTE_FILE_FOLDERS (with ':' between them): a file

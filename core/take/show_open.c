@@ -69,13 +69,26 @@ static mrt_result connect_and_look(sqlite **out, identity *out_identity, const c
     return result;
 }
 
+static bool has_beside(const char *path, const char *suffix, off_t size_min)
+{
+    char *beside = show_beside(path, suffix);
+    struct stat status;
+    bool has = beside && stat(beside, &status) == 0 && status.st_size >= size_min;
+    free(beside);
+    return has;
+}
+
 static bool has_log(const char *path)
 {
-    char *log = show_beside(path, "-wal");
+    return has_beside(path, "-wal", 1);
+}
+
+/* A show that nobody may write, and nobody writes. */
+static bool is_archived(const char *path)
+{
     struct stat status;
-    bool has = log && stat(log, &status) == 0 && status.st_size > 0;
-    free(log);
-    return has;
+    return stat(path, &status) == 0 && (status.st_mode & 0222) == 0 && !has_log(path) &&
+           !has_beside(path, "-lock", 0);
 }
 
 static void add_notice(show *self, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -93,12 +106,13 @@ static void add_notice(show *self, const char *format, ...)
     va_end(arguments);
 }
 
-/* A folder that cannot be written has no place for the files that SQLite keeps beside a show. */
+/* A folder that cannot be written has no place for the files that SQLite keeps beside a show, and a
+ * file that cannot be written does not let them be removed. */
 static mrt_result connect_for_reading(show *self, identity *out, error *err)
 {
+    const sqlite_mode mode = is_archived(self->path) ? SQLITE_MODE_READ_FROZEN : SQLITE_MODE_READ;
     sqlite_trouble trouble;
-    mrt_result result =
-        connect_and_look(&self->db, out, self->path, SQLITE_MODE_READ, &trouble, err);
+    mrt_result result = connect_and_look(&self->db, out, self->path, mode, &trouble, err);
     if (result >= 0 || (trouble != SQLITE_TROUBLE_OPEN && trouble != SQLITE_TROUBLE_READONLY))
         return result;
     result = connect_and_look(&self->db, out, self->path, SQLITE_MODE_READ_FROZEN, &trouble, err);

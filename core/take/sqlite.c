@@ -6,6 +6,7 @@
 #include "base/text.h"
 
 #include <ctype.h>
+#include <limits.h>
 #include <math.h>
 #include <sqlite3.h>
 #include <stdarg.h>
@@ -13,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum {
     BUSY_MS = 5000,
@@ -21,6 +23,7 @@ enum {
     IDLE_MAX = 32,         /* statements kept to be used again */
     OPCODES_A_LOOK = 1000, /* of SQLite's machine: how often limits are looked at */
     STEPS_A_LOOK = 2500,   /* of work, as base/budget.h counts it: an opcode takes 25 ns */
+    TIDY_PATIENCE_MS = 5000,
     HEADER_BYTES = 100,
     HEADER_APPLICATION = 68
 };
@@ -31,6 +34,7 @@ typedef struct guard {
     char name[32];
     char *path;      /* of the file that was opened; owned */
     bool is_fresh;   /* it is being made */
+    bool is_show;    /* by its header */
     bool is_foreign; /* it is another program's database */
 } guard;
 
@@ -38,7 +42,8 @@ struct sqlite {
     guard files;
     sqlite3 *handle;
     char *path;
-    int code; /* of the last failure, extended */
+    bool is_reader, had_index; /* had_index: a -shm lay beside it before */
+    int code;                  /* of the last failure, extended */
     uint64_t file_size;
     budget left;
     error over_budget; /* what it said when it was used up; "" */
@@ -175,7 +180,8 @@ static int check_header(guard *self, sqlite3_file *file)
     const unsigned char *id = header + HEADER_APPLICATION;
     self->is_foreign = ((uint32_t)id[0] << 24 | (uint32_t)id[1] << 16 | (uint32_t)id[2] << 8 |
                         id[3]) != SQLITE_APPLICATION;
-    return self->is_foreign ? SQLITE_NOTADB : SQLITE_OK;
+    self->is_show = !self->is_foreign;
+    return self->is_show ? SQLITE_OK : SQLITE_NOTADB;
 }
 
 static int open_main(guard *self, const char *path, sqlite3_file *file, int flags, int *out_flags)
@@ -418,8 +424,16 @@ static uint64_t measure(const char *path)
     return file_data_size(path) + file_data_size(log);
 }
 
+static bool is_there(const char *path, const char *suffix, struct stat *out)
+{
+    char beside[PATH_MAX];
+    const int length = snprintf(beside, sizeof beside, "%s%s", path, suffix);
+    return length < (int)sizeof beside && lstat(beside, out) == 0;
+}
+
 static int open_handle(sqlite *self, sqlite_mode mode)
 {
+    struct stat ignored;
     static const int mode_flags[] = {
         [SQLITE_MODE_READ] = SQLITE_OPEN_READONLY,
         [SQLITE_MODE_READ_FROZEN] = SQLITE_OPEN_READONLY,
@@ -431,6 +445,8 @@ static int open_handle(sqlite *self, sqlite_mode mode)
         return SQLITE_NOMEM;
     int flags = mode_flags[mode] | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX | SQLITE_OPEN_EXRESCODE;
     int code = guard_init(&self->files, mode == SQLITE_MODE_MAKE);
+    self->is_reader = mode == SQLITE_MODE_READ;
+    self->had_index = is_there(self->path, "-shm", &ignored);
     if (code == SQLITE_OK) {
         code = sqlite3_open_v2(uri, &self->handle, flags, self->files.name);
         (void)sqlite3_vfs_unregister(&self->files.vfs);
@@ -475,6 +491,67 @@ static void destroy(sqlite_statement *statement)
     free(statement);
 }
 
+/* ---- what a reader leaves ---- */
+
+static void remove_beside(const char *path, const char *suffix)
+{
+    char beside[PATH_MAX];
+    struct stat status;
+    if (is_there(path, suffix, &status) && S_ISREG(status.st_mode) &&
+        snprintf(beside, sizeof beside, "%s%s", path, suffix) < (int)sizeof beside)
+        (void)unlink(beside);
+}
+
+/* With the exclusive lock of the file no connection is open anywhere, and none can open: each holds
+ * a shared lock from its first look at the log to its end. An empty log says nothing, the index can
+ * always be made again, and a log with content is left alone. A -lock is made before a connection
+ * that writes: where there is one, somebody writes, or was killed. */
+static void remove_left(const sqlite *self)
+{
+    const char *path = self->files.path;
+    struct stat status;
+    if (is_there(path, "-lock", &status))
+        return;
+    const bool has_log = is_there(path, "-wal", &status) && status.st_size > 0;
+    if (!has_log)
+        remove_beside(path, "-wal");
+    if (!has_log || !self->had_index)
+        remove_beside(path, "-shm");
+}
+
+/* SQLite makes a -wal and a -shm for a connection that only reads, and cannot remove them, because
+ * that takes a lock for which the file must be open for writing. The lock is asked for through its
+ * own file system: a lock of ours would be dropped with every descriptor that this process closes.
+ * A file that cannot be opened for writing keeps them. Readers that end at once do this one after
+ * the other, so that none of them is in the way of the last one. */
+static void tidy(const sqlite *self)
+{
+    sqlite3_vfs *base = self->files.base;
+    struct stat status;
+    int flags = SQLITE_OPEN_MAIN_DB | SQLITE_OPEN_READWRITE;
+    if (!self->is_reader || !self->files.is_show || is_there(self->files.path, "-lock", &status) ||
+        !(is_there(self->files.path, "-wal", &status) ||
+          is_there(self->files.path, "-shm", &status)) ||
+        !may_be_opened(self->files.path))
+        return;
+    int folder;
+    if (file_lock_folder(&folder, self->files.path, TIDY_PATIENCE_MS) == FILE_LOCK_BUSY)
+        return;
+    sqlite3_file *file = calloc(1, (size_t)base->szOsFile);
+    sqlite3_filename name = sqlite3_create_filename(self->files.path, "", "", 0, NULL);
+    if (file && name && base->xOpen(base, name, file, flags, &flags) == SQLITE_OK) {
+        if (file->pMethods->xLock(file, SQLITE_LOCK_SHARED) == SQLITE_OK &&
+            file->pMethods->xLock(file, SQLITE_LOCK_EXCLUSIVE) == SQLITE_OK)
+            remove_left(self);
+        (void)file->pMethods->xUnlock(file, SQLITE_LOCK_NONE);
+        (void)file->pMethods->xClose(file);
+    }
+    sqlite3_free_filename(name);
+    free(file);
+    if (folder >= 0)
+        close(folder);
+}
+
 void sqlite_close(sqlite *self)
 {
     if (!self)
@@ -482,6 +559,7 @@ void sqlite_close(sqlite *self)
     for (uint32_t i = 0; i < self->idle_count; ++i)
         destroy(self->idle[i]);
     sqlite3_close(self->handle);
+    tidy(self);
     free(self->files.path);
     free(self->path);
     free(self);

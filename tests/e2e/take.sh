@@ -40,6 +40,12 @@ record "$show" "$puppet" one_hand --scene 1 --shot a
 says 'takes              1' list "$show"
 says '1/a/1' list "$show"
 says 'org.marotte.one_hand' show "$show" last
+# A program that only reads leaves nothing beside the show.
+mkdir "$scratch/still"
+cp "$show" "$scratch/still/a.marotte"
+take list "$scratch/still/a.marotte" >"$scratch/said"
+take export "$scratch/still/a.marotte" 1 --export "$scratch/still.csv" --out 0.1 >"$scratch/said"
+[ "$(ls -A "$scratch/still")" = a.marotte ] || fail "left beside a show that was read: $(ls -A "$scratch/still")"
 take list "$show" --json >"$scratch/said"
 [ "$(number take_count)" = 1 ] || fail "list --json: $(cat "$scratch/said")"
 first=$(sum_of "$show" 1/a/1)

@@ -10,6 +10,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <sqlite3.h>
 #include <sys/wait.h>
@@ -107,6 +108,228 @@ static void what_is_no_show_is_refused_by_name(void **state)
         assert_int_equal(show_open(&got, s->folder, modes[i], &err), MRT_ERR_IO);
         assert_false(is_there(s->path, "-lock"));
     }
+}
+
+/* ---- who only reads ---- */
+
+enum { LISTING = 4096 };
+
+/* Names, sizes and bytes of what is in the folder, but for the bytes of -shm, which are SQLite's.
+ */
+static void list_folder(const scene *s, char out[LISTING])
+{
+    char command[SCENE_PATH + 200];
+    snprintf(command, sizeof command,
+             "cd '%s' && stat -c '%%n %%a %%s' -- * && cat $(ls | grep -v shm$) | cksum",
+             s->folder);
+    FILE *from = popen(command, "r");
+    assert_non_null(from);
+    out[fread(out, 1, LISTING - 1, from)] = '\0';
+    assert_int_equal(pclose(from), 0);
+}
+
+static void expect_unchanged(const scene *s, const char before[LISTING])
+{
+    char after[LISTING];
+    list_folder(s, after);
+    assert_string_equal(before, after);
+}
+
+static void who_only_reads_leaves_the_folder_as_it_was(void **state)
+{
+    scene *s = *state;
+    char before[LISTING];
+    const int64_t track = record_some(s->path, 100);
+    static const mode_t modes[] = {0600, 0444};
+    for (size_t i = 0; i < 2; ++i) {
+        assert_int_equal(chmod(s->path, modes[i]), 0);
+        list_folder(s, before);
+        show *one = scene_open(s, SHOW_READ);
+        scene_expect(one, track, 0, 100);
+        show *two = scene_open(s, SHOW_READ);
+        scene_expect(two, track, 0, 100);
+        show_close(one);
+        scene_expect(two, track, 0, 100);
+        show_close(two);
+        expect_unchanged(s, before);
+    }
+}
+
+static void who_reads_beside_a_writer_takes_nothing_from_it(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *got;
+    writer_options options = scene_options();
+    scene_recording r;
+    scene_must(show_create(&got, s->path, &err), &err);
+    scene_record(&r, got, &options);
+    for (int i = 0; i < 5; ++i) {
+        scene_give(&r, 100 * i, 100 * (i + 1));
+        scene_flush(&r);
+        const pid_t child = fork();
+        if (child == 0) {
+            show *read;
+            if (show_open(&read, s->path, SHOW_READ, &err) < 0)
+                _exit(1);
+            scene_expect(read, r.track, 0, 100 * (i + 1));
+            show_close(read);
+            _exit(0);
+        }
+        int status;
+        assert_int_equal(waitpid(child, &status, 0), child);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+        assert_true(is_there(s->path, "-wal") && is_there(s->path, "-shm"));
+    }
+    scene_stop(&r);
+    show_close(got);
+    got = scene_open(s, SHOW_READ);
+    scene_expect(got, r.track, 0, 500);
+    show_close(got);
+    assert_false(is_there(s->path, "-wal") || is_there(s->path, "-shm"));
+}
+
+/* What a killed program left is there for the next one that writes. */
+static void who_reads_after_a_kill_leaves_the_log(void **state)
+{
+    scene *s = *state;
+    char before[LISTING], beside[SCENE_PATH + 8];
+    error err = {""};
+    const pid_t child = fork();
+    if (child == 0) {
+        show *got;
+        scene_recording r;
+        writer_options options = scene_options();
+        scene_must(show_create(&got, s->path, &err), &err);
+        scene_record(&r, got, &options);
+        scene_give(&r, 0, 300);
+        scene_flush(&r);
+        (void)raise(SIGKILL);
+    }
+    assert_int_equal(waitpid(child, NULL, 0), child);
+    for (int is_copied = 0; is_copied < 2; ++is_copied) {
+        if (is_copied) { /* the show and its log alone */
+            (void)snprintf(beside, sizeof beside, "%s-shm", s->path);
+            assert_int_equal(unlink(beside), 0);
+            (void)snprintf(beside, sizeof beside, "%s-lock", s->path);
+            assert_int_equal(unlink(beside), 0);
+        }
+        list_folder(s, before);
+        show *got = scene_open(s, SHOW_READ);
+        scene_expect(got, 1, 0, 300);
+        show_close(got);
+        expect_unchanged(s, before);
+    }
+    show *got = scene_open(s, SHOW_WRITE);
+    scene_expect(got, 1, 0, 300);
+    show_close(got);
+}
+
+/* Each may be the last one. */
+static void readers_that_end_at_once_leave_nothing(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    pid_t reader[4];
+    const int64_t track = record_some(s->path, 20);
+    for (int i = 0; i < 4; ++i) {
+        reader[i] = fork();
+        assert_true(reader[i] >= 0);
+        for (int n = 0; reader[i] == 0; ++n) {
+            show *read;
+            if (n == 50)
+                _exit(0);
+            if (show_open(&read, s->path, SHOW_READ, &err) < 0)
+                _exit(1);
+            scene_expect(read, track, 0, 20);
+            show_close(read);
+        }
+    }
+    for (int i = 0; i < 4; ++i) {
+        int status;
+        assert_int_equal(waitpid(reader[i], &status, 0), reader[i]);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+    assert_false(is_there(s->path, "-wal") || is_there(s->path, "-shm"));
+}
+
+/* Readers come and go while the show is opened, written and closed: nothing is lost. The log of a
+ * writer that closes while somebody reads stays for the next one. */
+static void readers_and_writers_meet_at_any_moment(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    int stop[2];
+    pid_t reader[2];
+    const int64_t track = record_some(s->path, 100);
+    assert_int_equal(pipe(stop), 0);
+    for (int i = 0; i < 2; ++i) {
+        reader[i] = fork();
+        assert_true(reader[i] >= 0);
+        if (reader[i] > 0)
+            continue;
+        close(stop[1]);
+        struct pollfd until = {.fd = stop[0], .events = POLLIN};
+        while (poll(&until, 1, 0) == 0) {
+            show *read;
+            if (show_open(&read, s->path, SHOW_READ, &err) < 0)
+                _exit(1);
+            scene_expect(read, track, 0, 100);
+            show_close(read);
+        }
+        _exit(0);
+    }
+    close(stop[0]);
+    for (int i = 0; i < 40; ++i) {
+        show *got = scene_open(s, SHOW_WRITE);
+        assert_true(show_is_writable(got));
+        char text[16], back[16];
+        (void)snprintf(text, sizeof text, "%d", i);
+        scene_must(show_note_write(got, "test", text, &err), &err);
+        scene_must(show_note_read(got, "test", back, sizeof back, &err), &err);
+        assert_string_equal(back, text);
+        show_close(got);
+    }
+    close(stop[1]);
+    for (int i = 0; i < 2; ++i) {
+        int status;
+        assert_int_equal(waitpid(reader[i], &status, 0), reader[i]);
+        assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    }
+    for (int i = 0; i < 3; ++i) {
+        show *got = scene_open(s, i == 1 ? SHOW_WRITE : SHOW_READ);
+        char back[16];
+        scene_must(show_note_read(got, "test", back, sizeof back, &err), &err);
+        assert_string_equal(back, "39");
+        show_close(got);
+    }
+    assert_false(is_there(s->path, "-wal") || is_there(s->path, "-shm"));
+}
+
+/* POSIX drops a process's locks on a file whenever it closes any descriptor of it: SQLite's lock of
+ * an open show, which keeps others from removing its log, must survive what else is opened. */
+static void a_second_connection_does_not_drop_the_locks_of_the_first(void **state)
+{
+    scene *s = *state;
+    error err = {""};
+    show *joined;
+    record_some(s->path, 100);
+    show *got = scene_open(s, SHOW_WRITE);
+    scene_must(show_join(&joined, got, &err), &err);
+    show *read = scene_open(s, SHOW_READ);
+    const pid_t child = fork();
+    if (child == 0) {
+        struct flock lock = {
+            .l_type = F_WRLCK, .l_whence = SEEK_SET, .l_start = 0x40000002, .l_len = 510};
+        int fd = open(s->path, O_RDWR | O_CLOEXEC);
+        _exit(fd >= 0 && fcntl(fd, F_GETLK, &lock) == 0 && lock.l_type != F_UNLCK ? 0 : 1);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+    show_close(read);
+    show_close(joined);
+    show_close(got);
 }
 
 static void names_with_special_letters_work(void **state)
@@ -458,6 +681,12 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         TEST(a_closed_show_is_one_file),
+        TEST(who_only_reads_leaves_the_folder_as_it_was),
+        TEST(who_reads_beside_a_writer_takes_nothing_from_it),
+        TEST(who_reads_after_a_kill_leaves_the_log),
+        TEST(readers_that_end_at_once_leave_nothing),
+        TEST(readers_and_writers_meet_at_any_moment),
+        TEST(a_second_connection_does_not_drop_the_locks_of_the_first),
         TEST(a_show_is_not_made_over_a_file),
         TEST(what_is_no_show_is_refused_by_name),
         TEST(names_with_special_letters_work),

@@ -12,9 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 enum {
@@ -22,8 +20,7 @@ enum {
     KEY_MAX = 256,
     DUMP_FLAGS = JSON_INDENT(2) | JSON_SORT_KEYS,
     ASIDE_NAMES = 100,
-    LAST_TRIES = 500, /* of settings_write_last */
-    LAST_PAUSE_MS = 10
+    LAST_PATIENCE_MS = 5000
 };
 
 /* A key that every settings file of marotte has: by it a file is known as one. */
@@ -193,20 +190,6 @@ static json_t *merge(const settings *self, error *err)
     return root;
 }
 
-/* Only one program at a time reads, merges and writes. A folder is locked, because the file is
- * replaced by each write, and so that no lock file is left behind. -1: busy; -2: this file system
- * locks no folders, so the programs that write are not ordered. */
-static int lock_folder(const char *folder)
-{
-    const int fd = open(folder[0] ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0)
-        return fd;
-    const bool is_busy = fd >= 0 && errno == EWOULDBLOCK;
-    if (fd >= 0)
-        close(fd);
-    return is_busy ? -1 : -2;
-}
-
 static mrt_result write_merged(settings *self, const char *real, error *err)
 {
     json_t *root = merge(self, err);
@@ -221,8 +204,10 @@ static mrt_result write_merged(settings *self, const char *real, error *err)
     return result;
 }
 
-mrt_result settings_write(settings *self, error *err)
+/* Only one program at a time reads, merges and writes. */
+static mrt_result write_waiting(settings *self, int patience_ms, error *err)
 {
+    int lock = -1;
     if (json_object_size(self->changes) == 0 || !self->path[0])
         return MRT_OK;
     mrt_result result = self->folder[0] ? file_make_folders(self->folder, err) : MRT_OK;
@@ -231,32 +216,30 @@ mrt_result settings_write(settings *self, error *err)
     char *real = realpath(self->path, NULL); /* a link stays a link */
     if (!real)
         real = strdup(self->path);
-    char *folder = real ? file_directory(real) : NULL;
-    const int lock = folder ? lock_folder(folder) : -2;
-    if (!folder)
-        result = error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
-    else if (lock == -1)
+    if (!real)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory to write it", self->path);
+    if (file_lock_folder(&lock, real, patience_ms) == FILE_LOCK_BUSY)
         result = MRT_END;
     else
         result = write_merged(self, real, err);
     if (lock >= 0)
         close(lock);
-    free(folder);
     free(real);
     if (result == MRT_OK)
         (void)json_object_clear(self->changes);
     return result;
 }
 
+mrt_result settings_write(settings *self, error *err)
+{
+    return write_waiting(self, 0, err);
+}
+
 mrt_result settings_write_last(settings *self, error *err)
 {
-    const struct timespec pause = {.tv_nsec = LAST_PAUSE_MS * 1000000L};
-    for (int i = 0; i < LAST_TRIES; ++i) {
-        const mrt_result result = settings_write(self, err);
-        if (result != MRT_END)
-            return result;
-        (void)nanosleep(&pause, NULL);
-    }
+    const mrt_result result = write_waiting(self, LAST_PATIENCE_MS, err);
+    if (result != MRT_END)
+        return result;
     return error_set(err, MRT_ERR_IO,
                      "%s: the last changes were not written: another program locks its folder",
                      self->path);
