@@ -441,16 +441,17 @@ static mrt_result end_recording(performance *of, facts *told, error *err)
     return MRT_OK;
 }
 
-static void finish_recording(take_recording *self)
+static mrt_result finish_recording(take_recording *self, mrt_result so_far, error *err)
 {
     error ignored = {""};
     sound_destroy(self->sound);
     if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
         fprintf(stderr, "warning: %s\n", ignored.text);
-    perform_record_rescue(self->show);
+    const mrt_result result = perform_record_rescue(self->show, so_far, err);
     show_close(self->show);
     free(self->calibration[MRT_LEFT]);
     free(self->calibration[MRT_RIGHT]);
+    return result;
 }
 
 /* ---- prepared ---- */
@@ -534,11 +535,11 @@ static mrt_result prepare(performance *self, error *err)
     return result < 0 ? result : start_recording(self, err);
 }
 
-static void finish(performance *self)
+static mrt_result finish(performance *self, mrt_result so_far, error *err)
 {
     exports_video_close(&self->videos);
     perform_outputs_close(&self->outputs);
-    finish_recording(&self->record);
+    const mrt_result result = finish_recording(&self->record, so_far, err);
     recording_destroy(&self->recording);
     performer_destroy(self->performer);
     perform_mapping_close(&self->mapping);
@@ -548,6 +549,7 @@ static void finish(performance *self)
     plugin_list_destroy(&self->plugins);
     news_print(self->log);
     log_queue_destroy(self->log);
+    return result;
 }
 
 /* Nonsense from a plugin: on stage the last good pull is held; an offline performance fails. */
@@ -1196,7 +1198,7 @@ static int run(int argc, char **argv)
     if (result >= 0 && self.report.input_failed)
         result = error_set(&err, MRT_ERR_IO, "%s: the input failed; what came before was performed",
                            input_name(self.inputs.input[0]));
-    finish(&self);
+    result = finish(&self, result, &err);
     finish_options(&options);
     return command_end(&command_perform, told, result, &err);
 }

@@ -480,15 +480,14 @@ void perform_record_watch_writer(writer *of, bool *is_told)
             is_well ? "recording goes on: what was held in memory is written" : text);
 }
 
-void perform_record_rescue(show *of)
+mrt_result perform_record_rescue(show *of, mrt_result so_far, error *err)
 {
-    char path[4096];
-    error err = {""};
-    const mrt_result result = of ? show_rescue_beside(of, path, sizeof path, &err) : MRT_END;
-    if (result < 0)
-        fprintf(stderr, "error: %s: was deleted, moved or replaced, and is lost: %s\n",
-                show_path(of), err.text);
-    else if (result != MRT_END)
-        fprintf(stderr, "warning: %s: was deleted, moved or replaced: all of it is in %s\n",
-                show_path(of), path);
+    error sentence = {""};
+    const show_rescue_state state = of ? show_rescue_missing(of, &sentence) : SHOW_RESCUE_NONE;
+    if (state == SHOW_RESCUE_NONE)
+        return so_far;
+    if (state != SHOW_RESCUE_BESIDE && so_far >= 0)
+        return error_set(err, MRT_ERR_IO, "%s", sentence.text);
+    fprintf(stderr, "%s: %s\n", state == SHOW_RESCUE_BESIDE ? "warning" : "error", sentence.text);
+    return so_far;
 }

@@ -125,7 +125,8 @@ void perform_outputs_close(perform_outputs *self);
 /* Now and then: says that the disk does not take it now, and when it does again. */
 void perform_record_watch_writer(writer *of, bool *is_told);
 /* When the show's file was deleted, moved or replaced while it was open: a whole copy beside it,
- * and says where. When nothing is recorded any more. NULL is fine. */
-void perform_record_rescue(show *of);
+ * and says where. An error where the copy lies elsewhere or could not be made; `so_far` is what
+ * failed before. When nothing is recorded any more. NULL is fine. */
+CHECKED mrt_result perform_record_rescue(show *of, mrt_result so_far, error *err);
 
 #endif

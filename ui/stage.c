@@ -222,12 +222,14 @@ static mrt_result open_stage(stage *self, error *err)
     return result;
 }
 
-static void close_stage(stage *self)
+/* < 0: said on stderr. */
+static mrt_result close_stage(stage *self)
 {
     workspace_destroy(self->workspace);
-    app_destroy(self->app);
+    const mrt_result result = app_destroy(self->app);
     window_close(self->window);
     script_destroy(self->script);
+    return result;
 }
 
 static double resident_mb(void)
@@ -318,9 +320,9 @@ static int stage_run(int argc, char **argv)
         result = run(&self, &err);
     if (result >= 0 && (options.is_json || options.is_hidden || options.script))
         tell(&self);
-    close_stage(&self);
+    const mrt_result closed = close_stage(&self);
     if (result >= 0)
-        return COMMAND_DONE;
+        return closed >= 0 ? COMMAND_DONE : COMMAND_FAILED;
     fprintf(stderr, "marotte: %s\n", err.text);
     return COMMAND_FAILED;
 }

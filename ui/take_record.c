@@ -186,11 +186,11 @@ static mrt_result prepare(performing *self, error *err)
     return result < 0 ? result : overdub_create(&self->overdub, &settings, err);
 }
 
-static void finish(performing *self)
+static mrt_result finish(performing *self, mrt_result so_far, error *err)
 {
     sound_destroy(self->sound);
     overdub_destroy(self->overdub);
-    perform_record_rescue(self->call->show);
+    const mrt_result result = perform_record_rescue(self->call->show, so_far, err);
     edit_finish(&self->own);
     perform_mapping_close(&self->mapping);
     plugin_spec_finish(&self->map);
@@ -207,6 +207,7 @@ static void finish(performing *self)
     if (self->log)
         news_print(self->log);
     log_queue_destroy(self->log);
+    return result;
 }
 
 /* ---- while it goes on ---- */
@@ -332,8 +333,7 @@ mrt_result take_record_run(take_call *call, error *err)
     mrt_result result = prepare(&self, err);
     if (result >= 0)
         result = keep(&self, perform(&self, err), err);
-    finish(&self);
-    return result;
+    return finish(&self, result, err);
 }
 
 /* ---- take remap: the tracks of a take through another mapping, calibration, filter, or onto

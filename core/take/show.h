@@ -50,9 +50,17 @@ bool show_is_missing(const show *self);
 bool show_is_file(const show *self, const char *path);
 /* A whole copy of what is committed, as a new file, while recording goes on. */
 CHECKED mrt_result show_rescue(show *self, const char *out_path, error *err);
-/* The same beside where it lay, under the first name that is free: night.rescued.marotte,
- * night.rescued-2.marotte; out_path tells which. MRT_END: it is not missing. */
-CHECKED mrt_result show_rescue_beside(show *self, char *out_path, size_t capacity, error *err);
+/* Of a show that is missing as it is closed: a whole copy beside where it lay, under the first name
+ * that is free (night.rescued.marotte, night.rescued-2.marotte), or in
+ * $XDG_DATA_HOME/marotte/rescued/ where none can be made there. out_sentence names all paths; ""
+ * with SHOW_RESCUE_NONE. */
+typedef enum show_rescue_state {
+    SHOW_RESCUE_NONE = 0, /* it is not missing */
+    SHOW_RESCUE_BESIDE,
+    SHOW_RESCUE_HOME,
+    SHOW_RESCUE_LOST /* no copy could be made */
+} show_rescue_state;
+show_rescue_state show_rescue_missing(show *self, error *out_sentence);
 /* Reads everything, and says the first thing that is not whole. Takes as long as reading the file.
  */
 CHECKED mrt_result show_check(show *self, error *err);

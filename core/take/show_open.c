@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -380,24 +381,58 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
     return result;
 }
 
-mrt_result show_rescue_beside(show *self, char *out_path, size_t capacity, error *err)
+/* Under the first name that is free: STEM.rescued.marotte, STEM.rescued-2.marotte. */
+static mrt_result rescue_as(show *self, const char *stem, char out_path[PATH_MAX], error *err)
 {
-    out_path[0] = '\0';
-    if (!show_is_missing(self))
-        return MRT_END;
-    const char *name = show_path(self);
-    const size_t extension = strlen(file_extension_of(name).text);
-    const int stem = (int)(strlen(name) - (extension ? extension + 1 : 0));
     for (int n = 1; n <= RESCUE_NAMES; ++n) {
-        const int length =
-            n > 1 ? snprintf(out_path, capacity, "%.*s.rescued-%d.marotte", stem, name, n)
-                  : snprintf(out_path, capacity, "%.*s.rescued.marotte", stem, name);
-        if (length < 0 || (size_t)length >= capacity)
-            return error_set(err, MRT_ERR_ARGUMENT, "%s: the name of its copy is too long", name);
+        const int length = n > 1 ? snprintf(out_path, PATH_MAX, "%s.rescued-%d.marotte", stem, n)
+                                 : snprintf(out_path, PATH_MAX, "%s.rescued.marotte", stem);
+        if (length >= PATH_MAX)
+            return error_set(err, MRT_ERR_ARGUMENT, "%s: the name of its copy is too long", stem);
         if (access(out_path, F_OK) != 0)
             return show_rescue(self, out_path, err);
     }
-    return error_set(err, MRT_ERR_IO, "%s: too many copies lie beside it", name);
+    return error_set(err, MRT_ERR_IO, "%s: too many copies lie beside it", stem);
+}
+
+static mrt_result rescue_home(show *self, const char *name, char out_path[PATH_MAX], error *err)
+{
+    char stem[PATH_MAX], rest[NAME_MAX + 16];
+    (void)snprintf(rest, sizeof rest, "rescued/%.*s", NAME_MAX, name);
+    mrt_result result = file_home_path(stem, sizeof stem, FILE_HOME_DATA, rest, err);
+    char *folder = result >= 0 ? file_directory(stem) : NULL;
+    if (result >= 0)
+        result = folder ? file_make_folders(folder, err)
+                        : error_set(err, MRT_ERR_MEMORY, "%s: no memory", stem);
+    free(folder);
+    return result < 0 ? result : rescue_as(self, stem, out_path, err);
+}
+
+show_rescue_state show_rescue_missing(show *self, error *out_sentence)
+{
+    static const char gone[] = "was deleted, moved or replaced";
+    char stem[PATH_MAX], path[PATH_MAX];
+    error beside = {""}, home = {""};
+    out_sentence->text[0] = '\0';
+    if (!show_is_missing(self))
+        return SHOW_RESCUE_NONE;
+    const char *name = show_path(self);
+    const size_t extension = strlen(file_extension_of(name).text);
+    (void)snprintf(stem, sizeof stem, "%.*s", (int)(strlen(name) - (extension ? extension + 1 : 0)),
+                   name);
+    if (rescue_as(self, stem, path, &beside) >= 0) {
+        (void)error_set(out_sentence, MRT_OK, "%s %s: all of it is in %s", name, gone, path);
+        return SHOW_RESCUE_BESIDE;
+    }
+    if (rescue_home(self, file_name_of(stem), path, &home) >= 0) {
+        (void)error_set(out_sentence, MRT_OK,
+                        "%s %s, and no copy can be made beside it: all of it is in %s", name, gone,
+                        path);
+        return SHOW_RESCUE_HOME;
+    }
+    (void)error_set(out_sentence, MRT_OK, "%s %s, and is lost. No copy could be made: %s; %s", name,
+                    gone, beside.text, home.text);
+    return SHOW_RESCUE_LOST;
 }
 
 /* ---- whether everything is whole ---- */

@@ -135,6 +135,28 @@ grep -q "all of it is in $scratch/d.rescued.marotte" "$scratch/deleted" || fail 
 says 'damaged places     0' check "$scratch/d.rescued.marotte"
 says '2.0' list "$scratch/d.rescued.marotte"
 
+# Where its folder is removed, too, the copy lies with the person's data, and the exit code says that it is
+# not where it was to be. Without a place for it, the recording is lost.
+for home in "$scratch/home" /dev/null; do
+    mkdir "$scratch/gone"
+    XDG_DATA_HOME=$home "$MAROTTE" perform --face "$moai" --input "log:$demo,start=1.2,end=3.2" --map anchored \
+        --realtime --record "$scratch/gone/d.marotte" >/dev/null 2>"$scratch/deleted" &
+    until "$MAROTTE" take list "$scratch/gone/d.marotte" 2>/dev/null | grep -q 'being recorded'; do
+        kill -0 $! 2>/dev/null || break
+    done
+    rm -rf "$scratch/gone"
+    wait $!
+    code=$?
+    [ $code -eq 1 ] || fail "exit $code for a show whose folder is removed: $(cat "$scratch/deleted")"
+    grep -q "$scratch/gone/d.marotte" "$scratch/deleted" || fail "removed: $(cat "$scratch/deleted")"
+    if [ "$home" = /dev/null ]; then
+        grep -q 'is lost' "$scratch/deleted" || fail "removed: $(cat "$scratch/deleted")"
+    else
+        grep -q "all of it is in $home/marotte/rescued/d.rescued.marotte" "$scratch/deleted" || fail "removed: $(cat "$scratch/deleted")"
+        says '2.0' list "$home/marotte/rescued/d.rescued.marotte"
+    fi
+done
+
 # Stopped in a pass that is shorter than its fades: kept; so many steps of undo take it back.
 record "$scratch/p.marotte" "$puppet" one_hand
 bare=$(sum_of "$scratch/p.marotte" 1)

@@ -643,17 +643,56 @@ static void recording_goes_on_into_a_deleted_file_and_can_be_rescued(void **stat
     scene_flush(&r);
     scene_expect(got, r.track, 0, 300);
     scene_stop(&r);
-    char beside[2][SCENE_PATH];
+    char beside[2][SCENE_PATH + 32];
     for (int i = 0; i < 2; ++i) {
-        assert_int_equal(show_rescue_beside(got, beside[i], sizeof beside[i], &err), MRT_OK);
+        (void)snprintf(beside[i], sizeof beside[i], "%s/test.rescued%s.marotte", s->folder,
+                       i ? "-2" : "");
+        assert_int_equal(show_rescue_missing(got, &err), SHOW_RESCUE_BESIDE);
+        assert_non_null(strstr(err.text, beside[i]));
         assert_int_equal(access(beside[i], F_OK), 0);
     }
-    assert_string_not_equal(beside[0], beside[1]);
     show_close(got);
     scene_must(show_open(&rescued, beside[1], SHOW_WRITE, &err), &err);
     scene_expect(rescued, r.track, 0, 300);
     show_close(rescued);
     scene_must(show_open(&rescued, copy, SHOW_WRITE, &err), &err);
+    scene_expect(rescued, r.track, 0, 200);
+    show_close(rescued);
+}
+
+static void without_its_folder_the_copy_lies_with_the_persons_data(void **state)
+{
+    scene *s = *state;
+    char path[SCENE_PATH + 64], home[SCENE_PATH], copy[SCENE_PATH + 64];
+    error err = {""};
+    show *got, *rescued;
+    writer_options options = scene_options();
+    scene_recording r;
+    (void)snprintf(path, sizeof path, "%s/gone", s->folder);
+    (void)snprintf(home, sizeof home, "%s/home", s->folder);
+    assert_int_equal(mkdir(path, 0700), 0);
+    (void)snprintf(path, sizeof path, "%s/gone/test.marotte", s->folder);
+    (void)snprintf(copy, sizeof copy, "%s/marotte/rescued/test.rescued.marotte", home);
+    assert_int_equal(setenv("XDG_DATA_HOME", home, 1), 0);
+    scene_must(show_create(&got, path, &err), &err);
+    assert_int_equal(show_rescue_missing(got, &err), SHOW_RESCUE_NONE);
+    assert_string_equal(err.text, "");
+    scene_record(&r, got, &options);
+    scene_give(&r, 0, 100);
+    char command[2 * SCENE_PATH];
+    (void)snprintf(command, sizeof command, "rm -rf '%s/gone'", s->folder);
+    assert_int_equal(system(command), 0);
+    scene_give(&r, 100, 200);
+    scene_stop(&r);
+    assert_int_equal(setenv("XDG_DATA_HOME", "/dev/null", 1), 0);
+    assert_int_equal(show_rescue_missing(got, &err), SHOW_RESCUE_LOST);
+    assert_non_null(strstr(err.text, path));
+    assert_int_equal(setenv("XDG_DATA_HOME", home, 1), 0);
+    assert_int_equal(show_rescue_missing(got, &err), SHOW_RESCUE_HOME);
+    assert_non_null(strstr(err.text, path));
+    assert_non_null(strstr(err.text, copy));
+    show_close(got);
+    scene_must(show_open(&rescued, copy, SHOW_READ, &err), &err);
     scene_expect(rescued, r.track, 0, 200);
     show_close(rescued);
 }
@@ -698,6 +737,7 @@ int main(void)
         TEST(an_older_show_becomes_todays),
         TEST(a_newer_show_opens_for_reading_if_it_can_be_read),
         TEST(recording_goes_on_into_a_deleted_file_and_can_be_rescued),
+        TEST(without_its_folder_the_copy_lies_with_the_persons_data),
         TEST(a_replaced_file_is_noticed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -9,6 +9,8 @@
 #include "base/file.h"
 #include "app_fixture.h"
 
+#include <sys/stat.h>
+
 /* ---- what is opened ---- */
 
 static void a_show_that_another_one_writes_is_read(void **state)
@@ -190,6 +192,29 @@ static void another_face_and_another_show_are_opened_on_a_running_stage(void **s
 static bool has_input(app *of)
 {
     return live_input_count(app_live(of)) == 1;
+}
+
+/* The program says so with its exit code, and the recording lies with the person's data. */
+static void a_show_whose_folder_is_removed_is_not_well_at_the_end(void **state)
+{
+    (void)state;
+    room r;
+    error err = {0};
+    char folder[96], copy[160];
+    make_room(&r);
+    (void)snprintf(folder, sizeof folder, "%s/gone", r.folder);
+    (void)snprintf(copy, sizeof copy, "%s/marotte/rescued/night.rescued.marotte", r.folder);
+    assert_int_equal(mkdir(folder, 0700), 0);
+    (void)snprintf(r.show, sizeof r.show, "%s/gone/night.marotte", r.folder);
+    const app_options with = {.show_path = r.show, .face_path = puppet};
+    assert_int_equal(open_with(&r, &with, &err), MRT_OK);
+    char command[128];
+    (void)snprintf(command, sizeof command, "rm -rf %s", folder);
+    assert_int_equal(system(command), 0);
+    assert_true(app_destroy(r.app) < 0);
+    assert_int_equal(access(copy, F_OK), 0);
+    r.app = NULL;
+    close_room(&r);
 }
 
 /* The patch lies beside the settings: a file of that name that is no patch is somebody's. */
@@ -376,6 +401,7 @@ int main(void)
         cmocka_unit_test(what_rests_performs_again_on_a_face_that_it_fits_after_a_restart_too),
         cmocka_unit_test(a_face_that_the_mapping_does_not_fit_is_opened_at_rest),
         cmocka_unit_test(another_face_and_another_show_are_opened_on_a_running_stage),
+        cmocka_unit_test(a_show_whose_folder_is_removed_is_not_well_at_the_end),
         cmocka_unit_test(a_file_that_is_no_patch_is_not_written_over),
         cmocka_unit_test(looks_and_inputs_are_kept_between_runs),
         cmocka_unit_test(the_range_of_a_take_is_there_tomorrow),

@@ -44,8 +44,9 @@ typedef struct app_options {
 } app_options;
 
 CHECKED mrt_result app_create(app **out, const app_options *options, error *err);
-/* A take that is being recorded is kept; settings are written. */
-void app_destroy(app *self);
+/* A take that is being recorded is kept; settings are written. < 0: part of what was recorded is
+ * not in the show's file; stderr says what, and where it is. */
+mrt_result app_destroy(app *self);
 /* Once a frame, before panels are drawn. */
 void app_update(app *self, double dt_s);
 

@@ -309,7 +309,7 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     if (result >= 0)
         result = start_remote(self, options->remote, err);
     if (result < 0) {
-        app_destroy(self);
+        (void)app_destroy(self);
         return result;
     }
     self->keeps_settings = true;
@@ -324,19 +324,21 @@ mrt_result app_create(app **out, const app_options *options, error *err)
 }
 
 /* An error goes to stderr, as the window is gone. */
-static void end_live(app *self)
+static mrt_result end_live(app *self)
 {
     error err = {0};
-    if (self->live && live_stop(self->live, &err) < 0)
+    const mrt_result result = self->live ? live_stop(self->live, &err) : MRT_OK;
+    if (result < 0)
         fprintf(stderr, "marotte: %s\n", err.text);
     self->live = NULL;
     self->view = &nothing_yet;
+    return result;
 }
 
-void app_destroy(app *self)
+mrt_result app_destroy(app *self)
 {
     if (!self)
-        return;
+        return MRT_OK;
     if (self->keeps_settings)
         app_keep_settings_last(self);
     remote_destroy(self->remote);
@@ -348,9 +350,10 @@ void app_destroy(app *self)
     app_drop_take(self);
     app_forget_pulls(self);
     kept_scenery_destroy(self->scenery);
-    end_live(self);
+    mrt_result result = end_live(self);
     expressions_destroy(self->expressions);
-    app_close_show(self, self->show);
+    if (app_close_show(self, self->show) < 0)
+        result = MRT_ERR_IO;
     face_file_destroy(self->face);
     free(self->face);
     free(self->face_path);
@@ -361,6 +364,7 @@ void app_destroy(app *self)
     log_queue_destroy(self->log);
     plugin_list_destroy(&self->plugins);
     free(self);
+    return result;
 }
 
 /* ---- each frame ---- */

@@ -326,7 +326,7 @@ mrt_result app_open_show(app *self, const char *path)
     perform_as_show_says(self);
     self->had_problem = false;
     app_say(self, MRT_LOG_INFO, "%s is open", path);
-    app_close_show(self, before);
+    (void)app_close_show(self, before); /* the log has what became of it */
     return MRT_OK;
 }
 

@@ -171,9 +171,9 @@ const char *app_undo_why_not(const app *self); /* NULL: it can be undone */
 bool app_can_redo(const app *self);
 
 void app_record_update(app *self);
-/* Closes the show, NULL is fine. One whose file has been deleted or replaced is saved beside it
- * first. */
-void app_close_show(app *self, show *of);
+/* Closes the show, NULL is fine. One whose file has been deleted or replaced is saved first; < 0:
+ * not beside it. */
+mrt_result app_close_show(app *self, show *of);
 /* Ends a recording over a take and makes it a part of that, before its show is closed. */
 void app_record_finish_over(app *self);
 void app_record_toggle(app *self);

@@ -990,20 +990,17 @@ static void say_problem(app *self)
 }
 
 /* What it tells goes to stderr, too, as the window may be gone. */
-void app_close_show(app *self, show *of)
+mrt_result app_close_show(app *self, show *of)
 {
-    char path[4096];
-    error err = {0};
-    const mrt_result result = of ? show_rescue_beside(of, path, sizeof path, &err) : MRT_END;
-    if (result < 0)
-        app_say(self, MRT_LOG_ERROR, "%s was deleted, moved or replaced, and is lost: %s",
-                show_path(of), err.text);
-    else if (result != MRT_END)
-        app_say(self, MRT_LOG_WARNING, "%s was deleted, moved or replaced: all of it is in %s",
-                show_path(of), path);
-    if (result != MRT_END)
-        fprintf(stderr, "marotte: %s\n", news_list_newest(self->news));
+    error sentence = {""};
+    const show_rescue_state state = of ? show_rescue_missing(of, &sentence) : SHOW_RESCUE_NONE;
+    const bool is_well = state == SHOW_RESCUE_NONE || state == SHOW_RESCUE_BESIDE;
+    if (state != SHOW_RESCUE_NONE) {
+        app_say(self, is_well ? MRT_LOG_WARNING : MRT_LOG_ERROR, "%s", sentence.text);
+        fprintf(stderr, "marotte: %s\n", sentence.text);
+    }
     show_close(of);
+    return is_well ? MRT_OK : MRT_ERR_IO;
 }
 
 /* Runs the count-in. Showing a take meanwhile cancels it. */
