@@ -9,11 +9,15 @@
 #include "app_fixture.h"
 #include "window/app/expressions.h"
 #include "window/app/presets.h"
+#include "window/app/remote.h"
 #include "window/app/remote_wire.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
+#include <linux/sockios.h>
 #include <math.h>
+#include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 /* ---- a client: it waits with the application going on ---- */
@@ -434,6 +438,113 @@ static void nonsense_is_refused_with_one_line_and_the_rest_goes_on(void **state)
     close_fixture(&d);
 }
 
+/* ---- who sends without a pause ---- */
+
+/* Until the other side's system has all that was sent. */
+static void wait_until_delivered(int fd)
+{
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
+    int waiting = 1;
+    while (clock_now_ns() < end_ns && ioctl(fd, SIOCOUTQ, &waiting) == 0 && waiting > 0)
+        clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
+    assert_int_equal(waiting, 0);
+}
+
+/* Two looks: what is handled in the first is answered in the second. */
+static void look(fixture *d)
+{
+    app_update(d->room.app, 0.005);
+    app_update(d->room.app, 0.005);
+}
+
+/* Answers that have come by TCP, without a look. */
+static uint32_t answers_to(fixture *d, const char *part)
+{
+    uint32_t count = 0;
+    ssize_t size;
+    while ((size = recv(d->tcp, d->in + d->size, sizeof d->in - 1 - d->size, MSG_DONTWAIT)) > 0)
+        d->size += (size_t)size;
+    for (const char *at = d->in;
+         (at = memmem(at, d->size - (size_t)(at - d->in), part, strlen(part))); ++at)
+        count += 1;
+    return count;
+}
+
+/* Another client is answered after this look, without another one. */
+static void is_answered(fixture *second, const char *part)
+{
+    struct pollfd wait = {.fd = second->tcp, .events = POLLIN};
+    while (answers_to(second, part) == 0)
+        assert_int_equal(poll(&wait, 1, PATIENCE_S * 1000), 1);
+}
+
+static void a_client_that_sends_without_a_pause_gets_its_share_of_a_look(void **state)
+{
+    enum { FLOOD = 12 * REMOTE_MESSAGES_A_LOOK };
+    const int room_bytes = 1 << 20;
+    fixture d;
+    char text[1001];
+    (void)state;
+    open_fixture(&d, false);
+    app_update(d.room.app, 0.005);
+    fixture second = {.room = d.room, .port = d.port, .udp = -1, .tcp = -1};
+    join(&second);
+    join(&d);
+    (void)setsockopt(d.tcp, SOL_SOCKET, SO_SNDBUF, &room_bytes, sizeof room_bytes);
+    for (int i = 0; i < FLOOD; ++i) {
+        const int length = snprintf(text, sizeof text, "{\"do\":\"view_front\",\"id\":%d}", i);
+        memset(text + length, ' ', sizeof text - (size_t)length);
+        say_bytes(&d, text, sizeof text - 1);
+    }
+    say_bytes(&second, "{\"do\":\"status\"}", 15);
+    wait_until_delivered(second.tcp);
+    look(&d);
+    assert_true(answers_to(&d, "view_front") <= REMOTE_MESSAGES_A_LOOK);
+    is_answered(&second, "\"did\":\"status\",\"ok\":true");
+    while (answers_to(&d, "view_front") < FLOOD)
+        if (!receive(&d))
+            fail_msg("%u of %d were answered", answers_to(&d, "view_front"), (int)FLOOD);
+    for (int i = 0; i < FLOOD; ++i) {
+        (void)snprintf(text, sizeof text, "\"id\":%d}", i);
+        assert_int_equal(answers_to(&d, text), 1);
+    }
+    close(second.tcp);
+    close_fixture(&d);
+}
+
+static void datagrams_without_a_pause_get_their_share_of_a_look(void **state)
+{
+    enum { FLOOD = 5 * REMOTE_DATAGRAMS_A_LOOK };
+    fixture d;
+    char bytes[1024];
+    uint32_t answered = 0;
+    (void)state;
+    open_fixture(&d, false);
+    app_update(d.room.app, 0.005);
+    join(&d);
+    osc_builder builder = osc_builder_start();
+    const size_t size =
+        osc_builder_finish(&builder, "/marotte/remote/view_front", bytes, sizeof bytes);
+    for (int i = 0; i < FLOOD; ++i)
+        assert_int_equal(send(d.udp, bytes, size, 0), (int)size);
+    say_bytes(&d, "{\"do\":\"status\"}", 15);
+    wait_until_delivered(d.tcp);
+    look(&d);
+    while (recv(d.udp, bytes, sizeof bytes, 0) > 0)
+        answered += 1;
+    assert_true(answered <= REMOTE_DATAGRAMS_A_LOOK);
+    is_answered(&d, "\"did\":\"status\",\"ok\":true");
+    const int64_t end_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
+    while (answered < FLOOD && clock_now_ns() < end_ns) {
+        app_update(d.room.app, 0.005);
+        while (recv(d.udp, bytes, sizeof bytes, 0) > 0)
+            answered += 1;
+        clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
+    }
+    assert_int_equal(answered, FLOOD);
+    close_fixture(&d);
+}
+
 static bool is_in_trouble(app *of)
 {
     return app_remote_now(of).trouble[0] != '\0';
@@ -556,6 +667,8 @@ int main(void)
         cmocka_unit_test(neutral_lets_expressions_go),
         cmocka_unit_test(other_hosts_and_origins_are_turned_away),
         cmocka_unit_test(nonsense_is_refused_with_one_line_and_the_rest_goes_on),
+        cmocka_unit_test(a_client_that_sends_without_a_pause_gets_its_share_of_a_look),
+        cmocka_unit_test(datagrams_without_a_pause_get_their_share_of_a_look),
         cmocka_unit_test(a_port_that_is_taken_is_said_and_comes_back_by_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -20,7 +20,13 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-enum { CLIENTS = 8, ANSWERS = 64, DATAGRAMS_A_FRAME = 64, OUT_MAX = 16384, SAYS = 320 };
+enum { CLIENTS = 8, OUT_MAX = 16384, SAYS = 320, DATAGRAM_MAX = 2048, OSC_MESSAGE_LEAST = 24 };
+/* All that one look reads waits for its answer. Of datagrams these are the commands of one that is
+ * full of them, after REMOTE_DATAGRAMS_A_LOOK others. */
+enum {
+    OSC_ANSWERS = REMOTE_DATAGRAMS_A_LOOK + DATAGRAM_MAX / OSC_MESSAGE_LEAST,
+    ANSWERS = OSC_ANSWERS + CLIENTS * REMOTE_MESSAGES_A_LOOK
+};
 static const double retry_s = 2.0;     /* a port that was taken */
 static const double handshake_s = 5.0; /* that is not whole by then is dropped */
 static const double complaint_s = 5.0; /* one line about nonsense in so long */
@@ -75,8 +81,9 @@ static void drop(client *c)
 
 static void send_frame(client *c, int opcode, const void *payload, size_t size)
 {
-    if (c->out_sent == c->out_size)
-        c->out_sent = c->out_size = 0;
+    c->out_size -= c->out_sent;
+    memmove(c->out, c->out + c->out_sent, c->out_size);
+    c->out_sent = 0;
     if (c->out_size + size + 4 > sizeof c->out) { /* it does not read what it is sent */
         drop(c);
         return;
@@ -369,14 +376,17 @@ static void take_message(void *context, const osc_message *message)
     remote *self = context;
     remote_command command;
     char why[REMOTE_WHY] = "";
+    if (self->answer_count >= OSC_ANSWERS) /* nonsense can be shorter than a command */
+        return;
     const bool is_good = remote_command_of_osc(&command, message, why);
     take_command(self, &self->from, &command, is_good ? NULL : why);
 }
 
 static void receive_datagrams(remote *self)
 {
-    unsigned char bytes[2048]; /* what is longer is cut, and no OSC then */
-    for (int i = 0; i < DATAGRAMS_A_FRAME; ++i) {
+    unsigned char bytes[DATAGRAM_MAX]; /* what is longer is cut, and no OSC then */
+    for (int i = 0; i < REMOTE_DATAGRAMS_A_LOOK && self->answer_count < REMOTE_DATAGRAMS_A_LOOK;
+         ++i) {
         self->from = (asker){.client = 0};
         const int64_t size =
             udp_receive(self->udp, bytes, sizeof bytes, &self->from.peer, INT64_MIN / 2);
@@ -456,10 +466,11 @@ static void take_frame(remote *self, client *c, const web_frame *frame)
     }
 }
 
-static void take_frames(remote *self, client *c)
+/* At most *left messages; more of them wait in the buffer. */
+static void take_frames(remote *self, client *c, uint32_t *left)
 {
     size_t used = 0;
-    while (c->fd >= 0 && !c->is_ending) {
+    for (; c->fd >= 0 && !c->is_ending && *left > 0; --*left) {
         web_frame frame;
         const int size = web_frame_parse(&frame, c->in + used, c->in_size - used);
         if (size == 0)
@@ -477,38 +488,45 @@ static void take_frames(remote *self, client *c)
     memmove(c->in, c->in + used, c->in_size);
 }
 
+/* A client's share of a look: so many messages, and one buffer of bytes. What it sends beyond that
+ * waits in its socket, and so does all of a client that does not read its answers. */
 static void receive_from(remote *self, client *c, double dt_s)
 {
+    uint32_t left = REMOTE_MESSAGES_A_LOOK;
     c->age_s += dt_s;
-    if (!c->is_socket && c->age_s > handshake_s) {
+    if ((!c->is_socket || c->is_ending) && c->age_s > handshake_s) {
         drop(c);
         return;
     }
-    while (c->fd >= 0 && !c->is_ending && c->in_size < sizeof c->in) {
-        const ssize_t size = recv(c->fd, c->in + c->in_size, sizeof c->in - c->in_size, 0);
-        if (size < 0 && (errno == EAGAIN || errno == EINTR))
-            return;
-        if (size <= 0) {
-            drop(c);
-            return;
-        }
-        c->in_size += (size_t)size;
-        if (c->is_socket || take_head(self, c))
-            take_frames(self, c);
+    if (c->is_ending || c->out_size - c->out_sent > OUT_MAX / 2)
+        return;
+    if (c->is_socket)
+        take_frames(self, c, &left);
+    if (c->fd < 0 || c->is_ending || left == 0 || c->in_size == sizeof c->in)
+        return;
+    const ssize_t size = recv(c->fd, c->in + c->in_size, sizeof c->in - c->in_size, 0);
+    if (size < 0 && (errno == EAGAIN || errno == EINTR))
+        return;
+    if (size <= 0) {
+        drop(c);
+        return;
     }
+    c->in_size += (size_t)size;
+    if (c->is_socket || take_head(self, c))
+        take_frames(self, c, &left);
 }
 
 static void welcome(remote *self)
 {
     const int on = 1;
-    for (;;) {
+    for (int i = 0; i < CLIENTS; ++i) {
         const int fd = accept(self->tcp, NULL, NULL);
         if (fd < 0)
             return;
         client *to = NULL;
-        for (int i = 0; i < CLIENTS && !to; ++i)
-            if (self->client[i].fd < 0)
-                to = &self->client[i];
+        for (int k = 0; k < CLIENTS && !to; ++k)
+            if (self->client[k].fd < 0)
+                to = &self->client[k];
         if (!to || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0 || fcntl(fd, F_SETFL, O_NONBLOCK) != 0) {
             close(fd);
             complain(self, "eight are connected: one more was turned away");

@@ -10,6 +10,9 @@
 typedef struct remote remote;
 
 enum { REMOTE_PORT = 9110 };
+/* At most so many messages of each client, and so many datagrams, are handled in one frame: the
+ * rest waits in the sockets, and nobody who sends without a pause holds the others or the frame. */
+enum { REMOTE_MESSAGES_A_LOOK = 8, REMOTE_DATAGRAMS_A_LOOK = 32 };
 
 remote *remote_create(app *of);    /* off; NULL: no memory */
 void remote_destroy(remote *self); /* NULL is fine */
