@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char code[] = "k7m2p9qx";
+
 static void check(bool is_true)
 {
     if (!is_true)
@@ -25,7 +27,10 @@ static void take_message(void *context, const osc_message *message)
     remote_command command;
     char why[REMOTE_WHY] = "";
     (void)context;
-    check_command(remote_command_of_osc(&command, message, why), &command, why);
+    check_command(remote_command_of_osc(&command, message, "", why), &command, why);
+    const bool is_paired = remote_command_of_osc(&command, message, code, why);
+    check_command(is_paired, &command, why);
+    check(!is_paired || strstr(message->address, code));
 }
 
 static void take_request(const void *bytes, size_t size)
@@ -33,7 +38,9 @@ static void take_request(const void *bytes, size_t size)
     web_request request;
     if (web_request_parse(&request, bytes, size, NULL) <= 0)
         return;
-    const int status = remote_request_judge(&request, 9110, false);
+    const int paired = remote_request_judge(&request, 9110, code);
+    check((paired != 101 && paired != 200) || strstr(request.path, code));
+    const int status = remote_request_judge(&request, 9110, "");
     check(status == 101 || status == 200 || status == 403 || status == 404);
     check(status >= 400 || strcmp(request.host, "127.0.0.1:9110") == 0 ||
           strcmp(request.host, "localhost:9110") == 0 || strcmp(request.host, "[::1]:9110") == 0);

@@ -82,7 +82,12 @@ void app_set_patch(app *self, const patch *p)
 app_remote_status app_remote_now(const app *self)
 {
     (void)self;
-    return (app_remote_status){.address = here->remote, .trouble = "", .last = ""};
+    return (app_remote_status){.address = here->remote, .code = "", .trouble = "", .last = ""};
+}
+
+void app_renew_remote_code(app *self)
+{
+    (void)self;
 }
 
 void app_set_remote(app *self, const char *address)

@@ -24,17 +24,23 @@
 
 typedef struct fixture {
     room room;
+    const char *host; /* NULL: 127.0.0.1 */
     uint16_t port;
     int udp, tcp;
     char in[65536];
     size_t size;
 } fixture;
 
-static struct sockaddr_in here(uint16_t port)
+static struct sockaddr_in at_host(const char *host, uint16_t port)
 {
     return (struct sockaddr_in){.sin_family = AF_INET,
                                 .sin_port = htons(port),
-                                .sin_addr = {.s_addr = htonl(INADDR_LOOPBACK)}};
+                                .sin_addr = {.s_addr = inet_addr(host ? host : "127.0.0.1")}};
+}
+
+static struct sockaddr_in here(uint16_t port)
+{
+    return at_host(NULL, port);
 }
 
 /* A port that is free now. */
@@ -49,14 +55,26 @@ static uint16_t free_port(void)
     return ntohs(at.sin_port);
 }
 
-static void open_fixture(fixture *d, bool has_hand)
+static void write_settings(const room *r, const char *text)
+{
+    FILE *file = fopen(r->settings, "w");
+    assert_non_null(file);
+    assert_true(fputs(text, file) >= 0);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void open_fixture_at(fixture *d, const char *host, const char *kept, bool has_hand)
 {
     error err = {0};
-    char address[16];
-    *d = (fixture){.port = free_port(), .udp = -1, .tcp = -1};
-    (void)snprintf(address, sizeof address, "%u", (unsigned)d->port);
+    char address[48];
+    *d = (fixture){.port = free_port(), .udp = -1, .tcp = -1, .host = host};
+    (void)snprintf(address, sizeof address, "%s%s%u", host ? host : "", host ? ":" : "",
+                   (unsigned)d->port);
     make_room(&d->room);
+    if (kept)
+        write_settings(&d->room, kept);
     const app_options with = {.show_path = d->room.show,
+                              .settings_path = kept ? d->room.settings : NULL,
                               .face_path = puppet,
                               .mapping = "one_hand",
                               .remote = address,
@@ -64,9 +82,14 @@ static void open_fixture(fixture *d, bool has_hand)
                               .input_count = has_hand ? 1 : 0};
     if (open_with(&d->room, &with, &err) < 0)
         fail_msg("%s", err.text);
-    const struct sockaddr_in at = here(d->port);
+    const struct sockaddr_in at = at_host(host, d->port);
     d->udp = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
     assert_int_equal(connect(d->udp, (const struct sockaddr *)&at, sizeof at), 0);
+}
+
+static void open_fixture(fixture *d, bool has_hand)
+{
+    open_fixture_at(d, NULL, NULL, has_hand);
 }
 
 static void close_fixture(fixture *d)
@@ -97,10 +120,10 @@ static bool receive(fixture *d)
     return false;
 }
 
-static void ask_http(fixture *d, const char *host, const char *more)
+static void ask_path(fixture *d, const char *path, const char *host, const char *more)
 {
     char text[1024];
-    const struct sockaddr_in at = here(d->port);
+    const struct sockaddr_in at = at_host(d->host, d->port);
     if (d->tcp >= 0)
         close(d->tcp);
     app_update(d->room.app, 0.005);
@@ -108,12 +131,17 @@ static void ask_http(fixture *d, const char *host, const char *more)
     d->tcp = socket(AF_INET, SOCK_STREAM, 0);
     assert_int_equal(connect(d->tcp, (const struct sockaddr *)&at, sizeof at), 0);
     const int length = snprintf(text, sizeof text,
-                                "GET / HTTP/1.1\r\nHost: %s\r\nConnection: Upgrade\r\nUpgrade: "
+                                "GET %s HTTP/1.1\r\nHost: %s\r\nConnection: Upgrade\r\nUpgrade: "
                                 "websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: "
                                 "dGhlIHNhbXBsZSBub25jZQ==\r\n%s\r\n",
-                                host, more);
+                                path, host, more);
     assert_int_equal(send(d->tcp, text, (size_t)length, 0), length);
     assert_true(receive(d));
+}
+
+static void ask_http(fixture *d, const char *host, const char *more)
+{
+    ask_path(d, "/", host, more);
 }
 
 static void join(fixture *d)
@@ -438,6 +466,102 @@ static void nonsense_is_refused_with_one_line_and_the_rest_goes_on(void **state)
     close_fixture(&d);
 }
 
+/* ---- the network, here as another address of this computer ---- */
+
+static bool has_news_of_port(app *of)
+{
+    return was_said(of, "remote control at 127.0.0.2");
+}
+
+static void one_that_the_network_reaches_needs_its_code(void **state)
+{
+    static const char kept[] = "{\"remote\": {\"code\": \"k7m2p9qx\"}}";
+    static const char *const others[] = {"/", "/record", "/k7m2p9q/", "/k7m2p9qy/", "/k7m2p9qx"};
+    fixture d;
+    char own[64], bytes[256];
+    (void)state;
+    open_fixture_at(&d, "127.0.0.2", kept, true);
+    assert_true(until(&d.room, has_news_of_port));
+    assert_true(was_said(d.room.app, "k7m2p9qx"));
+    assert_true(until(&d.room, has_samples));
+    (void)snprintf(own, sizeof own, "127.0.0.2:%u", (unsigned)d.port);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
+        ask_path(&d, others[i], own, "");
+        assert_non_null(strstr(d.in, "403"));
+    }
+    ask_path(&d, "/k7m2p9qx/", "evil.example", "");
+    assert_non_null(strstr(d.in, "403"));
+    ask_path(&d, "/k7m2p9qx/more", own, "");
+    assert_non_null(strstr(d.in, "404"));
+    ask_path(&d, "/k7m2p9qx/", own, "");
+    assert_non_null(strstr(d.in, "101"));
+    says(&d, "{\"do\":\"status\"}", "\"ok\":true");
+    /* whoever has no code is not answered: the first answer is that of the status */
+    static const char *const wrong[] = {"/marotte/remote/record", "/marotte/remote/k7m2p9qy/record",
+                                        "/marotte/remote/k7m2p9qx", "/k7m2p9qx/record"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        osc_builder builder = osc_builder_start();
+        const size_t size = osc_builder_finish(&builder, wrong[i], bytes, sizeof bytes);
+        assert_int_equal(send(d.udp, bytes, size, 0), (int)size);
+    }
+    assert_string_equal(osc(&d, "/marotte/remote/k7m2p9qx/status").word, "status");
+    assert_false(app_status(d.room.app)->is_recording);
+    assert_int_equal(osc(&d, "/marotte/remote/k7m2p9qx/record").ok, 1);
+    close_fixture(&d);
+}
+
+static void a_code_is_drawn_kept_and_renewed(void **state)
+{
+    fixture d;
+    char code[REMOTE_CODE + 1];
+    (void)state;
+    open_fixture_at(&d, "127.0.0.2", "{\"remote\": {\"code\": \"\\u001b[2J\"}}", false);
+    (void)snprintf(code, sizeof code, "%s", app_remote_now(d.room.app).code);
+    assert_true(remote_is_code(code));
+    app_set_remote(d.room.app, "");
+    assert_string_equal(app_remote_now(d.room.app).code, "");
+    app_set_remote(d.room.app, "127.0.0.2:9");
+    assert_string_equal(app_remote_now(d.room.app).code, code);
+    app_renew_remote_code(d.room.app);
+    assert_true(remote_is_code(app_remote_now(d.room.app).code));
+    assert_string_not_equal(app_remote_now(d.room.app).code, code);
+    assert_string_equal(app_remote_now(d.room.app).address, "127.0.0.2:9");
+    close_fixture(&d);
+}
+
+/* The remote control of the next start. */
+static const char *next_start(room *r, const char *kept)
+{
+    error err = {0};
+    const app_options with = {
+        .show_path = r->show, .face_path = puppet, .settings_path = r->settings};
+    if (kept)
+        write_settings(r, kept);
+    if (open_with(r, &with, &err) < 0)
+        fail_msg("%s", err.text);
+    return app_remote_now(r->app).address;
+}
+
+static void one_that_the_network_reaches_is_not_open_again_at_the_next_start(void **state)
+{
+    room r;
+    (void)state;
+    make_room(&r);
+    assert_string_equal(next_start(&r, "{\"remote\": {\"place\": \"0.0.0.0:9\"}}"), "");
+    assert_true(was_said(r.app, "not opened by itself"));
+    app_set_remote(r.app, "127.0.0.1:9");
+    app_destroy(r.app);
+    assert_string_equal(next_start(&r, NULL), "127.0.0.1:9");
+    app_set_remote(r.app, "127.0.0.2:9");
+    app_destroy(r.app);
+    assert_string_equal(next_start(&r, NULL), "127.0.0.1:9");
+    app_set_remote(r.app, "");
+    app_set_remote(r.app, "127.0.0.2:9");
+    app_destroy(r.app);
+    assert_string_equal(next_start(&r, NULL), "");
+    close_room(&r);
+}
+
 /* ---- who sends without a pause ---- */
 
 /* Until the other side's system has all that was sent. */
@@ -606,7 +730,7 @@ static void take_any(void *context, const osc_message *message)
     remote_command c;
     char why[REMOTE_WHY] = "";
     uint32_t *understood = context;
-    if (remote_command_of_osc(&c, message, why)) {
+    if (remote_command_of_osc(&c, message, "", why)) {
         check_command(&c);
         *understood += 1;
     } else {
@@ -667,6 +791,9 @@ int main(void)
         cmocka_unit_test(neutral_lets_expressions_go),
         cmocka_unit_test(other_hosts_and_origins_are_turned_away),
         cmocka_unit_test(nonsense_is_refused_with_one_line_and_the_rest_goes_on),
+        cmocka_unit_test(one_that_the_network_reaches_needs_its_code),
+        cmocka_unit_test(a_code_is_drawn_kept_and_renewed),
+        cmocka_unit_test(one_that_the_network_reaches_is_not_open_again_at_the_next_start),
         cmocka_unit_test(a_client_that_sends_without_a_pause_gets_its_share_of_a_look),
         cmocka_unit_test(datagrams_without_a_pause_get_their_share_of_a_look),
         cmocka_unit_test(a_port_that_is_taken_is_said_and_comes_back_by_itself),

@@ -163,13 +163,16 @@ enum { APP_REMOTE_ADDRESS = 160 };
 typedef struct app_remote_status {
     const char *address; /* "": off */
     bool is_listening;
+    const char *code;    /* that every command needs; "": none, of this computer alone */
     const char *trouble; /* why it does not; "" */
     uint32_t clients;    /* WebSockets */
     const char *last;    /* what was done last, and what came of it; "" */
 } app_remote_status;
-app_remote_status app_remote_now(const app *self);   /* texts until the next frame */
-void app_set_remote(app *self, const char *address); /* "[HOST:]PORT", "": off; kept */
-struct expressions *app_expressions(app *self);      /* expressions.h */
+app_remote_status app_remote_now(const app *self); /* texts until the next frame */
+/* "[HOST:]PORT", "": off. Kept where it is of this computer alone. */
+void app_set_remote(app *self, const char *address);
+void app_renew_remote_code(app *self);          /* those who have the old one are out */
+struct expressions *app_expressions(app *self); /* expressions.h */
 
 /* The time code from outside as it is now; false: none runs. */
 bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);

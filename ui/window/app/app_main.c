@@ -137,14 +137,26 @@ app_remote_status app_remote_now(const app *self)
 void app_set_remote(app *self, const char *address)
 {
     error err = {""};
-    if (app_report(self, remote_listen(self->remote, address, &err), &err) >= 0)
+    if (app_report(self, remote_listen(self->remote, address, &err), &err) >= 0 &&
+        remote_is_local(address))
         settings_set_text(self->settings, remote_key, address[0] ? address : NULL);
+}
+
+void app_renew_remote_code(app *self)
+{
+    remote_renew_code(self->remote);
 }
 
 static mrt_result start_remote(app *self, const char *wanted, error *err)
 {
     const char *address = wanted ? wanted : settings_text(self->settings, remote_key, "");
     error ignored;
+    if (!wanted && !remote_is_local(address)) {
+        news_list_add(self->news, MRT_LOG_WARNING, "remote",
+                      "remote control: off. One that the network reaches is not opened by itself: "
+                      "use --remote, or Devices");
+        return MRT_OK;
+    }
     const mrt_result result = remote_listen(self->remote, address, wanted ? err : &ignored);
     return wanted ? result : MRT_OK;
 }

@@ -17,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/random.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -57,8 +58,8 @@ struct remote {
     app *of;
     char address[APP_REMOTE_ADDRESS], host[UDP_HOST];
     uint16_t port;
-    bool others_may_ask;
-    int udp, tcp; /* -1: closed */
+    char code[REMOTE_CODE + 1]; /* "": of this computer alone */
+    int udp, tcp;               /* -1: closed */
     double wait_s, quiet_s;
     char trouble[UDP_REASON], last[SAYS];
     client client[CLIENTS];
@@ -68,6 +69,7 @@ struct remote {
     uint64_t news_told;
     bool was_recording;
     asker from; /* of the datagram that is being read */
+    bool from_stranger;
 };
 
 /* ---- sending ---- */
@@ -376,9 +378,17 @@ static void take_message(void *context, const osc_message *message)
     remote *self = context;
     remote_command command;
     char why[REMOTE_WHY] = "";
-    if (self->answer_count >= OSC_ANSWERS) /* nonsense can be shorter than a command */
+    if (self->from_stranger ||
+        self->answer_count >= OSC_ANSWERS) /* nonsense can be shorter than a command */
         return;
-    const bool is_good = remote_command_of_osc(&command, message, why);
+    /* Not answered: its sender may be forged. One guess a datagram. */
+    if (!remote_osc_has_code(message->address, self->code)) {
+        self->from_stranger = true;
+        complain(self, "a datagram without the pairing code was ignored: its address begins "
+                       "with " REMOTE_OSC_PREFIX "CODE/");
+        return;
+    }
+    const bool is_good = remote_command_of_osc(&command, message, self->code, why);
     take_command(self, &self->from, &command, is_good ? NULL : why);
 }
 
@@ -388,6 +398,7 @@ static void receive_datagrams(remote *self)
     for (int i = 0; i < REMOTE_DATAGRAMS_A_LOOK && self->answer_count < REMOTE_DATAGRAMS_A_LOOK;
          ++i) {
         self->from = (asker){.client = 0};
+        self->from_stranger = false;
         const int64_t size =
             udp_receive(self->udp, bytes, sizeof bytes, &self->from.peer, INT64_MIN / 2);
         if (size <= 0)
@@ -401,7 +412,7 @@ static void receive_datagrams(remote *self)
 
 static void answer_request(remote *self, client *c, const web_request *request)
 {
-    const int status = remote_request_judge(request, self->port, self->others_may_ask);
+    const int status = remote_request_judge(request, self->port, self->code);
     char accept[WEB_ACCEPT];
     c->out_sent = 0;
     if (status == 101) {
@@ -427,7 +438,11 @@ static void answer_request(remote *self, client *c, const web_request *request)
                                                    : "400 Bad Request",
                                    is_page ? sizeof page - 1 : (size_t)0, is_page ? page : "");
     if (!is_page)
-        complain(self, "somebody who may not was turned away");
+        complain(self, self->code[0]
+                           ? "a connection was refused: its address is ws://HOST:PORT/CODE/, "
+                             "with this computer's address in numbers"
+                           : "a connection was refused: only pages and programs of this "
+                             "computer may connect");
 }
 
 static bool take_head(remote *self, client *c)
@@ -600,27 +615,95 @@ static void open_sockets(remote *self)
     self->trouble[0] = '\0';
     self->news_told = news_list_total(app_news(self->of));
     self->was_recording = app_status(self->of)->is_recording;
-    char words[APP_REMOTE_ADDRESS + 64];
-    (void)snprintf(words, sizeof words, "remote control at %s port %u: OSC and WebSocket",
-                   self->host, (unsigned)self->port);
+    char words[APP_REMOTE_ADDRESS + 96];
+    (void)snprintf(words, sizeof words, "remote control at %s port %u: OSC and WebSocket%s%s",
+                   self->host, (unsigned)self->port, self->code[0] ? ", pairing code " : "",
+                   self->code);
     news_list_add(app_news(self->of), MRT_LOG_INFO, "remote", words);
+}
+
+/* ---- the code ---- */
+
+static const char code_key[] = "remote.code";
+
+static bool draw_code(char out[REMOTE_CODE + 1])
+{
+    unsigned char bytes[REMOTE_CODE];
+    if (getrandom(bytes, sizeof bytes, 0) != (ssize_t)sizeof bytes)
+        return false;
+    for (int i = 0; i < REMOTE_CODE; ++i)
+        out[i] = REMOTE_CODE_LETTERS[bytes[i] % 32];
+    out[REMOTE_CODE] = '\0';
+    return true;
+}
+
+/* The same for as long as the person's settings last: buttons of a Stream Deck have it. */
+static bool find_code(remote *self, char out[REMOTE_CODE + 1])
+{
+    const char *kept = settings_text(app_settings(self->of), code_key, "");
+    if (remote_is_code(kept)) {
+        (void)snprintf(out, REMOTE_CODE + 1, "%s", kept);
+        return true;
+    }
+    if (!draw_code(out))
+        return false;
+    settings_set_text(app_settings(self->of), code_key, out);
+    return true;
+}
+
+void remote_renew_code(remote *self)
+{
+    char address[APP_REMOTE_ADDRESS];
+    error ignored;
+    (void)snprintf(address, sizeof address, "%s", self->address);
+    settings_set_text(app_settings(self->of), code_key, NULL);
+    const mrt_result result =
+        remote_listen(self, address, &ignored); /* has listened there before */
+    (void)result;
+}
+
+/* ---- where ---- */
+
+/* Without an address the usual one. */
+static bool parse_address(const char *address, char host[UDP_HOST], uint16_t *port)
+{
+    (void)snprintf(host, UDP_HOST, "127.0.0.1");
+    *port = REMOTE_PORT;
+    return !address[0] || (strlen(address) < APP_REMOTE_ADDRESS &&
+                           udp_address_parse(host, port, address, strlen(address)));
+}
+
+static bool is_own(const char *host)
+{
+    return strcmp(host, "127.0.0.1") == 0 || strcmp(host, "::1") == 0;
+}
+
+bool remote_is_local(const char *address)
+{
+    char host[UDP_HOST];
+    uint16_t port;
+    return parse_address(address, host, &port) && is_own(host);
 }
 
 mrt_result remote_listen(remote *self, const char *address, error *err)
 {
-    char host[UDP_HOST] = "127.0.0.1";
-    uint16_t port = REMOTE_PORT;
-    if (address[0] && (strlen(address) >= sizeof self->address ||
-                       !udp_address_parse(host, &port, address, strlen(address))))
+    char host[UDP_HOST], code[REMOTE_CODE + 1] = "";
+    uint16_t port;
+    if (!parse_address(address, host, &port))
         return error_set(err, MRT_ERR_ARGUMENT,
                          "remote control at \"%.60s\": expected a port, as in 9110, or "
                          "0.0.0.0:9110 for the whole network",
                          address);
+    if (!is_own(host) && !find_code(self, code))
+        return error_set(err, MRT_ERR_IO,
+                         "remote control at %.60s: the system has no random numbers for its "
+                         "pairing code",
+                         address);
     close_sockets(self);
+    (void)snprintf(self->code, sizeof self->code, "%s", code);
     (void)snprintf(self->address, sizeof self->address, "%s", address);
     (void)snprintf(self->host, sizeof self->host, "%s", host);
     self->port = port;
-    self->others_may_ask = strcmp(host, "127.0.0.1") != 0 && strcmp(host, "::1") != 0;
     self->trouble[0] = self->last[0] = '\0';
     self->wait_s = self->quiet_s = 0.0;
     if (address[0])
@@ -678,6 +761,7 @@ app_remote_status remote_status_of(const remote *self)
 {
     app_remote_status out = {.address = self->address,
                              .is_listening = self->tcp >= 0,
+                             .code = self->code,
                              .trouble = self->trouble,
                              .last = self->last};
     for (int i = 0; i < CLIENTS; ++i)

@@ -74,7 +74,37 @@ static bool take_number(double *out, double value, double most, const char *what
     return true;
 }
 
+/* ---- the code ---- */
+
+bool remote_is_code(const char *text)
+{
+    return strlen(text) == REMOTE_CODE && strspn(text, REMOTE_CODE_LETTERS) == REMOTE_CODE;
+}
+
+/* Whether the text begins with the code and a '/'. */
+static bool has_code(const char *text, const char *code)
+{
+    unsigned char differs = 0;
+    if (strlen(text) <= REMOTE_CODE)
+        return false;
+    for (int i = 0; i < REMOTE_CODE; ++i)
+        differs |= (unsigned char)text[i] ^ (unsigned char)code[i];
+    return !differs && text[REMOTE_CODE] == '/';
+}
+
 /* ---- OSC ---- */
+
+static const char *behind_prefix(const char *address)
+{
+    const size_t prefix = sizeof REMOTE_OSC_PREFIX - 1;
+    return strncmp(address, REMOTE_OSC_PREFIX, prefix) == 0 ? address + prefix : NULL;
+}
+
+bool remote_osc_has_code(const char *address, const char *code)
+{
+    const char *rest = behind_prefix(address);
+    return !code[0] || (rest && has_code(rest, code));
+}
 
 static bool take_arguments(remote_command *out, const osc_message *message, uint32_t from,
                            char why[REMOTE_WHY])
@@ -98,16 +128,18 @@ static bool take_arguments(remote_command *out, const osc_message *message, uint
     return true;
 }
 
-bool remote_command_of_osc(remote_command *out, const osc_message *message, char why[REMOTE_WHY])
+bool remote_command_of_osc(remote_command *out, const osc_message *message, const char *code,
+                           char why[REMOTE_WHY])
 {
     char word[64];
-    const size_t prefix = sizeof REMOTE_OSC_PREFIX - 1;
     *out = (remote_command){.verb = REMOTE_NOTHING};
-    if (strncmp(message->address, REMOTE_OSC_PREFIX, prefix) != 0) {
-        (void)snprintf(why, REMOTE_WHY, "an address begins with " REMOTE_OSC_PREFIX);
+    const char *verb = behind_prefix(message->address);
+    if (!verb || !remote_osc_has_code(message->address, code)) {
+        (void)snprintf(why, REMOTE_WHY, "an address begins with " REMOTE_OSC_PREFIX "%s",
+                       code[0] ? "CODE/" : "");
         return false;
     }
-    const char *verb = message->address + prefix;
+    verb += code[0] ? REMOTE_CODE + 1 : 0;
     const size_t length = strcspn(verb, "/");
     (void)snprintf(word, sizeof word, "%.*s", (int)(length < 60 ? length : 60), verb);
     if (!take_verb(out, word, why))
@@ -179,7 +211,7 @@ static bool is_in_numbers(const char *host, size_t size)
     return inet_pton(is_six ? AF_INET6 : AF_INET, copy, bytes) == 1;
 }
 
-int remote_request_judge(const web_request *request, uint16_t port, bool others_may_ask)
+int remote_request_judge(const web_request *request, uint16_t port, const char *code)
 {
     static const char *const own[] = {"127.0.0.1", "localhost", "[::1]"};
     char wanted[16], origin[sizeof request->host + 8];
@@ -188,14 +220,18 @@ int remote_request_judge(const web_request *request, uint16_t port, bool others_
         (size_t)snprintf(wanted, sizeof wanted, ":%u", (unsigned)port); /* a short one */
     if (!request->has_host || length <= tail || strcmp(request->host + length - tail, wanted) != 0)
         return 403;
-    bool is_ours = others_may_ask && is_in_numbers(request->host, length - tail);
+    bool is_ours = code[0] && is_in_numbers(request->host, length - tail);
     for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i)
         is_ours |=
             strlen(own[i]) == length - tail && memcmp(own[i], request->host, length - tail) == 0;
     (void)snprintf(origin, sizeof origin, "http://%s", request->host);
     if (!is_ours || (request->has_origin && strcmp(request->origin, origin) != 0))
         return 403;
-    if (strcmp(request->path, "/") != 0)
+    const char *path = request->path;
+    if (code[0] && (path[0] != '/' || !has_code(path + 1, code)))
+        return 403;
+    path += code[0] ? 1 + REMOTE_CODE : 0;
+    if (strcmp(path, "/") != 0)
         return 404;
     return request->is_socket ? 101 : 200;
 }

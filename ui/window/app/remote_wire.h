@@ -7,7 +7,7 @@
 #include "web.h"
 #include "window/app/action.h"
 
-enum { REMOTE_NAME = 64, REMOTE_WHY = 200 };
+enum { REMOTE_NAME = 64, REMOTE_WHY = 200, REMOTE_CODE = 8 };
 #define REMOTE_OSC_PREFIX  "/marotte/remote/"
 #define REMOTE_FADE_MOST_S 10.0
 
@@ -33,16 +33,27 @@ typedef struct remote_command {
     bool has_id;
 } remote_command;
 
-/* REMOTE_OSC_PREFIX VERB [/NAME], with NAME as a text instead, then numbers: of an expression its
- * amount and fade in s; of another verb 0 is a button that is let go. False: `why` is one line. */
-bool remote_command_of_osc(remote_command *out, const osc_message *message, char why[REMOTE_WHY]);
+/* ---- the pairing code of a remote control that the network reaches: REMOTE_CODE letters, as the
+ * first part of an OSC address behind REMOTE_OSC_PREFIX and of a WebSocket's path. "": none is
+ * needed ---- */
+
+#define REMOTE_CODE_LETTERS "0123456789abcdefghjkmnpqrstvwxyz" /* 32; none looks like another */
+bool remote_is_code(const char *text);
+/* Whether the address has this code; in a time that does not tell where it differs. */
+bool remote_osc_has_code(const char *address, const char *code);
+
+/* REMOTE_OSC_PREFIX [CODE/] VERB [/NAME], with NAME as a text instead, then numbers: of an
+ * expression its amount and fade in s; of another verb 0 is a button that is let go. False: `why`
+ * is one line. */
+bool remote_command_of_osc(remote_command *out, const osc_message *message, const char *code,
+                           char why[REMOTE_WHY]);
 /* {"do": "expression", "name": "smile", "amount": 1, "fade_s": 0.3, "id": 7}; no other key. */
 bool remote_command_of_json(remote_command *out, const char *text, size_t size,
                             char why[REMOTE_WHY]);
 
-/* 101: a WebSocket; 200: the page; 403, 404. The host must be this computer, or, where others may
- * ask, an address in numbers: no name that somebody else's server answers to. An origin must be
- * that host. */
-int remote_request_judge(const web_request *request, uint16_t port, bool others_may_ask);
+/* 101: a WebSocket; 200: the page; 403, 404. The host must be this computer, or, where there is a
+ * code, an address in numbers: no name that somebody else's server answers to. An origin must be
+ * that host. The path is "/", or "/CODE/". */
+int remote_request_judge(const web_request *request, uint16_t port, const char *code);
 
 #endif

@@ -907,6 +907,15 @@ static void draw_remote(panel *self, ui *on)
         (void)snprintf(line, sizeof line, "listening; %u connected by WebSocket", now.clients);
         ui_text_wrapped(on, UI_STYLE_DIM, line);
     }
+    if (now.code[0]) {
+        (void)snprintf(line, sizeof line, "pairing code: %s", now.code);
+        ui_text_wrapped(on, UI_STYLE_BODY, line);
+        ui_hint(on,
+                "The network reaches it: /marotte/remote/CODE/record, ws://HOST:9110/CODE/. It is "
+                "off at the next start.");
+        if (ui_button(on, "New code", UI_QUIET))
+            app_renew_remote_code(self->app);
+    }
     if (is_on && now.last[0])
         ui_text_wrapped(on, UI_STYLE_DIM, now.last);
 }
