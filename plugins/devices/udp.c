@@ -4,6 +4,9 @@
 #include <arpa/inet.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <ifaddrs.h>
+#include <linux/errqueue.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <stdio.h>
@@ -74,6 +77,8 @@ bool udp_address_parse(char out_host[UDP_HOST], uint16_t *out_port, const char *
     return !colon || parse_host(out_host, text, (size_t)(colon - text));
 }
 
+static const uint8_t mapped[12] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+
 static bool is_same_peer(const udp_peer *a, const udp_peer *b)
 {
     return a->port == b->port && memcmp(a->ip, b->ip, sizeof a->ip) == 0;
@@ -81,7 +86,6 @@ static bool is_same_peer(const udp_peer *a, const udp_peer *b)
 
 void udp_peer_text(const udp_peer *peer, char *out, size_t capacity)
 {
-    static const uint8_t mapped[12] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
     char ip[INET6_ADDRSTRLEN] = "?";
     if (memcmp(peer->ip, mapped, sizeof mapped) == 0) {
         inet_ntop(AF_INET, peer->ip + sizeof mapped, ip, sizeof ip);
@@ -188,18 +192,18 @@ static bool is_passing(int error)
     return error == EAGAIN || error == EINTR || error == ECONNREFUSED;
 }
 
-static udp_peer peer_of(const struct sockaddr_storage *from)
+static udp_peer peer_of(const void *from, sa_family_t family)
 {
     udp_peer out = {{0}, 0};
-    if (from->ss_family == AF_INET6) {
+    if (family == AF_INET6) {
         struct sockaddr_in6 address;
         memcpy(&address, from, sizeof address);
         memcpy(out.ip, &address.sin6_addr, sizeof out.ip);
         out.port = ntohs(address.sin6_port);
-    } else if (from->ss_family == AF_INET) {
+    } else if (family == AF_INET) {
         struct sockaddr_in address;
         memcpy(&address, from, sizeof address);
-        out.ip[10] = out.ip[11] = 0xff;
+        memcpy(out.ip, mapped, sizeof mapped);
         memcpy(out.ip + 12, &address.sin_addr, 4);
         out.port = ntohs(address.sin_port);
     }
@@ -213,16 +217,18 @@ int64_t udp_receive(int socket, void *out, size_t capacity, udp_peer *out_peer, 
         socklen_t from_size = sizeof from;
         ssize_t size = recvfrom(socket, out, capacity, 0, (struct sockaddr *)&from, &from_size);
         if (size >= 0) {
-            *out_peer = peer_of(&from);
+            *out_peer = peer_of(&from, from.ss_family);
             return size > 0 ? size : 1; /* an empty datagram is no OSC, as one of a byte is none */
         }
         if (!is_passing(errno))
             return UDP_FAILED;
-        int ready = device_wait(socket, deadline_ns - device_clock_ns());
-        if (ready < 0)
-            return UDP_FAILED;
-        if (ready == 0 && device_clock_ns() >= deadline_ns)
+        if (errno != EAGAIN) /* what was wrong with a datagram before */
+            continue;
+        int64_t span_ns = deadline_ns - device_clock_ns();
+        if (span_ns <= 0)
             return UDP_NOTHING;
+        if (device_wait(socket, span_ns) < 0)
+            return UDP_FAILED;
     }
 }
 
@@ -237,16 +243,147 @@ int udp_send(int socket, const void *bytes, size_t size)
     return error;
 }
 
-int udp_send_to(int socket, const char *host, uint16_t port, const void *bytes, size_t size)
+/* As the socket's own family has it; 0: that family has no such address. */
+static socklen_t address_of(struct sockaddr_storage *out, const udp_peer *peer, int socket)
 {
-    char reason[UDP_REASON];
-    struct addrinfo *address = find_address(host, port, AI_NUMERICHOST, reason);
+    struct sockaddr_storage own = {0};
+    socklen_t size = sizeof own;
+    bool is_four = memcmp(peer->ip, mapped, sizeof mapped) == 0;
+    if (getsockname(socket, (struct sockaddr *)&own, &size) != 0)
+        return 0;
+    *out = (struct sockaddr_storage){0};
+    if (own.ss_family == AF_INET && is_four) {
+        struct sockaddr_in four = {.sin_family = AF_INET, .sin_port = htons(peer->port)};
+        memcpy(&four.sin_addr, peer->ip + sizeof mapped, sizeof four.sin_addr);
+        memcpy(out, &four, sizeof four);
+        return sizeof four;
+    }
+    if (own.ss_family != AF_INET6)
+        return 0;
+    struct sockaddr_in6 six = {.sin6_family = AF_INET6, .sin6_port = htons(peer->port)};
+    memcpy(&six.sin6_addr, peer->ip, sizeof six.sin6_addr);
+    memcpy(out, &six, sizeof six);
+    return sizeof six;
+}
+
+int udp_send_to(int socket, const udp_peer *to, const void *bytes, size_t size)
+{
+    struct sockaddr_storage address;
+    socklen_t address_size = address_of(&address, to, socket);
+    if (address_size == 0)
+        return EAFNOSUPPORT;
+    for (int again = 1;; --again) {
+        if (sendto(socket, bytes, size, MSG_NOSIGNAL, (struct sockaddr *)&address, address_size) >=
+            0)
+            return 0;
+        /* Of a datagram before, to anybody: this one has not been sent. */
+        if (again == 0 || (errno != ECONNREFUSED && errno != EHOSTUNREACH && errno != EHOSTDOWN))
+            return errno == ECONNREFUSED ? 0 : errno;
+    }
+}
+
+void udp_keep_failures(int socket)
+{
+    const int on = 1;
+    (void)setsockopt(socket, IPPROTO_IP, IP_RECVERR, &on, sizeof on);
+    (void)setsockopt(socket, IPPROTO_IPV6, IPV6_RECVERR, &on, sizeof on);
+}
+
+int udp_failure(int socket, udp_peer *out_to)
+{
+    struct sockaddr_storage to = {0};
+    char start[1]; /* of the datagram, which nobody needs */
+    union {
+        struct cmsghdr head;
+        char bytes[512];
+    } control;
+    struct iovec data = {start, sizeof start};
+    struct msghdr message = {.msg_name = &to,
+                             .msg_namelen = sizeof to,
+                             .msg_iov = &data,
+                             .msg_iovlen = 1,
+                             .msg_control = &control,
+                             .msg_controllen = sizeof control};
+    if (recvmsg(socket, &message, MSG_ERRQUEUE | MSG_DONTWAIT) < 0)
+        return 0;
+    *out_to = peer_of(&to, to.ss_family);
+    for (struct cmsghdr *part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
+        struct sock_extended_err why;
+        bool is_why = (part->cmsg_level == IPPROTO_IP && part->cmsg_type == IP_RECVERR) ||
+                      (part->cmsg_level == IPPROTO_IPV6 && part->cmsg_type == IPV6_RECVERR);
+        if (!is_why || part->cmsg_len < CMSG_LEN(sizeof why))
+            continue;
+        memcpy(&why, CMSG_DATA(part), sizeof why);
+        return why.ee_errno ? (int)why.ee_errno : EIO;
+    }
+    return EIO;
+}
+
+bool udp_peer_find(udp_peer *out, const char *host, uint16_t port, char out_reason[UDP_REASON])
+{
+    struct addrinfo *address = find_address(host, port, 0, out_reason);
     if (!address)
-        return EINVAL;
-    ssize_t sent = sendto(socket, bytes, size, MSG_NOSIGNAL, address->ai_addr, address->ai_addrlen);
-    int error = sent < 0 ? errno : 0;
+        return false;
+    *out = peer_of(address->ai_addr, address->ai_addr->sa_family);
     freeaddrinfo(address);
-    return error == ECONNREFUSED ? 0 : error;
+    return true;
+}
+
+/* ---- near ---- */
+
+bool udp_peer_is_in(const udp_peer *peer, const udp_net *net, size_t count)
+{
+    for (size_t i = 0; i < count; ++i) {
+        int differs = 0;
+        for (size_t k = 0; k < sizeof peer->ip; ++k)
+            differs |= (peer->ip[k] ^ net[i].ip[k]) & net[i].mask[k];
+        if (!differs)
+            return true;
+    }
+    return false;
+}
+
+/* Of an interface that is up; false: it has no address of the internet. */
+static bool net_of(udp_net *out, const struct ifaddrs *interface)
+{
+    const struct sockaddr *address = interface->ifa_addr, *mask = interface->ifa_netmask;
+    if (!address || !mask || !(interface->ifa_flags & IFF_UP) ||
+        (address->sa_family != AF_INET && address->sa_family != AF_INET6))
+        return false;
+    udp_peer own = peer_of(address, address->sa_family);
+    udp_peer covers = peer_of(mask, address->sa_family);
+    memcpy(out->ip, own.ip, sizeof out->ip);
+    memcpy(out->mask, covers.ip, sizeof out->mask);
+    if (address->sa_family == AF_INET)
+        memset(out->mask, 0xff, sizeof mapped);
+    return true;
+}
+
+bool udp_peer_is_near(const udp_peer *peer)
+{
+    struct ifaddrs *all = NULL;
+    bool is_near = false;
+    if (getifaddrs(&all) != 0)
+        return false;
+    for (const struct ifaddrs *one = all; one && !is_near; one = one->ifa_next) {
+        udp_net net;
+        is_near = net_of(&net, one) && udp_peer_is_in(peer, &net, 1);
+    }
+    freeifaddrs(all);
+    return is_near;
+}
+
+bool udp_is_own(const udp_peer *peer)
+{
+    char text[UDP_PEER_TEXT], reason[UDP_REASON];
+    udp_peer any_port = {.port = 0};
+    memcpy(any_port.ip, peer->ip, sizeof any_port.ip);
+    udp_peer_text(&any_port, text, sizeof text);
+    char *end = strrchr(text, ':'), *host = text[0] == '[' ? text + 1 : text;
+    end[text[0] == '[' ? -1 : 0] = '\0';
+    int fd = udp_bind(host, 0, reason);
+    udp_close(fd);
+    return fd >= 0;
 }
 
 /* ---- who may send ---- */

@@ -21,6 +21,8 @@ typedef struct udp_peer {
     uint16_t port;
 } udp_peer;
 
+/* The address of a host; may ask a name server. False: out_reason says why. */
+bool udp_peer_find(udp_peer *out, const char *host, uint16_t port, char out_reason[UDP_REASON]);
 enum { UDP_PEER_TEXT = 56 };
 void udp_peer_text(const udp_peer *peer, char *out, size_t capacity); /* "10.0.0.2:4711" */
 
@@ -38,8 +40,22 @@ int64_t udp_receive(int socket, void *out, size_t capacity, udp_peer *out_peer,
 /* Sends without waiting. 0 or an errno; ECONNREFUSED: it was sent, but at an earlier datagram's end
  * nobody listened. */
 int udp_send(int socket, const void *bytes, size_t size);
-/* The same from a socket that receives, to an address in numbers. */
-int udp_send_to(int socket, const char *host, uint16_t port, const void *bytes, size_t size);
+/* The same from a socket that receives. */
+int udp_send_to(int socket, const udp_peer *to, const void *bytes, size_t size);
+/* From now on the system keeps what it learns about datagrams that were sent from this socket:
+ * udp_failure is an errno and where that datagram went, one at a time; 0: nothing more. */
+void udp_keep_failures(int socket);
+int udp_failure(int socket, udp_peer *out_to);
+
+/* ---- near: this computer, and the networks that it is in itself ---- */
+
+typedef struct udp_net {
+    uint8_t ip[16], mask[16]; /* of one of this computer's addresses, as udp_peer's */
+} udp_net;
+
+bool udp_peer_is_in(const udp_peer *peer, const udp_net *net, size_t count); /* any; pure */
+bool udp_peer_is_near(const udp_peer *peer);
+bool udp_is_own(const udp_peer *peer); /* an address of this computer */
 
 /* ---- who may send one thing (a face, the angles of a hand, the pedals): of two senders at a time
  * the first, until it has been silent for a second; pure ---- */

@@ -3,8 +3,8 @@
  * that it asks for: "mouthSmile_L-25|...|=head#pitch,yaw,roll,x,y,z|rightEye#...|leftEye#...|" in
  * per cent and degrees, with '&' for '-' in version 2. */
 #include "device_io.h"
+#include "receivers.h"
 #include "trace.h"
-#include "udp.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -12,18 +12,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PORT = 49983, CHANNELS = 61, SHAPES = 52, RECEIVERS_MAX = 8, TEXT_BYTES = 4096 };
+enum { PORT = 49983, CHANNELS = 61, SHAPES = 52, TEXT_BYTES = 4096 };
+/* In one look: datagrams, and those of them that are of unknown senders. */
+enum { DATAGRAMS_A_LOOK = 32, STRANGERS_A_LOOK = 4 };
 enum { HEAD = 52, LEFT_EYE = 55, RIGHT_EYE = 58 };
 enum { RATE, VERSION, PARAM_COUNT };
 static const char greeting[] = "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719";
 static const char wants_version_2[] = "sendDataVersion=v2";
 static const double degrees_a_rad = 57.29577951308232;
-
-typedef struct receiver {
-    char host[UDP_HOST];
-    uint16_t port;
-    bool has_version_2;
-} receiver;
 
 struct mrt_plugin {
     const mrt_host *host;
@@ -31,8 +27,8 @@ struct mrt_plugin {
     trace trace;
     const mrt_face_names *names;
     char name[SHAPES][40]; /* "mouthSmile_L" */
-    receiver to[RECEIVERS_MAX];
-    uint32_t count;
+    receivers to;
+    bool has_told_far, has_told_full;
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -53,7 +49,7 @@ static void close(mrt_plugin *self)
     trace_close(&self->trace);
     udp_close(self->socket);
     self->socket = -1;
-    self->count = 0;
+    self->to.count = 0;
 }
 
 static void destroy(mrt_plugin *self)
@@ -61,6 +57,13 @@ static void destroy(mrt_plugin *self)
     if (self)
         close(self);
     free(self);
+}
+
+static const char *any_of(const udp_peer *to)
+{
+    char text[UDP_PEER_TEXT];
+    udp_peer_text(to, text, sizeof text);
+    return text[0] == '[' ? "::" : "0.0.0.0";
 }
 
 /* "to:HOST:PORT": sent there without a greeting; else where it listens. */
@@ -80,16 +83,24 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
             address, PORT, PORT);
         return MRT_ERR_ARGUMENT;
     }
-    self->socket = is_told ? udp_bind("0.0.0.0", 0, reason) : udp_bind(host, port, reason);
+    udp_peer named;
+    if (is_told && !udp_peer_find(&named, host, port, reason)) {
+        device_say(self->host, MRT_LOG_ERROR, "%.200s: write an address, as in to:192.168.1.20:%d",
+                   reason, PORT);
+        return MRT_ERR_IO;
+    }
+    self->socket = is_told ? udp_bind(any_of(&named), 0, reason) : udp_bind(host, port, reason);
     if (self->socket < 0) {
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
     }
     trace_open(&self->trace, self->host, "ifacialmocap");
-    self->count = is_told ? 1 : 0;
-    self->to[0].port = port;
-    self->to[0].has_version_2 = params[VERSION] > 0.5;
-    (void)snprintf(self->to[0].host, sizeof self->to[0].host, "%s", host);
+    udp_keep_failures(self->socket);
+    self->has_told_far = self->has_told_full = false;
+    self->to = (receivers){.count = is_told ? 1 : 0};
+    if (is_told)
+        self->to.of[0] =
+            (receiver){.at = named, .has_version_2 = params[VERSION] > 0.5, .is_named = true};
     wants->rate_hz = params[RATE];
     wants->repeat_s = 0.1; /* greetings are looked for then, too */
     return MRT_OK;
@@ -123,41 +134,74 @@ static mrt_result begin(mrt_plugin *self, const mrt_face_names *names)
 
 /* ---- who asks ---- */
 
-static void welcome(mrt_plugin *self, const udp_peer *from, bool has_version_2)
+/* A greeting may be forged, and its sender another one than it says: only this computer and those
+ * in its own networks are sent a face that they ask for. */
+static void welcome(mrt_plugin *self, const udp_peer *at, bool has_version_2)
 {
-    receiver asks = {.port = PORT, .has_version_2 = has_version_2};
     char text[UDP_PEER_TEXT];
-    udp_peer_text(from, text, sizeof text);
-    char *colon = strrchr(text, ':');
-    if (!colon)
+    udp_peer_text(at, text, sizeof text);
+    if (!receivers_find(&self->to, at) && !udp_peer_is_near(at)) {
+        if (!self->has_told_far)
+            device_say(
+                self->host, MRT_LOG_WARNING,
+                "%s asks for the face and is in no network of this computer: it gets none. To "
+                "send there, add the output ifacialmocap:to:%s",
+                text, text);
+        self->has_told_far = true;
         return;
-    *colon = '\0';
-    size_t length = strlen(text), is_bracketed = text[0] == '[';
-    (void)snprintf(asks.host, sizeof asks.host, "%.*s", (int)(length - 2 * is_bracketed),
-                   text + is_bracketed);
-    uint32_t at = 0;
-    while (at < self->count && strcmp(self->to[at].host, asks.host) != 0)
-        ++at;
-    if (at == RECEIVERS_MAX)
-        return; /* more than anybody has */
-    if (at == self->count)
-        device_say(self->host, MRT_LOG_INFO, "%s asks for the face", asks.host);
-    self->to[at] = asks;
-    self->count += at == self->count;
+    }
+    switch (receivers_greeted(&self->to, at, has_version_2, device_clock_ns())) {
+    case RECEIVER_IS_NEW:
+        device_say(self->host, MRT_LOG_INFO, "%s asks for the face", text);
+        break;
+    case RECEIVER_HAS_NO_PLACE:
+        if (!self->has_told_full)
+            device_say(self->host, MRT_LOG_WARNING,
+                       "%s asks for the face: %d others have it, and that is as many as can", text,
+                       RECEIVERS_MAX);
+        self->has_told_full = true;
+        break;
+    case RECEIVER_IS_KNOWN:
+        break;
+    }
 }
 
 static void hear(mrt_plugin *self)
 {
     char text[512];
     udp_peer from;
-    for (int i = 0; i < 32; ++i) {
+    for (int i = 0, strangers = 0; i < DATAGRAMS_A_LOOK && strangers < STRANGERS_A_LOOK; ++i) {
         int64_t size = udp_receive(self->socket, text, sizeof text - 1, &from, 0);
-        if (size <= 0)
+        if (size == UDP_NOTHING)
             return;
+        if (size < 0)
+            continue; /* what was wrong with a face that was sent: see forget */
         trace_received(&self->trace, device_clock_ns(), text, (size_t)size);
         text[size] = '\0';
-        if (strncmp(text, greeting, sizeof greeting - 1) == 0)
-            welcome(self, &from, strstr(text, wants_version_2) != NULL);
+        if (self->to.of[0].is_named || strncmp(text, greeting, sizeof greeting - 1) != 0)
+            continue;
+        from.port = PORT; /* where the app's receivers listen, whatever they greet from */
+        strangers += !receivers_find(&self->to, &from);
+        welcome(self, &from, strstr(text, wants_version_2) != NULL);
+    }
+}
+
+/* What the system has learned about faces that were sent. */
+static void forget(mrt_plugin *self)
+{
+    char text[UDP_PEER_TEXT];
+    udp_peer at;
+    int error;
+    for (int i = 0; i < DATAGRAMS_A_LOOK && (error = udp_failure(self->socket, &at)) != 0; ++i)
+        receivers_failed(&self->to, &at, error, device_clock_ns());
+    for (receiver_end end;
+         (end = receivers_forget_one(&self->to, device_clock_ns(), &at)) != RECEIVER_STAYS;) {
+        udp_peer_text(&at, text, sizeof text);
+        device_say(self->host, MRT_LOG_INFO,
+                   end == RECEIVER_REFUSED
+                       ? "%s does not listen any more: it gets no face until it asks again"
+                       : "%s has not asked again for 12 hours: it gets no face until it does",
+                   text);
     }
 }
 
@@ -206,14 +250,15 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
 {
     line out;
     (void)params;
+    forget(self);
     hear(self);
-    for (uint32_t i = 0; i < self->count; ++i) {
-        const receiver *to = &self->to[i];
+    for (uint32_t i = 0; i < self->to.count; ++i) {
+        const receiver *to = &self->to.of[i];
         write_text(&out, self, sample, to->has_version_2);
         trace_sent(&self->trace, device_clock_ns(), out.text, out.size);
-        (void)udp_send_to(self->socket, to->host, to->port, out.text, out.size);
+        (void)udp_send_to(self->socket, &to->at, out.text, out.size);
     }
-    return self->count > 0 ? MRT_OK : MRT_TIMEOUT;
+    return self->to.count > 0 ? MRT_OK : MRT_TIMEOUT;
 }
 
 static const char *const versions[] = {"1", "2", NULL};

@@ -19,6 +19,7 @@
 #include <sys/socket.h>
 
 enum { PARAM_LATERALS, PARAM_COUNT };
+typedef enum heard_from { HEARD_ANYBODY = 0, HEARD_PHONE_ALONE } heard_from;
 enum { PORT_LIVE_LINK = 11111, PORT_IFACIALMOCAP = 49983 };
 
 static const int64_t ns_per_s = 1000000000;
@@ -34,7 +35,8 @@ struct mrt_plugin {
     const mrt_host *host;
     int socket; /* -1: closed */
     uint16_t port;
-    char phone[UDP_HOST]; /* that is asked to send; "": whoever is there */
+    udp_peer phone; /* that is asked to send; whoever is there: a broadcast */
+    heard_from heard;
     bool is_asking;
     int64_t ask_ns;
     trace trace;
@@ -64,15 +66,28 @@ static void input_close(mrt_plugin *self)
     self->socket = -1;
 }
 
-/* The phone is another computer, so all addresses of this one are listened to. */
+/* Where to listen: at the address that is named, if it is one of this computer. Otherwise at all,
+ * as the phone is another computer; nobody but a phone that is named is heard then. */
+static int listen_for(mrt_plugin *self, const char *named, char reason[UDP_REASON])
+{
+    bool is_named = named[0] && strcmp(named, "0.0.0.0") != 0;
+    self->heard = HEARD_ANYBODY;
+    self->is_asking = is_named || self->port == PORT_IFACIALMOCAP;
+    if (!udp_peer_find(&self->phone, is_named ? named : "255.255.255.255", self->port, reason))
+        return -1;
+    if (is_named && udp_is_own(&self->phone))
+        return udp_bind(named, self->port, reason);
+    self->heard = is_named ? HEARD_PHONE_ALONE : HEARD_ANYBODY;
+    return udp_bind(is_named && strchr(named, ':') ? "::" : "0.0.0.0", self->port, reason);
+}
+
 static mrt_result input_open(mrt_plugin *self, const char *address, const double *params)
 {
-    char reason[UDP_REASON] = "";
+    char reason[UDP_REASON] = "", named[UDP_HOST] = "";
     (void)params;
     input_close(self);
     self->port = PORT_LIVE_LINK;
-    self->phone[0] = '\0';
-    if (address[0] && !udp_address_parse(self->phone, &self->port, address, strlen(address))) {
+    if (address[0] && !udp_address_parse(named, &self->port, address, strlen(address))) {
         device_say(self->host, MRT_LOG_ERROR,
                    "\"%.60s\" is no port: write phone:11111 for Live Link Face, phone:49983 or "
                    "phone:192.168.1.30:49983 (the phone's address) for iFacialMocap, phone:11573 "
@@ -80,7 +95,7 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
                    address);
         return MRT_ERR_ARGUMENT;
     }
-    self->socket = udp_bind("0.0.0.0", self->port, reason);
+    self->socket = listen_for(self, named, reason);
     if (self->socket < 0) {
         device_say(self->host, MRT_LOG_ERROR, "%s", reason);
         return MRT_ERR_IO;
@@ -88,7 +103,6 @@ static mrt_result input_open(mrt_plugin *self, const char *address, const double
     const int on = 1;
     (void)setsockopt(self->socket, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
     trace_open(&self->trace, self->host, "phone");
-    self->is_asking = self->phone[0] || self->port == PORT_IFACIALMOCAP;
     self->ask_ns = 0;
     udp_owner_release(&self->owner);
     clock_map_reset(&self->clock);
@@ -109,16 +123,17 @@ static const mrt_channel *input_channels(mrt_plugin *self, uint32_t *out_count)
 
 static void ask(mrt_plugin *self)
 {
-    const char *host = self->phone[0] ? self->phone : "255.255.255.255";
-    int error = udp_send_to(self->socket, host, self->port, greeting, sizeof greeting - 1);
+    char text[UDP_PEER_TEXT];
+    int error = udp_send_to(self->socket, &self->phone, greeting, sizeof greeting - 1);
     trace_sent(&self->trace, self->host->now_ns(self->host), greeting, sizeof greeting - 1);
     if (error == 0 || self->has_told_failure)
         return;
     self->has_told_failure = true;
+    udp_peer_text(&self->phone, text, sizeof text);
     device_say(self->host, MRT_LOG_WARNING,
-               "port %u: the phone at %.100s cannot be asked to send (%s): write its address, as "
+               "port %u: the phone at %s cannot be asked to send (%s): write its address, as "
                "in phone:192.168.1.30:%u; listening on",
-               (unsigned)self->port, host, strerror(error), (unsigned)self->port);
+               (unsigned)self->port, text, strerror(error), (unsigned)self->port);
 }
 
 /* Until somebody sends, and again when it is silent. */
@@ -132,19 +147,22 @@ static void ask_if_due(mrt_plugin *self, int64_t now_ns)
 
 /* ---- reading ---- */
 
+static void tell_other(mrt_plugin *self, const udp_peer *peer, const char *why)
+{
+    char text[UDP_PEER_TEXT];
+    if (self->has_told_other)
+        return;
+    self->has_told_other = true;
+    udp_peer_text(peer, text, sizeof text);
+    device_say(self->host, MRT_LOG_WARNING, "port %u: %s sends a face too and is not heard: %s",
+               (unsigned)self->port, text, why);
+}
+
 static bool admit(mrt_plugin *self, const udp_peer *peer, int64_t now_ns)
 {
     if (udp_owner_admits_single(&self->owner, peer, now_ns))
         return true;
-    if (!self->has_told_other) {
-        char text[UDP_PEER_TEXT];
-        udp_peer_text(peer, text, sizeof text);
-        device_say(self->host, MRT_LOG_WARNING,
-                   "port %u: %s sends a face too and is not heard: two phones are two inputs at "
-                   "two ports",
-                   (unsigned)self->port, text);
-        self->has_told_other = true;
-    }
+    tell_other(self, peer, "two phones are two inputs at two ports");
     return false;
 }
 
@@ -189,6 +207,11 @@ static bool take(mrt_plugin *self, size_t size, const udp_peer *peer, const doub
         params[PARAM_LATERALS] < 0.5 ? PHONE_LEFT_FIRST : PHONE_RIGHT_FIRST;
     if (size == sizeof greeting - 1 && memcmp(self->datagram, greeting, size) == 0)
         return false; /* our own, broadcast */
+    if (self->heard == HEARD_PHONE_ALONE &&
+        memcmp(peer->ip, self->phone.ip, sizeof peer->ip) != 0) {
+        tell_other(self, peer, "the address of another phone was given");
+        return false;
+    }
     if (phone_parse(&frame, self->datagram, size, laterals) == PHONE_NONE) {
         refuse(self, size);
         return false;

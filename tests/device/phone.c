@@ -21,6 +21,7 @@ typedef struct room {
     input_host *host;
     int phone, other; /* sockets that send */
     uint16_t port;    /* that marotte listens to */
+    const char *to;   /* address of this computer that they send to */
     char address[64];
     mrt_sample last;
 } room;
@@ -43,6 +44,7 @@ static int set_up(void **state)
     close(open_socket(&r->port)); /* was free a moment ago */
     r->phone = open_socket(&own);
     r->other = open_socket(&own);
+    r->to = "127.0.0.1";
     r->host = input_host_create(BUILD_DIR "/plugins/phone.so");
     snprintf(r->address, sizeof r->address, "%u", (unsigned)r->port);
     *state = r;
@@ -62,7 +64,7 @@ static int tear_down(void **state)
 static void send_bytes(const room *r, int from, const void *bytes, size_t size)
 {
     struct sockaddr_in to = {
-        .sin_family = AF_INET, .sin_port = htons(r->port), .sin_addr = {htonl(INADDR_LOOPBACK)}};
+        .sin_family = AF_INET, .sin_port = htons(r->port), .sin_addr = {inet_addr(r->to)}};
     assert_int_equal(sendto(from, bytes, size, 0, (struct sockaddr *)&to, sizeof to), size);
 }
 
@@ -222,6 +224,7 @@ static void a_phone_that_waits_is_asked(void **state)
     unlink(trace);
     assert_int_equal(sent, 2);
     assert_int_equal(received, 2);
+    r->to = "127.0.0.2";
     static const char face[] = "jawOpen&50|eyeBlink_L&100|trackingStatus&1|=head#10,0,0,0,0,0|";
     send_bytes(r, r->phone, face, sizeof face - 1);
     assert_int_equal(read_one(r, 500 * ms_ns), MRT_OK);
@@ -232,6 +235,37 @@ static void a_phone_that_waits_is_asked(void **state)
     assert_int_equal(read_one(r, 500 * ms_ns), MRT_OK);
     assert_float_equal(value_of(r, "jawOpen"), 0.2f, 1e-6f);
     assert_float_equal(value_of(r, "eyeBlinkLeft"), 1, 0);
+}
+
+static void at_an_own_address_only_that_one_is_listened_to(void **state)
+{
+    room *r = *state;
+    snprintf(r->address, sizeof r->address, "127.0.0.2:%u", (unsigned)r->port);
+    assert_int_equal(input_host_open(r->host, r->address), MRT_OK);
+    send_face(r, r->phone, 1000, 0.5f);
+    assert_int_equal(read_one(r, 20 * ms_ns), MRT_TIMEOUT);
+    r->to = "127.0.0.2";
+    send_face(r, r->phone, 1001, 0.75f);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
+    assert_float_equal(value_of(r, "jawOpen"), 0.75f, 0);
+}
+
+/* 192.0.2.1 is nobody's: RFC 5737. */
+static void of_a_named_phone_nobody_else_is_heard(void **state)
+{
+    room *r = *state;
+    snprintf(r->address, sizeof r->address, "192.0.2.1:%u", (unsigned)r->port);
+    assert_int_equal(input_host_open(r->host, r->address), MRT_OK);
+    for (uint32_t i = 0; i < 3; ++i) {
+        send_face(r, r->phone, 1000 + i, 0.5f);
+        assert_int_equal(read_one(r, 20 * ms_ns), MRT_TIMEOUT);
+    }
+    assert_non_null(strstr(r->host->last_text, "127.0.0.1"));
+    assert_non_null(strstr(r->host->last_text, "is not heard"));
+    snprintf(r->address, sizeof r->address, "0.0.0.0:%u", (unsigned)r->port);
+    assert_int_equal(input_host_open(r->host, r->address), MRT_OK);
+    send_face(r, r->phone, 1010, 0.5f);
+    assert_int_equal(read_one(r, s_ns), MRT_OK);
 }
 
 static void openseeface_is_a_face_too(void **state)
@@ -273,6 +307,8 @@ int main(void)
         ROOM_TEST(noise_is_said_once_and_changes_nothing),
         ROOM_TEST(of_two_phones_the_first_is_heard),
         ROOM_TEST(a_phone_that_waits_is_asked),
+        ROOM_TEST(at_an_own_address_only_that_one_is_listened_to),
+        ROOM_TEST(of_a_named_phone_nobody_else_is_heard),
         ROOM_TEST(openseeface_is_a_face_too),
         ROOM_TEST(a_port_in_use_is_one_calm_line),
     };

@@ -709,6 +709,44 @@ static void ifacialmocap_answers_its_greeting_in_both_versions(void **state)
     close(fd);
 }
 
+/* A greeting may be forged: whoever is sent to without listening is forgotten. */
+static void ifacialmocap_forgets_who_does_not_listen(void **state)
+{
+    (void)state;
+    static const char greeting[] = "iFacialMocap_sahuasouryya9218sauhuiayeta91555dy3719";
+    stand s;
+    char path[1024], text[4096];
+    struct sockaddr_in phone = {.sin_family = AF_INET, .sin_port = htons(49983)};
+    phone.sin_addr.s_addr = inet_addr("127.0.0.4");
+    int free_here = listen_at("127.0.0.4", 49983);
+    if (free_here < 0) {
+        printf("SKIPPED: port 49983 is in use here\n");
+        skip();
+    }
+    close(free_here);
+    error err = {""};
+    shipped(path, "ifacialmocap");
+    stand_up(&s, "puppet", ISOLATE_FOREIGN);
+    add(&s, path, 49983, ""); /* loads it; of this computer's usual address */
+    outputs_remove(s.outputs, 0);
+    scene_must(outputs_add(s.outputs, "ifacialmocap:127.0.0.4:49983", &err), &err);
+    wait_for_state(&s, 0, OUTPUT_UNHEARD);
+    for (int round = 0; round < 2; ++round) { /* and it may come back */
+        int fd = listen_at("127.0.0.5", 49983);
+        int64_t until_ns = clock_now_ns() + patience_ns;
+        assert_true(fd >= 0);
+        (void)sendto(fd, greeting, sizeof greeting - 1, 0, (struct sockaddr *)&phone, sizeof phone);
+        do
+            publish(&s);
+        while (hear(fd, text, sizeof text, 20) == 0 && clock_now_ns() < until_ns);
+        wait_for_state(&s, 0, OUTPUT_SENDS);
+        close(fd);
+        if (round == 0)
+            wait_for_state(&s, 0, OUTPUT_UNHEARD);
+    }
+    lie_down(&s);
+}
+
 static void a_second_program_that_is_the_same_device_waits_for_the_first(void **state)
 {
     (void)state;
@@ -938,6 +976,7 @@ int main(void)
         cmocka_unit_test(face_osc_says_named_numbers),
         cmocka_unit_test(livelink_sends_the_datagram_of_the_app),
         cmocka_unit_test(ifacialmocap_answers_its_greeting_in_both_versions),
+        cmocka_unit_test(ifacialmocap_forgets_who_does_not_listen),
         cmocka_unit_test(a_second_program_that_is_the_same_device_waits_for_the_first),
         cmocka_unit_test(garbage_in_place_of_vtube_studio_is_borne),
         cmocka_unit_test(who_hangs_and_a_network_that_is_gone_cost_the_frame_nothing),

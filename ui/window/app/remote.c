@@ -126,19 +126,15 @@ static void flush(client *c)
 
 static void send_osc(const remote *self, const answer *a)
 {
-    char text[UDP_PEER_TEXT], bytes[1024];
+    char bytes[1024];
     osc_builder builder = osc_builder_start();
     osc_builder_text(&builder, a->command.word);
     osc_builder_int32(&builder, !a->is_refused);
     osc_builder_text(&builder, a->says);
     const size_t size =
         osc_builder_finish(&builder, REMOTE_OSC_PREFIX "answer", bytes, sizeof bytes);
-    udp_peer_text(&a->to.peer, text, sizeof text);
-    char *host = text[0] == '[' ? text + 1 : text, *end = strrchr(text, ':');
-    if (!end || end == host || size == 0)
-        return;
-    end[text[0] == '[' ? -1 : 0] = '\0';
-    (void)udp_send_to(self->udp, host, a->to.peer.port, bytes, size); /* gone: its affair */
+    if (size > 0)
+        (void)udp_send_to(self->udp, &a->to.peer, bytes, size); /* gone: its affair */
 }
 
 /* ---- doing ---- */
