@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- srt:// and udp:// by the program ffmpeg, as video files are written (video.h). Without
@@ -110,9 +111,11 @@ static void v4l2_close(void *data, error *why)
 
 static mrt_result set_format(device *self, const char *path, error *err)
 {
+    struct stat status;
     struct v4l2_capability can = {.capabilities = 0};
     struct v4l2_format format = {.type = V4L2_BUF_TYPE_VIDEO_OUTPUT};
-    if (ioctl(self->fd, VIDIOC_QUERYCAP, &can) != 0 ||
+    if (fstat(self->fd, &status) != 0 || !S_ISCHR(status.st_mode) ||
+        ioctl(self->fd, VIDIOC_QUERYCAP, &can) != 0 ||
         !((can.capabilities | can.device_caps) & V4L2_CAP_VIDEO_OUTPUT))
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s takes no pictures: it must be one of v4l2loopback", path);
@@ -265,11 +268,20 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
+/* /dev/videoN to the letter: no other name leads to a device, or out of its folder. */
+static bool is_video_device(const char *target)
+{
+    static const char prefix[] = "/dev/video";
+    const size_t length = sizeof prefix - 1;
+    return strncmp(target, prefix, length) == 0 && target[length] != '\0' &&
+           target[length + strspn(target + length, "0123456789")] == '\0';
+}
+
 static const stream_way *way_of(const char *target, error *err)
 {
     if (strncmp(target, "srt://", 6) == 0 || strncmp(target, "udp://", 6) == 0)
         return &stream_ffmpeg;
-    if (strncmp(target, "/dev/video", 10) == 0)
+    if (is_video_device(target))
         return &stream_v4l2;
     if (strcmp(target, "pipewire") == 0 || strncmp(target, "pipewire:", 9) == 0) {
 #ifdef MAROTTE_HAS_PIPEWIRE
