@@ -13,18 +13,19 @@
 
 extern char **environ;
 
-enum { OPTIONS_MAX = 64, READY_MS = 5000, EXIT_NO_TERMINAL = 77 };
+enum { OPTIONS_MAX = 64, READY_MS = 60000, EXIT_NO_TERMINAL = 77 };
 
-static mrt_result make_folder(glove_child *child, error *err)
+mrt_result glove_child_prepare(glove_child *out, error *err)
 {
-    snprintf(child->folder, sizeof child->folder, "/tmp/marotte-glove-XXXXXX");
-    if (!mkdtemp(child->folder)) {
-        child->folder[0] = 0;
+    *out = (glove_child){0};
+    snprintf(out->folder, sizeof out->folder, "/tmp/marotte-glove-XXXXXX");
+    if (!mkdtemp(out->folder)) {
+        out->folder[0] = 0;
         return error_set(err, MRT_ERR_IO, "no folder in /tmp: %s", strerror(errno));
     }
-    snprintf(child->link, sizeof child->link, "%s/glove", child->folder);
-    snprintf(child->truth, sizeof child->truth, "%s/truth.csv", child->folder);
-    snprintf(child->address, sizeof child->address, "serial:%s", child->link);
+    snprintf(out->link, sizeof out->link, "%s/glove", out->folder);
+    snprintf(out->truth, sizeof out->truth, "%s/truth.csv", out->folder);
+    snprintf(out->address, sizeof out->address, "serial:%s", out->link);
     return MRT_OK;
 }
 
@@ -93,8 +94,7 @@ mrt_result glove_child_wait_ready(glove_child *child, error *err)
 mrt_result glove_child_start(glove_child *out, const char *program, const char *const *options,
                              error *err)
 {
-    *out = (glove_child){0};
-    mrt_result result = make_folder(out, err);
+    mrt_result result = glove_child_prepare(out, err);
     if (result < 0)
         return result;
     const char *fixed[] = {program, "--control", "--link", out->link, "--truth", out->truth};

@@ -13,13 +13,15 @@ typedef struct glove_child {
     char address[112]; /* for the plugin: "serial:" and the link */
 } glove_child;
 
+/* The folder and the names in it alone. */
+CHECKED mrt_result glove_child_prepare(glove_child *out, error *err);
 /* Starts `program` with options, NULL-ended, and waits until the terminal is there. When the system
  * has no pseudo terminals the result is MRT_ERR_UNSUPPORTED: skip. */
 CHECKED mrt_result glove_child_start(glove_child *out, const char *program,
                                      const char *const *options, error *err);
 /* "unplug", "plug", "silent", "speak". */
 void glove_child_say(glove_child *child, const char *word);
-/* Waits for the start of another life, at most 5 s. */
+/* Waits for the start of another life, at most a minute. */
 CHECKED mrt_result glove_child_wait_ready(glove_child *child, error *err);
 /* Ends it; the ground truth is then complete and stays until glove_child_finish. False: it ended in
  * another way than asked. */

@@ -23,7 +23,7 @@ typedef struct truth_row {
     uint8_t record[GLOVE_RECORD_MAX]; /* as the glove meant it */
 } truth_row;
 
-typedef struct emulator {
+struct glove_emulator {
     const glove_settings *settings;
     glove_box box;
     glove_line line;
@@ -32,6 +32,7 @@ typedef struct emulator {
     truth_row *row; /* TRUTH_ROWS, by record number */
     uint64_t random;
     int64_t start_ns;
+    void (*on_ready)(const char *path); /* NULL: nobody learns */
 
     /* this life */
     bool is_deaf, is_silent, is_noisy;
@@ -50,7 +51,7 @@ typedef struct emulator {
     char control[CONTROL_LINE];
     size_t control_size;
     bool is_over;
-} emulator;
+};
 
 static volatile sig_atomic_t end_asked;
 
@@ -60,7 +61,7 @@ static void ask_end(int number)
     end_asked = 1;
 }
 
-static uint32_t random_below(emulator *self, uint32_t limit)
+static uint32_t random_below(glove_emulator *self, uint32_t limit)
 {
     self->random ^= self->random << 13;
     self->random ^= self->random >> 7;
@@ -75,7 +76,7 @@ static const char *const spoil_names[GLOVE_SPOIL_COUNT] = {"sent", "zero", "head
 
 static void write_truth(void *data, int64_t label, int64_t time_ns)
 {
-    emulator *self = data;
+    glove_emulator *self = data;
     const truth_row *row = &self->row[label % TRUTH_ROWS];
     if (!self->truth)
         return;
@@ -89,7 +90,7 @@ static void write_truth(void *data, int64_t label, int64_t time_ns)
 /* ---- records ---- */
 
 /* The kinds asked for, in turn. */
-static glove_spoil next_spoil(emulator *self)
+static glove_spoil next_spoil(glove_emulator *self)
 {
     unsigned kinds = self->settings->spoil_kinds;
     glove_spoil kind = GLOVE_SPOIL_NONE;
@@ -101,7 +102,7 @@ static glove_spoil next_spoil(emulator *self)
     return GLOVE_SPOIL_NONE;
 }
 
-static uint32_t spoil(emulator *self, glove_spoil kind, uint8_t *record, uint32_t size)
+static uint32_t spoil(glove_emulator *self, glove_spoil kind, uint8_t *record, uint32_t size)
 {
     uint32_t sent[GLOVE_SENSORS];
     uint32_t sensor = 1 + random_below(self, glove_box_sent(&self->box, sent));
@@ -132,7 +133,7 @@ static bool is_nth(uint32_t number, uint32_t every)
     return every > 0 && number % every == every - 1;
 }
 
-static uint32_t tick_at(const emulator *self, int64_t time_ns)
+static uint32_t tick_at(const glove_emulator *self, int64_t time_ns)
 {
     double elapsed_s = (double)(time_ns - self->start_ns) * 1e-9;
     double glove_s =
@@ -140,14 +141,14 @@ static uint32_t tick_at(const emulator *self, int64_t time_ns)
     return (uint32_t)(uint64_t)(glove_s * GLOVE_TICKS_PER_S);
 }
 
-static void turn_switch(emulator *self, int64_t time_ns)
+static void turn_switch(glove_emulator *self, int64_t time_ns)
 {
     int64_t period_ns = self->settings->switch_ns;
     if (period_ns > 0)
         self->box.wrist_switch = (time_ns - self->start_ns) / period_ns % 2 == 1;
 }
 
-static unsigned marks_of(emulator *self, bool is_late)
+static unsigned marks_of(glove_emulator *self, bool is_late)
 {
     uint32_t every = self->settings->unplugged_every, run = self->settings->unplugged_run;
     bool is_out = every > 0 && self->record_number % every + run >= every;
@@ -157,7 +158,8 @@ static unsigned marks_of(emulator *self, bool is_late)
 }
 
 /* Measures at time_ns and sends; if it is cut, the first half. */
-static void send_record(emulator *self, uint8_t head, int64_t time_ns, bool is_late, bool is_cut)
+static void send_record(glove_emulator *self, uint8_t head, int64_t time_ns, bool is_late,
+                        bool is_cut)
 {
     uint8_t sensor[GLOVE_SENSORS], bytes[GLOVE_RECORD_MAX + 1];
     glove_motion_at(&self->motion, time_ns - self->start_ns, sensor);
@@ -184,7 +186,7 @@ static void send_record(emulator *self, uint8_t head, int64_t time_ns, bool is_l
 
 /* ---- one life ---- */
 
-static void die(emulator *self, int64_t now_ns)
+static void die(glove_emulator *self, int64_t now_ns)
 {
     glove_line_die(&self->line);
     self->is_streaming = false;
@@ -194,7 +196,7 @@ static void die(emulator *self, int64_t now_ns)
         self->is_over = true;
 }
 
-static void begin_life(emulator *self, int64_t now_ns)
+static void begin_life(glove_emulator *self, int64_t now_ns)
 {
     glove_box_init(&self->box, &self->settings->model);
     self->is_deaf = self->is_silent = self->is_noisy = false;
@@ -208,19 +210,19 @@ static void begin_life(emulator *self, int64_t now_ns)
     self->line.baud = self->settings->model.baud;
 }
 
-static bool has_faults(const emulator *self)
+static bool has_faults(const glove_emulator *self)
 {
     return self->settings->fault_lives == 0 || self->life <= self->settings->fault_lives;
 }
 
-static bool is_at(const emulator *self, uint32_t count, uint32_t fault_at)
+static bool is_at(const glove_emulator *self, uint32_t count, uint32_t fault_at)
 {
     return fault_at > 0 && count >= fault_at && has_faults(self);
 }
 
 /* The next record of the stream, or what happens instead. The glove measures when the line can
  * take what it says; a turn that finds the line busy waits, and its record is marked. */
-static void stream(emulator *self, int64_t now_ns)
+static void stream(glove_emulator *self, int64_t now_ns)
 {
     const glove_settings *s = self->settings;
     uint32_t count = self->stream_count++;
@@ -245,7 +247,7 @@ static void stream(emulator *self, int64_t now_ns)
     self->next_ns = self->is_late ? self->line.free_ns : wanted_ns;
 }
 
-static void act(emulator *self, const glove_reply *reply, int64_t now_ns)
+static void act(glove_emulator *self, const glove_reply *reply, int64_t now_ns)
 {
     switch (reply->action) {
     case GLOVE_RECORD:
@@ -272,7 +274,7 @@ static void act(emulator *self, const glove_reply *reply, int64_t now_ns)
     self->line.baud = self->box.baud;
 }
 
-static void hear_as_glove(emulator *self, uint8_t byte, int64_t now_ns)
+static void hear_as_glove(glove_emulator *self, uint8_t byte, int64_t now_ns)
 {
     bool is_control = byte == 0x03 || byte == 0x12;
     if (self->is_deaf || self->restart_until_ns > 0 || (self->is_streaming && !is_control))
@@ -290,7 +292,7 @@ static void hear_as_glove(emulator *self, uint8_t byte, int64_t now_ns)
         act(self, &reply, now_ns);
 }
 
-static void hear_as_modem(emulator *self, uint8_t byte, int64_t now_ns)
+static void hear_as_modem(glove_emulator *self, uint8_t byte, int64_t now_ns)
 {
     static const char error_text[] = "\r\nERROR\r\n";
     glove_line_send(&self->line, &byte, 1, now_ns, -1);
@@ -298,10 +300,8 @@ static void hear_as_modem(emulator *self, uint8_t byte, int64_t now_ns)
         glove_line_send(&self->line, error_text, sizeof error_text - 1, now_ns, -1);
 }
 
-static void hear(emulator *self, int64_t now_ns)
+static void hear_bytes(glove_emulator *self, const uint8_t *bytes, size_t size, int64_t now_ns)
 {
-    uint8_t bytes[256];
-    size_t size = glove_line_receive(&self->line, bytes, sizeof bytes);
     for (size_t i = 0; i < size && self->line.master >= 0; ++i)
         if (self->settings->nature == GLOVE_IS_GLOVE)
             hear_as_glove(self, bytes[i], now_ns);
@@ -311,7 +311,28 @@ static void hear(emulator *self, int64_t now_ns)
             glove_line_send(&self->line, &bytes[i], 1, now_ns, -1);
 }
 
-static void make_noise(emulator *self, int64_t now_ns)
+static void hear(glove_emulator *self, int64_t now_ns)
+{
+    uint8_t bytes[256];
+    hear_bytes(self, bytes, glove_line_receive(&self->line, bytes, sizeof bytes), now_ns);
+}
+
+void glove_emulator_written(glove_emulator *self, int64_t now_ns, int file, size_t size)
+{
+    uint8_t bytes[256];
+    if (!glove_line_is_terminal(&self->line, file))
+        return;
+    while (size > 0 && self->line.master >= 0) {
+        size_t wanted = size < sizeof bytes ? size : sizeof bytes;
+        size_t received = glove_line_receive_all(&self->line, bytes, wanted);
+        if (received == 0)
+            return;
+        hear_bytes(self, bytes, received, now_ns);
+        size -= received;
+    }
+}
+
+static void make_noise(glove_emulator *self, int64_t now_ns)
 {
     uint8_t bytes[NOISE_BYTES];
     for (int i = 0; i < NOISE_BYTES; ++i)
@@ -320,14 +341,14 @@ static void make_noise(emulator *self, int64_t now_ns)
     self->noise_at_ns = now_ns + noise_period_ns;
 }
 
-static bool is_noise(const emulator *self)
+static bool is_noise(const glove_emulator *self)
 {
     return self->settings->nature == GLOVE_IS_NOISE || (self->is_noisy && self->is_streaming);
 }
 
 /* ---- control: one word a line ---- */
 
-static void obey(emulator *self, const char *word, int64_t now_ns)
+void glove_emulator_obey(glove_emulator *self, const char *word, int64_t now_ns)
 {
     if (strcmp(word, "unplug") == 0 && self->line.master >= 0) {
         die(self, now_ns);
@@ -342,7 +363,7 @@ static void obey(emulator *self, const char *word, int64_t now_ns)
         self->is_over = true;
 }
 
-static void read_control(emulator *self, int64_t now_ns)
+static void read_control(glove_emulator *self, int64_t now_ns)
 {
     char bytes[CONTROL_LINE];
     ssize_t size = read(STDIN_FILENO, bytes, sizeof bytes);
@@ -358,7 +379,7 @@ static void read_control(emulator *self, int64_t now_ns)
         }
         self->control[self->control_size] = 0;
         self->control_size = 0;
-        obey(self, self->control, now_ns);
+        glove_emulator_obey(self, self->control, now_ns);
     }
 }
 
@@ -369,7 +390,7 @@ static int64_t earlier(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-static int64_t next_event_ns(const emulator *self)
+int64_t glove_emulator_due_ns(const glove_emulator *self)
 {
     if (self->line.master < 0)
         return self->return_at_ns;
@@ -383,7 +404,7 @@ static int64_t next_event_ns(const emulator *self)
     return due_ns;
 }
 
-static mrt_result live(emulator *self, int64_t now_ns, void (*on_ready)(const char *), error *err)
+mrt_result glove_emulator_live(glove_emulator *self, int64_t now_ns, error *err)
 {
     if (self->line.master < 0) {
         if (now_ns < self->return_at_ns)
@@ -392,7 +413,8 @@ static mrt_result live(emulator *self, int64_t now_ns, void (*on_ready)(const ch
         if (result < 0)
             return result;
         begin_life(self, now_ns);
-        on_ready(self->line.path);
+        if (self->on_ready)
+            self->on_ready(self->line.path);
         return MRT_OK;
     }
     while (self->is_streaming && self->next_ns <= now_ns)
@@ -408,7 +430,7 @@ static mrt_result live(emulator *self, int64_t now_ns, void (*on_ready)(const ch
     return MRT_OK;
 }
 
-static void wait_for_event(emulator *self)
+static void wait_for_event(glove_emulator *self)
 {
     int control = self->settings->is_controlled ? STDIN_FILENO : -1;
     fd_set files;
@@ -417,7 +439,7 @@ static void wait_for_event(emulator *self)
         FD_SET(self->line.master, &files);
     if (control >= 0)
         FD_SET(control, &files);
-    int64_t due_ns = next_event_ns(self), now_ns = clock_now_ns();
+    int64_t due_ns = glove_emulator_due_ns(self), now_ns = clock_now_ns();
     int64_t left_ns = due_ns > now_ns ? due_ns - now_ns : 0;
     struct timespec left = {(time_t)(left_ns / NS_PER_S), (long)(left_ns % NS_PER_S)};
     sigset_t none;
@@ -447,7 +469,7 @@ static void catch_signals(void)
     signal(SIGPIPE, SIG_IGN);
 }
 
-static mrt_result open_truth(emulator *self, error *err)
+static mrt_result open_truth(glove_emulator *self, error *err)
 {
     const char *path = self->settings->truth;
     if (!path)
@@ -475,35 +497,71 @@ glove_settings glove_settings_default(void)
     };
 }
 
+static void release(glove_emulator *self)
+{
+    glove_line_destroy(&self->line);
+    glove_motion_finish(&self->motion);
+    free(self->row);
+    if (self->truth)
+        fclose(self->truth);
+    free(self);
+}
+
+mrt_result glove_emulator_destroy(glove_emulator *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (!self)
+        return MRT_OK;
+    if (self->truth && fclose(self->truth) != 0)
+        result = error_set(err, MRT_ERR_IO, "%s: %s", self->settings->truth, strerror(errno));
+    self->truth = NULL;
+    release(self);
+    return result;
+}
+
+mrt_result glove_emulator_create(glove_emulator **out, const glove_settings *settings, error *err)
+{
+    glove_emulator *self = calloc(1, sizeof *self);
+    truth_row *row = calloc(TRUTH_ROWS, sizeof *row);
+    if (!self || !row) {
+        free(self);
+        free(row);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the ground truth");
+    }
+    self->settings = settings;
+    self->row = row;
+    self->random = 0x9E3779B97F4A7C15u ^ settings->seed;
+    self->start_ns = clock_now_ns();
+    mrt_result result = glove_motion_open(&self->motion, settings->motion, err);
+    if (result >= 0)
+        result = open_truth(self, err);
+    if (result >= 0)
+        result = glove_line_create(&self->line, &settings->line, settings->model.baud, err);
+    if (result < 0) {
+        release(self);
+        return result;
+    }
+    begin_life(self, self->start_ns);
+    *out = self;
+    return MRT_OK;
+}
+
 mrt_result glove_emulator_run(const glove_settings *settings, void (*on_ready)(const char *path),
                               error *err)
 {
-    emulator self = {.settings = settings,
-                     .random = 0x9E3779B97F4A7C15u ^ settings->seed,
-                     .start_ns = clock_now_ns()};
-    self.row = calloc(TRUTH_ROWS, sizeof *self.row);
-    mrt_result result =
-        self.row ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the ground truth");
-    if (result >= 0)
-        result = glove_motion_open(&self.motion, settings->motion, err);
-    if (result >= 0)
-        result = open_truth(&self, err);
-    if (result >= 0)
-        result = glove_line_create(&self.line, &settings->line, settings->model.baud, err);
-    if (result >= 0) {
-        catch_signals();
-        begin_life(&self, clock_now_ns());
-        on_ready(self.line.path);
+    glove_emulator *self = NULL;
+    error ignored;
+    mrt_result result = glove_emulator_create(&self, settings, err);
+    if (result < 0)
+        return result;
+    catch_signals();
+    self->on_ready = on_ready;
+    on_ready(self->line.path);
+    while (result >= 0 && !self->is_over && !end_asked) {
+        result = glove_emulator_live(self, clock_now_ns(), err);
+        if (result >= 0 && !self->is_over)
+            wait_for_event(self);
     }
-    while (result >= 0 && !self.is_over && !end_asked) {
-        result = live(&self, clock_now_ns(), on_ready, err);
-        if (result >= 0 && !self.is_over)
-            wait_for_event(&self);
-    }
-    glove_line_destroy(&self.line);
-    glove_motion_finish(&self.motion);
-    free(self.row);
-    if (self.truth && fclose(self.truth) != 0 && result >= 0)
-        result = error_set(err, MRT_ERR_IO, "%s: %s", settings->truth, strerror(errno));
-    return result;
+    mrt_result end = glove_emulator_destroy(self, result < 0 ? &ignored : err);
+    return result < 0 ? result : end;
 }

@@ -1,8 +1,9 @@
 /* device/glove_emulator.h - a CyberGlove on a pseudo terminal: a box (glove_box.h) with a hand in
  * it (glove_motion.h) at the end of a cable (glove_line.h), and everything that can be wrong with
  * them. It can write down what it truly measured and when, to be compared with what arrives
- * (glove_truth.h). The program glove_emulator has an option for each setting; tests run that
- * program (glove_child.h). One thread, which never spins. */
+ * (glove_truth.h). Each setting has an option (glove_options.h). It is a program that tests run
+ * (glove_child.h), or lives within the test, by the virtual clock (glove_session.h). One thread,
+ * which never spins. */
 #ifndef MAROTTE_TESTS_DEVICE_GLOVE_EMULATOR_H
 #define MAROTTE_TESTS_DEVICE_GLOVE_EMULATOR_H
 #include "glove_box.h"
@@ -63,5 +64,19 @@ glove_settings glove_settings_default(void);
  * learns the terminal's path at the start of each life. */
 CHECKED mrt_result glove_emulator_run(const glove_settings *settings,
                                       void (*on_ready)(const char *path), error *err);
+
+/* Or step by step, by whoever has the time: settings outlive it, and are not controlled. */
+typedef struct glove_emulator glove_emulator;
+CHECKED mrt_result glove_emulator_create(glove_emulator **out, const glove_settings *settings,
+                                         error *err);
+/* The ground truth is complete then. */
+CHECKED mrt_result glove_emulator_destroy(glove_emulator *self, error *err); /* accepts NULL */
+/* When glove_emulator_live has to be called next; INT64_MAX: only after a word or a byte. */
+int64_t glove_emulator_due_ns(const glove_emulator *self);
+CHECKED mrt_result glove_emulator_live(glove_emulator *self, int64_t now_ns, error *err);
+/* The program has written so many bytes to this file: waits for them, if it is the terminal. */
+void glove_emulator_written(glove_emulator *self, int64_t now_ns, int file, size_t size);
+/* "unplug", "plug", "silent", "speak". */
+void glove_emulator_obey(glove_emulator *self, const char *word, int64_t now_ns);
 
 #endif

@@ -14,6 +14,7 @@ typedef struct glove_line_settings {
     uint32_t chunk_bytes;  /* one write has at most so many, paced; 0: a whole parcel */
     bool is_paced;         /* by the baud rate */
     bool is_cooked;        /* the terminal echoes until the program makes it raw, as a real one */
+    bool is_awaited;       /* a write returns when the program can read it, as far as it is raw */
     bool minds_baud;       /* a program that has set another rate reads and writes nonsense */
 } glove_line_settings;
 
@@ -63,5 +64,9 @@ typedef void glove_written(void *data, int64_t label, int64_t time_ns);
 void glove_line_pump(glove_line *line, int64_t now_ns, glove_written *on_written, void *data);
 /* What the program has sent; 0: nothing, or dead. */
 size_t glove_line_receive(glove_line *line, uint8_t *out, size_t capacity);
+/* The same, and waits until it is so much; less: the terminal has gone. */
+size_t glove_line_receive_all(glove_line *line, uint8_t *out, size_t size);
+/* Whether the program's file is this terminal. */
+bool glove_line_is_terminal(const glove_line *line, int file);
 
 #endif

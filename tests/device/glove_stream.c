@@ -105,7 +105,7 @@ static void bytes_in_pieces(void **state)
 static void a_glove_that_was_left_streaming(void **state)
 {
     (void)state;
-    check(OPTIONS("--numbered", "--streaming", "--cooked"), "", 22, MRT_RIGHT);
+    check(OPTIONS("--numbered", "--streaming"), "", 22, MRT_RIGHT);
 }
 
 static void a_slow_line_at_its_own_rate(void **state)
