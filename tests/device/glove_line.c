@@ -1,21 +1,17 @@
 #include "glove_line.h"
 
 #include "base/clock.h"
+#include "terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
-#include <sys/stat.h>
 #include <termios.h>
-#include <time.h>
 #include <unistd.h>
 
 enum { BITS_PER_BYTE = 10 }; /* start, eight, stop */
-enum { READABLE_MAX = 2048 };
 
 /* The link appears at its name complete, like a device node. */
 static mrt_result make_link(const glove_line *line, error *err)
@@ -170,29 +166,10 @@ int64_t glove_line_due_ns(const glove_line *line)
     return due_ns;
 }
 
-static int readable(const glove_line *line)
-{
-    int size = 0;
-    return ioctl(line->slave, FIONREAD, &size) == 0 ? size : 0;
-}
-
-/* The system carries bytes from one end of a terminal to the other when it has time. Lines that are
- * not read, or not raw, show no more than a part of what has arrived. */
-static void wait_until_readable(const glove_line *line, int size)
-{
-    const struct timespec moment = {.tv_nsec = 20000};
-    struct termios settings;
-    if (size > READABLE_MAX || tcgetattr(line->slave, &settings) != 0 ||
-        (settings.c_lflag & ICANON))
-        return;
-    while (readable(line) < size)
-        nanosleep(&moment, NULL);
-}
-
 static uint32_t write_bytes(glove_line *line, uint32_t size)
 {
     uint32_t done = 0;
-    int before = line->settings.is_awaited ? readable(line) : 0;
+    int before = line->settings.is_awaited ? terminal_readable(line->slave) : 0;
     while (done < size) {
         ssize_t written = write(line->master, line->held + done, size - done);
         if (written < 0 && errno == EINTR)
@@ -202,7 +179,7 @@ static uint32_t write_bytes(glove_line *line, uint32_t size)
         done += (uint32_t)written;
     }
     if (line->settings.is_awaited)
-        wait_until_readable(line, before + (int)done);
+        terminal_await(line->slave, before + (int)done);
     return done;
 }
 
@@ -266,6 +243,14 @@ void glove_line_pump(glove_line *line, int64_t now_ns, glove_written *on_written
         let_go(line, line->held_size, on_written, data);
 }
 
+/* What it has sent, as it is understood at this baud rate. */
+static void garble(const glove_line *line, uint8_t *bytes, size_t size)
+{
+    if (is_baud_wrong(line))
+        for (size_t i = 0; i < size; ++i)
+            bytes[i] = (uint8_t)(0x80u | bytes[i] >> 1);
+}
+
 size_t glove_line_receive(glove_line *line, uint8_t *out, size_t capacity)
 {
     if (line->master < 0)
@@ -273,30 +258,18 @@ size_t glove_line_receive(glove_line *line, uint8_t *out, size_t capacity)
     ssize_t size = read(line->master, out, capacity);
     if (size <= 0)
         return 0;
-    if (is_baud_wrong(line))
-        for (ssize_t i = 0; i < size; ++i)
-            out[i] = (uint8_t)(0x80u | out[i] >> 1);
+    garble(line, out, (size_t)size);
     return (size_t)size;
 }
 
 size_t glove_line_receive_all(glove_line *line, uint8_t *out, size_t size)
 {
-    size_t received = 0;
-    while (received < size) {
-        struct pollfd file = {.fd = line->master, .events = POLLIN};
-        if (poll(&file, 1, -1) < 0 && errno != EINTR)
-            break;
-        size_t more = glove_line_receive(line, out + received, size - received);
-        if (more == 0 && (file.revents & ~POLLIN))
-            break;
-        received += more;
-    }
-    return received;
+    size = terminal_receive(line->master, out, size);
+    garble(line, out, size);
+    return size;
 }
 
 bool glove_line_is_terminal(const glove_line *line, int file)
 {
-    struct stat mine, other;
-    return line->slave >= 0 && fstat(line->slave, &mine) == 0 && fstat(file, &other) == 0 &&
-           S_ISCHR(other.st_mode) && other.st_rdev == mine.st_rdev;
+    return line->master >= 0 && terminal_is(line->path, file);
 }

@@ -11,6 +11,9 @@
 #define HERE __attribute__((visibility("default")))
 
 static const int64_t ns_per_s = 1000000000, ns_per_ms = 1000000;
+/* What a write takes: who asks again whenever he has an answer gets on, however quick the answer.
+ */
+static const int64_t write_ns = 100000;
 
 /* Whose clock this thread lives by; no device: the system's. */
 static _Thread_local struct {
@@ -147,6 +150,7 @@ HERE ssize_t write(int file, const void *bytes, size_t size)
         virtual.is_within = true;
         virtual.device->written(virtual.device->data, virtual.now_ns, file, (size_t)written);
         virtual.is_within = false;
+        pass_until(virtual.now_ns + write_ns);
     }
     return written;
 }

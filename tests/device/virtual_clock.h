@@ -2,8 +2,8 @@
  * To the thread that took it, and the plugins that this thread calls, the system tells the virtual
  * time (clock_gettime of CLOCK_MONOTONIC) and waits by it (nanosleep, clock_nanosleep, poll): a
  * wait takes no time, the clock goes on to whatever happens next. Each run is the same, however
- * busy the machine. What is computed takes no time at all. Other threads and processes know nothing
- * of it. A library of its own, found before the system's. */
+ * busy the machine. What is computed takes no time at all, what is written a moment. Other threads
+ * and processes know nothing of it. A library of its own, found before the system's. */
 #ifndef MAROTTE_TESTS_DEVICE_VIRTUAL_CLOCK_H
 #define MAROTTE_TESTS_DEVICE_VIRTUAL_CLOCK_H
 #include <stddef.h>

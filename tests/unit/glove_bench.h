@@ -1,6 +1,7 @@
 /* glove_bench.h - plugins/cyberglove as the host sees it, against a glove on a pty: for the tests
- * glove_plugin.c and glove_lost.c. Limits of waiting are a tenth of what they are in life (the
- * parameter "patience"). Include after cmocka.h. */
+ * glove_plugin.c and glove_lost.c. Host, plugin and glove share a thread and the virtual clock.
+ * Limits of waiting are a tenth of what they are in life (the parameter "patience"). Include after
+ * cmocka.h. */
 #ifndef MAROTTE_TESTS_UNIT_GLOVE_BENCH_H
 #define MAROTTE_TESTS_UNIT_GLOVE_BENCH_H
 #include <marotte/plugin.h>
@@ -12,7 +13,7 @@
 enum { BAUD, RATE, MODE, STREAM, STAMPS, HAND, SWITCH, FILTER, PATIENCE, PARAM_COUNT };
 static const int64_t MS = 1000000;
 
-/* ---- a host with the real clock ---- */
+/* ---- the host ---- */
 
 typedef struct bench {
     mrt_host host;
@@ -27,6 +28,7 @@ typedef struct bench {
     double params[PARAM_COUNT];
     talker talker;
     bool has_talker;
+    virtual_device device;
 } bench;
 
 static inline int64_t now_ns(void)
@@ -76,10 +78,30 @@ static const void *host_service(const mrt_host *host, const char *id)
     return NULL;
 }
 
+static inline int64_t bench_due_ns(void *data)
+{
+    const bench *self = data;
+    return self->has_talker ? talker_due_ns(&self->talker) : INT64_MAX;
+}
+
+static inline void bench_run(void *data, int64_t time_ns)
+{
+    talker_run(&((bench *)data)->talker, time_ns);
+}
+
+static inline void bench_written(void *data, int64_t time_ns, int file, size_t size)
+{
+    bench *self = data;
+    if (self->has_talker)
+        talker_written(&self->talker, time_ns, file, size);
+}
+
 static inline int glove_set_up(void **state)
 {
     bench *b = calloc(1, sizeof *b);
     assert_non_null(b);
+    b->device = (virtual_device){bench_due_ns, bench_run, bench_written, b};
+    virtual_clock_take(&b->device, 1000 * 1000 * MS);
     b->host = (mrt_host){
         b, host_log, host_now_ns, host_wait_until_ns, host_request_restart, host_service};
     void *library = dlopen(BUILD_DIR "/plugins/cyberglove.so", RTLD_NOW | RTLD_LOCAL);
@@ -109,6 +131,7 @@ static inline int glove_tear_down(void **state)
     b->type->destroy(b->plugin);
     if (b->has_talker)
         talker_stop(&b->talker);
+    virtual_clock_give_back();
     free(b);
     return 0;
 }

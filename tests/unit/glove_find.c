@@ -23,6 +23,7 @@ typedef struct tree {
     glove_memory memory;
     talker talker[2];
     int talker_count;
+    virtual_device device;
 } tree;
 
 /* ---- folders ---- */
@@ -114,8 +115,33 @@ static int64_t host_now_ns(const mrt_host *host)
 static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
 {
     (void)host;
-    int64_t now_ns = device_clock_ns();
-    return now_ns > time_ns ? now_ns : time_ns;
+    const struct timespec until = {(time_t)(time_ns / 1000000000), (long)(time_ns % 1000000000)};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
+    return device_clock_ns();
+}
+
+/* The talkers, as the virtual clock calls them. */
+static int64_t tree_due_ns(void *data)
+{
+    const tree *t = data;
+    int64_t due_ns = INT64_MAX;
+    for (int i = 0; i < t->talker_count; ++i)
+        due_ns = device_sooner_ns(due_ns, talker_due_ns(&t->talker[i]));
+    return due_ns;
+}
+
+static void tree_run(void *data, int64_t now_ns)
+{
+    tree *t = data;
+    for (int i = 0; i < t->talker_count; ++i)
+        talker_run(&t->talker[i], now_ns);
+}
+
+static void tree_written(void *data, int64_t now_ns, int file, size_t size)
+{
+    tree *t = data;
+    for (int i = 0; i < t->talker_count; ++i)
+        talker_written(&t->talker[i], now_ns, file, size);
 }
 
 static int set_up(void **state)
@@ -124,6 +150,8 @@ static int set_up(void **state)
     assert_non_null(t);
     snprintf(t->root, sizeof t->root, "/tmp/glove_find.XXXXXX");
     assert_non_null(mkdtemp(t->root));
+    t->device = (virtual_device){tree_due_ns, tree_run, tree_written, t};
+    virtual_clock_take(&t->device, 1000000000000);
     t->host = (mrt_host){t, host_log, host_now_ns, host_wait_until_ns, NULL, NULL};
     t->drive = (glove_drive){.host = &t->host, .port = {.file = -1}, .trace = {.file = -1}};
     t->drive.settings = (glove_settings){.baud = 115200, .rate_hz = 150, .patience = 0.1};
@@ -140,6 +168,7 @@ static int tear_down(void **state)
         talker_stop(&t->talker[i]);
     snprintf(command, sizeof command, "rm -rf -- '%s'", t->root);
     int removed = system(command);
+    virtual_clock_give_back();
     free(t);
     return removed;
 }

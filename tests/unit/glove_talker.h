@@ -1,18 +1,19 @@
-/* A CyberGlove for tests: answers on the master side of a pty, from a thread. It does only what the
+/* A CyberGlove for tests: answers on the master side of a pty, by the virtual clock
+ * (device/virtual_clock.h), or over TCP from a thread, by the system's. It does only what the
  * plugin's tests want; tests/device has the emulator. */
 #ifndef GLOVE_TALKER_H
 #define GLOVE_TALKER_H
+#include "device/terminal.h"
+#include "device/virtual_clock.h"
+
 #include <arpa/inet.h>
 #include <fcntl.h>
-#include <poll.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/socket.h>
-#include <time.h>
-#include <unistd.h>
 
 #include <pty.h>
 
@@ -39,6 +40,9 @@ typedef struct talker {
     _Atomic bool is_out_of_box; /* records say so */
     _Atomic bool babbles;       /* records make no sense; until it is stopped */
     /* its state */
+    int64_t next_ns; /* when it says the next record */
+    char pending[256];
+    size_t pending_count;
     _Atomic bool streams;
     bool streams_words, has_time, has_status;
     int listener; /* over TCP, else -1 */
@@ -48,8 +52,13 @@ typedef struct talker {
 
 static void talker_put(talker *self, const void *bytes, size_t size)
 {
+    int slave = self->listener < 0 ? open(self->path, O_RDWR | O_NOCTTY | O_NONBLOCK) : -1;
+    int before = slave < 0 ? 0 : terminal_readable(slave);
     ssize_t written = write(self->master, bytes, size);
-    (void)written;
+    if (slave >= 0 && written > 0)
+        terminal_await(slave, before + (int)written);
+    if (slave >= 0)
+        close(slave);
 }
 
 static void talker_refuse(talker *self)
@@ -223,31 +232,83 @@ static size_t talker_obey(talker *self, char *bytes, size_t count)
     return count - used;
 }
 
+static bool talker_says_records(const talker *self)
+{
+    return self->streams && !(self->silent_after && self->sent >= self->silent_after);
+}
+
+static void talker_say_record(talker *self)
+{
+    if (talker_says_records(self))
+        self->streams_words ? talker_words(self) : talker_record(self, 'S');
+}
+
+static bool talker_hangs_up(const talker *self)
+{
+    return self->stopping || (self->hang_up_after && self->sent >= self->hang_up_after);
+}
+
+/* ---- over TCP: a thread ---- */
+
 static void *talker_thread(void *data)
 {
     talker *self = data;
-    if (self->listener >= 0)
-        self->master = accept(self->listener, NULL, NULL);
-    char bytes[256];
-    size_t count = 0;
-    while (!self->stopping) {
+    self->master = accept(self->listener, NULL, NULL);
+    while (!talker_hangs_up(self)) {
         struct pollfd wanted = {.fd = self->master, .events = POLLIN};
         int ready = poll(&wanted, 1, self->period_ms);
-        if (ready > 0 && (wanted.revents & POLLIN)) {
-            ssize_t got = read(self->master, bytes + count, sizeof bytes - count);
-            count = got > 0 ? talker_obey(self, bytes, count + (size_t)got) : 0;
-        } else if (ready > 0) { /* nobody has the other end: poll would return at once */
-            const struct timespec period = {.tv_nsec = 1000000L * self->period_ms};
-            nanosleep(&period, NULL);
-        } else if (ready == 0 && self->streams &&
-                   !(self->silent_after && self->sent >= self->silent_after)) {
-            self->streams_words ? talker_words(self) : talker_record(self, 'S');
+        if (ready > 0) {
+            ssize_t got = read(self->master, self->pending + self->pending_count,
+                               sizeof self->pending - self->pending_count);
+            if (got <= 0)
+                break;
+            self->pending_count =
+                talker_obey(self, self->pending, self->pending_count + (size_t)got);
+        } else if (ready == 0) {
+            talker_say_record(self);
         }
-        if (self->hang_up_after && self->sent >= self->hang_up_after)
-            break;
     }
     close(self->master);
     return NULL;
+}
+
+/* ---- at a pty: as the virtual clock calls it ---- */
+
+static void talker_hang_up_if_due(talker *self)
+{
+    if (self->master < 0 || !talker_hangs_up(self))
+        return;
+    close(self->master);
+    self->master = -1;
+}
+
+static int64_t talker_due_ns(const talker *self)
+{
+    return self->master >= 0 && talker_says_records(self) ? self->next_ns : INT64_MAX;
+}
+
+static void talker_run(talker *self, int64_t now_ns)
+{
+    while (talker_due_ns(self) <= now_ns) {
+        talker_say_record(self);
+        self->next_ns += 1000000 * (int64_t)self->period_ms;
+        talker_hang_up_if_due(self);
+    }
+}
+
+static void talker_written(talker *self, int64_t now_ns, int file, size_t size)
+{
+    if (self->master < 0 || !terminal_is(self->path, file))
+        return;
+    if (size > sizeof self->pending - self->pending_count)
+        size = sizeof self->pending - self->pending_count;
+    size =
+        terminal_receive(self->master, (unsigned char *)self->pending + self->pending_count, size);
+    bool did_stream = self->streams;
+    self->pending_count = talker_obey(self, self->pending, self->pending_count + size);
+    if (!did_stream)
+        self->next_ns = now_ns + 1000000 * (int64_t)self->period_ms;
+    talker_hang_up_if_due(self);
 }
 
 static void talker_start(talker *self)
@@ -261,7 +322,6 @@ static void talker_start(talker *self)
     fcntl(self->master, F_SETFL, O_NONBLOCK);
     self->period_ms = self->period_ms ? self->period_ms : 3;
     self->status = 0x81;
-    assert_int_equal(pthread_create(&self->thread, NULL, talker_thread, self), 0);
 }
 
 /* At 127.0.0.1, for one client; path becomes "127.0.0.1:PORT". */
@@ -284,13 +344,15 @@ __attribute__((unused)) static void talker_start_tcp(talker *self)
 static void talker_stop(talker *self)
 {
     self->stopping = true;
-    if (self->listener >= 0)
+    if (self->listener >= 0) {
         shutdown(self->listener, SHUT_RDWR);
-    pthread_join(self->thread, NULL);
+        pthread_join(self->thread, NULL);
+        close(self->listener);
+    } else {
+        talker_hang_up_if_due(self);
+    }
     if (self->slave >= 0)
         close(self->slave);
-    if (self->listener >= 0)
-        close(self->listener);
 }
 
 #endif
