@@ -81,25 +81,36 @@ static inline isolate_counts stand_counts(stand *s)
     return isolate_counted(s->mapping.self);
 }
 
-/* At most ten seconds, until `failed` processes have failed and been replaced or given up. */
+/* Of a busy machine. */
+static const int64_t stand_patience_ns = 60 * NS_PER_S;
+
+/* Until so many processes have failed and been replaced. */
 static inline void stand_wait_for(stand *s, uint32_t restarted)
 {
-    for (int i = 0; i < 2000 && stand_counts(s).restarted < restarted; ++i)
-        clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
+    int64_t end_ns = clock_now_ns() + stand_patience_ns;
+    while (stand_counts(s).restarted < restarted && clock_now_ns() < end_ns)
+        clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
     assert_int_equal(stand_counts(s).restarted, restarted);
 }
 
-/* Whether something that contains `text` is logged within ten seconds. */
-static inline bool stand_hears(stand *s, const char *text)
+/* Whether something that contains `text` has been logged. */
+static inline bool stand_has_heard(stand *s, const char *text)
 {
     log_record line;
-    for (int i = 0; i < 2000; ++i) {
-        while (log_pop(s->log, &line))
-            if (strstr(line.text, text))
-                return true;
-        clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
-    }
+    while (log_pop(s->log, &line))
+        if (strstr(line.text, text))
+            return true;
     return false;
+}
+
+/* The same, and waits for it. */
+static inline bool stand_hears(stand *s, const char *text)
+{
+    int64_t end_ns = clock_now_ns() + stand_patience_ns;
+    bool is_there;
+    while (!(is_there = stand_has_heard(s, text)) && clock_now_ns() < end_ns)
+        clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
+    return is_there;
 }
 
 /* ---- how far the face goes in a sample ---- */
@@ -137,11 +148,13 @@ static inline double stand_distance(const stand_shape *a, const stand_shape *b)
 
 /* Two mappings see the same hand, the other one in this process, without trouble. In a sample the
  * face may go twice as far as that one ever does by the hand's own motion, and by the share of a
- * fade of what the two differ. */
+ * fade of the most that the two have differed while a fade may have gone on. */
+enum { STAND_FADE = 25 }; /* samples of a fade, and two */
 typedef struct stand_watch {
     stand_shape face, before, ought, ought_before;
     double furthest_step_mm; /* of the other */
     double worst_excess_mm;  /* beyond what is allowed; <= 0: no jump */
+    double differed_mm[STAND_FADE];
     uint32_t count;
 } stand_watch;
 
@@ -171,6 +184,7 @@ static inline void stand_watch_begin(stand_watch *w, double furthest_step_mm)
 {
     w->furthest_step_mm = furthest_step_mm;
     w->worst_excess_mm = -furthest_step_mm;
+    memset(w->differed_mm, 0, sizeof w->differed_mm);
     w->count = 0;
 }
 
@@ -178,10 +192,11 @@ static inline void stand_watch_step(stand_watch *w, stand *s, stand *other)
 {
     stand_copy(&w->face, s);
     stand_copy(&w->ought, other);
+    w->differed_mm[w->count % STAND_FADE] = stand_distance(&w->face, &w->ought);
     if (w->count++ > 0) {
-        double share = (double)stand_period_ns * 1e-9 / LAYER_FADE_S;
-        double differ =
-            fmax(stand_distance(&w->face, &w->ought), stand_distance(&w->before, &w->ought_before));
+        double share = (double)stand_period_ns * 1e-9 / LAYER_FADE_S, differ = 0;
+        for (int i = 0; i < STAND_FADE; ++i)
+            differ = fmax(differ, w->differed_mm[i]);
         double own = stand_distance(&w->ought, &w->ought_before);
         double may = 2 * fmax(w->furthest_step_mm, own) + share * differ;
         w->worst_excess_mm = fmax(w->worst_excess_mm, stand_distance(&w->face, &w->before) - may);

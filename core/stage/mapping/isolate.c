@@ -246,15 +246,15 @@ static void recover(mrt_plugin *self)
     write_report(self, reason.text);
     self->memory.count = 0;
     bool is_up = !is_again && self->face && bring_up(self) >= 0;
-    if (is_up) {
+    if (!is_up)
+        end_child(self, NULL);
+    atomic_store(&self->phase, is_up ? ISOLATE_READY : ISOLATE_LOST);
+    if (is_up) { /* who sees it counted may have it */
         atomic_fetch_add(&self->restarted_count, 1);
         say(self, MRT_LOG_INFO, "runs again in a new process");
-    } else {
-        end_child(self, NULL);
-        if (!is_again && self->face)
-            say(self, MRT_LOG_WARNING, "could not be started again: the face stays held");
+    } else if (!is_again && self->face) {
+        say(self, MRT_LOG_WARNING, "could not be started again: the face stays held");
     }
-    atomic_store(&self->phase, is_up ? ISOLATE_READY : ISOLATE_LOST);
 }
 
 /* ---- the thread ---- */
