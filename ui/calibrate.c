@@ -672,7 +672,7 @@ static mrt_result make_and_write(const calibrate_options *options, guiding *guid
     }
     if (result >= 0) {
         report(made, &judgement, path, told);
-        facts_list(told, "files", "wrote", path);
+        facts_file(told, path, "");
     }
     calibration_file_finish(old);
     return result;
@@ -728,7 +728,7 @@ static int run(int argc, char **argv)
         return code;
     }
     error err = {""};
-    facts *told = facts_create(options.is_json);
+    facts *told = facts_create(options.is_json ? FACTS_JSON : FACTS_LINES);
     mrt_result result = told ? MRT_OK : error_set(&err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0)
         result = options.show ? show(options.show, told, &err) : calibrate(&options, told, &err);

@@ -185,7 +185,7 @@ static int run(int argc, char **argv)
     int code = command_options(&options, &command_camera, option_table, argc, argv);
     if (code != COMMAND_DONE)
         return code;
-    facts *told = facts_create(options.is_json);
+    facts *told = facts_create(options.is_json ? FACTS_JSON : FACTS_LINES);
     mrt_result result = !told              ? error_set(&err, MRT_ERR_MEMORY, "no memory")
                         : options.is_setup ? set_up(told, &err)
                                            : tell(&options, told, &err);

@@ -12,17 +12,22 @@ enum { COMMAND_DONE = 0, COMMAND_FAILED = 1, COMMAND_USAGE = 2 };
 typedef struct command {
     const char *name;      /* "deform" */
     const char *summary;   /* for the list of commands: one line */
-    const char *help;      /* the whole --help text, ended by \n; NULL: tell_help */
+    const char *help;      /* the --help text, ended by \n; NULL: print_help */
     const char *more_help; /* a list below it; NULL: none */
-    void (*tell_help)(int argc, char **argv);
+    const char *examples;  /* below both, as command_print_examples takes them; NULL: none */
+    int (*print_help)(int argc, char **argv); /* returns the exit code */
     int (*run)(int argc, char **argv); /* argv[0] is the command's name; --help is handled before */
 } command;
+
+/* Command lines without "marotte", each ended by \n. */
+void command_print_examples(const char *lines);
 
 extern const command command_bench, command_camera, command_calibrate, command_deform,
     command_devices, command_paper, command_perform, command_plugin, command_rig, command_stage,
     command_take;
 
-/* Whether the first argument is a show or an option of the stage, and no command. */
+/* Whether the first argument is an option of the stage, a show (also one that is to be created), or
+ * another file that the stage opens. */
 bool stage_is_meant(const char *first);
 
 /* What the person typed, "marotte perform --face moai ...": words quoted where a shell needs it, of

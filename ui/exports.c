@@ -29,6 +29,27 @@ static const char *const endings[EXPORTS_END] = {
 #undef X
 };
 
+const char *exports_opener(exports_format format)
+{
+    static const char *const openers[EXPORTS_END] = {
+        [EXPORTS_NONE] = "",
+        [EXPORTS_GLB] = "open it in Blender: File > Import > glTF 2.0",
+        [EXPORTS_VRM] = "open it in a VRM viewer, or in Blender with the VRM add-on",
+        [EXPORTS_VRMA] = "load it as the animation of a VRM model",
+        [EXPORTS_MP4] = "open it in a video player",
+        [EXPORTS_FOLDER] = "numbered pictures; in Blender: Add > Image/Sequence",
+        [EXPORTS_USD_POINTS] = "open it in Houdini: USD Import",
+        [EXPORTS_USD] = "open it in Houdini, Unreal (USD Importer) or Blender: File > Import > USD",
+        [EXPORTS_BVH] = "open it in Blender: File > Import > Motion Capture, scale 0.01",
+        [EXPORTS_PC2] = "use it in Blender: Mesh Cache modifier, Forward +Z, Up +Y",
+        [EXPORTS_MDD] = "use it in Blender: Mesh Cache modifier, Forward +Z, Up +Y",
+        [EXPORTS_CSV] = "open it in a spreadsheet; marotte perform --curves performs it",
+        [EXPORTS_LIVELINK] = "import it as a Live Link Face recording",
+        [EXPORTS_PNG] = "open it in a picture viewer",
+    };
+    return openers[format];
+}
+
 /* Of two endings that fit the longer one. */
 exports_format exports_format_of(const char *path)
 {
@@ -74,31 +95,29 @@ static mrt_result check_export(const char *path, error *err)
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return error_set(err, MRT_ERR_IO, "%s: is a %s, cannot write a file there", path,
                          S_ISDIR(status.st_mode) ? "directory" : "device or pipe");
-    char *directory = file_directory(path);
-    if (!directory)
+    char *folder = file_directory(path);
+    if (!folder)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
-    const char *folder = directory[0] ? directory : ".";
-    mrt_result result = MRT_OK;
-    if (stat(folder, &status) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: the folder %s: %s", path, folder, strerror(errno));
-    else if (!S_ISDIR(status.st_mode) || access(folder, W_OK) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: cannot write into %s", path, folder);
-    free(directory);
+    const bool is_writable = access(folder[0] ? folder : ".", W_OK) == 0;
+    mrt_result result = is_writable ? MRT_OK
+                                    : error_set(err, MRT_ERR_IO,
+                                                "%s: cannot write into the folder %s: %s", path,
+                                                folder[0] ? folder : ".", strerror(errno));
+    free(folder);
     return result;
 }
 
 mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
 {
-    for (uint32_t i = 0; i < count; ++i) {
-        if (file[i].format == EXPORTS_FOLDER)
-            continue; /* the folder itself says whether it may */
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < count && result >= 0; ++i) {
         if (video_is_stream(file[i].path))
             continue;
-        mrt_result result = check_export(file[i].path, err);
-        if (result < 0)
-            return result;
+        result = file_make_parent(file[i].path, err);
+        if (result >= 0 && file[i].format != EXPORTS_FOLDER) /* a folder is checked by its video */
+            result = check_export(file[i].path, err);
     }
-    return MRT_OK;
+    return result;
 }
 
 mrt_result exports_check_face(const exports_file *file, uint32_t count, const mesh *m, error *err)
@@ -309,7 +328,7 @@ static mrt_result write_by_part(write_cache *write, const char *path, const clip
         result = name ? write(name, frames, &options, steps, err)
                       : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
         if (result >= 0)
-            facts_list(told, "files", "wrote", name);
+            facts_file(told, name, exports_opener(exports_format_of(path)));
         free(name);
     }
     return result;
@@ -401,7 +420,7 @@ mrt_result exports_write(const exports_file *file, uint32_t count, const clip *f
         result = writers[file[i].format](file[i].path, frames, settings, &steps, told, err);
         progress_end(shown);
         if (result >= 0 && !(settings->is_by_part && is_cache(file[i].format)))
-            facts_list(told, "files", "wrote", file[i].path);
+            facts_file(told, file[i].path, exports_opener(file[i].format));
     }
     struct rusage usage;
     if (result >= 0 && getrusage(RUSAGE_SELF, &usage) == 0)
@@ -466,10 +485,13 @@ mrt_result exports_video_finish(exports_video *self, facts *told, error *err)
     facts_number(told, "pictures", "pictures", (double)report.picture_count, 0, "");
     facts_text(told, "picture_size", "  size", size);
     if (report.repeated_count)
-        facts_number(told, "pictures_repeated", "  repeated", (double)report.repeated_count, 0,
+        facts_warning(told, "pictures_repeated", "pictures repeated", (double)report.repeated_count, 0,
                      "could not be drawn in time: --record, then marotte take export, draws all");
     for (uint32_t i = 0; i < self->count; ++i)
-        facts_list(told, "files", "wrote", self->file[i].path);
+        facts_file(told, self->file[i].path,
+                   video_is_stream(self->file[i].path)
+                       ? ""
+                       : exports_opener(self->file[i].is_folder ? EXPORTS_FOLDER : EXPORTS_MP4));
     return MRT_OK;
 }
 

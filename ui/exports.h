@@ -29,13 +29,16 @@ typedef struct exports_file {
 
 /* What exports_format_of knows, for a sentence: "one of .glb .mp4 ...". */
 extern const char exports_names[];
+/* What opens a file of that format: "Blender: File > Import > glTF 2.0". */
+const char *exports_opener(exports_format format);
 /* By the name's end; EXPORTS_NONE: none of ours. */
 exports_format exports_format_of(const char *path);
 bool exports_need_clip(const exports_file *file, uint32_t count);
 /* What the frames are in ARKit's names. */
 bool exports_need_names(const exports_file *file, uint32_t count);
 
-/* A file that cannot be written is better known before an hour of performing. */
+/* Creates the missing folders of the files, and checks that each file can be written: before an
+ * hour of performing. */
 CHECKED mrt_result exports_check(const exports_file *file, uint32_t count, error *err);
 
 /* Likewise, once the face is known: what a format wants of it. */

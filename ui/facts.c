@@ -10,8 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { WARNINGS_MAX = 16, WARNING_LENGTH = 256 };
+
 struct facts {
-    json_t *object; /* NULL: for a person */
+    facts_form form;
+    json_t *object; /* FACTS_JSON */
+    uint32_t warning_count;
+    char warning[WARNINGS_MAX][WARNING_LENGTH]; /* FACTS_BRIEF */
 };
 
 /* Names in it may be those of files that somebody else has made. */
@@ -38,16 +43,23 @@ void facts_print_json(json_t *object, size_t flags)
     json_decref(object);
 }
 
-facts *facts_create(bool as_json)
+facts *facts_create(facts_form form)
 {
     facts *self = calloc(1, sizeof *self);
-    if (!self || !as_json)
+    if (self)
+        self->form = form;
+    if (!self || form != FACTS_JSON)
         return self;
     self->object = json_object();
     if (self->object)
         return self;
     free(self);
     return NULL;
+}
+
+bool facts_is_brief(const facts *self)
+{
+    return self->form == FACTS_BRIEF;
 }
 
 void facts_abandon(facts *self)
@@ -75,6 +87,10 @@ void facts_finish(facts *self)
 {
     if (self && self->object)
         facts_print_json(json_incref(self->object), JSON_INDENT(2) | JSON_REAL_PRECISION(9));
+    for (uint32_t i = 0; self && i < self->warning_count; ++i)
+        print_line("warning", self->warning[i]);
+    if (self && facts_is_brief(self) && self->warning_count == 0)
+        print_line("warnings", "none");
     facts_abandon(self);
 }
 
@@ -85,15 +101,33 @@ void facts_number(facts *self, const char *key, const char *label, double value,
         json_object_set_new(self->object, key,
                             decimals == 0 ? json_integer((json_int_t)llround(value))
                                           : json_real(value));
-    else
+    else if (self->form == FACTS_LINES)
         printf("%-18s %.*f%s%s\n", label, decimals, value, unit[0] ? " " : "", unit);
+}
+
+void facts_warning(facts *self, const char *key, const char *label, double value, int decimals,
+                   const char *unit)
+{
+    while (*label == ' ')
+        ++label;
+    if (!facts_is_brief(self))
+        facts_number(self, key, label, value, decimals, unit);
+    else if (self->warning_count < WARNINGS_MAX)
+        (void)snprintf(self->warning[self->warning_count++], WARNING_LENGTH, "%s: %.*f%s%s", label,
+                       decimals, value, unit[0] ? " " : "", unit);
+}
+
+void facts_headline(facts *self, const char *label, const char *text)
+{
+    if (self->form != FACTS_JSON)
+        print_line(label, text);
 }
 
 void facts_text(facts *self, const char *key, const char *label, const char *value)
 {
     if (self->object)
         json_object_set_new(self->object, key, json_text(value));
-    else
+    else if (self->form == FACTS_LINES)
         print_line(label, value);
 }
 
@@ -111,8 +145,18 @@ void facts_list(facts *self, const char *key, const char *label, const char *val
 {
     if (self->object)
         json_array_append_new(list_of(self, key), json_text(value));
-    else
+    else if (self->form == FACTS_LINES)
         print_line(label, value);
+}
+
+void facts_file(facts *self, const char *path, const char *opener)
+{
+    char line[4352];
+    (void)snprintf(line, sizeof line, "%.4000s%s%.300s", path, opener[0] ? " - " : "", opener);
+    if (self->object)
+        json_array_append_new(list_of(self, "files"), json_text(path));
+    else
+        print_line("wrote", line);
 }
 
 static json_t *value_of(const facts_cell *cell)
@@ -128,10 +172,10 @@ static json_t *value_of(const facts_cell *cell)
 void facts_row(facts *self, const char *key, const char *label, const char *line,
                const facts_cell *cells, int count)
 {
-    if (!self->object) {
+    if (self->form == FACTS_LINES)
         print_line(label, line);
+    if (!self->object)
         return;
-    }
     json_t *row = json_object();
     for (int i = 0; i < count; ++i)
         json_object_set_new(row, cells[i].key, value_of(&cells[i]));

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/pool.h"
 #include "base/program.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "io/mesh_file.h"
 #include "stage/mapping/plugins.h"
@@ -19,6 +20,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { SHOWN_WORD = 40, TYPED_MAX = 8192 };
 
@@ -71,6 +73,16 @@ void command_typed(char *out, size_t capacity)
         }
         used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? " " : "", shown);
         word = next;
+    }
+}
+
+void command_print_examples(const char *lines)
+{
+    fputs("\nExamples:\n", stdout);
+    while (lines[0]) {
+        const int length = (int)strcspn(lines, "\n");
+        printf("  marotte%s%.*s\n", length ? " " : "", length, lines);
+        lines += length + (lines[length] == '\n');
     }
 }
 
@@ -182,6 +194,22 @@ static int put_words(void *options, const command *self, const command_option *t
     return code;
 }
 
+/* "--fsp=3" is one of the table's with a typing mistake, or not. */
+static int no_such_option(const command *self, const command_option *table, const char *typed)
+{
+    char word[64], name[64];
+    suggest near;
+    (void)snprintf(word, sizeof word, "%.*s", (int)strcspn(typed, "="), typed);
+    suggest_begin(&near, word);
+    for (; table->name; ++table) {
+        (void)snprintf(name, sizeof name, "--%s", table->name);
+        if (table->kind != COMMAND_WORD)
+            suggest_consider(&near, name);
+    }
+    return command_usage(self, "there is no option \"%s\"%s", typed,
+                         suggest_question(&near).text);
+}
+
 int command_options(void *options, const command *self, const command_option *table, int argc,
                     char **argv)
 {
@@ -194,7 +222,7 @@ int command_options(void *options, const command *self, const command_option *ta
         if (option == ':')
             code = command_usage(self, "%s needs a value", argv[optind - 1]);
         else if (option == '?')
-            code = command_usage(self, "there is no option \"%s\"", argv[optind - 1]);
+            code = no_such_option(self, table, argv[optind - 1]);
         else
             code = put(options, self, &table[option - OPTION_FIRST], optarg);
     }
@@ -223,7 +251,7 @@ int command_read_face(void *to, const command *self, const char *name, const cha
     char **path = to;
     if (*path)
         return command_usage(self, "one --%s is possible", name);
-    *path = installed_face(text);
+    *path = installed_path(INSTALLED_FACE, text);
     return *path ? COMMAND_DONE : command_failed(self, &(error){"no memory"});
 }
 
@@ -252,15 +280,24 @@ static const command *const commands[] = {&command_stage,     &command_perform, 
                                           &command_bench,     &command_paper};
 enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
-static void print_help(FILE *stream)
+static void print_help(void)
 {
     fputs("marotte " MAROTTE_VERSION ": perform a face with your hands\n\n"
-          "  marotte [SHOW.marotte] [OPTIONS]   the stage: a window; the same as marotte stage\n"
-          "  marotte COMMAND [OPTIONS]          (marotte COMMAND --help says more)\n\n",
-          stream);
+          "  marotte [FILE] [OPTIONS]       opens the stage, a window; FILE is a show (.marotte), a\n"
+          "                                 face (.rig.json .glb .vrm .obj ...) or a recording\n"
+          "  marotte COMMAND [OPTIONS]      runs a command without a window\n"
+          "  marotte help COMMAND           explains a command; the same as marotte COMMAND --help\n"
+          "  marotte --version\n\n"
+          "Commands:\n",
+          stdout);
     for (int i = 0; i < COMMAND_COUNT; ++i)
-        fprintf(stream, "  %-10s %s\n", commands[i]->name, commands[i]->summary);
-    fputs("\nExit codes: 0 done, 1 failed, 2 wrong usage.\n", stream);
+        printf("  %-10s %s\n", commands[i]->name, commands[i]->summary);
+    fputs("\nExit codes: 0 done, 1 failed, 2 wrong usage.\n", stdout);
+    command_print_examples("\n"
+                           "girl.glb\n"
+                           "perform --face puppet --input log:demo_hand.csv --map one_hand --export "
+                           "out/puppet.glb\n"
+                           "help take export\n");
 }
 
 static bool asks_for_help(int argc, char **argv)
@@ -282,16 +319,65 @@ static int flushed(int code)
     return COMMAND_FAILED;
 }
 
+static int show_help(const command *self, int argc, char **argv)
+{
+    int code = COMMAND_DONE;
+    if (self->print_help)
+        code = self->print_help(argc, argv);
+    else
+        fputs(self->help, stdout);
+    if (self->more_help)
+        fputs(self->more_help, stdout);
+    if (self->examples && code == COMMAND_DONE)
+        command_print_examples(self->examples);
+    return flushed(code);
+}
+
 static int start(const command *self, int argc, char **argv)
 {
-    if (!asks_for_help(argc, argv))
-        return flushed(self->run(argc, argv));
-    if (self->tell_help) {
-        self->tell_help(argc, argv);
-    } else {
-        fputs(self->help, stdout);
-        fputs(self->more_help ? self->more_help : "", stdout);
-    }
+    return asks_for_help(argc, argv) ? show_help(self, argc, argv) : flushed(self->run(argc, argv));
+}
+
+static const command *find_command(const char *name)
+{
+    for (int i = 0; i < COMMAND_COUNT; ++i)
+        if (strcmp(name, commands[i]->name) == 0)
+            return commands[i];
+    return NULL;
+}
+
+/* The word is neither a command nor a file that is opened. */
+static int refuse(const char *word, const char *expected)
+{
+    char text[512];
+    suggest near;
+    suggest_begin(&near, word);
+    suggest_consider(&near, "help");
+    for (int i = 0; i < COMMAND_COUNT; ++i)
+        suggest_consider(&near, commands[i]->name);
+    suggest_text question = suggest_question(&near);
+    if (!near.best[0])
+        question = suggest_file(word);
+    if (access(word, F_OK) == 0)
+        (void)snprintf(text, sizeof text,
+                       "cannot open \"%s\": not a show, face, recording, sound or picture", word);
+    else
+        (void)snprintf(text, sizeof text, "there is no %s \"%s\"%s", expected, word,
+                       question.text);
+    text_make_printable(text);
+    fprintf(stderr, "marotte: %s (marotte --help)\n", text);
+    return COMMAND_USAGE;
+}
+
+/* "help", "help perform", "help take trim". */
+static int help(int argc, char **argv)
+{
+    const command *about = argc > 1 ? find_command(argv[1]) : NULL;
+    if (about)
+        return show_help(about, argc - 1, argv + 1);
+    if (argc > 1)
+        return refuse(argv[1], "command");
+    print_help();
     return flushed(COMMAND_DONE);
 }
 
@@ -308,19 +394,18 @@ int main(int argc, char **argv)
     if (argc < 2)
         return start(&command_stage, argc, argv);
     const char *name = argv[1];
-    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0) {
-        print_help(stdout);
-        return flushed(COMMAND_DONE);
-    }
+    if (strcmp(name, "help") == 0)
+        return help(argc - 1, argv + 1);
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
+        return help(1, argv);
     if (strcmp(name, "--version") == 0) {
         puts("marotte " MAROTTE_VERSION);
         return flushed(COMMAND_DONE);
     }
-    for (int i = 0; i < COMMAND_COUNT; ++i)
-        if (strcmp(name, commands[i]->name) == 0)
-            return start(commands[i], argc - 1, argv + 1);
+    const command *named = find_command(name);
+    if (named)
+        return start(named, argc - 1, argv + 1);
     if (stage_is_meant(name))
         return start(&command_stage, argc, argv);
-    fprintf(stderr, "marotte: there is no command \"%s\" (marotte --help)\n", name);
-    return COMMAND_USAGE;
+    return refuse(name, "command or file");
 }

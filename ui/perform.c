@@ -1,6 +1,8 @@
 /* marotte perform: hands, or a table of curves, perform a face without a window. */
 #include "base/cancel.h"
 #include "base/clock.h"
+#include "base/file.h"
+#include "base/program.h"
 #include "command.h"
 #include "exports.h"
 #include "io/curves.h"
@@ -46,7 +48,7 @@ typedef struct perform_options {
     const char *scene, *shot; /* of the take; "" */
     bool has_sound;           /* of the microphone */
     isolate_which isolation;
-    bool watches_plugins, is_realtime, is_json;
+    bool watches_plugins, is_realtime, is_json, is_verbose;
 } perform_options;
 
 static void finish_options(perform_options *options)
@@ -165,6 +167,7 @@ static const command_option option_table[] = {
     {"watch-plugins", COMMAND_FLAG, AT(watches_plugins)},
     {"realtime", COMMAND_FLAG, AT(is_realtime)},
     {"json", COMMAND_FLAG, AT(is_json)},
+    {"verbose", COMMAND_FLAG, AT(is_verbose)},
     {.name = NULL},
 };
 
@@ -297,7 +300,7 @@ static mrt_result attach_sound(take_recording *self, facts *told, error *err)
         return MRT_OK;
     sound_in_look(self->sound, &status);
     if (status.record.audio == 0) {
-        facts_text(told, "sound", "sound", "none came");
+        facts_text(told, "sound", "sound", "none");
         return MRT_OK;
     }
     mrt_result result = show_audio_info(self->show, status.record.audio, &audio, err);
@@ -311,7 +314,7 @@ static mrt_result attach_sound(take_recording *self, facts *told, error *err)
     facts_number(told, "sound_drift_ppm", "  drift", status.record.drift_ppm, 1,
                  "ppm of its clock against the samples'");
     if (status.record.gap_count)
-        facts_number(told, "sound_gaps", "  gaps", status.record.gap_count, 0, "");
+        facts_warning(told, "sound_gaps", "gaps in the sound", status.record.gap_count, 0, "");
     return MRT_OK;
 }
 
@@ -340,9 +343,11 @@ static csrbf_settings choose_solver(const performance *self)
 
 static mrt_result open_show(take_recording *out, const char *path, error *err)
 {
-    bool is_there = access(path, F_OK) == 0;
-    mrt_result result = is_there ? show_open(&out->show, path, SHOW_RECORD, err)
-                                 : show_create(&out->show, path, err);
+    const bool is_there = access(path, F_OK) == 0;
+    mrt_result result = is_there ? MRT_OK : file_make_parent(path, err);
+    if (result >= 0)
+        result = is_there ? show_open(&out->show, path, SHOW_RECORD, err)
+                          : show_create(&out->show, path, err);
     if (result < 0 || show_is_writable(out->show))
         return result;
     return error_set(err, MRT_ERR_IO, "%s", show_notice(out->show));
@@ -436,8 +441,8 @@ static mrt_result end_recording(performance *of, facts *told, error *err)
     facts_number(told, "samples_recorded", "samples recorded", (double)status.committed_count, 0,
                  "");
     if (status.lost_count)
-        facts_number(told, "samples_not_recorded", "not recorded", (double)status.lost_count, 0,
-                     "samples");
+        facts_warning(told, "samples_not_recorded", "not recorded", (double)status.lost_count, 0,
+                      "samples");
     return MRT_OK;
 }
 
@@ -566,16 +571,13 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
 {
     (void)index;
     performance *self = data;
-    char text[64];
     news_print(self->log);
     watch_recording(&self->record);
     uint32_t rezeroed = perform_hands_keys(self->performer, cancel_flag(), &self->progress);
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && self->record.recorder; ++side)
         if (rezeroed & (1u << side))
             recorder_rezero(self->record.recorder, side);
-    snprintf(text, sizeof text, "%.1f s", time_s);
-    progress_show(&self->progress,
-                  self->options->seconds > 0 ? time_s / self->options->seconds : -1.0, text);
+    progress_show_time(&self->progress, time_s, self->options->seconds);
     mrt_result result = check_pulls(self, err);
     if (result >= 0)
         result = exports_video_add(&self->videos, performer_composer(self->performer), err);
@@ -665,11 +667,11 @@ static void report_pulls(const performance *self, facts *told)
         facts_number(told, "limited_steps", "limited steps", (double)counts->limited_steps, 0,
                      "samples in which the hand was faster than the surface can follow");
     if (counts->held_pulls)
-        facts_number(told, "held_pulls", "held pulls", (double)counts->held_pulls, 0,
-                     counts->first_problem.text);
+        facts_warning(told, "held_pulls", "held pulls", (double)counts->held_pulls, 0,
+                      counts->first_problem.text);
     if (counts->bad_pulls)
-        facts_number(told, "bad_pulls", "bad pulls", (double)counts->bad_pulls, 0,
-                     counts->first_problem.text);
+        facts_warning(told, "bad_pulls", "bad pulls", (double)counts->bad_pulls, 0,
+                      counts->first_problem.text);
 }
 
 static void report_devices(const performance *self, facts *told)
@@ -677,7 +679,7 @@ static void report_devices(const performance *self, facts *told)
     const player_report *report = &self->report;
     if (report->went_count == 0)
         return;
-    facts_number(told, "went_away", "went away", report->went_count, 0, "times");
+    facts_warning(told, "went_away", "went away", report->went_count, 0, "times");
     facts_number(told, "came_back", "came back", report->came_count, 0, "times");
     facts_number(told, "away_s", "away", report->away_s, 2, "s, those that came back");
     for (uint32_t i = 0; i < self->inputs.count; ++i)
@@ -685,10 +687,63 @@ static void report_devices(const performance *self, facts *told)
             facts_list(told, "still_away", "still away", input_name(self->inputs.input[i]));
 }
 
+/* The title of the picture: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
+static void name_performance(const performance *self, char *out, size_t capacity)
+{
+    const char *slash = strrchr(self->options->face, '/');
+    int used = snprintf(out, capacity, "%s: ", slash ? slash + 1 : self->options->face);
+    for (uint32_t i = 0; i < self->inputs.count && used >= 0 && (size_t)used < capacity; ++i)
+        used += snprintf(out + used, capacity - (size_t)used, "%s%s", i ? " + " : "",
+                         input_name(self->inputs.input[i]));
+    if (used >= 0 && (size_t)used < capacity)
+        (void)snprintf(out + used, capacity - (size_t)used, ", %s",
+                       plugin_short_name(self->mapping.instance.type));
+}
+
+/* ---- the lines that a person always reads ---- */
+
+static void print_motion(const recording *of, facts *told)
+{
+    char text[64];
+    (void)snprintf(text, sizeof text, "%.1f mm at most", of->furthest_mm);
+    facts_headline(told, "moved", text);
+}
+
+static void print_nothing_written(const perform_options *options, facts *told)
+{
+    if (options->export_count == 0 && !options->record && options->output_count == 0)
+        facts_headline(told, "wrote", "nothing: add --export out/NAME.glb, or --record SHOW.marotte");
+}
+
+static void print_show(const performance *self, facts *told)
+{
+    char text[8192], quoted[4096];
+    if (!self->options->record)
+        return;
+    const char *path = show_path(self->record.show);
+    program_quote(quoted, sizeof quoted, path);
+    (void)snprintf(text, sizeof text, "%.3000s, take %jd - open it in the stage: marotte %s", path,
+                   (intmax_t)self->record.take, quoted);
+    facts_headline(told, "wrote", text);
+}
+
+static void print_performance(const performance *self, facts *told)
+{
+    char title[256], text[320];
+    name_performance(self, title, sizeof title);
+    (void)snprintf(text, sizeof text, "%s: %.1f s, %u frames", title, self->report.duration_s,
+                   self->report.frame_count);
+    facts_headline(told, "performed", text);
+    print_motion(&self->recording, told);
+    print_show(self, told);
+    print_nothing_written(self->options, told);
+}
+
 static void report_performance(performance *self, facts *told)
 {
     const performer_counts *counts = performer_counted(self->performer);
     const player_report *report = &self->report;
+    print_performance(self, told);
     facts_text(told, "face", "face", self->options->face);
     facts_number(told, "vertices", "vertices", self->face.mesh.vertex_count, 0, "");
     facts_number(told, "triangles", "triangles", self->face.mesh.triangle_count, 0, "");
@@ -701,8 +756,8 @@ static void report_performance(performance *self, facts *told)
     facts_number(told, "steps", "steps", (double)counts->steps, 0, "");
     facts_number(told, "solves", "solves", (double)counts->solves, 0, "");
     if (report->dropped + report->refused)
-        facts_number(told, "samples_lost", "samples lost", report->dropped + report->refused, 0,
-                     "");
+        facts_warning(told, "samples_lost", "samples lost", report->dropped + report->refused, 0,
+                      "");
     report_devices(self, told);
     facts_number(told, "duration_s", "duration", report->duration_s, 2, "s");
     facts_number(told, "frames", "frames", report->frame_count, 0, "");
@@ -728,19 +783,6 @@ static void report_constraints(performance *self, facts *told)
     facts_number(told, "penetration_mm", "penetration", kept->penetration_mm, 3, "mm");
     facts_number(told, "inexact_frames", "projected frames", kept->inexact_frames, 0,
                  "in which skin slid over the skull");
-}
-
-/* What the picture is called: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
-static void name_performance(const performance *self, char *out, size_t capacity)
-{
-    const char *slash = strrchr(self->options->face, '/');
-    int used = snprintf(out, capacity, "%s: ", slash ? slash + 1 : self->options->face);
-    for (uint32_t i = 0; i < self->inputs.count && used >= 0 && (size_t)used < capacity; ++i)
-        used += snprintf(out + used, capacity - (size_t)used, "%s%s", i ? " + " : "",
-                         input_name(self->inputs.input[i]));
-    if (used >= 0 && (size_t)used < capacity)
-        (void)snprintf(out + used, capacity - (size_t)used, ", %s",
-                       plugin_short_name(self->mapping.instance.type));
 }
 
 /* What it takes to make it again. */
@@ -1099,7 +1141,7 @@ static mrt_result perform_rows(curve_performance *self, error *err)
             result = recording_add_face(&self->recording, self->composer, 0, err);
         if (cancel_is_asked())
             break;
-        progress_show(&self->progress, (double)(row + 1) / self->table.row_count, "");
+        progress_show_time(&self->progress, row / self->fps, self->table.row_count / self->fps);
     }
     progress_end(&self->progress);
     const composer_counts *counts = composer_counted(self->composer);
@@ -1135,6 +1177,12 @@ static mrt_result perform_curves(const perform_options *options, facts *told, er
         result = perform_rows(&self, err);
     }
     if (result >= 0) {
+        char text[320];
+        (void)snprintf(text, sizeof text, "%.120s: %.120s, %u frames", file_name_of(options->face),
+                       options->curves, self.recording.frame_count);
+        facts_headline(told, "performed", text);
+        print_motion(&self.recording, told);
+        print_nothing_written(options, told);
         facts_text(told, "face", "face", options->face);
         facts_text(told, "curves", "curves", options->curves);
         facts_number(told, "columns", "columns used", self.at.used_count, 0, "");
@@ -1175,7 +1223,9 @@ static int run(int argc, char **argv)
     performance self = {.options = &options};
     error err = {""};
     cancel_on_signals(CANCEL_WAITS, NULL);
-    facts *told = facts_create(options.is_json);
+    facts *told = facts_create(options.is_json      ? FACTS_JSON
+                               : options.is_verbose ? FACTS_LINES
+                                                    : FACTS_BRIEF);
     mrt_result result = told ? MRT_OK : error_set(&err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0 && options.curves)
         return run_curves(&options, told);

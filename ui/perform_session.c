@@ -348,12 +348,12 @@ void perform_mapping_report(const perform_mapping *self, facts *told)
     if (self->isolate)
         facts_text(told, "isolated", "isolated", "in a process of its own");
     if (counts.failed) {
-        facts_number(told, "mapping_failed", "mapping failed", counts.failed, 0, "times");
+        facts_warning(told, "mapping_failed", "mapping failed", counts.failed, 0, "times");
         facts_number(told, "mapping_restarted", "  restarted", counts.restarted, 0, "times");
     }
     if (counts.late)
-        facts_number(told, "mapping_late", "mapping late", counts.late, 0,
-                     "samples in which the face was held");
+        facts_warning(told, "mapping_late", "mapping late", counts.late, 0,
+                      "samples in which the face was held");
     if (self->reload) {
         reload_counts reloads = reload_counted(self->reload);
         facts_number(told, "reloads", "reloads", reloads.taken, 0, "");
@@ -443,6 +443,8 @@ void perform_outputs_report(outputs *of, facts *told)
             {"trouble", s.trouble, 0, 0},      {"isolated", NULL, s.is_isolated, -1},
             {"sent", NULL, (double)s.sent, 0}, {"replaced", NULL, (double)s.replaced, 0},
             {"p50_ms", NULL, s.p50_ms, 3},     {"p99_ms", NULL, s.p99_ms, 3}};
+        if (facts_is_brief(told))
+            facts_headline(told, "output", line);
         facts_row(told, "outputs", "output", line, cells, sizeof cells / sizeof cells[0]);
     }
     if (count > 0)

@@ -2,6 +2,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/program.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "check/check.h"
 #include "base/json.h"
@@ -599,12 +600,16 @@ static int run(int argc, char **argv)
         int (*run)(int argc, char **argv);
     } parts[] = {{"list", plugin_list_run}, {"new", plugin_new_run}, {"check", plugin_check_run}};
     if (argc < 2)
-        return command_usage(&command_plugin, "say what to do: list, new or check");
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        return command_usage(&command_plugin, "choose list, new or check");
+    suggest near;
+    suggest_begin(&near, argv[1]);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         if (strcmp(argv[1], parts[i].name) == 0)
             return parts[i].run(argc - 1, argv + 1);
-    return command_usage(&command_plugin, "there is no \"%s\": list, new and check are possible",
-                         argv[1]);
+        suggest_consider(&near, parts[i].name);
+    }
+    return command_usage(&command_plugin, "there is no command \"plugin %s\"%s", argv[1],
+                         suggest_question(&near).text);
 }
 
 const command command_plugin = {

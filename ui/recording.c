@@ -620,8 +620,9 @@ void recording_tell_surface(const recording *self, facts *told)
 {
     const surface_state *worst = &self->worst;
     facts_number(told, "range_of_motion_mm", "range of motion", self->furthest_mm, 2, "mm");
-    facts_number(told, "folds", "folds", self->folded_frames + (double)self->folded_steps, 0,
-                 "frames or steps");
+    const double folds = self->folded_frames + (double)self->folded_steps;
+    (folds > 0.0 ? facts_warning : facts_number)(told, "folds", "folds", folds, 0,
+                                                 "frames or steps");
     facts_number(told, "min_determinant", "least determinant",
                  fmin(self->min_determinant, self->min_step_determinant), 3, "");
     facts_number(told, "stretch", "greatest stretch", worst->stretch, 2,

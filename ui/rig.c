@@ -1,5 +1,6 @@
 /* marotte rig. */
 #include "base/file.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "base/json.h"
 #include "command.h"
@@ -510,7 +511,7 @@ static mrt_result fit(fitting *f, error *err)
     return result;
 }
 
-static mrt_result suggest(fitting *f, error *err)
+static mrt_result suggest_contacts(fitting *f, error *err)
 {
     const face_file *file = &f->face;
     return fit_suggest(f->suggested, &f->suggested_count, f->suggest_count, file->rig, &file->mesh,
@@ -731,7 +732,7 @@ static mrt_result fit_any(fitting *f, error *err)
 {
     mrt_result result = read_files(f, err);
     if (result >= 0 && f->suggest_count > 0) {
-        result = suggest(f, err);
+        result = suggest_contacts(f, err);
         if (result >= 0)
             print_suggestion(f);
         return result;
@@ -780,11 +781,16 @@ static int run(int argc, char **argv)
     } parts[] = {
         {"check", rigcheck_run}, {"fit", rigfit_run}, {"new", rignew_run}, {"show", rigshow_run}};
     if (argc < 2)
-        return command_usage(&command_rig, "check, show, new or fit?");
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i)
+        return command_usage(&command_rig, "choose check, show, new or fit");
+    suggest near;
+    suggest_begin(&near, argv[1]);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
         if (strcmp(argv[1], parts[i].name) == 0)
             return parts[i].run(argc - 1, argv + 1);
-    return command_usage(&command_rig, "there is no \"rig %s\"", argv[1]);
+        suggest_consider(&near, parts[i].name);
+    }
+    return command_usage(&command_rig, "there is no command \"rig %s\"%s", argv[1],
+                         suggest_question(&near).text);
 }
 
 const command command_rig = {

@@ -4,8 +4,10 @@
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/suggest.h"
 #include "facts.h"
 #include "perform_session.h"
+#include "window/open_any.h"
 #include "window/streams.h"
 #include "window/workspace.h"
 #include "stream/video.h"
@@ -29,6 +31,7 @@ typedef struct stage_options {
     app_picture streamed; /* given: some of it was */
     bool has_picture;
     const char *script, *picture;
+    const char *file; /* neither show nor face; NULL: none */
     bool is_hidden, is_json;
 } stage_options;
 
@@ -116,6 +119,31 @@ static int read_stream_look(void *to, const command *self, const char *name, con
                : command_usage(self, "--%s %s: expected WxH@RATE, as in 1280x720@30", name, text);
 }
 
+/* A show, a face, or what is opened once the stage is there. */
+static int read_file(void *to, const command *self, const char *name, const char *text)
+{
+    stage_options *out = to;
+    (void)name;
+    switch (open_kind_of(text)) {
+    case OPEN_SHOW:
+        out->app.show_path = text;
+        return COMMAND_DONE;
+    case OPEN_FACE:
+        out->app.face_path = text;
+        return COMMAND_DONE;
+    case OPEN_HANDS:
+    case OPEN_VOICE:
+    case OPEN_PICTURE:
+        out->file = text;
+        return COMMAND_DONE;
+    default:
+        return command_usage(self, "cannot open \"%s\"%s", text,
+                             access(text, F_OK) == 0
+                                 ? ": not a show, face, recording, sound or picture"
+                                 : suggest_file(text).text);
+    }
+}
+
 #define AT(member) .offset = offsetof(stage_options, member)
 static const command_option option_table[] = {
     {"face", COMMAND_TEXT, AT(app.face_path)},
@@ -133,7 +161,7 @@ static const command_option option_table[] = {
     {"seconds", COMMAND_NUMBER, AT(seconds), .least = 0.0, .most = 1e6},
     {"settings", COMMAND_TEXT, AT(app.settings_path)},
     {"json", COMMAND_FLAG, AT(is_json)},
-    {"SHOW", COMMAND_WORD, AT(app.show_path)},
+    {"FILE", COMMAND_WORD, .read = read_file},
     {.name = NULL},
 };
 
@@ -217,6 +245,8 @@ static mrt_result open_stage(stage *self, error *err)
         result = app_create(&self->app, &with, err);
     if (result >= 0)
         result = workspace_create(&self->workspace, self->app, self->window, err);
+    if (result >= 0 && self->options->file)
+        (void)!open_any(self->app, self->options->file); /* the news say what is wrong */
     if (result >= 0 && self->script)
         ui_note_words(workspace_ui(self->workspace), true);
     return result;
@@ -280,7 +310,7 @@ static void tell(const stage *self)
 {
     workspace_counts counts;
     struct rusage used;
-    facts *told = facts_create(self->options->is_json);
+    facts *told = facts_create(self->options->is_json ? FACTS_JSON : FACTS_LINES);
     if (!told)
         return;
     workspace_counted(self->workspace, &counts);
@@ -331,11 +361,10 @@ static int stage_run(int argc, char **argv)
 
 bool stage_is_meant(const char *first)
 {
-    const size_t length = strlen(first), ending = sizeof ".marotte" - 1;
-    if (length > ending && strcmp(first + length - ending, ".marotte") == 0)
-        return true;
-    if (strncmp(first, "--", 2) != 0)
-        return false;
+    if (strncmp(first, "--", 2) != 0) {
+        const open_kind kind = open_kind_of(first);
+        return kind == OPEN_SHOW || (kind != OPEN_ANY && access(first, F_OK) == 0);
+    }
     for (const command_option *o = option_table; o->name; ++o)
         if (o->kind != COMMAND_WORD && strncmp(first + 2, o->name, strcspn(first + 2, "=")) == 0 &&
             first[2])
@@ -343,7 +372,7 @@ bool stage_is_meant(const char *first)
     return false;
 }
 
-static void tell_help(int argc, char **argv)
+static int print_help(int argc, char **argv)
 {
     (void)argc, (void)argv;
     fputs(
@@ -377,11 +406,12 @@ static void tell_help(int argc, char **argv)
         stdout);
     fputs(script_help(), stdout);
     fputs("random does what it likes to the show and the face: give it copies.\n", stdout);
+    return COMMAND_DONE;
 }
 
 const command command_stage = {
     .name = "stage",
     .summary = "the window in which a face is performed; also marotte [SHOW.marotte]",
-    .tell_help = tell_help,
+    .print_help = print_help,
     .run = stage_run,
 };

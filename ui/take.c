@@ -2,16 +2,19 @@
 
 #include "base/cancel.h"
 #include "base/file.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "base/installed.h"
 #include "take/edit_store.h"
 
 #include <assert.h>
+#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- the command line ---- */
 
@@ -349,6 +352,9 @@ static mrt_result take_open_show(take_call *call, error *err)
         [TAKE_READS] = SHOW_READ, [TAKE_WRITES] = SHOW_WRITE, [TAKE_RECORDS] = SHOW_RECORD};
     const show_mode mode = modes[call->verb->use];
     const bool writes = mode != SHOW_READ;
+    if (access(call->word[0], F_OK) != 0 && errno == ENOENT)
+        return error_set(err, MRT_ERR_IO, "%s: %s%s", call->word[0], strerror(ENOENT),
+                         suggest_file(call->word[0]).text);
     mrt_result result = show_open(&call->show, call->word[0], mode, err);
     if (result < 0)
         return result;
@@ -506,79 +512,92 @@ mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error 
 
 static const take_verb play_verbs[] = {
     {"play", "SHOW TAKE",
-     "  --output SPEC  where the face is sent, in the take's own time; up to 8 times, as in\n"
+     "  --output SPEC  send the face to this output, in the take's own time; up to 8 times, as in\n"
      "                 marotte perform\n"
-     "  --in T, --out T   a range of it\n"
-     "  --face FILE    on this face (that which it was performed on)\n",
-     "plays a take into outputs", "output in out face", TAKE_READS, .run = take_play_run},
+     "  --in T, --out T   a range of the take\n"
+     "  --face FILE    perform on this face (the face of the recording)\n",
+     "play a take into outputs", "output in out face", TAKE_READS, .run = take_play_run,
+     .examples = "take play show.marotte last --output vmc:127.0.0.1:39540\n"
+                 "take play show.marotte last --output vmc:127.0.0.1:39540 --in 1 --out 1.5\n"},
     {"record", "SHOW TAKE",
-     "  --input SPEC, --map SPEC   who performs, as in marotte perform\n"
-     "  --own NAMES    what the new layer moves (all): patterns or regions, see layer own\n"
-     "  --name NAME    of the layer\n"
-     "  --layer L      not a new layer: in place of what that one shows (punch-in)\n"
-     "  --in T, --out T   where it is recorded (from 0, until the performance ends)\n"
+     "  --input SPEC, --map SPEC   the hands and the mapping, as in marotte perform\n"
+     "  --own NAMES    the parts of the face that the new layer moves (all), see layer own\n"
+     "  --name NAME    the name of the new layer\n"
+     "  --layer L      punch in: replace a span of this layer instead of adding one\n"
+     "  --in T, --out T   the span to record (from 0, until the performance ends)\n"
      "  --fade S       cross-fade at both ends, seconds (0.25)\n"
-     "  --count-in S   the take stands still for so long first\n"
-     "  --preroll S    it plays so long before --in\n"
-     "  --passes N     --in to --out again and again: a layer each; the last whole one is heard\n"
-     "  --speed N      of the take, 0.1 to 4 (1)\n"
+     "  --count-in S   wait this long before the take starts to play\n"
+     "  --preroll S    start to play this long before --in\n"
+     "  --passes N     repeat --in to --out, a layer each; the last complete pass is audible\n"
+     "  --speed N      speed of the take, 0.1 to 4 (1)\n"
      "  --patch FILE, --calibration FILE, --rezero-pedal N, --realtime, --face FILE\n"
      "                 as in marotte perform\n"
-     "Every pass is a take by itself too. q or Ctrl-C ends; what was performed is kept.\n",
-     "performs over it: another layer, or a punch-in",
+     "Every pass is also a take of its own. q or Ctrl-C ends and keeps the performance.\n",
+     "perform over a take: add a layer, or punch in",
      "input map patch own name layer in out fade count-in preroll passes speed calibration "
      "rezero-pedal realtime face fps",
-     TAKE_RECORDS, .run = take_record_run},
+     TAKE_RECORDS, .run = take_record_run,
+     .examples =
+         "take record show.marotte last --input log:demo_hand.csv,end=2 --map one_hand --own brows\n"
+         "take record show.marotte 2 --input log:demo_hand.csv --map one_hand --layer 1 --in 1 "
+         "--out 2\n"},
     {"export", "SHOW [TAKE]",
-     "  --export FILE  may be given many times; by the end of its name:\n" EXPORTS_HELP
-     "                     .wav   its sound\n"
-     "  --wav          the sound too, beside the first file\n"
+     "  --export FILE  up to 16 times; the end of the name chooses the format:\n" EXPORTS_HELP
+     "      .wav            its sound\n"
+     "  --wav          also write the sound, beside the first file\n"
      "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
-     "  --in T, --out T   a range of it\n"
-     "  --frames A-B   of those frames only the A-th to the B-th, from 1: a share of a video, "
-     "silent\n"
-     "  --all          every take: {show}, {take}, {slate}, {scene}, {shot}, {number}, {name} in "
-     "the "
-     "names\n"
-     "                 of the files; what is complete and still true is not done again\n"
-     "  --jobs N       so many takes at a time (1)\n"
-     "  --face FILE    on this face (that which it was performed on)\n"
-     "  --tolerance MM, --max-targets N, --bare   of glTF, as in marotte perform\n"
-     "  --unit mm|cm|m|MM   of .pc2 .mdd .usda .bvh; --by-part: .pc2 .mdd as NAME.1.PART.pc2\n"
+     "  --in T, --out T   a range of the take\n"
+     "  --frames A-B   only frames A to B of that range, from 1: a share of a video, silent\n"
+     "  --all          export every take; the names of the files contain {show}, {take}, {slate},\n"
+     "                 {scene}, {shot}, {number} or {name}. Complete, current files are skipped\n"
+     "  --jobs N       takes that are exported at the same time (1)\n"
+     "  --face FILE    perform on this face (the face of the recording)\n"
+     "  --tolerance MM, --max-targets N, --bare   for glTF, as in marotte perform\n"
+     "  --unit mm|cm|m|MM   the unit of .pc2 .mdd .usda .bvh\n"
+     "  --by-part      .pc2 and .mdd: a file for each part of the mesh, NAME.1.PART.pc2\n"
      "  --size WxH, --view front|side|three-quarter|1..6, --mirror,\n"
      "  --background #RRGGBB|transparent|PICTURE, --look studio|theatre|daylight|SHOW\n"
-     "                 of .mp4, pictures and sheets, as in marotte perform (the show's own "
-     "scene)\n",
-     "frames, pictures and sound for other programs",
+     "                 for .mp4, pictures and sheets, as in marotte perform (the show's scene)\n",
+     "export takes as animation, pictures, video and sound",
      "export wav fps in out face tolerance max-targets bare unit by-part size view mirror "
      "background look frames all jobs",
-     TAKE_READS, .run = take_export_run},
+     TAKE_READS, .run = take_export_run,
+     .examples = "take export show.marotte last --export out/take.glb --export out/take.csv\n"
+                 "take export show.marotte last --export out/take.png --size 640x320\n"
+                 "take export show.marotte --all --export \"out/{slate}.pc2\" --fps 25\n"},
     {"remap", "SHOW TAKE",
-     "  --map SPEC        another mapping: PLUGIN[,key=value] (the same, as it was)\n"
-     "  --patch FILE      other connections of the channels: none: without\n"
+     "  --map SPEC        another mapping: PLUGIN[,key=value] (the recorded one)\n"
+     "  --patch FILE      another patch; none: no patch\n"
      "  --face FILE       another face\n"
-     "  --calibration FILE   of the performer's glove, one per hand\n"
+     "  --calibration FILE   another calibration, one per hand\n"
      "  --hand-length MM  wrist to middle fingertip\n"
      "  --filter min_cutoff=HZ,beta=N   another One-Euro filter of the angles\n"
-     "  --scene S, --shot S   of the new take's slate (as the old one's)\n"
-     "The old take stays as it is. Says how far apart the two are.\n",
-     "performs a take anew, as another take",
+     "  --scene S, --shot S   the slate of the new take (that of the old one)\n"
+     "The old take stays as it is. Prints how much the two differ.\n",
+     "perform a take again with other settings, as a new take",
      "map patch face calibration hand-length filter scene shot", TAKE_WRITES,
-     .run = take_remap_run},
+     .run = take_remap_run,
+     .examples = "take remap show.marotte last --map one_hand,smile=8\n"
+                 "take remap show.marotte last --face moai --map one_hand\n"
+                 "take remap show.marotte last --filter min_cutoff=0.5,beta=0.01\n"},
     {"diff", "SHOW TAKE TAKE",
      "  --region R,R   only these: mouth, jaw, brows, lids, eyes, cheeks, nose, head\n"
-     "  --fps RATE     frames that are compared (the first take's, or 30)\n"
+     "  --fps RATE     frame rate of the comparison (the first take's, or 30)\n"
      "  --in T, --out T   a range\n"
-     "  --face FILE    both on this face\n"
-     "  --csv FILE     mm of each region at each frame\n"
-     "A vertex belongs to the region of the contact that is nearest, within the rig's radius.\n",
-     "how far apart two takes move the face", "region fps in out face csv", TAKE_READS,
-     .run = take_diff_run},
+     "  --face FILE    perform both on this face\n"
+     "  --csv FILE     write the difference of each region at each frame, mm\n"
+     "A vertex belongs to the region of its nearest contact, within the rig's radius.\n",
+     "measure the difference of two takes", "region fps in out face csv", TAKE_READS,
+     .run = take_diff_run,
+     .examples = "take diff show.marotte 1 2\n"
+                 "take diff show.marotte 1 last --region mouth,jaw --csv out/difference.csv\n"},
     {"log", "SHOW TAKE",
-     "  --track N      which one (marotte take show); not needed where there is one\n"
+     "  --track N      the track's number (marotte take show); optional if there is one\n"
      "  --out FILE.csv\n"
-     "The table is that of plugins/log/README.md: --input log:FILE.csv performs it.\n",
-     "a track's raw samples as a table", "track out", TAKE_READS, .run = take_log_run},
+     "plugins/log/README.md describes the table. --input log:FILE.csv performs it.\n",
+     "write the raw samples of a track as a table", "track out", TAKE_READS, .run = take_log_run,
+     .examples = "take log show.marotte 1 --out out/samples.csv\n"
+                 "take log show.marotte 2 --track 2 --out out/second.csv\n"},
 };
 static const take_verbs take_play_verbs = {"Play, perform over, perform anew, compare, export",
                                            play_verbs, sizeof play_verbs / sizeof play_verbs[0]};
@@ -620,6 +639,7 @@ static void print_help(const take_verb *verb)
            verb->summary[0] >= 'a' && verb->summary[0] <= 'z' ? verb->summary[0] - 'a' + 'A'
                                                               : verb->summary[0],
            verb->summary + 1, verb->options_text[0] ? "\n" : "", verb->options_text);
+    command_print_examples(verb->examples);
 }
 
 /* ---- which one ---- */
@@ -662,10 +682,10 @@ static int run_call(take_call *call)
 {
     error err = {""};
     const char *named = call->text[TAKE_FACE];
-    char *found = named ? installed_face(named) : NULL;
+    char *found = named ? installed_path(INSTALLED_FACE, named) : NULL;
     if (found)
         call->text[TAKE_FACE] = found;
-    call->told = facts_create(call->text[TAKE_JSON] != NULL);
+    call->told = facts_create(call->text[TAKE_JSON] ? FACTS_JSON : FACTS_LINES);
     mrt_result result =
         call->told ? work(call, &err) : error_set(&err, MRT_ERR_MEMORY, "no memory");
     progress_end(&call->shown);
@@ -681,14 +701,34 @@ static int run_call(take_call *call)
                           : command_failed(&call->self, &err);
 }
 
-static void tell_help(int argc, char **argv)
+/* The verb that was typed is none. */
+static int refuse(int argc, char **argv)
+{
+    char word[64];
+    suggest near;
+    const char *second = argc > 2 && argv[2][0] != '-' ? argv[2] : NULL;
+    const bool is_group = strcmp(argv[1], "layer") == 0 || strcmp(argv[1], "audio") == 0;
+    (void)snprintf(word, sizeof word, "%.30s%s%.30s", argv[1], is_group && second ? " " : "",
+                   is_group && second ? second : "");
+    suggest_begin(&near, word);
+    for (int g = 0; g < GROUP_COUNT; ++g)
+        for (uint32_t i = 0; i < groups[g]->count; ++i)
+            suggest_consider(&near, groups[g]->verb[i].name);
+    return command_usage(&command_take, "there is no command \"take %s\"%s", word,
+                         suggest_question(&near).text);
+}
+
+static int print_verb_help(int argc, char **argv)
 {
     int used;
     const take_verb *verb = find(argc, argv, &used);
     if (verb)
         print_help(verb);
+    else if (argc > 1 && argv[1][0] != '-')
+        return refuse(argc, argv);
     else
         print_overview(stdout);
+    return COMMAND_DONE;
 }
 
 static int run(int argc, char **argv)
@@ -698,16 +738,13 @@ static int run(int argc, char **argv)
     if (argc < 2)
         return command_usage(&command_take, "say what to do: list, show, trim, export ...");
     const take_verb *verb = find(argc, argv, &used);
-    if (!verb && (strcmp(argv[1], "layer") == 0 || strcmp(argv[1], "audio") == 0))
-        return command_usage(&command_take, "there is no \"take %s %s\"", argv[1],
-                             argc > 2 ? argv[2] : "");
     if (!verb)
-        return command_usage(&command_take, "there is no \"take %s\"", argv[1]);
+        return refuse(argc, argv);
     int code = take_options_read(&call, verb, argc - used, argv + used);
     return code == COMMAND_DONE ? run_call(&call) : code;
 }
 
 const command command_take = {.name = "take",
                               .summary = "lists, edits, performs anew and exports takes",
-                              .tell_help = tell_help,
+                              .print_help = print_verb_help,
                               .run = run};

@@ -127,7 +127,8 @@ typedef struct take_verb {
     CHECKED mrt_result (*run)(take_call *call, error *err);
     /* In place of run: the edits to be done to the take that the call names. */
     CHECKED mrt_result (*ask)(take_call *call, const take *t, take_change *out, error *err);
-    edit_kind kind; /* for an `ask` of several verbs */
+    edit_kind kind;       /* for an `ask` of several verbs */
+    const char *examples; /* as command_print_examples takes them */
 } take_verb;
 
 typedef struct take_verbs {

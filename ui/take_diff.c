@@ -181,7 +181,7 @@ static mrt_result tell(take_call *call, const comparison *self, error *err)
         return MRT_OK;
     mrt_result result = write_csv(self, call->text[TAKE_CSV], err);
     if (result >= 0)
-        facts_list(call->told, "files", "wrote", call->text[TAKE_CSV]);
+        facts_file(call->told, call->text[TAKE_CSV], "");
     return result;
 }
 

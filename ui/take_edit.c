@@ -411,60 +411,98 @@ static mrt_result ask_edit(take_call *call, const take *t, take_change *out, err
     return result;
 }
 
-#define CLIP_HELP  "  --clip N     which clip (marotte take show); not needed where there is one\n"
-#define LAYER_HELP "  --layer L    of a whole layer, by its number or name\n"
-#define FPS_HELP   "  --fps RATE   of time code, where the take has no frame rate\n"
+#define CLIP_HELP  "  --clip N     the clip's number (marotte take show); optional if there is one\n"
+#define LAYER_HELP "  --layer L    the whole layer instead, by its number or name\n"
+#define FPS_HELP   "  --fps RATE   frame rate for time code, if the take has none\n"
 
 static const take_verb edit_verbs[] = {
     {"trim", "SHOW TAKE",
-     "  --in T       its first instant (0)\n  --out T      its end\n"
-     "  --clip N     trims that clip, not the take\n" FPS_HELP,
-     "keeps a range of a take", "in out clip fps", TAKE_WRITES, .ask = ask_trim},
+     "  --in T       start of the range (0)\n  --out T      end of the range\n"
+     "  --clip N     trim this clip, not the take\n" FPS_HELP,
+     "keep a range of a take", "in out clip fps", TAKE_WRITES, .ask = ask_trim,
+     .examples = "take trim show.marotte last --in 1 --out 3\n"
+                 "take trim show.marotte 2 --in 01:00:00:12 --fps 25\n"},
     {"cut", "SHOW TAKE",
-     "  --in T --out T   the range\n  --ripple     what is later moves up\n" LAYER_HELP FPS_HELP,
-     "takes a range out", "in out ripple layer fps", TAKE_WRITES, .ask = ask_cut},
-    {"insert", "SHOW TAKE", "  --at T       where\n  --length S   seconds\n" FPS_HELP,
-     "opens a gap", "at length fps", TAKE_WRITES, .ask = ask_insert},
-    {"split", "SHOW TAKE", "  --at T       where\n" CLIP_HELP FPS_HELP, "splits a clip",
-     "at clip fps", TAKE_WRITES, .ask = ask_split},
-    {"move", "SHOW TAKE",
-     "  --to T       its new start\n  --layer L    another layer\n" CLIP_HELP FPS_HELP,
-     "moves a clip", "to layer clip fps", TAKE_WRITES, .ask = ask_move},
-    {"retime", "SHOW TAKE",
-     "  --speed F    so many times as fast\n  --at T       about this instant (its start)\n"
-     "  --points A:S,A:S...   or a curve: at A s of the timeline it shows its own S s\n" CLIP_HELP
+     "  --in T --out T   the range\n  --ripple     close the gap: later clips move up\n" LAYER_HELP
          FPS_HELP,
-     "plays a clip faster, slower, or along a curve", "speed at points clip fps", TAKE_WRITES,
-     .ask = ask_retime},
-    {"smooth", "SHOW TAKE SECONDS", CLIP_HELP, "smooths a clip; 0 ends it", "clip", TAKE_WRITES,
-     .ask = ask_smooth},
-    {"mute", "SHOW TAKE", "  --off        is heard again\n" CLIP_HELP LAYER_HELP,
-     "mutes a clip or a layer", "off clip layer", TAKE_WRITES, .ask = ask_mute},
-    {"gain", "SHOW TAKE GAIN", CLIP_HELP LAYER_HELP, "how much of a clip or a layer: 0 to 10",
-     "clip layer", TAKE_WRITES, .ask = ask_gain},
+     "remove a range from a take", "in out ripple layer fps", TAKE_WRITES, .ask = ask_cut,
+     .examples = "take cut show.marotte last --in 1 --out 2\n"
+                 "take cut show.marotte last --in 1 --out 2 --ripple\n"},
+    {"insert", "SHOW TAKE",
+     "  --at T       where the gap begins\n  --length S   its length in seconds\n" FPS_HELP,
+     "insert a gap into a take", "at length fps", TAKE_WRITES, .ask = ask_insert,
+     .examples = "take insert show.marotte last --at 1 --length 0.5\n"
+                 "take insert show.marotte 2 --at 01:00:01:00 --length 2\n"},
+    {"split", "SHOW TAKE", "  --at T       where\n" CLIP_HELP FPS_HELP, "split a clip in two",
+     "at clip fps", TAKE_WRITES, .ask = ask_split,
+     .examples = "take split show.marotte 2 --at 1.5\n"
+                 "take split show.marotte 2 --at 01:00:01:12 --clip 1\n"},
+    {"move", "SHOW TAKE",
+     "  --to T       its new start\n  --layer L    move it to this layer\n" CLIP_HELP FPS_HELP,
+     "move a clip", "to layer clip fps", TAKE_WRITES, .ask = ask_move,
+     .examples = "take move show.marotte 2 --to 0.5\n"
+                 "take move show.marotte last --clip 1 --layer brows --to 0\n"},
+    {"retime", "SHOW TAKE",
+     "  --speed F    play it F times as fast\n  --at T       the instant that stays in place (its "
+     "start)\n"
+     "  --points A:S,A:S...   a curve: at A s of the timeline play the clip's second S\n" CLIP_HELP
+         FPS_HELP,
+     "play a clip faster, slower or along a curve", "speed at points clip fps", TAKE_WRITES,
+     .ask = ask_retime,
+     .examples = "take retime show.marotte 2 --speed 0.5\n"
+                 "take retime show.marotte 2 --points 0:0,1:2,2:3\n"},
+    {"smooth", "SHOW TAKE SECONDS", CLIP_HELP, "smooth a clip; 0 ends the smoothing", "clip",
+     TAKE_WRITES, .ask = ask_smooth,
+     .examples = "take smooth show.marotte 2 0.1\ntake smooth show.marotte 2 0\n"},
+    {"mute", "SHOW TAKE", "  --off        unmute\n" CLIP_HELP LAYER_HELP, "mute a clip or a layer",
+     "off clip layer", TAKE_WRITES, .ask = ask_mute,
+     .examples = "take mute show.marotte last --layer brows\n"
+                 "take mute show.marotte last --layer brows --off\n"},
+    {"gain", "SHOW TAKE GAIN", CLIP_HELP LAYER_HELP, "scale a clip or a layer, 0 to 10",
+     "clip layer", TAKE_WRITES, .ask = ask_gain,
+     .examples = "take gain show.marotte 2 0.8\n"
+                 "take gain show.marotte last 1.5 --layer brows\n"},
     {"fade", "SHOW TAKE", "  --fade-in S, --fade-out S   seconds\n" CLIP_HELP,
-     "fades a clip in or out", "fade-in fade-out clip", TAKE_WRITES, .ask = ask_fade},
-    {"delete", "SHOW TAKE", "  --clip N     that clip, not the take\n",
-     "puts a take away: restore brings it back", "clip", TAKE_WRITES, .ask = ask_delete},
-    {"restore", "SHOW TAKE", "", "brings a deleted take back", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_TAKE_RESTORE},
-    {"rename", "SHOW TAKE NAME", "", "names a take", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_TAKE_RENAME},
-    {"slate", "SHOW TAKE", "  --scene S, --shot S, --number N   what is left out stays\n",
-     "changes a take's slate", "scene shot number", TAKE_WRITES, .ask = ask_slate},
-    {"note", "SHOW TAKE TEXT", "", "writes a note on a take", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_TAKE_NOTE},
-    {"rate", "SHOW TAKE STARS", "", "0 to 5 stars", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_TAKE_RATE},
-    {"mark", "SHOW TAKE TEXT", "  --at T       where\n" FPS_HELP, "marks an instant", "at fps",
-     TAKE_WRITES, .ask = ask_mark},
+     "fade a clip in or out", "fade-in fade-out clip", TAKE_WRITES, .ask = ask_fade,
+     .examples = "take fade show.marotte 2 --fade-in 0.3\n"
+                 "take fade show.marotte 2 --fade-in 0.3 --fade-out 0.5\n"},
+    {"delete", "SHOW TAKE", "  --clip N     delete this clip, not the take\n",
+     "delete a take; take restore brings it back", "clip", TAKE_WRITES, .ask = ask_delete,
+     .examples = "take delete show.marotte last\ntake delete show.marotte 2 --clip 1\n"},
+    {"restore", "SHOW TAKE", "", "restore a deleted take", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_RESTORE,
+     .examples = "take restore show.marotte 1\ntake restore show.marotte last\n"},
+    {"rename", "SHOW TAKE NAME", "", "name a take", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_RENAME,
+     .examples = "take rename show.marotte last best\n"
+                 "take rename show.marotte 2 \"the laugh\"\n"},
+    {"slate", "SHOW TAKE",
+     "  --scene S, --shot S, --number N   the new values; the others stay\n",
+     "change the slate of a take", "scene shot number", TAKE_WRITES, .ask = ask_slate,
+     .examples = "take slate show.marotte last --scene 12 --shot a\n"
+                 "take slate show.marotte 2 --number 7\n"},
+    {"note", "SHOW TAKE TEXT", "", "write a note on a take", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_NOTE,
+     .examples = "take note show.marotte last \"good until the sneeze\"\n"
+                 "take note show.marotte 2 safety\n"},
+    {"rate", "SHOW TAKE STARS", "", "rate a take, 0 to 5 stars", "", TAKE_WRITES, .ask = ask_value,
+     .kind = EDIT_TAKE_RATE,
+     .examples = "take rate show.marotte last 5\ntake rate show.marotte 2 0\n"},
+    {"mark", "SHOW TAKE TEXT", "  --at T       where\n" FPS_HELP, "add a marker to a take",
+     "at fps", TAKE_WRITES, .ask = ask_mark,
+     .examples = "take mark show.marotte last blink --at 1.2\n"
+                 "take mark show.marotte 2 \"door slams\" --at 01:00:01:00\n"},
     {"timecode", "SHOW TAKE",
      "  --fps RATE   24, 25, 29.97, 30000/1001 ...\n"
      "  --start TC   time code of its first frame: 01:00:00:00, drop-frame 01:00:00;00\n",
-     "gives a take a frame rate and time code", "fps start", TAKE_WRITES, .ask = ask_timecode},
+     "set the frame rate and time code of a take", "fps start", TAKE_WRITES, .ask = ask_timecode,
+     .examples = "take timecode show.marotte last --fps 25 --start 01:00:00:00\n"
+                 "take timecode show.marotte 1 --fps 29.97 --start \"01:00:00;00\"\n"},
     {"edit", "SHOW TAKE JSON",
-     "  JSON: any edit as it is stored: {\"op\":\"clip.trim\",\"clip\":2,\"start_ns\":0}\n",
-     "does any edit", "", TAKE_WRITES, .ask = ask_edit},
+     "  JSON: an edit as the show stores it: {\"op\":\"clip.trim\",\"clip\":2,\"start_ns\":0}\n",
+     "apply any edit", "", TAKE_WRITES, .ask = ask_edit,
+     .examples = "take edit show.marotte last '{\"op\":\"take.rate\",\"rating\":4}'\n"
+                 "take edit show.marotte 2 '{\"op\":\"take.note\",\"text\":\"again\"}'\n"},
 };
 const take_verbs take_edit_verbs = {"Edit", edit_verbs, sizeof edit_verbs / sizeof edit_verbs[0]};
 
@@ -707,52 +745,81 @@ static mrt_result run_history(take_call *call, error *err)
     return with_history(call, tell_history, err);
 }
 
-#define OFF_HELP "  --off        no longer\n"
+#define OFF_HELP "  --off        switch it off again\n"
 #define OWN_HELP                                                                                   \
-    "  mouth, jaw, brows, lids, eyes, cheeks, nose, head, or patterns of names of contacts and\n"  \
-    "  degrees of freedom (\"mouth.*,jaw.open\")\n"
+    "               mouth, jaw, brows, lids, eyes, cheeks, nose, head, or patterns of contacts\n"  \
+    "               and degrees of freedom (\"mouth.*,jaw.open\")\n"
 #define SPAN_HELP                                                                                  \
     "  --from TAKE  the other take\n  --in T --out T   the span\n"                                 \
-    "  --source T   what of the other take is shown at --in (the same time)\n"                     \
-    "  --fade S     cross-fades at both ends (0.1)\n"                                              \
-    "  --fps RATE   of time code, where a take has no frame rate\n"
+    "  --source T   the time in the other take that is shown at --in (the same time)\n"            \
+    "  --fade S     cross-fade at both ends, seconds (0.1)\n"                                      \
+    "  --fps RATE   frame rate for time code, if the take has none\n"
 #define SPAN_OPTIONS "from in out source fade fps"
 
 static const take_verb layer_verbs[] = {
     {"layer add", "SHOW TAKE NAME",
-     "  --own NAMES  what it moves (all):\n" OWN_HELP
-     "  --place N    from the bottom, 0 (on top)\n",
-     "adds a layer", "own place", TAKE_WRITES, .ask = ask_layer_add},
-    {"layer remove", "SHOW TAKE LAYER", "", "removes a layer", "", TAKE_WRITES, .ask = ask_layer,
-     .kind = EDIT_LAYER_REMOVE},
-    {"layer rename", "SHOW TAKE LAYER NAME", "", "names a layer", "", TAKE_WRITES, .ask = ask_layer,
-     .kind = EDIT_LAYER_RENAME},
-    {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES: all, or\n" OWN_HELP, "what a layer moves", "",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OWN},
-    {"layer mute", "SHOW TAKE LAYER", OFF_HELP, "mutes a layer", "off", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_MUTE},
-    {"layer solo", "SHOW TAKE LAYER", OFF_HELP, "only solo layers are heard", "off", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_SOLO},
-    {"layer additive", "SHOW TAKE LAYER", OFF_HELP, "adds to the layers below", "off", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_ADDITIVE},
-    {"layer gain", "SHOW TAKE LAYER GAIN", "", "how much of a layer: 0 to 10", "", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_GAIN},
-    {"layer offset", "SHOW TAKE LAYER SECONDS", "", "shows a layer later, or earlier", "",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OFFSET},
-    {"layer order", "SHOW TAKE LAYER PLACE", "", "moves a layer to a place from the bottom, 0", "",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_ORDER},
+     "  --own NAMES  the parts of the face that it moves (all):\n" OWN_HELP
+     "  --place N    its place, counted from the bottom, 0 (on top)\n",
+     "add a layer", "own place", TAKE_WRITES, .ask = ask_layer_add,
+     .examples = "take layer add show.marotte last lids\n"
+                 "take layer add show.marotte last lips --own mouth,jaw --place 0\n"},
+    {"layer remove", "SHOW TAKE LAYER", "", "remove a layer", "", TAKE_WRITES, .ask = ask_layer,
+     .kind = EDIT_LAYER_REMOVE,
+     .examples = "take layer remove show.marotte last brows\n"
+                 "take layer remove show.marotte last 2\n"},
+    {"layer rename", "SHOW TAKE LAYER NAME", "", "rename a layer", "", TAKE_WRITES,
+     .ask = ask_layer, .kind = EDIT_LAYER_RENAME,
+     .examples = "take layer rename show.marotte last brows \"both brows\"\n"
+                 "take layer rename show.marotte last 2 brows2\n"},
+    {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES:       all, or\n" OWN_HELP,
+     "choose the parts of the face that a layer moves", "", TAKE_WRITES, .ask = ask_layer,
+     .kind = EDIT_LAYER_OWN,
+     .examples = "take layer own show.marotte last brows brows,lids\n"
+                 "take layer own show.marotte last brows \"mouth.*,jaw.open\"\n"
+                 "take layer own show.marotte last brows all\n"},
+    {"layer mute", "SHOW TAKE LAYER", OFF_HELP, "mute a layer", "off", TAKE_WRITES,
+     .ask = ask_layer, .kind = EDIT_LAYER_MUTE,
+     .examples = "take layer mute show.marotte last brows\n"
+                 "take layer mute show.marotte last brows --off\n"},
+    {"layer solo", "SHOW TAKE LAYER", OFF_HELP, "play only layers that are solo", "off",
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_SOLO,
+     .examples = "take layer solo show.marotte last brows\n"
+                 "take layer solo show.marotte last brows --off\n"},
+    {"layer additive", "SHOW TAKE LAYER", OFF_HELP, "add a layer to the layers below", "off",
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_ADDITIVE,
+     .examples = "take layer additive show.marotte last brows\n"
+                 "take layer additive show.marotte last brows --off\n"},
+    {"layer gain", "SHOW TAKE LAYER GAIN", "", "scale a layer, 0 to 10", "", TAKE_WRITES,
+     .ask = ask_layer, .kind = EDIT_LAYER_GAIN,
+     .examples = "take layer gain show.marotte last brows 0.5\n"
+                 "take layer gain show.marotte last 2 1\n"},
+    {"layer offset", "SHOW TAKE LAYER SECONDS", "", "play a layer later, or earlier", "",
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OFFSET,
+     .examples = "take layer offset show.marotte last brows 0.08\n"
+                 "take layer offset show.marotte last brows 0\n"},
+    {"layer order", "SHOW TAKE LAYER PLACE", "", "move a layer; place 0 is the bottom", "",
+     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_ORDER,
+     .examples = "take layer order show.marotte last brows 0\n"
+                 "take layer order show.marotte last 1 1\n"},
     {"comp", "SHOW TAKE",
-     "  --region R,R or --own NAMES   which parts of the face:\n" OWN_HELP SPAN_HELP,
-     "takes parts of the face from another take", SPAN_OPTIONS " region own", TAKE_WRITES,
-     .ask = ask_layer_comp},
-    {"punch", "SHOW TAKE", "  --layer L    which layer, by its number or name\n" SPAN_HELP,
-     "a layer shows a span of another take", SPAN_OPTIONS " layer", TAKE_WRITES,
-     .ask = ask_layer_punch},
-    {"undo", "SHOW TAKE", "  --steps N    so many edits (1)\n", "undoes the last edit", "steps",
-     TAKE_WRITES, .run = run_undo},
-    {"redo", "SHOW TAKE", "  --steps N    so many edits (1)\n", "does again what was undone",
-     "steps", TAKE_WRITES, .run = run_redo},
-    {"history", "SHOW TAKE", "", "all edits in words", "", TAKE_READS, .run = run_history},
+     "  --region R,R or --own NAMES   the parts of the face:\n" OWN_HELP SPAN_HELP,
+     "take parts of the face from another take", SPAN_OPTIONS " region own", TAKE_WRITES,
+     .ask = ask_layer_comp,
+     .examples = "take comp show.marotte last --from 1 --region mouth --in 1 --out 2\n"
+                 "take comp show.marotte last --from 1 --own jaw.open --in 1 --out 2 --fade 0.2\n"},
+    {"punch", "SHOW TAKE", "  --layer L    the layer, by its number or name\n" SPAN_HELP,
+     "show a span of another take in a layer", SPAN_OPTIONS " layer", TAKE_WRITES,
+     .ask = ask_layer_punch,
+     .examples = "take punch show.marotte 2 --from 1 --in 1 --out 2\n"
+                 "take punch show.marotte last --layer brows --from 1 --in 1 --out 2 --source 0.5\n"},
+    {"undo", "SHOW TAKE", "  --steps N    the number of edits (1)\n", "undo the last edit", "steps",
+     TAKE_WRITES, .run = run_undo,
+     .examples = "take undo show.marotte last\ntake undo show.marotte last --steps 2\n"},
+    {"redo", "SHOW TAKE", "  --steps N    the number of edits (1)\n", "redo what was undone",
+     "steps", TAKE_WRITES, .run = run_redo,
+     .examples = "take redo show.marotte last\ntake redo show.marotte last --steps 2\n"},
+    {"history", "SHOW TAKE", "", "list all edits of a take", "", TAKE_READS, .run = run_history,
+     .examples = "take history show.marotte last\ntake history show.marotte last --json\n"},
 };
 const take_verbs take_layer_verbs = {"Layers, other takes, undo", layer_verbs,
                                      sizeof layer_verbs / sizeof layer_verbs[0]};
@@ -789,19 +856,26 @@ static mrt_result ask_sound_trim(take_call *call, const take *t, take_change *ou
 
 static const take_verb audio_verbs[] = {
     {"audio attach", "SHOW TAKE FILE",
-     "  --offset S   where it starts on the take's timeline, seconds (0)\n"
+     "  --offset S   its start on the take's timeline, seconds (0)\n"
      "  --gain G     0 to 10 (1)\n"
-     "WAV, FLAC, Ogg, AIFF and others; it is kept in the show, sample by sample.\n",
-     "gives a take a sound", "offset gain", TAKE_WRITES, .ask = ask_sound_attach},
-    {"audio offset", "SHOW TAKE SECONDS", "", "moves its sound", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_AUDIO_OFFSET},
+     "Reads WAV, FLAC, Ogg, AIFF and others. The show stores every sample.\n",
+     "add a sound file to a take", "offset gain", TAKE_WRITES, .ask = ask_sound_attach,
+     .examples = "take audio attach show.marotte last voice.wav\n"
+                 "take audio attach show.marotte last voice.wav --offset 0.25 --gain 0.8\n"},
+    {"audio offset", "SHOW TAKE SECONDS", "", "move the sound of a take", "", TAKE_WRITES,
+     .ask = ask_value, .kind = EDIT_AUDIO_OFFSET,
+     .examples = "take audio offset show.marotte 2 0.5\ntake audio offset show.marotte 2 0\n"},
     {"audio trim", "SHOW TAKE",
-     "  --in T, --out T   of the take's timeline: what of it is heard\n" FPS_HELP,
-     "shortens its sound", "in out fps", TAKE_WRITES, .ask = ask_sound_trim},
-    {"audio gain", "SHOW TAKE GAIN", "", "how loud its sound is", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_AUDIO_GAIN},
-    {"audio detach", "SHOW TAKE", "", "takes its sound away", "", TAKE_WRITES, .ask = ask_value,
-     .kind = EDIT_AUDIO_DETACH},
+     "  --in T, --out T   the audible range, on the take's timeline\n" FPS_HELP,
+     "trim the sound of a take", "in out fps", TAKE_WRITES, .ask = ask_sound_trim,
+     .examples = "take audio trim show.marotte 2 --in 0.2 --out 0.8\n"
+                 "take audio trim show.marotte 2 --out 0.5\n"},
+    {"audio gain", "SHOW TAKE GAIN", "", "set the volume of the sound, 0 to 10", "", TAKE_WRITES,
+     .ask = ask_value, .kind = EDIT_AUDIO_GAIN,
+     .examples = "take audio gain show.marotte 2 0.7\ntake audio gain show.marotte 2 1\n"},
+    {"audio detach", "SHOW TAKE", "", "remove the sound from a take", "", TAKE_WRITES,
+     .ask = ask_value, .kind = EDIT_AUDIO_DETACH,
+     .examples = "take audio detach show.marotte 2\ntake audio detach show.marotte 2 --json\n"},
 };
 const take_verbs take_audio_verbs = {"Sound", audio_verbs,
                                      sizeof audio_verbs / sizeof audio_verbs[0]};

@@ -237,7 +237,7 @@ static mrt_result export_sound(take_call *call, const take *t, const take_frames
     mrt_result result = exports_sound(path, call->show, &what, &report, &call->shown, err);
     if (result < 0)
         return result;
-    facts_list(call->told, "files", "wrote", path);
+    facts_file(call->told, path, "");
     facts_number(call->told, "sound_rate_hz", "sound", report.rate_hz, 0, "Hz");
     facts_number(call->told, "sound_frames", "sound frames", (double)report.frame_count, 0, "");
     if (report.cut_count)
@@ -482,7 +482,7 @@ static mrt_result write_table(take_call *call, const log_span *span, const char 
         facts_text(call->told, "device", "device", of.track.device);
         facts_number(call->told, "channels", "channels", of.track.channel_count, 0, "");
         facts_number(call->told, "samples", "samples", (double)count, 0, "");
-        facts_list(call->told, "files", "wrote", path);
+        facts_file(call->told, path, "");
     }
     show_track_finish(&of);
     return result;

@@ -60,22 +60,6 @@ static mrt_result name_file(char **out, const char *pattern, const take *t, take
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
 }
 
-static mrt_result make_folder_of(const char *path, error *err)
-{
-    char folder[PATH_MAX];
-    struct stat status;
-    (void)snprintf(folder, sizeof folder, "%s", path);
-    for (char *at = folder[0] == '/' ? folder + 1 : folder; (at = strchr(at, '/')) && at[1];
-         *at++ = '/') {
-        *at = '\0';
-        if (mkdir(folder, 0777) != 0 &&
-            (errno != EEXIST || stat(folder, &status) != 0 || !S_ISDIR(status.st_mode)))
-            return error_set(err, MRT_ERR_IO, "%s: no folder can be made there: %s", folder,
-                             strerror(errno));
-    }
-    return MRT_OK;
-}
-
 /* ---- what is made from what ---- */
 
 static void add_text(hash_sum *sum, const char *text)
@@ -228,7 +212,8 @@ static mrt_result note_complete(batch *self, const job *of, error *err)
             (void)json_object_set_new(self->list, key_of(self, of->path[i]),
                                       json_pack("{ss,sI,sI}", "made_from", of->made_from, "bytes",
                                                 bytes, "time_ns", time_ns));
-        facts_list(self->call->told, "files", "wrote", of->path[i]);
+        facts_file(self->call->told, of->path[i],
+                   exports_opener(exports_format_of(of->path[i])));
     }
     return write_list(self, err);
 }
@@ -339,7 +324,7 @@ static mrt_result start(batch *self, job *of, error *err)
     words with;
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; i < of->path_count && result >= 0; ++i)
-        result = make_folder_of(of->path[i], err);
+        result = file_make_parent(of->path[i], err);
     if (result < 0)
         return result;
     list_words(&with, self, of);
@@ -464,7 +449,7 @@ mrt_result take_export_all(take_call *call, error *err)
     (void)snprintf(list, sizeof list, "%.*s%s", (int)(slash - first), first, list_name);
     cancel_on_signals(CANCEL_WAITS, NULL);
     if (result >= 0)
-        result = make_folder_of(list, err);
+        result = file_make_parent(list, err);
     if (result >= 0)
         result = read_list(&self, err);
     if (result >= 0)

@@ -2,6 +2,7 @@
 #include "base/program.h"
 #include "base/cancel.h"
 #include "base/clock.h"
+#include "base/file.h"
 #include "take.h"
 #include "take/edit_store.h"
 #include "take/hash.h"
@@ -539,6 +540,8 @@ static mrt_result run_recover(take_call *call, error *err)
     show_recovery report;
     mrt_result result = take_need(call, TAKE_OUT, err);
     if (result >= 0)
+        result = file_make_parent(call->text[TAKE_OUT], err);
+    if (result >= 0)
         result = show_recover(&report, call->word[0], call->text[TAKE_OUT], err);
     if (result < 0)
         return result;
@@ -547,7 +550,7 @@ static mrt_result run_recover(take_call *call, error *err)
     if (report.is_cut)
         fprintf(stderr, "warning: %s leads in circles: not all of it was looked at\n",
                 call->word[0]);
-    facts_list(call->told, "files", "wrote", call->text[TAKE_OUT]);
+    facts_file(call->told, call->text[TAKE_OUT], "");
     return recover_pack(call, err);
 }
 
@@ -754,27 +757,34 @@ static mrt_result run_check(take_call *call, error *err)
 /* ---- the verbs ---- */
 
 static const take_verb file_verbs[] = {
-    {"list", "SHOW", "", "the takes of a show", "", TAKE_READS, .run = run_list},
+    {"list", "SHOW", "", "list the takes of a show", "", TAKE_READS, .run = run_list,
+     .examples = "take list show.marotte\ntake list show.marotte --json\n"},
     {"show", "SHOW TAKE",
-     "  --hash         SHA-256 over all vertices of all frames, too\n"
-     "  --fps RATE     of these frames (the take's, or 30)\n"
-     "  --in T, --out T   a range of them\n"
-     "  --face FILE    on this face (that which it was performed on)\n",
-     "what a take is made of", "hash fps face in out", TAKE_READS, .run = run_show},
+     "  --hash         print a SHA-256 over all vertices of all frames\n"
+     "  --fps RATE     the frame rate for --hash (the take's, or 30)\n"
+     "  --in T, --out T   a range for --hash\n"
+     "  --face FILE    perform on this face (the face of the recording)\n",
+     "print the layers, clips, inputs and edits of a take", "hash fps face in out", TAKE_READS,
+     .run = run_show,
+     .examples = "take show show.marotte last\n"
+                 "take show show.marotte last --hash --fps 25 --in 1 --out 2\n"},
     {"keep", "SHOW",
-     "  --last S       so many seconds (30)\n  --scene S, --shot S   of its slate\n",
-     "makes a take of the newest seconds", "last scene shot", TAKE_WRITES, .run = run_keep},
-    {"check", "SHOW", "Exit code 1 when something is damaged.\n",
-     "reads everything and says what is damaged", "", TAKE_READS, .run = run_check},
+     "  --last S       its length in seconds (30)\n  --scene S, --shot S   its slate\n",
+     "make a take of the newest seconds", "last scene shot", TAKE_WRITES, .run = run_keep,
+     .examples = "take keep show.marotte\ntake keep show.marotte --last 2 --scene 12 --shot a\n"},
+    {"check", "SHOW", "Exit code 1: the show is damaged.\n",
+     "read everything in a show and report damage", "", TAKE_READS, .run = run_check,
+     .examples = "take check show.marotte\ntake check show.marotte --json\n"},
     {"pack", "SHOW",
-     "Puts every file that its faces are read from (rigs, meshes, pictures) into the folder "
-     "NAME.pack\n"
-     "beside NAME.marotte. Sounds, calibrations and what a mapping was are in the show already. "
-     "The\n"
-     "two together open and perform the same on another computer.\n",
-     "lets a show travel: its faces go into a folder beside it", "", TAKE_READS, .run = run_pack},
-    {"recover", "SHOW", "  --out NEW      must not exist; SHOW is not touched\n",
-     "copies what can be read of a damaged show", "out", TAKE_OPENS_ITSELF, .run = run_recover},
+     "Copies the files of its faces (rigs, meshes, pictures) into the folder NAME.pack beside\n"
+     "NAME.marotte. Move the two together to another computer: takes perform the same there.\n"
+     "Sounds, calibrations and mapping settings are in the show already.\n",
+     "copy the faces of a show into a folder beside it", "", TAKE_READS, .run = run_pack,
+     .examples = "take pack show.marotte\ntake pack show.marotte --json\n"},
+    {"recover", "SHOW", "  --out NEW      the new show; it must not exist. SHOW stays as it is\n",
+     "copy all readable parts of a damaged show", "out", TAKE_OPENS_ITSELF, .run = run_recover,
+     .examples = "take recover show.marotte --out out/recovered.marotte\n"
+                 "take recover show.marotte --out rescued.marotte --json\n"},
 };
 const take_verbs take_file_verbs = {"The show", file_verbs,
                                     sizeof file_verbs / sizeof file_verbs[0]};

@@ -271,7 +271,9 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
                            mrt_result (*each)(void *data, take_stage *from, error *err), void *data,
                            error *err)
 {
-    char text[32];
+    const int64_t begin_ns = timecode_time_ns(frames->rate, frames->first);
+    const double total_s =
+        (double)(timecode_time_ns(frames->rate, frames->first + frames->count) - begin_ns) / 1e9;
     mrt_result result = MRT_OK;
     progress_start(&call->shown, "performing");
     for (int64_t i = 0; i < frames->count && result >= 0; ++i) {
@@ -287,8 +289,7 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
         result = each(data, self, err);
         if (result >= 0)
             result = sequencer_check(self->sequencer, err);
-        (void)snprintf(text, sizeof text, "%.1f s", (double)at_ns / 1e9);
-        progress_show(&call->shown, (double)(i + 1) / (double)frames->count, text);
+        progress_show_time(&call->shown, (double)(at_ns - begin_ns) / 1e9, total_s);
     }
     progress_end(&call->shown);
     take_stage_tell(self);
@@ -331,7 +332,6 @@ static bool is_wanted(const playing *self, int64_t at_ns)
 /* The instant that the sequencer stands at is shown when it is due: it is found before that. */
 static void show_when_due(playing *self, int64_t at_ns)
 {
-    char text[32];
     performer *p = sequencer_performer(self->stage.sequencer);
     performer_draw(p);
     int64_t due_ns = self->begun_ns + (at_ns - self->in_ns), now_ns = clock_now_ns();
@@ -339,9 +339,8 @@ static void show_when_due(playing *self, int64_t at_ns)
         clock_sleep_until_ns(due_ns - now_ns > slice_ns ? now_ns + slice_ns : due_ns);
     perform_outputs_show(&self->outputs, p, due_ns, at_ns);
     self->shown_at_ns = at_ns;
-    (void)snprintf(text, sizeof text, "%.1f s", (double)at_ns / 1e9);
-    progress_show(&self->call->shown,
-                  (double)(at_ns - self->in_ns) / (double)(self->out_ns - self->in_ns), text);
+    progress_show_time(&self->call->shown, (double)(at_ns - self->in_ns) / 1e9,
+                       (double)(self->out_ns - self->in_ns) / 1e9);
     news_print(self->stage.log);
 }
 

@@ -131,6 +131,16 @@ void progress_show(progress *self, double done, const char *text)
     fflush(stderr);
 }
 
+void progress_show_time(progress *self, double at_s, double total_s)
+{
+    char text[64];
+    if (total_s > 0.0)
+        (void)snprintf(text, sizeof text, "%.1f s of %.1f s", at_s, total_s);
+    else
+        (void)snprintf(text, sizeof text, "%.1f s", at_s);
+    progress_show(self, total_s > 0.0 ? at_s / total_s : -1.0, text);
+}
+
 void progress_end(progress *self)
 {
     if (self->has_shown)

@@ -35,6 +35,8 @@ void progress_start(progress *self, const char *what);
 /* done: 0..1, or < 0 when the end is not known; `text` may be "". Cheap: prints ten times a second.
  */
 void progress_show(progress *self, double done, const char *text);
+/* "3.2 s of 20.0 s"; total_s <= 0: not known. */
+void progress_show_time(progress *self, double at_s, double total_s);
 void progress_end(progress *self); /* clears the line */
 /* The same for those who take a callback: of a progress. Always goes on. */
 bool progress_part(void *shown, double done);

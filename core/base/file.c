@@ -1,6 +1,8 @@
 #define _GNU_SOURCE /* SEEK_DATA */
 #include "base/file.h"
 
+#include "base/suggest.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -21,8 +23,11 @@ mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *
     struct stat status;
     /* O_NONBLOCK: opening a FIFO must not hang. */
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0)
-        return error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
+    if (fd < 0) {
+        const int reason = errno;
+        return error_set(err, MRT_ERR_IO, "%s: %s%s", path, strerror(reason),
+                         reason == ENOENT ? suggest_file(path).text : "");
+    }
     if (fstat(fd, &status) != 0) {
         error_set(err, result, "%s: %s", path, strerror(errno));
         goto fail;
@@ -136,6 +141,8 @@ mrt_result file_writer_open(file_writer *out, const char *path, error *err)
     if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
         return error_set(err, MRT_ERR_IO, "%s: is a %s, cannot write a file there", path,
                          S_ISDIR(status.st_mode) ? "directory" : "device or pipe");
+    if (file_make_parent(path, err) < 0)
+        return result;
     out->path = strdup(path);
     out->temporary_path = malloc(length + sizeof suffix);
     if (!out->path || !out->temporary_path) {
@@ -348,21 +355,48 @@ mrt_result file_home_path(char *out, size_t capacity, file_home which, const cha
     return error_set(err, MRT_ERR_IO, "there is no folder marotte/%s: set HOME", rest);
 }
 
+static bool is_folder(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
 mrt_result file_make_folders(const char *path, error *err)
 {
     char *partial = strdup(path);
     if (!partial)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     mrt_result result = MRT_OK;
-    for (char *slash = partial; slash && result >= 0;) {
+    for (char *slash = partial; slash && *slash && result >= 0;) {
         slash = strchr(slash + 1, '/');
         if (slash)
             *slash = '\0';
-        if (mkdir(partial, 0777) != 0 && errno != EEXIST)
-            result = error_set(err, MRT_ERR_IO, "%s cannot be made: %s", partial, strerror(errno));
+        if (mkdir(partial, 0777) != 0) {
+            const int reason = errno == EEXIST ? ENOTDIR : errno;
+            if (!is_folder(partial))
+                result = error_set(err, MRT_ERR_IO, "%s: cannot create this folder: %s", partial,
+                                   strerror(reason));
+        }
         if (slash)
             *slash = '/';
     }
     free(partial);
+    return result;
+}
+
+mrt_result file_make_parent(const char *path, error *err)
+{
+    size_t length = strlen(path);
+    while (length > 1 && path[length - 1] == '/')
+        length -= 1;
+    while (length > 0 && path[length - 1] != '/')
+        length -= 1;
+    while (length > 1 && path[length - 1] == '/')
+        length -= 1;
+    char *folder = strndup(path, length);
+    if (!folder)
+        return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
+    mrt_result result = length == 0 || is_folder(folder) ? MRT_OK : file_make_folders(folder, err);
+    free(folder);
     return result;
 }

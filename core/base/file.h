@@ -33,7 +33,7 @@ typedef struct file_writer {
     char *path, *temporary_path;
 } file_writer;
 
-/* On failure nothing is left behind and `out` is zeroed. */
+/* Creates the missing folders of the path. On failure no file is left behind and `out` is zeroed. */
 CHECKED mrt_result file_writer_open(file_writer *out, const char *path, error *err);
 /* Flushes, syncs, renames. Whatever it returns, the writer is finished. */
 CHECKED mrt_result file_writer_commit(file_writer *writer, error *err);
@@ -70,8 +70,11 @@ CHECKED mrt_result file_read_below(file_bytes *out, const char *folder, const ch
 typedef enum file_home { FILE_HOME_CONFIG = 0, FILE_HOME_DATA, FILE_HOME_CACHE } file_home;
 CHECKED mrt_result file_home_path(char *out, size_t capacity, file_home which, const char *rest,
                                   error *err);
-/* Every folder of an absolute path, from the top; what is there stays as it is. */
+/* Creates every missing folder of the path, from the top. */
 CHECKED mrt_result file_make_folders(const char *path, error *err);
+/* Creates the missing folders above a file or folder that is about to be written. file_writer_open
+ * does so itself; for whatever is written by other means. */
+CHECKED mrt_result file_make_parent(const char *path, error *err);
 
 /* Behind the last '/' of path: "puppet.rig.json". */
 const char *file_name_of(const char *path);

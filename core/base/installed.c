@@ -1,5 +1,8 @@
 #include "base/installed.h"
 
+#include "base/suggest.h"
+
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +12,6 @@
 /* From the folder of the program: installed, and in the build folder. */
 static const char *const prefixes[] = {MAROTTE_PREFIX_FROM_PROGRAM, "."};
 static const char *const data[] = {MAROTTE_DATA_FROM_PROGRAM, "share/marotte"};
-static const char *const rigs[] = {MAROTTE_DATA_FROM_PROGRAM "/rigs", "share/marotte/rigs"};
 enum { PLACES = 2 };
 
 bool installed_program(char out[INSTALLED_LENGTH])
@@ -60,25 +62,85 @@ static bool is_file(const char *path)
     return stat(path, &about) == 0 && !S_ISDIR(about.st_mode);
 }
 
+/* ---- files with names ---- */
+
+static const struct {
+    const char *noun, *folder; /* below the data folder */
+    const char *ending;        /* of its entries: "": a folder for each */
+} kinds[INSTALLED_KINDS] = {[INSTALLED_FACE] = {"face", "rigs", ""},
+                            [INSTALLED_PATCH] = {"patch", "patches", ".json"},
+                            [INSTALLED_RECORDING] = {"recording", ".", ".csv"}};
+
 static bool is_name(const char *given)
 {
-    return given[0] != '\0' && given[0] != '.' && !strchr(given, '/') && !is_file(given);
+    return given[0] != '\0' && given[0] != '.' && !strchr(given, '/');
 }
 
-char *installed_face(const char *given)
+/* The file of that name. */
+static bool find_named(char out[INSTALLED_LENGTH], installed_kind kind, const char *name)
 {
-    char file[INSTALLED_LENGTH], found[INSTALLED_LENGTH];
-    int length = snprintf(file, sizeof file, "%s/%s.rig.json", given, given);
-    if (is_name(given) && length > 0 && length < INSTALLED_LENGTH && find(found, rigs, file))
+    char file[INSTALLED_LENGTH];
+    int length = -1;
+    switch (kind) {
+    case INSTALLED_FACE:
+        length = snprintf(file, sizeof file, "rigs/%s/%s.rig.json", name, name);
+        break;
+    case INSTALLED_PATCH:
+        length = snprintf(file, sizeof file, "patches/%s.json", name);
+        break;
+    case INSTALLED_RECORDING:
+        length = snprintf(file, sizeof file, "%s", name);
+        break;
+    case INSTALLED_KINDS:
+        break;
+    }
+    return length > 0 && length < INSTALLED_LENGTH && find(out, data, file) && is_file(out);
+}
+
+char *installed_path(installed_kind kind, const char *given)
+{
+    char found[INSTALLED_LENGTH];
+    if (is_name(given) && !is_file(given) && find_named(found, kind, given))
         return realpath(found, NULL);
     return strdup(given);
 }
 
-char *installed_patch(const char *given)
+/* "moai, puppet"; each is considered for `near`, too. */
+static void list_names(char *out, size_t capacity, installed_kind kind, suggest *near)
 {
-    char file[INSTALLED_LENGTH], found[INSTALLED_LENGTH];
-    int length = snprintf(file, sizeof file, "patches/%s.json", given);
-    if (is_name(given) && length > 0 && length < INSTALLED_LENGTH && find(found, data, file))
-        return realpath(found, NULL);
-    return strdup(given);
+    char folder[INSTALLED_LENGTH], path[INSTALLED_LENGTH];
+    struct dirent **entry = NULL;
+    const char *ending = kinds[kind].ending;
+    size_t used = 0;
+    out[0] = '\0';
+    const int count =
+        find(folder, data, kinds[kind].folder) ? scandir(folder, &entry, NULL, alphasort) : 0;
+    for (int i = 0; i < count; ++i) {
+        char *name = entry[i]->d_name, *dot = strrchr(name, '.');
+        const bool is_ending = !ending[0] || (dot && strcmp(dot, ending) == 0);
+        if (is_ending && kind == INSTALLED_PATCH)
+            *dot = '\0';
+        if (is_ending && is_name(name) && find_named(path, kind, name) && used < capacity) {
+            suggest_consider(near, name);
+            const int length =
+                snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", name);
+            used += length > 0 ? (size_t)length : 0;
+        }
+        free(entry[i]);
+    }
+    free(entry);
+}
+
+mrt_result installed_check(installed_kind kind, const char *given, error *err)
+{
+    char names[256], found[INSTALLED_LENGTH];
+    suggest near;
+    if (!is_name(given) || access(given, F_OK) == 0 || find_named(found, kind, given))
+        return MRT_OK;
+    suggest_begin(&near, given);
+    list_names(names, sizeof names, kind, &near);
+    suggest_folder(&near, "");
+    return error_set(err, MRT_ERR_IO, "there is no %s \"%s\"%s%s Installed: %s", kinds[kind].noun,
+                     given, suggest_question(&near).text, near.best[0] ? "" : ".",
+                     names[0] ? names : "none");
 }

@@ -10,7 +10,7 @@ trap 'kill "${listeners[@]}" 2>/dev/null; rm -rf "$scratch"' EXIT
 
 # ---- what is wrong ----
 perform=("$MAROTTE" perform --face "$puppet" --input "log:$demo,end=1" --map one_hand)
-refused 1 'there is no face output plugin "nobody" (there are: ' "${perform[@]}" --output nobody
+refused 1 'there is no face output plugin "nobody". Loaded: ' "${perform[@]}" --output nobody
 refused 1 'has no parameter "colour"' "${perform[@]}" --output vmc,colour=3
 refused 2 'at most 8 outputs' "${perform[@]}" $(printf -- '--output vmc %.0s' 1 2 3 4 5 6 7 8 9)
 refused 2 'say SHOW TAKE' "$MAROTTE" take play "$show"

@@ -285,12 +285,41 @@ static void files_are_written_whole_or_not_at_all(void **state)
     assert_non_null(strstr(err.text, "directory"));
     assert_true(file_write("/dev/null", "x", 1, &err) < 0); /* not to be renamed over */
     assert_non_null(strstr(err.text, "device"));
-    char missing[160];
-    snprintf(missing, sizeof missing, "%s/no/such.txt", folder);
-    assert_true(file_write(missing, "x", 1, &err) < 0);
-    assert_non_null(strstr(err.text, missing));
     assert_int_equal(unlink(path), 0);
     assert_int_equal(rmdir(folder), 0); /* nothing else was left there */
+}
+
+static void missing_folders_of_a_file_are_created(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/marotte-base-XXXXXX", path[128], below[160];
+    error err = {""};
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/new/folder", folder);
+    snprintf(below, sizeof below, "%s/a.txt", path);
+    assert_int_equal(file_write(below, "x", 1, &err), MRT_OK);
+    assert_int_equal(access(below, R_OK), 0);
+    /* A file in the way: the message names it, and nothing is created. */
+    snprintf(below, sizeof below, "%s/a.txt/more/b.txt", path);
+    assert_true(file_write(below, "x", 1, &err) < 0);
+    snprintf(below, sizeof below, "%s/a.txt: cannot create this folder: Not a directory", path);
+    assert_string_equal(err.text, below);
+    /* Of a folder that is about to be written, the folders above; with or without its last '/'. */
+    snprintf(below, sizeof below, "%s/pictures/of/it/", folder);
+    assert_int_equal(file_make_parent(below, &err), MRT_OK);
+    assert_int_not_equal(access(below, F_OK), 0);
+    snprintf(below, sizeof below, "%s/pictures/of", folder);
+    assert_int_equal(rmdir(below), 0);
+    snprintf(below, sizeof below, "%s/pictures", folder);
+    assert_int_equal(rmdir(below), 0);
+    assert_int_equal(file_make_parent("here.txt", &err), MRT_OK);
+    assert_int_equal(file_make_parent("/", &err), MRT_OK);
+    snprintf(below, sizeof below, "%s/a.txt", path);
+    assert_int_equal(unlink(below), 0);
+    assert_int_equal(rmdir(path), 0);
+    *strrchr(path, '/') = '\0';
+    assert_int_equal(rmdir(path), 0);
+    assert_int_equal(rmdir(folder), 0);
 }
 
 static void reading_refuses_what_is_not_a_file_with_bytes(void **state)
@@ -384,6 +413,7 @@ int main(void)
         cmocka_unit_test(rigid_motions_compose_invert_and_keep_lengths),
         cmocka_unit_test(turns_about_the_axes_have_the_bits_of_any_turn),
         cmocka_unit_test(files_are_written_whole_or_not_at_all),
+        cmocka_unit_test(missing_folders_of_a_file_are_created),
         cmocka_unit_test(reading_refuses_what_is_not_a_file_with_bytes),
         cmocka_unit_test(holes_of_a_file_do_not_count),
         cmocka_unit_test(a_budget_grows_with_the_file_and_says_when_it_is_used_up),

@@ -451,7 +451,7 @@ static void broken_plugins_are_refused_by_name_and_reason(void **state)
     assert_int_equal(plugin_list_find(&list, "broken", MRT_MAPPING, &type, &err), MRT_OK);
     assert_string_equal(type->id, "org.example.broken");
     assert_true(plugin_list_find(&list, "waldo", MRT_INPUT, &type, &err) < 0);
-    assert_non_null(strstr(err.text, "there are: broken"));
+    assert_non_null(strstr(err.text, "Loaded: broken"));
     plugin_list_destroy(&list);
 }
 

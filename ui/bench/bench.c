@@ -329,7 +329,7 @@ static int run(int argc, char **argv)
                   .seconds = options.is_quick ? 0.08 : 0.6,
                   .is_quick = options.is_quick,
                   .is_json = options.is_json,
-                  .told = facts_create(options.is_json)};
+                  .told = facts_create(options.is_json ? FACTS_JSON : FACTS_LINES)};
     if (!self.told)
         return command_failed(&command_bench, &(error){"no memory"});
     progress_start(&self.shown, "measuring");

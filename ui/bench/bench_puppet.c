@@ -25,7 +25,7 @@ typedef struct puppet {
 /* To be closed whatever the result. */
 static mrt_result open_puppet(puppet *out, error *err)
 {
-    *out = (puppet){.path = installed_face("puppet"), .log = log_queue_create()};
+    *out = (puppet){.path = installed_path(INSTALLED_FACE, "puppet"), .log = log_queue_create()};
     if (!out->path || !out->log)
         return error_set(err, MRT_ERR_MEMORY, "no memory");
     mrt_result result = face_file_read(&out->face, out->path, NULL, FACE_FILE_USABLE, err);

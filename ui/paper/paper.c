@@ -3,6 +3,7 @@
 
 #include "base/cancel.h"
 #include "base/clock.h"
+#include "base/file.h"
 #include "base/isa.h"
 #include "base/pool.h"
 #include "bench/bench.h"
@@ -95,8 +96,6 @@ static mrt_result check_entries(const char *folder, error *err)
 
 static mrt_result make_folder(paper *self, const char *given, error *err)
 {
-    if (!given && mkdir("out", 0777) != 0 && errno != EEXIST)
-        return error_set(err, MRT_ERR_IO, "out: cannot be made: %s", strerror(errno));
     const char *folder = given ? given : usual_folder;
     size_t length = strlen(folder);
     if (length == 0 || length > PATH_MAX - 2 * PAPER_NAME)
@@ -104,6 +103,9 @@ static mrt_result make_folder(paper *self, const char *given, error *err)
                          length ? "the path is too long" : "a folder is expected");
     (void)snprintf(self->folder, sizeof self->folder, "%s%s", folder,
                    folder[length - 1] == '/' ? "" : "/");
+    mrt_result made = file_make_parent(self->folder, err);
+    if (made < 0)
+        return made;
     self->was_made = mkdir(self->folder, 0777) == 0;
     struct stat status;
     if (!self->was_made && errno != EEXIST)
@@ -378,7 +380,7 @@ static mrt_result make(paper *self, const char *folder, error *err)
 {
     mrt_result result = make_folder(self, folder, err);
     self->page = page_create("The paper beside the program");
-    self->told = facts_create(true);
+    self->told = facts_create(FACTS_JSON);
     if (result >= 0 && (!self->page || !self->told))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a page");
     if (result < 0)

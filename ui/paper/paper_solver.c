@@ -578,7 +578,7 @@ static mrt_result compare_cases(paper *of, comparison *self, error *err)
 
 static mrt_result add_reference(paper *of, error *err)
 {
-    char *path = installed_face("moai");
+    char *path = installed_path(INSTALLED_FACE, "moai");
     face_file moai = {0};
     comparison *self = calloc(1, sizeof *self);
     mrt_result result = path && self ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");

@@ -183,7 +183,7 @@ static mrt_result measure(table *self, error *err)
                 .seconds = self->of->is_quick ? 0.02 : 0.5,
                 .on_cell = on_cell,
                 .on_cell_data = self,
-                .told = facts_create(true)};
+                .told = facts_create(FACTS_JSON)};
     if (!of.told)
         return error_set(err, MRT_ERR_MEMORY, "no memory for Table 1");
     mrt_result measured = bench_roof_create(&of.roof, (size_t)4 << 20, err);

@@ -526,7 +526,7 @@ static void draw_shipped(dialogs *self)
         ui_same_line(self->ui);
         if (!is_pressed)
             continue;
-        char *path = installed_face(shipped[i]);
+        char *path = installed_path(INSTALLED_FACE, shipped[i]);
         if (path)
             open_path(self, path);
         free(path);

@@ -1,6 +1,8 @@
 #include "stage/input/input.h"
 #include "base/clock.h"
+#include "base/installed.h"
 #include "base/ring.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "stage/input/channel_table.h"
 #include "stage/mapping/plugins.h"
@@ -9,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 enum { INPUT_VERSIONS = 8, INPUT_RING = 1024, INPUT_INCIDENTS = 64 };
 
@@ -561,6 +564,17 @@ static void name_found(input *self)
     input_name_of(self->name, self->plugin.type, found.address);
 }
 
+/* To the plugin's own words, which it may have found without knowing what is installed. */
+static void suggest_recording(const char *address, error *err)
+{
+    const size_t used = err ? strlen(err->text) : 0;
+    if (!err || !address[0] || access(address, F_OK) == 0 ||
+        installed_check(INSTALLED_RECORDING, address, err) < 0)
+        return;
+    (void)snprintf(err->text + used, sizeof err->text - used, "%s", suggest_file(address).text);
+    text_make_printable(err->text);
+}
+
 static mrt_result allocate(input *self, error *err)
 {
     self->samples = ring_create(sizeof(input_record), INPUT_RING);
@@ -576,14 +590,17 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
 {
     *out = NULL;
     input *self = calloc(1, sizeof *self);
-    char *own_address = strdup(address);
+    const mrt_input *functions = plugin_interface(type, MRT_INPUT);
+    char *own_address = functions->flags & MRT_INPUT_RECORDED
+                            ? installed_path(INSTALLED_RECORDING, address)
+                            : strdup(address);
     if (!self || !own_address) {
         free(self);
         free(own_address);
         return error_set(err, MRT_ERR_MEMORY, "no memory for input %s", type->id);
     }
     self->address = own_address;
-    self->functions = plugin_interface(type, MRT_INPUT);
+    self->functions = functions;
     self->patience_first_ns = patience_first_ns;
     self->patience_later_ns = patience_later_ns;
     health_board_init(&self->board);
@@ -599,6 +616,8 @@ mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type, cons
     self->plugin.stop = stop;
     if (result >= 0)
         result = open_input(self, err);
+    if (result < 0 && functions->flags & MRT_INPUT_RECORDED)
+        suggest_recording(self->address, err);
     self->plugin.stop = NULL;
     if (result < 0)
         goto fail;

@@ -1,6 +1,7 @@
 #include "stage/mapping/instance.h"
 #include "base/clock.h"
 #include "base/condition.h"
+#include "base/suggest.h"
 #include "base/text.h"
 #include "stage/mapping/plugins.h"
 
@@ -158,8 +159,8 @@ static void key_of(char *out, size_t capacity, const char *group, const char *na
 static bool find_param(const instance *self, const char *key, uint32_t *out_index, error *err)
 {
     uint32_t found = 0;
-    char names[512] = "";
-    size_t used = 0;
+    suggest near;
+    suggest_begin(&near, key);
     for (uint32_t i = 0; i < self->type->param_count; ++i) {
         const mrt_param *p = &self->type->params[i];
         char short_key[KEY_LENGTH], long_key[KEY_LENGTH];
@@ -173,10 +174,8 @@ static bool find_param(const instance *self, const char *key, uint32_t *out_inde
             *out_index = i;
             found += 1;
         }
-        int length = used < sizeof names ? snprintf(names + used, sizeof names - used, "%s%s",
-                                                    used ? ", " : "", short_key)
-                                         : 0;
-        used += length > 0 ? (size_t)length : 0;
+        suggest_consider(&near, short_key);
+        suggest_consider(&near, long_key);
     }
     if (found == 1)
         return true;
@@ -184,8 +183,9 @@ static bool find_param(const instance *self, const char *key, uint32_t *out_inde
         error_set(err, MRT_ERR_ARGUMENT, "%s: parameter \"%s\" is ambiguous: write group.name",
                   self->type->id, key);
     else
-        error_set(err, MRT_ERR_ARGUMENT, "%s: has no parameter \"%s\" (there are: %s)",
-                  self->type->id, key, names[0] ? names : "none");
+        error_set(err, MRT_ERR_ARGUMENT, "%s: has no parameter \"%s\"%s%s", self->type->id, key,
+                  suggest_question(&near).text,
+                  near.best[0] ? "" : ". Its parameters: marotte plugin list --params");
     return false;
 }
 
@@ -207,15 +207,18 @@ static mrt_result refuse_choice(const instance *self, const mrt_param *p, const 
 {
     char choices[256] = "";
     size_t used = 0;
+    suggest near;
+    suggest_begin(&near, value);
     for (size_t i = 0; p->labels[i] && used < sizeof choices; ++i) {
         char choice[KEY_LENGTH];
         key_of(choice, sizeof choice, NULL, p->labels[i]);
+        suggest_consider(&near, choice);
         int length =
             snprintf(choices + used, sizeof choices - used, "%s%s", i > 0 ? ", " : "", choice);
         used += length > 0 ? (size_t)length : 0;
     }
-    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is none of its choices: %s",
-                     self->type->id, key, value, choices);
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is none of its choices: %s%s",
+                     self->type->id, key, value, choices, suggest_question(&near).text);
 }
 
 mrt_result instance_set_text(instance *self, const char *key, const char *value, error *err)

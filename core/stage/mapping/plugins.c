@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/suggest.h"
 #include "base/text.h"
 
 #include <dirent.h>
@@ -518,6 +519,32 @@ static const char *kind_of(const char *interface_id)
                                                         : "mapping";
 }
 
+static mrt_result no_such_plugin(const plugin_list *list, const char *name,
+                                 const char *interface_id, error *err)
+{
+    char names[256];
+    suggest near;
+    suggest_begin(&near, name);
+    for (uint32_t i = 0; i < list->entry_count; ++i) {
+        const mrt_plugin_type *type = list->entry[i].type;
+        if (plugin_interface(type, interface_id))
+            suggest_consider(&near, plugin_short_name(type));
+        else if (is_named(type, name))
+            return error_set(err, MRT_ERR_UNSUPPORTED,
+                             "there is no %s plugin \"%s\": the plugin of this name is another kind "
+                             "(marotte plugin list)",
+                             kind_of(interface_id), name);
+    }
+    if (near.best[0])
+        return error_set(err, MRT_ERR_UNSUPPORTED, "there is no %s plugin \"%s\"%s",
+                         kind_of(interface_id), name, suggest_question(&near).text);
+    name_all(list, interface_id, names, sizeof names);
+    return error_set(err, MRT_ERR_UNSUPPORTED,
+                     "there is no %s plugin \"%s\". Loaded: %s. MAROTTE_PLUGIN_PATH names the "
+                     "folders of others",
+                     kind_of(interface_id), name, names[0] ? names : "none");
+}
+
 mrt_result plugin_list_find(const plugin_list *list, const char *name, const char *interface_id,
                             const mrt_plugin_type **out_type, error *err)
 {
@@ -537,12 +564,7 @@ mrt_result plugin_list_find(const plugin_list *list, const char *name, const cha
             return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: %s", list->refusal[i].path,
                              list->refusal[i].reason);
     }
-    char names[256];
-    name_all(list, interface_id, names, sizeof names);
-    return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "there is no %s plugin \"%s\" (there are: %s); MAROTTE_PLUGIN_PATH names the "
-                     "folders of others",
-                     kind_of(interface_id), name, names[0] ? names : "none");
+    return no_such_plugin(list, name, interface_id, err);
 }
 
 /* ---- what the person wrote ---- */

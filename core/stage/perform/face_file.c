@@ -144,7 +144,9 @@ mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *fr
                           face_file_strictness strictness, error *err)
 {
     *out = (face_file){0};
-    mrt_result result = is_rig_path(path) ? read_rig(out, path, err) : MRT_OK;
+    mrt_result result = installed_check(INSTALLED_FACE, path, err);
+    if (result >= 0 && is_rig_path(path))
+        result = read_rig(out, path, err);
     if (result >= 0)
         result = read_mesh(out, path, frame, err);
     if (result >= 0)
@@ -183,7 +185,7 @@ mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint32_t cou
 static mrt_result carry_poses(rig *r, const mesh *m, error *err)
 {
     face_file model;
-    char *path = installed_face("puppet");
+    char *path = installed_path(INSTALLED_FACE, "puppet");
     mrt_result result =
         path ? face_file_read(&model, path, NULL, FACE_FILE_USABLE, err) : no_memory(err);
     free(path);

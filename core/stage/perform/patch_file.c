@@ -217,11 +217,13 @@ mrt_result patch_file_read(patch *out, const char *path, error *err)
 
 mrt_result patch_file_find(patch *out, const char *given, error *err)
 {
-    char *path = installed_patch(given);
+    char *path = installed_path(INSTALLED_PATCH, given);
     *out = (patch){.name = ""};
     if (!path)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a patch");
-    mrt_result result = patch_file_read(out, path, err);
+    mrt_result result = installed_check(INSTALLED_PATCH, path, err);
+    if (result >= 0)
+        result = patch_file_read(out, path, err);
     free(path);
     return result;
 }
