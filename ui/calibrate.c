@@ -738,36 +738,37 @@ static int run(int argc, char **argv)
 
 const command command_calibrate = {
     .name = "calibrate",
-    .summary = "guides through the calibration of a glove or a bare hand, shows or imports one",
+    .summary = "calibrate a glove or a bare hand; show or import a calibration",
     .help =
         "marotte calibrate --input PLUGIN[:ADDRESS][,key=value] [--out FILE.json] [--name NAME]\n"
         "                  [--hand left|right] [--hand-length MM] [--timeout S] [--json]\n"
         "marotte calibrate --from-virtualhand FILE.cal [--out FILE.json] [--name NAME] ...\n"
         "marotte calibrate --show FILE.json [--json]\n"
         "\n"
-        "Of a glove ten poses, a minute and a half; of a hand that a camera, a headset or a VMC\n"
-        "sender reads flat, fist and spread, ten seconds. Each is taken once the hand has moved\n"
-        "into it and holds still. The file is written when all are done; until then what was\n"
-        "there stays.\n"
+        "A glove takes ten poses, a minute and a half. A hand from a camera, a headset or a VMC\n"
+        "sender takes three (flat, fist, spread), ten seconds. Each pose is taken when the hand\n"
+        "has moved into it and holds still. The file is written after the last pose; until then\n"
+        "an older file stays.\n"
         "\n"
-        "  --input SPEC       the glove or the hand, as for marotte perform: cyberglove, camera,\n"
+        "  --input SPEC       the glove or hand, as for marotte perform: cyberglove, camera,\n"
         "                     openxr, osc:0.0.0.0:39539\n"
-        "  --out FILE         where the calibration goes (the folder below, NAME.json; of a bare\n"
-        "                     hand \"NAME, camera.json\" and so on)\n"
-        "  --name NAME        of the person\n"
-        "  --hand SIDE        of a glove or sender that could be either\n"
+        "  --out FILE         the file to write (NAME.json in the folder below; of a bare hand\n"
+        "                     \"NAME, camera.json\" and so on)\n"
+        "  --name NAME        the name of the performer\n"
+        "  --hand SIDE        left or right, if the device does not say it\n"
         "  --hand-length MM   wrist to middle fingertip, for mappings\n"
-        "  --timeout S        give up when no pose is taken for so long (at a terminal: never;\n"
-        "                     in a script 60)\n"
+        "  --timeout S        give up if no pose is taken for S seconds (60; at a terminal never)\n"
         "  --from-virtualhand FILE   import a calibration of VirtualHand 1.x (text)\n"
-        "  --show FILE        what is in a calibration\n"
-        "  --json             the facts for machines\n"
+        "  --show FILE        print a calibration\n"
+        "  --json             print the facts as JSON\n"
         "\n"
-        "Keys: Enter takes the pose now, r repeats the last one, s skips, q quits. At the end "
-        "each\n"
-        "sensor is judged: what is wrong is said with the pose that mends it, which r repeats.\n"
+        "Keys: Enter takes the pose now, r repeats the last pose, s skips, q quits. At the end\n"
+        "each sensor is judged. For a bad sensor the pose to repeat is printed; r repeats it.\n"
         "marotte perform uses the newest calibration of each hand and kind of input in\n"
-        "$XDG_CONFIG_HOME/marotte/calibrations (~/.config/marotte/calibrations), or "
-        "--calibration.\n",
+        "$XDG_CONFIG_HOME/marotte/calibrations (~/.config/marotte/calibrations); --calibration\n"
+        "chooses another.\n",
+    .examples = "calibrate --input cyberglove --name anna\n"
+                "calibrate --input camera --name anna --hand right\n"
+                "calibrate --input osc:0.0.0.0:39539 --name ben --hand left --out out/ben.json\n",
     .run = run,
 };

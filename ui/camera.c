@@ -194,19 +194,23 @@ static int run(int argc, char **argv)
 
 const command command_camera = {
     .name = "camera",
-    .summary = "a bare hand before a webcam: set up, and where its page is",
-    .help = "marotte camera [--port N] [--show] [--json]\n"
-            "marotte camera --setup [--json]\n"
-            "\n"
-            "A page in your own browser finds your hand in a webcam's pictures; marotte performs\n"
-            "with it: \"Use the camera\" on the stage, or --input camera at the terminal. This\n"
-            "says whether all is there for it, and the page's address.\n"
-            "\n"
-            "  --setup   once: fetches MediaPipe Hands (the npm package @mediapipe/hands, 24 MB,\n"
-            "            Apache-2.0) into your data folder and checks every file of it. Needs npm\n"
-            "            and the network; nothing else of the camera does\n"
-            "  --show    opens the page in your browser\n"
-            "  --port N  of an input camera:N; 9130 else\n"
-            "  --json    for machines\n",
+    .summary = "set up a webcam as an input for a bare hand",
+    .help =
+        "marotte camera [--port N] [--show] [--json]\n"
+        "marotte camera --setup [--json]\n"
+        "\n"
+        "A page in your browser finds your hand in the pictures of a webcam, and marotte performs\n"
+        "with it: \"Use the camera\" on the stage, or --input camera. This command checks the\n"
+        "setup and prints the address of the page.\n"
+        "\n"
+        "  --setup   once: download MediaPipe Hands (the npm package @mediapipe/hands, 24 MB,\n"
+        "            Apache-2.0) into your data folder and check its files. Only this needs npm\n"
+        "            and the network\n"
+        "  --show    open the page in your browser\n"
+        "  --port N  the port, as in --input camera:N (9130)\n"
+        "  --json    print the facts as JSON\n",
+    .examples = "camera\n"
+                "camera --json\n"
+                "camera --port 9131\n",
     .run = run,
 };

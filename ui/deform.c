@@ -136,25 +136,29 @@ static int run(int argc, char **argv)
 const command command_deform = {
     .name = "deform",
     .summary = "apply control vectors to points",
-    .help = "usage: marotte deform CASE.json [--precision f32|f64] [--json]\n"
-            "\n"
-            "Reads control vectors and points from CASE.json (- is standard input), deforms the\n"
-            "points in every frame, and prints {\"frames\": [frame][point][x, y, z]}.\n"
-            "\n"
-            "  kernel      wendland_c2, wendland_c0, wendland_c4, wendland_c6\n"
-            "  radius      support radius of every centre, > 0\n"
-            "  polynomial  none, constant, linear, windowed\n"
-            "  mode        anchored: each frame from the points at time 0;\n"
-            "              unanchored: each frame from the frame before\n"
-            "  starts      [tip][3] at time 0\n"
-            "  frames      [frame][tip][3] at times 1, 2, ...\n"
-            "  skull       optional: [centre][3] that stay\n"
-            "  jaw         optional: centres [centre][3], axis_point [3], axis_dir [3],\n"
-            "              poses [frame]{angle (rad), translation [3]}\n"
-            "  points      [point][3]\n"
-            "\n"
-            "  --precision f64   solve, store and evaluate in double (default)\n"
-            "  --precision f32   solve in double, store and evaluate in float\n"
-            "  --json            accepted for uniformity: the result is JSON\n",
+    .help =
+        "usage: marotte deform CASE.json [--precision f32|f64] [--json]\n"
+        "\n"
+        "Reads control vectors and points from CASE.json (- is standard input), deforms the\n"
+        "points in every frame, and prints {\"frames\": [frame][point][x, y, z]}.\n"
+        "\n"
+        "  kernel      wendland_c2, wendland_c0, wendland_c4, wendland_c6\n"
+        "  radius      support radius of every centre, > 0\n"
+        "  polynomial  none, constant, linear, windowed\n"
+        "  mode        anchored: each frame from the points at time 0;\n"
+        "              unanchored: each frame from the frame before\n"
+        "  starts      [tip][3] at time 0\n"
+        "  frames      [frame][tip][3] at times 1, 2, ...\n"
+        "  skull       optional: [centre][3], fixed points\n"
+        "  jaw         optional: centres [centre][3], axis_point [3], axis_dir [3],\n"
+        "              poses [frame]{angle (rad), translation [3]}\n"
+        "  points      [point][3]\n"
+        "\n"
+        "  --precision f64   solve, store and evaluate in double (default)\n"
+        "  --precision f32   solve in double, store and evaluate in float\n"
+        "  --json            accepted, because other commands have it; the result is always JSON\n",
+    .examples = "deform case.json\n"
+                "deform case.json --precision f32\n"
+                "deform - <case.json\n",
     .run = run,
 };

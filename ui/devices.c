@@ -703,23 +703,27 @@ static int run(int argc, char **argv)
 
 const command command_devices = {
     .name = "devices",
-    .summary = "what is plugged in, how it is doing, and passing it on",
-    .help = "marotte devices [--json]\n"
-            "marotte devices --watch [--input SPEC]... [--seconds N] [--json]\n"
-            "marotte devices --forward HOST:PORT [--input SPEC]... [--seconds N]\n"
-            "marotte devices --learn PLUGIN[:ADDRESS] [--seconds N]\n"
-            "\n"
-            "Lists the gloves and pedals that are plugged in: what to write after --input, and\n"
-            "what to do about those that cannot be used.\n"
-            "\n"
-            "  --watch          opens those that are ready and shows how they do: rate, jitter,\n"
-            "                   lateness, samples lost, drift of the clock, sensors at the end of\n"
-            "                   their range. What goes away or is plugged in later is waited for\n"
-            "  --input SPEC     PLUGIN[:ADDRESS][,key=value]...: this one instead; up to 8 times\n"
-            "  --seconds N      ends after so long (else with Ctrl-C)\n"
-            "  --forward H:P    watches, and passes every sample on to the marotte that listens\n"
-            "                   there with --input osc:0.0.0.0:PORT/SOURCE\n"
-            "  --learn SPEC     asks for the switches of an unknown pedal and remembers them\n"
-            "  --json           for machines; with --watch one line a second\n",
+    .summary = "list, watch, forward or teach connected devices",
+    .help =
+        "marotte devices [--json]\n"
+        "marotte devices --watch [--input SPEC]... [--seconds N] [--json]\n"
+        "marotte devices --forward HOST:PORT [--input SPEC]... [--seconds N]\n"
+        "marotte devices --learn PLUGIN[:ADDRESS] [--seconds N]\n"
+        "\n"
+        "Lists the connected gloves and pedals: what to write after --input, and how to repair a\n"
+        "device that cannot be used.\n"
+        "\n"
+        "  --watch          open all ready devices and print their rate, jitter, latency, lost\n"
+        "                   samples, clock drift and sensors at the end of their range. A device\n"
+        "                   that is unplugged or plugged in later is waited for\n"
+        "  --input SPEC     only this input: PLUGIN[:ADDRESS][,key=value]...; up to 8 times\n"
+        "  --seconds N      end after N seconds (at Ctrl-C)\n"
+        "  --forward H:P    watch, and send every sample to the marotte that listens on host H\n"
+        "                   with --input osc:0.0.0.0:PORT/SOURCE\n"
+        "  --learn SPEC     teach an unknown pedal: press its switches in turn\n"
+        "  --json           print the facts as JSON; with --watch one line per second\n",
+    .examples = "devices\n"
+                "devices --watch --input log:demo_hand.csv --seconds 1\n"
+                "devices --forward 127.0.0.1:9105 --input log:demo_hand.csv --seconds 1\n",
     .run = run,
 };

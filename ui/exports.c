@@ -99,10 +99,10 @@ static mrt_result check_export(const char *path, error *err)
     if (!folder)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
     const bool is_writable = access(folder[0] ? folder : ".", W_OK) == 0;
-    mrt_result result = is_writable ? MRT_OK
-                                    : error_set(err, MRT_ERR_IO,
-                                                "%s: cannot write into the folder %s: %s", path,
-                                                folder[0] ? folder : ".", strerror(errno));
+    mrt_result result = is_writable
+                            ? MRT_OK
+                            : error_set(err, MRT_ERR_IO, "%s: cannot write into the folder %s: %s",
+                                        path, folder[0] ? folder : ".", strerror(errno));
     free(folder);
     return result;
 }
@@ -485,8 +485,9 @@ mrt_result exports_video_finish(exports_video *self, facts *told, error *err)
     facts_number(told, "pictures", "pictures", (double)report.picture_count, 0, "");
     facts_text(told, "picture_size", "  size", size);
     if (report.repeated_count)
-        facts_warning(told, "pictures_repeated", "pictures repeated", (double)report.repeated_count, 0,
-                     "could not be drawn in time: --record, then marotte take export, draws all");
+        facts_warning(told, "pictures_repeated", "pictures repeated", (double)report.repeated_count,
+                      0,
+                      "could not be drawn in time: --record, then marotte take export, draws all");
     for (uint32_t i = 0; i < self->count; ++i)
         facts_file(told, self->file[i].path,
                    video_is_stream(self->file[i].path)

@@ -169,6 +169,14 @@ static json_t *value_of(const facts_cell *cell)
                                : json_real(cell->number);
 }
 
+void facts_warning_list(facts *self, const char *key, const char *label, const char *value)
+{
+    facts_list(self, key, label, value);
+    if (facts_is_brief(self) && self->warning_count < WARNINGS_MAX)
+        (void)snprintf(self->warning[self->warning_count++], WARNING_LENGTH, "%s: %s", label,
+                       value);
+}
+
 void facts_row(facts *self, const char *key, const char *label, const char *line,
                const facts_cell *cells, int count)
 {

@@ -40,6 +40,8 @@ void facts_file(facts *self, const char *path, const char *opener);
 /* facts_number of something that went wrong; in brief it is printed as a warning at the end. */
 void facts_warning(facts *self, const char *key, const char *label, double value, int decimals,
                    const char *unit);
+/* facts_list, likewise. */
+void facts_warning_list(facts *self, const char *key, const char *label, const char *value);
 /* Adds to a list of texts: "label  value" for each. */
 void facts_list(facts *self, const char *key, const char *label, const char *value);
 

@@ -206,8 +206,7 @@ static int no_such_option(const command *self, const command_option *table, cons
         if (table->kind != COMMAND_WORD)
             suggest_consider(&near, name);
     }
-    return command_usage(self, "there is no option \"%s\"%s", typed,
-                         suggest_question(&near).text);
+    return command_usage(self, "there is no option \"%s\"%s", typed, suggest_question(&near).text);
 }
 
 int command_options(void *options, const command *self, const command_option *table, int argc,
@@ -282,22 +281,24 @@ enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
 
 static void print_help(void)
 {
-    fputs("marotte " MAROTTE_VERSION ": perform a face with your hands\n\n"
-          "  marotte [FILE] [OPTIONS]       opens the stage, a window; FILE is a show (.marotte), a\n"
-          "                                 face (.rig.json .glb .vrm .obj ...) or a recording\n"
-          "  marotte COMMAND [OPTIONS]      runs a command without a window\n"
-          "  marotte help COMMAND           explains a command; the same as marotte COMMAND --help\n"
-          "  marotte --version\n\n"
-          "Commands:\n",
-          stdout);
+    fputs(
+        "marotte " MAROTTE_VERSION ": perform a face with your hands\n\n"
+        "  marotte [FILE] [OPTIONS]       opens the stage, a window; FILE is a show (.marotte), a\n"
+        "                                 face (.rig.json .glb .vrm .obj ...) or a recording\n"
+        "  marotte COMMAND [OPTIONS]      runs a command without a window\n"
+        "  marotte help COMMAND           explains a command; the same as marotte COMMAND --help\n"
+        "  marotte --version\n\n"
+        "Commands:\n",
+        stdout);
     for (int i = 0; i < COMMAND_COUNT; ++i)
         printf("  %-10s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\nExit codes: 0 done, 1 failed, 2 wrong usage.\n", stdout);
-    command_print_examples("\n"
-                           "girl.glb\n"
-                           "perform --face puppet --input log:demo_hand.csv --map one_hand --export "
-                           "out/puppet.glb\n"
-                           "help take export\n");
+    command_print_examples(
+        "\n"
+        "girl.glb\n"
+        "perform --face puppet --input log:demo_hand.csv --map one_hand --export "
+        "out/puppet.glb\n"
+        "help take export\n");
 }
 
 static bool asks_for_help(int argc, char **argv)
@@ -362,8 +363,7 @@ static int refuse(const char *word, const char *expected)
         (void)snprintf(text, sizeof text,
                        "cannot open \"%s\": not a show, face, recording, sound or picture", word);
     else
-        (void)snprintf(text, sizeof text, "there is no %s \"%s\"%s", expected, word,
-                       question.text);
+        (void)snprintf(text, sizeof text, "there is no %s \"%s\"%s", expected, word, question.text);
     text_make_printable(text);
     fprintf(stderr, "marotte: %s (marotte --help)\n", text);
     return COMMAND_USAGE;

@@ -684,7 +684,7 @@ static void report_devices(const performance *self, facts *told)
     facts_number(told, "away_s", "away", report->away_s, 2, "s, those that came back");
     for (uint32_t i = 0; i < self->inputs.count; ++i)
         if (input_state_of(self->inputs.input[i]) == INPUT_LOST)
-            facts_list(told, "still_away", "still away", input_name(self->inputs.input[i]));
+            facts_warning_list(told, "still_away", "still away", input_name(self->inputs.input[i]));
 }
 
 /* The title of the picture: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
@@ -712,7 +712,8 @@ static void print_motion(const recording *of, facts *told)
 static void print_nothing_written(const perform_options *options, facts *told)
 {
     if (options->export_count == 0 && !options->record && options->output_count == 0)
-        facts_headline(told, "wrote", "nothing: add --export out/NAME.glb, or --record SHOW.marotte");
+        facts_headline(told, "wrote",
+                       "nothing: add --export out/NAME.glb, or --record SHOW.marotte");
 }
 
 static void print_show(const performance *self, facts *told)
@@ -1255,72 +1256,79 @@ static int run(int argc, char **argv)
 
 const command command_perform = {
     .name = "perform",
-    .summary = "performs a face without a window, from recordings or devices",
+    .summary = "perform a face without a window, from recordings or devices",
     .help =
-        "marotte perform --face FACE --input PLUGIN[:ADDRESS][,key=value]... --map "
-        "PLUGIN[,key=value]...\n"
+        "marotte perform --face FACE --input PLUGIN[:ADDRESS][,key=value]...\n"
+        "                --map PLUGIN[,key=value]...\n"
         "                [--record SHOW.marotte [--scene NAME] [--shot NAME] [--sound]]\n"
-        "                [--export FILE]... [--fps N] [--seconds N] [--realtime] [--json]\n"
+        "                [--export FILE]... [--fps N] [--seconds N] [--realtime]\n"
+        "                [--verbose] [--json]\n"
         "\n"
-        "Hands come in, a face comes out: as fast as possible from recordings, in real time from\n"
-        "devices.\n"
+        "Hands move a face. Recordings are performed as fast as possible, devices in real time.\n"
+        "Prints four lines: the performance, how far the face moved, the files, warnings.\n"
         "\n"
-        "  --face FACE        NAME.rig.json; .glb .gltf .obj .ply .off, others through OpenMesh; "
-        "or\n"
-        "                     the name of a rig that comes with marotte: puppet, moai\n"
-        "  --unit mm|cm|m|MM  of the mesh's coordinates, MM: so many mm (else found out, and "
-        "said)\n"
-        "  --up AXIS          which of the mesh's axes is up: x, y, z, -x, -y, -z (else found "
-        "out)\n"
-        "  --forward AXIS     which way the face looks\n"
-        "  --input SPEC       an input plugin, what it opens, its parameters; up to 8 times\n"
-        "                     log:plugins/log/demo_hand.csv,speed=2\n"
-        "  --map SPEC         a mapping plugin and its parameters\n"
-        "                     anchored,radius=30,gain=0.8\n"
-        "  --record SHOW      keeps the hands as a take of this show, which is made if it is not\n"
-        "                     there (marotte take); --scene and --shot: of its slate\n"
-        "  --sound            records the microphone with it\n"
-        "  --curves FILE.csv  in place of --input and --map: a table as --export FILE.csv writes "
-        "it,\n"
-        "                     changed or not; a row for each frame, columns by name (jaw.open)\n"
-        "  --export FILE      may be given many times; the formats are below\n"
-        "  --size WxH         of .mp4 and pictures, pixels (1280x720; a contact sheet 1920x960)\n"
-        "  --view front|side|three-quarter|1..6   from where the face is seen; 1..6: a camera\n"
-        "                     view that the show of the scene keeps\n"
-        "  --mirror           left and right change places\n"
-        "  --look studio|theatre|daylight|SHOW.marotte   how it is lit; a show: its lights, its\n"
-        "                     wall or picture (the studio; with --record the scene of that show)\n"
-        "  --background #RRGGBB|transparent|FILE.png|FILE.jpg   in place of the wall; "
-        "transparent:\n"
-        "                     pictures only\n"
-        "  --fps N            frames a second of the exports, 1 to 1000 (30)\n"
-        "  --seconds N        stop after so much of the performance\n"
-        "  --isolate auto|on|off   run the mapping in a process of its own, so that a crash or a\n"
-        "                     hang costs nothing (auto: those that did not come with marotte)\n"
-        "  --watch-plugins    take the mapping's library anew when it is rebuilt meanwhile\n"
+        "The face:\n"
+        "  --face FACE        NAME.rig.json, a head (.glb .gltf .vrm .obj .ply .off ...), or the\n"
+        "                     name of a rig that comes with marotte: puppet, moai\n"
+        "  --unit mm|cm|m|MM  the unit of the head's coordinates, or its length in mm (detected)\n"
+        "  --up AXIS          the up axis of the head: x, y, z, -x, -y, -z (detected)\n"
+        "  --forward AXIS     the axis along which the face looks (detected)\n"
+        "\n"
+        "The performance:\n"
+        "  --input SPEC       an input plugin, its address and parameters; up to 8 times:\n"
+        "                     log:demo_hand.csv,speed=2\n"
+        "  --map SPEC         a mapping plugin and its parameters: anchored,radius=30,gain=0.8\n"
+        "  --curves FILE.csv  instead of --input and --map: a table as --export FILE.csv writes,\n"
+        "                     a row for each frame, columns by name (jaw.open)\n"
+        "  --patch FILE       let channels move the face too (ui/patches/README.md): a file, or\n"
+        "                     faders, gamepad, phone, phone_face, voice\n"
+        "  --calibration FILE the calibration of a hand, once per hand (marotte calibrate), or\n"
+        "                     none for the shipped defaults (the newest in the user's folder)\n"
+        "  --hand-length MM   wrist to middle fingertip (calibrated, else 190)\n"
+        "  --rezero-pedal N   pedal 1 to 4: a press makes the current pose the neutral pose. In\n"
+        "                     real time the key z does the same, and q ends\n"
         "  --realtime         play recordings in real time\n"
-        "  --calibration FILE of the performer's glove, one per hand (marotte calibrate); else\n"
-        "                     the newest in the user's folder; none: the shipped defaults\n"
-        "  --hand-length MM   wrist to middle fingertip (as calibrated, else 190)\n"
-        "  --patch FILE       channels move it too: ui/patches/README.md; faders, gamepad,\n"
-        "                     phone, phone_face, voice\n"
-        "  --rezero-pedal N   1 to 4: a press makes the pose held then the neutral one;\n"
-        "                     live, the key z does so, and q ends\n"
-        "  --output SPEC      where the face is sent while it is performed, in real time; up to 8 "
-        "times:\n"
+        "  --seconds N        stop after N seconds of the performance\n"
+        "  --isolate auto|on|off   run the mapping in its own process, where a crash does no harm\n"
+        "                     (auto: mappings that did not come with marotte)\n"
+        "  --watch-plugins    reload the mapping when its library is rebuilt\n"
+        "  --output SPEC      send the face to another program, in real time; up to 8 times:\n"
         "                     PLUGIN[:ADDRESS][,key=value]..., such as vmc:192.168.1.20:39540\n"
-        "  --tolerance MM     greatest error in glTF (of clay 0.1 % of the height, else 0.01 %)\n"
-        "  --max-targets N    at most so many morph targets for what has no name\n"
-        "  --bare             in glTF the mesh alone; else a face from a .glb, .gltf or .vrm is "
-        "that\n"
-        "                     file, with the performance added\n"
-        "  --export-unit mm|cm|m|MM   of .pc2 .mdd .usda (mm) and .bvh (cm)\n"
-        "  --by-part          .pc2 and .mdd for each part of the mesh: NAME.1.PART.pc2\n"
-        "  --json             the facts for machines\n"
+        "\n"
+        "Files (missing folders are created):\n"
+        "  --record SHOW      record the hands as a take of this show (created if it is missing);\n"
+        "                     --scene and --shot set its slate\n"
+        "  --sound            also record the microphone\n"
+        "  --export FILE      up to 16 times; the formats are below\n"
+        "  --fps N            frames per second of the exports, 1 to 1000 (30)\n"
+        "  --tolerance MM     greatest error in glTF (0.01 % of the height, clay 0.1 %)\n"
+        "  --max-targets N    limit the morph targets without a name\n"
+        "  --bare             glTF: only the mesh. Otherwise the export of a .glb, .gltf or .vrm\n"
+        "                     keeps the whole file and adds the performance\n"
+        "  --export-unit mm|cm|m|MM   the unit of .pc2 .mdd .usda (mm) and .bvh (cm)\n"
+        "  --by-part          .pc2 and .mdd: a file for each part of the mesh, NAME.1.PART.pc2\n"
+        "\n"
+        "Pictures and videos:\n"
+        "  --size WxH         in pixels (1280x720, a contact sheet 1920x960)\n"
+        "  --view front|side|three-quarter|1..6   the camera; 1..6: a camera view of the show\n"
+        "  --mirror           swap left and right\n"
+        "  --look studio|theatre|daylight|SHOW.marotte   the lights and the wall (studio, or the\n"
+        "                     scene of the show that is recorded)\n"
+        "  --background #RRGGBB|transparent|FILE.png|FILE.jpg   replace the wall; transparent\n"
+        "                     is for pictures, not for .mp4\n"
+        "\n"
+        "Output:\n"
+        "  --verbose          print all facts: times, folds, stretch, targets\n"
+        "  --json             print all facts as JSON\n"
         "\n"
         "Plugins and their parameters: marotte plugin list --params\n"
         "\n"
         "Formats, by the end of the name:\n",
     .more_help = EXPORTS_HELP,
+    .examples =
+        "perform --face puppet --input log:demo_hand.csv --map one_hand --export out/puppet.glb\n"
+        "perform --face moai --input log:demo_hand.csv,end=8 --map anchored --export out/moai.png\n"
+        "perform --face puppet --input log:demo_hand.csv --map one_hand --record show.marotte\n"
+        "perform --face puppet --curves curves.csv --export out/again.glb\n",
     .run = run,
 };

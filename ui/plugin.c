@@ -477,12 +477,12 @@ static mrt_result write_file(const new_options *w, const template_file *file, er
 
 static mrt_result make_folder(char out[INSTALLED_LENGTH], const new_options *w, error *err)
 {
-    struct stat about;
-    if (stat(w->parent, &about) != 0 || !S_ISDIR(about.st_mode))
-        return error_set(err, MRT_ERR_IO, "new: there is no folder %s to write into", w->parent);
     int length = snprintf(out, INSTALLED_LENGTH, "%s/%s", w->parent, w->name);
     if (length < 0 || length >= INSTALLED_LENGTH)
         return error_set(err, MRT_ERR_ARGUMENT, "new: the path of the folder is too long");
+    mrt_result result = file_make_parent(out, err);
+    if (result < 0)
+        return result;
     if (mkdir(out, 0777) == 0)
         return MRT_OK;
     if (errno == EEXIST)
@@ -614,38 +614,40 @@ static int run(int argc, char **argv)
 
 const command command_plugin = {
     .name = "plugin",
-    .summary = "what plugins there are; a new one; whether one is right",
+    .summary = "list plugins, start a new one, check one",
     .help =
         "marotte plugin list [--params] [--json]\n"
-        "  The plugins that are loaded, from where, and those that are not, and why.\n"
+        "  Lists the loaded plugins and their files, and the refused ones with the reason.\n"
         "\n"
-        "  --params   with their parameters: group, name, range, unit (initial value)\n"
-        "  --json     for machines\n"
+        "  --params   also their parameters: group, name, range, unit (initial value)\n"
+        "  --json     print the list as JSON\n"
         "\n"
-        "  Plugins are looked for in $MAROTTE_PLUGIN_PATH (folders with ':' between them),\n"
-        "  $XDG_DATA_HOME/marotte/plugins, the installed folder, and beside the program.\n"
+        "  marotte loads the plugins of $MAROTTE_PLUGIN_PATH (folders with ':' between them), of\n"
+        "  $XDG_DATA_HOME/marotte/plugins, of the installed folder, and beside the program.\n"
         "\n"
         "marotte plugin new NAME --mapping|--input|--output [--dir FOLDER]\n"
-        "  Begins a plugin of your own: a folder NAME with a plugin that works, in one\n"
-        "  commented C file, what builds it, what to do with it, and a recorded hand to try it\n"
-        "  on. Says the next three commands.\n"
+        "  Creates a folder NAME with a working plugin in one commented C file, its build file, a\n"
+        "  guide, and a recorded hand to try it. Prints the next three commands.\n"
         "\n"
-        "  --mapping  hands in, a face out\n"
-        "  --input    where hands come from\n"
-        "  --output   where a face goes\n"
-        "  --dir      where the folder is made (.)\n"
+        "  --mapping  a plugin that turns hands into a face\n"
+        "  --input    a plugin that provides hands\n"
+        "  --output   a plugin that sends a face to another program\n"
+        "  --dir      the parent folder (.)\n"
         "\n"
         "marotte plugin check FILE.so [--json] [--rules]\n"
         "                     [--input ADDRESS] [--output ADDRESS] [--seed N] [--repeat N]\n"
-        "  Examines a plugin by every rule of <marotte/plugin.h> and explains what it breaks:\n"
-        "  odd faces, odd hands, 100 000 frames at random, what it may not do in real time, the\n"
-        "  same bits again. It runs in processes of its own. Exit code 1: a rule is broken.\n"
+        "  Checks a plugin against every rule of <marotte/plugin.h> and explains each violation:\n"
+        "  unusual faces and hands, 100 000 random frames, real-time rules, equal bits in a\n"
+        "  second run. The plugin runs in separate processes. Exit code 1: it breaks a rule.\n"
         "\n"
-        "  --rules    lists the rules instead\n"
-        "  --input    what an input is to open (the first that it finds)\n"
-        "  --output   where an output is to send (nowhere)\n"
-        "  --seed     of all that is random; as the last check said, to see the same again\n"
-        "  --repeat   examines it so often, each time with the next seed\n"
-        "  --json     for machines\n",
+        "  --rules    list the rules instead\n"
+        "  --input    the address that an input opens (the first one found)\n"
+        "  --output   the address that an output sends to (none)\n"
+        "  --seed     the seed of the random numbers; repeats an earlier check\n"
+        "  --repeat   check N times, each time with the next seed\n"
+        "  --json     print the report as JSON\n",
+    .examples = "plugin list --params\n"
+                "plugin new wave --mapping --dir out\n"
+                "plugin check --rules\n",
     .run = run,
 };

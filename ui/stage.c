@@ -376,42 +376,50 @@ static int print_help(int argc, char **argv)
 {
     (void)argc, (void)argv;
     fputs(
-        "marotte [SHOW.marotte] [OPTIONS]\n"
-        "The stage: a window with a face that hands perform, live and over takes.\n"
-        "Without a show the last one is opened, or one of today is made in\n"
-        "$XDG_DOCUMENTS_DIR/marotte. ? in the window lists its keys.\n\n"
-        "  --face FILE      a rig, a mesh, or puppet, moai (the show's, or the last one)\n"
-        "  --map SPEC       who performs: one_hand,smile=8 (the last one)\n"
+        "marotte [FILE] [OPTIONS]\n"
+        "\n"
+        "Opens the stage: a window with a face that hands perform, live and over takes. FILE is a\n"
+        "show (.marotte, created if it does not exist), a face (.rig.json .glb .vrm .obj ...), a\n"
+        "recording of hands (.csv), a sound or a picture. Without a show the last one is opened,\n"
+        "or a new one in $XDG_DOCUMENTS_DIR/marotte. Press ? in the window for its keys.\n"
+        "\n"
+        "  --face FILE      a rig, a head, or puppet, moai (the show's, or the last one)\n"
+        "  --map SPEC       the mapping: one_hand,smile=8 (the last one)\n"
         "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
-        "                   (those of last time, or what is plugged in)\n"
-        "  --remote [HOST:]PORT  a phone, a Stream Deck or a script may record, mark, pose:\n"
-        "                   OSC and WebSocket (as last time; at first off); 0.0.0.0:9110: from\n"
-        "                   other computers too, with the pairing code that is shown\n"
-        "  --stream TARGET  the face for other programs, up to 4: pipewire (a camera), "
-        "/dev/videoN\n"
-        "                   (v4l2loopback), srt://HOST:PORT, udp://HOST:PORT (by ffmpeg)\n"
-        "  --stream-look WxH@RATE  of them (1280x720@30)\n"
-        "  --background C   behind the face there and in the output window: transparent, #00b140\n"
-        "  --size WxH       of the window, in points (as it was left)\n"
-        "  --settings FILE  instead of $XDG_CONFIG_HOME/marotte/window.json; \"\": none\n"
-        "                   (with --hidden: none)\n"
-        "\nWithout a person:\n"
-        "  --hidden         no window: needs no display\n"
-        "  --scale S        of a hidden one: pixels a point (1)\n"
-        "  --seconds N      ends after so long\n"
-        "  --script FILE    does what the file says, then ends\n"
-        "  --picture FILE   a PNG of the window at the end\n"
-        "  --json           what it did, for machines\n"
-        "\nA script has one command a line; # begins a comment:\n",
+        "                   (the last ones, or all connected devices)\n"
+        "  --remote [HOST:]PORT  let a phone, a Stream Deck or a script record, mark and pose,\n"
+        "                   by OSC and WebSocket (as last time; first off). 0.0.0.0:9110 lets other\n"
+        "                   computers in, with the pairing code that is shown\n"
+        "  --stream TARGET  send the picture to other programs, up to 4: pipewire (a camera),\n"
+        "                   /dev/videoN (v4l2loopback), srt://HOST:PORT, udp://HOST:PORT (ffmpeg)\n"
+        "  --stream-look WxH@RATE  the size and rate of that picture (1280x720@30)\n"
+        "  --background C   the background there and in the output window: transparent or #00b140\n"
+        "  --size WxH       the size of the window, in points (as last time)\n"
+        "  --settings FILE  the settings ($XDG_CONFIG_HOME/marotte/window.json; with --hidden:\n"
+        "                   none); \"\": none\n"
+        "\n"
+        "For scripts:\n"
+        "  --hidden         no window; needs no display\n"
+        "  --scale S        pixels per point of a hidden window (1)\n"
+        "  --seconds N      end after N seconds\n"
+        "  --script FILE    run a script, then end\n"
+        "  --picture FILE   write a PNG of the window at the end\n"
+        "  --json           print the facts as JSON\n"
+        "\n"
+        "A script has one command a line; # begins a comment:\n",
         stdout);
     fputs(script_help(), stdout);
-    fputs("random does what it likes to the show and the face: give it copies.\n", stdout);
+    fputs("Run random on copies: it may change the show and the face.\n", stdout);
     return COMMAND_DONE;
 }
 
 const command command_stage = {
     .name = "stage",
-    .summary = "the window in which a face is performed; also marotte [SHOW.marotte]",
+    .summary = "open the window in which a face is performed",
     .print_help = print_help,
+    .examples = "stage\n"
+                "girl.glb\n"
+                "show.marotte\n"
+                "stage --face moai --map anchored --input log:demo_hand.csv,loop=1\n",
     .run = stage_run,
 };

@@ -538,7 +538,8 @@ static const take_verb play_verbs[] = {
      "rezero-pedal realtime face fps",
      TAKE_RECORDS, .run = take_record_run,
      .examples =
-         "take record show.marotte last --input log:demo_hand.csv,end=2 --map one_hand --own brows\n"
+         "take record show.marotte last --input log:demo_hand.csv,end=2 --map one_hand --own "
+         "brows\n"
          "take record show.marotte 2 --input log:demo_hand.csv --map one_hand --layer 1 --in 1 "
          "--out 2\n"},
     {"export", "SHOW [TAKE]",
@@ -575,8 +576,7 @@ static const take_verb play_verbs[] = {
      "  --scene S, --shot S   the slate of the new take (that of the old one)\n"
      "The old take stays as it is. Prints how much the two differ.\n",
      "perform a take again with other settings, as a new take",
-     "map patch face calibration hand-length filter scene shot", TAKE_WRITES,
-     .run = take_remap_run,
+     "map patch face calibration hand-length filter scene shot", TAKE_WRITES, .run = take_remap_run,
      .examples = "take remap show.marotte last --map one_hand,smile=8\n"
                  "take remap show.marotte last --face moai --map one_hand\n"
                  "take remap show.marotte last --filter min_cutoff=0.5,beta=0.01\n"},
@@ -596,10 +596,10 @@ static const take_verb play_verbs[] = {
      "  --out FILE.csv\n"
      "plugins/log/README.md describes the table. --input log:FILE.csv performs it.\n",
      "write the raw samples of a track as a table", "track out", TAKE_READS, .run = take_log_run,
-     .examples = "take log show.marotte 1 --out out/samples.csv\n"
-                 "take log show.marotte 2 --track 2 --out out/second.csv\n"},
+     .examples = "take log show.marotte 2 --out out/samples.csv\n"
+                 "take log show.marotte 1 --track 1 --out out/first.csv\n"},
 };
-static const take_verbs take_play_verbs = {"Play, perform over, perform anew, compare, export",
+static const take_verbs take_play_verbs = {"Play, record over, perform again, compare, export",
                                            play_verbs, sizeof play_verbs / sizeof play_verbs[0]};
 
 /* ---- the command ---- */
@@ -610,27 +610,30 @@ enum { GROUP_COUNT = sizeof groups / sizeof groups[0], HELP_COLUMN = 36 };
 
 /* ---- help ---- */
 
-static void print_overview(FILE *stream)
+static void print_overview(void)
 {
-    fputs(
-        "marotte take COMMAND SHOW.marotte [TAKE] [OPTIONS]\n"
-        "(marotte take COMMAND --help says more)\n\n"
-        "Takes are made by marotte perform --record SHOW, be it from devices or from recordings\n"
-        "(--input log:FILE imports one). TAKE is a number, scene/shot/number, or last. Times are\n"
-        "seconds on the take's timeline, or time code (01:00:02:12). What was recorded is never\n"
-        "changed; every edit can be undone.\n",
-        stream);
+    fputs("marotte take COMMAND SHOW.marotte [TAKE] [OPTIONS]\n"
+          "marotte help take COMMAND          explains a command\n"
+          "\n"
+          "marotte perform --record SHOW makes takes, from devices or from recordings (--input\n"
+          "log:FILE imports one). TAKE is a number, SCENE/SHOT/NUMBER, or last. Times are seconds\n"
+          "on the take's timeline, or time code (01:00:02:12). Recorded data never changes; every\n"
+          "edit can be undone.\n",
+          stdout);
     for (int g = 0; g < GROUP_COUNT; ++g) {
-        fprintf(stream, "\n%s\n", groups[g]->title);
+        printf("\n%s\n", groups[g]->title);
         for (uint32_t i = 0; i < groups[g]->count; ++i) {
             const take_verb *verb = &groups[g]->verb[i];
             char call[160];
             (void)snprintf(call, sizeof call, "%s %s", verb->name, verb->words);
-            fprintf(stream, "  %-*s %s\n", HELP_COLUMN, call, verb->summary);
+            printf("  %-*s %s\n", HELP_COLUMN, call, verb->summary);
         }
     }
-    fputs("\nAll: --json, the facts for machines. Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
-          stream);
+    fputs("\nAll: --json prints the facts as JSON. Exit codes: 0 done, 1 failed, 2 wrong usage.\n",
+          stdout);
+    command_print_examples("take list show.marotte\n"
+                           "take trim show.marotte last --in 1 --out 3\n"
+                           "take export show.marotte last --export out/take.glb\n");
 }
 
 static void print_help(const take_verb *verb)
@@ -646,8 +649,10 @@ static void print_help(const take_verb *verb)
 
 static bool is_named(const take_verb *verb, int argc, char **argv, int *out_used)
 {
-    size_t length = strlen(argv[1]);
+    const size_t length = argc > 1 ? strlen(argv[1]) : 0;
     *out_used = 1;
+    if (argc < 2)
+        return false;
     if (strcmp(verb->name, argv[1]) == 0)
         return true;
     if (argc < 3 || strncmp(verb->name, argv[1], length) != 0 || verb->name[length] != ' ')
@@ -727,7 +732,7 @@ static int print_verb_help(int argc, char **argv)
     else if (argc > 1 && argv[1][0] != '-')
         return refuse(argc, argv);
     else
-        print_overview(stdout);
+        print_overview();
     return COMMAND_DONE;
 }
 
@@ -745,6 +750,6 @@ static int run(int argc, char **argv)
 }
 
 const command command_take = {.name = "take",
-                              .summary = "lists, edits, performs anew and exports takes",
+                              .summary = "list, edit, perform again and export takes",
                               .print_help = print_verb_help,
                               .run = run};

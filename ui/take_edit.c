@@ -432,16 +432,16 @@ static const take_verb edit_verbs[] = {
      "  --at T       where the gap begins\n  --length S   its length in seconds\n" FPS_HELP,
      "insert a gap into a take", "at length fps", TAKE_WRITES, .ask = ask_insert,
      .examples = "take insert show.marotte last --at 1 --length 0.5\n"
-                 "take insert show.marotte 2 --at 01:00:01:00 --length 2\n"},
+                 "take insert show.marotte 1 --at 01:00:01:00 --length 2\n"},
     {"split", "SHOW TAKE", "  --at T       where\n" CLIP_HELP FPS_HELP, "split a clip in two",
      "at clip fps", TAKE_WRITES, .ask = ask_split,
      .examples = "take split show.marotte 2 --at 1.5\n"
-                 "take split show.marotte 2 --at 01:00:01:12 --clip 1\n"},
+                 "take split show.marotte 2 --at 01:00:01:12 --clip 2\n"},
     {"move", "SHOW TAKE",
      "  --to T       its new start\n  --layer L    move it to this layer\n" CLIP_HELP FPS_HELP,
      "move a clip", "to layer clip fps", TAKE_WRITES, .ask = ask_move,
      .examples = "take move show.marotte 2 --to 0.5\n"
-                 "take move show.marotte last --clip 1 --layer brows --to 0\n"},
+                 "take move show.marotte last --clip 4 --layer performance --to 5\n"},
     {"retime", "SHOW TAKE",
      "  --speed F    play it F times as fast\n  --at T       the instant that stays in place (its "
      "start)\n"
@@ -450,7 +450,7 @@ static const take_verb edit_verbs[] = {
      "play a clip faster, slower or along a curve", "speed at points clip fps", TAKE_WRITES,
      .ask = ask_retime,
      .examples = "take retime show.marotte 2 --speed 0.5\n"
-                 "take retime show.marotte 2 --points 0:0,1:2,2:3\n"},
+                 "take retime show.marotte 2 --points 0:0,1:0.5,4:4\n"},
     {"smooth", "SHOW TAKE SECONDS", CLIP_HELP, "smooth a clip; 0 ends the smoothing", "clip",
      TAKE_WRITES, .ask = ask_smooth,
      .examples = "take smooth show.marotte 2 0.1\ntake smooth show.marotte 2 0\n"},
@@ -468,7 +468,7 @@ static const take_verb edit_verbs[] = {
                  "take fade show.marotte 2 --fade-in 0.3 --fade-out 0.5\n"},
     {"delete", "SHOW TAKE", "  --clip N     delete this clip, not the take\n",
      "delete a take; take restore brings it back", "clip", TAKE_WRITES, .ask = ask_delete,
-     .examples = "take delete show.marotte last\ntake delete show.marotte 2 --clip 1\n"},
+     .examples = "take delete show.marotte last\ntake delete show.marotte 2 --clip 2\n"},
     {"restore", "SHOW TAKE", "", "restore a deleted take", "", TAKE_WRITES, .ask = ask_value,
      .kind = EDIT_TAKE_RESTORE,
      .examples = "take restore show.marotte 1\ntake restore show.marotte last\n"},
@@ -476,8 +476,7 @@ static const take_verb edit_verbs[] = {
      .kind = EDIT_TAKE_RENAME,
      .examples = "take rename show.marotte last best\n"
                  "take rename show.marotte 2 \"the laugh\"\n"},
-    {"slate", "SHOW TAKE",
-     "  --scene S, --shot S, --number N   the new values; the others stay\n",
+    {"slate", "SHOW TAKE", "  --scene S, --shot S, --number N   the new values; the others stay\n",
      "change the slate of a take", "scene shot number", TAKE_WRITES, .ask = ask_slate,
      .examples = "take slate show.marotte last --scene 12 --shot a\n"
                  "take slate show.marotte 2 --number 7\n"},
@@ -502,7 +501,7 @@ static const take_verb edit_verbs[] = {
      "  JSON: an edit as the show stores it: {\"op\":\"clip.trim\",\"clip\":2,\"start_ns\":0}\n",
      "apply any edit", "", TAKE_WRITES, .ask = ask_edit,
      .examples = "take edit show.marotte last '{\"op\":\"take.rate\",\"rating\":4}'\n"
-                 "take edit show.marotte 2 '{\"op\":\"take.note\",\"text\":\"again\"}'\n"},
+                 "take edit show.marotte 2 '{\"op\":\"take.note\",\"note\":\"again\"}'\n"},
 };
 const take_verbs take_edit_verbs = {"Edit", edit_verbs, sizeof edit_verbs / sizeof edit_verbs[0]};
 
@@ -766,11 +765,11 @@ static const take_verb layer_verbs[] = {
     {"layer remove", "SHOW TAKE LAYER", "", "remove a layer", "", TAKE_WRITES, .ask = ask_layer,
      .kind = EDIT_LAYER_REMOVE,
      .examples = "take layer remove show.marotte last brows\n"
-                 "take layer remove show.marotte last 2\n"},
+                 "take layer remove show.marotte last brows --json\n"},
     {"layer rename", "SHOW TAKE LAYER NAME", "", "rename a layer", "", TAKE_WRITES,
      .ask = ask_layer, .kind = EDIT_LAYER_RENAME,
      .examples = "take layer rename show.marotte last brows \"both brows\"\n"
-                 "take layer rename show.marotte last 2 brows2\n"},
+                 "take layer rename show.marotte last 1 hand\n"},
     {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES:       all, or\n" OWN_HELP,
      "choose the parts of the face that a layer moves", "", TAKE_WRITES, .ask = ask_layer,
      .kind = EDIT_LAYER_OWN,
@@ -792,7 +791,7 @@ static const take_verb layer_verbs[] = {
     {"layer gain", "SHOW TAKE LAYER GAIN", "", "scale a layer, 0 to 10", "", TAKE_WRITES,
      .ask = ask_layer, .kind = EDIT_LAYER_GAIN,
      .examples = "take layer gain show.marotte last brows 0.5\n"
-                 "take layer gain show.marotte last 2 1\n"},
+                 "take layer gain show.marotte last brows 1\n"},
     {"layer offset", "SHOW TAKE LAYER SECONDS", "", "play a layer later, or earlier", "",
      TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OFFSET,
      .examples = "take layer offset show.marotte last brows 0.08\n"
@@ -810,8 +809,9 @@ static const take_verb layer_verbs[] = {
     {"punch", "SHOW TAKE", "  --layer L    the layer, by its number or name\n" SPAN_HELP,
      "show a span of another take in a layer", SPAN_OPTIONS " layer", TAKE_WRITES,
      .ask = ask_layer_punch,
-     .examples = "take punch show.marotte 2 --from 1 --in 1 --out 2\n"
-                 "take punch show.marotte last --layer brows --from 1 --in 1 --out 2 --source 0.5\n"},
+     .examples =
+         "take punch show.marotte 2 --from 1 --in 1 --out 2\n"
+         "take punch show.marotte last --layer brows --from 1 --in 1 --out 2 --source 0.5\n"},
     {"undo", "SHOW TAKE", "  --steps N    the number of edits (1)\n", "undo the last edit", "steps",
      TAKE_WRITES, .run = run_undo,
      .examples = "take undo show.marotte last\ntake undo show.marotte last --steps 2\n"},

@@ -212,8 +212,7 @@ static mrt_result note_complete(batch *self, const job *of, error *err)
             (void)json_object_set_new(self->list, key_of(self, of->path[i]),
                                       json_pack("{ss,sI,sI}", "made_from", of->made_from, "bytes",
                                                 bytes, "time_ns", time_ns));
-        facts_file(self->call->told, of->path[i],
-                   exports_opener(exports_format_of(of->path[i])));
+        facts_file(self->call->told, of->path[i], exports_opener(exports_format_of(of->path[i])));
     }
     return write_list(self, err);
 }

@@ -33,7 +33,8 @@ typedef struct file_writer {
     char *path, *temporary_path;
 } file_writer;
 
-/* Creates the missing folders of the path. On failure no file is left behind and `out` is zeroed. */
+/* Creates the missing folders of the path. On failure no file is left behind and `out` is zeroed.
+ */
 CHECKED mrt_result file_writer_open(file_writer *out, const char *path, error *err);
 /* Flushes, syncs, renames. Whatever it returns, the writer is finished. */
 CHECKED mrt_result file_writer_commit(file_writer *writer, error *err);

@@ -56,7 +56,7 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
     for map in "${maps[@]}"; do
         for hand in "${hands[@]}"; do
             is_wanted "$head $map ${hand%%=*}" "$@" || continue
-            "$MAROTTE" perform --face "$rig" --input "log:${hand#*=}" --map $map \
+            "$MAROTTE" perform --verbose --face "$rig" --input "log:${hand#*=}" --map $map \
                 --export "$scratch/frames.pc2" >"$scratch/facts.txt" 2>"$scratch/said" ||
                 { fail "$head $map: $(cat "$scratch/said")"; continue; }
             took=

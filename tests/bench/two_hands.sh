@@ -51,7 +51,7 @@ for face in "${faces[@]}"; do
             first=${hands%%,*} other=${hands#*,}
             span=
             [ -n "$quick" ] && span=,end=5
-            "$MAROTTE" perform --face "${face#*=}" --input "log:$first$span" \
+            "$MAROTTE" perform --verbose --face "${face#*=}" --input "log:$first$span" \
                 --input "log:$other$span" --map $map >"$scratch/facts.txt" 2>"$scratch/said" ||
                 { fail "$row: $(cat "$scratch/said")"; continue; }
             printf '%-9s %-10s %-20s %7s %5s %7s %6s %6s %7s %7s %8s %7s\n' $row \

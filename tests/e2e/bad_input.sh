@@ -102,7 +102,8 @@ bad_map 'radius="nan" is not a number' anchored,radius=nan
 
 # Exports.
 perform "$moai" "log:$demo" anchored
-refused 1 "$scratch/none" "${command_line[@]}" --export "$scratch/none/b.glb"
+printf x >"$scratch/none" # a file where a folder is wanted
+refused 1 "$scratch/none: cannot create this folder: Not a directory" "${command_line[@]}" --export "$scratch/none/b.glb"
 mkdir -p "$scratch/folder.glb"
 refused 1 "is a directory" "${command_line[@]}" --export "$scratch/folder.glb"
 mkdir -p "$scratch/folder.usda" "$scratch/folder.bvh" "$scratch/folder.points.usda"
@@ -146,7 +147,7 @@ usage() {
     shift
     refused 2 "$words" "$MAROTTE" "$@"
 }
-usage 'no command "waltz"' waltz
+usage 'no command or file "waltz"' waltz
 usage '--face is missing' perform
 usage '--input is missing' perform --face "$moai"
 usage '--map is missing' perform --face "$moai" --input "log:$demo"
@@ -156,8 +157,8 @@ usage '--fps "nan"' perform --fps nan
 usage 'no option "--fsp"' perform --fsp 1
 usage 'needs a value' perform --face
 usage 'not expected' perform surplus
-usage 'say what to do' plugin
-usage 'there is no "lits"' plugin lits
+usage 'choose list, new or check' plugin
+usage 'there is no command "plugin lits". Did you mean "list"?' plugin lits
 
 # Settings: what the person names and is no settings file stays as it is, and the stage does not start.
 stage_with() { # words path

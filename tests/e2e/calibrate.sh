@@ -80,7 +80,7 @@ refused 1 "\$.marotte_calibration: expected 1" "$MAROTTE" calibrate --show "$scr
 # Use: the shipped defaults with a hint, then the newest of the folder, then one by name.
 log -v tail=1 >"$scratch/use.csv"
 perform() {
-    "$MAROTTE" perform --face "$moai" --input "log:$scratch/use.csv" --map anchored \
+    "$MAROTTE" perform --verbose --face "$moai" --input "log:$scratch/use.csv" --map anchored \
         --export "$scratch/$1.csv" "${@:2}" >"$scratch/$1.txt" 2>"$scratch/$1.err" ||
         fail "perform $1: $(cat "$scratch/$1.err")"
 }
@@ -120,7 +120,7 @@ bare=$XDG_CONFIG_HOME/marotte/calibrations/anna,\ log.json
 grep -q '"input": "log"' "$bare" || fail "a bare hand's calibration does not say whose angles it reads"
 grep -q '"index.mpj": {"source": "measured", "points": .*\[0.14, 0.0\]' "$bare" || fail "flat is no 0: $(cat "$bare")"
 perform_bare() {
-    "$MAROTTE" perform --face "$moai" --input "log:$scratch/$1" --map anchored --export "$scratch/bare.$2.csv" \
+    "$MAROTTE" perform --verbose --face "$moai" --input "log:$scratch/$1" --map anchored --export "$scratch/bare.$2.csv" \
         "${@:3}" >"$scratch/bare.txt" 2>"$scratch/bare.err" || fail "perform $2: $(cat "$scratch/bare.err")"
 }
 perform_bare bare.csv seen
@@ -149,7 +149,7 @@ awk -F, -v OFS=, 'NR == 1 { print $0, "pedal.1"; next } NR == 2 { print $0, "1";
     { print $0, ($1 >= 1.5 && $1 < 1.7) || ($1 >= 2.3 && $1 < 2.4) ? 1 : 0 }' \
     "$scratch/use.csv" >"$scratch/pedal.csv"
 for run in 1 2; do
-    "$MAROTTE" perform --face "$moai" --input "log:$scratch/pedal.csv" --map anchored \
+    "$MAROTTE" perform --verbose --face "$moai" --input "log:$scratch/pedal.csv" --map anchored \
         --rezero-pedal 1 --export "$scratch/pedal$run.csv" >"$scratch/pedal.txt" 2>/dev/null ||
         fail "perform with a pedal"
 done

@@ -30,7 +30,7 @@ if [ ! -e "$frames" ] || ! command -v node >/dev/null; then
     echo "SKIPPED: no $frames, or no node"
     exit 77
 fi
-"$MAROTTE" perform --face puppet --input "camera:$port" --map one_hand \
+"$MAROTTE" perform --verbose --face puppet --input "camera:$port" --map one_hand \
     --record "$scratch/hand.marotte" --export "$scratch/hand.png" >"$scratch/facts.txt" 2>&1 &
 performing=$!
 token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token

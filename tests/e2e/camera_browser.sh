@@ -18,7 +18,7 @@ mkdir -p "$out"
 
 ffmpeg -loglevel error -i "$film" -vf "scale=-2:480,pad=640:480:(ow-iw)/2:0" -pix_fmt yuvj420p -q:v 3 \
     -f mjpeg "$scratch/hand.mjpeg" || fail "ffmpeg"
-"$MAROTTE" perform --face puppet --input "camera:$port" --map one_hand --seconds 40 \
+"$MAROTTE" perform --verbose --face puppet --input "camera:$port" --map one_hand --seconds 40 \
     --record "$scratch/hand.marotte" --export "$out/camera_browser.png" >"$scratch/facts.txt" 2>&1 &
 performing=$!
 token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token

@@ -11,7 +11,7 @@ port=$((20000 + $$ % 20000))
 out=$BUILD_DIR/out
 mkdir -p "$out"
 
-"$MAROTTE" perform --face puppet --input "camera:$port,hand=right" --input "camera:$port,hand=left" --map one_hand \
+"$MAROTTE" perform --verbose --face puppet --input "camera:$port,hand=right" --input "camera:$port,hand=left" --map one_hand \
     --seconds 25 --record "$scratch/hands.marotte" >"$scratch/facts.txt" 2>&1 &
 performing=$!
 token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token

@@ -15,7 +15,7 @@ again() { # face mapping seconds
     "$MAROTTE" perform --face "$1" --input "log:$demo,start=12,end=$((12 + $3))" --map "$2" --fps 12 \
         --export "$table" --export "$scratch/$name.pc2" --export "$scratch/$name.glb" >"$scratch/$name.txt" 2>/dev/null ||
         fail "perform $name"
-    "$MAROTTE" perform --face "$1" --curves "$table" --export "$scratch/$name.again.pc2" \
+    "$MAROTTE" perform --verbose --face "$1" --curves "$table" --export "$scratch/$name.again.pc2" \
         --export "$scratch/$name.again.csv" >"$scratch/said" 2>"$scratch/stderr" ||
         fail "$name: --curves: $(cat "$scratch/stderr")"
     [ -s "$scratch/stderr" ] && fail "$name: $(cat "$scratch/stderr")"

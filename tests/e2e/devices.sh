@@ -72,7 +72,7 @@ said "press switch 1" "$scratch/learn.txt"
 said "done: 1 switch was stored" "$scratch/learn.txt"
 
 # A performance goes on without its device, and says so.
-"$MAROTTE" perform --face "$moai" --map anchored --seconds 2 \
+"$MAROTTE" perform --verbose --face "$moai" --map anchored --seconds 2 \
     --input flaky:glove,run=0.5,away=0.3,losses=1,pedal=1 \
     >"$scratch/perform.txt" 2>"$scratch/news.txt" || fail "perform with a loss"
 grep -Eq 'flaky glove went away at 0\.[5-9] s \(.*pulled\); the pose is held' "$scratch/news.txt" ||
@@ -82,7 +82,7 @@ grep -Eq 'flaky glove came back after 0\.[3-9] s' "$scratch/news.txt" || fail "n
 [ "$(fact 'frames' "$scratch/perform.txt")" -ge 58 ] || fail "frames were left out"
 "$MAROTTE" perform --face "$moai" --map anchored --seconds 1 --input flaky:glove,run=0.3,away=60 \
     >"$scratch/perform.txt" 2>/dev/null || fail "perform with a device that stays away"
-said "still away         flaky glove" "$scratch/perform.txt"
+said "warning            still away: flaky glove" "$scratch/perform.txt"
 
 # Wrong usage and what cannot be.
 refused 2 'there is no option' "$MAROTTE" devices --wach

@@ -6,7 +6,7 @@ cd "$scratch" || exit 1
 
 # A performance hears the whole movement, however long it takes to begin: its sender sends again and again.
 perform() { # input patch show sender
-    "$MAROTTE" perform --face "$puppet" --seconds 2 --input "$1" --map one_hand --patch "$2" --record "$3" \
+    "$MAROTTE" perform --verbose --face "$puppet" --seconds 2 --input "$1" --map one_hand --patch "$2" --record "$3" \
         >said 2>stderr &
     local performing=$!
     while kill -0 $performing 2>/dev/null; do "$4" 2>/dev/null; done
@@ -20,7 +20,7 @@ again() {
     "$MAROTTE" take export "$name.marotte" last --export again.pc2 >said 2>stderr || fail "$name: $(cat stderr)"
     cmp -s "$name.pc2" again.pc2 || fail "$name: the take performs otherwise the second time"
     "$MAROTTE" take log "$name.marotte" last --out "$name.csv" >said 2>stderr || fail "$name: $(cat stderr)"
-    "$MAROTTE" perform --face "$puppet" --input "log:$name.csv" --map one_hand --patch "$patch" --export log.pc2 \
+    "$MAROTTE" perform --verbose --face "$puppet" --input "log:$name.csv" --map one_hand --patch "$patch" --export log.pc2 \
         >said 2>stderr || fail "$name: $(cat stderr)"
     # the same frames after the header; one may have a frame more at its end
     local size

@@ -10,7 +10,7 @@ for map in one_hand anchored unanchored; do
     facts=$scratch/$map.txt
     exports=()
     for kind in glb pc2 mdd csv png; do exports+=(--export "$scratch/$map.$kind"); done
-    "$MAROTTE" perform --face "$face" "${hands[@]}" --map $map --size 640x320 "${exports[@]}" >"$facts" ||
+    "$MAROTTE" perform --verbose --face "$face" "${hands[@]}" --map $map --size 640x320 "${exports[@]}" >"$facts" ||
         fail "perform $map"
     echo "--- $map"
     cat "$facts"
@@ -30,14 +30,14 @@ for map in one_hand anchored unanchored; do
 done
 # The other ways to read the hand fold nothing either.
 for mode in mask layered_waldo; do
-    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=8" --map "one_hand,mode=$mode" \
+    "$MAROTTE" perform --verbose --face "$puppet" --input "log:$demo,end=8" --map "one_hand,mode=$mode" \
         >"$scratch/mode.txt" || fail "perform one_hand $mode"
     [ "$(fact folds "$scratch/mode.txt")" -eq 0 ] || fail "one_hand $mode: the face folds"
 done
 # A neutral hand is the rest face, exactly.
 { grep -m1 '^time' "$demo"; for i in $(seq 0 99); do
     grep -m1 '^0' "$demo" | sed -E "s/^[^,]+/$(printf '0.%02d' "$i")/"; done; } >"$scratch/still.csv"
-"$MAROTTE" perform --face "$puppet" --input "log:$scratch/still.csv" --map one_hand \
+"$MAROTTE" perform --verbose --face "$puppet" --input "log:$scratch/still.csv" --map one_hand \
     >"$scratch/still.txt" || fail "a still hand"
 [ "$(fact 'range of motion' "$scratch/still.txt")" = 0.00 ] || {
     fail "a still hand moves the face"
@@ -48,7 +48,7 @@ done
     --json >"$scratch/facts.json" || fail "perform --json"
 grep -q '"frames": 120' "$scratch/facts.json" || fail "2 s at 60 a second are not 120 frames"
 # A performance in real time takes its time and loses nothing.
-"$MAROTTE" perform --face "$moai" --input "log:$demo,end=1" --map anchored --realtime \
+"$MAROTTE" perform --verbose --face "$moai" --input "log:$demo,end=1" --map anchored --realtime \
     >"$scratch/real.txt" || fail "perform --realtime"
 [ "$(fact 'samples read' "$scratch/real.txt")" -ge 99 ] || fail "real time lost samples"
 "$MAROTTE" perform --help | grep -q -- --export || fail "perform --help"

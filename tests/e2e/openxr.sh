@@ -11,7 +11,7 @@ perform() { # words
     local words=$1
     for seconds in 3 10 30; do
         rm -f taken.marotte
-        "$MAROTTE" perform --face "$puppet" --seconds $seconds --input openxr --map one_hand --record taken.marotte \
+        "$MAROTTE" perform --verbose --face "$puppet" --seconds $seconds --input openxr --map one_hand --record taken.marotte \
             >said 2>stderr || fail "$MAROTTE_TEST_OPENXR: $(cat stderr)"
         [ "$(fact 'range of motion' said)" != 0.00 ] && grep -q "$words" stderr && return
     done

@@ -9,7 +9,7 @@ listeners=()
 trap 'kill "${listeners[@]}" 2>/dev/null; rm -rf "$scratch"' EXIT
 
 # ---- what is wrong ----
-perform=("$MAROTTE" perform --face "$puppet" --input "log:$demo,end=1" --map one_hand)
+perform=("$MAROTTE" perform --verbose --face "$puppet" --input "log:$demo,end=1" --map one_hand)
 refused 1 'there is no face output plugin "nobody". Loaded: ' "${perform[@]}" --output nobody
 refused 1 'has no parameter "colour"' "${perform[@]}" --output vmc,colour=3
 refused 2 'at most 8 outputs' "${perform[@]}" $(printf -- '--output vmc %.0s' 1 2 3 4 5 6 7 8 9)
@@ -45,7 +45,7 @@ if command -v oscdump >/dev/null; then
         END { for (burst = 0; burst < 10; ++burst) for (i = 0; i <= 50; ++i) {
                   $0 = row[350 + 5 * burst + i % 5]; $1 = 0.4 * burst + (i < 50 ? 0.001 * i : 0.0493); print } }' "$demo" >stops.csv
     : >heard
-    "$MAROTTE" perform --face "$puppet" --input "log:stops.csv" --map one_hand --realtime --output "vmc:127.0.0.1:$port" >said 2>stderr ||
+    "$MAROTTE" perform --verbose --face "$puppet" --input "log:stops.csv" --map one_hand --realtime --output "vmc:127.0.0.1:$port" >said 2>stderr ||
         fail "$(cat stderr)"
     awk '$2 == "/VMC/Ext/T" { gap = $4 - last; last = $4
             if (last != gap && gap > 0.3 && gap < 0.38) { ++gaps; if (gap > 0.3509) ++bad } }
@@ -106,7 +106,7 @@ fi
 
 # ---- the Blender add-on hears both ----
 if command -v blender >/dev/null; then
-    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=3" --map one_hand --record "$show" >said 2>stderr || fail "$(cat stderr)"
+    "$MAROTTE" perform --verbose --face "$puppet" --input "log:$demo,end=3" --map one_hand --record "$show" >said 2>stderr || fail "$(cat stderr)"
     for by in "vmc names=all" "face_osc contacts=off"; do
         read -r name with <<<"$by"
         rm -f port

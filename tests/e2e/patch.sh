@@ -27,7 +27,7 @@ patch_of less.json "$brows, $joy, $smile, $gaze, $mark"
 perform() { # patch [more]
     local patch=$1
     shift
-    "$MAROTTE" perform --face "$puppet" --input "log:$demo,end=2" --input log:faders.csv \
+    "$MAROTTE" perform --verbose --face "$puppet" --input "log:$demo,end=2" --input log:faders.csv \
         --map one_hand ${patch:+--patch "$patch"} "$@" >said 2>stderr ||
         fail "perform --patch $patch: $(cat stderr)"
 }
@@ -61,7 +61,7 @@ cmp -s none.pc2 bare.pc2 || fail "without a patch it is not the bare performance
 cmp -s back.pc2 performed.pc2 || fail "patched again it is not the first performance"
 
 # Faders alone move a face, no hand there; shipped patches fit both faces.
-"$MAROTTE" perform --face "$puppet" --input log:faders.csv --map one_hand --patch all.json --export alone.pc2 \
+"$MAROTTE" perform --verbose --face "$puppet" --input log:faders.csv --map one_hand --patch all.json --export alone.pc2 \
     >said 2>stderr || fail "faders alone: $(cat stderr)"
 [ "$(fact 'range of motion' said)" != 0.00 ] || fail "faders alone move nothing"
 for name in faders gamepad phone voice; do
@@ -70,7 +70,7 @@ for name in faders gamepad phone voice; do
 done
 perform phone_face --seconds 0.2
 [ "$(grep "note: patch" stderr | grep -cv skull.tilt)" = 0 ] || fail "phone_face: $(cat stderr)"
-"$MAROTTE" perform --face moai --input log:faders.csv --map one_hand --patch faders --seconds 0.2 >said 2>stderr ||
+"$MAROTTE" perform --verbose --face moai --input log:faders.csv --map one_hand --patch faders --seconds 0.2 >said 2>stderr ||
     fail "moai: $(cat stderr)"
 
 # Their channels are those of the inputs.

@@ -21,7 +21,7 @@ for i in "${!maps[@]}"; do
     for recording in "${tried[@]}"; do
         face=$moai
         [ "$map" = "${map#one_hand}" ] || face=$puppet
-        "$MAROTTE" perform --face "$face" --input "log:$recording" --map "$map" --fps "$fps" \
+        "$MAROTTE" perform --verbose --face "$face" --input "log:$recording" --map "$map" --fps "$fps" \
             --export "$scratch/a.glb" --export "$scratch/a.pc2" >"$facts" ||
             { fail "$(basename "$recording") $map"; continue; }
         echo "--- $(basename "$recording"), $map"

@@ -93,8 +93,8 @@ bad 'y.rig.json includes x.rig.json includes y.rig.json' y.rig.json \
 bad 'line 1, column' j.rig.json '{"marotte_rig": 1,, }'
 
 # Wrong usage.
-refused 2 "check, show, new or fit?" "$MAROTTE" rig
-refused 2 'there is no "rig paint"' "$MAROTTE" rig paint
+refused 2 "choose check, show, new or fit" "$MAROTTE" rig
+refused 2 'there is no command "rig paint"' "$MAROTTE" rig paint
 refused 2 "check takes one rig file" "$MAROTTE" rig check
 refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json
 refused 2 "--yaw \"x\" is not a number" "$MAROTTE" rig show new.rig.json --out a.png --yaw x
@@ -137,7 +137,7 @@ if [ -e "$shared/data/heads/cryptovoxels.vrm" ]; then
     cp "$shared/data/heads/cryptovoxels.vrm" .
     "$MAROTTE" rig new cryptovoxels.vrm >egg.txt || fail "a head without a face"
     grep -q 'is clay' egg.txt || fail "what is done without a face is not said"
-    "$MAROTTE" perform --face cryptovoxels.rig.json --input "log:$demo,end=6" --map anchored >facts.txt || fail "clay"
+    "$MAROTTE" perform --verbose --face cryptovoxels.rig.json --input "log:$demo,end=6" --map anchored >facts.txt || fail "clay"
     awk -v mm="$(fact 'range of motion' facts.txt)" 'BEGIN { exit !(mm > 3) }' || fail "the clay cannot be pulled"
 fi
 finish

@@ -18,7 +18,7 @@ sed 's/"marotte_rig": *1,/"marotte_rig": 1, "shapes": 1,/' head.rig.json >said.r
 perform() { # NAME RIG ARGUMENTS...: NAME.pc2, and what was said in NAME.txt
     local name=$1 rig=$2
     shift 2
-    timeout 120 "$BUILD_DIR/marotte" perform --face "$rig" --input "log:$demo" --map one_hand \
+    timeout 120 "$BUILD_DIR/marotte" perform --verbose --face "$rig" --input "log:$demo" --map one_hand \
         --seconds 2 --export "$name.pc2" "$@" >"$name.txt" 2>"$name.err" ||
         fail "$name: $(tail -c 200 "$name.err")"
 }
@@ -74,7 +74,7 @@ awk -F, 'NR == 1 { printf "time_s"; for (i = 3; i <= NF; ++i) printf ",%s", tolo
         printf "\nunit"; for (i = 3; i <= NF; ++i) printf ",%s", i < 55 ? "0..1" : "-3.2..3.2"; print ""; next }
     { printf "%.5f", (NR - 2) / 30; for (i = 3; i <= NF; ++i) printf ",%s", $i; print "" }' spoken.livelink.csv >heard.csv
 sed 's/"input": "phone", //' "$SOURCE_DIR/ui/patches/phone_face.json" >heard.json
-timeout 120 "$BUILD_DIR/marotte" perform --face head.rig.json --input log:heard.csv --map one_hand --patch heard.json \
+timeout 120 "$BUILD_DIR/marotte" perform --verbose --face head.rig.json --input log:heard.csv --map one_hand --patch heard.json \
     --export heard.livelink.csv >/dev/null 2>heard.err || fail "phone_face: $(tail -c 200 heard.err)"
 paste -d, spoken.livelink.csv heard.livelink.csv | awk -F, 'NR == 1 { half = NF / 2; split($0, name, ","); next }
     NR > 15 { for (i = 3; i <= half; ++i) { d = $i - $(half + i); sum[i] += d < 0 ? -d : d }; ++n }

@@ -237,9 +237,10 @@ bad 2 '--in "x" is not a number' trim "$show" 2 --in x
 bad 2 '--in or --out is missing' trim "$show" 2
 bad 2 'say SHOW TAKE' trim "$show"
 bad 2 'is no option' trim "$show" 2 --speed 2
-bad 2 'there is no "take waltz"' waltz
+bad 2 'there is no command "take waltz"' waltz
 bad 1 'is no range of take 2' export "$show" 2 --export "$scratch/out/a.glb" --in 3
-bad 1 'No such file' export "$show" 2 --export "$scratch/nowhere/a.glb"
+printf x >"$scratch/nowhere"
+bad 1 "$scratch/nowhere: cannot create this folder" export "$show" 2 --export "$scratch/nowhere/a.glb"
 bad 2 'does not end in' export "$show" 2 --export "$scratch/out/a.fbx"
 bad 1 'none.glb' export "$show" 2 --export "$scratch/out/a.glb" --face "$scratch/none.glb"
 bad 1 'has no sound' export "$show" 2 --export "$scratch/out/a.wav"
@@ -281,7 +282,7 @@ rm -f "$scratch"/days.*
 # A show that was damaged, or made with other things than are there now.
 # What is exported of a take says of the surface what was said when it was performed.
 for map in anchored unanchored,preset=paper; do
-    "$MAROTTE" perform --face "$moai" --input "log:$demo,start=1.2,end=3.2" --map $map \
+    "$MAROTTE" perform --verbose --face "$moai" --input "log:$demo,start=1.2,end=3.2" --map $map \
         --record "$scratch/j.marotte" >"$scratch/performed" 2>"$scratch/stderr" || fail "record: $(cat "$scratch/stderr")"
     take export "$scratch/j.marotte" 1 --export "$scratch/j.pc2" >"$scratch/said"
     for name in 'range of motion' folds 'least determinant' 'greatest stretch' 'greatest bend' 'bent edges' 'inside out' 'held back'; do

@@ -16,7 +16,7 @@ mkdir -p "$out"
 
 play() { # name face mapping ending most_mm
     local face=$2 map=$3 file=$scratch/$1.$4
-    perform() { "$MAROTTE" perform --face "$face" --input "log:$demo,start=11,end=13" --map "$map" --fps 30 --tolerance 0.2 "$@"; }
+    perform() { "$MAROTTE" perform --verbose --face "$face" --input "log:$demo,start=11,end=13" --map "$map" --fps 30 --tolerance 0.2 "$@"; }
     perform --export "$file" --export "$scratch/$1.pc2" >"$scratch/told" 2>"$scratch/stderr" &&
         perform --bare --export "$scratch/$1.bare.glb" >/dev/null 2>"$scratch/stderr" ||
         { fail "$1: $(cat "$scratch/stderr")"; return; }

@@ -8,7 +8,7 @@ read_usda=$SOURCE_DIR/tests/e2e/usda.mjs
 shows() { # name ARGS...: both forms
     local name=$1 most form off
     shift
-    "$MAROTTE" perform "$@" --export "$scratch/$name.usda" --export "$scratch/$name.points.usda" \
+    "$MAROTTE" perform --verbose "$@" --export "$scratch/$name.usda" --export "$scratch/$name.points.usda" \
         --export "$scratch/$name.pc2" >"$scratch/told" 2>"$scratch/stderr" ||
         { fail "$name: $(cat "$scratch/stderr")"; return; }
     most=$(fact tolerance "$scratch/told") # of the shapes, and what writing them in decimals takes

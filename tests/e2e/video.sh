@@ -7,7 +7,7 @@ small=(--size 160x90)
 performed=(--face moai --input "log:$demo,start=1.2,end=3.2" --map one_hand)
 
 perform() {
-    "$MAROTTE" perform "${performed[@]}" "$@" >"$scratch/said" 2>"$scratch/stderr" ||
+    "$MAROTTE" perform --verbose "${performed[@]}" "$@" >"$scratch/said" 2>"$scratch/stderr" ||
         fail "perform $*: $(cat "$scratch/stderr")"
 }
 take() {
@@ -30,7 +30,7 @@ pixel() { # picture x y: its bytes
 }
 
 # ---- pictures ----
-if ! "$MAROTTE" perform "${performed[@]}" "${small[@]}" --export frames/ >"$scratch/said" 2>"$scratch/stderr"; then
+if ! "$MAROTTE" perform --verbose "${performed[@]}" "${small[@]}" --export frames/ >"$scratch/said" 2>"$scratch/stderr"; then
     grep -q EGL "$scratch/stderr" && echo "SKIPPED: $(cat "$scratch/stderr")" && exit 77
     fail "pictures: $(cat "$scratch/stderr")"
     finish
@@ -66,7 +66,8 @@ refused 1 'name a folder that is empty' "$MAROTTE" perform "${performed[@]}" --e
 touch frames/00099.png
 refused 1 '00099.png is not of the 61 pictures' "$MAROTTE" perform "${performed[@]}" --export frames/
 rm frames/00099.png
-refused 1 'the folder nowhere/' "$MAROTTE" perform "${performed[@]}" --export nowhere/frames/
+printf x >nowhere
+refused 1 'nowhere: cannot create this folder' "$MAROTTE" perform "${performed[@]}" --export nowhere/frames/
 [ "$(sums frames)" = "$before" ] || fail "a refusal changed the pictures that were there"
 # The limit is on every file: as if the disk were full.
 (trap '' XFSZ; ulimit -f 8; "$MAROTTE" perform "${performed[@]}" --export out/full/ >/dev/null 2>full.txt) &&

@@ -33,7 +33,7 @@ grep '^    from ' "$scratch/list" | grep -vF "    from $prefix/lib" && fail "the
 ! grep '^not used' "$scratch/list" || fail "plugins are refused"
 
 # ---- a rig by name, unless there is such a file; what there is not is said ----
-"${alone[@]}" marotte perform --face moai --input "log:$prefix/share/marotte/demo_hand.csv,end=1" --map one_hand \
+"${alone[@]}" marotte perform --verbose --face moai --input "log:$prefix/share/marotte/demo_hand.csv,end=1" --map one_hand \
     >"$scratch/facts" 2>/dev/null || fail "--face moai"
 grep -qx "face  *$prefix/share/marotte/rigs/moai/moai.rig.json" "$scratch/facts" || fail "another moai"
 refused 1 "nobody" "${alone[@]}" marotte perform --face nobody --input log:x.csv --map one_hand
@@ -73,7 +73,7 @@ find_package(marotte 99 REQUIRED)' >"$scratch/CMakeLists.txt"
 for build in build11 build17 build_include buildcpp; do
     symbols=$(nm -D --defined-only $build/wave.so | awk '{ print $3 }')
     [ "$symbols" = marotte_plugins ] || fail "$build: exports $symbols"
-    "${alone[@]}" marotte perform --face puppet --input log:take.csv --map $build/wave.so --export $build.pc2 \
+    "${alone[@]}" marotte perform --verbose --face puppet --input log:take.csv --map $build/wave.so --export $build.pc2 \
         >"$scratch/facts" || fail "$build does not perform"
     moved 5 "$scratch/facts"
     cmp build11.pc2 $build.pc2 || fail "$build: other bits than C11"

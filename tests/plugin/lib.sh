@@ -22,9 +22,9 @@ compiles() {
     done
 }
 
-# moved AT_LEAST_MM FILE: perform's facts in FILE say that vertices moved so far.
+# moved AT_LEAST_MM FILE: perform printed into FILE that a vertex moved so far.
 moved() {
     local mm
-    mm=$(fact "range of motion" "$2")
+    mm=$(fact moved "$2")
     awk -v a="${mm:-0}" -v b="$1" 'BEGIN { exit !(a >= b) }' || fail "moved ${mm:-nothing} mm, not $1: $2"
 }

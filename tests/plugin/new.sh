@@ -29,13 +29,13 @@ done
 # ---- the mapping moves a face with a rig, one without, and nothing where there is no hand ----
 wave=my_mapping/build/my_mapping.so
 for face in "$puppet" "$moai"; do
-    "$MAROTTE" perform --face "$face" --input log:my_mapping/take.csv --map $wave \
+    "$MAROTTE" perform --verbose --face "$face" --input log:my_mapping/take.csv --map $wave \
         --export "$scratch/moved.csv" >"$scratch/facts" || fail "$face"
     moved 5 "$scratch/facts"
     [ "$(fact folds "$scratch/facts")" = 0 ] || fail "$face folds"
 done
-"$MAROTTE" perform --face puppet --input log:my_mapping/take.csv --map $wave,push=0 >"$scratch/less"
-"$MAROTTE" perform --face puppet --input log:my_mapping/take.csv --map $wave,push=6 >"$scratch/more"
+"$MAROTTE" perform --verbose --face puppet --input log:my_mapping/take.csv --map $wave,push=0 >"$scratch/less"
+"$MAROTTE" perform --verbose --face puppet --input log:my_mapping/take.csv --map $wave,push=6 >"$scratch/more"
 awk -v a="$(fact "range of motion" "$scratch/less")" -v b="$(fact "range of motion" "$scratch/more")" \
     'BEGIN { exit !(a + 1 < b) }' || fail "push=0 and push=6 move the same" # near a fold less is given
 
@@ -50,14 +50,14 @@ readelf -d rooted/build/my_mapping.so | grep -q 'NEEDED.*libm' || fail "the temp
 cc -O2 -shared -fPIC -ffp-contract=off -I "$SOURCE_DIR/core/include" rooted/my_mapping.c -o rooted/bare.so || fail "cc"
 "$MAROTTE" plugin check rooted/build/my_mapping.so >"$scratch/facts" 2>&1 || { fail "rooted"; cat "$scratch/facts"; }
 for library in rooted/build/my_mapping.so rooted/bare.so; do # bare.so is checked below, by its name
-    "$MAROTTE" perform --face puppet --input log:my_mapping/take.csv --map $library --isolate on \
+    "$MAROTTE" perform --verbose --face puppet --input log:my_mapping/take.csv --map $library --isolate on \
         >"$scratch/facts" 2>&1 || { fail "$library apart"; cat "$scratch/facts"; }
     moved 5 "$scratch/facts"
 done
 
 # ---- a library that lies here is named without a path too ----
 (cd rooted && "$MAROTTE" plugin check bare.so) >"$scratch/facts" 2>&1 || { fail "check bare.so"; cat "$scratch/facts"; }
-(cd rooted && "$MAROTTE" perform --face puppet --input log:take.csv --map bare.so,push=4) >"$scratch/facts" 2>&1 ||
+(cd rooted && "$MAROTTE" perform --verbose --face puppet --input log:take.csv --map bare.so,push=4) >"$scratch/facts" 2>&1 ||
     { fail "--map bare.so"; cat "$scratch/facts"; }
 moved 5 "$scratch/facts"
 

@@ -11,7 +11,7 @@ hands="log:$demo,end=4"
 performs() {
     local name=$1
     shift
-    timeout 120 "$MAROTTE" perform --face moai --calibration none "$@" \
+    timeout 120 "$MAROTTE" perform --verbose --face moai --calibration none "$@" \
         >"$scratch/$name" 2>"$scratch/$name.said" || fail "exit $?: $* ($(cat "$scratch/$name.said"))"
 }
 
@@ -33,7 +33,7 @@ MAROTTE_PLUGINHOST=/nowhere refused 1 'MAROTTE_PLUGINHOST names "/nowhere"' "$MA
     --face moai --input "$hands" --map "$troubled" --calibration none
 
 # ---- offline, a mapping that fails is an error; what it saw is kept, and can be performed ----
-timeout 60 "$MAROTTE" perform --face moai --input "$hands" --map "$troubled,trouble=crash" \
+timeout 60 "$MAROTTE" perform --verbose --face moai --input "$hands" --map "$troubled,trouble=crash" \
     --calibration none >"$scratch/stdout" 2>"$scratch/stderr" && fail "a crash offline is no error"
 grep -q "was ended by signal 11" "$scratch/stderr" || fail "the crash is not told: $(cat "$scratch/stderr")"
 report=$(find "$XDG_DATA_HOME/marotte/reports" -name report.txt | head -1)
@@ -46,7 +46,7 @@ performs again --input "log:${report%report.txt}right.csv" --map "$troubled" --i
 odd="$scratch/it's \$(odd)"
 mkdir "$odd" && cp "$troubled" "$odd/troubled.so"
 find "$XDG_DATA_HOME/marotte/reports" -mindepth 1 -delete
-timeout 60 "$MAROTTE" perform --face moai --input "$hands" --map "$odd/troubled.so,trouble=crash" \
+timeout 60 "$MAROTTE" perform --verbose --face moai --input "$hands" --map "$odd/troubled.so,trouble=crash" \
     --calibration none >"$scratch/stdout" 2>"$scratch/stderr" && fail "a crash offline is no error"
 report=$(find "$XDG_DATA_HOME/marotte/reports" -name report.txt | head -1)
 command=$(sed -n 's/^marotte perform --face FACE /"$MAROTTE" perform --face moai /p' "$report")
@@ -58,7 +58,7 @@ RANDOM=8
 worst=0
 for ((i = 0; i < ${KILLS:-5}; ++i)); do
     rm -f "$scratch/show.marotte"
-    "$MAROTTE" perform --face moai --input "$hands,speed=4" --map "$troubled" --calibration none \
+    "$MAROTTE" perform --verbose --face moai --input "$hands,speed=4" --map "$troubled" --calibration none \
         --realtime --record "$scratch/show.marotte" >"$scratch/killed" 2>"$scratch/killed.said" &
     program=$!
     child=

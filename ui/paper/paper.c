@@ -25,18 +25,21 @@ static const char html_name[] = "paper.html", markdown_name[] = "paper.md",
                   data_name[] = "paper.json", usual_folder[] = "out/paper";
 
 static const char help[] =
-    "marotte paper [--out FOLDER] [--quick] [--json]\n\n"
-    "Writes one page that lays the paper (\"3D Freeform Design: Interactive Shape Deformations by\n"
-    "the Use of CyberGlove\") beside this program, measured and drawn here and now: Table 1 in "
-    "all\n"
-    "its cells, its figures made anew, what the solver is said to do, a plain reference solve,\n"
-    "the paper's misprints, and every default that departs from it, with the reason.\n\n"
-    "  --out FOLDER  where paper.html, paper.md (the same as Markdown), paper.json (the figures)\n"
-    "                and the pictures go (out/paper); a page that marotte wrote there is replaced\n"
-    "  --quick       in a few seconds: fewer rounds, small pictures; figures are rougher\n"
-    "  --json        the figures as one object, for machines\n\n"
-    "It takes a minute or two, and needs no display. On Ctrl-C, or when anything fails, what was\n"
-    "there before is still there.\n";
+    "marotte paper [--out FOLDER] [--quick] [--json]\n"
+    "\n"
+    "Writes a page that compares the paper (\"3D Freeform Design: Interactive Shape\n"
+    "Deformations by the Use of CyberGlove\") with this program: all cells of Table 1, its "
+    "figures\n"
+    "drawn again, its claims about the solver, a plain reference solve, its misprints, and every\n"
+    "default of marotte that differs, with the reason.\n"
+    "\n"
+    "  --out FOLDER  where to write paper.html, paper.md (the same as Markdown), paper.json\n"
+    "                (the figures) and the pictures (out/paper); replaces an older page\n"
+    "  --quick       a few seconds: fewer rounds, small pictures, rougher figures\n"
+    "  --json        print the figures as one JSON object\n"
+    "\n"
+    "It takes a minute or two and needs no display. If it is stopped or fails, an older page\n"
+    "stays as it was.\n";
 
 mrt_result paper_check_stop(error *err)
 {
@@ -440,8 +443,11 @@ static int run(int argc, char **argv)
     return COMMAND_DONE;
 }
 
-const command command_paper = {.name = "paper",
-                               .summary =
-                                   "lays the paper's tables and figures beside its own, on a page",
-                               .help = help,
-                               .run = run};
+const command command_paper = {
+    .name = "paper",
+    .summary = "compare the paper with this program, on a page",
+    .help = help,
+    .examples = "paper --quick\n"
+                "paper --quick --out out/mine\n",
+    .run = run,
+};

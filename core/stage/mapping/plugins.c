@@ -530,10 +530,11 @@ static mrt_result no_such_plugin(const plugin_list *list, const char *name,
         if (plugin_interface(type, interface_id))
             suggest_consider(&near, plugin_short_name(type));
         else if (is_named(type, name))
-            return error_set(err, MRT_ERR_UNSUPPORTED,
-                             "there is no %s plugin \"%s\": the plugin of this name is another kind "
-                             "(marotte plugin list)",
-                             kind_of(interface_id), name);
+            return error_set(
+                err, MRT_ERR_UNSUPPORTED,
+                "there is no %s plugin \"%s\": the plugin of this name is another kind "
+                "(marotte plugin list)",
+                kind_of(interface_id), name);
     }
     if (near.best[0])
         return error_set(err, MRT_ERR_UNSUPPORTED, "there is no %s plugin \"%s\"%s",

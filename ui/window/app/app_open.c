@@ -585,7 +585,8 @@ static mrt_result read_face(face_file **out, const char *path, const mesh_frame 
 /* An installed face of that name, else the path as given; to be freed. NULL: no memory. */
 static char *path_of_face(const char *given)
 {
-    char *found = installed_path(INSTALLED_FACE, given), *real = found ? realpath(found, NULL) : NULL;
+    char *found = installed_path(INSTALLED_FACE, given),
+         *real = found ? realpath(found, NULL) : NULL;
     free(found);
     return real ? real : strdup(given);
 }
