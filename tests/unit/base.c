@@ -292,7 +292,7 @@ static void files_are_written_whole_or_not_at_all(void **state)
 static void missing_folders_of_a_file_are_created(void **state)
 {
     (void)state;
-    char folder[] = "/tmp/marotte-base-XXXXXX", path[128], below[160];
+    char folder[] = "/tmp/marotte-base-XXXXXX", path[128], below[256];
     error err = {""};
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/new/folder", folder);
