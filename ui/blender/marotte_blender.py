@@ -14,7 +14,9 @@ import math
 import os
 import re
 import socket
+import stat
 import struct
+import sys
 import time
 
 import bpy
@@ -75,6 +77,7 @@ def value_path(key_name):
 # ---- exports: what marotte wrote into a .glb ----
 
 JSON_BYTES_MAX = 256 << 20
+ID_MAX = (1 << 63) - 1
 FLOAT = 5126
 
 
@@ -84,6 +87,8 @@ class Export:
     def __init__(self, path):
         self.path = os.path.abspath(bpy.path.abspath(path))
         try:
+            if not stat.S_ISREG(os.stat(self.path).st_mode):  # a pipe would be waited for
+                raise Refused(f"{path}: is no .glb")
             with open(self.path, "rb") as file:
                 head = file.read(20)
                 if len(head) < 20 or head[:4] != b"glTF" or head[16:20] != b"JSON":
@@ -99,7 +104,8 @@ class Export:
             raise
         except OSError as error:
             raise Refused(f"{path}: {error.strerror}") from error
-        except (ValueError, KeyError, IndexError, TypeError, AttributeError, struct.error, RecursionError) as error:
+        except (ValueError, KeyError, IndexError, TypeError, AttributeError, ArithmeticError, MemoryError, struct.error,
+                RecursionError) as error:
             raise Refused(f"{path}: is damaged") from error
 
     def read(self):
@@ -112,7 +118,9 @@ class Export:
         stem = os.path.splitext(os.path.basename(self.path))[0]
         self.hash = str(extras["contentHash"])
         self.name = str(take.get("slate") or stem)
-        self.take = f'{take["show"]}#{int(take["id"])}' if "show" in take else self.path
+        if "show" in take and not (type(take["id"]) is int and 0 <= take["id"] <= ID_MAX):
+            raise ValueError("id")
+        self.take = f'{take["show"]}#{take["id"]}' if "show" in take else self.path
         self.times, self.weights = [], {}
         for channel in animation["channels"]:
             if channel["target"].get("path") != "weights":
@@ -124,9 +132,12 @@ class Export:
             if len(values) != len(times) * len(names) or not names:
                 raise ValueError("weights")
             self.times = times
+            times_seen = {}
             for i, name in enumerate(names):
-                if name in names[:i]:  # as Blender calls what is there twice
-                    name = f"{name}.{names[:i].count(name):03}"
+                before = times_seen.get(name, 0)
+                times_seen[name] = before + 1
+                if before:  # as Blender calls what is there twice
+                    name = f"{name}.{before:03}"
                 if any(values[i::len(names)]) or name not in self.weights:  # meshes share names
                     self.weights[name] = values[i::len(names)]
         if not self.weights or not self.times:
@@ -385,6 +396,7 @@ def open_take(context, path, heads, how="STRIP", start=None, adds=True):
             action["marotte_start"] = float(start)
             play(keys, action, slot)
         moved += 1
+    followed[export.path] = export.stamp
     if moved == 0:
         raise Refused("; ".join(news) or "none of the selected meshes has a shape key of the export's names")
     if missing:
@@ -392,16 +404,19 @@ def open_take(context, path, heads, how="STRIP", start=None, adds=True):
     return "; ".join([f"{export.name} moves {moved} mesh{'es' if moved > 1 else ''}"] + news)
 
 
-def update_takes(context):
-    """All actions whose file has other content than they show. Returns how many, and what went wrong."""
+def update_takes(context, paths=None):
+    """All actions whose file has other content than they show: of these paths, else whatever the .blend names, as the
+    person asked for it. Returns how many, and what went wrong."""
     updated, news = 0, []
     stale = {}
     for action in bpy.data.actions:
         path = action.get(FILE)
-        if not isinstance(path, str) or not isinstance(action.get(TAKE), str):
+        if not isinstance(path, str) or not isinstance(action.get(TAKE), str) or (paths is not None and path not in paths):
             continue
         try:
-            if Export(path).hash != action.get(HASH):
+            export = Export(path)
+            followed[path] = export.stamp
+            if export.hash != action.get(HASH):
                 stale.setdefault((path, action[TAKE]), []).append(action)
         except Refused as error:
             news.append(str(error))
@@ -505,6 +520,10 @@ TURNING = {"head": {"head"}, "neck": {"neck"}, "jaw": {"jaw", "jawmaster"},
            "lefteye": {"lefteye", "eyeleft", "leye", "eyel"}, "righteye": {"righteye", "eyeright", "reye", "eyer"}}
 NO_PART_OF_A_NAME = {"j", "c", "bip", "adj", "def", "org", "mixamorig", "face", "bone"}
 BEHIND_MAX_S = 0.5
+# In one tick; what is more waits in the socket, and the window goes on.
+TICK_S, TICK_BYTES = 0.004, 65536
+# Of a recording, in memory: 20 minutes of 52 shapes at 60 faces a second, some 300 MB.
+RECORDED_VALUES_MAX = 4_000_000
 
 
 def is_number(value):
@@ -567,7 +586,7 @@ class Receiver:
     def put(self, into, name, value):
         if is_name(name) and (name in into or len(into) < NAMES_MAX):
             into.pop(name, None)  # what was said last comes last, and counts where two names are one key
-            into[name] = value
+            into[sys.intern(name)] = value
 
     def hear(self, address, arguments):
         """Whether a face is whole with this message."""
@@ -634,6 +653,7 @@ class Live:
         if not self.heads and not self.rigs:
             raise Refused("select a mesh with shape keys, or a rig")
         self.recorded = None  # faces
+        self.recorded_values, self.is_full = 0, False
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         try:
             self.socket.bind((host, port))
@@ -648,17 +668,21 @@ class Live:
 
     def poll(self, now_s=None):
         """What has arrived; the newest face is shown. Returns whether there was one."""
-        newest = None
-        for _ in range(1024):  # a flood does not stop the window
+        newest, size = None, 0
+        until_s = time.monotonic() + TICK_S
+        while size < TICK_BYTES:
             try:
                 packet = self.socket.recv(PACKET_MAX)
             except OSError:
                 break
+            size += len(packet)
             face = self.receiver.take(packet, time.monotonic() if now_s is None else now_s)
             if face is not None:
                 newest = face
                 if self.recorded is not None:
-                    self.recorded.append(face)
+                    self.keep(face)
+            if time.monotonic() >= until_s:
+                break
         if newest is not None:
             self.show(newest)
         return newest is not None
@@ -686,7 +710,18 @@ class Live:
             self.heads, self.rigs = [], []
 
     def record(self):
-        self.recorded = []
+        self.recorded, self.recorded_values, self.is_full = [], 0, False
+
+    def keep(self, face):
+        """As long as there is room; the rest is shown, and not recorded."""
+        if self.is_full:
+            return
+        self.recorded_values += 1 + len(face.values) + len(face.turns)
+        if self.recorded_values > RECORDED_VALUES_MAX:
+            self.is_full = True
+            print("marotte: the recording is full; what came until now is kept. End Recording makes actions of it")
+        else:
+            self.recorded.append(face)
 
     def stop_recording(self, scene):
         """Actions with a key for each face that came, where it was performed: frame times are not rounded."""
@@ -731,7 +766,9 @@ class Live:
 # ---- operators and the panel ----
 
 live = None
-followed = {}  # by file: its time stamp when it was looked at last
+# By file that the person opened or updated since Blender started: its time stamp when it was looked at last. A path that
+# a .blend names is data: nothing is looked at for it alone.
+followed = {}
 
 
 def selected_heads(context):
@@ -809,8 +846,9 @@ class MAROTTE_OT_record(Operator):
 def tick_live():
     if not live:
         return None
+    begun_s = time.monotonic()
     live.poll()
-    return 1.0 / 120.0
+    return max(1.0 / 120.0, time.monotonic() - begun_s)  # half of the time is the window's
 
 
 def tick_follow():
@@ -818,16 +856,17 @@ def tick_follow():
     scene = bpy.context.scene
     if not scene or not scene.marotte_follow:
         return 2.0
-    is_changed = False
-    for path in {a.get(FILE) for a in bpy.data.actions if isinstance(a.get(FILE), str)}:
+    changed = set()
+    for path in {a.get(FILE) for a in bpy.data.actions if isinstance(a.get(FILE), str)} & set(followed):
         try:
             stamp = os.stat(path).st_mtime_ns
         except OSError:
             continue
-        is_changed = is_changed or followed.get(path, stamp) != stamp
+        if followed[path] != stamp:
+            changed.add(path)
         followed[path] = stamp
-    if is_changed:
-        update_takes(bpy.context)
+    if changed:
+        update_takes(bpy.context, changed)
     return 2.0
 
 
@@ -851,6 +890,8 @@ class MAROTTE_PT_panel(bpy.types.Panel):
             column.operator("marotte.record", text="End Recording" if is_recording else "Record", icon="REC",
                             depress=is_recording)
             column.label(text=f"{live.receiver.packets} packets, {live.receiver.ignored} ignored")
+            if is_recording and live.is_full:
+                column.label(text="The recording is full", icon="ERROR")
 
 
 classes = (MAROTTE_OT_open_take, MAROTTE_OT_update, MAROTTE_OT_live, MAROTTE_OT_record, MAROTTE_PT_panel)
