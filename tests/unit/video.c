@@ -611,7 +611,7 @@ static void a_receiver_that_does_not_come_ends_an_export(void **state)
     end_stand_in();
 }
 
-static void whoever_gives_up_does_not_wait_for_the_encoder(void **state)
+static void a_caller_that_gives_up_does_not_wait_for_the_encoder(void **state)
 {
     (void)state;
     static const char *const scripts[] = {"exec sleep 1000", "cat >/dev/null; exec sleep 1000"};
@@ -654,7 +654,7 @@ int main(void)
         cmocka_unit_test(an_encoder_that_stands_still_is_ended),
         cmocka_unit_test(an_encoder_that_computes_does_not_stand_still),
         cmocka_unit_test(a_receiver_that_does_not_come_ends_an_export),
-        cmocka_unit_test(whoever_gives_up_does_not_wait_for_the_encoder),
+        cmocka_unit_test(a_caller_that_gives_up_does_not_wait_for_the_encoder),
     };
     const char *search = getenv("PATH");
     (void)snprintf(usual_path, sizeof usual_path, "%s", search ? search : "/usr/bin:/bin");

@@ -16,12 +16,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- srt:// and udp:// by the program ffmpeg, as video files are written (video.h). Without
- * alpha. ---- */
+/* ---- srt:// and udp://: the program ffmpeg sends them, as it writes video files (video.h).
+ * Without alpha. ---- */
 
 typedef struct encoder {
     video_ffmpeg *ffmpeg;
-    char target[STREAM_TARGET];
+    const char *target;
 } encoder;
 
 static mrt_result ffmpeg_open(void **out, const char *target, const stream_look *look,
@@ -36,7 +36,7 @@ static mrt_result ffmpeg_open(void **out, const char *target, const stream_look 
     encoder *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %s", target);
-    (void)snprintf(self->target, sizeof self->target, "%s", target);
+    self->target = target;
     const mrt_result result = video_ffmpeg_open(&self->ffmpeg, target, &about, err);
     if (result < 0)
         free(self);
@@ -62,11 +62,12 @@ static void ffmpeg_close(void *data, error *why)
 
 static const stream_way stream_ffmpeg = {ffmpeg_open, ffmpeg_give, ffmpeg_close};
 
-/* ---- /dev/videoN of the kernel module v4l2loopback, which any program takes for a webcam. Without
- * alpha: what is behind the face is green. ---- */
+/* ---- /dev/videoN of the kernel module v4l2loopback: other programs see a webcam. Without alpha:
+ * the background is green. ---- */
 
 typedef struct device {
     int fd;
+    const char *path;
     stream_look look;
     uint8_t *yuyv;
 } device;
@@ -109,7 +110,7 @@ static void v4l2_close(void *data, error *why)
     free(self);
 }
 
-static mrt_result set_format(device *self, const char *path, error *err)
+static mrt_result set_format(device *self, error *err)
 {
     struct stat status;
     struct v4l2_capability can = {.capabilities = 0};
@@ -118,7 +119,8 @@ static mrt_result set_format(device *self, const char *path, error *err)
         ioctl(self->fd, VIDIOC_QUERYCAP, &can) != 0 ||
         !((can.capabilities | can.device_caps) & V4L2_CAP_VIDEO_OUTPUT))
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s takes no pictures: it must be one of v4l2loopback", path);
+                         "%s cannot show pictures to other programs: choose a v4l2loopback device",
+                         self->path);
     format.fmt.pix = (struct v4l2_pix_format){.width = self->look.width,
                                               .height = self->look.height,
                                               .pixelformat = V4L2_PIX_FMT_YUYV,
@@ -131,8 +133,8 @@ static mrt_result set_format(device *self, const char *path, error *err)
         format.fmt.pix.pixelformat == V4L2_PIX_FMT_YUYV)
         return MRT_OK;
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "%s does not take %u x %u pixels: somebody uses it at another size", path,
-                     self->look.width, self->look.height);
+                     "%s refuses %u x %u pixels: close the programs that use it at another size",
+                     self->path, self->look.width, self->look.height);
 }
 
 static mrt_result v4l2_open(void **out, const char *target, const stream_look *look,
@@ -142,16 +144,17 @@ static mrt_result v4l2_open(void **out, const char *target, const stream_look *l
     (void)stop; /* nothing here waits */
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %s", target);
+    self->path = target;
     self->look = *look;
     self->fd = open(target, O_RDWR | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     self->yuyv = malloc((size_t)look->width * look->height * 2);
     mrt_result result = self->yuyv ? MRT_OK : MRT_ERR_MEMORY;
     if (self->fd < 0)
         result = error_set(err, MRT_ERR_IO,
-                           "%s: %s; sudo modprobe v4l2loopback exclusive_caps=1 makes one", target,
-                           strerror(errno));
+                           "%s: %s. Create one: sudo modprobe v4l2loopback exclusive_caps=1",
+                           target, strerror(errno));
     if (result >= 0)
-        result = set_format(self, target, err);
+        result = set_format(self, err);
     if (result < 0) {
         v4l2_close(self, NULL);
         return result;
@@ -167,7 +170,8 @@ static mrt_result v4l2_give(void *data, const uint8_t *rgba, error *err)
     stream_yuyv(self->yuyv, rgba, (size_t)self->look.width * self->look.height);
     if (write(self->fd, self->yuyv, size) >= 0 || errno == EAGAIN || errno == EINTR)
         return MRT_OK;
-    return error_set(err, MRT_ERR_IO, "the video device has gone: %s", strerror(errno));
+    return error_set(err, MRT_ERR_IO, "%s: the video device was lost: %s", self->path,
+                     strerror(errno));
 }
 
 static const stream_way stream_v4l2 = {v4l2_open, v4l2_give, v4l2_close};
@@ -176,7 +180,7 @@ static const stream_way stream_v4l2 = {v4l2_open, v4l2_give, v4l2_close};
 
 enum { PICTURES = 3 };
 static const int64_t retry_ns = 2 * NS_PER_S;
-static const int64_t stall_ns = 3 * NS_PER_S; /* after which the status says that none is taken */
+static const int64_t stall_ns = 3 * NS_PER_S; /* without progress: the status reports it */
 
 struct stream_target {
     const stream_way *way;
@@ -216,8 +220,8 @@ static void note(stream_target *self, bool is_open, uint64_t given, const char *
     pthread_mutex_unlock(&self->mutex);
 }
 
-/* One picture, for as long as it takes: a listener may wait for its first caller for hours.
- * MRT_TIMEOUT: the stream ends before it is taken. */
+/* Gives one picture and waits until it is taken: a listener may wait hours for its first caller.
+ * MRT_TIMEOUT: the stream was stopped meanwhile. */
 static mrt_result give(stream_target *self, void *way, error *err)
 {
     const uint8_t *rgba = self->picture[slot_front(&self->slot)];
@@ -226,8 +230,8 @@ static mrt_result give(stream_target *self, void *way, error *err)
     while ((result = self->way->give(way, rgba, err)) == MRT_TIMEOUT && !atomic_load(&self->stop)) {
         if (clock_now_ns() - began_ns < stall_ns)
             continue;
-        (void)error_set(err, MRT_OK, "%s: no picture is taken: no receiver, or it stands still",
-                        self->target);
+        (void)error_set(err, MRT_OK, "%s: no picture was taken for %d s: waiting for a receiver",
+                        self->target, (int)(stall_ns / NS_PER_S));
         note(self, false, 0, err->text);
     }
     return result;
@@ -287,15 +291,14 @@ static const stream_way *way_of(const char *target, error *err)
 #ifdef MAROTTE_HAS_PIPEWIRE
         return &stream_pipewire;
 #else
-        error_set(
-            err, MRT_ERR_UNSUPPORTED,
-            "marotte was built without PipeWire (libpipewire-0.3-dev): take srt://, udp:// or "
-            "/dev/videoN");
+        error_set(err, MRT_ERR_UNSUPPORTED,
+                  "marotte was built without PipeWire (libpipewire-0.3-dev): use srt://, udp:// or "
+                  "/dev/videoN");
         return NULL;
 #endif
     }
     error_set(err, MRT_ERR_ARGUMENT,
-              "\"%.80s\" is no place for pictures: expected pipewire, /dev/videoN, "
+              "cannot stream to \"%.80s\": expected pipewire, /dev/videoN, "
               "srt://HOST:PORT or udp://HOST:PORT",
               target);
     return NULL;

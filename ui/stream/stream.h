@@ -13,14 +13,14 @@ typedef struct stream_look {
     uint32_t fps;
 } stream_look;
 
-/* A way out. [its thread] */
+/* A kind of target. [thread of the target] */
 typedef struct stream_way {
-    /* It is called again some seconds after an error, which the status shows once. Once *stop is
-     * set, by another thread, nothing that was opened waits. */
+    /* It is called again some seconds after an error, which the status shows once. target and stop
+     * outlive what is opened. Once another thread sets *stop, nothing that was opened waits. */
     mrt_result (*open)(void **out, const char *target, const stream_look *look,
                        const _Atomic bool *stop, error *err);
     /* RGBA, straight alpha, rows from the top. Waits for a fraction of a second. MRT_TIMEOUT: not
-     * all of it was taken; the same picture comes again. < 0: gone; it is opened anew. */
+     * all of the picture was taken; the same picture comes again. < 0: lost; it is opened again. */
     mrt_result (*give)(void *self, const uint8_t *rgba, error *err);
     /* Waits for two seconds at most. why: an error to show, or as it is. */
     void (*close)(void *self, error *why);
@@ -33,7 +33,7 @@ extern const stream_way stream_pipewire; /* "pipewire", or "pipewire:NAME" */
 void stream_yuyv(uint8_t *out, const uint8_t *rgba, size_t count);
 
 typedef struct stream_target stream_target; /* [main] calls all of these */
-/* An error: a text that is no target, or one that this program was built without. */
+/* An error: the text is not a target, or this build lacks its kind. */
 CHECKED mrt_result stream_open(stream_target **out, const char *target, const stream_look *look,
                                error *err);
 /* Ends it without waiting: within about two seconds stream_status_of says that it has ended, and
@@ -41,14 +41,13 @@ CHECKED mrt_result stream_open(stream_target **out, const char *target, const st
 void stream_stop(stream_target *self);
 /* Waits for that end. NULL is fine. */
 void stream_close(stream_target *self);
-/* Where the next picture goes, look.width * look.height * 4; then stream_give hands it over. [main]
- */
+/* Buffer for the next picture, look.width * look.height * 4; then stream_give hands it over. */
 uint8_t *stream_picture(stream_target *self);
 void stream_give(stream_target *self);
 
 typedef struct stream_status {
     bool is_open, has_ended;
-    char says[STREAM_SAYS]; /* what is wrong, one line; "" */
+    char says[STREAM_SAYS]; /* a problem, one line; "" none */
     uint64_t given;         /* pictures */
 } stream_status;
 stream_status stream_status_of(stream_target *self);

@@ -1,5 +1,6 @@
-/* A camera among PipeWire's: a Video/Source node that gives RGBA frames with straight alpha. The
- * one file that knows libpipewire. Nobody looks at it: it costs a copy a frame. */
+/* A PipeWire camera: a Video/Source node of RGBA frames with straight alpha. The only file that
+ * uses libpipewire. Without a viewer it costs a copy a frame. Nothing waits for the daemon: its
+ * socket does not block. */
 #include "stream/stream.h"
 
 #include <pipewire/pipewire.h>
@@ -67,7 +68,7 @@ static void on_process(void *data)
     camera *self = data;
     const uint32_t stride = self->look.width * 4, size = stride * self->look.height;
     struct pw_buffer *to = pw_stream_dequeue_buffer(self->stream);
-    if (!to) /* whoever looks has them all */
+    if (!to) /* the viewers hold all buffers */
         return;
     struct spa_data *at = &to->buffer->datas[0];
     const bool fits = at->data && at->maxsize >= size;
@@ -157,8 +158,8 @@ static mrt_result pipewire_open(void **out, const char *target, const stream_loo
     const bool has_daemon = self->core != NULL;
     pipewire_close(self, NULL);
     return error_set(err, MRT_ERR_IO,
-                     has_daemon ? "PipeWire refuses a camera"
-                                : "PipeWire does not run here: the camera comes when it does");
+                     has_daemon ? "PipeWire refuses the camera"
+                                : "PipeWire is not running: the camera appears once it is");
 }
 
 static mrt_result pipewire_give(void *data, const uint8_t *rgba, error *err)
@@ -171,9 +172,7 @@ static mrt_result pipewire_give(void *data, const uint8_t *rgba, error *err)
         (void)pw_stream_trigger_process(self->stream);
     pw_thread_loop_unlock(self->loop);
     return is_gone ? error_set(err, MRT_ERR_IO,
-                               "PipeWire has gone (%s): the camera comes back "
-                               "with it",
-                               self->why)
+                               "PipeWire was lost (%s): the camera returns when it does", self->why)
                    : MRT_OK;
 }
 

@@ -1,11 +1,10 @@
-/* stream/video.h - a performance as moving pictures: frames come in one by one and are drawn,
- * encoded and forgotten in a thread of their own, so that memory stays the same at any length. The
- * same renderer as everywhere, without a window. Encoders are a folder of PNG (FOLDER/00001.png and
- * on, and FOLDER/frames.json, which says how many there are and at what rate; they come into the
- * folder when all are there, and only a sequence of ours is replaced) and the ffmpeg program
- * (pictures go in by a pipe, an .mp4 of H.264 and AAC comes out, complete or absent). Leaves out
- * the formats of meshes (exports.h). [main]; an encoder on one thread, what it starts has signals
- * as usual, and does not hear the terminal's. */
+/* stream/video.h - a performance as moving pictures: a thread draws and encodes frame by frame, so
+ * that memory stays the same at any length. The same renderer as everywhere, without a window.
+ * Encoders: a folder of PNG (FOLDER/00001.png and on; FOLDER/frames.json has their number and rate;
+ * they are moved into the folder when all are written, and replace only a sequence that marotte
+ * wrote), and the program ffmpeg (pictures by a pipe, an .mp4 of H.264 and AAC, complete or
+ * absent). Leaves out the formats of meshes (exports.h). [main]; one encoder on one thread. ffmpeg
+ * gets default signal handlers and a process group of its own: Ctrl-C does not reach it. */
 #ifndef MAROTTE_UI_VIDEO_H
 #define MAROTTE_UI_VIDEO_H
 #include "draw/scenery.h"
@@ -107,14 +106,14 @@ bool video_is_stream(const char *path);
 CHECKED mrt_result video_ffmpeg_check(const char *path, error *err);
 CHECKED mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path,
                                      const video_ffmpeg_about *about, error *err);
-/* Waits while ffmpeg is busy; an error: it stood still for its patience, or the caller gives up.
- * rgba: rows from the top. */
+/* Waits while ffmpeg is busy. An error: ffmpeg stood still for the patience, or the caller gives
+ * up. rgba: rows from the top. */
 CHECKED mrt_result video_ffmpeg_add(video_ffmpeg *self, const uint8_t *rgba, error *err);
-/* The same, for a caller that watches the time itself: MRT_TIMEOUT after 100 ms in which ffmpeg did
- * not take all of it; then the same picture comes again. */
+/* The same without patience: MRT_TIMEOUT when ffmpeg did not take the whole picture within 100 ms.
+ * The next call must pass the same picture. */
 CHECKED mrt_result video_ffmpeg_offer(video_ffmpeg *self, const uint8_t *rgba, error *err);
-/* Waits until ffmpeg has ended, as video_ffmpeg_add does. Success: the file has an end, an index
- * and all the pictures, and is there; else what was there before is. Freed whatever the result. */
+/* Waits until ffmpeg has ended, with the same patience. Success: the file is complete and in place.
+ * Failure: an earlier file is still there. Freed whatever the result. */
 CHECKED mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err);
 /* Ends ffmpeg: a live one has a second to end by itself. False: it had to be killed. NULL is fine.
  */
@@ -126,8 +125,8 @@ CHECKED mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, e
 enum { VIDEO_FILES_MAX = 16 };
 
 typedef enum video_pace {
-    VIDEO_EVERY_FRAME = 0, /* whoever is performed waits for the pictures */
-    VIDEO_LIVE             /* nobody waits: what cannot be drawn in time shows the one before */
+    VIDEO_EVERY_FRAME = 0, /* video_add waits for the encoder */
+    VIDEO_LIVE             /* video_add never waits: a late frame repeats the picture before it */
 } video_pace;
 
 typedef struct video_file { /* a folder ("frames/"), or an .mp4 */
@@ -147,20 +146,20 @@ typedef struct video_settings {
 
 typedef struct video video;
 
-/* Better known before an hour of performing. */
+/* Whether the files can be written, before an hour of performing. */
 CHECKED mrt_result video_check(const video_file *file, uint32_t count, const video_look *look,
                                error *err);
 CHECKED mrt_result video_create(video **out, const video_file *file, uint32_t count,
                                 const video_settings *settings, error *err);
-/* Without video_finish all that was written is removed. NULL is fine. */
+/* Without video_finish everything that was written is removed. NULL is fine. */
 void video_destroy(video *self);
 
-/* The next frame. VIDEO_EVERY_FRAME: < 0 as soon as the pictures have failed. VIDEO_LIVE: goes on
- * whatever becomes of them: video_finish says it, and video_has_failed. */
+/* The next frame. VIDEO_EVERY_FRAME: < 0 once the video has failed or is cancelled. VIDEO_LIVE: no
+ * error; video_finish and video_has_failed report it. */
 CHECKED mrt_result video_add(video *self, const points *shape, const points_order *order,
                              error *err);
 bool video_has_failed(video *self, error *out_why);
-/* Waits for the last picture; the files are there. */
+/* Waits for the last picture. Success: the files are complete. */
 CHECKED mrt_result video_finish(video *self, error *err);
 
 typedef struct video_report {
