@@ -14,7 +14,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { WILD = 6 }; /* letters of a temporary name that are drawn */
+enum { SLOTS = 100 }; /* temporary names of one target: as many programs write it at once */
 
 mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err)
 {
@@ -109,28 +109,65 @@ void file_bytes_finish(file_bytes *bytes)
     *bytes = (file_bytes){0};
 }
 
-/* As mkstemps, but not readable by its owner alone: the file has the mode that the umask gives,
- * which is the whole process's and cannot be asked for without changing it. Its name is the path
- * with `suffix`, whose X become letters. -1 and errno. */
-static int make_temporary(char *name, size_t length)
+/* A temporary file is locked while its writer lives, so one without a lock was abandoned by a kill.
+ */
+static bool remove_abandoned(const char *name)
 {
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
-    unsigned char random[WILD];
-    for (int attempt = 0; attempt < 100; ++attempt) {
-        if (getentropy(random, sizeof random) != 0)
-            return -1;
-        for (size_t i = 0; i < WILD; ++i)
-            name[length + 1 + i] = letters[random[i] % (sizeof letters - 1)];
-        int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-        if (fd >= 0 || errno != EEXIST)
-            return fd;
-    }
+    struct stat ours, there;
+    const int fd = open(name, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (fd < 0)
+        return false;
+    const bool is_removed = fstat(fd, &ours) == 0 && S_ISREG(ours.st_mode) &&
+                            ours.st_uid == geteuid() && flock(fd, LOCK_EX | LOCK_NB) == 0 &&
+                            lstat(name, &there) == 0 && there.st_dev == ours.st_dev &&
+                            there.st_ino == ours.st_ino && unlink(name) == 0;
+    close(fd);
+    return is_removed;
+}
+
+/* Made anew and locked. Whoever found it before it was locked removes it: then it is no use. -1 and
+ * errno. */
+static int make_locked(const char *name)
+{
+    struct stat made;
+    const int fd = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (fd < 0)
+        return -1;
+    const bool is_taken = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (!is_taken && fstat(fd, &made) == 0 && made.st_nlink > 0)
+        return fd;
+    close(fd);
+    errno = EEXIST;
     return -1;
+}
+
+/* The name is the target's, then ".marotte-", its slot and ".tmp". The file has the mode that the
+ * umask gives. What was abandoned in the slots before and behind it is removed. -1 and errno. */
+static int make_temporary(char *name, size_t capacity, const char *path)
+{
+    int fd = -1, slot = 0, reason = EEXIST;
+    for (; fd < 0 && slot < SLOTS && reason == EEXIST; ++slot) {
+        (void)snprintf(name, capacity, "%s.marotte-%d.tmp", path, slot);
+        fd = make_locked(name);
+        reason = errno;
+        if (fd < 0 && reason == EEXIST && remove_abandoned(name)) {
+            fd = make_locked(name);
+            reason = errno;
+        }
+    }
+    for (bool is_found = fd >= 0; is_found && slot < SLOTS; ++slot) {
+        char other[PATH_MAX];
+        (void)snprintf(other, sizeof other, "%s.marotte-%d.tmp", path, slot);
+        is_found = access(other, F_OK) == 0;
+        (void)remove_abandoned(other);
+    }
+    errno = reason;
+    return fd;
 }
 
 mrt_result file_writer_open(file_writer *out, const char *path, error *err)
 {
-    static const char suffix[] = ".XXXXXX.tmp";
+    static const char suffix[] = ".marotte-99.tmp";
     *out = (file_writer){0};
     mrt_result result = MRT_ERR_IO;
     int fd = -1;
@@ -149,9 +186,7 @@ mrt_result file_writer_open(file_writer *out, const char *path, error *err)
         result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
         goto fail;
     }
-    memcpy(out->temporary_path, path, length);
-    memcpy(out->temporary_path + length, suffix, sizeof suffix);
-    fd = make_temporary(out->temporary_path, length);
+    fd = make_temporary(out->temporary_path, length + sizeof suffix, path);
     if (fd < 0) {
         error_set(err, result, "%s: cannot write: %s", path, strerror(errno));
         free(out->temporary_path);
@@ -170,11 +205,15 @@ fail:
     return result;
 }
 
+/* The lock is held until the temporary name is gone: nobody else may remove or use that name
+ * before.
+ */
 mrt_result file_writer_commit(file_writer *writer, error *err)
 {
     FILE *stream = writer->stream;
     int failed = ferror(stream) | fflush(stream);
     int reason = errno;
+    const int lock = fcntl(fileno(stream), F_DUPFD_CLOEXEC, 0);
     if (!failed && fsync(fileno(stream)) != 0 && errno != EINVAL && errno != EROFS) {
         failed = 1;
         reason = errno;
@@ -197,6 +236,8 @@ mrt_result file_writer_commit(file_writer *writer, error *err)
         writer->temporary_path = NULL;
     }
     file_writer_abandon(writer);
+    if (lock >= 0)
+        close(lock);
     return result;
 }
 
@@ -204,10 +245,10 @@ void file_writer_abandon(file_writer *writer)
 {
     if (!writer)
         return;
-    if (writer->stream)
-        (void)fclose(writer->stream);
     if (writer->temporary_path)
         (void)unlink(writer->temporary_path);
+    if (writer->stream)
+        (void)fclose(writer->stream);
     free(writer->temporary_path);
     free(writer->path);
     *writer = (file_writer){0};

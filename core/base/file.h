@@ -1,7 +1,9 @@
 /* base/file.h - whole files in, and files out that are either complete or absent.
  * Reading refuses directories, devices and files over a cap with a message that names the file.
  * Writing goes to a temporary file beside the target, which is synced and renamed at the end:
- * a failure or a crash leaves what was there before. [main], or any thread that may block. */
+ * a failure or a crash leaves what was there before. The temporary file is locked while it is
+ * written: one that a killed program left is removed by the next writer of that target. [main], or
+ * any thread that may block. */
 #ifndef MAROTTE_BASE_FILE_H
 #define MAROTTE_BASE_FILE_H
 #include "base/error.h"

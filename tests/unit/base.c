@@ -15,12 +15,15 @@
 #include "base/slot.h"
 #include "base/text.h"
 
+#include <dirent.h>
 #include <math.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 static text_view view(const char *text)
@@ -342,6 +345,101 @@ static void reading_refuses_what_is_not_a_file_with_bytes(void **state)
     assert_true(file_read(&bytes, "/dev/zero", 100, &err) < 0);
 }
 
+/* How many files lie in the folder whose names end so. */
+static int count_files(const char *folder, const char *ending)
+{
+    int count = 0;
+    DIR *list = opendir(folder);
+    assert_non_null(list);
+    for (struct dirent *e; (e = readdir(list));) {
+        const size_t length = strlen(e->d_name), end = strlen(ending);
+        count += length > end && strcmp(e->d_name + length - end, ending) == 0;
+    }
+    closedir(list);
+    return count;
+}
+
+/* Two programs write one file and are killed: the next one that writes it removes what they left,
+ * and nothing else. One that still writes is left alone. */
+static void what_a_killed_writer_left_is_removed_by_the_next_one(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/marotte-base-XXXXXX", path[64], other[4][96], command[64];
+    error err = {""};
+    pid_t child[2];
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/x.mp4", folder);
+    (void)snprintf(other[0], sizeof other[0], "%s/x.mp4.backup.tmp", folder);
+    (void)snprintf(other[1], sizeof other[1], "%s/x.mp4.tmp", folder);
+    (void)snprintf(other[2], sizeof other[2], "%s/y.mp4.marotte-0.tmp", folder);
+    for (int i = 0; i < 3; ++i)
+        assert_int_equal(file_write(other[i], "theirs", 6, &err), MRT_OK);
+    for (int i = 0; i < 2; ++i) {
+        int ready[2];
+        char byte;
+        assert_int_equal(pipe(ready), 0);
+        child[i] = fork();
+        assert_true(child[i] >= 0);
+        if (child[i] == 0) {
+            file_writer w;
+            if (file_writer_open(&w, path, &err) < 0 || fputs("half", w.stream) < 0 ||
+                fflush(w.stream) != 0 || write(ready[1], "x", 1) != 1)
+                _exit(1);
+            (void)alarm(600); /* where the test fails before it is killed */
+            pause();
+            _exit(1);
+        }
+        close(ready[1]);
+        assert_int_equal(read(ready[0], &byte, 1), 1);
+        close(ready[0]);
+    }
+    assert_int_equal(count_files(folder, ".tmp"), 5);
+    assert_int_equal(file_write(path, "whole", 5, &err), MRT_OK); /* both still write */
+    assert_int_equal(count_files(folder, ".tmp"), 5);
+    for (int i = 0; i < 2; ++i) {
+        assert_int_equal(kill(child[i], SIGKILL), 0);
+        assert_int_equal(waitpid(child[i], NULL, 0), child[i]);
+    }
+    file_writer w; /* one that is open meanwhile in this program */
+    assert_int_equal(file_writer_open(&w, path, &err), MRT_OK);
+    assert_int_equal(count_files(folder, ".tmp"), 4);
+    assert_int_equal(file_write(path, "again", 5, &err), MRT_OK);
+    assert_int_equal(count_files(folder, ".tmp"), 4);
+    assert_true(fputs("last", w.stream) >= 0);
+    assert_int_equal(file_writer_commit(&w, &err), MRT_OK);
+    assert_int_equal(count_files(folder, ".tmp"), 3);
+    file_bytes bytes;
+    assert_int_equal(file_read(&bytes, path, 10, &err), MRT_OK);
+    assert_string_equal((const char *)bytes.data, "last");
+    file_bytes_finish(&bytes);
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
+/* In a folder where others may write, a temporary file's name may lead anywhere. */
+static void what_lies_at_a_temporary_name_is_not_written_or_followed(void **state)
+{
+    (void)state;
+    char folder[] = "/tmp/marotte-base-XXXXXX", path[64], name[96], victim[64], command[64];
+    error err = {""};
+    file_bytes bytes;
+    assert_non_null(mkdtemp(folder));
+    (void)snprintf(path, sizeof path, "%s/x", folder);
+    (void)snprintf(victim, sizeof victim, "%s/victim", folder);
+    assert_int_equal(file_write(victim, "theirs", 6, &err), MRT_OK);
+    for (int i = 0; i < 2; ++i) {
+        (void)snprintf(name, sizeof name, "%s.marotte-%d.tmp", path, i);
+        assert_int_equal(i ? mkfifo(name, 0600) : symlink(victim, name), 0);
+    }
+    assert_int_equal(file_write(path, "whole", 5, &err), MRT_OK);
+    assert_int_equal(count_files(folder, ".tmp"), 2);
+    assert_int_equal(file_read(&bytes, victim, 10, &err), MRT_OK);
+    assert_string_equal((const char *)bytes.data, "theirs");
+    file_bytes_finish(&bytes);
+    (void)snprintf(command, sizeof command, "rm -r %s", folder);
+    assert_int_equal(system(command), 0);
+}
+
 static void holes_of_a_file_do_not_count(void **state)
 {
     (void)state;
@@ -415,6 +513,8 @@ int main(void)
         cmocka_unit_test(files_are_written_whole_or_not_at_all),
         cmocka_unit_test(missing_folders_of_a_file_are_created),
         cmocka_unit_test(reading_refuses_what_is_not_a_file_with_bytes),
+        cmocka_unit_test(what_a_killed_writer_left_is_removed_by_the_next_one),
+        cmocka_unit_test(what_lies_at_a_temporary_name_is_not_written_or_followed),
         cmocka_unit_test(holes_of_a_file_do_not_count),
         cmocka_unit_test(a_budget_grows_with_the_file_and_says_when_it_is_used_up),
     };
