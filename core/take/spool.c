@@ -1,15 +1,23 @@
 #include "take/spool.h"
 
+#include "base/file.h"
+
+#include <dirent.h>
+#include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
 
-enum { PATH_BYTES = 96, RECORDS_MAX = 1 << 20, RECORDS_AT = 512 };
-static const uint64_t magic = 0x32304c4f4f50534d; /* "MSPOOL02" */
+enum { PATH_BYTES = 96, RECORDS_MAX = 1 << 20, RECORDS_AT = 8192, KEPT_S = 3600 };
+static const uint64_t magic = 0x33304c4f4f50534d; /* "MSPOOL03" */
+static const char folder[] = "/dev/shm/", ending[] = ".spool";
 
 typedef struct lane_head {
     _Atomic int64_t whose;
@@ -24,12 +32,15 @@ typedef struct head { /* of the file; the records follow at RECORDS_AT, then tho
     _Atomic uint32_t written, taken, settled;
     uint32_t lane_record_size, lane_record_count;
     lane_head lane[SPOOL_LANES];
+    _Atomic int64_t used_s;   /* UTC of its last settling */
+    char show_path[PATH_MAX]; /* real; "": not known */
 } head;
 _Static_assert(sizeof(head) <= RECORDS_AT, "the head has room before the records");
 
 struct spool {
     head *head;
     uint8_t *records, *lanes;
+    int fd; /* locked while it is used; -1: plain memory, or found */
     spool_shape shape;
     size_t map_size; /* 0: plain memory */
     uint32_t mask;
@@ -39,28 +50,46 @@ struct spool {
     _Atomic uint32_t loss_count;
 };
 
-static void path_of(char out[PATH_BYTES], const struct stat *of)
+static void begin_name(char out[PATH_BYTES])
 {
-    (void)snprintf(out, PATH_BYTES, "/dev/shm/marotte-%ju-%jx-%ju.spool", (uintmax_t)geteuid(),
-                   (uintmax_t)of->st_dev, (uintmax_t)of->st_ino);
+    (void)snprintf(out, PATH_BYTES, "marotte-%ju-", (uintmax_t)geteuid());
 }
 
-/* Its pages are there before it is used: none is waited for, and none is missing. */
-static void *map_new_file(const char *path, size_t size)
+static void path_of(char out[PATH_BYTES], const struct stat *of)
 {
-    (void)unlink(path);
-    int fd = open(path, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
+    char begin[PATH_BYTES];
+    begin_name(begin);
+    (void)snprintf(out, PATH_BYTES, "%s%.40s%jx-%ju%s", folder, begin, (uintmax_t)of->st_dev,
+                   (uintmax_t)of->st_ino, ending);
+}
+
+/* Its pages are there before it is used: none is waited for, and none is missing. It gets its name
+ * when it is locked and complete, so a spool without a lock is never one that is just made. */
+static void *map_new_file(int *out_fd, const char *path, size_t size)
+{
+    char made[PATH_BYTES + 8];
+    (void)snprintf(made, sizeof made, "%s.new", path);
+    (void)unlink(made);
+    *out_fd = -1;
+    int fd = open(made, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (fd < 0)
         return NULL;
     void *map = MAP_FAILED;
-    if (posix_fallocate(fd, 0, (off_t)size) == 0)
+    if (flock(fd, LOCK_EX | LOCK_NB) == 0 && posix_fallocate(fd, 0, (off_t)size) == 0)
         map = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
-    close(fd);
     if (map == MAP_FAILED) {
-        (void)unlink(path);
+        close(fd);
+        (void)unlink(made);
         return NULL;
     }
     memset(map, 0, size);
+    if (rename(made, path) != 0) {
+        (void)munmap(map, size);
+        close(fd);
+        (void)unlink(made);
+        return NULL;
+    }
+    *out_fd = fd;
     return map;
 }
 
@@ -79,14 +108,16 @@ static void use_map(spool *self, void *map, const spool_shape *shape)
     self->mask = shape->record_count - 1;
 }
 
-spool *spool_create(const struct stat *of, const spool_shape *shape, int64_t context)
+spool *spool_create(const struct stat *of, const char *path, const spool_shape *shape,
+                    int64_t context)
 {
     spool *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
-    size_t size = size_of(shape);
+    spool_remove_abandoned(time(NULL));
+    const size_t size = size_of(shape);
     path_of(self->path, of);
-    void *map = map_new_file(self->path, size);
+    void *map = map_new_file(&self->fd, self->path, size);
     self->map_size = map ? size : 0;
     if (!map)
         map = calloc(1, size);
@@ -102,6 +133,11 @@ spool *spool_create(const struct stat *of, const spool_shape *shape, int64_t con
     self->head->record_count = shape->record_count;
     self->head->lane_record_size = (uint32_t)shape->lane_record_size;
     self->head->lane_record_count = shape->lane_record_count;
+    char *real = realpath(path, NULL);
+    if (real && strlen(real) < sizeof self->head->show_path)
+        (void)snprintf(self->head->show_path, sizeof self->head->show_path, "%s", real);
+    free(real);
+    atomic_store(&self->head->used_s, (int64_t)time(NULL));
     self->head->magic = magic;
     return self;
 }
@@ -114,6 +150,8 @@ void spool_abandon(spool *self)
         (void)munmap(self->head, self->map_size);
     else
         free(self->head);
+    if (self->fd >= 0)
+        close(self->fd);
     free(self);
 }
 
@@ -160,6 +198,7 @@ void spool_settle(spool *self)
     atomic_store_explicit(&self->head->settled,
                           atomic_load_explicit(&self->head->taken, memory_order_relaxed),
                           memory_order_release);
+    atomic_store_explicit(&self->head->used_s, (int64_t)time(NULL), memory_order_relaxed);
 }
 
 /* The producer may have gone round since the last settling. */
@@ -272,6 +311,7 @@ spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_
     spool *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;
+    self->fd = -1;
     path_of(self->path, of);
     void *map = map_old_file(self->path, &self->map_size);
     if (!map) {
@@ -291,4 +331,82 @@ spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_
     self->is_found = true;
     self->next = atomic_load(&self->head->written) - left_count(self);
     return self;
+}
+
+/* ---- what nobody will ask for ---- */
+
+static bool is_in_folder(const char *show_path, uint64_t inode)
+{
+    char *name = file_directory(show_path);
+    DIR *list = name ? opendir(name) : NULL;
+    bool is_found = false;
+    for (struct dirent *e; list && !is_found && (e = readdir(list));)
+        is_found = (uint64_t)e->d_ino == inode;
+    if (list)
+        closedir(list);
+    free(name);
+    return is_found;
+}
+
+/* The nearest folder that is still there is on the show's disk: so the disk is there, and the show
+ * is not. */
+static bool is_deleted(const head *of)
+{
+    char path[PATH_MAX];
+    struct stat status;
+    (void)snprintf(path, sizeof path, "%.*s", PATH_MAX - 1, of->show_path);
+    if (path[0] != '/' || is_in_folder(path, of->inode))
+        return false;
+    while (stat(path, &status) != 0) {
+        char *slash = strrchr(path, '/');
+        if ((errno != ENOENT && errno != ENOTDIR) || !slash)
+            return false;
+        slash[slash == path] = '\0';
+    }
+    return (uint64_t)status.st_dev == of->device;
+}
+
+/* Nothing waits in it: all is in the show. */
+static bool is_settled(const head *of)
+{
+    for (uint32_t i = 0; i < SPOOL_LANES; ++i)
+        if (atomic_load(&of->lane[i].whose) != 0 && atomic_load(&of->lane[i].written) > 0)
+            return false;
+    return atomic_load(&of->written) == atomic_load(&of->settled);
+}
+
+static void remove_one(const char *path, int64_t now_s)
+{
+    head of;
+    struct stat status;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (fd < 0)
+        return;
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid() &&
+        flock(fd, LOCK_EX | LOCK_NB) == 0 && pread(fd, &of, sizeof of, 0) == (ssize_t)sizeof of &&
+        of.magic == magic && memchr(of.show_path, 0, sizeof of.show_path)) {
+        const bool is_old = now_s - atomic_load(&of.used_s) > KEPT_S;
+        struct stat there;
+        if ((is_settled(&of) || (is_old && is_deleted(&of))) && lstat(path, &there) == 0 &&
+            there.st_ino == status.st_ino)
+            (void)unlink(path);
+    }
+    close(fd);
+}
+
+void spool_remove_abandoned(int64_t now_s)
+{
+    char begin[PATH_BYTES], path[PATH_BYTES];
+    begin_name(begin);
+    DIR *list = opendir(folder);
+    if (!list)
+        return;
+    for (struct dirent *e; (e = readdir(list));) {
+        const size_t length = strlen(e->d_name);
+        if (length > sizeof ending && strncmp(e->d_name, begin, strlen(begin)) == 0 &&
+            strcmp(e->d_name + length - (sizeof ending - 1), ending) == 0 &&
+            snprintf(path, sizeof path, "%s%s", folder, e->d_name) < (int)sizeof path)
+            remove_one(path, now_s);
+    }
+    closedir(list);
 }

@@ -17,9 +17,11 @@ typedef struct spool_shape {
 } spool_shape;
 enum { SPOOL_LANES = 16 };
 
-/* For the show that is this file; one at a time, as there is one writer. `context` comes back with
- * the records. NULL: no memory. */
-spool *spool_create(const struct stat *of, const spool_shape *shape, int64_t context);
+/* For the show that is this file at this path; one at a time, as there is one writer. `context`
+ * comes back with the records. NULL: no memory. Removes what other shows left, too:
+ * spool_remove_abandoned. */
+spool *spool_create(const struct stat *of, const char *path, const spool_shape *shape,
+                    int64_t context);
 void spool_destroy(spool *self); /* with its file: all is committed, or said to be lost */
 
 /* [producer] Wait-free; false, and one more loss, when it is full. */
@@ -57,5 +59,10 @@ void spool_lane_read(const spool *self, uint32_t lane, uint32_t index, void *out
  * destroy removes the file, abandon leaves it for the next time. */
 spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_context);
 void spool_abandon(spool *self);
+
+/* Removes this user's spools that no program uses and nobody will ask for: all in it is settled, or
+ * its show was deleted and it has been unused for an hour. A show that was renamed in its folder,
+ * or lies on a disk that is not there now, keeps its spool. now_s: UTC. */
+void spool_remove_abandoned(int64_t now_s);
 
 #endif

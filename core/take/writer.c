@@ -800,7 +800,7 @@ static mrt_result begin_session(show *s, const writer_options *options, int64_t 
 static mrt_result allocate(writer *self, const writer_options *options, error *err)
 {
     struct stat of = {.st_dev = self->of->device, .st_ino = self->of->inode};
-    self->ring = spool_create(&of, &writer_spool_shape, self->to_show_ns);
+    self->ring = spool_create(&of, self->of->path, &writer_spool_shape, self->to_show_ns);
     bool good = self->ring != NULL;
     self->lent = malloc(WRITER_WAITING_MAX * sizeof *self->lent);
     self->room = malloc(WRITER_WAITING_TEXTS_MAX * sizeof *self->room);

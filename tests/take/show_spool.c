@@ -13,6 +13,7 @@
 
 #include <signal.h>
 #include <sys/wait.h>
+#include <time.h>
 
 /* A program that was killed between being given samples and committing them, and a stranger's
  * spool. */
@@ -152,7 +153,7 @@ static void a_spool_of_another_session_is_left_out(void **state)
     assert_int_equal(stat(at->path, &of), 0);
     spool_shape shape = writer_spool_shape;
     shape.record_count = 8;
-    spool *stranger = spool_create(&of, &shape, 12345);
+    spool *stranger = spool_create(&of, at->path, &shape, 12345);
     assert_non_null(stranger);
     writer_record record = {
         .kind = WRITER_RECORD_SAMPLE, .id = 1, .of.sample = scene_sample(1, 50)};
@@ -173,7 +174,7 @@ static void a_ring_gives_what_it_took_in_order(void **state)
     const spool_shape shape = {.record_size = sizeof record, .record_count = 8};
     const spool_shape other = {.record_size = sizeof record + 4, .record_count = 8};
     assert_int_equal(stat(at->folder, &of), 0);
-    spool *ring = spool_create(&of, &shape, 77);
+    spool *ring = spool_create(&of, at->path, &shape, 77);
     assert_non_null(ring);
     for (uint32_t i = 0; i < 8; ++i)
         assert_true(spool_push(ring, &i));
@@ -189,7 +190,7 @@ static void a_ring_gives_what_it_took_in_order(void **state)
     if (access("/dev/shm", W_OK) != 0)
         skip();
     assert_null(spool_find(&of, &other, &context)); /* of another shape: removed */
-    ring = spool_create(&of, &shape, 78);
+    ring = spool_create(&of, at->path, &shape, 78);
     for (uint32_t i = 0; i < 6; ++i)
         assert_true(spool_push(ring, &i) && (i >= 3 || spool_pop(ring, &record)));
     spool_abandon(ring);
@@ -203,6 +204,77 @@ static void a_ring_gives_what_it_took_in_order(void **state)
     assert_null(spool_find(&of, &shape, &context));
 }
 
+static const spool_shape small = {.record_size = sizeof(uint32_t), .record_count = 8};
+
+static bool is_kept(const struct stat *of)
+{
+    int64_t context;
+    spool *found = spool_find(of, &small, &context);
+    spool_abandon(found);
+    return found != NULL;
+}
+
+/* A killed program's: it keeps nothing open. */
+static void leave_spool(const scene *at, const struct stat *of, bool is_settled)
+{
+    const pid_t child = fork();
+    if (child == 0) {
+        uint32_t record = 7;
+        spool *ring = spool_create(of, at->path, &small, 1);
+        if (!ring || !spool_push(ring, &record))
+            _exit(1);
+        if (is_settled && spool_pop(ring, &record))
+            spool_settle(ring);
+        (void)raise(SIGKILL);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status));
+}
+
+static void what_nobody_will_ask_for_is_removed(void **state)
+{
+    scene *at = *state;
+    struct stat of;
+    char renamed[SCENE_PATH + 8];
+    const int64_t now_s = (int64_t)time(NULL), later_s = now_s + 2 * 3600;
+    if (access("/dev/shm", W_OK) != 0)
+        skip();
+    show_close(scene_create(at));
+    assert_int_equal(stat(at->path, &of), 0);
+    (void)snprintf(renamed, sizeof renamed, "%s.renamed", at->path);
+    leave_spool(at, &of, true); /* nothing waits in it */
+    assert_true(is_kept(&of));
+    spool_remove_abandoned(now_s);
+    assert_false(is_kept(&of));
+    leave_spool(at, &of, false);
+    spool_remove_abandoned(later_s); /* its show is there */
+    assert_true(is_kept(&of));
+    assert_int_equal(rename(at->path, renamed), 0);
+    spool_remove_abandoned(later_s);
+    assert_true(is_kept(&of));
+    assert_int_equal(unlink(renamed), 0);
+    spool_remove_abandoned(now_s); /* it was used just now */
+    assert_true(is_kept(&of));
+    uint32_t record = 7;
+    spool *ring = spool_create(&of, at->path, &small, 1); /* somebody uses it */
+    assert_true(spool_push(ring, &record));
+    spool_remove_abandoned(later_s);
+    assert_true(is_kept(&of));
+    spool_abandon(ring);
+    spool_remove_abandoned(later_s);
+    assert_true(is_kept(&of)); /* of a show that was never at a path */
+    spool_destroy(spool_find(&of, &small, &(int64_t){0}));
+    FILE *again = fopen(at->path, "wb");
+    assert_true(again && fclose(again) == 0 && stat(at->path, &of) == 0);
+    leave_spool(at, &of, false);
+    char command[SCENE_PATH];
+    (void)snprintf(command, sizeof command, "rm -r '%s'", at->folder);
+    assert_int_equal(system(command), 0);
+    spool_remove_abandoned(later_s);
+    assert_false(is_kept(&of)); /* with its folder */
+}
+
 #define TEST(name) cmocka_unit_test_setup_teardown(name, scene_set_up, scene_tear_down)
 
 int main(void)
@@ -212,6 +284,7 @@ int main(void)
         TEST(what_had_arrived_and_was_not_performed_is_added_once),
         TEST(a_lane_keeps_the_newest),
         TEST(a_spool_of_another_session_is_left_out),
+        TEST(what_nobody_will_ask_for_is_removed),
         TEST(a_ring_gives_what_it_took_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
