@@ -1,6 +1,5 @@
 /* A PipeWire camera: a Video/Source node of RGBA frames with straight alpha. The only file that
- * uses libpipewire. Without a viewer it costs a copy a frame. Nothing waits for the daemon: its
- * socket does not block. */
+ * uses libpipewire. Without a viewer it costs a copy a frame. Nothing waits for the daemon. */
 #include "stream/stream.h"
 
 #include <pipewire/pipewire.h>
