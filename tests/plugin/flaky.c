@@ -1,7 +1,8 @@
 /* A device that misbehaves on command, for tests of what the host makes of it: it goes away and
  * comes back, comes back as another, takes long to open, holds a pedal down when it goes, lies
- * about time, gives nonsense or nothing. Its parameters say what. It never allocates after create,
- * and holds one file open while it is open. */
+ * about time, gives nonsense or nothing. Its parameters say what. What it does and when goes by its
+ * own time, that of its samples: it gives as many, however late they are read. It never allocates
+ * after create, and holds one file open while it is open. */
 #include <marotte/plugin.h>
 
 #include <fcntl.h>
@@ -26,6 +27,7 @@ enum {
     PARAM_RESTART,
     PARAM_LEARN,
     PARAM_FIRST,
+    PARAM_TRIES,
     PARAM_COUNT
 };
 enum { BACK_SAME = 0, BACK_FEWER, BACK_LEFT };
@@ -39,7 +41,7 @@ struct mrt_plugin {
     uint32_t hand, channel_count, sequence;
     mrt_channel channel[CHANNELS_MAX];
     int64_t opened_ns, next_ns, back_ns; /* back_ns: away until then */
-    uint32_t open_count, losses;
+    uint32_t open_count, losses, tries; /* tries: since the last loss */
     uint64_t sample_count; /* of all times that it was open */
     bool has_asked, is_learning;
 };
@@ -86,7 +88,8 @@ static mrt_result flaky_open(mrt_plugin *self, const char *address, const double
         return refuse(self, "given up: the host is stopping");
     if (self->open_count == 1 && params[PARAM_FAIL] > 0.5)
         return refuse(self, "no such device: plug it in");
-    if (self->host->now_ns(self->host) < self->back_ns)
+    bool is_away = self->losses > 0 && self->tries++ < (uint32_t)params[PARAM_TRIES];
+    if (is_away || self->host->now_ns(self->host) < self->back_ns)
         return refuse(self, "no such device");
     self->file = open("/dev/null", O_RDONLY | O_CLOEXEC);
     if (self->file < 0)
@@ -131,6 +134,7 @@ static void fill(mrt_plugin *self, const double *params, mrt_sample *out)
 static mrt_result go_away(mrt_plugin *self, const double *params, int64_t now_ns)
 {
     self->losses += 1;
+    self->tries = 0;
     self->back_ns = now_ns + ns_of(params[PARAM_AWAY]);
     return refuse(self, "the cable was pulled");
 }
@@ -150,7 +154,7 @@ static mrt_result flaky_read(mrt_plugin *self, const double *params, int64_t dea
                              mrt_sample *out)
 {
     int64_t now_ns = self->host->now_ns(self->host);
-    int64_t age_ns = now_ns - self->opened_ns;
+    int64_t age_ns = self->next_ns - self->opened_ns;
     bool may_go = params[PARAM_LOSSES] < 0.5 || self->losses < (uint32_t)params[PARAM_LOSSES];
     int lie = (int)params[PARAM_LIE];
     learn(self, params);
@@ -227,7 +231,7 @@ static const char *const lie_label[] = {"none", "nan", "future", "silent", "hast
 
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_RATE] = {1, 0, "rate", "Device", "Hz", "Samples a second", 1, 2000, 200, NULL},
-    [PARAM_RUN] = {2, 0, "run", "Loss", "s", "Goes away after this; 0: never", 0, 1e4, 0, NULL},
+    [PARAM_RUN] = {2, 0, "run", "Loss", "s", "Goes away after samples of so long; 0: never", 0, 1e4, 0, NULL},
     [PARAM_AWAY] = {3, 0, "away", "Loss", "s", "How long", 0, 1e4, 0, NULL},
     [PARAM_LOSSES] = {4, MRT_PARAM_STEPPED, "losses", "Loss", "", "How often; 0: always", 0, 1e6, 0,
                       NULL},
@@ -250,6 +254,8 @@ static const mrt_param params[PARAM_COUNT] = {
                      NULL},
     [PARAM_FIRST] = {14, 0, "first", "Device", "s", "How long the first open takes", 0, 100, 0,
                      NULL},
+    [PARAM_TRIES] = {15, MRT_PARAM_STEPPED, "tries", "Loss", "",
+                     "So many attempts find nothing first", 0, 1e6, 0, NULL},
 };
 
 static const mrt_input input = {flaky_open, flaky_channels, flaky_read, flaky_close, 0};

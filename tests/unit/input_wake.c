@@ -17,9 +17,9 @@
 #include <stdlib.h>
 
 /* A signal that is lost costs a whole wait: the tests allow less than one. */
-static const int64_t long_wait_ns = 20 * NS_PER_S;
+static const int64_t long_wait_ns = 60 * NS_PER_S;
 
-enum { PRODUCERS = 3, RECORDS = 20000 };
+enum { PRODUCERS = 3, RECORDS = 5000 };
 
 typedef struct producer {
     pthread_t thread;
@@ -80,7 +80,7 @@ typedef struct table_tennis {
     _Atomic uint32_t ball;
 } table_tennis;
 
-enum { STROKES = 20000 };
+enum { STROKES = 4000 };
 
 static void *play_back(void *data)
 {
