@@ -25,6 +25,7 @@ typedef struct input_host {
     int said[4], restart_count;
     char last_text[1024];
     bool is_stopping; /* waits end before their time */
+    int wait_count;
     const mrt_plugin_type *type;
     const mrt_input *input;
     const mrt_devices *devices;
@@ -43,8 +44,10 @@ static inline int64_t input_host_now_ns(const mrt_host *host)
 
 static inline int64_t input_host_wait(const mrt_host *host, int64_t time_ns)
 {
+    input_host *self = host->data;
     int64_t left_ns = time_ns - input_host_now_ns(host);
-    if (((const input_host *)host->data)->is_stopping)
+    self->wait_count += 1;
+    if (self->is_stopping)
         return time_ns - 1;
     struct timespec pause = {left_ns / 1000000000, (long)(left_ns % 1000000000)};
     if (left_ns > 0)
