@@ -111,7 +111,7 @@ static void a_lane_keeps_the_newest(void **state)
                                .lane_record_size = sizeof record,
                                .lane_record_count = 8};
     assert_int_equal(stat(at->folder, &of), 0);
-    spool *made = spool_create(&of, &shape, 5);
+    spool *made = spool_create(&of, at->path, &shape, 5);
     assert_non_null(made);
     for (uint32_t i = 0; i < 100; ++i)
         spool_lane_push(made, SPOOL_LANES - 1, &i);
