@@ -9,6 +9,7 @@
 enum { BENCH_TEXTS = 32, BENCH_TEXT = 600, BENCH_PARAMS = 8 };
 enum { BENCH_FIRST, BENCH_SWITCH_1, BENCH_DEBOUNCE = 6, BENCH_LEARN = 7 };
 static const int64_t BENCH_MS = 1000000;
+static const int64_t BENCH_PATIENCE = 60000000000; /* of a busy machine */
 
 typedef struct pedal_bench {
     mrt_host host;
@@ -16,6 +17,7 @@ typedef struct pedal_bench {
     const mrt_input *input;
     const mrt_devices *devices;
     mrt_plugin *plugin;
+    uint32_t wait_count; /* that the plugin has asked of the host */
     double params[BENCH_PARAMS];
     char text[BENCH_TEXTS][BENCH_TEXT]; /* what was logged last, newest first */
     int32_t level[BENCH_TEXTS];

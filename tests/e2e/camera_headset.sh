@@ -15,7 +15,7 @@ mkdir -p "$out"
     --seconds 25 --record "$scratch/hands.marotte" >"$scratch/facts.txt" 2>&1 &
 performing=$!
 token=$XDG_CONFIG_HOME/marotte/plugins/org.marotte.camera/token
-for _ in $(seq 100); do
+for _ in $(seq 600); do
     [ -e "$token" ] && "$MAROTTE" camera --port $port | grep -q '^state *open' && break
     sleep 0.1
 done

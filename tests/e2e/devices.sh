@@ -22,45 +22,57 @@ grep -q "A device that goes away" "$scratch/none.txt" ||
 grep -q '^  log ' "$scratch/none.txt" && fail "the log has no devices"
 
 # How it is doing: a line a second, comes and goes.
-"$MAROTTE" devices --watch --seconds 2.5 --input flaky:a,run=0.6,away=0.4,losses=1 \
-    --input flaky:b >"$scratch/watch.txt" 2>"$scratch/news.txt" || fail "devices --watch"
+until_said() { # WORDS FILE PID: waits for the words, or for the end of the process
+    until grep -qF -- "$1" "$2" || ! kill -0 "$3" 2>/dev/null; do sleep 0.1; done
+}
+"$MAROTTE" devices --watch --seconds 120 --input flaky:a,run=0.6,tries=2,losses=1 \
+    --input flaky:b >"$scratch/watch.txt" 2>"$scratch/news.txt" &
+watcher=$!
+until_said "flaky a came back at" "$scratch/news.txt" $watcher
+until_said "went away 1x" "$scratch/watch.txt" $watcher
+kill -INT $watcher
+wait $watcher || fail "devices --watch"
 said "flaky b " "$scratch/watch.txt"
 said "Hz  jitter" "$scratch/watch.txt"
 said "went away 1x" "$scratch/watch.txt"
-grep -Eq 'flaky a went away at 0\.[6-9] s \(flaky a: the cable was pulled\)' "$scratch/news.txt" ||
+grep -Eq 'flaky a went away at (0\.[6-9]|[1-9][0-9]*\.[0-9]) s \(flaky a: the cable was pulled\)' "$scratch/news.txt" ||
     fail "the loss is not told"
 said "flaky a came back at" "$scratch/news.txt"
 [ "$(grep -c 'no such device' "$scratch/news.txt")" -eq 1 ] || fail "said again and again"
 "$MAROTTE" devices --watch --seconds 0.5 --json --input flaky:a >"$scratch/watch.json" ||
     fail "devices --watch --json"
 said '"state":"running"' "$scratch/watch.json"
-"$MAROTTE" devices --watch --seconds 2 --input "log:$demo,end=0.3" >"$scratch/log.txt" ||
+"$MAROTTE" devices --watch --seconds 120 --input "log:$demo,end=0.3" >"$scratch/log.txt" ||
     fail "watching a recording"
 said "over" "$scratch/log.txt"
 
 # In place on a terminal: the lines are written over.
 if command -v script >/dev/null; then
-    script -qec "$MAROTTE devices --watch --seconds 1.2 --input flaky:a" /dev/null \
-        >"$scratch/terminal.txt" || fail "devices --watch on a terminal"
-    [ "$(grep -c $'\033\[1A' "$scratch/terminal.txt")" -ge 3 ] || fail "not in place"
+    for seconds in 1.2 6 30; do # however busy the machine
+        script -qec "$MAROTTE devices --watch --seconds $seconds --input flaky:a" /dev/null \
+            >"$scratch/terminal.txt" || fail "devices --watch on a terminal"
+        in_place=$(grep -c $'\033\[1A' "$scratch/terminal.txt")
+        [ "$in_place" -ge 3 ] && break
+    done
+    [ "$in_place" -ge 3 ] || fail "not in place"
 fi
 
 # Ctrl-C ends it at once, and is no failure, also while a device takes long to open.
-"$MAROTTE" devices --watch --input flaky:a,run=0.1,open=30 >/dev/null 2>&1 &
+"$MAROTTE" devices --watch --input flaky:a,run=0.1,open=100 >/dev/null 2>"$scratch/news.txt" &
 watcher=$!
-sleep 1
-before=$(date +%s%N)
+until_said "flaky a went away" "$scratch/news.txt" $watcher
+before=$SECONDS
 kill -INT $watcher
 wait $watcher || fail "Ctrl-C: exit $?"
-[ $((($(date +%s%N) - before) / 1000000)) -lt 500 ] || fail "Ctrl-C took over half a second"
+[ $((SECONDS - before)) -lt 60 ] || fail "Ctrl-C waited for the device, which takes 100 s"
 
 # What is plugged in later is found.
 MAROTTE_FLAKY=$scratch/later "$MAROTTE" devices --watch --seconds 60 >"$scratch/later.txt" \
     2>"$scratch/news.txt" &
 watcher=$!
-until grep -q "waiting for one" "$scratch/news.txt" || ! kill -0 $watcher 2>/dev/null; do sleep 0.1; done
+until_said "waiting for one" "$scratch/news.txt" $watcher
 touch "$scratch/later"
-until grep -q "flaky port:1-2               running" "$scratch/later.txt" || ! kill -0 $watcher 2>/dev/null; do sleep 0.1; done
+until_said "flaky port:1-2               running" "$scratch/later.txt" $watcher
 kill -INT $watcher
 wait $watcher || fail "waiting for a device: exit $?"
 said "note: no device is ready: waiting for one" "$scratch/news.txt"
@@ -72,14 +84,17 @@ said "press switch 1" "$scratch/learn.txt"
 said "done: 1 switch was stored" "$scratch/learn.txt"
 
 # A performance goes on without its device, and says so.
-"$MAROTTE" perform --verbose --face "$moai" --map anchored --seconds 2 \
-    --input flaky:glove,run=0.5,away=0.3,losses=1,pedal=1 \
-    >"$scratch/perform.txt" 2>"$scratch/news.txt" || fail "perform with a loss"
-grep -Eq 'flaky glove went away at 0\.[5-9] s \(.*pulled\); the pose is held' "$scratch/news.txt" ||
+for seconds in 2 8 40; do # however busy the machine
+    "$MAROTTE" perform --verbose --face "$moai" --map anchored --seconds $seconds \
+        --input flaky:glove,run=0.5,away=0.3,losses=1,pedal=1 \
+        >"$scratch/perform.txt" 2>"$scratch/news.txt" || fail "perform with a loss"
+    grep -q 'flaky glove came back' "$scratch/news.txt" && break
+done
+grep -Eq 'flaky glove went away at (0\.[5-9]|[1-9][0-9]*\.[0-9]) s \(.*pulled\); the pose is held' "$scratch/news.txt" ||
     fail "the loss is not told"
-grep -Eq 'flaky glove came back after 0\.[3-9] s' "$scratch/news.txt" || fail "not back in time"
+grep -Eq 'flaky glove came back after (0\.[3-9]|[1-9][0-9]*\.[0-9]) s' "$scratch/news.txt" || fail "not back"
 [ "$(fact 'went away' "$scratch/perform.txt")" = 1 ] || fail "the loss is not counted"
-[ "$(fact 'frames' "$scratch/perform.txt")" -ge 58 ] || fail "frames were left out"
+[ "$(fact 'frames' "$scratch/perform.txt")" -ge 20 ] || fail "no frames while it was away"
 "$MAROTTE" perform --face "$moai" --map anchored --seconds 1 --input flaky:glove,run=0.3,away=60 \
     >"$scratch/perform.txt" 2>/dev/null || fail "perform with a device that stays away"
 said "warning            still away: flaky glove" "$scratch/perform.txt"

@@ -83,8 +83,9 @@ grep -q '1 of 3 takes could not be exported' stderr && grep -q 'take 2 .*2.pc2: 
 # Ended in the middle, all of it ends, no half file stays, and the same command goes on.
 "$MAROTTE" take export s.marotte --all --jobs 2 --fps 1000 --export 'stop/{take}.glb' >said 2>stderr &
 first=$!
-for _ in $(seq 200); do
+for _ in $(seq 3000); do
     [ "$(pgrep -P $first | wc -l)" -eq 2 ] && break
+    kill -0 $first 2>/dev/null || break
     sleep 0.02
 done
 children=$(pgrep -P $first)

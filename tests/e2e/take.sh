@@ -254,10 +254,10 @@ record "$scratch/mixed.marotte" "$puppet" one_hand
 bad 1 'not one mesh' diff "$scratch/mixed.marotte" 1 2
 
 # Somebody writes it: it can be read, and not edited.
-"$MAROTTE" perform --face "$moai" --input "log:$demo" --map anchored --realtime \
+"$MAROTTE" perform --face "$moai" --input "log:$demo,loop=1" --map anchored --realtime \
     --record "$scratch/busy.marotte" >/dev/null 2>&1 &
 writer=$!
-for _ in $(seq 100); do
+for _ in $(seq 600); do
     "$MAROTTE" take list "$scratch/busy.marotte" 2>/dev/null | grep -q 'being recorded' && break
     sleep 0.1
 done

@@ -197,7 +197,7 @@ port=$((20000 + RANDOM % 30000))
 ffmpeg -nostdin -v error -y -analyzeduration 500000 -i "udp://127.0.0.1:$port?timeout=100000000" -frames:v 10 -c copy \
     got.ts 2>"$scratch/got" &
 pid=$!
-for _ in $(seq 300); do
+for _ in $(seq 600); do
     grep -qi ":$(printf %04X "$port") " /proc/net/udp && break
     sleep 0.1
 done
