@@ -23,7 +23,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { FIXTURE_PATH = 512 };
+enum { FIXTURE_PATH = 512, FIXTURE_PATIENCE_S = 600 };
 
 typedef struct live_fixture {
     char folder[FIXTURE_PATH / 2], show_path[FIXTURE_PATH], face_path[FIXTURE_PATH];
@@ -142,10 +142,10 @@ static inline void fixture_frame(live_fixture *d)
 
 typedef bool fixture_condition(live_fixture *d, void *data);
 
-/* Frames until it holds; false: it did not within a minute. */
+/* Frames until it holds; false: it did not within FIXTURE_PATIENCE_S. */
 static inline bool fixture_until(live_fixture *d, fixture_condition *holds, void *data)
 {
-    int64_t until_ns = clock_now_ns() + 60 * NS_PER_S;
+    int64_t until_ns = clock_now_ns() + FIXTURE_PATIENCE_S * NS_PER_S;
     while (!holds(d, data)) {
         if (clock_now_ns() > until_ns)
             return false;
@@ -172,7 +172,7 @@ static inline void fixture_perform(live_fixture *d, double seconds)
 {
     int64_t until_ns = clock_now_ns() + (int64_t)(seconds * 1e9);
     if (!fixture_until(d, fixture_is_performed, &until_ns))
-        fail_msg("no sample was performed for a minute");
+        fail_msg("no sample was performed for %d s", FIXTURE_PATIENCE_S);
 }
 
 /* ---- the face ---- */

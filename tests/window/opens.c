@@ -243,11 +243,20 @@ static bool has_drafted(scene *of, void *data)
     return !app_notes_of(of->app)->is_drafting && app_face(of->app)->rig;
 }
 
+/* What this process has worked: however busy the machine is, waiting for a draft is all the work of
+ * the draft. */
+static double worked_s(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
 static double frame_s(void)
 {
-    const int64_t before_ns = clock_now_ns();
+    const double before_s = worked_s();
     scene_frames(&s, 1);
-    return 1e-9 * (double)(clock_now_ns() - before_ns);
+    return worked_s() - before_s;
 }
 
 /* A draft takes seconds: whoever opens another face meanwhile does not wait for it. */
@@ -257,10 +266,10 @@ static void a_draft_that_is_left_holds_nothing_up(void **state)
     scene_open(&s, 1280, 720, 1.0f);
     assert_true(app_open_face(s.app, SOURCE_DIR "/rigs/puppet/puppet.glb") >= 0);
     scene_frames(&s, 5);
-    const int64_t before_ns = clock_now_ns();
+    const double before_s = worked_s();
     scene_click_word(&s, "Draft a rig");
     assert_true(scene_until(&s, has_drafted, NULL));
-    const double draft_s = 1e-9 * (double)(clock_now_ns() - before_ns);
+    const double draft_s = worked_s() - before_s;
     scene_do(&s, ACTION_UNDO);
     assert_true(scene_until(&s, rests, NULL));
     scene_frames(&s, 30);

@@ -107,21 +107,6 @@ static void its_settings_are_set_while_it_runs(void **state)
     stand_close(&s);
 }
 
-static void a_lost_device_is_said_calmly_and_comes_back(void **state)
-{
-    (void)state;
-    stand s = {.input_count = 0};
-    stand_open(&s, &panel_devices, 1.0f);
-    stand_plugin(&s, "tests/plugin/flaky");
-    stand_input(&s, "flaky:port:1-2,run=0.2,away=1.5,losses=1");
-    stand_wait_for(&s, "away for 1 s, tried again");
-    stand_check_words(&s, NULL);
-    stand_picture(&s, "panel_devices_lost");
-    stand_wait_for(&s, "running");
-    assert_false(stand_shows(&s, "away for"));
-    stand_close(&s);
-}
-
 static void remove_closes_the_input(void **state)
 {
     (void)state;
@@ -320,7 +305,6 @@ int main(void)
         cmocka_unit_test(use_the_camera_is_one_click),
         cmocka_unit_test(a_recording_runs_and_shows_its_figures),
         cmocka_unit_test(its_settings_are_set_while_it_runs),
-        cmocka_unit_test(a_lost_device_is_said_calmly_and_comes_back),
         cmocka_unit_test(remove_closes_the_input),
         cmocka_unit_test(what_is_refused_is_said_in_the_panel_and_in_the_news),
         cmocka_unit_test(a_recording_is_opened_by_its_path),

@@ -180,7 +180,7 @@ static void an_ellipsoid_is_added_and_taken_out(void **state)
 /* It can be once the rig is laid on the face. */
 static void add_shape(void)
 {
-    const int64_t end_ns = clock_now_ns() + 60 * NS_PER_S;
+    const int64_t end_ns = clock_now_ns() + 600 * NS_PER_S;
     while (s.step_count == 0 && clock_now_ns() < end_ns) {
         rig_stand_click_on(&s, "Add the shape on the stage");
         rig_stand_frames(&s, 5);

@@ -175,7 +175,7 @@ void rig_stand_frames(rig_stand *s, uint32_t count)
 
 void rig_stand_wait_for_change(rig_stand *s, uint32_t change_count)
 {
-    int64_t end_ns = clock_now_ns() + 60 * NS_PER_S;
+    int64_t end_ns = clock_now_ns() + 600 * NS_PER_S;
     while (s->change_count < change_count && clock_now_ns() < end_ns) {
         frame(s);
         clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS); /* the worker has the processor */

@@ -20,7 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { WIDTH = 64, HEIGHT = 48, PATIENCE_S = 60 };
+enum { WIDTH = 64, HEIGHT = 48, PATIENCE_S = 600 };
 static const stream_look small = {WIDTH, HEIGHT, 30};
 
 /* ---- what is no place, and who is not there ---- */

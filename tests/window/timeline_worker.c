@@ -12,7 +12,7 @@
 #include "window/timeline/worker.h"
 
 static film *shot;
-static const int64_t patience_ns = 60 * NS_PER_S;
+static const int64_t patience_ns = 600 * NS_PER_S;
 
 static char face_path[512];
 

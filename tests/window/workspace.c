@@ -491,26 +491,6 @@ static void the_output_is_clear_where_the_face_is_not(void **state)
     scene_close(&s);
 }
 
-static void figures_are_told(void **state)
-{
-    scene s;
-    workspace_counts counts;
-    (void)state;
-    open_with_hand(&s, 1280, 720, 1.0f);
-    assert_true(scene_until(&s, has_samples, NULL));
-    scene_frames(&s, 40);
-    workspace_counted(s.workspace, &counts);
-    assert_true(counts.frame_count >= 40);
-    assert_true(counts.first_face_s > 0.0);
-    assert_true(counts.fast.panels_p50_ms > 0.0);
-    assert_true(counts.fast.latency_p50_ms > 0.0);
-    assert_true(counts.fast.latency_p99_ms >= counts.fast.latency_p50_ms);
-    assert_true(app_notes_of(s.app)->figures.draw_p50_ms > 0.0);
-    print_message("panels %.3f ms, 99 %% %.3f ms\n", counts.fast.panels_p50_ms,
-                  counts.fast.panels_p99_ms);
-    scene_close(&s);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -531,7 +511,6 @@ int main(void)
         cmocka_unit_test(without_unsaved_work_the_window_closes_at_once),
         cmocka_unit_test(the_output_shows_the_face_alone_and_mirrored),
         cmocka_unit_test(the_output_is_clear_where_the_face_is_not),
-        cmocka_unit_test(figures_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
