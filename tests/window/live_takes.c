@@ -5,6 +5,7 @@
 #include "stage/take/sequencer.h"
 
 enum { SEEN_MAX = 4096 };
+static const int64_t apart_ns = 12 * NS_PER_MS; /* as pictures: each is performed again twice */
 
 typedef struct seen { /* the faces that were looked at while a take was recorded */
     uint32_t count;
@@ -16,7 +17,7 @@ static const writer_slate slate = {.scene = "1", .shot = "a"};
 
 static void remember(live_fixture *d, seen *s)
 {
-    bool is_new = s->count == 0 || s->sample_ns[s->count - 1] != d->view->sample_ns;
+    bool is_new = s->count == 0 || d->view->sample_ns - s->sample_ns[s->count - 1] >= apart_ns;
     if (!is_new || s->count == SEEN_MAX)
         return;
     s->sample_ns[s->count] = d->view->sample_ns;

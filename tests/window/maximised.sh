@@ -13,7 +13,7 @@ trap 'kill "$manager_pid" 2>/dev/null; [ -z "$program_pid" ] || kill -9 "$progra
 manages() {
     wmctrl -m
 }
-until_true 30 manages || { echo "SKIPPED: openbox does not start: $(cat openbox.txt)"; exit 77; }
+until_true manages || { echo "SKIPPED: openbox does not start: $(cat openbox.txt)"; exit 77; }
 
 state() { # of the window
     xprop -id "$(windows | head -n 1)" _NET_WM_STATE
@@ -28,10 +28,10 @@ open_again() { # without --size, which would be obeyed
     "$MAROTTE" stage "$scratch/night.marotte" --face "$puppet" --map one_hand --settings "$scratch/window.json" \
         --json >facts.json 2>stderr.txt &
     program_pid=$!
-    until_true 60 has_windows 1 || fail "no window opens: $(cat stderr.txt)"
+    until_true has_windows 1 || fail "no window opens: $(cat stderr.txt)"
     xdotool windowfocus "$(windows)"
 }
-quit() {
+quit() { # the key comes after what the window was told before
     xdotool key ctrl+q
     ends 0
 }
@@ -39,14 +39,12 @@ quit() {
 open_again
 is_maximised && fail "it begins maximised"
 wmctrl -r marotte -b add,maximized_vert,maximized_horz
-until_true 30 is_maximised || fail "it cannot be maximised: $(state)"
-sleep 1 # the program has seen it
+until_true is_maximised || fail "it cannot be maximised: $(state)"
 quit
 open_again
-until_true 30 is_maximised || fail "it was left maximised and comes back as: $(state)"
+until_true is_maximised || fail "it was left maximised and comes back as: $(state)"
 wmctrl -r marotte -b remove,maximized_vert,maximized_horz
-until_true 30 is_as_it_was || fail "it stays maximised: $(state)"
-sleep 1
+until_true is_as_it_was || fail "it stays maximised: $(state)"
 quit
 open_again
 is_maximised && fail "it was left small and comes back maximised"

@@ -4,19 +4,21 @@
  * and of threads (marotte_own_clock in CMakeLists.txt), for tests whose devices and plugins run in
  * their own process. The engine's pool, whose threads only help, has the machine's time.
  *
- * Whoever is stopped by something else (a file, a process, a mutex) counts as busy: the clock waits
- * for it. Should that last, as it would where it is stopped by somebody who waits for time, the
- * clock goes on all the same. */
+ * Whoever is stopped by something else (a file, a pipe, a process) counts as busy: the clock waits
+ * for it. While all of the process sleeps for such a reason, time goes on as the machine's does. */
 #include "base/clock.h"
 #include "stage/input/wake.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdbool.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
 #include <time.h>
-
-enum { STUCK_S = 2 };
+#include <unistd.h>
 
 typedef struct waiter {
     struct waiter *next;
@@ -35,8 +37,9 @@ typedef struct thread {
 } thread;
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-static _Atomic int64_t now_ns; /* 0: nobody has asked yet */
+static _Atomic int64_t now_ns;
 static uint32_t busy_count = 1;
+static uint64_t change_count; /* whoever waits, and whoever is woken, is one */
 static waiter *waiting;
 static thread *threads;
 static _Thread_local bool is_of_pool, makes_pool;
@@ -45,9 +48,8 @@ static _Thread_local bool is_of_pool, makes_pool;
  * NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming) */
 int64_t __real_clock_now_ns(void);
 void __real_wake_signal(wake *self);
-
+int __real_pthread_cond_wait(pthread_cond_t *condition, pthread_mutex_t *mutex);
 int __real_pthread_cond_signal(pthread_cond_t *condition);
-
 int __real_pthread_create(pthread_t *out, const pthread_attr_t *how, void *(*run)(void *),
                           void *data);
 int __real_pthread_join(pthread_t id, void **out);
@@ -73,6 +75,7 @@ static void wake_up(waiter **at)
     waiter *of = *at;
     *at = of->next;
     of->is_awake = true;
+    change_count += 1;
     busy_count += 1; /* from now on, not only when it runs */
     (void)__real_pthread_cond_signal(&of->wakes);
 }
@@ -96,12 +99,19 @@ static void wake_one(const void *on)
         wake_up(oldest);
 }
 
-/* To when the first of those who wait goes on. */
-static void pass(void)
+/* When the first of those who wait goes on. */
+static int64_t next_ns(void)
 {
     int64_t first_ns = INT64_MAX;
     for (const waiter *w = waiting; w; w = w->next)
         first_ns = w->until_ns < first_ns ? w->until_ns : first_ns;
+    return first_ns;
+}
+
+/* To then. */
+static void pass(void)
+{
+    const int64_t first_ns = next_ns();
     if (first_ns == INT64_MAX)
         return;
     if (first_ns > now_ns)
@@ -118,6 +128,7 @@ static void begin_waiting(waiter *of, const void *on, int64_t until_ns)
     *of = (waiter){.next = waiting, .on = on, .until_ns = until_ns};
     (void)pthread_cond_init(&of->wakes, NULL);
     waiting = of;
+    change_count += 1;
     busy_count -= 1;
     if (busy_count == 0)
         pass();
@@ -125,15 +136,8 @@ static void begin_waiting(waiter *of, const void *on, int64_t until_ns)
 
 static void wait_on(waiter *of)
 {
-    while (!of->is_awake) {
-        const int64_t before_ns = now_ns;
-        struct timespec until;
-        (void)clock_gettime(CLOCK_REALTIME, &until);
-        until.tv_sec += STUCK_S;
-        if (pthread_cond_timedwait(&of->wakes, &lock, &until) != 0 && !of->is_awake &&
-            now_ns == before_ns)
-            pass();
-    }
+    while (!of->is_awake)
+        (void)__real_pthread_cond_wait(&of->wakes, &lock);
     (void)pthread_cond_destroy(&of->wakes);
 }
 
@@ -144,16 +148,91 @@ static void wait_for(const void *on, int64_t until_ns)
     wait_on(&self);
 }
 
+/* ---- those who sleep for another reason ---- */
+
+/* Whether the kernel runs it, would run it, or has it wait for a disk: its line is "12 (name) S
+ * ...".
+ */
+static bool is_running(int tasks, const char *task)
+{
+    char path[32], text[512];
+    (void)snprintf(path, sizeof path, "%s/stat", task);
+    const int file = openat(tasks, path, O_RDONLY | O_CLOEXEC);
+    const ssize_t size = file >= 0 ? read(file, text, sizeof text - 1) : 0;
+    if (file >= 0)
+        (void)close(file);
+    text[size > 0 ? size : 0] = '\0';
+    const char *name_end = strrchr(text, ')');
+    return name_end && strchr("RD", name_end[2]);
+}
+
+/* Allocates nothing, which a test may count. */
+static bool all_sleep(const char *but)
+{
+    enum { NAME_AT = 19 }; /* of what getdents64 writes: its length is before it, at 16 */
+    char list[4096];
+    bool out = true;
+    const int tasks = open("/proc/self/task", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    for (long size; out && (size = syscall(SYS_getdents64, tasks, list, sizeof list)) > 0;)
+        for (long at = 0; out && at < size;) {
+            const char *name = list + at + NAME_AT;
+            uint16_t length;
+            memcpy(&length, list + at + 16, sizeof length);
+            out = name[0] == '.' || strcmp(name, but) == 0 || !is_running(tasks, name);
+            at += length;
+        }
+    if (tasks >= 0)
+        (void)close(tasks);
+    return out && tasks >= 0;
+}
+
+/* A thread that lets time pass while all sleep, no faster than it does. */
+static void *watch(void *unused)
+{
+    (void)unused;
+    static const struct timespec moment = {.tv_nsec = 2 * NS_PER_MS};
+    char self[16];
+    (void)snprintf(self, sizeof self, "%ld", syscall(SYS_gettid));
+    uint64_t seen_count = 0;
+    int64_t since_ns = __real_clock_now_ns();
+    for (;;) {
+        (void)nanosleep(&moment, NULL);
+        const int64_t real_ns = __real_clock_now_ns();
+        (void)pthread_mutex_lock(&lock);
+        const bool has_stood = change_count == seen_count;
+        const bool is_due = has_stood && next_ns() - now_ns <= real_ns - since_ns;
+        seen_count = change_count;
+        (void)pthread_mutex_unlock(&lock);
+        if (!has_stood)
+            since_ns = real_ns;
+        if (!is_due)
+            continue;
+        const bool sleeps = all_sleep(self);
+        (void)pthread_mutex_lock(&lock);
+        if (sleeps && change_count == seen_count)
+            pass();
+        (void)pthread_mutex_unlock(&lock);
+        since_ns = real_ns;
+    }
+    return NULL;
+}
+
+static void begin(void)
+{
+    pthread_t id;
+    now_ns = __real_clock_now_ns();
+    if (__real_pthread_create(&id, NULL, watch, NULL) != 0)
+        abort();
+    (void)pthread_detach(id);
+}
+
 /* ---- the clock ---- */
 
 int64_t __wrap_clock_now_ns(void)
 {
-    int64_t unset = 0;
-    if (is_of_pool)
-        return __real_clock_now_ns();
-    if (now_ns == 0)
-        (void)atomic_compare_exchange_strong(&now_ns, &unset, __real_clock_now_ns());
-    return now_ns;
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    (void)pthread_once(&once, begin);
+    return is_of_pool ? __real_clock_now_ns() : now_ns;
 }
 
 void __wrap_clock_sleep_until_ns(int64_t time_ns)

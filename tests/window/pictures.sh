@@ -28,7 +28,7 @@ window() {
     { cat; echo "picture $scratch/now.png"; echo "wait 20"; } >script.txt
     rm -f now.png
     open_window "$@" --size 1440x810 --settings "" --script script.txt
-    until_true 120 test -s now.png || fail "the script of $picture does not end: $(cat stderr.txt)"
+    until_true test -s now.png || fail "the script of $picture does not end: $(cat stderr.txt)"
     sleep 0.5
     ffmpeg -v error -f x11grab -draw_mouse 0 -video_size 1440x810 -i "$DISPLAY" -frames:v 1 -y "$folder/$picture" </dev/null ||
         fail "$picture"

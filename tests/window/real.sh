@@ -18,10 +18,10 @@ is_recorded() { # take: it lasts longer than this (s)
 # ---- a corner of the mouth, with nothing but the mouse ----
 open_window "$show" --face "$puppet" --map one_hand --settings "$scratch/window.json"
 xdotool key r
-until_true 60 has_takes 1 || fail "R begins no take: $("$MAROTTE" take list "$show" 2>&1)"
+until_true has_takes 1 || fail "R begins no take: $("$MAROTTE" take list "$show" 2>&1)"
 drag 544 319 575 285 20
 xdotool key r
-until_true 60 is_recorded 1 0.2 || fail "R ends no take: $("$MAROTTE" take list "$show" --json 2>&1)"
+until_true is_recorded 1 0.2 || fail "R ends no take: $("$MAROTTE" take list "$show" --json 2>&1)"
 "$MAROTTE" take export "$show" 1 --export drag.csv >said 2>stderr2.txt || fail "the take: $(cat stderr2.txt)"
 awk -v moved="$(fact 'range of motion' said)" 'BEGIN { exit !(moved > 4) }' ||
     fail "the corner of the mouth moves by $(fact 'range of motion' said) mm"
@@ -33,22 +33,22 @@ for key in question Escape F2 F3 F4 F5 F6 F2 d g f h v c j w w w w w x x; do
 done
 xdotool key Page_Up space Home space
 xdotool key F11
-until_true 30 has_windows 2 || fail "F11 opens no output"
+until_true has_windows 2 || fail "F11 opens no output"
 xdotool key --window "$(windows | head -n 1)" F11
-until_true 30 has_windows 1 || fail "F11 again leaves the output open"
+until_true has_windows 1 || fail "F11 again leaves the output open"
 xdotool windowfocus "$(windows)"
 xdotool key 4
 rated() {
     "$MAROTTE" take list "$show" --json | grep -q '"rating": 4'
 }
-until_true 30 rated || fail "4 rates nothing: $("$MAROTTE" take list "$show" --json)"
+until_true rated || fail "4 rates nothing: $("$MAROTTE" take list "$show" --json)"
 xdotool key ctrl+z
 unrated() {
     ! rated
 }
-until_true 30 unrated || fail "Ctrl+Z takes nothing back"
+until_true unrated || fail "Ctrl+Z takes nothing back"
 xdotool key l k
-until_true 30 has_takes 2 || fail "K keeps nothing"
+until_true has_takes 2 || fail "K keeps nothing"
 xdotool key ctrl+q
 ends 0
 [ -s window.json ] || fail "how the window was left is not kept"
@@ -59,8 +59,8 @@ ends 0
 # ---- closed while it records: the take is there ----
 open_window "$show" --face "$puppet" --map one_hand --settings "" --input "log:$demo,loop=1"
 xdotool key r
-until_true 60 has_takes 3 || fail "R begins no take over a running hand"
-until_true 60 is_recorded 3 0.5
+until_true has_takes 3 || fail "R begins no take over a running hand"
+until_true is_recorded 3 0.5
 kill -TERM "$program_pid"
 ends 0
 has_takes 3 || fail "the take that was being recorded is gone"

@@ -23,7 +23,7 @@ pull_cable() {
 }
 pull_cable | "$emulator" --link "$scratch/glove" --control >/dev/null 2>glove.txt &
 hand_pid=$!
-until_true 30 test -e "$scratch/glove" || { echo "SKIPPED: no terminal for a glove: $(cat glove.txt)"; exit 77; }
+until_true test -e "$scratch/glove" || { echo "SKIPPED: no terminal for a glove: $(cat glove.txt)"; exit 77; }
 
 cp -r "$SOURCE_DIR/rigs/puppet" puppet # it may be painted
 # All that a day has on: faces are sent to programs that may not be there, a remote control is let in, a click counts.
@@ -61,7 +61,7 @@ unset LD_PRELOAD ASAN_OPTIONS
 
 begun=$SECONDS
 # A round ends when what was clicked has been drawn: that takes time on a busy machine.
-while ! is_gone && [ $((SECONDS - begun)) -lt $((seconds * 2 + 300)) ]; do sleep 1; done
+while ! is_gone && [ $((SECONDS - begun)) -lt $((seconds * 2 + 2 * patience_s)) ]; do sleep 0.2; done
 ends 0
 grep -E 'AddressSanitizer|LeakSanitizer|ThreadSanitizer|runtime error|Assertion' stderr.txt && fail "a sanitizer found something"
 "$MAROTTE" take check s.marotte >said 2>&1 || fail "the show: $(cat said)"

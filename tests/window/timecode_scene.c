@@ -8,6 +8,7 @@
 
 #include "device/ltc_sound.h"
 #include "scene.h"
+#include "stage/live/live_stage.h"
 #include "take/take.h"
 
 #include <fcntl.h>
@@ -95,14 +96,6 @@ static bool is_with_the_code(scene *s, void *data)
            llabs(at_ns - code_ns) < 50 * NS_PER_MS;
 }
 
-static int64_t utc_offset_ns(void)
-{
-    struct timespec utc;
-    const int64_t before_ns = clock_now_ns();
-    (void)clock_gettime(CLOCK_REALTIME, &utc);
-    return utc.tv_sec * NS_PER_S + utc.tv_nsec - (before_ns + clock_now_ns()) / 2;
-}
-
 static void a_take_has_the_time_code_and_plays_after_it(void **state)
 {
     (void)state;
@@ -134,7 +127,7 @@ static void a_take_has_the_time_code_and_plays_after_it(void **state)
     const take *made = app_take(s.app);
     assert_true(made->fps == (double)FPS && made->timecode_frame > 3600 * FPS);
     const int64_t began_ns = atomic_load(&t.zero_ns) + made->timecode_frame * NS_PER_S / FPS;
-    const int64_t off_ns = made->start_ns - began_ns - utc_offset_ns();
+    const int64_t off_ns = made->start_ns - recorder_show_ns(app_live(s.app)->recorder, began_ns);
     print_message("the take begins %.1f ms off its frame\n", 1e-6 * (double)off_ns);
     assert_true(llabs(off_ns) < 20 * NS_PER_MS);
     scene_do(&s, ACTION_UNDO); /* it is how the take was made */

@@ -17,12 +17,12 @@ pixel_is_below() { # X Y of shot.rgb: within what a film's colours lose
 }
 shoot() { ffmpeg -nostdin -v error -y -f x11grab -draw_mouse 0 -video_size 1280x720 -i "$DISPLAY" -frames:v 1 -pix_fmt rgb24 -f "$2" "$1"; }
 looks_below() { shoot shot.rgb rawvideo && pixel_is_below "$1" "$2"; }
-until_true 60 looks_below 480 270 || { echo "SKIPPED: nothing can be shown below here: $(tail -n 1 picom.txt)"; exit 77; }
+until_true looks_below 480 270 || { echo "SKIPPED: nothing can be shown below here: $(tail -n 1 picom.txt)"; exit 77; }
 
 echo '{"looks": {}, "picture": {"background": "transparent", "window": 1}}' >window.json
 printf 'frames 3\ndo output\nwait 600\n' >script.txt
 open_window s.marotte --face "$puppet" --map one_hand --settings window.json --size 640x360 --script script.txt
-until_true 120 xdotool search --onlyvisible --name 'marotte: output' || { fail "no output opens: $(cat stderr.txt)"; finish; }
+until_true xdotool search --onlyvisible --name 'marotte: output' || { fail "no output opens: $(cat stderr.txt)"; finish; }
 output=$(xdotool search --onlyvisible --name 'marotte: output' | tail -n 1)
 for window in $(windows); do [ "$window" = "$output" ] || xdotool windowmove "$window" 1200 680; done
 xdotool windowmove "$output" 0 0
@@ -31,9 +31,9 @@ is_transparent() { # its corners let through what its middle covers
     looks_below 8 8 && pixel_is_below $((WIDTH - 8)) 8 && pixel_is_below 8 $((HEIGHT - 8)) &&
         ! pixel_is_below $((WIDTH / 2)) $((HEIGHT / 2))
 }
-until_true 120 is_transparent || fail "what lies below is not seen around the face"
+until_true is_transparent || fail "what lies below is not seen around the face"
 mkdir -p "$BUILD_DIR/out" && shoot "$BUILD_DIR/out/transparent.png" image2
 kill "$program_pid"
-until_true 60 is_gone || kill -9 "$program_pid"
+until_true is_gone || kill -9 "$program_pid"
 program_pid=
 finish
