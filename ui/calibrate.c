@@ -324,7 +324,7 @@ static mrt_result follow_sample(guiding *self, const mrt_sample *sample, error *
 {
     if (input_version(self->input) != 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: has other sensors than at the beginning: begin again",
+                         "%s: the sensors of the device changed. Start the calibration again",
                          input_name(self->input));
     glove_channels_read(&self->glove, sample, self->raw);
     guide_step step = guide_current(self->guide);
@@ -350,8 +350,8 @@ static mrt_result follow_silence(guiding *self, int64_t now_ns, error *err)
     double timeout_s = self->timeout_s;
     double silent_s = (double)(now_ns - self->heard_ns) / 1e9;
     if (timeout_s > 0 && silent_s > timeout_s)
-        return error_set(err, MRT_ERR_IO, "%s: gave no sample for %.0f s", input_name(self->input),
-                         timeout_s);
+        return error_set(err, MRT_ERR_IO, "%s: no sample arrived for %.0f s",
+                         input_name(self->input), timeout_s);
     clock_sleep_until_ns(now_ns + IDLE_NS);
     return MRT_OK;
 }
@@ -371,8 +371,8 @@ static mrt_result say_over(const guiding *self, error *err)
         return error_set(err, MRT_ERR_IO, "%s: the input failed in step %d of %d, %s", name, number,
                          count, guide_step_name[step]);
     return error_set(err, MRT_ERR_FORMAT,
-                     "%s: is over in step %d of %d, %s: that pose does not come, or is not held "
-                     "still for %.1f s",
+                     "%s: the input ended in step %d of %d, %s: the hand did not reach the pose, "
+                     "or did not hold it still for %.1f s",
                      name, number, count, guide_step_name[step], self->still_s);
 }
 
@@ -416,7 +416,7 @@ static mrt_result guide_person(guiding *self, error *err)
     while (result >= 0 && !is_done(self)) {
         result = follow_keys(self, err);
         if (result >= 0 && (self->is_quit || cancel_is_asked()))
-            result = error_set(err, MRT_ERR_ARGUMENT, "given up; nothing is written");
+            result = error_set(err, MRT_ERR_ARGUMENT, "stopped; nothing was written");
         if (result >= 0 && !is_done(self))
             result = follow_glove(self, err);
     }
@@ -493,7 +493,7 @@ static int read_name(void *to, const command *self, const char *name, const char
     *(const char **)to = text;
     return strlen(text) < CALIBRATION_NAME
                ? COMMAND_DONE
-               : command_usage(self, "--%s has more than %d bytes", name, CALIBRATION_NAME - 1);
+               : command_usage(self, "--%s is longer than %d bytes", name, CALIBRATION_NAME - 1);
 }
 
 #define AT(member) .offset = offsetof(calibrate_options, member)
@@ -517,7 +517,7 @@ static int check_options(const calibrate_options *options)
         (options->input.plugin != NULL) + (options->show != NULL) + (options->virtualhand != NULL);
     if (jobs != 1)
         return command_usage(&command_calibrate,
-                             "one of --input, --from-virtualhand and --show is needed");
+                             "give one of --input, --from-virtualhand and --show");
     if (!options->show && !options->out && !options->name)
         return command_usage(&command_calibrate,
                              "--out FILE is missing, or --name NAME for the user's folder");

@@ -57,7 +57,7 @@ static mrt_result check_file(const char *folder, size_t index, error *err)
     mrt_result result = hash_file(sum, path, err);
     if (result < 0 || strcmp(sum, package_file[index].sha256) == 0)
         return result;
-    return error_set(err, MRT_ERR_FORMAT, "%s: is not the one of %s %s: it is not used", path,
+    return error_set(err, MRT_ERR_FORMAT, "%s: not the file of %s %s: it is not used", path,
                      package_name, CAMERA_PAGE_VERSION);
 }
 
@@ -93,12 +93,12 @@ static mrt_result run_npm(const char *folder, error *err)
                                .err = STDERR_FILENO};
     const int failed = program_spawn(&pid, &how);
     if (failed)
-        return error_set(err, MRT_ERR_IO, "npm cannot be run (%s): install it (apt install npm)",
+        return error_set(err, MRT_ERR_IO, "cannot run npm (%s): install it (apt install npm)",
                          strerror(failed));
     if (program_wait(pid, &status, npm_patience_ns) && WIFEXITED(status) &&
         WEXITSTATUS(status) == 0)
         return MRT_OK;
-    return error_set(err, MRT_ERR_IO, "npm could not fetch %s: its own words stand above", what);
+    return error_set(err, MRT_ERR_IO, "npm could not download %s: see its messages above", what);
 }
 
 /* Fetched beside, checked, and only then where the page looks for it. */
@@ -109,15 +109,15 @@ static mrt_result set_up(facts *told, error *err)
     if (result < 0)
         return result;
     if (check_package(folder, err) >= 0) {
-        facts_text(told, "package", "package", "is there already, and whole");
+        facts_text(told, "package", "package", "is complete");
         facts_text(told, "folder", "folder", folder);
         return MRT_OK;
     }
     if (access(folder, F_OK) == 0)
-        return error_set(err, MRT_ERR_FORMAT,
-                         "%s: is not what was fetched once: remove it and try "
-                         "again",
-                         folder);
+        return error_set(
+            err, MRT_ERR_FORMAT,
+            "%s: the files changed since they were downloaded. Remove the folder and try again",
+            folder);
     (void)snprintf(part, sizeof part, "%s.%d", folder, (int)getpid());
     fprintf(stderr,
             "fetches %s %s (Apache-2.0, by Google; 24 MB) with npm into\n  %s\nIt runs in your "

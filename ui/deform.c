@@ -55,7 +55,8 @@ static mrt_result read_stdin(file_bytes *out, error *err)
     if (ferror(stdin))
         result = error_set(err, MRT_ERR_IO, "-: %s", strerror(errno));
     else if (out->size > FILE_CAP)
-        result = error_set(err, MRT_ERR_UNSUPPORTED, "-: more than %d MiB", FILE_CAP >> 20);
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "-: standard input is larger than %d MiB",
+                           FILE_CAP >> 20);
     if (result < 0)
         file_bytes_finish(out);
     return result;

@@ -504,8 +504,7 @@ static mrt_result follow(watch *self, error *err)
     }
     if (self->input_count == 0)
         return error_set(err, MRT_ERR_IO,
-                         "no device was ready: see marotte devices, or name one "
-                         "with --input");
+                         "no device is ready. marotte devices says why; --input names one");
     return MRT_OK;
 }
 
@@ -576,13 +575,13 @@ static mrt_result attend(input *in, const devices_options *options, log_queue *l
         if (so_far == LESSON_DONE)
             return MRT_OK;
         if (so_far == LESSON_GIVEN_UP)
-            return error_set(err, MRT_ERR_IO, "%s: nothing was learnt", input_name(in));
+            return error_set(err, MRT_ERR_IO, "%s: no switch was learnt", input_name(in));
         if (state == INPUT_ENDED || state == INPUT_FAILED)
-            return error_set(err, MRT_ERR_IO, "%s: has ended; nothing was learnt", input_name(in));
+            return error_set(err, MRT_ERR_IO, "%s: the input ended; no switch was learnt",
+                             input_name(in));
         wake_wait_until_ns(&news, seen, clock_now_ns() + learn_span_ns);
     }
-    return error_set(err, MRT_ERR_IO, "%s: stopped before it was done: nothing was learnt",
-                     input_name(in));
+    return error_set(err, MRT_ERR_IO, "%s: stopped early: no switch was learnt", input_name(in));
 }
 
 static mrt_result devices_learn(const devices_options *options, plugin_list *plugins,
@@ -613,7 +612,7 @@ static int add_input(void *to, const command *self, const char *name, const char
 {
     devices_options *out = to;
     if (out->input_count == DEVICES_INPUTS_MAX)
-        return command_usage(self, "at most %d inputs are possible", DEVICES_INPUTS_MAX);
+        return command_usage(self, "--input is given more than %d times", DEVICES_INPUTS_MAX);
     return command_read_spec(&out->input[out->input_count++], self, name, text);
 }
 
@@ -631,11 +630,12 @@ static const command_option option_table[] = {
 static int check_options(const devices_options *options)
 {
     if (options->learn.plugin && (options->is_watch || options->input_count > 0))
-        return command_usage(&command_devices, "--learn goes alone: it names its device");
+        return command_usage(&command_devices,
+                             "--learn cannot be combined with --input, --watch or --forward");
     if (!options->is_watch && options->input_count > 0)
-        return command_usage(&command_devices, "--input wants --watch or --forward");
+        return command_usage(&command_devices, "--input needs --watch or --forward");
     if (!options->is_watch && !options->learn.plugin && options->seconds > 0)
-        return command_usage(&command_devices, "--seconds wants --watch, --forward or --learn");
+        return command_usage(&command_devices, "--seconds needs --watch, --forward or --learn");
     return COMMAND_DONE;
 }
 

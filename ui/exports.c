@@ -143,12 +143,11 @@ mrt_result exports_check_room(const exports_file *file, uint32_t count, const me
         free(directory);
         double room = is_known ? (double)disk.f_bavail * (double)disk.f_frsize : (double)INFINITY;
         if (bytes > room)
-            return error_set(
-                err, MRT_ERR_IO,
-                "%s: %lld frames of %u vertices are %.1f GB, and there is room for %.1f "
-                "GB: --in and --out, or a lower --fps; .glb and .mp4 are smaller",
-                file[i].path, (long long)frame_count, m->vertex_count, bytes / gigabyte,
-                room / gigabyte);
+            return error_set(err, MRT_ERR_IO,
+                             "%s: %lld frames of %u vertices need %.1f GB, but only %.1f GB are "
+                             "free. Use --in and --out, a lower --fps, .glb or .mp4",
+                             file[i].path, (long long)frame_count, m->vertex_count,
+                             bytes / gigabyte, room / gigabyte);
     }
     return MRT_OK;
 }
@@ -370,11 +369,10 @@ static mrt_result write_livelink(const char *path, const clip *frames,
             used += (size_t)snprintf(missing + used, sizeof missing - used, "%s%s",
                                      used > 0 ? " " : "", arkit_name[i]);
     if (arkit->shape_count + arkit->turn_count == 0)
-        return error_set(
-            err, MRT_ERR_UNSUPPORTED,
-            "%s: no shape or pose of this face is called as one of ARKit's, and it has no "
-            "head or eyes that turn",
-            path);
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: this face has no shape or pose with a name of ARKit's, and no head "
+                         "or eyes that turn",
+                         path);
     facts_number(told, "arkit_shapes", "ARKit shapes", arkit->shape_count, 0, "of 52");
     facts_number(told, "arkit_turns", "  turns", arkit->turn_count, 0, "of 9, of head and eyes");
     if (used > 0)
@@ -513,7 +511,7 @@ mrt_result exports_sound(const char *path, show *s, const sound_file_export *wha
     mrt_result result = sound_file_write(out, s, what, path, &watch, err);
     progress_end(shown);
     if (result >= 0 && out->damaged_count)
-        fprintf(stderr, "warning: %lld pieces of the sound are damaged: they are silent\n",
+        fprintf(stderr, "warning: the sound is damaged in %lld places, which are silent\n",
                 (long long)out->damaged_count);
     return result;
 }
@@ -531,7 +529,7 @@ static char *name_beside(const char *path, error *err)
             return out;
         }
     }
-    (void)error_set(err, MRT_ERR_IO, "%s: no room for its sound beside it: %s", path,
+    (void)error_set(err, MRT_ERR_IO, "%s: cannot write its sound beside it: %s", path,
                     strerror(errno));
     free(out);
     return NULL;

@@ -188,7 +188,7 @@ static int put_words(void *options, const command *self, const command_option *t
         while (row->name && row->kind != COMMAND_WORD)
             ++row;
         if (!row->name)
-            return command_usage(self, "\"%s\" is not expected here", word[i]);
+            return command_usage(self, "unexpected argument \"%s\"", word[i]);
         code = put(options, self, row, word[i]);
     }
     return code;
@@ -249,7 +249,7 @@ int command_read_face(void *to, const command *self, const char *name, const cha
 {
     char **path = to;
     if (*path)
-        return command_usage(self, "one --%s is possible", name);
+        return command_usage(self, "--%s is given twice", name);
     *path = installed_path(INSTALLED_FACE, text);
     return *path ? COMMAND_DONE : command_failed(self, &(error){"no memory"});
 }
@@ -258,7 +258,7 @@ int command_read_spec(void *to, const command *self, const char *name, const cha
 {
     plugin_spec *spec = to;
     if (spec->plugin)
-        return command_usage(self, "one --%s is possible", name);
+        return command_usage(self, "--%s is given twice", name);
     return plugin_spec_read(spec, text)
                ? COMMAND_DONE
                : command_usage(self, "--%s \"%s\" is not PLUGIN[:ADDRESS][,key=value]", name, text);

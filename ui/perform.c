@@ -64,14 +64,14 @@ static int read_name(void *to, const command *self, const char *name, const char
     *(const char **)to = text;
     if (strlen(text) < TAKE_NAME)
         return COMMAND_DONE;
-    return command_usage(self, "--%s: at most %d letters are possible", name, TAKE_NAME - 1);
+    return command_usage(self, "--%s is longer than %d bytes", name, TAKE_NAME - 1);
 }
 
 static int add_export(void *to, const command *self, const char *name, const char *path)
 {
     perform_options *out = to;
     if (out->export_count == EXPORTS_MAX)
-        return command_usage(self, "at most %d exports are possible", EXPORTS_MAX);
+        return command_usage(self, "--export is given more than %d times", EXPORTS_MAX);
     exports_file file = {path, exports_format_of(path)};
     if (file.format == EXPORTS_NONE)
         return command_usage(self, "--%s %s: the name must end in %s", name, path, exports_names);
@@ -83,7 +83,7 @@ static int add_input(void *to, const command *self, const char *name, const char
 {
     perform_options *out = to;
     if (out->input_count == PERFORM_INPUTS_MAX)
-        return command_usage(self, "at most %d inputs are possible", PERFORM_INPUTS_MAX);
+        return command_usage(self, "--input is given more than %d times", PERFORM_INPUTS_MAX);
     out->input_text[out->input_count] = text;
     return command_read_spec(&out->input[out->input_count++], self, name, text);
 }
@@ -93,7 +93,7 @@ static int add_output(void *to, const command *self, const char *name, const cha
     perform_options *out = to;
     (void)name;
     if (out->output_count == PERFORM_OUTPUTS_MAX)
-        return command_usage(self, "at most %d outputs are possible", PERFORM_OUTPUTS_MAX);
+        return command_usage(self, "--output is given more than %d times", PERFORM_OUTPUTS_MAX);
     out->output[out->output_count++] = text;
     return COMMAND_DONE;
 }
@@ -102,7 +102,7 @@ static int set_map(void *to, const command *self, const char *name, const char *
 {
     plugin_spec *map = to;
     if (map->plugin)
-        return command_usage(self, "one --map is possible");
+        return command_usage(self, "--map is given twice");
     if (!plugin_spec_read(map, text) || map->address[0])
         return command_usage(self, "--%s \"%s\" is not PLUGIN[,key=value]", name, text);
     return COMMAND_DONE;
@@ -113,7 +113,7 @@ static int add_calibration(void *to, const command *self, const char *name, cons
     perform_options *out = to;
     (void)name;
     if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
-        return command_usage(self, "at most %d calibrations are possible, one per hand",
+        return command_usage(self, "--calibration is given more than %d times: one per hand",
                              PERFORM_CALIBRATIONS_MAX);
     out->calibration[out->calibration_count++] = path;
     return COMMAND_DONE;
@@ -193,8 +193,9 @@ static int read_options(perform_options *out, int argc, char **argv)
     if (code == COMMAND_DONE && out->curves &&
         (out->input_count > 0 || out->map.plugin || out->record || out->is_realtime ||
          out->output_count > 0))
-        code = command_usage(self, "--curves stands in place of --input and --map; it is neither "
-                                   "recorded nor performed in real time, nor sent anywhere");
+        code = command_usage(
+            self,
+            "--curves cannot be combined with --input, --map, --record, --realtime or --output");
     if (code == COMMAND_DONE && out->input_count == 0 && !out->curves)
         code = command_usage(self, "--input is missing");
     if (code == COMMAND_DONE && !out->map.plugin && !out->curves)
@@ -203,10 +204,10 @@ static int read_options(perform_options *out, int argc, char **argv)
         out->fps = 30.0;
     if (code == COMMAND_DONE && out->record && (out->frame.up || out->frame.forward))
         code =
-            command_usage(self, "--up and --forward are kept in a rig, not in a show: marotte rig "
-                                "new MESH --up AXIS --forward AXIS, then perform with that rig");
+            command_usage(self, "a show cannot store --up and --forward. Draft a rig and perform "
+                                "with it: marotte rig new MESH --up AXIS --forward AXIS");
     if (code == COMMAND_DONE && out->has_sound && !out->record)
-        code = command_usage(self, "--sound needs --record SHOW, where it is kept");
+        code = command_usage(self, "--sound needs --record SHOW");
     if (code == COMMAND_DONE)
         code = check_look(out, self);
     if (code != COMMAND_DONE)
@@ -397,7 +398,7 @@ static mrt_result start_recording(performance *self, error *err)
         return MRT_OK;
     if (self->inputs.clock == CLOCK_VIRTUAL)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "--sound: recordings are played faster than anybody speaks: --realtime");
+                         "--sound needs --realtime: recordings play faster than real time");
     return start_sound(out, err);
 }
 
@@ -645,7 +646,7 @@ static mrt_result perform(performance *self, error *err)
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
     const player_stage stage = {self, on_step, on_draw};
     if (self->inputs.clock == CLOCK_REAL && keys_begin())
-        fprintf(stderr, "note: keys: z makes the pose held now the neutral one, q ends\n");
+        fprintf(stderr, "note: keys: z makes the current pose the neutral pose, q ends\n");
     progress_start(&self->progress, "performing");
     mrt_result result = player_run_stage(&stage, self->inputs.input, self->inputs.count, &settings,
                                          &events, &self->report, err);
@@ -655,7 +656,7 @@ static mrt_result perform(performance *self, error *err)
     if (result >= 0)
         result = check_pulls(self, err);
     if (result >= 0 && self->report.sample_count == 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: gave no samples",
+        result = error_set(err, MRT_ERR_FORMAT, "%s: the input has no samples",
                            input_name(self->inputs.input[0]));
     return result;
 }
@@ -959,7 +960,7 @@ static void tell_unused(const curve_performance *self)
     for (uint32_t i = 0; i < self->table.column_count; ++i)
         told_only += is_told_only(self, self->table.name[i]);
     if (unused > told_only)
-        fprintf(stderr, "note: %u columns of %s are of nothing that this face has\n",
+        fprintf(stderr, "note: %u columns of %s do not match anything in this face\n",
                 unused - told_only, self->options->curves);
 }
 
@@ -1070,7 +1071,7 @@ static mrt_result find_rate(curve_performance *self, error *err)
         return MRT_OK;
     for (uint32_t row = 1; row < t->row_count; ++row)
         if (!(cell(self, row, time) > cell(self, row - 1, time)))
-            return error_set(err, MRT_ERR_FORMAT, "%s:%u: time_s does not go on",
+            return error_set(err, MRT_ERR_FORMAT, "%s:%u: time_s does not increase",
                              self->options->curves, t->line[row]);
     mrt_result result = timecode_rate_of(&rate, (t->row_count - 1) / span_s, err);
     if (result < 0) {
@@ -1157,8 +1158,8 @@ static void tell_others(const curve_performance *self)
 {
     if (self->table.other_shapes > 0)
         fprintf(stderr,
-                "note: %u rows of %s were performed on clay or on a shape that was committed: here "
-                "they are performed on the face at rest\n",
+                "note: %u rows of %s come from clay or from a committed shape. They are performed "
+                "on the face at rest\n",
                 self->table.other_shapes, self->options->curves);
 }
 

@@ -116,7 +116,7 @@ static mrt_result choose_named(perform_hands *self, const char *path, calibratio
         return result;
     if (self->path[file->side]) {
         result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%s: is of the %s hand, as %s is: one calibration per hand", path,
+                           "%s: for the %s hand, like %s. Give one calibration per hand", path,
                            side_name[file->side], self->path[file->side]);
         calibration_file_finish(file);
         return result;
@@ -161,20 +161,20 @@ static mrt_result choose(perform_hands *self, const char *const *path, uint32_t 
         const bool is_needed = hand != NULL;
         write_address(address, sizeof address, from, hand);
         if (self->path[side] && !(is_needed && strcmp(of, self->use[side].input) == 0))
-            fprintf(stderr, "note: %s: not used: no %s gives a %s hand\n", self->path[side],
+            fprintf(stderr, "note: %s: not used: no %s provides a %s hand\n", self->path[side],
                     self->use[side].input[0] ? self->use[side].input : "glove in counts",
                     side_name[side]);
         if (is_needed && !self->path[side] && !has_none)
             result = choose_newest(self, side, of, file, err);
         if (result >= 0 && is_needed && !self->path[side] && !of[0])
             fprintf(stderr,
-                    "note: %s hand not calibrated: shipped defaults; marotte calibrate --input "
-                    "PLUGIN:ADDRESS --name NAME --hand %s\n",
+                    "note: the %s hand is not calibrated; the shipped defaults are used. Calibrate "
+                    "it: marotte calibrate --input PLUGIN:ADDRESS --name NAME --hand %s\n",
                     side_name[side], side_name[side]);
         if (result >= 0 && is_needed && !self->path[side] && of[0])
             fprintf(stderr,
-                    "note: %s hand as %s sees it: ten seconds make it yours, marotte calibrate "
-                    "--input %s --name NAME\n",
+                    "note: the %s hand of %s is not calibrated. Calibrate it in ten seconds: "
+                    "marotte calibrate --input %s --name NAME\n",
                     side_name[side], of, address[0] ? address : of);
     }
     return result;
@@ -479,7 +479,7 @@ void perform_record_watch_writer(writer *of, bool *is_told)
     *is_told = !is_well;
     writer_message(of, text, sizeof text);
     fprintf(stderr, "%s: %s\n", is_well ? "note" : "warning",
-            is_well ? "recording goes on: what was held in memory is written" : text);
+            is_well ? "the recording continues; the samples in memory are written" : text);
 }
 
 mrt_result perform_record_rescue(show *of, mrt_result so_far, error *err)

@@ -304,7 +304,8 @@ static int plugin_check_run(int argc, char **argv)
     check_options o = {.repeat = 1, .seed = clock_now_ns() / 1000 % 1000000};
     int code = command_options(&o, &command_plugin, check_option_table, argc, argv);
     if (code == COMMAND_DONE && !o.path && !o.lists_rules)
-        code = command_usage(&command_plugin, "say which plugin to check: check FILE.so");
+        code =
+            command_usage(&command_plugin, "the plugin is missing: marotte plugin check FILE.so");
     if (code != COMMAND_DONE)
         return code;
     if (o.lists_rules) {
@@ -404,19 +405,18 @@ static int read_options(new_options *out, int argc, char **argv)
     int code = command_options(out, &command_plugin, new_option_table, argc, argv);
     for (int i = 0; i < KINDS && code == COMMAND_DONE; ++i) {
         if (out->is_kind[i] && out->kind)
-            code = command_usage(&command_plugin, "new: one of --mapping, --input, --output");
+            code = command_usage(&command_plugin,
+                                 "new: choose only one of --mapping, --input and --output");
         if (out->is_kind[i])
             out->kind = &kinds[i];
     }
     if (code != COMMAND_DONE)
         return code;
     if (!out->name)
-        return command_usage(&command_plugin, "new: what is it to be called?");
+        return command_usage(&command_plugin, "new: NAME is missing");
     code = check_name(out->name);
     if (code == COMMAND_DONE && !out->kind)
-        code = command_usage(&command_plugin,
-                             "new: --mapping (hands in, a face out), --input "
-                             "(where hands come from) or --output (where a face goes)?");
+        code = command_usage(&command_plugin, "new: choose --mapping, --input or --output");
     return code;
 }
 
@@ -487,10 +487,8 @@ static mrt_result make_folder(char out[INSTALLED_LENGTH], const new_options *w, 
         return MRT_OK;
     if (errno == EEXIST)
         return error_set(err, MRT_ERR_IO,
-                         "new: %s is there already and stays as it is: choose another name, or "
-                         "another --dir",
-                         out);
-    return error_set(err, MRT_ERR_IO, "new: %s cannot be made: %s", out, strerror(errno));
+                         "new: %s exists already. Choose another name, or another --dir", out);
+    return error_set(err, MRT_ERR_IO, "new: cannot create the folder %s: %s", out, strerror(errno));
 }
 
 static void remove_all(const new_options *w, const char *folder)

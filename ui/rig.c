@@ -27,8 +27,8 @@ static mrt_result read_rig(face_file *out, const char *path, face_file_strictnes
     mrt_result result = face_file_read(out, path, NULL, strictness, err);
     if (result < 0 || out->rig)
         return result;
-    return error_set(err, MRT_ERR_ARGUMENT, "%s: is a mesh; marotte rig new drafts a rig for it",
-                     path);
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%s: this is a mesh, not a rig; marotte rig new drafts a rig for it", path);
 }
 
 /* ---- rig check ---- */
@@ -98,7 +98,7 @@ static int rigcheck_run(int argc, char **argv)
     error err = {""};
     int code = command_options(&c, &command_rig, check_options, argc, argv);
     if (code == COMMAND_DONE && !c.path)
-        code = command_usage(&command_rig, "check takes one rig file, and --json");
+        code = command_usage(&command_rig, "check needs one rig file");
     if (code != COMMAND_DONE) {
         free(c.path);
         return code;
@@ -192,7 +192,8 @@ static mrt_result draft(const drafting *d, error *err)
     if (result < 0)
         return result;
     if (f.rig)
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: is a rig; new takes a mesh", d->mesh_path);
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s: this is a rig; rig new needs a mesh",
+                           d->mesh_path);
     else if (d->cuts_mouth && (result = cut_mouth(&f, &chain, &chain_count, err)) < 0)
         error_prefix(err, d->mesh_path);
     if (result >= 0)
@@ -206,7 +207,7 @@ static mrt_result draft(const drafting *d, error *err)
         terminal_print("wrote    %s\n", d->out_path);
         print_lines("note     ", f.note);
         if (d->cuts_mouth && !chain)
-            print_lines("note     ", "mouth: lips that part are there already: nothing was cut");
+            print_lines("note     ", "mouth: the lips are open already; nothing was cut");
         print_lines("confirm  ", confirm);
         warn_mesh_path(d);
         fputs("next     marotte rig check ", stdout);
@@ -230,12 +231,12 @@ static int rignew_run(int argc, char **argv)
         return code;
     if (!d.mesh_path || !choose_out_path(&d))
         return command_usage(&command_rig,
-                             "new takes a mesh, --out, --unit mm|cm|m|MM, --up AXIS, "
-                             "--forward AXIS (x, y, z, -x, -y, -z), --cut-mouth and --force");
+                             "new needs a mesh: marotte rig new MESH [--out NAME.rig.json]");
     if (!d.may_replace && access(d.out_path, F_OK) == 0) {
-        (void)error_set(&err, MRT_ERR_ARGUMENT,
-                        "%s: is there already; --force writes over it, --out elsewhere",
-                        d.out_path);
+        (void)error_set(
+            &err, MRT_ERR_ARGUMENT,
+            "%s: exists already. Overwrite it with --force, or choose another file with --out",
+            d.out_path);
         return command_failed(&command_rig, &err);
     }
     return draft(&d, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
@@ -378,9 +379,9 @@ static mrt_result show_poses(const showing *s, const face_file *f, error *err)
     rig_poses_stage stage;
     uint32_t count;
     if (f->rig->pose_count == 0)
-        return error_set(
-            err, MRT_ERR_ARGUMENT,
-            "%s: $.poses is empty: no poses to show; write some, as rigs/README.md says", s->path);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: the rig has no poses ($.poses); rigs/README.md explains them",
+                         s->path);
     mrt_result result = choose_poses(&count, s, f->rig, err);
     if (result >= 0)
         result = rig_poses_stage_init(&stage, f->rig, &f->mesh, &f->topology, err);
@@ -413,9 +414,8 @@ static int rigshow_run(int argc, char **argv)
     if (code == COMMAND_DONE &&
         (!s.path || !(s.out_path || s.has_poses) || (s.only && !s.has_poses)))
         code = command_usage(
-            &command_rig, "show takes a rig file, --out PICTURE.png, --yaw and --pitch in "
-                          "degrees, --size WIDTHxHEIGHT of 16 to 16384 pixels, and --poses for its "
-                          "poses (then --out may be left away; --only NAME,NAME: of these)");
+            &command_rig,
+            "show needs a rig file, and --out PICTURE.png or --poses; --only needs --poses");
     if (code == COMMAND_DONE) {
         choose_view(&s);
         if (show_any(&s, &err) < 0)
@@ -463,10 +463,10 @@ static mrt_result choose_contacts(fitting *f, error *err)
     const rig *r = f->face.rig;
     const rig_contact_set *set = f->set_name ? rig_find_contact_set(r, f->set_name) : NULL;
     if (f->set_name && !set)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: $.contact_sets has no \"%s\"; add it, or leave --contacts away to "
-                         "use them all",
-                         f->rig_path, f->set_name);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%s: $.contact_sets has no \"%s\". Add it, or use all contacts: without --contacts",
+            f->rig_path, f->set_name);
     f->contact_count = set ? set->contact_count : r->contact_count;
     f->contact = calloc(f->contact_count + 1u, sizeof *f->contact);
     if (!f->contact)
@@ -756,10 +756,9 @@ static int rigfit_run(int argc, char **argv)
     error err = {""};
     int code = command_options(&f, &command_rig, fit_options_table, argc, argv);
     if (code == COMMAND_DONE && !f.targets_path)
-        code = command_usage(&command_rig,
-                             "fit takes a rig and a mesh with morph targets, --contacts SET, "
-                             "--json, --out, --save-poses, --suggest 1..%d",
-                             SUGGEST_MAX);
+        code = command_usage(
+            &command_rig, "fit needs a rig and a mesh with morph targets; --suggest takes 1 to %d",
+            SUGGEST_MAX);
     if (code == COMMAND_DONE && fit_any(&f, &err) < 0)
         code = command_failed(&command_rig, &err);
     fit_results_destroy(f.result, f.result_count);

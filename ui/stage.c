@@ -70,7 +70,7 @@ static int add_input(void *to, const command *self, const char *name, const char
     stage_options *out = to;
     (void)name;
     if (out->app.input_count == INPUTS_MAX)
-        return command_usage(self, "at most %d inputs", INPUTS_MAX);
+        return command_usage(self, "--input is given more than %d times", INPUTS_MAX);
     out->input[out->app.input_count++] = text;
     out->app.inputs = out->input;
     return COMMAND_DONE;
@@ -99,7 +99,7 @@ static int add_stream(void *to, const command *self, const char *name, const cha
     const size_t used = strlen(targets), room = sizeof out->streamed.targets - used;
     out->has_picture = true;
     if (strchr(text, ' ') || strlen(text) + 2 > room)
-        return command_usage(self, "--%s %s: too long, or has a blank", name, text);
+        return command_usage(self, "--%s \"%s\" is too long or contains a space", name, text);
     (void)snprintf(targets + used, room, "%s%s", used ? " " : "", text);
     return COMMAND_DONE;
 }

@@ -22,7 +22,7 @@ static int read_once(void *to, const command *self, const char *name, const char
 {
     const char **value = to;
     if (*value)
-        return command_usage(self, "\"%s\" was given twice", name);
+        return command_usage(self, "--%s is given twice", name);
     *value = text;
     return COMMAND_DONE;
 }
@@ -37,7 +37,7 @@ static int add_export(void *to, const command *self, const char *name, const cha
         return COMMAND_DONE;
     }
     if (out->export_count == EXPORTS_MAX)
-        return command_usage(self, "\"%s\" is one export too many", path);
+        return command_usage(self, "too many exports: \"%s\"", path);
     if (file.format == EXPORTS_NONE)
         return command_usage(self, "\"%s\" does not end in %s .wav", path, exports_names);
     out->exports[out->export_count++] = file;
@@ -49,7 +49,7 @@ static int add_calibration(void *to, const command *self, const char *name, cons
     take_call *out = to;
     (void)name;
     if (out->calibration_count == PERFORM_CALIBRATIONS_MAX)
-        return command_usage(self, "\"%s\" is one calibration too many: one per hand", path);
+        return command_usage(self, "too many calibrations: \"%s\": one per hand", path);
     out->calibration[out->calibration_count++] = path;
     return COMMAND_DONE;
 }
@@ -59,7 +59,7 @@ static int add_input(void *to, const command *self, const char *name, const char
     take_call *out = to;
     (void)name;
     if (out->input_count == PERFORM_INPUTS_MAX)
-        return command_usage(self, "\"%s\" is one input too many", spec);
+        return command_usage(self, "too many inputs: \"%s\"", spec);
     out->input[out->input_count++] = spec;
     return COMMAND_DONE;
 }
@@ -69,7 +69,7 @@ static int add_output(void *to, const command *self, const char *name, const cha
     take_call *out = to;
     (void)name;
     if (out->output_count == PERFORM_OUTPUTS_MAX)
-        return command_usage(self, "\"%s\" is one output too many", spec);
+        return command_usage(self, "too many outputs: \"%s\"", spec);
     out->output[out->output_count++] = spec;
     out->text[TAKE_OUTPUT] = spec;
     return COMMAND_DONE;
@@ -201,7 +201,7 @@ static int take_options_read(take_call *out, const take_verb *verb, int argc, ch
     while (out->word_count < most && out->word[out->word_count])
         out->word_count += 1;
     if (code == COMMAND_DONE && out->word_count < least)
-        code = command_usage(&out->self, "say %s", verb->words);
+        code = command_usage(&out->self, "expected %s", verb->words);
     return code;
 }
 
@@ -308,8 +308,8 @@ static mrt_result time_of_label(take_call *call, const char *text, const take *t
     int64_t frame;
     if (!call->text[TAKE_FPS] && !(t->fps > 0.0))
         return take_misused(call, err,
-                            "\"%s\" is time code, and the take has no frame rate: --fps N, or "
-                            "first marotte take timecode SHOW TAKE --fps N",
+                            "\"%s\" is time code, but the take has no frame rate. Give --fps N, or "
+                            "set the rate first: marotte take timecode SHOW TAKE --fps N",
                             text);
     mrt_result result = take_rate(call, t, &rate, err);
     if (result < 0)
@@ -422,11 +422,11 @@ mrt_result take_find(take_call *call, const char *text, int64_t *out_id, error *
     if (*out_id)
         return MRT_OK;
     if (count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: has no takes yet: marotte perform --record %s",
-                         call->word[0], call->word[0]);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: has no takes. Record one: marotte perform --record %s", call->word[0],
+                         call->word[0]);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: has no take \"%.80s\": there are %s; \"last\" or SCENE/SHOT/NUMBER are "
-                     "possible too",
+                     "%s: has no take \"%.80s\". Takes: %s, \"last\" or SCENE/SHOT/NUMBER",
                      call->word[0], text, ids);
 }
 
@@ -478,10 +478,10 @@ mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns, uint32_
     if (count == 1)
         return MRT_OK;
     if (count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "take %lld shows no clip%s", (long long)t->id,
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld has no clip%s", (long long)t->id,
                          at_ns == EDIT_UNSAID ? "" : " at that instant");
     return take_misused(call, err,
-                        "take %lld shows %u clips%s: --clip N says which (marotte take show)",
+                        "take %lld has %u clips%s. Choose one with --clip N (marotte take show)",
                         (long long)t->id, count, at_ns == EDIT_UNSAID ? "" : " at that instant");
 }
 
@@ -493,8 +493,9 @@ mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error 
         return MRT_OK;
     }
     if (!text)
-        return take_misused(call, err, "take %lld has %u layers: --layer N or its name says which",
-                            (long long)t->id, t->layer_count);
+        return take_misused(
+            call, err, "take %lld has %u layers. Choose one with --layer and its number or name",
+            (long long)t->id, t->layer_count);
     for (uint32_t i = 0; i < t->layer_count; ++i)
         if (strcmp(t->layer[i].name, text) == 0) {
             *out = t->layer[i].id;
@@ -741,7 +742,7 @@ static int run(int argc, char **argv)
     take_call call;
     int used;
     if (argc < 2)
-        return command_usage(&command_take, "say what to do: list, show, trim, export ...");
+        return command_usage(&command_take, "a command is missing: list, show, trim, export ...");
     const take_verb *verb = find(argc, argv, &used);
     if (!verb)
         return refuse(argc, argv);

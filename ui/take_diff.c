@@ -67,14 +67,14 @@ static mrt_result choose_frames(comparison *self, take_call *call, error *err)
         shorter.duration_ns = self->b.take.duration_ns;
     if (self->a.take.duration_ns != self->b.take.duration_ns)
         fprintf(stderr,
-                "note: the takes last %.6g and %.6g s: the time that both have is compared\n",
+                "note: the takes are %.6g and %.6g s long. Only their common time is compared\n",
                 (double)self->a.take.duration_ns / 1e9, (double)self->b.take.duration_ns / 1e9);
     mrt_result result = take_frames_of(&self->frames, call, &shorter, err);
     if (result >= 0 && self->frames.count > FRAMES_MAX)
-        result = error_set(err, MRT_ERR_ARGUMENT,
-                           "%lld frames are too many to compare at once, %d are possible: a lower "
-                           "--fps, or --in and --out",
-                           (long long)self->frames.count, FRAMES_MAX);
+        result = error_set(
+            err, MRT_ERR_ARGUMENT,
+            "%lld frames are too many to compare, at most %d. Use a lower --fps, or --in and --out",
+            (long long)self->frames.count, FRAMES_MAX);
     return result;
 }
 

@@ -30,7 +30,7 @@ static mrt_result next_name(take_call *call, text_view *rest, char out[TAKE_NAME
         return MRT_END;
     size_t length = (size_t)(field.end - field.at);
     if (length == 0 || length >= TAKE_NAME)
-        return take_misused(call, err, "a name in a list has no or more than %d letters",
+        return take_misused(call, err, "a name in the list is empty or longer than %d letters",
                             TAKE_NAME - 1);
     text_copy(out, TAKE_NAME, field);
     return MRT_OK;
@@ -70,10 +70,10 @@ mrt_result take_read_regions(take_call *call, const char *text, uint32_t *out, e
         if (result != MRT_OK)
             return result == MRT_END ? MRT_OK : result;
         if (!own_region_named(name, &region))
-            return take_misused(call, err,
-                                "\"%s\" is no region: mouth, jaw, brows, lids, eyes, cheeks, nose, "
-                                "head are",
-                                name);
+            return take_misused(
+                call, err,
+                "\"%s\" is not a region: mouth, jaw, brows, lids, eyes, cheeks, nose or head",
+                name);
         *out |= 1u << region;
     }
 }
@@ -215,7 +215,7 @@ static mrt_result ask_retime(take_call *call, const take *t, take_change *out, e
 {
     bool is_curve = call->text[TAKE_POINTS] != NULL;
     if (is_curve == (call->text[TAKE_SPEED] != NULL))
-        return take_misused(call, err, "either --speed or --points is wanted");
+        return take_misused(call, err, "give either --speed or --points");
     edit *e = take_change_add(out, is_curve ? EDIT_CLIP_CURVE : EDIT_CLIP_SPEED);
     mrt_result result = take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
     if (result < 0)
@@ -241,7 +241,7 @@ static mrt_result ask_target(take_call *call, const take *t, take_change *out, e
 {
     bool is_layer = call->text[TAKE_LAYER] != NULL;
     if (is_layer && call->text[TAKE_CLIP])
-        return take_misused(call, err, "either --clip or --layer is wanted");
+        return take_misused(call, err, "give either --clip or --layer");
     edit *e = *out_edit = take_change_add(out, is_layer ? of_layer : of_clip);
     return is_layer ? take_find_layer(call, t, &e->layer, err)
                     : take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
@@ -640,7 +640,7 @@ static mrt_result read_material(take_call *call, edit *e, error *err)
     if (c)
         result = put_material(e, c, clip_at_ns, e->in_ns - clip_at_ns, err);
     else if (result >= 0)
-        result = error_set(err, MRT_ERR_ARGUMENT, "take %lld shows nothing of that at %.9g s",
+        result = error_set(err, MRT_ERR_ARGUMENT, "take %lld does not move these parts at %.9g s",
                            (long long)of.id, (double)at_ns / 1e9);
     take_finish(&of);
     return result;
@@ -660,7 +660,7 @@ static mrt_result ask_layer_comp(take_call *call, const take *t, take_change *ou
 {
     edit *e = take_change_add(out, EDIT_COMP);
     if ((call->text[TAKE_REGION] == NULL) == (call->text[TAKE_OWN] == NULL))
-        return take_misused(call, err, "either --region or --own is wanted");
+        return take_misused(call, err, "give either --region or --own");
     mrt_result result = read_span(call, t, e, err);
     if (result >= 0)
         result = call->text[TAKE_REGION]

@@ -307,10 +307,9 @@ mrt_result take_export_run(take_call *call, error *err)
         return take_misused(call, err, "--export FILE is missing");
     bool is_all = call->text[TAKE_ALL] != NULL;
     if (is_all != (call->word_count == 1))
-        return take_misused(call, err, "say which TAKE, or --all");
+        return take_misused(call, err, "give a TAKE, or --all");
     if (call->text[TAKE_JOBS] && !is_all)
-        return take_misused(call, err,
-                            "--jobs is of --all: shares of a take are given by --frames");
+        return take_misused(call, err, "--jobs needs --all. Use --frames for shares of one take");
     if (is_all)
         return take_export_all(call, err);
     mrt_result result = read_look(call, &look, err);
@@ -381,7 +380,7 @@ static mrt_result choose(take_call *call, const take *t, log_span *out, error *e
         return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it has no track",
                          (long long)t->id);
     if (!call->text[TAKE_TRACK])
-        return take_misused(call, err, "take %lld has %u tracks: --track N says which",
+        return take_misused(call, err, "take %lld has %u tracks. Choose one with --track N",
                             (long long)t->id, count);
     return error_set(err, MRT_ERR_ARGUMENT, "take %lld has no track %lld (marotte take show)",
                      (long long)t->id, (long long)wanted);

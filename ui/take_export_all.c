@@ -185,7 +185,7 @@ static mrt_result read_list(batch *self, error *err)
         json_decref(root);
         if (!json_is_object(self->list))
             return error_set(err, MRT_ERR_FORMAT,
-                             "%s: is no list of marotte's exports: move it away", path);
+                             "%s: not a list of marotte's exports. Move it away", path);
     }
     self->list = self->list ? self->list : json_object();
     return self->list ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
@@ -226,10 +226,10 @@ static mrt_result check_names(const batch *self, error *err)
             for (uint32_t a = 0; a < self->job[i].path_count; ++a)
                 for (uint32_t b = 0; b < self->job[k].path_count; ++b)
                     if (strcmp(self->job[i].path[a], self->job[k].path[b]) == 0)
-                        return take_misused(self->call, err,
-                                            "takes %s and %s would both be %s: a name with {take} "
-                                            "is no other's",
-                                            self->job[k].id, self->job[i].id, self->job[i].path[a]);
+                        return take_misused(
+                            self->call, err,
+                            "takes %s and %s have the same file name, %s. Use {take} in the name",
+                            self->job[k].id, self->job[i].id, self->job[i].path[a]);
     return MRT_OK;
 }
 
@@ -338,7 +338,7 @@ static mrt_result start(batch *self, job *of, error *err)
     const int failed = of->child_stderr ? program_spawn(&of->pid, &how) : errno;
     if (failed) {
         of->pid = 0;
-        return error_set(err, MRT_ERR_IO, "take %s: no process for it: %s", of->id,
+        return error_set(err, MRT_ERR_IO, "take %s: cannot start a process: %s", of->id,
                          strerror(failed));
     }
     self->running += 1;
@@ -423,7 +423,7 @@ static mrt_result tell(batch *self, error *err)
     facts_number(told, "kept", "complete already", self->kept, 0, "");
     self->call->is_told = true;
     if (cancel_is_asked())
-        return error_set(err, MRT_ERR_IO, "stopped: the same command goes on where it was");
+        return error_set(err, MRT_ERR_IO, "stopped. Run the same command again to continue");
     if (self->failed + self->unread_count == 0)
         return MRT_OK;
     return error_set(err, MRT_ERR_IO, "%u of %zu takes could not be exported",
@@ -441,8 +441,8 @@ mrt_result take_export_all(take_call *call, error *err)
     for (const char *at = first; brace && (at = strchr(at, '/')) && at < brace;)
         slash = ++at;
     if (result >= 0 && !brace)
-        result =
-            take_misused(call, err, "\"%s\": with --all a name has {take} or {slate} in it", first);
+        result = take_misused(call, err, "\"%s\": with --all a file name needs {take} or {slate}",
+                              first);
     char list[PATH_MAX];
     (void)snprintf(self.folder, sizeof self.folder, "%.*s", (int)(slash - first), first);
     (void)snprintf(list, sizeof list, "%.*s%s", (int)(slash - first), first, list_name);

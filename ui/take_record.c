@@ -125,7 +125,7 @@ static mrt_result read_layer(performing *self, overdub_settings *out, error *err
     if (result >= 0 && call->text[TAKE_OWN])
         result = take_read_own(call, call->text[TAKE_OWN], &self->own, err);
     if (result >= 0 && call->text[TAKE_LAYER] && call->text[TAKE_OWN])
-        result = take_misused(call, err, "--layer has what it moves already: no --own");
+        result = take_misused(call, err, "--layer and --own cannot be combined");
     out->plan.own = self->own.own;
     out->plan.own_count = self->own.own_count;
     snprintf(out->plan.name, sizeof out->plan.name, "%s",
@@ -410,7 +410,7 @@ static mrt_result read_requested(remap *self, error *err)
     if (!call->text[TAKE_MAP] && !call->text[TAKE_PATCH] && !call->text[TAKE_FACE] &&
         !call->text[TAKE_FILTER] && !call->text[TAKE_HAND_LENGTH] && call->calibration_count == 0)
         return take_misused(self->call, err,
-                            "say what is to be different: --map, --patch, --face, --calibration, "
+                            "nothing to change: give --map, --patch, --face, --calibration, "
                             "--hand-length or --filter");
     mrt_result result = read_filter(self, err);
     if (result >= 0)
@@ -479,7 +479,7 @@ static mrt_result perform_anew(remap *self, int64_t performance, error *err)
         if (self->then[i] == performance)
             return MRT_OK;
     if (self->count == PERFORMANCES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "take %lld shows more than %d performances",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "take %lld has more than %d performances",
                          (long long)self->old.id, PERFORMANCES_MAX);
     mrt_result result = show_performance_read(self->call->show, performance, &of, err);
     if (result < 0)
@@ -536,7 +536,7 @@ static mrt_result gather(remap *self, error *err)
     for (uint32_t i = 0; i < self->old.layer_count; ++i)
         clip_count += self->old.layer[i].clip_count;
     if (clip_count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it shows no performance",
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it has no performance",
                          (long long)self->old.id);
     mrt_result result = show_edits_of(s, &self->made, &self->edits, err);
     if (result >= 0)
@@ -625,7 +625,7 @@ static mrt_result tell_remap(remap *self, int64_t id, error *err)
     call->text[TAKE_FACE] = NULL; /* each on its own */
     error why = {""};
     if (take_diff_tell(call, a, b, &why) < 0)
-        fprintf(stderr, "note: the two are not compared: %s\n", why.text);
+        fprintf(stderr, "note: the two takes are not compared: %s\n", why.text);
     return MRT_OK;
 }
 

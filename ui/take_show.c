@@ -411,7 +411,7 @@ static mrt_result keep_newest(take_call *call, double seconds, const int64_t *id
 {
     mrt_result result = visit(call, ids, count, out, err);
     if (result >= 0 && out->to_ns == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: nothing was performed into it yet",
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the show has no performance yet",
                          call->word[0]);
     if (result < 0)
         return result;
@@ -511,7 +511,7 @@ static mrt_result run_pack(take_call *call, error *err)
     if (self.failed_count == 0 && result < 0)
         return result;
     if (self.packed_count + self.failed_count + self.there_count == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: nothing was performed in it yet",
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the show has no performance yet",
                          call->word[0]);
     facts_number(call->told, "packed_count", "faces packed now", self.packed_count, 0, "");
     call->is_told = true;
@@ -548,7 +548,7 @@ static mrt_result run_recover(take_call *call, error *err)
     facts_number(call->told, "rows", "rows copied", (double)report.row_count, 0, "");
     facts_number(call->told, "damaged", "damaged, left out", (double)report.damaged_count, 0, "");
     if (report.is_cut)
-        fprintf(stderr, "warning: %s leads in circles: not all of it was looked at\n",
+        fprintf(stderr, "warning: %s has circular references: only a part of it was read\n",
                 call->word[0]);
     facts_file(call->told, call->text[TAKE_OUT], "");
     return recover_pack(call, err);

@@ -111,7 +111,7 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
     show_performance of;
     int64_t performance = first_performance(t);
     if (performance == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it shows no performance",
+        return error_set(err, MRT_ERR_ARGUMENT, "take %lld is empty: it has no performance",
                          (long long)t->id);
     mrt_result result = show_performance_read(call->show, performance, &of, err);
     if (result < 0)
@@ -138,7 +138,7 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
     if (result >= 0 && !*out_path)
         result = error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0 && change.text[0])
-        fprintf(stderr, "note: %s is not what take %lld was recorded on: it is used as it is now\n",
+        fprintf(stderr, "note: %s changed since take %lld was recorded. The current file is used\n",
                 change.text, (long long)t->id);
     show_performance_finish(&of);
     return result;
@@ -202,10 +202,10 @@ static mrt_result check_length(const take_call *call, const take *t, error *err)
     const double length_s = (double)t->duration_ns / 1e9;
     if (call->text[TAKE_OUT] || length_s <= allowed_s)
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT,
-                     "take %lld lasts %.6g s, which is much for a show of %llu bytes: say with "
-                     "--out how much of it is meant",
-                     (long long)t->id, length_s, (unsigned long long)show_file_size(call->show));
+    return error_set(
+        err, MRT_ERR_ARGUMENT,
+        "take %lld is %.6g s long, too much for a show of %llu bytes. Limit it with --out",
+        (long long)t->id, length_s, (unsigned long long)show_file_size(call->show));
 }
 
 /* --frames A-B */
@@ -220,7 +220,7 @@ static mrt_result take_share(take_frames *out, take_call *call, error *err)
         return take_misused(call, err, "--frames \"%s\" is not FIRST-LAST, from 1, such as 1-250",
                             text);
     if (to > out->count)
-        return error_set(err, MRT_ERR_ARGUMENT, "--frames %s: there are %lld frames", text,
+        return error_set(err, MRT_ERR_ARGUMENT, "--frames %s: there are only %lld frames", text,
                          (long long)out->count);
     out->first += from - 1;
     out->count = to - from + 1;
@@ -244,7 +244,7 @@ static mrt_result read_range(take_call *call, const take *t, int64_t *in_ns, int
     if (*in_ns >= 0 && *in_ns < *out_ns && *out_ns <= t->duration_ns)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%.9g .. %.9g s is no range of take %lld, which lasts %.9g s",
+                     "%.9g .. %.9g s is not a range of take %lld, which is %.9g s long",
                      (double)*in_ns / 1e9, (double)*out_ns / 1e9, (long long)t->id,
                      (double)t->duration_ns / 1e9);
 }

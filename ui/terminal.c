@@ -82,7 +82,7 @@ void news_print(log_queue *log)
     }
     uint32_t lost = log ? log_take_lost(log) : 0;
     if (lost)
-        fprintf(stderr, "warning: %u lines of news were lost: there were too many\n", lost);
+        fprintf(stderr, "warning: %u messages were lost, because there were too many\n", lost);
 }
 
 /* ---- progress ---- */

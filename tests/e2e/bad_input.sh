@@ -156,7 +156,7 @@ usage '--fps "0"' perform --fps 0
 usage '--fps "nan"' perform --fps nan
 usage 'no option "--fsp"' perform --fsp 1
 usage 'needs a value' perform --face
-usage 'not expected' perform surplus
+usage 'unexpected argument' perform surplus
 usage 'choose list, new or check' plugin
 usage 'there is no command "plugin lits". Did you mean "list"?' plugin lits
 

@@ -38,7 +38,7 @@ grep -q 'note: .*shoe_size' "$scratch/again.txt" || fail "an unknown key is not 
 # An incomplete one, or one that is none, leaves the old file as it is.
 cp "$user" "$scratch/before.json"
 log -v poses=6 >"$scratch/short.csv"
-refused 1 "is over in step 7 of 10, index alone" "$MAROTTE" calibrate \
+refused 1 "the input ended in step 7 of 10, index alone" "$MAROTTE" calibrate \
     --input "log:$scratch/short.csv" --out "$user"
 cmp "$user" "$scratch/before.json" || fail "an incomplete calibration replaced the old one"
 echo '{"other": 1}' >"$scratch/other.json"
@@ -85,7 +85,7 @@ perform() {
         fail "perform $1: $(cat "$scratch/$1.err")"
 }
 perform shipped
-grep -q "note: right hand not calibrated: shipped defaults; marotte calibrate" \
+grep -q "note: the right hand is not calibrated; the shipped defaults are used. Calibrate it: marotte calibrate" \
     "$scratch/shipped.err" || fail "no hint for an uncalibrated hand"
 calibrate --input "log:$glove" --name bea </dev/null >/dev/null || fail "into the folder"
 [ -s "$XDG_CONFIG_HOME/marotte/calibrations/bea.json" ] || fail "not in the user's folder"

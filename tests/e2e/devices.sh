@@ -101,12 +101,12 @@ said "warning            still away: flaky glove" "$scratch/perform.txt"
 
 # Wrong usage and what cannot be.
 refused 2 'there is no option' "$MAROTTE" devices --wach
-refused 2 '--input wants --watch' "$MAROTTE" devices --input flaky:a
-refused 2 'goes alone' "$MAROTTE" devices --learn flaky --watch
+refused 2 '--input needs --watch' "$MAROTTE" devices --input flaky:a
+refused 2 '--learn cannot be combined' "$MAROTTE" devices --learn flaky --watch
 refused 2 'is not a number' "$MAROTTE" devices --watch --seconds soon
 MAROTTE_FLAKY=$scratch/no "$MAROTTE" devices --watch --seconds 0.1 >/dev/null 2>"$scratch/news.txt" &&
     fail "nothing was there to be watched"
-said "no device was ready" "$scratch/news.txt"
+said "no device is ready" "$scratch/news.txt"
 refused 1 'no such device: plug it in' "$MAROTTE" devices --watch --input flaky:a,fail=1
 refused 1 'none of its choices: 115200, 57600' "$MAROTTE" devices --watch --input cyberglove:x,baud=12
 refused 1 'there is no input plugin "waldo"' "$MAROTTE" devices --watch --input waldo

@@ -39,7 +39,7 @@ all 3 0 --jobs 3
 "$MAROTTE" take delete s.marotte 3 >/dev/null && all 0 2 && "$MAROTTE" take undo s.marotte 3 >/dev/null
 cp face.glb other.glb && sed -i 's/"stone"/"stonf"/' face.glb && ! cmp -s face.glb other.glb || fail "face.glb is as it was"
 all 3 0
-grep -q 'is not what take 1 was recorded on' stderr || fail "a source that changed is not told: $(cat stderr)"
+grep -q 'changed since take 1 was recorded' stderr || fail "a source that changed is not told: $(cat stderr)"
 cp other.glb face.glb
 all 3 0
 
@@ -47,24 +47,24 @@ all 3 0
 bad() { # code words, then those of the export
     refused "$1" "$2" "$MAROTTE" take export s.marotte "${@:3}"
 }
-bad 2 'would both be' --all --export 'out/{scene}.pc2'
-bad 2 'has {take} or {slate} in it' --all --export out/x.pc2
+bad 2 'have the same file name' --all --export 'out/{scene}.pc2'
+bad 2 'needs {take} or {slate}' --all --export out/x.pc2
 bad 2 'are what a name may have' --all --export 'out/{face}.pc2'
-bad 2 'say which TAKE, or --all' --export out/x.pc2
-bad 2 'say which TAKE, or --all' 1 --all --export 'out/{take}.pc2'
-bad 2 'shares of a take' 1 --jobs 2 --export out/x.pc2
+bad 2 'give a TAKE, or --all' --export out/x.pc2
+bad 2 'give a TAKE, or --all' 1 --all --export 'out/{take}.pc2'
+bad 2 'for shares of one take' 1 --jobs 2 --export out/x.pc2
 bad 2 'not a number from 1 to 64' --all --jobs 0 --export 'out/{take}.pc2'
 bad 2 'is not FIRST-LAST' 1 --frames 0-3 --export out/x.pc2
 bad 2 'is not FIRST-LAST' 1 --frames 5-3 --export out/x.pc2
-bad 1 'there are 31 frames' 1 --frames 5-32 --export out/x.pc2
+bad 1 'there are only 31 frames' 1 --frames 5-32 --export out/x.pc2
 touch file
 bad 1 'file: no folder can be made there' --all --export 'file/{take}.pc2'
 echo '{}' >mine.json && mkdir mine && echo '{}' >mine/marotte_exports.json
-bad 1 'is no list of marotte' --all --export 'mine/{take}.pc2'
+bad 1 'not a list of marotte' --all --export 'mine/{take}.pc2'
 
 # What the disk has no room for is said before it is performed.
 if mkdir small && mount -t tmpfs -o size=1m tmpfs small 2>/dev/null; then
-    bad 1 'GB, and there is room for' 1 --fps 120 --export small/x.pc2
+    bad 1 'GB, but only' 1 --fps 120 --export small/x.pc2
     [ -z "$(ls -A small)" ] || fail "begun although there is no room: $(ls small)"
     umount small
 else
@@ -80,7 +80,7 @@ grep -q '1 of 3 takes could not be exported' stderr && grep -q 'take 2 .*2.pc2: 
     fail "a full disk is not noticed"
 [ "$(find full -type f ! -name marotte_exports.json | wc -l)" -eq 0 ] || fail "half files on a full disk: $(ls full)"
 
-# Ended in the middle, all of it ends, no half file stays, and the same command goes on.
+# Ended in the middle, all of it ends, no half file stays, and Run the same command again.
 "$MAROTTE" take export s.marotte --all --jobs 2 --fps 1000 --export 'stop/{take}.glb' >said 2>stderr &
 first=$!
 for _ in $(seq 3000); do
@@ -92,7 +92,7 @@ children=$(pgrep -P $first)
 [ -n "$children" ] || fail "no process for a take"
 kill -TERM $first
 wait $first && fail "it was not stopped"
-grep -q 'the same command goes on' stderr || fail "stopped: $(cat stderr)"
+grep -q 'Run the same command again' stderr || fail "stopped: $(cat stderr)"
 for child in $children; do kill -0 "$child" 2>/dev/null && fail "process $child goes on"; done
 [ -z "$(find stop -name '*.??????' 2>/dev/null)" ] || fail "left behind: $(ls -A stop)"
 "$MAROTTE" take export s.marotte --all --export 'stop/{take}.csv' >/dev/null 2>&1 || fail "it does not go on"

@@ -13,14 +13,14 @@ perform=("$MAROTTE" perform --verbose --face "$puppet" --input "log:$demo,end=1"
 refused 1 'there is no face output plugin "nobody". Loaded: ' "${perform[@]}" --output nobody
 refused 1 'has no parameter "colour"' "${perform[@]}" --output vmc,colour=3
 refused 2 'at most 8 outputs' "${perform[@]}" $(printf -- '--output vmc %.0s' 1 2 3 4 5 6 7 8 9)
-refused 2 'say SHOW TAKE' "$MAROTTE" take play "$show"
+refused 2 'expected SHOW TAKE' "$MAROTTE" take play "$show"
 "${perform[@]}" --output vmc:nowhere.invalid:1 --output vmc:here --output "vmc:127.0.0.1:$port" --record "$show" >said 2>stderr ||
     fail "bad places end a performance: $(cat stderr)"
 grep -q 'vmc:nowhere.invalid:1: failed: ' said || fail "$(cat said)"
 grep -q 'vmc:here: failed: "here" is no address to send to' said || fail "$(cat said)"
 [ "$(grep -c 'it is tried again' stderr)" -eq 2 ] || fail "not one line each: $(cat stderr)"
 "$MAROTTE" take play "$show" last --output vmc:here --in 5 >said 2>stderr && fail "--in beyond the take"
-grep -q 'is no range of take' stderr || fail "$(cat stderr)"
+grep -q 'is not a range of take' stderr || fail "$(cat stderr)"
 
 # ---- heard by others ----
 if command -v oscdump >/dev/null; then

@@ -61,8 +61,8 @@ grep -q 'marotte paper: .*cannot' "$scratch/full" || fail "a full disk is not sa
 # Bad folders.
 mkdir "$scratch/others" && touch "$scratch/others/thesis.html"
 refused 1 'has thesis.html in it and no page' "$MAROTTE" paper --quick --out "$scratch/others"
-refused 1 'is no folder' "$MAROTTE" paper --quick --out "$scratch/others/thesis.html"
-refused 1 'cannot be made' "$MAROTTE" paper --quick --out "$scratch/nowhere/page"
+refused 1 'not a folder' "$MAROTTE" paper --quick --out "$scratch/others/thesis.html"
+refused 1 'cannot create this folder' "$MAROTTE" paper --quick --out "$scratch/nowhere/page"
 refused 2 '--out needs a value' "$MAROTTE" paper --out
 refused 2 'is no option' "$MAROTTE" paper --fast
 [ "$(ls -A "$scratch/others")" = thesis.html ] || fail "a refusal left something behind"

@@ -95,12 +95,12 @@ bad 'line 1, column' j.rig.json '{"marotte_rig": 1,, }'
 # Wrong usage.
 refused 2 "choose check, show, new or fit" "$MAROTTE" rig
 refused 2 'there is no command "rig paint"' "$MAROTTE" rig paint
-refused 2 "check takes one rig file" "$MAROTTE" rig check
-refused 2 "show takes a rig file, --out" "$MAROTTE" rig show new.rig.json
+refused 2 "check needs one rig file" "$MAROTTE" rig check
+refused 2 "show needs a rig file" "$MAROTTE" rig show new.rig.json
 refused 2 "--yaw \"x\" is not a number" "$MAROTTE" rig show new.rig.json --out a.png --yaw x
-refused 2 "show takes a rig file, --out" "$MAROTTE" rig show --poses
+refused 2 "show needs a rig file" "$MAROTTE" rig show --poses
 refused 2 "--out needs a value" "$MAROTTE" rig show new.rig.json --poses --out
-refused 2 "fit takes a rig and a mesh" "$MAROTTE" rig fit new.rig.json
+refused 2 "fit needs a rig and a mesh" "$MAROTTE" rig fit new.rig.json
 # A head that has a mouth keeps it; what a rig says of a cut is checked.
 "$MAROTTE" rig new new.glb --cut-mouth --force >cut.txt || fail "rig new --cut-mouth"
 grep -q "nothing was cut" cut.txt || fail "a mouth was cut into a head that has one"
@@ -108,7 +108,7 @@ grep -q cut_mouth new.rig.json && fail "a cut is in the rig all the same"
 sed 's/"marotte_rig": 1,/"marotte_rig": 1, "cut_mouth": [1, 2, 3, 400],/' new.rig.json >cut.rig.json
 refused 1 'cut.rig.json: $.cut_mouth: vertices 1 and 2: no edge of two triangles joins them' \
     "$MAROTTE" rig check cut.rig.json
-refused 1 "is a mesh; marotte rig new" "$MAROTTE" rig check new.glb
+refused 1 "this is a mesh, not a rig; marotte rig new" "$MAROTTE" rig check new.glb
 refused 1 "has no morph targets" "$MAROTTE" rig fit new.rig.json new.glb
 
 # A face made with the rig is found again.

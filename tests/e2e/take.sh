@@ -235,17 +235,17 @@ bad 1 'has no take "x/y/1"' show "$show" x/y/1
 bad 1 'expected a range' trim "$show" 2 --in 1 --out 1
 bad 2 '--in "x" is not a number' trim "$show" 2 --in x
 bad 2 '--in or --out is missing' trim "$show" 2
-bad 2 'say SHOW TAKE' trim "$show"
+bad 2 'expected SHOW TAKE' trim "$show"
 bad 2 'is no option' trim "$show" 2 --speed 2
 bad 2 'there is no command "take waltz"' waltz
-bad 1 'is no range of take 2' export "$show" 2 --export "$scratch/out/a.glb" --in 3
+bad 1 'is not a range of take 2' export "$show" 2 --export "$scratch/out/a.glb" --in 3
 printf x >"$scratch/nowhere"
 bad 1 "$scratch/nowhere: cannot create this folder" export "$show" 2 --export "$scratch/nowhere/a.glb"
 bad 2 'does not end in' export "$show" 2 --export "$scratch/out/a.fbx"
 bad 1 'none.glb' export "$show" 2 --export "$scratch/out/a.glb" --face "$scratch/none.glb"
 bad 1 'has no sound' export "$show" 2 --export "$scratch/out/a.wav"
 bad 1 'there is no mapping plugin "waldo"' remap "$show" 2 --map waldo
-bad 2 'say what is to be different' remap "$show" 2
+bad 2 'nothing to change' remap "$show" 2
 bad 1 'nothing to redo' redo "$show" 2
 bad 1 'expected a whole number from 0 to 5' edit "$show" 2 '{"op":"take.rate","rating":9}'
 bad 1 'File exists' recover "$show" --out "$scratch/text.marotte"
@@ -273,8 +273,8 @@ says 'recovered' show "$scratch/busy.marotte" 1
 # A small show may say that a take lasts for days; nobody fills a disk with that by accident.
 cp "$show" "$scratch/days.marotte"
 take insert "$scratch/days.marotte" 1 --at 0 --length 900000 >"$scratch/said"
-bad 1 'say with --out how much of it is meant' export "$scratch/days.marotte" 1 --export "$scratch/days.pc2"
-bad 1 'say with --out how much of it is meant' show "$scratch/days.marotte" 1 --hash
+bad 1 'Limit it with --out' export "$scratch/days.marotte" 1 --export "$scratch/days.pc2"
+bad 1 'Limit it with --out' show "$scratch/days.marotte" 1 --hash
 take export "$scratch/days.marotte" 1 --in 899999 --out 900000 --export "$scratch/days.pc2" >"$scratch/said"
 [ -s "$scratch/days.pc2" ] || fail "a range of a long take is not exported"
 rm -f "$scratch"/days.*
@@ -341,9 +341,9 @@ if command -v sqlite3 >/dev/null; then
         fail "--face does not play it as it was"
     changed "UPDATE rig SET mesh_hash = '00'"
     take show "$scratch/c.marotte" 1 --hash >/dev/null
-    grep -q 'it is used as it is now' "$scratch/stderr" || fail "a changed face is not said"
+    grep -q 'The current file is used' "$scratch/stderr" || fail "a changed face is not said"
     changed "DELETE FROM take"
-    bad 1 'has no takes yet' show "$scratch/c.marotte" last
+    bad 1 'has no takes' show "$scratch/c.marotte" last
     changed "DELETE FROM span; DELETE FROM edit; UPDATE take SET edit_head = 0"
     bad 1 'is empty' export "$scratch/c.marotte" 1 --export "$scratch/out/a.glb"
     changed "UPDATE edit SET json = 'x' WHERE n = 1"

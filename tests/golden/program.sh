@@ -58,7 +58,7 @@ refuse 2 'expected a case file'
 refuse 2 'there is no option' --fast "$cases/o01_single_tip.json"
 refuse 2 'expected f32 or f64' "$cases/o01_single_tip.json" --precision f16
 refuse 2 'needs a value' "$cases/o01_single_tip.json" --precision
-refuse 2 'is not expected here' "$cases/o01_single_tip.json" "$cases/o02_two_tips.json"
+refuse 2 'unexpected argument' "$cases/o01_single_tip.json" "$cases/o02_two_tips.json"
 refuse 1 "$scratch/missing.json" "$scratch/missing.json"
 refuse 1 "$scratch" "$scratch"
 refuse 1 '-: ' -

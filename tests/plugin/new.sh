@@ -115,15 +115,15 @@ done
 # ---- refusals ----
 echo mine >my_mapping/my_mapping.c
 before=$(ls -A)
-refused 1 "my_mapping is there already" "$MAROTTE" plugin new my_mapping --mapping
+refused 1 "my_mapping exists already" "$MAROTTE" plugin new my_mapping --mapping
 [ "$(cat my_mapping/my_mapping.c)" = mine ] || fail "an existing folder was changed"
-touch a_file && refused 1 "a_file is there already" "$MAROTTE" plugin new a_file --input && rm a_file
-refused 1 "there is no folder ./absent" "$MAROTTE" plugin new fresh --mapping --dir ./absent
-refused 2 "--mapping (hands in, a face out), --input" "$MAROTTE" plugin new fresh
-refused 2 "one of --mapping" "$MAROTTE" plugin new fresh --mapping --input
-refused 2 "what is it to be called" "$MAROTTE" plugin new --mapping
+touch a_file && refused 1 "a_file exists already" "$MAROTTE" plugin new a_file --input && rm a_file
+touch a_file && refused 1 "a_file: cannot create this folder" "$MAROTTE" plugin new fresh --mapping --dir ./a_file && rm a_file
+refused 2 "choose --mapping, --input or --output" "$MAROTTE" plugin new fresh
+refused 2 "only one of --mapping" "$MAROTTE" plugin new fresh --mapping --input
+refused 2 "NAME is missing" "$MAROTTE" plugin new --mapping
 refused 2 "--dir needs a value" "$MAROTTE" plugin new fresh --mapping --dir
-refused 2 "\"other\" is not expected here" "$MAROTTE" plugin new fresh other --mapping
+refused 2 "unexpected argument \"other\"" "$MAROTTE" plugin new fresh other --mapping
 refused 2 "there is no option \"--fast\"" "$MAROTTE" plugin new fresh --mapping --fast
 for name in "" Wave wave-2 2wave _wave "wa ve" ../wave wave/x . "wäve" "$(printf 'wa\nve')" \
     a1234567890123456789012345; do
@@ -134,7 +134,7 @@ for name in int switch class restrict co_await; do
     refused 2 "is a word of C or C++" "$MAROTTE" plugin new $name --mapping
 done
 long=$(printf 'd%.0s' $(seq 4090))
-refused 1 "there is no folder" "$MAROTTE" plugin new fresh --mapping --dir "$long"
+refused 1 "the path of the folder is too long" "$MAROTTE" plugin new fresh --mapping --dir "$long"
 
 # A disk that is full: nothing half is left behind.
 (ulimit -f 1 && "$MAROTTE" plugin new fresh --mapping) >"$scratch/stdout" 2>"$scratch/stderr" &&
@@ -142,7 +142,7 @@ refused 1 "there is no folder" "$MAROTTE" plugin new fresh --mapping --dir "$lon
 [ "$(wc -l <"$scratch/stderr")" -eq 1 ] || fail "a full disk: $(cat "$scratch/stderr")"
 if [ "$(id -u)" -ne 0 ]; then
     mkdir "$scratch/closed" && chmod 555 "$scratch/closed"
-    refused 1 "cannot be made" "$MAROTTE" plugin new fresh --mapping --dir "$scratch/closed"
+    refused 1 "cannot create the folder" "$MAROTTE" plugin new fresh --mapping --dir "$scratch/closed"
 fi
 [ "$(ls -A)" = "$before" ] || fail "left behind: $(ls -A)"
 finish

@@ -43,7 +43,7 @@ static const char help[] =
 
 mrt_result paper_check_stop(error *err)
 {
-    return cancel_is_asked() ? error_set(err, MRT_ERR_IO, "stopped: nothing is written") : MRT_OK;
+    return cancel_is_asked() ? error_set(err, MRT_ERR_IO, "stopped; nothing was written") : MRT_OK;
 }
 
 void paper_count(char out[32], double value)
@@ -89,10 +89,10 @@ static mrt_result check_entries(const char *folder, error *err)
     const struct dirent *entry;
     while (result >= 0 && (entry = readdir(opened)))
         if (entry->d_name[0] != '.')
-            result = error_set(err, MRT_ERR_IO,
-                               "%s: has %s in it and no page that marotte wrote there: name a "
-                               "folder that is empty or not there yet",
-                               folder, entry->d_name);
+            result =
+                error_set(err, MRT_ERR_IO,
+                          "%s: contains %s and no page of marotte. Name an empty or a new folder",
+                          folder, entry->d_name);
     closedir(opened);
     return result;
 }
@@ -112,10 +112,10 @@ static mrt_result make_folder(paper *self, const char *given, error *err)
     self->was_made = mkdir(self->folder, 0777) == 0;
     struct stat status;
     if (!self->was_made && errno != EEXIST)
-        return error_set(err, MRT_ERR_IO, "%s: the folder cannot be made: %s", folder,
+        return error_set(err, MRT_ERR_IO, "%s: cannot create this folder: %s", folder,
                          strerror(errno));
     if (stat(self->folder, &status) != 0 || !S_ISDIR(status.st_mode))
-        return error_set(err, MRT_ERR_IO, "%s: is no folder", folder);
+        return error_set(err, MRT_ERR_IO, "%s: not a folder", folder);
     mrt_result result = self->was_made ? MRT_OK : check_entries(self->folder, err);
     char meanwhile[PATH_MAX];
     if (result >= 0)
