@@ -1,7 +1,5 @@
 #include "base/installed.h"
 
-#include "base/suggest.h"
-
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -129,6 +127,18 @@ static void list_names(char *out, size_t capacity, installed_kind kind, suggest 
         free(entry[i]);
     }
     free(entry);
+}
+
+suggest_text installed_suggest(installed_kind kind, const char *given)
+{
+    char names[256];
+    suggest near;
+    if (!is_name(given))
+        return suggest_file(given);
+    suggest_begin(&near, given);
+    list_names(names, sizeof names, kind, &near);
+    suggest_folder(&near, "");
+    return suggest_question(&near);
 }
 
 mrt_result installed_check(installed_kind kind, const char *given, error *err)

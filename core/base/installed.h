@@ -3,6 +3,7 @@
 #ifndef MAROTTE_BASE_INSTALLED_H
 #define MAROTTE_BASE_INSTALLED_H
 #include "base/error.h"
+#include "base/suggest.h"
 
 #include <stdbool.h>
 
@@ -29,6 +30,9 @@ char *installed_path(installed_kind kind, const char *given);
 /* An error for what is neither a file nor such a name, if it looks like a name (no '/'): it lists
  * the installed ones, and the nearest name. */
 CHECKED mrt_result installed_check(installed_kind kind, const char *given, error *err);
+/* For a message about a file that is missing: the nearest installed name or file, as a question
+ * (base/suggest.h). */
+suggest_text installed_suggest(installed_kind kind, const char *given);
 /* A file that comes with marotte beside its rigs: "demo_hand.csv". False: it is not there. */
 bool installed_data(char out[INSTALLED_LENGTH], const char *file);
 

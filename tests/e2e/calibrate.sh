@@ -66,7 +66,7 @@ grep -q 'middle finger, middle joint: reads 98 degrees' "$scratch/nonsense.txt" 
     fail "a residual of 98 degrees is not said"
 
 # What cannot be calibrated.
-refused 1 "of 3, fingers spread: that pose does not come" "$MAROTTE" calibrate --input "log:$demo" --out "$scratch/out/a.json"
+refused 1 "of 3, fingers spread: the hand did not reach the pose" "$MAROTTE" calibrate --input "log:$demo" --out "$scratch/out/a.json"
 refused 1 "is of a right hand, not of a left one" "$MAROTTE" calibrate \
     --input "log:$glove" --hand left --out "$scratch/out/a.json"
 refused 1 "none.csv" "$MAROTTE" calibrate --input "log:$scratch/none.csv" \
@@ -132,7 +132,7 @@ cmp "$scratch/bare.mine.pc2" "$scratch/bare.take.pc2" || fail "the take is read 
 # A glove is not read with it, nor the bare hand with a glove's.
 perform not_mine --calibration "$bare"
 cmp "$scratch/not_mine.csv" "$scratch/shipped.csv" || fail "counts are read as if they were angles"
-grep -q 'not used: no log gives a right hand' "$scratch/not_mine.err" || fail "$(cat "$scratch/not_mine.err")"
+grep -q 'not used: no log provides a right hand' "$scratch/not_mine.err" || fail "$(cat "$scratch/not_mine.err")"
 perform_bare bare.csv glove --calibration "$scratch/broken.json"
 cmp "$scratch/bare.glove.csv" "$scratch/bare.seen.csv" || fail "angles are read as if they were counts"
 refused 1 "is a calibration of a glove: choose another name" "$MAROTTE" calibrate --input "log:$scratch/bare.csv" --out "$user"

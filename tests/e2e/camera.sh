@@ -20,7 +20,7 @@ for file in full lite; do echo other >"$2/node_modules/@mediapipe/hands/hand_lan
 NPM
 chmod +x "$scratch/bin/npm"
 PATH=$scratch/bin:$PATH "$MAROTTE" camera --setup >"$scratch/setup.txt" 2>&1 && fail "a package of somebody else is taken"
-said "is not the one of @mediapipe/hands" "$scratch/setup.txt"
+said "not the file of @mediapipe/hands" "$scratch/setup.txt"
 [ ! -e "$XDG_DATA_HOME/marotte/camera" ] || fail "a package that is not whole lies where the page looks"
 
 # ---- a performance ----

@@ -12,7 +12,7 @@ apart_mm() {
 
 again() { # face mapping seconds
     local name=$2 table=$scratch/$2.csv
-    "$MAROTTE" perform --face "$1" --input "log:$demo,start=12,end=$((12 + $3))" --map "$2" --fps 12 \
+    "$MAROTTE" perform --verbose --face "$1" --input "log:$demo,start=12,end=$((12 + $3))" --map "$2" --fps 12 \
         --export "$table" --export "$scratch/$name.pc2" --export "$scratch/$name.glb" >"$scratch/$name.txt" 2>/dev/null ||
         fail "perform $name"
     "$MAROTTE" perform --verbose --face "$1" --curves "$table" --export "$scratch/$name.again.pc2" \
@@ -57,7 +57,7 @@ grep -q 'the face is not from a .vrm file' "$scratch/stderr" || fail "a .vrm is 
 printf 'jaw.open,note\n0,shut\n0.3,open\n' >"$scratch/mine.csv"
 "$MAROTTE" perform --face "$puppet" --curves "$scratch/mine.csv" --fps 25 --export "$scratch/mine.glb" --json \
     >"$scratch/mine.json" 2>"$scratch/stderr" || fail "a table by hand: $(cat "$scratch/stderr")"
-grep -q '^note: 1 columns of .*mine.csv are of nothing' "$scratch/stderr" || fail "a note is not told: $(cat "$scratch/stderr")"
+grep -q '^note: 1 columns of .*mine.csv do not match anything' "$scratch/stderr" || fail "a note is not told: $(cat "$scratch/stderr")"
 grep -q '"frames": 2' "$scratch/mine.json" || fail "two rows are not two frames"
 awk -F'[:,]' '/range_of_motion_mm/ { exit !($2 > 5) }' "$scratch/mine.json" || fail "the jaw does not open"
 

@@ -58,7 +58,7 @@ bad 2 'is not FIRST-LAST' 1 --frames 0-3 --export out/x.pc2
 bad 2 'is not FIRST-LAST' 1 --frames 5-3 --export out/x.pc2
 bad 1 'there are only 31 frames' 1 --frames 5-32 --export out/x.pc2
 touch file
-bad 1 'file: no folder can be made there' --all --export 'file/{take}.pc2'
+bad 1 'file: cannot create this folder' --all --export 'file/{take}.pc2'
 echo '{}' >mine.json && mkdir mine && echo '{}' >mine/marotte_exports.json
 bad 1 'not a list of marotte' --all --export 'mine/{take}.pc2'
 

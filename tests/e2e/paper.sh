@@ -60,8 +60,9 @@ grep -q 'marotte paper: .*cannot' "$scratch/full" || fail "a full disk is not sa
 
 # Bad folders.
 mkdir "$scratch/others" && touch "$scratch/others/thesis.html"
-refused 1 'has thesis.html in it and no page' "$MAROTTE" paper --quick --out "$scratch/others"
+refused 1 'contains thesis.html and no page' "$MAROTTE" paper --quick --out "$scratch/others"
 refused 1 'not a folder' "$MAROTTE" paper --quick --out "$scratch/others/thesis.html"
+printf x >"$scratch/nowhere"
 refused 1 'cannot create this folder' "$MAROTTE" paper --quick --out "$scratch/nowhere/page"
 refused 2 '--out needs a value' "$MAROTTE" paper --out
 refused 2 'is no option' "$MAROTTE" paper --fast

@@ -18,7 +18,7 @@ grep -q '^wrote    new.rig.json$' drafted.txt || fail "what was written: $(head 
 [ "$(grep -c '^confirm  ' drafted.txt)" -ge 10 ] || fail "little to confirm"
 "$MAROTTE" rig check new.rig.json --json >checked.json || fail "the draft has errors"
 grep -q '"errors": 0' checked.json || fail "the draft's errors as JSON"
-refused 1 "new.rig.json: is there already" "$MAROTTE" rig new new.glb
+refused 1 "new.rig.json: exists already" "$MAROTTE" rig new new.glb
 "$MAROTTE" rig new new.glb --force >/dev/null || fail "rig new --force"
 
 # The picture.
@@ -59,8 +59,9 @@ printf '{"marotte_rig": 1, "mesh": "new.glb", "include": "new.rig.json", "poses"
 grep -qE '^torn +least determinant +-[0-9.]+ .* FOLDS$' torn.txt || fail "no fold: $(cat torn.txt)"
 grep -q '"name": *"mouthSmileLeft"' new.rig.json || fail "the draft has no pose of the puppet's"
 printf '{"marotte_rig": 1, "mesh": "new.glb", "bones": [{"name": "skull"}]}' >bare.rig.json
-refused 1 'bare.rig.json: $.poses is empty' "$MAROTTE" rig show bare.rig.json --poses --out out/p.png
-refused 1 'no/such/folder/p.png' "$MAROTTE" rig show torn.rig.json --poses --out no/such/folder/p.png
+refused 1 'bare.rig.json: the rig has no poses' "$MAROTTE" rig show bare.rig.json --poses --out out/p.png
+printf x >no
+refused 1 'no: cannot create this folder' "$MAROTTE" rig show torn.rig.json --poses --out no/such/p.png
 
 # Errors make the exit code.
 bad() { # words file text

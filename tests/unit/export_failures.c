@@ -104,16 +104,21 @@ static void a_folder_instead_of_a_file_is_refused(void **state)
     expect_empty_folder();
 }
 
-static void a_missing_folder_is_named(void **state)
+static void a_file_in_the_place_of_a_folder_is_named(void **state)
 {
     (void)state;
-    char path[300];
-    scene_path(path, sizeof path, folder, "missing/file");
+    char path[300], below[320];
+    scene_path(path, sizeof path, folder, "file");
+    (void)snprintf(below, sizeof below, "%s/below", path);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    (void)fclose(file);
     for (size_t i = 0; i < WRITER_COUNT; ++i) {
         error err = {""};
-        assert_int_equal(WRITERS[i](path, performance, &err), MRT_ERR_IO);
+        assert_int_equal(WRITERS[i](below, performance, &err), MRT_ERR_IO);
         assert_non_null(strstr(err.text, path));
     }
+    assert_int_equal(unlink(path), 0);
     expect_empty_folder();
 }
 
@@ -190,7 +195,7 @@ static void a_failed_export_keeps_the_file_before(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_folder_instead_of_a_file_is_refused),
-                                       cmocka_unit_test(a_missing_folder_is_named),
+                                       cmocka_unit_test(a_file_in_the_place_of_a_folder_is_named),
                                        cmocka_unit_test(a_read_only_folder_is_named),
                                        cmocka_unit_test(a_full_disk_leaves_nothing_behind),
                                        cmocka_unit_test(a_failed_export_keeps_the_file_before)};

@@ -2,7 +2,6 @@
 #include "base/clock.h"
 #include "base/installed.h"
 #include "base/ring.h"
-#include "base/suggest.h"
 #include "base/text.h"
 #include "stage/input/channel_table.h"
 #include "stage/mapping/plugins.h"
@@ -564,14 +563,14 @@ static void name_found(input *self)
     input_name_of(self->name, self->plugin.type, found.address);
 }
 
-/* To the plugin's own words, which it may have found without knowing what is installed. */
+/* Behind the plugin's own words: it does not know what is installed. */
 static void suggest_recording(const char *address, error *err)
 {
     const size_t used = err ? strlen(err->text) : 0;
-    if (!err || !address[0] || access(address, F_OK) == 0 ||
-        installed_check(INSTALLED_RECORDING, address, err) < 0)
+    if (!err || !address[0] || access(address, F_OK) == 0)
         return;
-    (void)snprintf(err->text + used, sizeof err->text - used, "%s", suggest_file(address).text);
+    (void)snprintf(err->text + used, sizeof err->text - used, "%s",
+                   installed_suggest(INSTALLED_RECORDING, address).text);
     text_make_printable(err->text);
 }
 
