@@ -41,8 +41,8 @@ struct mrt_plugin {
     uint32_t hand, channel_count, sequence;
     mrt_channel channel[CHANNELS_MAX];
     int64_t opened_ns, next_ns, back_ns; /* back_ns: away until then */
-    uint32_t open_count, losses, tries; /* tries: since the last loss */
-    uint64_t sample_count; /* of all times that it was open */
+    uint32_t open_count, losses, tries;  /* tries: since the last loss */
+    uint64_t sample_count;               /* of all times that it was open */
     bool has_asked, is_learning;
 };
 
@@ -231,7 +231,8 @@ static const char *const lie_label[] = {"none", "nan", "future", "silent", "hast
 
 static const mrt_param params[PARAM_COUNT] = {
     [PARAM_RATE] = {1, 0, "rate", "Device", "Hz", "Samples a second", 1, 2000, 200, NULL},
-    [PARAM_RUN] = {2, 0, "run", "Loss", "s", "Goes away after samples of so long; 0: never", 0, 1e4, 0, NULL},
+    [PARAM_RUN] = {2, 0, "run", "Loss", "s", "Goes away after samples of so long; 0: never", 0, 1e4,
+                   0, NULL},
     [PARAM_AWAY] = {3, 0, "away", "Loss", "s", "How long", 0, 1e4, 0, NULL},
     [PARAM_LOSSES] = {4, MRT_PARAM_STEPPED, "losses", "Loss", "", "How often; 0: always", 0, 1e6, 0,
                       NULL},
