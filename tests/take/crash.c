@@ -1,5 +1,6 @@
 /* A program that is killed while it records, and a computer that loses power: every show opens, and
- * nothing that was there 100 ms before is missing or different.
+ * nothing that was there 100 ms before is missing or different. What had arrived and was not
+ * performed: crash_held.c.
  *
  *   test_take_crash               20 kills and 200 power cuts
  *   test_take_crash --long        300 kills, 2000 power cuts
