@@ -12,7 +12,7 @@
 
 enum { GAIN, TROUBLE, EXTRA, PARAM_COUNT };
 enum { NONE, CRASH, HANG, SLOW, SLEEP, NONSENSE, LEAVE, REFUSE, STUCK };
-enum { TIPS = 5, SLOW_MS = 60 };
+enum { TIPS = 5, SLOW_MS = 30 }; /* less than a turn that a hang is told by, isolate.c */
 
 struct mrt_plugin {
     const mrt_host *host;

