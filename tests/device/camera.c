@@ -165,7 +165,7 @@ static void attendant_end(attendant *self)
 static int dial_at(const char *ip)
 {
     struct sockaddr_in to = {.sin_family = AF_INET, .sin_port = htons(port)};
-    const struct timeval patience = {5, 0};
+    const struct timeval patience = {60, 0};
     const int on = 1;
     (void)inet_pton(AF_INET, ip, &to.sin_addr);
     int fd = socket(AF_INET, SOCK_STREAM, 0);
@@ -490,8 +490,9 @@ static void landmarks_become_samples(void **state)
     attendant_end(&a);
     for (int i = 0; i < 50; ++i) {
         const float bend_rad = 0.1f + 0.02f * (float)i;
+        const int64_t before_ns = now_ns(&n.host) - 60 * NS_IN_MS;
         const double taken_ms = page_ms() - 60.0; /* inference takes its time */
-        const int64_t taken_ns = now_ns(&n.host) - 60 * NS_IN_MS;
+        const int64_t after_ns = now_ns(&n.host) - 60 * NS_IN_MS;
         show(fd, taken_ms, MRT_RIGHT, bend_rad);
         assert_int_equal(node_read(&n, 2 * NS_IN_S, &sample), MRT_OK);
         assert_int_equal(sample.count, MRT_ANGLES);
@@ -499,7 +500,8 @@ static void landmarks_become_samples(void **state)
         assert_int_equal(sample.sequence, i);
         assert_true(sample.time_ns >= last.time_ns && sample.time_ns <= now_ns(&n.host));
         /* Late by no more than the way here took. */
-        assert_true(llabs(sample.time_ns - taken_ns) < 50 * NS_IN_MS || i == 0);
+        assert_true(i == 0 || (sample.time_ns > before_ns - 50 * NS_IN_MS &&
+                               sample.time_ns < after_ns + 50 * NS_IN_MS));
         last = sample;
     }
     show(fd, page_ms() + 5000.0, MRT_RIGHT, 0.5f); /* in the future */
@@ -652,7 +654,7 @@ static void the_newest_page_counts(void **state)
     int first = page(), second = page();
     assert_int_equal(close_code(first), 1000);
     show(second, page_ms(), MRT_RIGHT, 0.5f);
-    for (int i = 0; i < 2000 && atomic_load(&a.samples) == 0; ++i)
+    for (int i = 0; i < 60000 && atomic_load(&a.samples) == 0; ++i)
         (void)poll(NULL, 0, 1);
     assert_int_equal(atomic_load(&a.samples), 1);
     close(second);
@@ -678,11 +680,12 @@ static void slow_clients_cost_nothing(void **state)
         slow[i] = dial();
         (void)send(slow[i], request, i % 2 ? strlen(request) : 9, MSG_NOSIGNAL);
     }
-    for (int i = 0; i < SHOWN; ++i)
+    for (int i = 1; i <= SHOWN; ++i) {
         show(fd, page_ms(), MRT_RIGHT, 0.5f);
-    for (int i = 0; i < 5000 && atomic_load(&a.samples) < SHOWN / 2; ++i)
-        (void)poll(NULL, 0, 1);
-    assert_true(atomic_load(&a.samples) >= SHOWN / 2); /* a queue of 32 may lose some */
+        for (int k = 0; k < 60000 && (int)atomic_load(&a.samples) < i; ++k)
+            (void)poll(NULL, 0, 1);
+    }
+    assert_int_equal(atomic_load(&a.samples), SHOWN);
     assert_int_equal(ask("GET /%T/page.css", own_host, ""), 200);
     for (int i = 0; i < SLOW; ++i)
         close(slow[i]);

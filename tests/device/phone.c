@@ -7,6 +7,7 @@
 #include <cmocka.h>
 
 #include "input_host.h"
+#include "virtual_clock.h"
 #include "phone_datagrams.h"
 
 #include <arpa/inet.h>
@@ -40,6 +41,7 @@ static int open_socket(uint16_t *out_port)
 static int set_up(void **state)
 {
     room *r = calloc(1, sizeof *r);
+    virtual_clock_take(NULL, 1000 * s_ns);
     uint16_t own;
     close(open_socket(&r->port)); /* was free a moment ago */
     r->phone = open_socket(&own);
@@ -58,6 +60,7 @@ static int tear_down(void **state)
     close(r->phone);
     close(r->other);
     free(r);
+    virtual_clock_give_back();
     return 0;
 }
 
@@ -189,7 +192,8 @@ static void of_two_phones_the_first_is_heard(void **state)
     assert_int_equal(read_one(r, 10 * ms_ns), MRT_TIMEOUT);
     assert_int_equal(r->host->said[MRT_LOG_WARNING], 1);
     assert_non_null(strstr(r->host->last_text, "two ports"));
-    (void)usleep(1100000); /* the first one is silent: the other one performs */
+    const struct timespec span = {.tv_sec = 1, .tv_nsec = 100000000};
+    nanosleep(&span, NULL); /* the first one is silent: the other one performs */
     send_face(r, r->other, 9100, 1);
     assert_int_equal(read_one(r, s_ns), MRT_OK);
     assert_float_equal(value_of(r, "jawOpen"), 1, 0);

@@ -3,6 +3,7 @@
 
 #include <errno.h>
 #include <poll.h>
+#include <signal.h>
 #include <stdbool.h>
 #include <sys/syscall.h>
 #include <time.h>
@@ -66,6 +67,28 @@ static void wait_until(int64_t until_ns)
     be_late();
 }
 
+static int64_t never_due(void *data)
+{
+    (void)data;
+    return INT64_MAX;
+}
+
+static void run_nothing(void *data, int64_t now_ns)
+{
+    (void)data;
+    (void)now_ns;
+}
+
+static void hear_nothing(void *data, int64_t now_ns, int file, size_t size)
+{
+    (void)data;
+    (void)now_ns;
+    (void)file;
+    (void)size;
+}
+
+static const virtual_device nothing = {never_due, run_nothing, hear_nothing, NULL};
+
 static int64_t ns_of(const struct timespec *time)
 {
     return (int64_t)time->tv_sec * ns_per_s + time->tv_nsec;
@@ -73,7 +96,7 @@ static int64_t ns_of(const struct timespec *time)
 
 HERE void virtual_clock_take(const virtual_device *device, int64_t start_ns)
 {
-    virtual.device = device;
+    virtual.device = device ? device : &nothing;
     virtual.is_within = false;
     virtual.now_ns = start_ns;
     virtual.wait_count = 0;
@@ -124,23 +147,38 @@ HERE int nanosleep(const struct timespec *time, struct timespec *out_left)
     return 0;
 }
 
-HERE int poll(struct pollfd *files, nfds_t count, int timeout_ms)
+/* By the system's clock. NULL: without an end. */
+static int look(struct pollfd *files, nfds_t count, const struct timespec *timeout,
+                const sigset_t *mask)
 {
-    const struct timespec timeout = {timeout_ms / 1000, timeout_ms % 1000 * ns_per_ms},
-                          none = {0, 0};
+    struct timespec left = timeout ? *timeout : (struct timespec){0, 0};
+    enum { MASK_BYTES = 8 };
+    return (int)syscall(SYS_ppoll, files, count, timeout ? &left : NULL, mask, MASK_BYTES);
+}
+
+HERE int ppoll(struct pollfd *files, nfds_t count, const struct timespec *timeout,
+               const sigset_t *mask)
+{
+    const struct timespec none = {0, 0};
     if (!waits_virtually())
-        return ppoll(files, count, timeout_ms < 0 ? NULL : &timeout, NULL);
-    const int64_t until_ns = timeout_ms < 0 ? INT64_MAX : virtual.now_ns + ns_of(&timeout);
+        return look(files, count, timeout, mask);
+    const int64_t until_ns = timeout ? virtual.now_ns + ns_of(timeout) : INT64_MAX;
     virtual.wait_count += 1;
-    int ready = ppoll(files, count, &none, NULL);
+    int ready = look(files, count, &none, mask);
     if (ready != 0 || virtual.now_ns >= until_ns)
         return ready;
     while (ready == 0 && virtual.now_ns < until_ns) {
         go_on(until_ns);
-        ready = ppoll(files, count, &none, NULL);
+        ready = look(files, count, &none, mask);
     }
     be_late();
-    return ppoll(files, count, &none, NULL);
+    return look(files, count, &none, mask);
+}
+
+HERE int poll(struct pollfd *files, nfds_t count, int timeout_ms)
+{
+    const struct timespec timeout = {timeout_ms / 1000, timeout_ms % 1000 * ns_per_ms};
+    return ppoll(files, count, timeout_ms < 0 ? NULL : &timeout, NULL);
 }
 
 HERE ssize_t write(int file, const void *bytes, size_t size)

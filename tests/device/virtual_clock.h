@@ -1,9 +1,9 @@
 /* device/virtual_clock.h - a clock that only a test moves, and a device beside it that lives by it.
  * To the thread that took it, and the plugins that this thread calls, the system tells the virtual
- * time (clock_gettime of CLOCK_MONOTONIC) and waits by it (nanosleep, clock_nanosleep, poll): a
- * wait takes no time, the clock goes on to whatever happens next. Each run is the same, however
- * busy the machine. What is computed takes no time at all, what is written a moment. Other threads
- * and processes know nothing of it. A library of its own, found before the system's. */
+ * time (clock_gettime of CLOCK_MONOTONIC) and waits by it (nanosleep, clock_nanosleep, poll,
+ * ppoll): a wait takes no time, the clock goes on to whatever happens next. Each run is the same,
+ * however busy the machine. What is computed takes no time at all, what is written a moment. Other
+ * threads and processes know nothing of it. A library of its own, found before the system's. */
 #ifndef MAROTTE_TESTS_DEVICE_VIRTUAL_CLOCK_H
 #define MAROTTE_TESTS_DEVICE_VIRTUAL_CLOCK_H
 #include <stddef.h>
@@ -19,7 +19,8 @@ typedef struct virtual_device {
     void *data;
 } virtual_device;
 
-/* From now on this thread lives by it, at `start_ns`; `device` must live until it is given back. */
+/* From now on this thread lives by it, at `start_ns`; `device` must live until it is given back.
+ * NULL: nothing happens but what the thread does itself, as where it writes into pipes. */
 void virtual_clock_take(const virtual_device *device, int64_t start_ns);
 void virtual_clock_give_back(void); /* also where nobody has it */
 /* As on a busy machine: from now on each wait ends up to so much later than it should, each time
