@@ -33,7 +33,7 @@ grep '^    from ' "$scratch/list" | grep -vF "    from $prefix/lib" && fail "the
 ! grep '^not used' "$scratch/list" || fail "plugins are refused"
 
 # ---- a rig by name, unless there is such a file; what there is not is said ----
-"${alone[@]}" marotte perform --verbose --face moai --input "log:$prefix/share/marotte/demo_hand.csv,end=1" --map one_hand \
+"${alone[@]}" marotte perform --verbose --face moai --input log:demo_hand.csv,end=1 --map one_hand \
     >"$scratch/facts" 2>/dev/null || fail "--face moai"
 grep -qx "face  *$prefix/share/marotte/rigs/moai/moai.rig.json" "$scratch/facts" || fail "another moai"
 refused 1 "nobody" "${alone[@]}" marotte perform --face nobody --input log:x.csv --map one_hand

@@ -49,7 +49,7 @@ export MAROTTE_PLUGIN_PATH=$scratch/mine
 "$MAROTTE" take remap "$show" 1 --map troubled >"$scratch/anew" 2>&1 || fail "remap: $(cat "$scratch/anew")"
 grep -q "^face .*max [0-9.]* mm" "$scratch/anew" || fail "remap tells no mm: $(cat "$scratch/anew")"
 "$MAROTTE" take remap "$show" 1 --map troubled,trouble=crash >"$scratch/anew" 2>&1
-grep -q "note: the two are not compared: mapping org.example.troubled was ended by signal 11" "$scratch/anew" ||
+grep -q "note: the two takes are not compared: mapping org.example.troubled was ended by signal 11" "$scratch/anew" ||
     fail "remap: the crash is not told: $(cat "$scratch/anew")"
 [ "$(takes)" = 6 ] || fail "remap: there are $(takes) takes"
 is_whole
