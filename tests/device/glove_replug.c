@@ -20,7 +20,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { REPLUGS = 25, WARM_UP = 5, PATIENCE_S = 30 };
+enum { REPLUGS = 25, WARM_UP = 5, PATIENCE_S = 60 };
 enum { RESIDENT_ONCE_KB = 512, RESIDENT_EACH_KB = 36 }; /* what replugs may add: 4 MB in 100 */
 /* Every fifth life is long enough for the whole ease: 250 ms, and 50 records at 150 Hz. */
 enum { SHORT_LIFE = 10, LONG_LIFE = 50, LONG_EVERY = 5, EASED_AFTER = 45 };
@@ -38,7 +38,7 @@ typedef struct seen {
     _Atomic uint32_t went_count, came_count;
     bool has_last;
     mrt_frame last, before_gap;
-    uint32_t since_gap;
+    uint32_t since_gap, still_count; /* still_count: records of one time */
     double worst_way_rad;
     double worst_step_rad;
 } seen;
@@ -54,11 +54,14 @@ static double way_between(const mrt_frame *a, const mrt_frame *b)
 }
 
 /* A step after a gap is a step from the pose that was held. Records may be missing within a life:
- * the hand has then gone on for longer. */
+ * the hand has then gone on for longer; so it has while time stood still, as after a first record
+ * that came late on a busy machine: a filter goes by time. */
 static void see_step(seen *self, const mrt_frame *frame)
 {
     int64_t gap_ns = frame->time_ns - self->last.time_ns;
     double record_count = gap_ns < away_ns ? fmax(1.0, (double)gap_ns / 6.7e6) : 1.0;
+    record_count += self->still_count;
+    self->still_count = gap_ns < NS_PER_MS ? self->still_count + 1 : 0;
     double step_rad = way_between(frame, &self->last) / record_count;
     self->worst_step_rad = fmax(self->worst_step_rad, step_rad);
     if (gap_ns >= away_ns) {

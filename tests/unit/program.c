@@ -74,7 +74,7 @@ static void unquote(char *out, size_t capacity, const char *quoted)
         used += (size_t)got;
     out[used] = '\0';
     close(end[0]);
-    assert_true(program_wait(pid, &status, 20 * NS_PER_S));
+    assert_true(program_wait(pid, &status, 60 * NS_PER_S));
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
@@ -124,7 +124,7 @@ static void a_child_that_does_not_end_is_ended(void **state)
     char good[] = "exit 3";
     words[2] = good;
     assert_int_equal(posix_spawn(&pid, shell, NULL, NULL, words, NULL), 0);
-    assert_true(program_wait(pid, &status, 20 * NS_PER_S));
+    assert_true(program_wait(pid, &status, 60 * NS_PER_S));
     assert_true(WIFEXITED(status) && WEXITSTATUS(status) == 3);
 }
 
