@@ -234,6 +234,7 @@ typedef struct performance {
     plugin_list plugins;
     face_file face;
     perform_inputs inputs;
+    double duration_s; /* of the whole performance; 0: not known */
     perform_hands hands;
     perform_mapping mapping;
     patch patch;
@@ -578,7 +579,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT && self->record.recorder; ++side)
         if (rezeroed & (1u << side))
             recorder_rezero(self->record.recorder, side);
-    progress_show_time(&self->progress, time_s, self->options->seconds);
+    progress_show_time(&self->progress, time_s, self->duration_s);
     mrt_result result = check_pulls(self, err);
     if (result >= 0)
         result = exports_video_add(&self->videos, performer_composer(self->performer), err);
@@ -647,6 +648,10 @@ static mrt_result perform(performance *self, error *err)
     const player_stage stage = {self, on_step, on_draw};
     if (self->inputs.clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the current pose the neutral pose, q ends\n");
+    const double recorded_s = perform_inputs_duration_s(&self->inputs);
+    self->duration_s = self->options->seconds;
+    if (recorded_s > 0.0 && (self->duration_s <= 0.0 || recorded_s < self->duration_s))
+        self->duration_s = recorded_s;
     progress_start(&self->progress, "performing");
     mrt_result result = player_run_stage(&stage, self->inputs.input, self->inputs.count, &settings,
                                          &events, &self->report, err);

@@ -36,6 +36,18 @@ mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uin
     return MRT_OK;
 }
 
+double perform_inputs_duration_s(const perform_inputs *self)
+{
+    double longest_s = 0.0;
+    for (uint32_t i = 0; i < self->count; ++i) {
+        const double duration_s = input_duration_s(self->input[i]);
+        if (duration_s < 0.0)
+            return 0.0;
+        longest_s = duration_s > longest_s ? duration_s : longest_s;
+    }
+    return longest_s;
+}
+
 void perform_inputs_close(perform_inputs *self)
 {
     for (uint32_t i = 0; i < self->count; ++i)

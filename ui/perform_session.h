@@ -28,6 +28,8 @@ typedef struct perform_inputs {
 CHECKED mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uint32_t count,
                                        plugin_list *plugins, log_queue *log, instance_clock clock,
                                        error *err);
+/* Until the last of them ends; 0: not known, as one is a device or plays for ever. */
+double perform_inputs_duration_s(const perform_inputs *self);
 void perform_inputs_close(perform_inputs *self); /* zeroed is fine */
 /* Says that one went away or came back; into: the recorder that is told too, or NULL. */
 void perform_inputs_incident(const perform_inputs *self, recorder *into, const input *from,

@@ -296,6 +296,17 @@ static mrt_result log_read(mrt_plugin *self, const double *params, int64_t deadl
     return MRT_OK;
 }
 
+static int64_t log_duration_ns(mrt_plugin *self, const double *params)
+{
+    if (params[PARAM_LOOP] >= 0.5)
+        return -1;
+    const section played = section_of(self, params);
+    if (played.start_ns >= played.end_ns)
+        return 0;
+    const double speed = within(params[PARAM_SPEED], SPEED_MIN, SPEED_MAX);
+    return (int64_t)((double)(played.end_ns - played.start_ns) / speed);
+}
+
 /* ---- the type ---- */
 
 static mrt_plugin *log_create(const mrt_host *host)
@@ -338,7 +349,10 @@ static const mrt_param params[PARAM_COUNT] = {
 
 static const mrt_input input = {log_open, log_channels, log_read, log_close, MRT_INPUT_RECORDED};
 
-static const mrt_interface interfaces[] = {{MRT_INPUT, &input}, {NULL, NULL}};
+static const mrt_duration duration = {log_duration_ns};
+
+static const mrt_interface interfaces[] = {
+    {MRT_INPUT, &input}, {MRT_DURATION, &duration}, {NULL, NULL}};
 
 static const mrt_plugin_type type = {
     MRT_ABI,

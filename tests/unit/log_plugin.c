@@ -71,6 +71,7 @@ typedef struct player {
     fake_host host;
     const mrt_plugin_type *type;
     const mrt_input *input;
+    const mrt_duration *duration;
     mrt_plugin *plugin;
     double params[PARAM_COUNT];
 } player;
@@ -97,6 +98,8 @@ static int set_up(void **state)
     p->type = log_type();
     assert_string_equal(p->type->interfaces[0].id, MRT_INPUT);
     p->input = p->type->interfaces[0].functions;
+    assert_string_equal(p->type->interfaces[1].id, MRT_DURATION);
+    p->duration = p->type->interfaces[1].functions;
     p->plugin = p->type->create(&p->host.host);
     assert_non_null(p->plugin);
     for (int i = 0; i < PARAM_COUNT; ++i)
@@ -304,6 +307,22 @@ static void speed_divides_the_times(void **state)
     assert_sample(p, 0, 0.0f);
     assert_sample(p, 2.5, 0.25f);
     assert_sample(p, 7.5, 1.0f);
+}
+
+static void the_duration_is_that_of_what_is_played(void **state)
+{
+    player *p = *state;
+    open_log(p, three); /* 0, 10 and 30 ms */
+    const mrt_duration *duration = p->duration;
+    assert_int_equal(duration->get_ns(p->plugin, p->params), 30 * MS);
+    p->params[SPEED] = 2.0;
+    assert_int_equal(duration->get_ns(p->plugin, p->params), 15 * MS);
+    p->params[SPEED] = 1.0, p->params[START] = 0.005, p->params[END] = 0.01;
+    assert_int_equal(duration->get_ns(p->plugin, p->params), 5 * MS);
+    p->params[START] = 1.0, p->params[END] = 0.0; /* behind its end */
+    assert_int_equal(duration->get_ns(p->plugin, p->params), 0);
+    p->params[LOOP] = 1.0;
+    assert_true(duration->get_ns(p->plugin, p->params) < 0);
 }
 
 static void speed_changes_without_a_jump(void **state)
@@ -594,6 +613,7 @@ int main(void)
         TEST(deadline_is_honoured_and_nothing_is_lost),
         TEST(late_reads_keep_the_due_times),
         TEST(speed_divides_the_times),
+        TEST(the_duration_is_that_of_what_is_played),
         TEST(speed_changes_without_a_jump),
         TEST(speed_out_of_range_is_held_in_it),
         TEST(equal_times_keep_order_and_stamp),

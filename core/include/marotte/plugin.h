@@ -162,6 +162,14 @@ typedef struct mrt_input {
     uint32_t flags;                             /* MRT_INPUT_* */
 } mrt_input;
 
+/* ---- how long a recorded input plays, for whoever shows the progress ---- */
+#define MRT_DURATION "marotte.duration/1"
+typedef struct mrt_duration {
+    /* [main] On an open instance: nanoseconds from its first sample to its last, with these
+     * parameters; below 0: it does not end. */
+    int64_t (*get_ns)(mrt_plugin *self, const double *params);
+} mrt_duration;
+
 /* ---- a service: landmarks of a hand, as cameras and headsets see them, back to its angles ---- */
 #define MRT_LANDMARKS "marotte.landmarks/1"
 typedef struct mrt_landmarks {
@@ -400,6 +408,7 @@ MRT_LAYOUT(mrt_plugin_type, 72, destroy, 64);
 MRT_LAYOUT(mrt_channel, 32, max, 28);
 MRT_LAYOUT(mrt_sample, 272, value, 16);
 MRT_LAYOUT(mrt_input, 40, flags, 32);
+MRT_LAYOUT(mrt_duration, 8, get_ns, 0);
 MRT_LAYOUT(mrt_device, 644, state, 640);
 MRT_LAYOUT(mrt_devices, 16, current, 8);
 MRT_LAYOUT(mrt_output, 24, close, 16);

@@ -704,6 +704,15 @@ double input_value(const input *self, uint32_t index)
     return instance_value(&self->plugin, index);
 }
 
+double input_duration_s(input *self)
+{
+    const mrt_duration *duration = plugin_interface(self->plugin.type, MRT_DURATION);
+    if (!(self->functions->flags & MRT_INPUT_RECORDED) || !duration || !self->open)
+        return -1.0;
+    instance_latch(&self->plugin);
+    return 1e-9 * (double)duration->get_ns(self->plugin.self, self->plugin.params);
+}
+
 mrt_result input_start(input *self, error *err)
 {
     if (self->plugin.clock == CLOCK_VIRTUAL || self->has_thread)

@@ -79,6 +79,10 @@ CHECKED mrt_result input_set(input *self, const char *key, const char *value, er
 /* Its value as set last; index: in the table of input_plugin. */
 double input_value(const input *self, uint32_t index);
 
+/* [main] Before input_start: how long it plays; below 0: it is a device, does not end, or its
+ * plugin does not say. */
+double input_duration_s(input *self);
+
 /* CLOCK_REAL: starts the thread. CLOCK_VIRTUAL: nothing to do. */
 CHECKED mrt_result input_start(input *self, error *err);
 /* For good. Takes at most 0.1 s, even while a device is being opened, as far as the plugin keeps to
