@@ -89,13 +89,13 @@ while True: # until it is ended: an output tells when its listener has gone
     print(at.recv(2000).decode(), flush=True)
 PYTHON
     listener=$!
-    for _ in $(seq 300); do [ -s "$scratch/port" ] || sleep 0.1; done
+    for _ in $(seq 600); do [ -s "$scratch/port" ] || sleep 0.1; done
     printf '%s\n' "set -e" "${next[@]/%:9200/:$(cat "$scratch/port")}" >"$scratch/next.sh"
     bash "$scratch/next.sh" >"$scratch/facts" 2>&1 || { fail "output: what it says to do next does not work"; cat "$scratch/facts"; }
     grep -q 'my_output.*: sent, [0-9]' "$scratch/facts" || fail "output: $(grep my_output "$scratch/facts")"
     least=100
     [ -z "${SANITIZED:-}" ] || least=20 # the newest face is sent, as fast as there is one
-    for _ in $(seq 300); do [ "$(grep -c '^time' "$scratch/heard")" -ge $least ] || sleep 0.1; done
+    for _ in $(seq 600); do [ "$(grep -c '^time' "$scratch/heard")" -ge $least ] || sleep 0.1; done
     kill $listener
     awk -v least=$least '$1 == "time" { ++faces } $1 == "JawOpen" && $2 > most { most = $2 }
         END { exit !(faces >= least && most > 0.02) }' "$scratch/heard" ||
