@@ -150,9 +150,7 @@ static void wait_for(const void *on, int64_t until_ns)
 
 /* ---- those who sleep for another reason ---- */
 
-/* Whether the kernel runs it, would run it, or has it wait for a disk: its line is "12 (name) S
- * ...".
- */
+/* Or would if it could, or it waits for a disk. The line: "12 (name) S ...". */
 static bool is_running(int tasks, const char *task)
 {
     char path[32], text[512];
