@@ -2,6 +2,7 @@
 # marotte camera, and a performance by landmarks that a client sends as the page would: what was
 # recorded performs again, bit for bit.
 source "$(dirname "$0")/lib.sh"
+exec 9>/tmp/marotte_test_camera_port && flock 9 # as the window's tests: of two builds one has the port at a time
 port=$((20000 + $$ % 20000))
 said() { grep -qF -- "$1" "$2" || fail "\"$1\" is not said: $(cat "$2")"; }
 

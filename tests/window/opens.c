@@ -10,6 +10,7 @@
 #include "base/clock.h"
 #include "base/file.h"
 #include "window/open_any.h"
+#include "camera_lock.h"
 #include "scene.h"
 #include "unit/closed_moai.h"
 
@@ -100,6 +101,7 @@ static void a_click_opens_the_camera_and_its_page(void **state)
     char browser[128], script[256], seen[128];
     error err = {0};
     (void)state;
+    camera_lock();
     scene_open(&s, 1280, 720, 1.0f);
     (void)snprintf(seen, sizeof seen, "%s/page", s.folder);
     (void)snprintf(browser, sizeof browser, "%s/browser", s.folder);

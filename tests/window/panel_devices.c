@@ -7,6 +7,8 @@
 
 #include <cmocka.h>
 
+#include "base/clock.h"
+#include "camera_lock.h"
 #include "panel_stand.h"
 
 #include <stdio.h>
@@ -30,6 +32,18 @@ static void with_nothing_it_says_what_to_do(void **state)
     stand_close(&s);
 }
 
+/* There, and with something in it. */
+static void wait_for_file(stand *s, const char *path)
+{
+    const int64_t until_ns = clock_now_ns() + 600 * NS_PER_S;
+    struct stat found = {.st_size = 0};
+    while ((stat(path, &found) != 0 || found.st_size == 0) && clock_now_ns() < until_ns) {
+        stand_frame(s);
+        clock_sleep_until_ns(clock_now_ns() + 4 * NS_PER_MS);
+    }
+    assert_true(found.st_size > 0);
+}
+
 /* One click: the input is there, and the browser has been told where its page is. */
 static void use_the_camera_is_one_click(void **state)
 {
@@ -47,6 +61,7 @@ static void use_the_camera_is_one_click(void **state)
     setenv("XDG_CONFIG_HOME", folder, 1);
     setenv("MAROTTE_CAMERA_PACKAGE", "/nowhere", 1);
     stand s = {.input_count = 0};
+    camera_lock();
     stand_open(&s, &panel_devices, 1.0f);
     stand_plugin(&s, "plugins/camera");
     stand_wait_for(&s, "Use the camera");
@@ -54,8 +69,7 @@ static void use_the_camera_is_one_click(void **state)
     stand_wait_for(&s, "Show its page");
     assert_int_equal(s.input_count, 1);
     assert_string_equal(s.input_text[0], "camera");
-    for (int i = 0; i < 500 && access(told, F_OK) != 0; ++i)
-        stand_frame(&s);
+    wait_for_file(&s, told);
     file = fopen(told, "r");
     assert_non_null(file);
     assert_non_null(fgets(line, sizeof line, file));

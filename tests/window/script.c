@@ -108,7 +108,8 @@ static void run_script(scene *s, const char *text)
     if (read_text(&written, text, &err) < 0)
         fail_msg("%s", err.text);
     mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < 5000 && result == MRT_OK; ++i) {
+    const int64_t end_ns = clock_now_ns() + SCENE_PATIENCE_S * NS_PER_S;
+    while (result == MRT_OK && clock_now_ns() < end_ns) {
         const script_stage on = {
             s->ui, s->app, s->window, {.width = s->width, .height = s->height, .scale = 1.0f}};
         result = script_step(written, &on, &err);
