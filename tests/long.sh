@@ -59,7 +59,7 @@ ctest_of() { # PRESET ARGS...
 step_asan() { built asan && ctest_of asan -j "$jobs"; }
 step_tsan() { built tsan && ctest_of tsan -j "$jobs"; }
 step_fuzz() { setup_build fuzz all -DMAROTTE_WERROR=ON && bash tests/fuzz/run.sh 600; }
-step_heads() { built asan && bash tests/bench/hostile_heads.sh 3600; }
+step_heads() { built asan && build/asan/tests/e2e/hostile_heads 3600; }
 step_timed() { built release && busy_loops && ctest_of release -L timed --repeat until-fail:50 -j "$cores"; }
 step_busy() {
     local run failed=0
