@@ -475,7 +475,7 @@ static bool has_news_of_port(app *of)
 
 static void one_that_the_network_reaches_needs_its_code(void **state)
 {
-    static const char kept[] = "{\"remote\": {\"code\": \"k7m2p9qx\"}}";
+    static const char kept[] = "{\"looks\": {}, \"remote\": {\"code\": \"k7m2p9qx\"}}";
     static const char *const others[] = {"/", "/record", "/k7m2p9q/", "/k7m2p9qy/", "/k7m2p9qx"};
     fixture d;
     char own[64], bytes[256];
@@ -515,7 +515,8 @@ static void a_code_is_drawn_kept_and_renewed(void **state)
     fixture d;
     char code[REMOTE_CODE + 1];
     (void)state;
-    open_fixture_at(&d, "127.0.0.2", "{\"remote\": {\"code\": \"\\u001b[2J\"}}", false);
+    open_fixture_at(&d, "127.0.0.2", "{\"looks\": {}, \"remote\": {\"code\": \"\\u001b[2J\"}}",
+                    false);
     (void)snprintf(code, sizeof code, "%s", app_remote_now(d.room.app).code);
     assert_true(remote_is_code(code));
     app_set_remote(d.room.app, "");
@@ -547,7 +548,8 @@ static void one_that_the_network_reaches_is_not_open_again_at_the_next_start(voi
     room r;
     (void)state;
     make_room(&r);
-    assert_string_equal(next_start(&r, "{\"remote\": {\"place\": \"0.0.0.0:9\"}}"), "");
+    assert_string_equal(next_start(&r, "{\"looks\": {}, \"remote\": {\"place\": \"0.0.0.0:9\"}}"),
+                        "");
     assert_true(was_said(r.app, "not opened by itself"));
     app_set_remote(r.app, "127.0.0.1:9");
     app_destroy(r.app);
