@@ -22,8 +22,8 @@ grep -q "A device that goes away" "$scratch/none.txt" ||
 grep -q '^  log ' "$scratch/none.txt" && fail "the log has no devices"
 
 # How it is doing: a line a second, comes and goes.
-until_said() { # WORDS FILE PID: waits for the words, or for the end of the process
-    until grep -qF -- "$1" "$2" || ! kill -0 "$3" 2>/dev/null; do sleep 0.1; done
+until_said() { # WORDS FILE PID: waits for the words, or for the end of the process. FILE is new: the process makes it
+    until grep -qsF -- "$1" "$2" || ! kill -0 "$3" 2>/dev/null; do sleep 0.1; done
 }
 "$MAROTTE" devices --watch --seconds 120 --input flaky:a,run=0.6,tries=2,losses=1 \
     --input flaky:b >"$scratch/watch.txt" 2>"$scratch/news.txt" &
@@ -58,6 +58,7 @@ if command -v script >/dev/null; then
 fi
 
 # Ctrl-C ends it at once, and is no failure, also while a device takes long to open.
+rm "$scratch/news.txt"
 "$MAROTTE" devices --watch --input flaky:a,run=0.1,open=100 >/dev/null 2>"$scratch/news.txt" &
 watcher=$!
 until_said "flaky a went away" "$scratch/news.txt" $watcher
@@ -67,6 +68,7 @@ wait $watcher || fail "Ctrl-C: exit $?"
 [ $((SECONDS - before)) -lt 60 ] || fail "Ctrl-C waited for the device, which takes 100 s"
 
 # What is plugged in later is found.
+rm "$scratch/news.txt"
 MAROTTE_FLAKY=$scratch/later "$MAROTTE" devices --watch --seconds 60 >"$scratch/later.txt" \
     2>"$scratch/news.txt" &
 watcher=$!

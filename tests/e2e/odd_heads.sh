@@ -29,7 +29,7 @@ for rigid in 0 200; do
         "$MAROTTE" take export "s.$rigid.$map.marotte" 1 --export y.glb >said 2>stderr ||
             fail "take export, rigid up to x = $rigid, $map: exit $?: $(tail -n 2 stderr)"
     done
-    awk -v mm="$("$MAROTTE" perform --face sheet.rig.json --input "log:$demo,end=3" --map anchored | sed -nE 's/^range of motion +([0-9.]+).*/\1/p')" \
+    awk -v mm="$("$MAROTTE" perform --verbose --face sheet.rig.json --input "log:$demo,end=3" --map anchored | sed -nE 's/^range of motion +([0-9.]+).*/\1/p')" \
         -v rigid="$rigid" 'BEGIN { exit !(rigid > 0 ? mm == 0 : mm > 1) }' || fail "rigid up to x = $rigid: the wrong skin moves"
 done
 finish

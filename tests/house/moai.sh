@@ -25,8 +25,9 @@ done
 exits 2 "$moai"
 exits 2 "$plane" 2048
 exits 2 "$plane" 2047 "$scratch/plane.ply"
-exits 1 "$plane" 2048 "$scratch/absent/plane.ply"
-exits 1 "$moai" "$scratch/absent/moai.glb"
+touch "$scratch/file" # and not a folder
+exits 1 "$plane" 2048 "$scratch/file/plane.ply"
+exits 1 "$moai" "$scratch/file/moai.glb"
 [ ! -e "$scratch/plane.ply" ] || complain "a plane of 2047 triangles was written"
 
 if ! "$moai" "$scratch/moai.glb"; then
