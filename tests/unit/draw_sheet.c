@@ -388,8 +388,8 @@ static void sheet_to_an_impossible_path_is_an_error(void **state)
     mesh m = shapes_wall(50, 0);
     error err = {{0}};
     clip *c = clip_create(&m, 60.0, NULL, &err);
-    assert_true(sheet_write(BUILD_DIR "/no/such/folder/sheet.png", c, &(sheet_about){0}, &err) < 0);
-    assert_non_null(strstr(err.text, "no/such/folder"));
+    assert_true(sheet_write("/dev/null/sheet.png", c, &(sheet_about){0}, &err) < 0);
+    assert_non_null(strstr(err.text, "/dev/null"));
     clip_destroy(c);
     mesh_destroy(&m);
 }

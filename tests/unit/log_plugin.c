@@ -165,7 +165,7 @@ static void type_is_well_formed(void **state)
     assert_int_equal(p->type->abi, MRT_ABI);
     assert_string_equal(p->type->id, "org.marotte.log");
     assert_int_equal(p->type->param_count, PARAM_COUNT);
-    assert_null(p->type->interfaces[1].id);
+    assert_null(p->type->interfaces[2].id);
     assert_true(p->input->flags & MRT_INPUT_RECORDED);
     static const char *const names[PARAM_COUNT] = {"speed", "loop", "start",
                                                    "end",   "hand", "mirror"};

@@ -443,6 +443,9 @@ mrt_result video_folder_add(video_folder *self, const uint8_t *rgba, error *err)
     mrt_result result = picture_in(path, self->meanwhile, self->count + 1, err);
     if (result < 0)
         return result;
+    if (access(self->meanwhile, F_OK) != 0) /* else png_write_as makes it again: with gaps */
+        return error_set(err, MRT_ERR_IO, "%s%0*u.png: cannot write: %s", self->path, DIGITS,
+                         self->count + 1, strerror(errno));
     result = png_write_as(path, rgba, self->about.width, self->about.height,
                           self->about.has_alpha ? PNG_WITH_ALPHA : PNG_OPAQUE, &why);
     if (result < 0) { /* where it lies meanwhile is nobody's concern */
