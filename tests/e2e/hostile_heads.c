@@ -10,6 +10,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <jansson.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -23,7 +24,7 @@
 #include <unistd.h>
 
 enum { PATH = 512, HEADS_MAX = 512, WORDS_MAX = 64, SKIPPED = 77, WALL_MAX_S = 900 };
-enum { FILE_MAX = 6 << 20, SMALL = 200 << 10, FINDINGS_MAX = 200 };
+enum { FILE_MAX = 6 << 20, TINY = 4 << 10, LARGE = 1 << 20, FINDINGS_MAX = 200 };
 static const double limit_s = 60.0, bytes_per_byte = 20.0, bytes_beside = 1.5e9;
 
 typedef enum kind { KIND_NONE = 0, KIND_GLB, KIND_JSON, KIND_TEXT, KIND_BYTES } kind;
@@ -208,7 +209,7 @@ typedef struct span {
     size_t at, length;
 } span;
 
-/* From `at` on to the end of the JSON value that begins there. */
+/* From `at` on to the end of the JSON item or member that begins there. */
 static span value_at(const bytes *of, size_t at)
 {
     size_t end = at;
@@ -219,19 +220,15 @@ static span value_at(const bytes *of, size_t at)
         if (is_text) {
             end += c == '\\';
             is_text = c != '"';
-            if (!is_text && depth == 0)
-                return (span){at, end + 1 - at};
             continue;
         }
-        if (depth == 0 && end > at && (c == ',' || c == '}' || c == ']'))
+        if (depth == 0 && (c == ',' || c == '}' || c == ']'))
             break;
         is_text = c == '"';
         depth += c == '{' || c == '[';
         depth -= c == '}' || c == ']';
-        if (depth == 0 && (c == '}' || c == ']'))
-            return (span){at, end + 1 - at};
     }
-    return (span){at, end - at};
+    return (span){at, end < of->size ? end - at : of->size - at};
 }
 
 /* The first after a place by chance of what begins after one of these letters. */
@@ -250,44 +247,75 @@ static bool find_after(trial *t, const bytes *of, const char *letters, span *out
     return false;
 }
 
-static void change_json(trial *t, bytes *of)
+/* A number by chance. */
+static bool find_number(trial *t, const bytes *of, span *out)
+{
+    size_t start = of->size ? (size_t)draw(t, of->size) : 0;
+    for (size_t i = start; i + 1 < of->size; ++i)
+        if (of->at[i] && strchr(":,[ ", of->at[i]) && of->at[i + 1] &&
+            strchr("0123456789-", of->at[i + 1])) {
+            *out = (span){i + 1, 1};
+            while (out->at + out->length < of->size && is_of_number(of->at[out->at + out->length]))
+                out->length += 1;
+            return true;
+        }
+    return false;
+}
+
+static void copy_over(bytes *of, span from, span to)
+{
+    char *copy = malloc(from.length + 1);
+    must(copy != NULL, "memory");
+    memcpy(copy, of->at + from.at, from.length);
+    copy[from.length] = ',';
+    replace(of, to.at, to.length, copy, from.length + (to.length == 0));
+    free(copy);
+}
+
+static void change_json_once(trial *t, bytes *of)
 {
     static const char *const values[] = {"null", "true", "{}",  "[]",
                                          "\"\"", "-1",   "[0]", "{\"a\":0}"};
     enum { VALUES = sizeof values / sizeof values[0] };
     span one, other;
-    const uint64_t how = draw(t, 10);
-    if (how < 5) { /* a number */
-        size_t start = of->size ? (size_t)draw(t, of->size) : 0;
-        for (size_t i = start; i + 1 < of->size; ++i)
-            if (strchr("0123456789-", of->at[i + 1]) && of->at[i + 1] &&
-                strchr(":,[ ", of->at[i]) && of->at[i]) {
-                size_t length = 1;
-                while (i + 1 + length < of->size && is_of_number(of->at[i + 1 + length]))
-                    ++length;
-                replace_by_number(t, of, i + 1, length);
-                return;
-            }
-    } else if (how < 7) { /* a value */
+    const uint64_t how = draw(t, 12);
+    if (how < 3 && find_number(t, of, &one)) {
+        replace_by_number(t, of, one.at, one.length);
+    } else if (how < 6 && find_number(t, of, &one) && find_number(t, of, &other)) {
+        copy_over(of, one, other); /* most likely of something that is there */
+    } else if (how < 8 && find_after(t, of, ":[", &one)) {
         const char *with = values[draw(t, VALUES)];
-        if (find_after(t, of, ":[", &one))
-            replace(of, one.at, one.length, with, strlen(with));
-    } else if (how == 7) { /* a member or an item less */
-        if (find_after(t, of, "{,[", &one))
-            replace(of, one.at,
-                    one.length +
-                        (one.at + one.length < of->size && of->at[one.at + one.length] == ','),
-                    "", 0);
+        replace(of, one.at, one.length, with, strlen(with));
+    } else if (how < 10 && find_after(t, of, "{,[", &one)) { /* a member or an item less */
+        bool is_last = one.at + one.length < of->size && of->at[one.at + one.length] != ',';
+        bool has_before = is_last && of->at[one.at - 1] == ',';
+        replace(of, one.at - has_before, one.length + (!is_last || has_before), "", 0);
     } else if (find_after(t, of, ":,[", &one) && find_after(t, of, ":,[", &other)) {
-        char *copy = malloc(one.length + 1);
-        must(copy != NULL, "memory");
-        memcpy(copy, of->at + one.at, one.length);
-        copy[one.length] = ',';
-        if (how == 8) /* in place of another */
-            replace(of, other.at, other.length, copy, one.length);
-        else /* twice */
-            replace(of, one.at, 0, copy, one.length + 1);
-        free(copy);
+        if (how == 11)
+            other.length = 0; /* one more */
+        copy_over(of, one, other);
+    }
+}
+
+/* What is no JSON is refused at once: one in ten stays so. */
+static void change_json(trial *t, bytes *of)
+{
+    for (int tries = 0; tries < 10; ++tries) {
+        bytes changed = {calloc(of->room, 1), of->size, of->room};
+        must(changed.at != NULL, "memory");
+        memcpy(changed.at, of->at, of->size);
+        change_json_once(t, &changed);
+        json_t *read = json_loadb(changed.at, changed.size, 0, NULL);
+        bool is_kept = read || draw(t, 100) == 0;
+        if (is_kept) {
+            free(of->at);
+            *of = changed;
+        } else {
+            free(changed.at);
+        }
+        json_decref(read);
+        if (is_kept)
+            return;
     }
 }
 
@@ -304,9 +332,20 @@ static void change_text(trial *t, bytes *of)
         --start;
     for (end = start; end < of->size && !strchr(between, of->at[end]);)
         ++end;
-    if (how < 5)
+    if (how < 2)
         replace_by_number(t, of, start, end - start);
-    else if (how < 7) /* the word, the line is not there */
+    else if (how < 5) { /* a word of the neighbourhood, most likely of the same kind */
+        size_t from = start > 300 ? start - (size_t)draw(t, 300) : (size_t)draw(t, start + 1), to;
+        while (from > 0 && !strchr(between, of->at[from - 1]))
+            --from;
+        for (to = from; to < of->size && !strchr(between, of->at[to]);)
+            ++to;
+        if (to > from && to - from < 64) {
+            char copy[64];
+            memcpy(copy, of->at + from, to - from);
+            replace(of, start, end - start, copy, to - from);
+        }
+    } else if (how < 7) /* the word, the line is not there */
         replace(of, start, end - start, "", 0);
     else if (end < of->size) { /* the line is there twice, elsewhere */
         char *copy = malloc(end + 1 - start);
@@ -351,18 +390,32 @@ static void change_shape(trial *t, bytes *of)
 
 static void change_bytes(trial *t, bytes *of)
 {
-    static const float floats[] = {0.0f,   1.0f,  -1.0f, 1e-30f, 1e30f,     3e38f,
-                                   -1e30f, 1e-3f, 1e3f,  100.0f, (float)1e9};
+    static const float floats[] = {0.0f, 1.0f, -1.0f, 1e-30f, 1e30f, 1e-3f, 1e3f, 1e9f};
+    static const float factors[] = {0.0f, -1.0f, 0.5f, 2.0f, 10.0f, -10.0f, 1e-6f, 1e3f};
     if (of->size < 16)
         return;
     const size_t words = of->size / 4;
     switch (draw(t, 4)) {
     case 0: /* bits anywhere */
-        for (uint64_t i = 1 + draw(t, 20); i-- > 0;)
+        for (uint64_t i = 1 + draw(t, 8); i-- > 0;)
             of->at[draw(t, of->size)] ^= (char)(1u << draw(t, 8));
         break;
-    case 1: /* numbers */
-        for (uint64_t i = 1 + draw(t, 20); i-- > 0;) {
+    case 1: /* numbers: many by a factor, or some others */
+        if (draw(t, 2) == 0) {
+            size_t first = (size_t)draw(t, words), count = (size_t)draw(t, words - first);
+            const size_t stride = 1 + (size_t)draw(t, 3);
+            const float factor = factors[draw(t, sizeof factors / sizeof factors[0])];
+            for (size_t i = first; i < first + count; i += stride) {
+                float value;
+                memcpy(&value, of->at + 4 * i, sizeof value);
+                if (!(value > -1e4f && value < 1e4f) || (value < 1e-6f && value > -1e-6f))
+                    continue; /* most likely no float */
+                value *= factor;
+                memcpy(of->at + 4 * i, &value, sizeof value);
+            }
+            break;
+        }
+        for (uint64_t i = 1 + draw(t, 8); i-- > 0;) {
             float value = floats[draw(t, sizeof floats / sizeof floats[0])];
             memcpy(of->at + 4 * draw(t, words), &value, sizeof value);
         }
@@ -408,7 +461,7 @@ static void change_glb(trial *t, bytes *of)
     must(json.at != NULL, "memory");
     memcpy(json.at, of->at + START, length);
     if (draw(t, 4) > 0)
-        for (uint64_t i = 1 + draw(t, 3); i-- > 0;)
+        for (uint64_t i = 1 + draw(t, 2); i-- > 0;)
             change_json(t, &json);
     else if (rest.size > 8) {
         bytes inner = {rest.at + 8, rest.size - 8, rest.size - 8};
@@ -440,7 +493,7 @@ static void change(trial *t, bytes *of, const char *path)
     else if (is == KIND_TEXT && draw(t, 4) == 0)
         change_shape(t, of);
     else
-        for (uint64_t i = 1 + draw(t, 4); i-- > 0;) {
+        for (uint64_t i = 1 + draw(t, 2); i-- > 0;) {
             if (is == KIND_JSON)
                 change_json(t, of);
             else if (is == KIND_TEXT)
@@ -553,7 +606,9 @@ static int run(trial *t, const char *line, size_t size)
     else if (says(t, "Sanitizer") || says(t, "runtime error:") || says(t, "Assertion"))
         report(t, "a sanitizer's report", line);
     else if (code > 1)
-        report(t, code == 2 ? "used wrongly" : "exit code", line);
+        report(t,
+               code == 127 ? "the program cannot be started" : "ends by another code than 0 or 1",
+               line);
     else if (memory > bytes_per_byte * (double)size + bytes_beside)
         report(t, "takes too much memory", line);
     return code;
@@ -598,9 +653,13 @@ static void perform(trial *t, const char *face, size_t size, bool is_vrm)
 static void one_head(trial *t)
 {
     char name[64], sibling[PATH], line[PATH];
-    const head *of = &t->heads[draw(t, t->head_count)];
-    for (int i = 0; i < 3 && of->size > SMALL; ++i) /* large ones are slow, and seldom */
+    const head *of = NULL;
+    for (int i = 0; i < 4;
+         ++i) { /* large ones are slow; those of fuzz targets are most often no heads */
         of = &t->heads[draw(t, t->head_count)];
+        if (of->size < LARGE && (of->size > TINY || draw(t, 8) == 0))
+            break;
+    }
     shell("rm -rf \"$1\"/* && mkdir -p \"$1/out\"", t->folder, "");
     bytes content = read_file(of->path);
     must(content.at != NULL, of->path);
