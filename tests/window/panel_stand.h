@@ -76,7 +76,7 @@ void stand_face(stand *s, const mrt_face *about);
 
 void stand_frame(stand *s);
 void stand_settle(stand *s);
-/* Frames until the words are on the screen, at most some seconds. */
+/* Frames until the words are on the screen, for ten minutes at most. */
 void stand_wait_for(stand *s, const char *words);
 bool stand_shows(const stand *s, const char *words);         /* somewhere, as a part of a text */
 const ui_word *stand_word(const stand *s, const char *text); /* exactly this; NULL */
