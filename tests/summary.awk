@@ -21,7 +21,9 @@ function value(key, text) {
 /SKIPPED/ {
     line = plain($0)
     sub(/.*<system-out>/, "", line); sub(/^.*SKIPPED *[]:]* */, "", line)
-    if (line ~ /test\(s\)/) next # the count with which cmocka ends
+    if (line ~ /(test\(s\)|TEST\(S\))/) next # the counts with which cmocka ends
+    if ((name, line) in told) next              # and its list
+    told[name, line] = 1
     ++reasons
     skips = skips sprintf("  %s%s: %s\n", name, whole ? "" : " (a part)", line)
 }

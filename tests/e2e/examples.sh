@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The examples at the end of every --help run as they stand, each in a folder that has the files that they name. Those that
-# need a device or a person have to be understood: they may fail, but not as wrong usage, and they are ended.
+# need a device or a person have to be understood: they may fail, but not as wrong usage, and they are ended. Recordings and pictures
+# are cut short but in ./test --long.
 source "$(dirname "$0")/lib.sh"
 mkdir "$scratch/files"
 cd "$scratch/files" || exit 1
@@ -53,6 +54,9 @@ examples <"$scratch/all" | sort -u >"$scratch/lines"
 
 count=0 parsed=0
 while read -r line; do
+    if [ -z "${MAROTTE_TEST_LONG:-}" ]; then # a second of the recordings, small pictures
+        line=$(sed -E 's/log:(demo_(left_)?hand)\.csv(,end=[0-9]+)?/log:\1.csv,end=1/g; s/--size [0-9]+x[0-9]+/--size 160x90/' <<<"$line")
+    fi
     folder=$scratch/work
     rm -rf "$folder"
     cp -r "$scratch/files" "$folder"

@@ -202,8 +202,8 @@ static void what_cannot_be_written_leaves_what_was_there(void **state)
     assert_int_equal(sound_file_write(&report, d->show, &what, path, &watch, &err), MRT_END);
     assert_int_equal(stat(path, &status), 0);
     assert_int_equal(status.st_size, 3);
-    assert_true(sound_file_write(&report, d->show, &what, "/nowhere/at/all.wav", NULL, &err) < 0);
-    assert_non_null(strstr(err.text, "/nowhere/at/all.wav"));
+    assert_true(sound_file_write(&report, d->show, &what, "/dev/null/all.wav", NULL, &err) < 0);
+    assert_non_null(strstr(err.text, "/dev/null"));
     what.to_ns = 0;
     assert_true(sound_file_write(&report, d->show, &what, path, NULL, &err) < 0);
     assert_non_null(strstr(err.text, "range"));
