@@ -175,9 +175,11 @@ static void report_parts(const fitting *self, const mrt_host *host)
 void fitting_report(const fitting *self, const mrt_host *host)
 {
     char line[LINE];
-    snprintf(line, sizeof line,
-             "performs %u of %d contacts and %u of %d degrees of freedom; 1 mm is %.2f mm here",
-             self->contact_count, LANDMARK_COUNT, self->dof_count, DOF_COUNT, self->scale);
+    snprintf(
+        line, sizeof line,
+        "moves %u of %d contacts and %u of %d degrees of freedom; movements are scaled by %.2f "
+        "to the size of this face",
+        self->contact_count, LANDMARK_COUNT, self->dof_count, DOF_COUNT, self->scale);
     host->log(host, MRT_LOG_INFO, line);
     report_parts(self, host);
     report_missing(host, "contact", pose_landmark_names, self->contact, LANDMARK_COUNT);
