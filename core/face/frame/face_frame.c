@@ -120,6 +120,8 @@ static void solve_grips(face *f, const double *end, const rigid *pose)
     memset(f->g, 0, (size_t)3 * f->control_count * sizeof *f->g);
     for (int sweep = 0; sweep < (f->bone_count > 1 ? SWEEPS : 1); ++sweep)
         for (uint32_t k = 0; k < f->control_count; ++k) {
+            if (f->grip[k].is_dropped) /* in no field; with one bone nothing is known of it */
+                continue;
             vec3 rest = {f->position[3 * k], f->position[3 * k + 1], f->position[3 * k + 2]};
             vec3 g = matrix3x3_apply(&f->rotation[k], vec3_sub(rest, stray(f, k, pose)));
             vec3_set_row(f->g, k, g);
