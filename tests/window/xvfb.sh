@@ -7,13 +7,14 @@ for program in Xvfb xdotool; do
     exit 77
 done
 if [ -z "${MAROTTE_WITHIN_XVFB:-}" ]; then
+    # -noreset: else the server starts anew when its last client leaves, and refuses the window that opens just then.
     # A display of its own, whatever else runs. Not the lowest free one, as the server would choose: a server that
     # ends just then takes the socket of that number away with it.
     numbers=$(mktemp -d) && mkfifo "$numbers/number" || exit 1
     trap 'kill "$server" 2>/dev/null; wait "$server" 2>/dev/null; rm -rf "$numbers"' EXIT
     for _ in 1 2 3 4 5; do
         number=
-        Xvfb ":$((1000 + RANDOM))" -displayfd 3 -screen 0 "${MAROTTE_SCREEN:-1280x720x24}" -nolisten tcp \
+        Xvfb ":$((1000 + RANDOM))" -displayfd 3 -screen 0 "${MAROTTE_SCREEN:-1280x720x24}" -nolisten tcp -noreset \
             3>"$numbers/number" >"$numbers/said" 2>&1 </dev/null &
         server=$!
         read -r number <"$numbers/number" && break
