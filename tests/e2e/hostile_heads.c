@@ -691,7 +691,7 @@ static void one_head(trial *t)
     if (draw(t, 4) == 0)
         (void)run(t, "rig check head.rig.json", size);
     if (t->has_pictures && draw(t, 16) == 0)
-        (void)run(t, "rig show head.rig.json --out out/r.png --size 96x96", size);
+        (void)run(t, "rig show head.rig.json --out out/r.png --size 320x240", size);
     if (draw(t, 8) == 0)
         (void)run(t, "rig show head.rig.json --poses", size);
     perform(t, "head.rig.json", size, is_vrm);
@@ -726,7 +726,7 @@ static void find_out_about_pictures(trial *t)
 {
     char line[2 * PATH];
     (void)snprintf(line, sizeof line,
-                   "rig show %s/rigs/moai/moai.rig.json --out r.png --size 96x96", t->source);
+                   "rig show %s/rigs/moai/moai.rig.json --out r.png --size 320x240", t->source);
     t->has_pictures = run(t, line, 0) == 0;
     if (!t->has_pictures)
         printf("SKIPPED: pictures, which need OpenGL\n");
