@@ -6,6 +6,7 @@
 #include "take/hash.h"
 #include "take/pack.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,8 +71,18 @@ static void make_folder(void)
     (void)atexit(remove_all);
 }
 
+static bool contains(const uint8_t *data, size_t size, const char *word)
+{
+    const size_t length = strlen(word);
+    for (size_t i = 0; i + length <= size; ++i)
+        if (memcmp(data + i, word, length) == 0)
+            return true;
+    return false;
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
+    static const char secret[] = "root:"; /* of the file behind the link */
     char show[PATH_TEXT], face[PATH_MAX] = "";
     error err = {""};
     make_folder();
@@ -80,7 +91,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (pack_find(face, show, &performed, &err) < 0) {
         require(fuzz_is_reason(err.text), "one line of reason");
         require(face[0] == '\0', "no face on failure");
-        require(!strstr(err.text, "root:"), "nothing from elsewhere is said");
+        require(!strstr(err.text, secret) || contains(data, size, secret),
+                "nothing from elsewhere is said");
         return 0;
     }
     require(strncmp(face, folder, strlen(folder)) == 0 &&
