@@ -38,11 +38,30 @@ typedef struct bind_start { /* a vertex, and how far it is already, mm */
 CHECKED bool bind_distances(double *out_distance, const bind_start *start, uint32_t start_count,
                             double reach_mm, const mesh *m, const topology *t);
 
+/* A place on a rim: between two of its vertices. */
+typedef struct bind_station {
+    uint32_t vertex[2];
+    double along; /* 0..1, from the first to the second */
+} bind_station;
+
+/* The slit between the lips (rig_mouth) in stations from the subject's right corner to the left:
+ * each is a point of the upper rim, and the point of the lower rim that it faces. */
+typedef struct bind_lips {
+    bind_station *upper, *lower; /* station_count each */
+    uint32_t station_count;      /* 0: the lips cannot be sealed */
+    vec3 across, up;             /* unit: to the left corner, and square to it */
+    double width_mm;             /* from corner to corner */
+    float *of_upper, *of_lower;  /* vertex_count: how far a vertex goes with that rim, 0..1; by
+                                    distances along the surface, so never across the slit */
+    char why_not[256]; /* one sentence: why a mouth that the rig declares cannot be sealed */
+} bind_lips;
+
 typedef struct binding {
     uint32_t vertex_count, bone_count;
     float *weight;                           /* bone_count by vertex_count; sums to 1 within 1e-6 */
     float *mobility;                         /* vertex_count, 0..1 */
     vec3 *contact_position, *contact_normal; /* per contact: mm, unit outward */
+    bind_lips lips;
 } binding;
 
 /* Marks, then the fill over the surface. A contact that names its bone rides on it wholly. A NULL

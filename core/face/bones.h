@@ -7,12 +7,13 @@
 #include "face/rig.h"
 
 /* The degrees of freedom of a rig, in the order of its bones: jaw: open (rad), lateral (mm, to the
- * subject's left), forward (mm); ball: its turns (rad). Names "jaw.open", "eye.l.yaw". */
+ * subject's left), forward (mm); ball: its turns (rad). Names "jaw.open", "eye.l.yaw". The last one
+ * of a rig with a mouth belongs to no bone: RIG_LIPS_SEAL, 0..1. */
 typedef struct bones_dof {
     char name[64];
-    const char *unit; /* "rad" or "mm" */
+    const char *unit; /* "rad", "mm"; "" for a share */
     float min, max;
-    uint32_t bone, index; /* which of the bone's */
+    uint32_t bone, index; /* which of the bone's; bone RIG_NONE: none */
 } bones_dof;
 
 /* The jaw's own frame: the axis between the condyles and what lies square to it. Unit vectors. */
@@ -31,6 +32,7 @@ typedef struct bones {
     bones_dof dof[MRT_MAX_DOFS];
     uint32_t dof_count, bone_count;
     uint32_t jaw;                      /* bone index, or RIG_NONE */
+    uint32_t seal;                     /* index of RIG_LIPS_SEAL, or RIG_NONE */
     uint32_t first_dof[RIG_BONES_MAX]; /* of each bone */
     uint32_t order[RIG_BONES_MAX];     /* parents first */
     bool moves[RIG_BONES_MAX];         /* it has degrees of freedom, or what it rides on has */

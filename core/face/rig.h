@@ -51,6 +51,10 @@ typedef enum rig_bone_kind {
 } rig_bone_kind;
 
 #define RIG_NONE UINT32_MAX
+/* The degree of freedom that a rig with a mouth has besides those of its bones: 0 open .. 1 sealed.
+ */
+#define RIG_LIPS_SEAL   "lips.seal"
+#define RIG_UPPER_SHARE 0.35
 enum { RIG_TURNS_MAX = 3, RIG_BONES_MAX = 16 };
 
 typedef struct rig_turn { /* of a ball: "turns": [ { "name", "axis": [x,y,z], "deg": [min, max] } ]
@@ -115,6 +119,18 @@ typedef struct rig_pose { /* "poses": [ { "name", "dofs": { name: value }, "pull
     uint32_t pull_count;
 } rig_pose;
 
+typedef enum rig_seal_from { SEAL_FROM_CORNERS = 0, SEAL_FROM_MIDDLE } rig_seal_from;
+
+/* "mouth": the two rims of the slit between the lips, which "lips.seal" brings together. */
+typedef struct rig_mouth {
+    uint32_t *upper, *lower; /* vertices along each rim, from the subject's right corner to the left
+                                one; NULL: the rig declares no mouth */
+    uint32_t upper_count, lower_count;
+    double upper_share;   /* 0..1: the upper lip's part of the way; RIG_UPPER_SHARE if not given */
+    double stickiness_mm; /* lips closer than that at some place draw together there; 0: none */
+    rig_seal_from seal_from; /* where lips close first */
+} rig_mouth;
+
 typedef struct rig_contact_set { /* "contact_sets": { "fit10": [names] } */
     char *name;
     uint32_t *contact;
@@ -138,6 +154,7 @@ typedef struct rig {
     rig_proxy *proxy;
     rig_pose *pose;
     rig_contact_set *contact_set;
+    rig_mouth mouth;
     uint32_t bone_count, region_count, contact_count, proxy_count, pose_count, contact_set_count;
     csrbf_settings solver; /* radius in mm; 0: not said */
     double shapes;         /* 0..1: how far the mesh's own shapes answer pulls; 1: not said */

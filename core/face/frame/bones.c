@@ -181,6 +181,8 @@ void bones_limit(float *out_dof, const bones *b, const float *dof)
         for (uint32_t i = 0; one->kind == BONE_BALL && i < one->turn_count; ++i)
             out_dof[first + i] = (float)limit_turn(one, i, dof + first);
     }
+    if (b->rig && b->seal != RIG_NONE)
+        out_dof[b->seal] = (float)bones_soft_limit(value_of(dof, b->seal), 0.0, 1.0);
 }
 
 void bones_unlimit(float *out_dof, const bones *b, const float *limited)
@@ -200,6 +202,8 @@ void bones_unlimit(float *out_dof, const bones *b, const float *limited)
             to[i] = (float)bones_soft_limit_inverse(value_of(from, i), one->turn[i].min_rad,
                                                     one->turn[i].max_rad);
     }
+    if (b->rig && b->seal != RIG_NONE)
+        out_dof[b->seal] = (float)bones_soft_limit_inverse(value_of(limited, b->seal), 0.0, 1.0);
 }
 
 static rigid pose_jaw(const bones *b, const float *dof)
@@ -358,6 +362,19 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
     return MRT_OK;
 }
 
+static mrt_result init_seal(bones *b, error *err)
+{
+    if (b->dof_count == MRT_MAX_DOFS)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "$.mouth: the bones have %d degrees of freedom, and " RIG_LIPS_SEAL
+                         " is one more than there may be: leave out some turns",
+                         MRT_MAX_DOFS);
+    b->seal = b->dof_count++;
+    b->dof[b->seal] =
+        (bones_dof){.name = RIG_LIPS_SEAL, .unit = "", .min = 0.0f, .max = 1.0f, .bone = RIG_NONE};
+    return MRT_OK;
+}
+
 /* Parents before their children. */
 static mrt_result init_order(bones *b, error *err)
 {
@@ -383,7 +400,7 @@ static mrt_result init_order(bones *b, error *err)
 
 mrt_result bones_init(bones *out, const rig *r, vec3 incisor, error *err)
 {
-    *out = (bones){.rig = r, .incisor = incisor, .jaw = RIG_NONE};
+    *out = (bones){.rig = r, .incisor = incisor, .jaw = RIG_NONE, .seal = RIG_NONE};
     out->bone_count = r ? r->bone_count : 1;
     if (out->bone_count < 1 || out->bone_count > RIG_BONES_MAX)
         return error_set(err, MRT_ERR_FORMAT, "the rig has %u bones: expected 1 to %d",
@@ -403,5 +420,12 @@ mrt_result bones_init(bones *out, const rig *r, vec3 incisor, error *err)
             return result;
         out->moves[bone] = out->dof_count > out->first_dof[bone];
     }
-    return r ? init_order(out, err) : MRT_OK;
+    if (!r)
+        return MRT_OK;
+    if (r->mouth.upper) {
+        mrt_result result = init_seal(out, err);
+        if (result < 0)
+            return result;
+    }
+    return init_order(out, err);
 }

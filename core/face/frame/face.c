@@ -58,8 +58,10 @@ void face_pose_columns(face *f)
         columns_note_groups(&f->columns, f->shape_column_count, column, FACE_POSE_COLUMNS);
     f->is_pose_noted = is_pose_alone;
     f->engagement += 1;
-    if (!is_pose_alone || (f->shape_column_count > 0 && f->origin == &f->base))
+    bool limits_bones_alone = f->shape_column_count > 0 || f->lips.count > 0;
+    if (!is_pose_alone || (limits_bones_alone && f->origin == &f->base))
         face_limit_engage(f);
+    face_lips_engage(f);
 }
 
 static void put(double *row, double x, double y, double z)

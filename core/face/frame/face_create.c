@@ -302,6 +302,8 @@ static mrt_result create_parts(face *f, const mesh *m, error *err)
     if (result >= 0)
         result = face_limit_create(f, err);
     if (result >= 0)
+        result = face_lips_create(f, err);
+    if (result >= 0)
         result = face_shown_create(f, err);
     return result;
 }
@@ -376,6 +378,7 @@ void face_destroy(face *f)
     stamps_destroy(&f->blocks.written);
     points_order_destroy(&f->order);
     columns_destroy(&f->columns);
+    face_lips_destroy(f);
     free(f->mobility);
     surface_meter_destroy(f->surface_meter);
     arrays_free(&f->arrays);

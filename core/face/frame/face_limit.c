@@ -579,6 +579,11 @@ void face_limit_engage(face *f)
 static void begin_pose(face *f)
 {
     face_limit *l = &f->limit;
+    if (l->is_begun)
+        return;
+    l->is_begun = true;
+    if (f->origin == &f->free) /* it changes without an engagement */
+        l->is_pose_known = false;
     bool was_at_rest = l->is_pose_known && l->is_at_rest;
     l->is_pose_known = true;
     l->is_at_rest = !face_is_posed(f);
@@ -1366,11 +1371,106 @@ static void unfold(face *f)
     f->is_held = true;
 }
 
-void face_limit_pull(face *f)
+/* ---- the lips ----
+ *
+ * What the seal adds comes on top of what the pulls add, wherever that brings the lips. Where both
+ * together would fold skin the lips are sealed less; where lips that only touch would fold it, less
+ * of the pulls is given. */
+
+/* The greatest strain_fold where the seal moves skin. */
+static double fold_of_lips(face *f)
 {
-    f->limit.is_added_given = false;
-    if (f->is_given)
+    face_limit *l = &f->limit;
+    const face_lips *lips = &f->lips;
+    double greatest = 0.0;
+    if (!l->is_added_given)
+        memset(l->is_added, 0, f->rest.block_count);
+    l->is_added_given = true;
+    columns_weigh(&f->columns, f->given, f->control_column_count);
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        if (face_lips_reach(f, block))
+            add_block(f, block);
+    columns_weigh(&f->columns, l->pose_weight, f->columns.count);
+    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
+        float sum[3][POINTS_BLOCK];
+        if (!face_lips_reach(f, block))
+            continue;
+        pose_block(f, block);
+        face_limit_added(f, sum, block);
+        face_lips_sum(f, sum, block);
+        put_rows(lips->sealed, NULL, sum, block);
+    }
+    for (uint32_t i = 0; i < lips->group_count; ++i) {
+        size_t group = lips->group[i];
+        const strain_corners posed = corners_of(f, group, l->posed);
+        const strain_corners added = corners_of(f, group, lips->sealed);
+        strain_folds found;
+        turn_normals(f, group);
+        l->loops->folds(&found, &posed, &added, (const float(*)[GROUP])l->patch[group].along);
+        for (size_t t = 0; t < group_size(f, group); ++t)
+            greatest = fmax(greatest, (double)found.fold[t]);
+    }
+    return greatest;
+}
+
+static double fold_of_seal(face *f, double strength)
+{
+    face_lips_meet(f, strength);
+    return fold_of_lips(f);
+}
+
+static double fold_of_pulls(face *f)
+{
+    face_lips_part(f);
+    return fold_of_lips(f);
+}
+
+/* Gives less of the pulls, until lips that only touch fold nothing more than the pulls do. */
+static void yield_to_lips(face *f)
+{
+    double low = 0.0, high = 1.0, part = 1.0;
+    for (int i = 0; i < HALVINGS; ++i) {
+        double middle = 0.5 * (low + high);
+        give_part(f, middle / part);
+        part = middle;
+        if (fold_of_seal(f, 0.0) > fmax(fold_of_pulls(f), shaped_most))
+            high = middle;
+        else
+            low = middle;
+    }
+    give_part(f, low / part);
+    give_fields(f);
+    f->is_held = true;
+    note_held_back(f);
+}
+
+static void limit_lips(face *f)
+{
+    double low = 0.0, high = 1.0;
+    face_lips_meet(f, 1.0);
+    if (!f->lips.is_meeting)
         return;
+    begin_pose(f);
+    if (!(fold_of_lips(f) > shaped_most))
+        return;
+    if (f->control_count > 0 && f->origin == &f->base &&
+        fold_of_seal(f, 0.0) > fmax(fold_of_pulls(f), shaped_most))
+        yield_to_lips(f);
+    const double most = fmax(fold_of_pulls(f), shaped_most);
+    if (!(fold_of_seal(f, 1.0) > most))
+        return;
+    for (int i = 0; i < HALVINGS; ++i) {
+        double middle = 0.5 * (low + high);
+        if (fold_of_seal(f, middle) > most)
+            high = middle;
+        else
+            low = middle;
+    }
+    face_lips_meet(f, low);
+}
+
+static void limit_pulls(face *f)
+{
     memcpy(f->given, f->weight, (size_t)3 * f->columns.count * sizeof *f->given);
     f->is_given = true;
     for (uint32_t i = 0; i < f->shapes.count; ++i)
@@ -1379,13 +1479,13 @@ void face_limit_pull(face *f)
         return;
     f->meter.held_back_mm = 0.0;
     bool moves = f->control_count > 0 || face_shapes_weigh_something(f);
+    find_asked(f);
+    memcpy(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g);
     if (!moves || (f->control_count > 0 && f->settings.stretch_most < 0.0))
         return;
     begin_pose(f);
     double strain = measure_strain(f, AT_TURNS), part = 1.0;
     f->is_held = strain > 1.0;
-    find_asked(f);
-    memcpy(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g);
     if (strain > 1.0)
         part = yield_pulls(f, strain);
     if (f->limit.candidate_count > 0)
@@ -1402,4 +1502,14 @@ void face_limit_pull(face *f)
     unfold(f);
     if (f->is_held)
         note_held_back(f);
+}
+
+void face_limit_pull(face *f)
+{
+    f->limit.is_added_given = false;
+    if (f->is_given)
+        return;
+    f->limit.is_begun = false;
+    limit_pulls(f);
+    limit_lips(f);
 }

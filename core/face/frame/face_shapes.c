@@ -684,7 +684,8 @@ void face_shapes_engage(face *f)
 
 static bool is_derived(const face *f, uint32_t dof, uint32_t derived)
 {
-    return (derived >> f->bones.dof[dof].bone & 1) != 0 && f->shapes.covers[dof];
+    uint32_t bone = f->bones.dof[dof].bone;
+    return bone != RIG_NONE && (derived >> bone & 1) != 0 && f->shapes.covers[dof];
 }
 
 /* Computes A, and what depends only on which bones follow the weights. */

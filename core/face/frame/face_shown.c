@@ -138,12 +138,18 @@ static bool is_due(const face *f, uint32_t block)
     return f->blocks.is_stale[block] || face_reaches(&f->columns, f->blocks.changed, block);
 }
 
-/* A block that has just been moved. */
+/* A block that bones and controls have just moved. */
 static void end_block(face *f, uint32_t block)
 {
     face_blocks *s = &f->blocks;
-    bool is_loose = projection_apply(&f->projection, &f->shown, block) || !s->is_rest[block] ||
-                    face_reaches(&f->columns, s->of_controls, block);
+    bool is_sealed = f->lips.is_meeting && face_lips_reach(f, block);
+    if (is_sealed) {
+        float sum[3][POINTS_BLOCK] = {{0.0f}};
+        face_lips_sum(f, sum, block);
+        columns_add(&f->shown, &f->shown, sum, block);
+    }
+    bool is_loose = projection_apply(&f->projection, &f->shown, block) || is_sealed ||
+                    !s->is_rest[block] || face_reaches(&f->columns, s->of_controls, block);
     s->carrier[block] = is_loose ? SHADING_LOOSE : s->bone[block];
     s->is_stale[block] = 0;
     stamps_mark(&s->written, block);
@@ -177,7 +183,7 @@ static void note_projection(face *f)
     projection_report report = projection_reported(&f->projection);
     f->meter.penetration_mm = report.depth_mm;
     f->meter.projected_count = report.moved_count;
-    f->is_exact = report.moved_count == 0;
+    f->is_exact = report.moved_count == 0 && !f->lips.is_meeting;
 }
 
 void face_show(face *f)
@@ -188,6 +194,9 @@ void face_show(face *f)
     note_weights(f);
     projection_pose(&f->projection, f->pose, s->is_stale);
     memcpy(s->pose, f->pose, sizeof s->pose);
+    if (face_lips_show(f))
+        for (uint32_t block = 0; block < f->rest.block_count; ++block)
+            s->is_stale[block] |= face_lips_reach(f, block);
     stamps_begin(&s->written);
     for (uint32_t block = 0; block < f->rest.block_count;)
         block = !is_due(f, block)            ? block + 1
@@ -204,6 +213,8 @@ void face_show_rest(face *f)
     projection_rest(&f->projection);
     memset(s->weight, 0, (size_t)3 * f->columns.capacity * sizeof *s->weight);
     memset(s->is_stale, 0, f->rest.block_count);
+    face_lips_part(f);
+    (void)face_lips_show(f);
     memcpy(s->carrier, s->bone, f->rest.block_count);
     memcpy(s->pose, f->pose, sizeof s->pose);
     stamps_begin(&s->written);

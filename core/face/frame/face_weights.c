@@ -377,7 +377,7 @@ static double reach_of(const making *k, uint32_t d)
     return count > 0 && dof[d] != 0.0f ? sqrt(sum / count) / fabs((double)dof[d]) : 0.0;
 }
 
-/* The degrees of freedom that some shape moves, but those of eyes. */
+/* The degrees of freedom of bones that some shape moves, but those of eyes. */
 static void choose_dofs(making *k)
 {
     face_weights *self = k->self;
@@ -385,7 +385,8 @@ static void choose_dofs(making *k)
         bool is_moved = false;
         for (uint32_t i = 0; i < MEANINGS; ++i)
             is_moved = is_moved || fabs(k->of[i].dof[d]) > 0.0;
-        double reach = is_moved && !is_of_eye(self, d) ? reach_of(k, d) : 0.0;
+        bool counts = is_moved && d != self->bones.seal && !is_of_eye(self, d);
+        double reach = counts ? reach_of(k, d) : 0.0;
         if (!(reach > 0.0))
             continue;
         self->dof_row[self->dof_row_count] = d;

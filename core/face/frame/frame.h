@@ -70,6 +70,7 @@ typedef struct face_limit {
     uint32_t *candidate,
         candidate_count;            /* triangles that may be bent too far against neighbours */
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */
+    bool is_begun;                  /* begin_pose has been called for this frame */
     double *g;                      /* control_capacity by 3: what is given */
     uint8_t *is_changed;            /* of each block: by a step */
     uint8_t *is_posed, *is_added;   /* of each block: `posed`, `added` are of this frame */
@@ -125,6 +126,28 @@ typedef struct face_shapes {
     float (*longest)[3]; /* of each triangle of skin: its edges in any shape, mm */
 } face_shapes;
 
+/* The seal of the lips: face_lips.c. Stations as of bind_lips. */
+typedef struct face_lips {
+    uint32_t count;    /* of stations; 0: the face has no seal */
+    uint32_t carrier;  /* the bone that the slit's axes turn with */
+    uint32_t *slot;    /* 4 a station: the ends of the edge that it is on, of the upper and of the
+                          lower rim */
+    double *along;     /* 2 a station: how far along that edge */
+    float *at_slot;    /* column capacity by slots: the face's columns there */
+    double *x, *y, *z; /* scratch: 4 a station: where the slots are without the seal */
+    double *upper, *lower; /* scratch: count by 3: the rims without the seal */
+    double *floor_mm;      /* the crossing that a station has at rest; <= 0 */
+    double *open_mm;       /* how far it is open at rest */
+    double *from_corner;   /* 0 at the corners .. 1 in the middle */
+    double *correction;    /* count by 3, mm: how much of upper - lower the seal adds */
+    float *shown;          /* likewise, in the frame shown last */
+    columns columns;       /* one a station: what a correction of 1 does to each vertex */
+    float (*sealed)[4];    /* scratch: of each vertex: what controls and seal add */
+    uint32_t *group;       /* of face_limit: where the seal moves skin */
+    uint32_t group_count;
+    bool is_meeting; /* some correction is not 0 */
+} face_lips;
+
 struct face {
     arrays arrays;  /* owns all arrays here but those marked otherwise */
     const rig *rig; /* or NULL */
@@ -176,6 +199,7 @@ struct face {
     uint32_t skin_count;
     surface_meter *surface_meter; /* of the skin */
     face_limit limit;
+    face_lips lips;
 };
 
 /* ---- face_grip.c ---- */
@@ -240,6 +264,23 @@ void face_shapes_give(face *f);
 bool face_shapes_weigh_something(const face *f);
 bool face_shapes_are_held(const face *f); /* some are reduced */
 const char *face_shapes_column_name(const face *f, uint32_t column, uint32_t *out_carrier);
+
+/* ---- face_lips.c: where lips cannot be sealed all of these do nothing ---- */
+
+CHECKED mrt_result face_lips_create(face *f, error *err);
+void face_lips_destroy(face *f);
+/* Called when the columns have changed. */
+void face_lips_engage(face *f);
+/* Finds the corrections for f->given and the pose; strength: 0..1 of lips.seal. */
+void face_lips_meet(face *f, double strength);
+/* Takes all corrections away. */
+void face_lips_part(face *f);
+/* Whether the seal can move vertices of the block. */
+bool face_lips_reach(const face *f, uint32_t block);
+/* sum += what the seal adds in the block. */
+void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
+/* Whether the corrections differ from those shown last; they are those from now on. */
+bool face_lips_show(face *f);
 
 /* ---- face_limit.c ---- */
 

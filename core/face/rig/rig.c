@@ -74,6 +74,8 @@ void rig_destroy(rig *r)
     free(r->pose);
     free(r->contact_set);
     free(r->cut_mouth);
+    free(r->mouth.upper);
+    free(r->mouth.lower);
     rig_document_destroy(r->document);
     free(r->path);
     free(r->name);
@@ -249,6 +251,8 @@ mrt_result rig_copy(rig *out, const rig *r, error *err)
     copy_sets(&c, out, r);
     out->proxy = copy_roomy(&c, r->proxy, r->proxy_count, r->proxy_count, sizeof *r->proxy);
     out->cut_mouth = copy_array(&c, r->cut_mouth, r->cut_mouth_count, sizeof *r->cut_mouth);
+    out->mouth.upper = copy_array(&c, r->mouth.upper, r->mouth.upper_count, sizeof(uint32_t));
+    out->mouth.lower = copy_array(&c, r->mouth.lower, r->mouth.lower_count, sizeof(uint32_t));
     out->path = copy_text(&c, r->path);
     out->name = copy_text(&c, r->name);
     out->mesh_path = copy_text(&c, r->mesh_path);

@@ -515,6 +515,7 @@ static mrt_result check_dofs(const rig *r, const json_node *last, error *err)
         jaw_count += r->bone[i].kind == BONE_JAW;
         dof_count += r->bone[i].kind == BONE_JAW ? 3 : r->bone[i].turn_count;
     }
+    dof_count += r->mouth.upper != NULL;
     if (jaw_count > 1)
         return error_set(err, MRT_ERR_UNSUPPORTED,
                          "%s: a second bone with a hinge; a face has one jaw", last->path.text);
@@ -555,6 +556,8 @@ static mrt_result fill_bones(rig *r, rig_document *d, error *err)
 
 rig_dof_unit rig_dof_unit_of(const rig *r, const char *name)
 {
+    if (r->mouth.upper && strcmp(name, RIG_LIPS_SEAL) == 0)
+        return RIG_DOF_SHARE;
     for (uint32_t i = 0; i < r->bone_count; ++i) {
         const rig_bone *bone = &r->bone[i];
         size_t length = strlen(bone->name);
@@ -599,7 +602,8 @@ static mrt_result add_dof(rig_pose *pose, const rig *r, const char *name, const 
     if (unit == RIG_DOF_UNKNOWN)
         return error_set(err, MRT_ERR_FORMAT,
                          "%s: there is no such degree of freedom; a hinge has open, lateral and "
-                         "forward (\"jaw.open\"), a ball has its turns (\"eye.l.yaw\")",
+                         "forward (\"jaw.open\"), a ball has its turns (\"eye.l.yaw\"), a mouth "
+                         "has " RIG_LIPS_SEAL,
                          at->path.text);
     double value = 0.0;
     mrt_result result = json_node_number(&value, at, -1e4, 1e4, err);
@@ -755,7 +759,7 @@ static const char *const root_keys[] = {
     "marotte_rig",  "name",      "mesh",    "unit",      "mesh_vertices", "mesh_hash",
     "include",      "bones",     "regions", "contacts",  "skull_proxy",   "poses",
     "contact_sets", "solver",    "paints",  "mesh_unit", "mesh_up",       "mesh_forward",
-    "shapes",       "cut_mouth", NULL};
+    "shapes",       "cut_mouth", "mouth",   NULL};
 
 /* "rigs/moai/moai.rig.json" is called "moai". */
 static char *name_from_path(const char *path)
@@ -1113,6 +1117,58 @@ static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
     return result;
 }
 
+enum { RIM_MAX = 4096 };
+static const double stickiness_most_mm = 50.0;
+
+/* Checks only numbers: whether these vertices are rims is seen on the mesh (bind_lips). */
+static mrt_result read_rim(uint32_t **out, uint32_t *out_count, const json_node *mouth,
+                           const char *key, error *err)
+{
+    json_node list = json_node_member(mouth, key);
+    size_t count = json_array_size(list.value);
+    if (count < 3 || count > RIM_MAX)
+        return json_node_unexpected(err, &list,
+                                    "a list of 3 vertices or more, from the right corner of the "
+                                    "mouth to the left one");
+    *out = malloc(count * sizeof **out);
+    mrt_result result = *out ? MRT_OK : no_memory(err);
+    for (size_t i = 0; result >= 0 && i < count; ++i) {
+        json_node vertex = json_node_item(&list, i);
+        result = rig_json_index(*out + i, &vertex, err);
+    }
+    *out_count = (uint32_t)count;
+    return result;
+}
+
+static mrt_result fill_mouth(rig *r, rig_document *d, error *err)
+{
+    static const char *const known[] = {"upper",         "lower",     "upper_share",
+                                        "stickiness_mm", "seal_from", NULL};
+    uint32_t file;
+    json_node mouth = rig_document_scalar(d, "mouth", &file);
+    rig_mouth *out = &r->mouth;
+    if (!mouth.value)
+        return MRT_OK;
+    mrt_result result = json_node_object(&mouth, "an object with \"upper\" and \"lower\"", err);
+    if (result < 0)
+        return result;
+    rig_json_note_unknown(&r->note, &mouth, known);
+    json_node from = json_node_member(&mouth, "seal_from");
+    const char *word = json_string_value(from.value);
+    out->upper_share = RIG_UPPER_SHARE;
+    out->seal_from = word && strcmp(word, "middle") == 0 ? SEAL_FROM_MIDDLE : SEAL_FROM_CORNERS;
+    if (from.value && !(word && (strcmp(word, "middle") == 0 || strcmp(word, "corners") == 0)))
+        return json_node_unexpected(err, &from, "\"corners\" or \"middle\"");
+    result = read_rim(&out->upper, &out->upper_count, &mouth, "upper", err);
+    if (result >= 0)
+        result = read_rim(&out->lower, &out->lower_count, &mouth, "lower", err);
+    if (result >= 0)
+        result = rig_json_optional_number(&out->upper_share, &mouth, "upper_share", 0.0, 1.0, err);
+    return result < 0 ? result
+                      : rig_json_optional_number(&out->stickiness_mm, &mouth, "stickiness_mm", 0.0,
+                                                 stickiness_most_mm, err);
+}
+
 static mrt_result allocate(rig *r, rig_document *d, error *err)
 {
     r->bone = calloc(RIG_BONES_MAX, sizeof *r->bone);
@@ -1138,9 +1194,9 @@ static void note_unknown_roots(rig *r, const rig_document *d)
 static mrt_result fill(rig *r, rig_document *d, error *err)
 {
     static mrt_result (*const steps[])(rig *, rig_document *, error *) = {
-        allocate,     fill_name,   fill_mesh,        fill_frame,   fill_cut_mouth,
-        fill_solver,  fill_shapes, fill_bones,       fill_regions, fill_contacts,
-        fill_proxies, fill_poses,  fill_contact_sets};
+        allocate,      fill_name,    fill_mesh,   fill_frame,       fill_cut_mouth,
+        fill_mouth,    fill_solver,  fill_shapes, fill_bones,       fill_regions,
+        fill_contacts, fill_proxies, fill_poses,  fill_contact_sets};
     r->mm_per_unit = d->file[d->file_count - 1].mm_per_unit;
     note_unknown_roots(r, d);
     mrt_result result = MRT_OK;

@@ -787,6 +787,35 @@ static void put_mesh_facts(json_t *root, const rig *r)
         json_object_set_new(root, "cut_mouth", cut);
 }
 
+static json_t *rim_to_json(const uint32_t *rim, uint32_t count)
+{
+    json_t *list = json_array();
+    for (uint32_t i = 0; i < count; ++i)
+        json_array_append_new(list, json_integer((json_int_t)rim[i]));
+    return list;
+}
+
+static void put_mouth(json_t *root, const rig *r)
+{
+    const rig_mouth *mouth = &r->mouth;
+    if (!mouth->upper) {
+        json_object_del(root, "mouth");
+        return;
+    }
+    json_t *out = get_object(root, "mouth");
+    json_object_set_new(out, "upper", rim_to_json(mouth->upper, mouth->upper_count));
+    json_object_set_new(out, "lower", rim_to_json(mouth->lower, mouth->lower_count));
+    set_number(out, "upper_share", mouth->upper_share, 1.0, RIG_UPPER_SHARE);
+    if (mouth->stickiness_mm > 0.0)
+        json_object_set_new(out, "stickiness_mm", rig_number_to_json(mouth->stickiness_mm));
+    else
+        json_object_del(out, "stickiness_mm");
+    if (mouth->seal_from == SEAL_FROM_MIDDLE)
+        json_object_set_new(out, "seal_from", json_string("middle"));
+    else
+        json_object_del(out, "seal_from");
+}
+
 /* This file's keys, and those of the files that it includes. */
 static json_t *start_root(const rig *r)
 {
@@ -812,6 +841,7 @@ static mrt_result fill_root(json_t *root, const rig *r, const char *path, error 
     if (!stays_alone)
         result = put_identity(root, r, path, err);
     put_mesh_facts(root, r);
+    put_mouth(root, r);
     for (int section = 0; result >= 0 && section < RIG_SECTIONS; ++section)
         result = put_section(root, r, (rig_section)section, err);
     if (result >= 0)

@@ -1,6 +1,7 @@
 #include "face/bind.h"
 #include "base/arrays.h"
 #include "face/weights/weights_laplace.h"
+#include "face/weights/weights_lips.h"
 #include "face/weights/weights_nearest.h"
 #include "mesh/position.h"
 
@@ -639,6 +640,8 @@ mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topol
         hold_contacts(&bare, r, m);
     if (result == MRT_OK)
         result = fill(out, paints ? &bare : &marks, paints ? &marks : NULL, r, m, t, err);
+    if (result == MRT_OK)
+        result = bind_lips_find(&out->lips, r, m, t, err);
     bind_marks_destroy(&marks);
     bind_marks_destroy(&bare);
     if (result != MRT_OK)
@@ -662,8 +665,9 @@ mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, 
     out->mobility = copy_of(b->mobility, count * sizeof *b->mobility);
     out->contact_position = copy_of(b->contact_position, contacts);
     out->contact_normal = copy_of(b->contact_normal, contacts);
+    bool has_lips = bind_lips_copy(&out->lips, &b->lips, b->vertex_count);
     if (out->weight && out->mobility && (out->contact_position || !b->contact_position) &&
-        (out->contact_normal || !b->contact_normal))
+        (out->contact_normal || !b->contact_normal) && has_lips)
         return MRT_OK;
     binding_destroy(out);
     return error_set(err, MRT_ERR_MEMORY, "no memory to bind %u bones to %u vertices",
@@ -676,5 +680,6 @@ void binding_destroy(binding *b)
     free(b->mobility);
     free(b->contact_position);
     free(b->contact_normal);
+    bind_lips_finish(&b->lips);
     *b = (binding){0};
 }

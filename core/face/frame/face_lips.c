@@ -1,0 +1,333 @@
+/* The seal of the lips. The rims of the mouth's slit (bind_lips) are a row of stations, each a
+ * point of the upper rim and one of the lower. In each frame, once bones and pulls have moved the
+ * rims:
+ * 1. lips.seal closes them: at a station that is sealed by s, 0..1, the lower point comes closer to
+ * the upper one by s of what lies between them. Stations are sealed one after the other, from the
+ * corners of the mouth inwards or from its middle.
+ * 2. Where a rim has still crossed the other one it is put back, upwards or downwards, so that they
+ * touch. Rims are compared where they face each other now, also after the jaw has gone aside. Both
+ * lips share that way (rig_mouth.upper_share): each has a field of its own over the rest shape,
+ * whose control vectors are the stations of its rim, factored once; surface distances keep it on
+ * its lip. It is found anew in each frame, like what the projection does, and is no part of the
+ * columns or of what is baked. At rest nothing moves. */
+#include "face/frame/frame.h"
+#include "face/frame/strain.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double reach_of_width =
+    0.42;                            /* the radius of the fields, over the width of the mouth */
+static const double free_from = 0.6; /* mobility from which on skin follows its rim wholly */
+static const double zip_width = 0.6; /* of half the slit: how long the closing front is */
+enum { FACING = 4 }; /* stations to either side among which the facing one is looked for */
+
+static double clamp01(double t)
+{
+    return t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+}
+
+static double smooth(double t)
+{
+    t = clamp01(t);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* ---- created ---- */
+
+static vec3 rest_of(const face *f, uint32_t station, uint32_t rim)
+{
+    const face_lips *l = &f->lips;
+    const uint32_t *slot = l->slot + 4 * (size_t)station + 2 * rim;
+    double along = l->along[2 * station + rim];
+    return vec3_add(vec3_scale(points_position(&f->rest, slot[0]), 1.0 - along),
+                    vec3_scale(points_position(&f->rest, slot[1]), along));
+}
+
+static void take_stations(face *f)
+{
+    const bind_lips *from = &f->binding.lips;
+    face_lips *l = &f->lips;
+    double most = -1.0;
+    for (uint32_t i = 0; i < l->count; ++i) {
+        const bind_station *rim[2] = {&from->upper[i], &from->lower[i]};
+        for (uint32_t k = 0; k < 4; ++k)
+            l->slot[4 * i + k] = f->order.slot_of_file[rim[k / 2]->vertex[k % 2]];
+        for (uint32_t k = 0; k < 2; ++k)
+            l->along[2 * i + k] = rim[k]->along;
+        double part =
+            vec3_dot(vec3_sub(rest_of(f, i, 0), rest_of(f, 0, 0)), from->across) / from->width_mm;
+        l->from_corner[i] = clamp01(1.0 - fabs(2.0 * part - 1.0));
+        l->open_mm[i] = vec3_dot(vec3_sub(rest_of(f, i, 0), rest_of(f, i, 1)), from->up);
+        l->floor_mm[i] = fmin(l->open_mm[i], 0.0);
+    }
+    for (uint32_t b = 0; b < f->bone_count; ++b) {
+        double sum = 0.0;
+        for (uint32_t i = 0; i < l->count; ++i)
+            sum += (double)f->field[b].weight[l->slot[4 * i]];
+        l->carrier = sum > most ? b : l->carrier;
+        most = fmax(sum, most);
+    }
+}
+
+static float follows(const face *f, const float *of_rim, size_t slot)
+{
+    uint32_t last = f->rest.count - 1;
+    float t = f->mobility[slot] / (float)free_from;
+    t = t > 1.0f ? 1.0f : t;
+    return of_rim[f->order.file_of_slot[slot < last ? slot : last]] * t * (2.0f - t);
+}
+
+/* Adds one lip's part of each column: `share` of the unit responses of a field over its rim. */
+static mrt_result add_lip(face *f, uint32_t rim, double share, const float *of_rim, error *err)
+{
+    face_lips *l = &f->lips;
+    const csrbf_settings settings = {.kernel = CSRBF_WENDLAND_C2,
+                                     .polynomial = CSRBF_NONE,
+                                     .radius = reach_of_width * f->binding.lips.width_mm};
+    csrbf_solver *solver = csrbf_solver_create(l->count);
+    float *row = calloc((size_t)l->count * l->columns.stride, sizeof *row);
+    for (uint32_t i = 0; i < l->count; ++i)
+        vec3_set_row(l->upper, i, rest_of(f, i, rim));
+    mrt_result result = solver && row
+                            ? csrbf_factor(solver, &settings, l->upper, NULL, l->count, err)
+                            : error_set(err, MRT_ERR_MEMORY, "no memory for the seal of the lips");
+    if (result >= 0)
+        csrbf_responses(solver, row, l->columns.stride, &f->rest);
+    for (uint32_t i = 0; result >= 0 && i < l->count; ++i) {
+        float *column = columns_row(&l->columns, i);
+        const float *from = row + (size_t)i * l->columns.stride;
+        for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
+            column[slot] += (float)share * follows(f, of_rim, slot) * from[slot];
+    }
+    csrbf_solver_destroy(solver);
+    free(row);
+    return result;
+}
+
+static void list_groups(face *f)
+{
+    face_lips *l = &f->lips;
+    for (uint32_t t = 0; t < f->skin_count; ++t) {
+        const uint32_t *corner = f->skin + (size_t)3 * t;
+        uint32_t group = t / STRAIN_GROUP;
+        bool is_reached = face_lips_reach(f, corner[0] / POINTS_BLOCK) ||
+                          face_lips_reach(f, corner[1] / POINTS_BLOCK) ||
+                          face_lips_reach(f, corner[2] / POINTS_BLOCK);
+        if (is_reached && (l->group_count == 0 || l->group[l->group_count - 1] != group))
+            l->group[l->group_count++] = group;
+    }
+}
+
+mrt_result face_lips_create(face *f, error *err)
+{
+    const bind_lips *from = &f->binding.lips;
+    face_lips *l = &f->lips;
+    arrays *a = &f->arrays;
+    size_t count = from->station_count, groups = f->skin_count / STRAIN_GROUP + 1;
+    if (count == 0)
+        return MRT_OK;
+    l->slot = arrays_add(a, 4 * count, sizeof *l->slot);
+    l->along = arrays_add(a, 2 * count, sizeof *l->along);
+    l->at_slot = arrays_add(a, 4 * count * f->columns.capacity, sizeof *l->at_slot);
+    l->x = arrays_add(a, 4 * count, sizeof *l->x);
+    l->y = arrays_add(a, 4 * count, sizeof *l->y);
+    l->z = arrays_add(a, 4 * count, sizeof *l->z);
+    l->upper = arrays_add(a, 3 * count, sizeof *l->upper);
+    l->lower = arrays_add(a, 3 * count, sizeof *l->lower);
+    l->floor_mm = arrays_add(a, count, sizeof *l->floor_mm);
+    l->open_mm = arrays_add(a, count, sizeof *l->open_mm);
+    l->from_corner = arrays_add(a, count, sizeof *l->from_corner);
+    l->correction = arrays_add(a, 3 * count, sizeof *l->correction);
+    l->shown = arrays_add(a, 3 * count, sizeof *l->shown);
+    l->sealed = arrays_add(a, f->rest.padded_count, sizeof *l->sealed);
+    l->group = arrays_add(a, groups, sizeof *l->group);
+    if (a->failed)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the seal of the lips");
+    mrt_result result = columns_create(&l->columns, &f->rest, (uint32_t)count, err);
+    if (result < 0)
+        return result;
+    l->count = (uint32_t)count;
+    take_stations(f);
+    result = add_lip(f, 0, f->rig->mouth.upper_share, from->of_upper, err);
+    if (result >= 0)
+        result = add_lip(f, 1, f->rig->mouth.upper_share - 1.0, from->of_lower, err);
+    columns_note(&l->columns, l->count);
+    list_groups(f);
+    return result;
+}
+
+void face_lips_destroy(face *f)
+{
+    columns_destroy(&f->lips.columns);
+}
+
+/* ---- frames ---- */
+
+void face_lips_engage(face *f)
+{
+    face_lips *l = &f->lips;
+    for (uint32_t column = 0; l->count > 0 && column < f->columns.count; ++column) {
+        const float *row = columns_row(&f->columns, column);
+        float *out = l->at_slot + (size_t)4 * l->count * column;
+        for (uint32_t i = 0; i < 4 * l->count; ++i)
+            out[i] = row[l->slot[i]];
+    }
+}
+
+/* Where f->given and the pose bring the rims. */
+static void place_rims(face *f)
+{
+    face_lips *l = &f->lips;
+    const uint32_t slots = 4 * l->count;
+    double *restrict x = l->x, *restrict y = l->y, *restrict z = l->z;
+    for (uint32_t i = 0; i < slots; ++i) {
+        x[i] = (double)f->origin->x[l->slot[i]];
+        y[i] = (double)f->origin->y[l->slot[i]];
+        z[i] = (double)f->origin->z[l->slot[i]];
+    }
+    for (uint32_t column = 0; column < f->columns.count; ++column) {
+        const double *w = f->given + (size_t)3 * column;
+        const float *restrict at = l->at_slot + (size_t)slots * column;
+        const double wx = w[0], wy = w[1], wz = w[2];
+        if (wx == 0.0 && wy == 0.0 && wz == 0.0)
+            continue;
+        for (uint32_t i = 0; i < slots; ++i) {
+            x[i] += (double)at[i] * wx;
+            y[i] += (double)at[i] * wy;
+            z[i] += (double)at[i] * wz;
+        }
+    }
+    for (uint32_t i = 0; i < 2 * l->count; ++i) {
+        double *out = (i % 2 ? l->lower : l->upper) + (size_t)3 * (i / 2), t = l->along[i];
+        out[0] = x[2 * i] + t * (x[2 * i + 1] - x[2 * i]);
+        out[1] = y[2 * i] + t * (y[2 * i + 1] - y[2 * i]);
+        out[2] = z[2 * i] + t * (z[2 * i + 1] - z[2 * i]);
+    }
+}
+
+/* How far a station is sealed, 0..1. */
+static double sealed_at(const face *f, uint32_t station, double seal)
+{
+    double late = f->lips.from_corner[station];
+    if (f->rig->mouth.seal_from == SEAL_FROM_MIDDLE)
+        late = 1.0 - late;
+    return smooth((seal * (1.0 + zip_width) - late) / zip_width);
+}
+
+/* The seal alone, and lips that stick to each other. */
+static void close_lips(face *f, double seal, vec3 up)
+{
+    face_lips *l = &f->lips;
+    const double stick_mm = f->rig->mouth.stickiness_mm;
+    for (uint32_t i = 0; i < l->count; ++i) {
+        vec3 apart = vec3_sub(vec3_row(l->upper, i), vec3_row(l->lower, i));
+        double s = seal > 0.0 ? sealed_at(f, i, seal) : 0.0;
+        vec3 to = vec3_scale(apart, -s);
+        double parted_mm = vec3_dot(vec3_add(apart, to), up) - l->open_mm[i];
+        if (stick_mm > 0.0 && parted_mm > 0.0 && parted_mm < stick_mm)
+            to = vec3_add(to, vec3_scale(up, -parted_mm * (1.0 - smooth(parted_mm / stick_mm))));
+        vec3_set_row(l->correction, i, to);
+    }
+}
+
+/* How far, along `up`, the rim `other` is at the place of `at`; looked for around station i. */
+static bool facing_height(double *out, const double *other, uint32_t count, uint32_t i, vec3 at,
+                          vec3 across, vec3 up)
+{
+    double wanted = vec3_dot(at, across);
+    uint32_t first = i > FACING ? i - FACING : 0,
+             last = i + FACING < count ? i + FACING : count - 1;
+    for (uint32_t way = 0; way < FACING; ++way) {
+        /* the edge before and the edge behind, further and further away */
+        const uint32_t edge[2] = {i > way ? i - way - 1 : count, i + way};
+        for (int k = 0; k < 2; ++k) {
+            if (edge[k] < first || edge[k] >= last)
+                continue;
+            vec3 a = vec3_row(other, edge[k]), b = vec3_row(other, edge[k] + 1);
+            double from = vec3_dot(a, across), to = vec3_dot(b, across);
+            if (!(from <= wanted && wanted <= to && to > from))
+                continue;
+            double t = (wanted - from) / (to - from);
+            *out = vec3_dot(a, up) * (1.0 - t) + vec3_dot(b, up) * t;
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Rims that have crossed touch. Moves l->upper and l->lower to where close_lips brings them. */
+static void keep_apart(face *f, vec3 across, vec3 up)
+{
+    face_lips *l = &f->lips;
+    const double share = f->rig->mouth.upper_share;
+    for (uint32_t i = 0; i < l->count; ++i) {
+        vec3 to = vec3_row(l->correction, i);
+        vec3_set_row(l->upper, i, vec3_add(vec3_row(l->upper, i), vec3_scale(to, share)));
+        vec3_set_row(l->lower, i, vec3_add(vec3_row(l->lower, i), vec3_scale(to, share - 1.0)));
+    }
+    for (uint32_t i = 1; i + 1 < l->count; ++i) {
+        vec3 upper = vec3_row(l->upper, i), lower = vec3_row(l->lower, i);
+        double below = 0.0, above = 0.0, crossed = 0.0;
+        if (facing_height(&below, l->lower, l->count, i, upper, across, up))
+            crossed = fmax(crossed, below - vec3_dot(upper, up) + l->floor_mm[i]);
+        if (facing_height(&above, l->upper, l->count, i, lower, across, up))
+            crossed = fmax(crossed, vec3_dot(lower, up) - above + l->floor_mm[i]);
+        if (crossed > 0.0)
+            vec3_set_row(l->correction, i,
+                         vec3_add(vec3_row(l->correction, i), vec3_scale(up, crossed)));
+    }
+}
+
+void face_lips_meet(face *f, double strength)
+{
+    face_lips *l = &f->lips;
+    const bind_lips *slit = &f->binding.lips;
+    if (l->count == 0)
+        return;
+    const rigid *pose = &f->pose[l->carrier];
+    vec3 across = rigid_rotate(pose, slit->across), up = rigid_rotate(pose, slit->up);
+    place_rims(f);
+    close_lips(f, strength * (double)f->meter.dof[f->bones.seal], up);
+    keep_apart(f, across, up);
+    l->is_meeting = false;
+    for (uint32_t i = 0; i < 3 * l->count; ++i)
+        l->is_meeting = l->is_meeting || l->correction[i] != 0.0;
+    columns_weigh(&l->columns, l->correction, l->count);
+}
+
+void face_lips_part(face *f)
+{
+    memset(f->lips.correction, 0, (size_t)3 * f->lips.count * sizeof *f->lips.correction);
+    f->lips.is_meeting = false;
+}
+
+bool face_lips_reach(const face *f, uint32_t block)
+{
+    const columns *c = &f->lips.columns;
+    uint64_t any = 0;
+    if (f->lips.count == 0)
+        return false;
+    for (uint32_t word = 0; word < c->mark_words; ++word)
+        any |= c->mark[block * (size_t)c->mark_words + word];
+    return any != 0;
+}
+
+void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
+{
+    if (f->lips.is_meeting && face_lips_reach(f, block))
+        columns_sum(&f->lips.columns, sum, 0, block);
+}
+
+bool face_lips_show(face *f)
+{
+    face_lips *l = &f->lips;
+    bool differs = false;
+    for (uint32_t i = 0; i < 3 * l->count; ++i) {
+        float now = (float)l->correction[i];
+        differs = differs || memcmp(&l->shown[i], &now, sizeof now) != 0;
+        l->shown[i] = now;
+    }
+    return differs;
+}
