@@ -70,6 +70,19 @@ static mrt_result add_attributes(mesh *m, const sheet *half, const uint32_t *ima
     return MRT_OK;
 }
 
+static int is_triangle(const sheet_quad *q)
+{
+    return q->corner[2] == q->corner[3];
+}
+
+static int32_t count_triangles(const sheet *half)
+{
+    int32_t count = 0;
+    for (int32_t q = 0; q < half->quad_count; ++q)
+        count += is_triangle(&half->quad[q]) ? 1 : 2;
+    return count;
+}
+
 /* A quad is cut along its shorter diagonal: both halves alike. */
 static void cut_quad(const sheet *half, const sheet_quad *q, uint32_t out_corner[6])
 {
@@ -77,15 +90,16 @@ static void cut_quad(const sheet *half, const sheet_quad *q, uint32_t out_corner
     const vec3 *at = half->point;
     double first = vec3_length(vec3_sub(at[c[0]], at[c[2]]));
     double second = vec3_length(vec3_sub(at[c[1]], at[c[3]]));
-    int turn = second < first ? 1 : 0;
+    int turn = second < first && !is_triangle(q) ? 1 : 0;
     const int pick[6] = {0, 1, 2, 0, 2, 3};
     for (int k = 0; k < 6; ++k)
         out_corner[k] = (uint32_t)c[(pick[k] + turn) % 4];
 }
 
-static void place_quad(uint32_t *out, const uint32_t corner[6], const uint32_t *image)
+static void place_triangles(uint32_t *out, const uint32_t corner[6], int count,
+                            const uint32_t *image)
 {
-    for (int k = 0; k < 6; ++k)
+    for (int k = 0; k < 3 * count; ++k)
         out[k] = image ? image[corner[k / 3 * 3 + 2 - k % 3]] : corner[k];
 }
 
@@ -103,11 +117,13 @@ static mrt_result place_part(mesh *m, const sheet *half, const uint32_t *image, 
         if (half->quad[q].part != part)
             continue;
         cut_quad(half, &half->quad[q], corner);
+        int count = is_triangle(&half->quad[q]) ? 1 : 2;
         for (int is_image = 0; is_image < 2; ++is_image) {
             if (side == (is_image ? 'l' : 'r'))
                 continue;
-            place_quad(m->triangle + 3 * (size_t)*next_triangle, corner, is_image ? image : NULL);
-            *next_triangle += 2;
+            place_triangles(m->triangle + 3 * (size_t)*next_triangle, corner, count,
+                            is_image ? image : NULL);
+            *next_triangle += (uint32_t)count;
         }
     }
     name_part(name, look->name, side);
@@ -135,7 +151,7 @@ static mrt_result assemble(mesh *out, const sheet *half, error *err)
     if (!image)
         return no_memory(err);
     mrt_result result = mirror_points(out, half->point, half->hold, half->point_count,
-                                      2 * half->quad_count, PARTS, image, err);
+                                      count_triangles(half), PARTS, image, err);
     if (result >= 0) {
         result = add_attributes(out, half, image, err);
         if (result >= 0)

@@ -67,7 +67,11 @@ void sheet_strip(sheet *s, const ring *outer, const ring *inner, int32_t part)
     int32_t edge_count = outer->is_half ? outer->count - 1 : outer->count;
     for (int32_t i = 0; i < edge_count; ++i) {
         int32_t next = (i + 1) % outer->count;
-        sheet_add_quad(s, outer->at[i], outer->at[next], inner->at[next], inner->at[i], part);
+        int32_t a = outer->at[i], b = outer->at[next], c = inner->at[next], d = inner->at[i];
+        if (a == b)
+            sheet_add_quad(s, c, d, a, a, part);
+        else
+            sheet_add_quad(s, a, b, c, d, part);
     }
 }
 

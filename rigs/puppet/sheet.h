@@ -16,7 +16,7 @@ enum { SHEET_FREE = 0, SHEET_MIDDLE = MIRROR_MIDDLE, SHEET_FIXED = 2 };
 typedef enum sheet_bone { SHEET_UNSURE = 0, SHEET_SKULL, SHEET_JAW } sheet_bone;
 
 typedef struct sheet_quad {
-    int32_t corner[4]; /* counter-clockwise from outside */
+    int32_t corner[4]; /* counter-clockwise from outside; a triangle has its last corner twice */
     int32_t part;
 } sheet_quad;
 
@@ -45,7 +45,8 @@ void sheet_add_quad(sheet *s, int32_t a, int32_t b, int32_t c, int32_t d, int32_
 
 /* A ring of new points; the ends of a half ring are put on the middle. */
 ring sheet_ring(sheet *s, const vec3 *point, int32_t count, int is_half, int hold);
-/* The quads between a ring and the next one further in. */
+/* The quads between a ring and the next one further in; triangles where one of them has a point
+ * twice in a row. */
 void sheet_strip(sheet *s, const ring *outer, const ring *inner, int32_t part);
 /* Closes a ring with a grid of column_count by row_count cells: the ring begins at its lower corner
  * of small x and has 2 (column_count + row_count) edges; a half ring begins at the middle and has

@@ -7,17 +7,18 @@
 #include "base/file.h"
 #include "puppet_face.h"
 
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 
-static void puppet_is_a_face_of_15000_to_20000_vertices(void **state)
+static void puppet_is_a_face_of_15000_to_21000_vertices(void **state)
 {
     (void)state;
     file_bytes bytes;
     error err = {0};
     assert_true(file_read(&bytes, PUPPET, 1500000, &err) >= 0);
     file_bytes_finish(&bytes);
-    assert_in_range(face.vertex_count, 15000, 20000);
+    assert_in_range(face.vertex_count, 15000, 21000);
     float low[3], high[3];
     mesh_bounds(&face, low, high);
     assert_in_range((int)(high[1] - low[1]), 280, 320);
@@ -255,6 +256,56 @@ static void no_triangle_cuts_another_at_rest(void **state)
     free(all);
 }
 
+static int are_joined(uint32_t a, uint32_t b)
+{
+    for (uint32_t k = net.neighbour_start[a]; k < net.neighbour_start[a + 1]; ++k)
+        if (net.neighbour[k] == b)
+            return 1;
+    return 0;
+}
+
+static uint32_t vertex_in(const json_t *chain, size_t i)
+{
+    return (uint32_t)json_integer_value(json_array_get(chain, i));
+}
+
+static void check_chain(const json_t *chain)
+{
+    size_t count = json_array_size(chain);
+    for (size_t i = 0; i + 1 < count; ++i) {
+        assert_true(are_joined(vertex_in(chain, i), vertex_in(chain, i + 1)));
+        assert_true(point_of(vertex_in(chain, i)).x < point_of(vertex_in(chain, i + 1)).x);
+    }
+    for (size_t i = 0; i < count; ++i) {
+        vec3 p = point_of(vertex_in(chain, i)), q = point_of(vertex_in(chain, count - 1 - i));
+        assert_true(distance(p, (vec3){-q.x, q.y, q.z}) < 1e-6);
+    }
+}
+
+/* The rims that the rig names: each from the right corner to the left one, facing each other. */
+static void lips_meet_at_rest_from_corner_to_corner(void **state)
+{
+    (void)state;
+    json_t *rig = json_load_file(SOURCE_DIR "/rigs/puppet/puppet.rig.json", 0, NULL);
+    const json_t *mouth = json_object_get(rig, "mouth");
+    const json_t *upper = json_object_get(mouth, "upper"), *lower = json_object_get(mouth, "lower");
+    size_t count = json_array_size(upper);
+    assert_int_equal(count, 37);
+    assert_int_equal(json_array_size(lower), count);
+    check_chain(upper);
+    check_chain(lower);
+    assert_int_equal(vertex_in(upper, 0), vertex_in(lower, 0));
+    assert_int_equal(vertex_in(upper, count - 1), vertex_in(lower, count - 1));
+    for (size_t i = 1; i + 1 < count; ++i) {
+        uint32_t above = vertex_in(upper, i), below = vertex_in(lower, i);
+        vec3 p = point_of(above), q = point_of(below);
+        assert_false(are_joined(above, below));
+        assert_true(p.y > q.y && distance(p, q) < 0.2);
+        assert_true(fabs(p.x - q.x) < 0.2);
+    }
+    json_decref(rig);
+}
+
 static void puppet_is_what_its_program_writes(void **state)
 {
     (void)state;
@@ -277,13 +328,14 @@ static void puppet_is_what_its_program_writes(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(puppet_is_a_face_of_15000_to_20000_vertices),
+        cmocka_unit_test(puppet_is_a_face_of_15000_to_21000_vertices),
         cmocka_unit_test(puppet_has_its_parts),
         cmocka_unit_test(puppet_is_symmetric_in_x_with_its_parts),
         cmocka_unit_test(puppet_is_manifold_and_open_only_where_meant),
         cmocka_unit_test(puppet_has_no_slivers),
         cmocka_unit_test(puppet_faces_outwards),
         cmocka_unit_test(no_triangle_cuts_another_at_rest),
+        cmocka_unit_test(lips_meet_at_rest_from_corner_to_corner),
         cmocka_unit_test(puppet_is_what_its_program_writes),
     };
     return cmocka_run_group_tests(tests, read_puppet, forget_puppet);
