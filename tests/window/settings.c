@@ -331,7 +331,7 @@ static void a_kill_while_it_is_written_loses_nothing(void **state)
         close(ready[0]);
         close(ready[1]);
         expect("preset.old", "kept");
-        char key[16];
+        char key[32];
         (void)snprintf(key, sizeof key, "preset.%d", i);
         settings_set_text(s, key, "kept"); /* the lock went with it */
         write_settings(s);
