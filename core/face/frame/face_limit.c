@@ -1374,58 +1374,97 @@ static void unfold(face *f)
 /* ---- the lips ----
  *
  * What the seal adds comes on top of what the pulls add, wherever that brings the lips. Where both
- * together would fold skin the lips are sealed less; where lips that only touch would fold it, less
- * of the pulls is given. */
+ * together would fold skin, the lips are sealed less around there, then everywhere; where lips that
+ * only touch would fold it, less of the pulls is given. */
 
-/* The greatest strain_fold where the seal moves skin. */
-static double fold_of_lips(face *f)
+static const float lips_rounding = 1e-4f; /* of an area */
+static const double yield_reach = 0.2;    /* of the width of the mouth */
+
+/* lips.bare: the skin in reach of the seal as bones and pulls alone move it. */
+static void find_bare_lips(face *f)
 {
-    face_limit *l = &f->limit;
-    const face_lips *lips = &f->lips;
-    double greatest = 0.0;
-    if (!l->is_added_given)
-        memset(l->is_added, 0, f->rest.block_count);
-    l->is_added_given = true;
-    columns_weigh(&f->columns, f->given, f->control_column_count);
-    for (uint32_t block = 0; block < f->rest.block_count; ++block)
-        if (face_lips_reach(f, block))
-            add_block(f, block);
-    columns_weigh(&f->columns, l->pose_weight, f->columns.count);
-    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
+    columns_weigh(&f->columns, f->given, f->columns.count);
+    for (uint32_t i = 0; i < f->lips.block_count; ++i)
+        write_block(f, f->lips.bare, f->origin, f->lips.block[i]);
+}
+
+/* lips.sealed: the same with the seal. */
+static void find_sealed_lips(face *f)
+{
+    const face_lips *l = &f->lips;
+    for (uint32_t i = 0; i < l->block_count; ++i) {
         float sum[3][POINTS_BLOCK];
-        if (!face_lips_reach(f, block))
-            continue;
-        pose_block(f, block);
-        face_limit_added(f, sum, block);
-        face_lips_sum(f, sum, block);
-        put_rows(lips->sealed, NULL, sum, block);
+        size_t first = (size_t)l->block[i] * POINTS_BLOCK;
+        memset(sum, 0, sizeof sum);
+        face_lips_sum(f, sum, l->block[i]);
+        for (size_t v = 0; v < POINTS_BLOCK; ++v)
+            for (int axis = 0; axis < 3; ++axis)
+                l->sealed[first + v][axis] = l->bare[first + v][axis] + sum[axis][v];
     }
-    for (uint32_t i = 0; i < lips->group_count; ++i) {
-        size_t group = lips->group[i];
-        const strain_corners posed = corners_of(f, group, l->posed);
-        const strain_corners added = corners_of(f, group, lips->sealed);
-        strain_folds found;
-        turn_normals(f, group);
-        l->loops->folds(&found, &posed, &added, (const float(*)[GROUP])l->patch[group].along);
-        for (size_t t = 0; t < group_size(f, group); ++t)
-            greatest = fmax(greatest, (double)found.fold[t]);
-    }
-    return greatest;
 }
 
-static double fold_of_seal(face *f, double strength)
+/* Whether the seal folds a triangle of the group that is not folded without it. */
+static bool is_folded_by_lips(face *f, size_t group)
 {
+    const face_limit *l = &f->limit;
+    const float(*along)[GROUP] = (const float(*)[GROUP])l->patch[group].along;
+    const strain_corners sealed = corners_of(f, group, f->lips.sealed);
+    turn_normals(f, group);
+    float least = l->loops->least_area(&sealed, along);
+    if (!(least < STRAIN_FOLD_ROOM))
+        return false;
+    const strain_corners bare = corners_of(f, group, f->lips.bare);
+    float before = l->loops->least_area(&bare, along);
+    return least < (before < STRAIN_FOLD_ROOM ? before : STRAIN_FOLD_ROOM) - lips_rounding;
+}
+
+/* Whether the bounds of what pulls and seal add allow a fold in group i of those of the seal. */
+static bool may_lips_fold(face *f, uint32_t i)
+{
+    const face_lips *l = &f->lips;
+    limit_group *g = &f->limit.group[l->group[i]];
+    bool is_bounded =
+        f->origin == &f->base && (f->control_count == 0 || !(f->settings.stretch_most < 0.0));
+    float steepness = is_shaped(f) && isfinite(g->steepness) ? shaped_steepness : g->steepness;
+    float most = (f->limit.pull_bound[l->group[i]] + l->steepness[i]) * steepness;
+    if (!is_bounded || !(most < 1.0f))
+        return true;
+    if (isinf(g->room))
+        g->room = room_of_pose(f, g);
+    return !(most < g->room);
+}
+
+static bool lips_fold(face *f, double strength)
+{
+    const face_lips *l = &f->lips;
     face_lips_meet(f, strength);
-    return fold_of_lips(f);
+    face_lips_bound(f);
+    find_sealed_lips(f);
+    for (uint32_t i = 0; l->is_meeting && i < l->group_count; ++i)
+        if (may_lips_fold(f, i) && is_folded_by_lips(f, l->group[i]))
+            return true;
+    return false;
 }
 
-static double fold_of_pulls(face *f)
+/* lips.near: how near each station is to skin that the seal folds, 0..1. */
+static void find_folded_stations(face *f)
 {
-    face_lips_part(f);
-    return fold_of_lips(f);
+    face_lips *l = &f->lips;
+    const double reach_mm = yield_reach * f->binding.lips.width_mm;
+    memset(l->near, 0, l->count * sizeof *l->near);
+    for (uint32_t i = 0; i < l->group_count; ++i) {
+        const uint32_t *corner = f->skin + (size_t)3 * GROUP * l->group[i];
+        if (!is_folded_by_lips(f, l->group[i]))
+            continue;
+        for (uint32_t k = 0; k < l->count; ++k) {
+            vec3 way = vec3_sub(points_position(&f->rest, *corner), vec3_row(l->rest, k));
+            double q = vec3_dot(way, way) / (reach_mm * reach_mm);
+            l->near[k] = fmax(l->near[k], q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0);
+        }
+    }
 }
 
-/* Gives less of the pulls, until lips that only touch fold nothing more than the pulls do. */
+/* Gives less of the pulls, until lips that only touch fold no more than the pulls do. */
 static void yield_to_lips(face *f)
 {
     double low = 0.0, high = 1.0, part = 1.0;
@@ -1433,7 +1472,8 @@ static void yield_to_lips(face *f)
         double middle = 0.5 * (low + high);
         give_part(f, middle / part);
         part = middle;
-        if (fold_of_seal(f, 0.0) > fmax(fold_of_pulls(f), shaped_most))
+        find_bare_lips(f);
+        if (lips_fold(f, 0.0))
             high = middle;
         else
             low = middle;
@@ -1442,31 +1482,42 @@ static void yield_to_lips(face *f)
     give_fields(f);
     f->is_held = true;
     note_held_back(f);
+    find_bare_lips(f);
+}
+
+/* The greatest value of *share with which the seal folds nothing; 0 where there is none. */
+static bool find_share(face *f, double *share)
+{
+    double low = 0.0, high = 1.0;
+    for (int i = 0; i < HALVINGS; ++i) {
+        *share = 0.5 * (low + high);
+        if (lips_fold(f, 1.0))
+            high = *share;
+        else
+            low = *share;
+    }
+    *share = low;
+    return !lips_fold(f, 1.0);
 }
 
 static void limit_lips(face *f)
 {
-    double low = 0.0, high = 1.0;
+    face_lips *l = &f->lips;
+    l->share = l->share_near = 1.0;
     face_lips_meet(f, 1.0);
-    if (!f->lips.is_meeting)
+    if (!l->is_meeting)
         return;
     begin_pose(f);
-    if (!(fold_of_lips(f) > shaped_most))
+    find_bare_lips(f);
+    if (!lips_fold(f, 1.0))
         return;
-    if (f->control_count > 0 && f->origin == &f->base &&
-        fold_of_seal(f, 0.0) > fmax(fold_of_pulls(f), shaped_most))
+    if (f->control_count > 0 && f->origin == &f->base && lips_fold(f, 0.0))
         yield_to_lips(f);
-    const double most = fmax(fold_of_pulls(f), shaped_most);
-    if (!(fold_of_seal(f, 1.0) > most))
+    if (!lips_fold(f, 1.0))
         return;
-    for (int i = 0; i < HALVINGS; ++i) {
-        double middle = 0.5 * (low + high);
-        if (fold_of_seal(f, middle) > most)
-            high = middle;
-        else
-            low = middle;
-    }
-    face_lips_meet(f, low);
+    find_folded_stations(f);
+    if (!find_share(f, &l->share_near))
+        (void)find_share(f, &l->share);
 }
 
 static void limit_pulls(face *f)

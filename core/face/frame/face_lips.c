@@ -17,10 +17,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double reach_of_width =
-    0.42;                            /* the radius of the fields, over the width of the mouth */
-static const double free_from = 0.6; /* mobility from which on skin follows its rim wholly */
-static const double zip_width = 0.6; /* of half the slit: how long the closing front is */
+/* The radius of the fields, over the width of the mouth. */
+static const double reach_of_width = 0.36;
+/* The mobility from which on skin follows its rim wholly; and responses that are left out. */
+static const float free_from = 0.6f, response_least = 2e-4f;
+/* Of half the slit: how long the front is that closes. */
+static const double zip_width = 0.6;
 enum { FACING = 4 }; /* stations to either side among which the facing one is looked for */
 
 static double clamp01(double t)
@@ -36,6 +38,7 @@ static double smooth(double t)
 
 /* ---- created ---- */
 
+/* Where a station of the upper rim (0) or the lower one (1) is at rest. */
 static vec3 rest_of(const face *f, uint32_t station, uint32_t rim)
 {
     const face_lips *l = &f->lips;
@@ -61,6 +64,7 @@ static void take_stations(face *f)
         l->from_corner[i] = clamp01(1.0 - fabs(2.0 * part - 1.0));
         l->open_mm[i] = vec3_dot(vec3_sub(rest_of(f, i, 0), rest_of(f, i, 1)), from->up);
         l->floor_mm[i] = fmin(l->open_mm[i], 0.0);
+        vec3_set_row(l->rest, i, rest_of(f, i, 0));
     }
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         double sum = 0.0;
@@ -74,7 +78,7 @@ static void take_stations(face *f)
 static float follows(const face *f, const float *of_rim, size_t slot)
 {
     uint32_t last = f->rest.count - 1;
-    float t = f->mobility[slot] / (float)free_from;
+    float t = f->mobility[slot] / free_from;
     t = t > 1.0f ? 1.0f : t;
     return of_rim[f->order.file_of_slot[slot < last ? slot : last]] * t * (2.0f - t);
 }
@@ -98,64 +102,125 @@ static mrt_result add_lip(face *f, uint32_t rim, double share, const float *of_r
     for (uint32_t i = 0; result >= 0 && i < l->count; ++i) {
         float *column = columns_row(&l->columns, i);
         const float *from = row + (size_t)i * l->columns.stride;
-        for (size_t slot = 0; slot < f->rest.padded_count; ++slot)
-            column[slot] += (float)share * follows(f, of_rim, slot) * from[slot];
+        for (size_t slot = 0; slot < f->rest.padded_count; ++slot) {
+            float response = follows(f, of_rim, slot) * from[slot];
+            if (fabsf(response) > response_least)
+                column[slot] += (float)share * response;
+        }
     }
     csrbf_solver_destroy(solver);
     free(row);
     return result;
 }
 
-static void list_groups(face *f)
+static void list_reached(face *f)
 {
     face_lips *l = &f->lips;
+    const columns *c = &l->columns;
+    for (uint32_t block = 0; block < f->rest.block_count; ++block) {
+        uint64_t any = 0;
+        for (uint32_t word = 0; word < c->mark_words; ++word)
+            any |= c->mark[block * (size_t)c->mark_words + word];
+        l->reaches[block] = any != 0;
+        if (any != 0)
+            l->block[l->block_count++] = block;
+    }
     for (uint32_t t = 0; t < f->skin_count; ++t) {
         const uint32_t *corner = f->skin + (size_t)3 * t;
         uint32_t group = t / STRAIN_GROUP;
-        bool is_reached = face_lips_reach(f, corner[0] / POINTS_BLOCK) ||
-                          face_lips_reach(f, corner[1] / POINTS_BLOCK) ||
-                          face_lips_reach(f, corner[2] / POINTS_BLOCK);
+        bool is_reached = l->reaches[corner[0] / POINTS_BLOCK] ||
+                          l->reaches[corner[1] / POINTS_BLOCK] ||
+                          l->reaches[corner[2] / POINTS_BLOCK];
         if (is_reached && (l->group_count == 0 || l->group[l->group_count - 1] != group))
             l->group[l->group_count++] = group;
     }
+}
+
+/* Gradients of sums: neighbouring stations go nearly the same way, and each column alone is steep.
+ */
+static mrt_result measure_steepness(face *f, error *err)
+{
+    face_lips *l = &f->lips;
+    const strain_loops *loops = strain_loops_now();
+    size_t vertices = f->rest.padded_count;
+    float(*rest)[4] = calloc(vertices, sizeof *rest), (*sum)[4] = calloc(vertices, sizeof *sum);
+    l->steepest = arrays_add(&f->arrays, (size_t)l->count * l->group_count, sizeof *l->steepest);
+    l->steepness = arrays_add(&f->arrays, l->group_count, sizeof *l->steepness);
+    bool has_memory = rest && sum && !f->arrays.failed;
+    for (size_t slot = 0; has_memory && slot < vertices; ++slot) {
+        rest[slot][0] = f->rest.x[slot];
+        rest[slot][1] = f->rest.y[slot];
+        rest[slot][2] = f->rest.z[slot];
+    }
+    for (uint32_t i = l->count; has_memory && i-- > 0;) {
+        const float *column = columns_row(&l->columns, i);
+        for (size_t slot = 0; slot < vertices; ++slot)
+            sum[slot][0] += column[slot];
+        for (uint32_t k = 0; k < l->group_count; ++k) {
+            size_t first = (size_t)STRAIN_GROUP * l->group[k], left = f->skin_count - first;
+            size_t count = left < STRAIN_GROUP ? left : STRAIN_GROUP;
+            const uint32_t *corner = f->skin + 3 * first;
+            const strain_corners at = {(const float(*)[4])rest, corner, count};
+            const strain_corners moved = {(const float(*)[4])sum, corner, count};
+            strain_frames frames;
+            loops->frames(&frames, &at);
+            l->steepest[(size_t)i * l->group_count + k] =
+                1.01f * loops->steepest(&frames.shape, &moved);
+        }
+    }
+    free(rest);
+    free(sum);
+    return has_memory ? MRT_OK
+                      : error_set(err, MRT_ERR_MEMORY, "no memory for the seal of the lips");
+}
+
+static mrt_result allocate(face *f, uint32_t count, error *err)
+{
+    face_lips *l = &f->lips;
+    arrays *a = &f->arrays;
+    double **const of_slots[] = {&l->x, &l->y, &l->z};
+    double **const rows[] = {&l->rest, &l->upper, &l->lower, &l->correction};
+    double **const of_stations[] = {&l->floor_mm, &l->open_mm, &l->from_corner, &l->near};
+    for (size_t i = 0; i < sizeof of_slots / sizeof *of_slots; ++i)
+        *of_slots[i] = arrays_add(a, 4 * count, sizeof(double));
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i)
+        *rows[i] = arrays_add(a, 3 * count, sizeof(double));
+    for (size_t i = 0; i < sizeof of_stations / sizeof *of_stations; ++i)
+        *of_stations[i] = arrays_add(a, count, sizeof(double));
+    l->slot = arrays_add(a, 4 * count, sizeof *l->slot);
+    l->along = arrays_add(a, 2 * count, sizeof *l->along);
+    l->shown = arrays_add(a, 3 * count, sizeof *l->shown);
+    l->at_slot = arrays_add(a, (size_t)4 * count * f->columns.capacity, sizeof *l->at_slot);
+    l->block = arrays_add(a, f->rest.block_count, sizeof *l->block);
+    l->group = arrays_add(a, f->skin_count / STRAIN_GROUP + 1, sizeof *l->group);
+    l->bare = arrays_add(a, f->rest.padded_count, sizeof *l->bare);
+    l->sealed = arrays_add(a, f->rest.padded_count, sizeof *l->sealed);
+    return a->failed ? error_set(err, MRT_ERR_MEMORY, "no memory for the seal of the lips")
+                     : MRT_OK;
 }
 
 mrt_result face_lips_create(face *f, error *err)
 {
     const bind_lips *from = &f->binding.lips;
     face_lips *l = &f->lips;
-    arrays *a = &f->arrays;
-    size_t count = from->station_count, groups = f->skin_count / STRAIN_GROUP + 1;
+    const uint32_t count = from->station_count;
+    l->reaches = arrays_add(&f->arrays, f->rest.block_count, 1);
     if (count == 0)
-        return MRT_OK;
-    l->slot = arrays_add(a, 4 * count, sizeof *l->slot);
-    l->along = arrays_add(a, 2 * count, sizeof *l->along);
-    l->at_slot = arrays_add(a, 4 * count * f->columns.capacity, sizeof *l->at_slot);
-    l->x = arrays_add(a, 4 * count, sizeof *l->x);
-    l->y = arrays_add(a, 4 * count, sizeof *l->y);
-    l->z = arrays_add(a, 4 * count, sizeof *l->z);
-    l->upper = arrays_add(a, 3 * count, sizeof *l->upper);
-    l->lower = arrays_add(a, 3 * count, sizeof *l->lower);
-    l->floor_mm = arrays_add(a, count, sizeof *l->floor_mm);
-    l->open_mm = arrays_add(a, count, sizeof *l->open_mm);
-    l->from_corner = arrays_add(a, count, sizeof *l->from_corner);
-    l->correction = arrays_add(a, 3 * count, sizeof *l->correction);
-    l->shown = arrays_add(a, 3 * count, sizeof *l->shown);
-    l->sealed = arrays_add(a, f->rest.padded_count, sizeof *l->sealed);
-    l->group = arrays_add(a, groups, sizeof *l->group);
-    if (a->failed)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the seal of the lips");
-    mrt_result result = columns_create(&l->columns, &f->rest, (uint32_t)count, err);
+        return l->reaches ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the lips");
+    mrt_result result = allocate(f, count, err);
+    if (result >= 0)
+        result = columns_create(&l->columns, &f->rest, count, err);
     if (result < 0)
         return result;
-    l->count = (uint32_t)count;
+    memset(columns_row(&l->columns, 0), 0, count * l->columns.stride * sizeof(float));
+    l->count = count;
     take_stations(f);
     result = add_lip(f, 0, f->rig->mouth.upper_share, from->of_upper, err);
     if (result >= 0)
         result = add_lip(f, 1, f->rig->mouth.upper_share - 1.0, from->of_lower, err);
-    columns_note(&l->columns, l->count);
-    list_groups(f);
-    return result;
+    columns_note(&l->columns, count);
+    list_reached(f);
+    return result < 0 ? result : measure_steepness(f, err);
 }
 
 void face_lips_destroy(face *f)
@@ -223,7 +288,7 @@ static void close_lips(face *f, double seal, vec3 up)
     const double stick_mm = f->rig->mouth.stickiness_mm;
     for (uint32_t i = 0; i < l->count; ++i) {
         vec3 apart = vec3_sub(vec3_row(l->upper, i), vec3_row(l->lower, i));
-        double s = seal > 0.0 ? sealed_at(f, i, seal) : 0.0;
+        double s = sealed_at(f, i, seal) * (1.0 - (1.0 - l->share_near) * l->near[i]);
         vec3 to = vec3_scale(apart, -s);
         double parted_mm = vec3_dot(vec3_add(apart, to), up) - l->open_mm[i];
         if (stick_mm > 0.0 && parted_mm > 0.0 && parted_mm < stick_mm)
@@ -289,12 +354,27 @@ void face_lips_meet(face *f, double strength)
     const rigid *pose = &f->pose[l->carrier];
     vec3 across = rigid_rotate(pose, slit->across), up = rigid_rotate(pose, slit->up);
     place_rims(f);
-    close_lips(f, strength * (double)f->meter.dof[f->bones.seal], up);
+    close_lips(f, strength * l->share * (double)f->meter.dof[f->bones.seal], up);
     keep_apart(f, across, up);
     l->is_meeting = false;
     for (uint32_t i = 0; i < 3 * l->count; ++i)
         l->is_meeting = l->is_meeting || l->correction[i] != 0.0;
     columns_weigh(&l->columns, l->correction, l->count);
+}
+
+void face_lips_bound(face *f)
+{
+    face_lips *l = &f->lips;
+    vec3 before = {0, 0, 0};
+    memset(l->steepness, 0, l->group_count * sizeof *l->steepness);
+    for (uint32_t i = 0; i < l->count; ++i) {
+        vec3 now = vec3_row(l->correction, i);
+        float more = (float)vec3_length(vec3_sub(now, before));
+        before = now;
+        if (more > 0.0f)
+            f->limit.loops->add(l->steepness, l->steepest + (size_t)i * l->group_count, more,
+                                l->group_count);
+    }
 }
 
 void face_lips_part(face *f)
@@ -303,20 +383,9 @@ void face_lips_part(face *f)
     f->lips.is_meeting = false;
 }
 
-bool face_lips_reach(const face *f, uint32_t block)
-{
-    const columns *c = &f->lips.columns;
-    uint64_t any = 0;
-    if (f->lips.count == 0)
-        return false;
-    for (uint32_t word = 0; word < c->mark_words; ++word)
-        any |= c->mark[block * (size_t)c->mark_words + word];
-    return any != 0;
-}
-
 void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
 {
-    if (f->lips.is_meeting && face_lips_reach(f, block))
+    if (f->lips.is_meeting && f->lips.reaches[block])
         columns_sum(&f->lips.columns, sum, 0, block);
 }
 

@@ -138,17 +138,16 @@ static bool is_due(const face *f, uint32_t block)
     return f->blocks.is_stale[block] || face_reaches(&f->columns, f->blocks.changed, block);
 }
 
-/* A block that bones and controls have just moved. */
+static bool is_sealed(const face *f, uint32_t block)
+{
+    return f->lips.is_meeting && f->lips.reaches[block];
+}
+
+/* A block that bones, controls and the seal have just moved. */
 static void end_block(face *f, uint32_t block)
 {
     face_blocks *s = &f->blocks;
-    bool is_sealed = f->lips.is_meeting && face_lips_reach(f, block);
-    if (is_sealed) {
-        float sum[3][POINTS_BLOCK] = {{0.0f}};
-        face_lips_sum(f, sum, block);
-        columns_add(&f->shown, &f->shown, sum, block);
-    }
-    bool is_loose = projection_apply(&f->projection, &f->shown, block) || is_sealed ||
+    bool is_loose = projection_apply(&f->projection, &f->shown, block) || is_sealed(f, block) ||
                     !s->is_rest[block] || face_reaches(&f->columns, s->of_controls, block);
     s->carrier[block] = is_loose ? SHADING_LOOSE : s->bone[block];
     s->is_stale[block] = 0;
@@ -166,11 +165,27 @@ static uint32_t write_known(face *f, uint32_t block)
     return block + 1;
 }
 
+/* Of what the limit has summed with the seal nothing is left to do. */
+static uint32_t write_sealed(face *f, uint32_t block)
+{
+    const size_t first = (size_t)block * POINTS_BLOCK;
+    for (size_t slot = first; slot < first + POINTS_BLOCK; ++slot) {
+        const float *at = f->lips.sealed[slot];
+        f->shown.x[slot] = at[0];
+        f->shown.y[slot] = at[1];
+        f->shown.z[slot] = at[2];
+    }
+    points_update_block(&f->shown, block);
+    end_block(f, block);
+    return block + 1;
+}
+
 /* In runs: columns are faster at several blocks. Returns the end. */
 static uint32_t write_run(face *f, uint32_t first)
 {
     uint32_t end = first + 1;
-    while (end < f->rest.block_count && is_due(f, end) && !face_limit_knows(f, end))
+    while (end < f->rest.block_count && is_due(f, end) && !is_sealed(f, end) &&
+           !face_limit_knows(f, end))
         ++end;
     columns_move_blocks(&f->columns, &f->shown, f->origin, first, end);
     for (uint32_t block = first; block < end; ++block)
@@ -196,10 +211,11 @@ void face_show(face *f)
     memcpy(s->pose, f->pose, sizeof s->pose);
     if (face_lips_show(f))
         for (uint32_t block = 0; block < f->rest.block_count; ++block)
-            s->is_stale[block] |= face_lips_reach(f, block);
+            s->is_stale[block] |= f->lips.reaches[block];
     stamps_begin(&s->written);
     for (uint32_t block = 0; block < f->rest.block_count;)
         block = !is_due(f, block)            ? block + 1
+                : is_sealed(f, block)        ? write_sealed(f, block)
                 : face_limit_knows(f, block) ? write_known(f, block)
                                              : write_run(f, block);
     note_projection(f);

@@ -126,26 +126,36 @@ typedef struct face_shapes {
     float (*longest)[3]; /* of each triangle of skin: its edges in any shape, mm */
 } face_shapes;
 
-/* The seal of the lips: face_lips.c. Stations as of bind_lips. */
+/* The seal of the lips: face_lips.c. Stations as of bind_lips; rows of 3 are mm. */
 typedef struct face_lips {
-    uint32_t count;    /* of stations; 0: the face has no seal */
-    uint32_t carrier;  /* the bone that the slit's axes turn with */
-    uint32_t *slot;    /* 4 a station: the ends of the edge that it is on, of the upper and of the
-                          lower rim */
-    double *along;     /* 2 a station: how far along that edge */
-    float *at_slot;    /* column capacity by slots: the face's columns there */
-    double *x, *y, *z; /* scratch: 4 a station: where the slots are without the seal */
-    double *upper, *lower; /* scratch: count by 3: the rims without the seal */
-    double *floor_mm;      /* the crossing that a station has at rest; <= 0 */
-    double *open_mm;       /* how far it is open at rest */
-    double *from_corner;   /* 0 at the corners .. 1 in the middle */
-    double *correction;    /* count by 3, mm: how much of upper - lower the seal adds */
+    uint32_t count;      /* of stations; 0: the face has no seal */
+    uint32_t carrier;    /* the bone that the slit's axes turn with */
+    uint32_t *slot;      /* 4 a station: the ends of its edge of the upper rim, then of the lower */
+    double *along;       /* 2 a station: how far along these edges it is */
+    double *rest;        /* count by 3: of the upper rim */
+    double *floor_mm;    /* by how much the rims cross at rest; <= 0 */
+    double *open_mm;     /* how far they are apart at rest */
+    double *from_corner; /* 0 at the corners .. 1 in the middle */
+    columns columns;     /* one a station: how far a correction of 1 moves each vertex */
+    uint32_t *block, block_count; /* those that it can move, ascending */
+    uint8_t *reaches;             /* of each block: it is one of them */
+    uint32_t *group, group_count; /* of face_limit: likewise */
+    float *at_slot;               /* column capacity by slots: the face's columns there */
+    float *steepest;  /* of each station and each of these groups: the greatest length of the
+                         gradient  of the sum of the columns from that station on */
+    float *steepness; /* scratch: of each of these groups: upper bound of that of the seal */
+
+    double *x, *y, *z;     /* scratch: of each slot: where bones and pulls bring it */
+    double *upper, *lower; /* scratch: count by 3: the rims */
+    double *correction;    /* count by 3: what the seal adds to upper - lower */
     float *shown;          /* likewise, in the frame shown last */
-    columns columns;       /* one a station: what a correction of 1 does to each vertex */
-    float (*sealed)[4];    /* scratch: of each vertex: what controls and seal add */
-    uint32_t *group;       /* of face_limit: where the seal moves skin */
-    uint32_t group_count;
-    bool is_meeting; /* some correction is not 0 */
+    bool is_meeting;       /* some correction is not 0 */
+
+    /* face_limit.c: how much of the seal is applied, so that it folds nothing */
+    double share, share_near;       /* everywhere, and as far as `near` says */
+    double *near;                   /* of each station, 0..1 */
+    float (*bare)[4], (*sealed)[4]; /* of each vertex that it can move, while rims meet: where it is
+                                       without and with the seal */
 } face_lips;
 
 struct face {
@@ -273,10 +283,10 @@ void face_lips_destroy(face *f);
 void face_lips_engage(face *f);
 /* Finds the corrections for f->given and the pose; strength: 0..1 of lips.seal. */
 void face_lips_meet(face *f, double strength);
+/* Updates lips.steepness to the corrections. */
+void face_lips_bound(face *f);
 /* Takes all corrections away. */
 void face_lips_part(face *f);
-/* Whether the seal can move vertices of the block. */
-bool face_lips_reach(const face *f, uint32_t block);
 /* sum += what the seal adds in the block. */
 void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* Whether the corrections differ from those shown last; they are those from now on. */

@@ -64,6 +64,9 @@ typedef struct strain_loops {
      * identity */
     void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
                          const float *share, const float rotation[9]);
+    /* The least area of these triangles, seen along `normal`, over the area that they have at rest.
+     */
+    float (*least_area)(const strain_corners *at, const float (*normal)[STRAIN_GROUP]);
     /* Of what `added` does to `posed`, seen along `normal`. */
     void (*folds)(strain_folds *out, const strain_corners *posed, const strain_corners *added,
                   const float (*normal)[STRAIN_GROUP]);
@@ -102,6 +105,8 @@ const strain_loops *strain_loops_now(void);
     void STRAIN_OF(turn_normals, variant)(float(*out)[STRAIN_GROUP],                               \
                                           const float(*rest)[STRAIN_GROUP], const float *share,    \
                                           const float rotation[9]);                                \
+    float STRAIN_OF(least_area, variant)(const strain_corners *at,                                 \
+                                         const float(*normal)[STRAIN_GROUP]);                      \
     void STRAIN_OF(folds, variant)(strain_folds * out, const strain_corners *posed,                \
                                    const strain_corners *added,                                    \
                                    const float(*normal)[STRAIN_GROUP])
