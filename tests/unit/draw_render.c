@@ -337,25 +337,43 @@ static void grain_is_fixed_to_the_stone(void **state)
     mesh_destroy(&m);
 }
 
+/* Of a ball, and of one in it. */
+static void bake_enclosed(float out_openness[2 * BALL_VERTICES], const char *material)
+{
+    error err;
+    mesh m = shapes_balls((const ball[]){{{0, 0, 0}, 100}, {{0, 0, 0}, 40}}, 2);
+    free(m.material[0].name);
+    m.material[0].name = strdup(material);
+    draw_face *face = draw_face_create(&m, &err);
+    gl_state before;
+    gl_state_enter(&before);
+    assert_int_equal(occlusion_bake(out_openness, face, m.position, &err), MRT_OK);
+    gl_state_leave(&before);
+    draw_face_destroy(face);
+    mesh_destroy(&m);
+}
+
 static void what_is_enclosed_is_dark(void **state)
 {
     (void)state;
-    error err;
-    mesh m = shapes_balls((const ball[]){{{0, 0, 0}, 100}, {{0, 0, 0}, 40}}, 2);
-    draw_face *face = draw_face_create(&m, &err);
-    float *openness = calloc(m.vertex_count, sizeof *openness);
-    assert_non_null(openness);
-    gl_state before;
-    gl_state_enter(&before);
-    assert_int_equal(occlusion_bake(openness, face, m.position, &err), MRT_OK);
-    gl_state_leave(&before);
+    float openness[2 * BALL_VERTICES];
+    bake_enclosed(openness, "head");
     for (uint32_t v = 0; v < BALL_VERTICES; ++v) {
         assert_true(openness[v] > 0.97f);
         assert_true(openness[BALL_VERTICES + v] < 0.03f);
     }
-    free(openness);
-    draw_face_destroy(face);
-    mesh_destroy(&m);
+}
+
+/* They are seen only when the mouth is open. */
+static void teeth_behind_closed_lips_are_not_dark(void **state)
+{
+    (void)state;
+    float openness[2 * BALL_VERTICES];
+    bake_enclosed(openness, "teeth_upper");
+    for (uint32_t v = 0; v < BALL_VERTICES; ++v) {
+        assert_true(openness[v] > 0.97f);
+        assert_true(openness[BALL_VERTICES + v] > 0.5f);
+    }
 }
 
 static void materials_show_their_colours(void **state)
@@ -510,6 +528,7 @@ int main(void)
         cmocka_unit_test(a_lit_wall_has_no_speckles),
         cmocka_unit_test(grain_is_fixed_to_the_stone),
         cmocka_unit_test(what_is_enclosed_is_dark),
+        cmocka_unit_test(teeth_behind_closed_lips_are_not_dark),
         cmocka_unit_test(materials_show_their_colours),
         cmocka_unit_test(meshes_without_triangles_are_points),
         cmocka_unit_test(wild_meshes_and_cameras_are_survived),

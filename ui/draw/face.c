@@ -13,6 +13,7 @@
 /* MAP: side of the depth pictures in pixels. */
 enum { MAP = 256, VIEWS_MIN = 12, VIEWS_MAX = 32, SMOOTHING_PASSES = 2 };
 static const uint32_t triangles_per_bake = 12u * 1000 * 1000;
+static const float open_mouth = 0.7f; /* openness of teeth between parted lips */
 
 typedef struct bake {
     GLuint program, texture, framebuffer;
@@ -149,6 +150,16 @@ static void look_from_all_sides(bake *self, const draw_face *face, const float *
     }
 }
 
+static void light_mouth(float *openness, const draw_face *face)
+{
+    for (uint32_t i = 0; i < face->batch_count; ++i) {
+        const face_batch *batch = &face->batch[i];
+        const uint32_t *vertex = face->triangle + batch->first_index;
+        for (GLsizei k = 0; batch->surface.is_in_mouth && k < batch->index_count; ++k)
+            openness[vertex[k]] = fmaxf(openness[vertex[k]], open_mouth);
+    }
+}
+
 mrt_result occlusion_bake(float *out_openness, const draw_face *face, const float *position,
                           error *err)
 {
@@ -165,6 +176,7 @@ mrt_result occlusion_bake(float *out_openness, const draw_face *face, const floa
                 out_openness[v] = self.visible[v] / self.possible[v];
         for (int pass = 0; pass < SMOOTHING_PASSES; ++pass)
             smooth(out_openness, self.visible, self.possible, face);
+        light_mouth(out_openness, face);
         result = gl_check_error("the shading of the mesh", err);
     }
     bake_finish(&self);
@@ -182,7 +194,7 @@ static const char *const felt_words[] = {"felt",    "fleece", "wool",   "fur",  
                                          "cloth",   "foam",   "fabric", "skin", "brow",
                                          "eyebrow", "lid",    "eyelid", "ear"};
 static const char *const stone_words[] = {"stone", "rock", "moai", "clay", "plaster", "concrete"};
-static const char *const wet_words[] = {"tooth", "teeth", "gum", "tongue", "mouth", "lip"};
+static const char *const mouth_words[] = {"tooth", "teeth", "gum", "tongue", "mouth"};
 
 static bool is_letter(char c)
 {
@@ -224,7 +236,7 @@ static bool is_painted(const mesh_material *m)
 
 surface surface_of(const mesh_material *material)
 {
-    surface s = {SURFACE_SMOOTH, 0.0f, 0.0f};
+    surface s = {.kind = SURFACE_SMOOTH, .is_in_mouth = HAS_ANY(material->name, mouth_words)};
     if (is_painted(material))
         s.kind = SURFACE_PAINTED;
     if (material->metallic >= 0.5f || s.kind == SURFACE_PAINTED)
@@ -236,7 +248,7 @@ surface surface_of(const mesh_material *material)
             s.kind = SURFACE_FELT;
         return s;
     }
-    bool is_wet = HAS_ANY(material->name, wet_words);
+    bool is_wet = s.is_in_mouth || (material->name && has_word(material->name, "lip"));
     if (material->roughness > hard_roughness)
         s.softness = 1.0f;
     else if (is_wet)

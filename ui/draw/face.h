@@ -23,8 +23,9 @@ typedef enum surface_kind {
 
 typedef struct surface {
     surface_kind kind;
-    float softness; /* 0..1: light goes under it: latex, foam, skin */
-    float coat;     /* 0..1: a wet film over it */
+    float softness;   /* 0..1: light goes under it: latex, foam, skin */
+    float coat;       /* 0..1: a wet film over it */
+    bool is_in_mouth; /* shown only when the mouth is open */
 } surface;
 surface surface_of(const mesh_material *material);
 
@@ -105,7 +106,8 @@ struct draw_face {
 void face_draw_all(const draw_face *face);
 
 /* How much of the room each vertex sees in the rest shape: eye sockets and nostrils are dark, noses
- * are not. Baked once by looking at the mesh from many sides. */
+ * are not. Baked once by looking at the mesh from many sides. What is in the mouth sees at least
+ * as much as in an open one: at rest the lips close it in. */
 /* out_openness: one per vertex, 0 (sees nothing) .. 1. The face's buffers (but not the openness)
  * and normals are there. position: vertex_count by 3, mm. */
 CHECKED mrt_result occlusion_bake(float *out_openness, const draw_face *face, const float *position,
