@@ -19,6 +19,7 @@ typedef struct column {
 static const double GAP_MM = 0.05; /* from the middle of the slit to either lip: they just part */
 static const double UPPER_RADIUS_MM = 6.55, LOWER_RADIUS_MM = 7.95, CORNER_RADIUS_MM = 3.6;
 static const double SUNK_MM = 2.0, CORNER_SUNK_MM = 1.2; /* of the slit below the face */
+static const double LEDGE_MM = 0.25; /* the lower lip's behind the rims: no light comes through */
 static const double CORNER_TILT_DEG = 50.0;
 static const double CORNER_FROM = 0.55;  /* of the way to the corner */
 static const double OUTLINE_RADII = 2.6; /* from the slit to where the lip leaves the face */
@@ -31,10 +32,10 @@ typedef struct lip_ring {
 } lip_ring;
 
 static const lip_ring LIP[] = {
-    {64, 0.88, 1.5},  {38, 0.74, 1.9}, {12, 0.60, 2.0},    {-14, 0.45, 1.8},   {-40, 0.30, 1.3},
-    {-65, 0.15, 0.7}, {-90, 0.0, 0.0}, {-113, 0.15, -1.2}, {-138, 0.26, -3.4},
+    {64, 0.86, 1.5},  {38, 0.66, 1.9}, {12, 0.45, 1.9},    {-14, 0.24, 1.4},   {-40, 0.155, 0.95},
+    {-65, 0.08, 0.5}, {-90, 0.0, 0.0}, {-113, 0.15, -1.2}, {-138, 0.26, -3.4},
 };
-enum { LIP_RINGS = sizeof LIP / sizeof *LIP, RIM = 6 };
+enum { LIP_RINGS = sizeof LIP / sizeof *LIP, COLOURED_FROM = 3, RIM = 6 };
 
 /* The bag's sections from the lips to the back. */
 typedef struct station {
@@ -43,8 +44,8 @@ typedef struct station {
 } station;
 
 static const station STATION[] = {
-    {0.01, 58.5, 9, 10}, {0.04, 60, 18, 20}, {0.12, 61, 24, 25}, {0.30, 60, 26, 27},
-    {0.52, 57, 26, 27},  {0.75, 52, 24, 25}, {0.92, 45, 18, 19}, {1.00, 36, 10, 11},
+    {0.01, 58.5, 9, 10}, {0.04, 61, 18, 20}, {0.12, 65, 24, 25}, {0.30, 67, 26, 27},
+    {0.52, 65, 26, 27},  {0.75, 59, 24, 25}, {0.92, 49, 18, 19}, {1.00, 38, 10, 11},
 };
 enum { STATIONS = sizeof STATION / sizeof *STATION };
 static const double BACK_Z = 14.0;
@@ -136,8 +137,10 @@ static vec3 lip_point(const column *c, int32_t k)
 {
     angle_sincos a = plan_degrees(LIP[k].cord_deg);
     double round_mm = GAP_MM + c->radius_mm * (1.0 + a.sin), out_mm = c->radius_mm * a.cos;
-    return beside(c, mixed(round_mm, LIP[k].corner_away * outline_mm(c), c->corner),
-                  mixed(out_mm, LIP[k].corner_out_mm, c->corner));
+    double away_mm = mixed(round_mm, LIP[k].corner_away * outline_mm(c), c->corner);
+    if (k == RIM + 1 && c->up < 0.0 && c->corner < 1.0)
+        away_mm = -LEDGE_MM;
+    return beside(c, away_mm, mixed(out_mm, LIP[k].corner_out_mm, c->corner));
 }
 
 void mouth_outline(vec3 out_point[MOUTH_POINTS], double away_mm)
@@ -212,7 +215,7 @@ static ring add_rim(sheet *s, const vec3 *point, const ring *outer)
                       ? r.at[columns]
                       : sheet_add_point(s, point[i], SHEET_FIXED | (is_end ? SHEET_MIDDLE : 0));
     }
-    sheet_strip(s, outer, &r, PLAN_PART_SKIN);
+    sheet_strip(s, outer, &r, PLAN_PART_LIPS);
     return r;
 }
 
@@ -226,7 +229,9 @@ mrt_result mouth_build(sheet *s, const ring *outline, error *err)
     for (int32_t k = 0; k < LIP_RINGS; ++k) {
         for (int32_t i = 0; i < MOUTH_POINTS; ++i)
             point[i] = lip_point(&c[i], k);
-        last = k == RIM ? add_rim(s, point, &last) : add_ring(s, point, &last, PLAN_PART_SKIN);
+        last = k == RIM
+                   ? add_rim(s, point, &last)
+                   : add_ring(s, point, &last, k > COLOURED_FROM ? PLAN_PART_LIPS : PLAN_PART_SKIN);
     }
     for (int32_t step = 1; step <= STATIONS * BAG_STEPS; ++step) {
         for (int32_t i = 0; i < MOUTH_POINTS; ++i)

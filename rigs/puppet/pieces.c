@@ -33,9 +33,9 @@ typedef struct arch {
 } arch;
 
 static const arch UPPER = {
-    80.0, 42.0, 36.0, -43.5, 25.0, 3.9, 0.0, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
+    80.0, 47.0, 42.0, -43.5, 25.0, 3.9, 0.0, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
 static const arch LOWER = {
-    76.0, 35.0, 22.0, -46.5, -14.0, 3.7, 0.5, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
+    76.0, 38.0, 24.0, -46.5, -14.0, 3.7, 0.5, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
 
 /* From the middle (s = 0) to the end (1): an arch that is flat in front. */
 static vec3 arch_point(const arch *a, double s)
@@ -71,14 +71,14 @@ static ring arch_ring(sheet *s, const arch *a, int32_t cell)
 {
     vec3 point[SECTION_POINTS];
     double along = (double)cell / ARCH_CELLS;
-    double bulge = tooth_bulge(along), shrink = 1.0 - 0.25 * along * along;
+    double bulge = tooth_bulge(along), shrink = 1.0 - 0.4 * along * along;
     vec3 base = arch_point(a, along), outward = arch_outward(a, along);
     for (int i = 0; i < SECTION_POINTS; ++i) {
         int k = section_index(a, i);
         const section_point *at = &SECTION[k];
         int is_tooth_point = at->up < 0.5;
-        double narrow = is_tooth_point ? 0.80 + 0.20 * bulge : 1.0;
-        double up = is_tooth_point ? at->up * shrink + 0.05 * (1.0 - bulge) * (at->up < 0.3)
+        double narrow = is_tooth_point ? 0.72 + 0.28 * bulge : 1.0;
+        double up = is_tooth_point ? at->up * shrink + 0.09 * (1.0 - bulge) * (at->up < 0.3)
                                    : at->up - (1.0 - shrink) * 0.3;
         vec3 shift = vec3_scale(outward, at->out * a->thickness_mm * narrow);
         up += a->end_sinks * along * along * (1.0 - up);
@@ -166,7 +166,8 @@ static void add_tongue(sheet *s)
 
 /* ---- eyes ---- */
 
-enum { BALL_CELLS = 10, BALL_POINTS = 4 * BALL_CELLS, LID_COLUMNS = 20, LID_ROWS = 9 };
+enum { BALL_CELLS = 10, BALL_POINTS = 4 * BALL_CELLS };
+enum { LID_COLUMNS = 20, LID_ROWS = 9, LASH_ROWS_MAX = 2 };
 
 typedef struct zone { /* a ring of the ball, and what lies between the one before it and it */
     double from_front_deg;
@@ -181,10 +182,9 @@ static const zone ZONE[] = {
 };
 enum { ZONES = sizeof ZONE / sizeof *ZONE };
 
-/* The lids at rest: where their edges lie, above the middle of the ball; how far they go to the
- * sides; the rounding of their edges goes half as far as they are thick. */
-static const double UPPER_EDGE_DEG = 39.0, LOWER_EDGE_DEG = -31.0, LID_BACK_DEG = 150.0;
-static const double LID_SIDE_DEG = 82.0, LID_EDGE_DEG = 1.6;
+/* How far the lids go to the sides and the back; the rounding of their edges goes half as far as
+ * they are thick. */
+static const double LID_SIDE_DEG = 82.0, LID_BACK_DEG = 150.0, LID_EDGE_DEG = 1.6;
 
 static vec3 on_ball(vec3 direction, double radius_mm)
 {
@@ -224,71 +224,127 @@ static void add_ball(sheet *s)
     put_on_ball(s, sheet_close(s, &last, BALL_CELLS, BALL_CELLS, PLAN_PART_PUPIL, SHEET_FIXED));
 }
 
+/* A lid has the lash on its edge: rows of its own there, raised, of another part. */
 typedef struct lid {
-    double low_deg, high_deg; /* elevation over the front, about the axis along x */
-    double grow_deg, radius_mm;
+    double sign;       /* 1: the upper lid; -1: the lower one, the same upside down */
+    double edge_deg;   /* at rest, from the middle of the ball */
+    int32_t lash_rows; /* behind the edge */
+    double lash_mm[2]; /* its width: in the middle of the lid, at its sides */
+    double raised_mm[LASH_ROWS_MAX + 1]; /* in the middle: the edge, and the rows behind it */
+    int part, lash_part;
 } lid;
 
-static vec3 lid_point(const lid *l, double column, double row)
+static const lid UPPER_LID = {
+    1.0, 39.0, 2, {2.8, 2.0}, {0.7, 1.2, 0.0}, PLAN_PART_LID_UPPER, PLAN_PART_LASH_UPPER};
+static const lid LOWER_LID = {
+    -1.0, 31.0, 1, {1.5, 1.3}, {0.5, 0.0, 0.0}, PLAN_PART_LID_LOWER, PLAN_PART_LASH_LOWER};
+
+typedef struct lid_layer {
+    double grow_deg, radius_mm;
+    int is_raised;
+} lid_layer;
+
+static int32_t lid_rows(const lid *l)
 {
-    double side_deg = LID_SIDE_DEG + l->grow_deg;
-    double span_deg = l->high_deg - l->low_deg + 2.0 * l->grow_deg;
-    angle_sincos side = plan_degrees(side_deg * (2.0 * column / LID_COLUMNS - 1.0));
-    angle_sincos raised = plan_degrees(l->low_deg - l->grow_deg + span_deg * row / LID_ROWS);
-    vec3 direction = {side.sin, side.cos * raised.sin, side.cos * raised.cos};
-    return on_ball(direction, l->radius_mm);
+    return LID_ROWS + l->lash_rows;
 }
 
-static ring lid_ring(sheet *s, const lid *l)
+/* Of the rows in the grid, which begins below: counted from the edge. */
+static int32_t from_edge(const lid *l, int32_t row)
 {
-    vec3 point[2 * (LID_COLUMNS + LID_ROWS)];
+    return l->sign > 0.0 ? row : lid_rows(l) - row;
+}
+
+static vec3 lid_point(const lid *l, const lid_layer *layer, int32_t column, int32_t grid_row)
+{
+    const double span_deg = LID_BACK_DEG - l->edge_deg;
+    int32_t row = from_edge(l, grid_row);
+    double t = 2.0 * column / LID_COLUMNS - 1.0;
+    double aside = t * (1.15 - 0.15 * t * t), q = aside * aside; /* closer columns at the sides */
+    angle_sincos rest_side = plan_degrees(LID_SIDE_DEG * aside);
+    double lash_mm = l->lash_mm[0] + (l->lash_mm[1] - l->lash_mm[0]) * q;
+    double lash_deg = lash_mm / (PLAN_LID_OUTER * rest_side.cos) * (180.0 / ANGLE_PI);
+    double behind_deg = row <= l->lash_rows
+                            ? lash_deg * row / l->lash_rows
+                            : lash_deg + (span_deg - lash_deg) * (row - l->lash_rows) / LID_ROWS;
+    double grown = 1.0 + 2.0 * layer->grow_deg / span_deg;
+    double raised_deg = l->sign * (l->edge_deg - layer->grow_deg + behind_deg * grown);
+    double radius_mm = layer->radius_mm;
+    if (layer->is_raised && row <= l->lash_rows)
+        radius_mm += l->raised_mm[row] * (1.0 - q * q);
+    angle_sincos side = plan_degrees((LID_SIDE_DEG + layer->grow_deg) * aside);
+    angle_sincos raised = plan_degrees(raised_deg);
+    vec3 direction = {side.sin, side.cos * raised.sin, side.cos * raised.cos};
+    return on_ball(direction, radius_mm);
+}
+
+static ring lid_ring(sheet *s, const lid *l, const lid_layer *layer)
+{
+    vec3 point[2 * (LID_COLUMNS + LID_ROWS + LASH_ROWS_MAX)];
+    const int32_t rows = lid_rows(l);
     int32_t count = 0;
     for (int32_t k = 0; k < LID_COLUMNS; ++k)
-        point[count++] = lid_point(l, k, 0);
-    for (int32_t k = 0; k < LID_ROWS; ++k)
-        point[count++] = lid_point(l, LID_COLUMNS, k);
+        point[count++] = lid_point(l, layer, k, 0);
+    for (int32_t k = 0; k < rows; ++k)
+        point[count++] = lid_point(l, layer, LID_COLUMNS, k);
     for (int32_t k = LID_COLUMNS; k > 0; --k)
-        point[count++] = lid_point(l, k, LID_ROWS);
-    for (int32_t k = LID_ROWS; k > 0; --k)
-        point[count++] = lid_point(l, 0, k);
+        point[count++] = lid_point(l, layer, k, rows);
+    for (int32_t k = rows; k > 0; --k)
+        point[count++] = lid_point(l, layer, 0, k);
     return sheet_ring(s, point, count, 0, SHEET_FIXED);
 }
 
 /* The inner grid has columns and rows exchanged: it is seen from the other side. */
-static void place_inner(sheet *s, const lid *l, int32_t first)
+static void place_inner(sheet *s, const lid *l, const lid_layer *layer, int32_t first)
 {
     for (int32_t column = 1; column < LID_COLUMNS; ++column)
-        for (int32_t row = 1; row < LID_ROWS; ++row)
-            s->point[first++] = lid_point(l, column, row);
+        for (int32_t row = 1; row < lid_rows(l); ++row)
+            s->point[first++] = lid_point(l, layer, column, row);
 }
 
-static void place_outer(sheet *s, const lid *l, int32_t first)
+static void place_outer(sheet *s, const lid *l, const lid_layer *layer, int32_t first)
 {
-    for (int32_t row = 1; row < LID_ROWS; ++row)
+    for (int32_t row = 1; row < lid_rows(l); ++row)
         for (int32_t column = 1; column < LID_COLUMNS; ++column)
-            s->point[first++] = lid_point(l, column, row);
+            s->point[first++] = lid_point(l, layer, column, row);
 }
 
-static void add_lid(sheet *s, double low_deg, double high_deg, int part)
+/* A strip around the lid, whose cells along its edge are lash. */
+static void add_lid_strip(sheet *s, const lid *l, const ring *outer, const ring *inner)
 {
-    const double middle_mm = 0.5 * (PLAN_LID_INNER + PLAN_LID_OUTER);
-    const lid inner = {low_deg, high_deg, 0.0, PLAN_LID_INNER};
-    const lid edge = {low_deg, high_deg, LID_EDGE_DEG, middle_mm};
-    const lid outer = {low_deg, high_deg, 0.0, PLAN_LID_OUTER};
-    ring inside = lid_ring(s, &inner), rim = lid_ring(s, &edge), outside = lid_ring(s, &outer);
-    sheet_strip(s, &inside, &rim, part);
-    sheet_strip(s, &rim, &outside, part);
-    int32_t first = sheet_close_back(s, &inside, LID_COLUMNS, LID_ROWS, part, SHEET_FIXED);
-    place_inner(s, &inner, first);
-    first = sheet_close(s, &outside, LID_COLUMNS, LID_ROWS, part, SHEET_FIXED);
-    place_outer(s, &outer, first);
+    int32_t edge = s->quad_count + (l->sign > 0.0 ? 0 : LID_COLUMNS + lid_rows(l));
+    sheet_strip(s, outer, inner, l->part);
+    for (int32_t q = edge; q < edge + LID_COLUMNS && !s->is_full; ++q)
+        s->quad[q].part = l->lash_part;
+}
+
+static void add_lid(sheet *s, const lid *l)
+{
+    const lid_layer inner = {0.0, PLAN_LID_INNER, 0};
+    const lid_layer edge = {LID_EDGE_DEG, 0.5 * (PLAN_LID_INNER + PLAN_LID_OUTER), 0};
+    const lid_layer outer = {0.0, PLAN_LID_OUTER, 1};
+    const int32_t rows = lid_rows(l);
+    ring inside = lid_ring(s, l, &inner), rim = lid_ring(s, l, &edge);
+    ring outside = lid_ring(s, l, &outer);
+    add_lid_strip(s, l, &inside, &rim);
+    add_lid_strip(s, l, &rim, &outside);
+    int32_t first = sheet_close_back(s, &inside, LID_COLUMNS, rows, l->part, SHEET_FIXED);
+    place_inner(s, l, &inner, first);
+    int32_t first_quad = s->quad_count;
+    first = sheet_close(s, &outside, LID_COLUMNS, rows, l->part, SHEET_FIXED);
+    place_outer(s, l, &outer, first);
+    for (int32_t q = first_quad; q < s->quad_count; ++q) {
+        int32_t row = (q - first_quad) / LID_COLUMNS;
+        if ((l->sign > 0.0 ? row : rows - 1 - row) < l->lash_rows)
+            s->quad[q].part = l->lash_part;
+    }
 }
 
 static void add_eye(sheet *s)
 {
     add_ball(s);
-    add_lid(s, UPPER_EDGE_DEG, LID_BACK_DEG, PLAN_PART_LID_UPPER);
-    add_lid(s, -LID_BACK_DEG, LOWER_EDGE_DEG, PLAN_PART_LID_LOWER);
+    add_lid(s, &UPPER_LID);
+    add_lid(s, &LOWER_LID);
 }
 
 /* ---- felt ---- */
@@ -506,6 +562,49 @@ static void add_hair(sheet *s)
     sheet_mark(s, first, SHEET_SKULL);
 }
 
+/* ---- collar ---- */
+
+enum { COLLAR_COLUMNS = 32 };
+
+/* A section of the collar: from below the neck's end up along the skin, over the roll and down. */
+typedef struct collar_point {
+    double y, off_mm; /* outside of the neck */
+} collar_point;
+
+static const collar_point COLLAR[] = {
+    {-152.0, -2.0}, {-150.9, 0.7},  {-144.0, 0.7},  {-137.0, 0.7}, {-131.0, 0.9},
+    {-128.0, 3.0},  {-127.4, 5.5},  {-129.0, 8.2},  {-133.5, 9.6}, {-139.0, 10.0},
+    {-145.0, 10.6}, {-150.5, 11.2}, {-154.6, 10.0}, {-156.0, 6.0}, {-155.2, 1.5},
+};
+enum { COLLAR_POINTS = sizeof COLLAR / sizeof *COLLAR };
+
+static ring collar_ring(sheet *s, int32_t column)
+{
+    vec3 point[COLLAR_POINTS];
+    angle_sincos around = plan_degrees(180.0 * column / COLLAR_COLUMNS);
+    const vec3 outward = {around.sin, 0.0, around.cos};
+    int is_end = column == 0 || column == COLLAR_COLUMNS;
+    for (int32_t i = 0; i < COLLAR_POINTS; ++i) {
+        const collar_point *at = &COLLAR[i];
+        vec3 axis = {0.0, at->y, PLAN_NECK_Z};
+        vec3 foot = form_along(vec3_add(axis, vec3_scale(outward, 46.0)), outward);
+        point[i] = vec3_add(foot, vec3_scale(outward, at->off_mm));
+    }
+    return sheet_ring(s, point, COLLAR_POINTS, 0, SHEET_FIXED | (is_end ? SHEET_MIDDLE : 0));
+}
+
+static void add_collar(sheet *s)
+{
+    int32_t first = s->point_count;
+    ring last = collar_ring(s, 0);
+    for (int32_t column = 1; column <= COLLAR_COLUMNS; ++column) {
+        ring next = collar_ring(s, column);
+        sheet_strip(s, &last, &next, PLAN_PART_COLLAR);
+        last = next;
+    }
+    sheet_mark(s, first, SHEET_SKULL);
+}
+
 void pieces_build(sheet *s)
 {
     add_teeth(s);
@@ -514,4 +613,5 @@ void pieces_build(sheet *s)
     add_brow(s);
     add_ear(s);
     add_hair(s);
+    add_collar(s);
 }

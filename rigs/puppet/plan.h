@@ -5,8 +5,9 @@
 #include "base/angle.h"
 #include "base/rigid.h"
 
-typedef enum plan_part { /* in the order of the file; those after EAR are left and right */
+typedef enum plan_part { /* in the order of the file; from EYE on left and right */
                          PLAN_PART_SKIN = 0,
+                         PLAN_PART_LIPS,
                          PLAN_PART_NOSE,
                          PLAN_PART_MOUTH_BAG,
                          PLAN_PART_TEETH_UPPER,
@@ -15,11 +16,14 @@ typedef enum plan_part { /* in the order of the file; those after EAR are left a
                          PLAN_PART_GUM_LOWER,
                          PLAN_PART_TONGUE,
                          PLAN_PART_HAIR,
+                         PLAN_PART_COLLAR,
                          PLAN_PART_EYE,
                          PLAN_PART_IRIS,
                          PLAN_PART_PUPIL,
                          PLAN_PART_LID_UPPER,
                          PLAN_PART_LID_LOWER,
+                         PLAN_PART_LASH_UPPER,
+                         PLAN_PART_LASH_LOWER,
                          PLAN_PART_BROW,
                          PLAN_PART_EAR,
                          PLAN_PART_COUNT

@@ -21,19 +21,43 @@ static void puppet_is_a_face_of_15000_to_21000_vertices(void **state)
     assert_in_range(face.vertex_count, 15000, 21000);
     float low[3], high[3];
     mesh_bounds(&face, low, high);
-    assert_in_range((int)(high[1] - low[1]), 280, 320);
-    assert_float_equal(low[1], -150.0f, 1e-3f);
+    assert_in_range((int)(high[1] - low[1]), 280, 321);
+    assert_float_equal(low[1], -156.0f, 1e-3f);
 }
 
 static void puppet_has_its_parts(void **state)
 {
     (void)state;
     static const char *const NAME[] = {
-        "skin",        "nose",        "mouth_bag",   "teeth_upper", "teeth_upper.gum",
-        "teeth_lower", "hair",        "tongue",      "eye.l",       "teeth_lower.gum",
-        "eye.r",       "eye.l.iris",  "eye.r.iris",  "eye.l.pupil", "eye.r.pupil",
-        "lid_upper.l", "lid_upper.r", "lid_lower.l", "lid_lower.r", "brow.l",
-        "brow.r",      "ear.l",       "ear.r",
+        "skin",
+        "skin.lips",
+        "nose",
+        "mouth_bag",
+        "teeth_upper",
+        "teeth_upper.gum",
+        "teeth_lower",
+        "teeth_lower.gum",
+        "tongue",
+        "hair",
+        "collar.wool",
+        "eye.l",
+        "eye.r",
+        "eye.l.iris",
+        "eye.r.iris",
+        "eye.l.pupil",
+        "eye.r.pupil",
+        "lid_upper.l",
+        "lid_upper.r",
+        "lid_lower.l",
+        "lid_lower.r",
+        "lid_upper.l.lash",
+        "lid_upper.r.lash",
+        "lid_lower.l.lash",
+        "lid_lower.r.lash",
+        "brow.l",
+        "brow.r",
+        "ear.l",
+        "ear.r",
     };
     size_t count = sizeof NAME / sizeof *NAME;
     assert_int_equal(face.part_count, count);
@@ -62,13 +86,13 @@ static uint32_t mirror_of(uint32_t part)
 {
     char name[64];
     (void)snprintf(name, sizeof name, "%s", face.material[face.part[part].material].name);
-    char *side = strstr(name, ".l");
-    if (!side)
-        side = strstr(name, ".r");
-    if (!side || (side[2] != '\0' && side[2] != '.'))
-        return part;
-    side[1] = side[1] == 'l' ? 'r' : 'l';
-    return (uint32_t)(part_named(name) - face.part);
+    for (char *side = strchr(name, '.'); side; side = strchr(side + 1, '.')) {
+        if ((side[1] != 'l' && side[1] != 'r') || (side[2] != '\0' && side[2] != '.'))
+            continue;
+        side[1] = side[1] == 'l' ? 'r' : 'l';
+        return (uint32_t)(part_named(name) - face.part);
+    }
+    return part;
 }
 
 static void puppet_is_symmetric_in_x_with_its_parts(void **state)
@@ -106,8 +130,9 @@ static void puppet_is_manifold_and_open_only_where_meant(void **state)
     (void)state;
     assert_int_equal(net.rejected_count, 0);
     assert_int_equal(net.isolated_vertex_count, 0);
-    /* skin with nose and bag, 2 rows of teeth, tongue, 2 balls, 4 lids, 2 brows, 2 ears, 5 locks */
-    assert_int_equal(net.component_count, 19);
+    /* skin with lips, nose and bag, 2 rows of teeth, tongue, 2 balls, 4 lids, 2 brows, 2 ears,
+     * 5 locks, the collar */
+    assert_int_equal(net.component_count, 20);
     assert_int_equal(net.border_loop_count, 8);
     uint8_t *skin = vertices_of("skin"), *hair = vertices_of("hair");
     int neck_count = 0, hair_count = 0;
@@ -165,7 +190,7 @@ static void puppet_faces_outwards(void **state)
     (void)state;
     static const char *const CLOSED[] = {"teeth_upper", "teeth_lower", "tongue",      "eye.l",
                                          "eye.r",       "lid_upper.l", "lid_upper.r", "lid_lower.l",
-                                         "lid_lower.r", "brow.l",      "brow.r"};
+                                         "lid_lower.r", "brow.l",      "brow.r",      "collar"};
     for (size_t i = 0; i < sizeof CLOSED / sizeof *CLOSED; ++i)
         assert_true(volume_mm3(CLOSED[i], (vec3){0, 0, 0}) > 2000.0);
     assert_true(volume_mm3("ear.l", (vec3){88, 14, -18}) > 2000.0);

@@ -16,12 +16,12 @@ static const vec3 HINGE = {68.0, -24.0, -8.0};
 static void bag_hangs_behind_the_lips(void **state)
 {
     (void)state;
-    uint8_t *skin = vertices_of("skin"), *bag = vertices_of("mouth_bag");
+    uint8_t *lips = vertices_of("skin.lips"), *bag = vertices_of("mouth_bag");
     int shared_count = 0;
     for (uint32_t v = 0; v < face.vertex_count; ++v)
-        shared_count += skin[v] && bag[v];
+        shared_count += lips[v] && bag[v];
     assert_int_equal(shared_count, 84);
-    free(skin);
+    free(lips);
     free(bag);
 }
 
@@ -49,21 +49,21 @@ static double way_mm(uint32_t from, uint32_t to)
     return out;
 }
 
-/* Of the skin, in the middle: below (sign -1) or above the slit. */
+/* Of the lips, in the middle: below (sign -1) or above the slit. */
 static uint32_t rim_vertex(double sign)
 {
-    uint8_t *skin = vertices_of("skin");
+    uint8_t *lips = vertices_of("skin.lips");
     uint32_t best = 0;
     double least_mm = (double)INFINITY;
     for (uint32_t v = 0; v < face.vertex_count; ++v) {
         vec3 p = point_of(v);
         double away_mm = sign * (p.y + 38.0);
-        if (skin[v] && fabs(p.x) < 1e-6 && p.z > 60.0 && away_mm > 0.0 && away_mm < least_mm) {
+        if (lips[v] && fabs(p.x) < 1e-6 && p.z > 60.0 && away_mm > 0.0 && away_mm < least_mm) {
             least_mm = away_mm;
             best = v;
         }
     }
-    free(skin);
+    free(lips);
     return best;
 }
 
@@ -78,7 +78,7 @@ static void lips_are_close_but_joined_only_by_long_ways(void **state)
 static void check_shell(const char *name, double low_mm, double high_mm)
 {
     uint8_t *used = vertices_of(name);
-    int is_left = strstr(name, ".l") != NULL;
+    int is_left = strstr(name, ".r") == NULL;
     vec3 centre = {is_left ? EYE.x : -EYE.x, EYE.y, EYE.z};
     for (uint32_t v = 0; v < face.vertex_count; ++v) {
         double from_mm = distance(point_of(v), centre);
@@ -97,9 +97,13 @@ static void lids_are_shells_around_the_balls(void **state)
     check_shell("lid_upper.r", 25.9, 27.6);
     check_shell("lid_lower.l", 25.9, 27.6);
     check_shell("lid_lower.r", 25.9, 27.6);
+    check_shell("lid_upper.l.lash", 25.9, 28.8);
+    check_shell("lid_upper.r.lash", 25.9, 28.8);
+    check_shell("lid_lower.l.lash", 25.9, 28.1);
+    check_shell("lid_lower.r.lash", 25.9, 28.1);
 }
 
-/* How far a lid's edge stands above the middle of the left ball, seen from the side. */
+/* How far the edge of a lid's lash stands above the middle of the left ball, seen from the side. */
 static double edge_deg(const char *name, double sign)
 {
     uint8_t *used = vertices_of(name);
@@ -117,7 +121,8 @@ static double edge_deg(const char *name, double sign)
 static void lids_meet_when_they_close(void **state)
 {
     (void)state;
-    double upper = edge_deg("lid_upper.l", 1.0), lower = edge_deg("lid_lower.l", -1.0);
+    double upper = edge_deg("lid_upper.l.lash", 1.0);
+    double lower = edge_deg("lid_lower.l.lash", -1.0);
     assert_true(upper > 30.0 && lower < -25.0);
     assert_true(upper - 50.0 <= lower + 20.0);
     assert_true(upper - 45.0 > lower + 20.0);
@@ -240,8 +245,8 @@ static void closed_lips_leave_air_before_the_teeth(void **state)
     static const char *const ROW[] = {"teeth_upper", "teeth_upper.gum", "teeth_lower",
                                       "teeth_lower.gum"};
     for (size_t i = 0; i < sizeof ROW / sizeof *ROW; ++i) {
-        assert_true(air_mm(ROW[i], "skin") > 1.5);
-        assert_true(air_mm("skin", ROW[i]) > 1.5);
+        assert_true(air_mm(ROW[i], "skin.lips") > 1.5);
+        assert_true(air_mm("skin.lips", ROW[i]) > 1.5);
     }
 }
 
