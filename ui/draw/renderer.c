@@ -32,6 +32,7 @@ static void find_face_uniforms(renderer_face_program *out)
     out->has_own_colours = glGetUniformLocation(p, "has_own_colours");
     out->softness = glGetUniformLocation(p, "softness");
     out->coat = glGetUniformLocation(p, "coat");
+    out->bounce = glGetUniformLocation(p, "bounce");
     static const char *const textures[FACE_TEXTURES] = {"base_map", "normal_map", "emission_map",
                                                         "rough_metal_map"};
     for (int i = 0; i < FACE_TEXTURES; ++i)
@@ -350,6 +351,9 @@ static void set_painted(const draw_renderer *self, const renderer_face_program *
                     which == PASS_CLEAR ? as_good_as_opaque : 2.0f);
 }
 
+/* What lips, gums and tongue throw back onto teeth in the shadow of a lip. */
+static const float mouth_bounce = 0.3f;
+
 static void draw_batch(const draw_renderer *self, const draw_face *face, const face_batch *batch,
                        pass which)
 {
@@ -363,6 +367,7 @@ static void draw_batch(const draw_renderer *self, const draw_face *face, const f
     glUniform1f(u->metallic, own ? 0.0f : batch->look.metallic);
     glUniform1f(u->softness, own ? 0.0f : batch->surface.softness);
     glUniform1f(u->coat, own ? 0.0f : batch->surface.coat);
+    glUniform1f(u->bounce, batch->surface.is_in_mouth && !own ? mouth_bounce : 0.0f);
     if (look >= LOOK_PAINTED) {
         set_painted(self, u, face, batch, which);
         if (batch->look.is_single_sided)

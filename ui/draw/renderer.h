@@ -13,7 +13,7 @@ typedef struct renderer_face_program {
     GLint projection, eye, base_colour, roughness, metallic, grain_scale, light_direction;
     GLint shadow_projection, shadow_map, shadow_texel_mm, shadow_reach_texels, origin, side,
         has_own_colours, light_colour, room;
-    GLint softness, coat;
+    GLint softness, coat, bounce;
     GLint texture[FACE_TEXTURES], uv_transform, has_tint; /* of a painted surface */
     GLint emission, normal_scale, shade, toon, alpha_range;
 } renderer_face_program;

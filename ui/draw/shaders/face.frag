@@ -8,6 +8,7 @@ uniform vec3 eye;            // mm
 uniform vec4 base_colour;    // linear
 uniform float roughness, metallic;
 uniform float softness, coat; // light goes under it; a wet film over it
+uniform float bounce; // share of the key light that reaches it in the shadow too: in a mouth
 uniform bool has_own_colours; // v_colour instead of base_colour
 uniform float grain_scale;   // 1 / height of the face, 1/mm
 uniform vec3 light_direction[3]; // key, fill, rim: towards the light
@@ -332,7 +333,7 @@ void main()
     vec3 mirror = mix(vec3(0.04), base, metal);
 #endif
     vec3 diffuse = base * (1.0 - metal);
-    float visible[3] = float[3](key_visibility(normal), mix(0.35, 1.0, open), open);
+    float visible[3] = float[3](max(key_visibility(normal), bounce), mix(0.35, 1.0, open), open);
     vec3 light = room * reflect_room(normal, to_eye, diffuse, mirror, rough, mix(0.12, 1.0, open));
     for (int i = 0; i < 3; ++i)
         light += visible[i] * light_colour[i] *
