@@ -14,8 +14,8 @@ typedef struct section_point {
 
 static const section_point SECTION[] = {
     {-0.62, 0.05, 1}, {-0.25, 0.00, 1}, {0.25, 0.00, 1},  {0.62, 0.05, 1},  {0.86, 0.17, 1},
-    {0.94, 0.38, 1},  {0.80, 0.58, 0},  {1.12, 0.62, 0},  {1.22, 0.76, 0},  {1.00, 0.92, 0},
-    {0.50, 1.00, 0},  {-0.50, 1.00, 0}, {-1.00, 0.92, 0}, {-1.22, 0.76, 0}, {-1.12, 0.62, 0},
+    {0.94, 0.38, 1},  {0.80, 0.58, 0},  {1.02, 0.62, 0},  {1.10, 0.76, 0},  {1.00, 0.92, 0},
+    {0.50, 1.00, 0},  {-0.50, 1.00, 0}, {-1.00, 0.92, 0}, {-1.10, 0.76, 0}, {-1.02, 0.62, 0},
     {-0.80, 0.58, 1}, {-0.94, 0.38, 1}, {-0.86, 0.17, 1},
 };
 enum { SECTION_POINTS = sizeof SECTION / sizeof *SECTION, CAP_COLUMNS = 3, CAP_ROWS = 6 };
@@ -33,7 +33,7 @@ typedef struct arch {
 } arch;
 
 static const arch UPPER = {
-    80.0, 47.0, 42.0, -43.5, 25.0, 3.9, 0.0, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
+    80.0, 47.0, 42.0, -43.5, 25.0, 3.7, 0.0, PLAN_PART_TEETH_UPPER, PLAN_PART_GUM_UPPER};
 static const arch LOWER = {
     76.0, 38.0, 24.0, -46.5, -14.0, 3.7, 0.5, PLAN_PART_TEETH_LOWER, PLAN_PART_GUM_LOWER};
 
