@@ -293,6 +293,20 @@ static void use_usual_views(showing *s)
     s->view_count = 3;
 }
 
+/* A line for each turn that goes with another one. */
+static void print_follows(const rig *r)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        for (uint32_t k = 0; k < r->bone[i].turn_count; ++k) {
+            const rig_bone *bone = &r->bone[i];
+            const rig_follow *follows = &bone->turn[k].follows;
+            const rig_bone *other = &r->bone[follows->bone];
+            if (follows->share != 0.0)
+                terminal_print("%s.%s follows %s.%s by %g\n", bone->name, bone->turn[k].name,
+                               other->name, other->turn[follows->turn].name, follows->share);
+        }
+}
+
 static mrt_result show_rig(showing *s, const face_file *f, error *err)
 {
     binding b;
@@ -308,9 +322,11 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
     result =
         rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, &about, err);
     binding_destroy(&b);
-    if (result >= 0)
+    if (result >= 0) {
+        print_follows(f->rig);
         terminal_print("wrote %s: %u bones, %u contacts, %u views\n", s->out_path,
                        f->rig->bone_count, f->rig->contact_count, s->view_count);
+    }
     return result;
 }
 

@@ -39,12 +39,14 @@ typedef struct bones {
 } bones;
 
 /* incisor: used for the jaw when the rig names none. rig NULL: one fixed bone. Refuses two jaws,
- * cyclic parents, hinges and turns without an axis, limits that are reversed, more than
- * MRT_MAX_DOFS degrees of freedom. */
+ * cyclic parents, hinges and turns without an axis, limits that are reversed, turns that cannot
+ * follow what they name, more than MRT_MAX_DOFS degrees of freedom. */
 CHECKED mrt_result bones_init(bones *out, const rig *r, vec3 incisor, error *err);
 
 /* Where each bone is for the values of the degrees of freedom (dof_count; NaN counts as 0), softly
- * limited: monotone, C1, identity at 0, exact well inside, never outside. out: bone_count. */
+ * limited: monotone, C1, identity at 0, exact well inside, never outside. out: bone_count.
+ * A turn that follows another (rig_follow) is posed as far as bones_followed says; the value of its
+ * degree of freedom stays what it was driven to. */
 void bones_pose(rigid *out, const bones *b, const float *dof);
 
 /* The values that bones_pose poses for `dof` (dof_count each): limited, NaN as 0. */
@@ -75,6 +77,10 @@ double bones_forward_limit(const bones *b, double open_rad);
  * hard. And the least value that is limited to `limited`. */
 double bones_soft_limit(double value, double min, double max);
 double bones_soft_limit_inverse(double limited, double min, double max);
+/* How far a turn goes that is limited to `limited` and that another one takes along by `by_rad`, as
+ * the gaze does a lid: less the further it goes to max, so that a closed lid stays closed; softly
+ * within min and max; `limited` where by_rad is 0. Monotone in `limited`, C1. */
+double bones_followed(double limited, double by_rad, double min, double max);
 
 /* The jaw pose that comes closest to moving start to end (count by 3 doubles each, mm, in the frame
  * that the jaw rides in; weight: how much each rides on the jaw, 0..1), least squares within the

@@ -57,11 +57,17 @@ typedef enum rig_bone_kind {
 #define RIG_UPPER_SHARE 0.35
 enum { RIG_TURNS_MAX = 3, RIG_BONES_MAX = 16 };
 
+typedef struct rig_follow { /* "follows": { "dof": "eye.l.pitch", "share": -0.6 }: see bones_pose */
+    uint32_t bone, turn;    /* a turn of a ball that is listed before and follows none */
+    double share;           /* -1..1; 0: it follows none */
+} rig_follow;
+
 typedef struct rig_turn { /* of a ball: "turns": [ { "name", "axis": [x,y,z], "deg": [min, max] } ]
                            */
     char *name;
     vec3 axis; /* unit; right-handed */
     double min_rad, max_rad;
+    rig_follow follows;
 } rig_turn;
 
 typedef struct rig_bone {
@@ -179,8 +185,13 @@ CHECKED mrt_result rig_copy(rig *out, const rig *r, error *err);
 void rig_destroy(rig *r);             /* accepts NULL and zeroed; [any] */
 void rig_pose_finish(rig_pose *pose); /* accepts zeroed; [any] */
 
-uint32_t rig_find_bone(const rig *r, const char *name);                      /* RIG_NONE */
-uint32_t rig_find_jaw(const rig *r);                                         /* RIG_NONE */
+uint32_t rig_find_bone(const rig *r, const char *name); /* RIG_NONE */
+uint32_t rig_find_jaw(const rig *r);                    /* RIG_NONE */
+/* Whether `dof` ("eye.l.pitch") is a turn of a ball. */
+bool rig_find_turn(const rig *r, const char *dof, uint32_t *out_bone, uint32_t *out_turn);
+/* Why a turn cannot follow what its `follows` names, one sentence; NULL: it can, or follows none.
+ */
+const char *rig_follow_fault(const rig *r, uint32_t bone, uint32_t turn);
 uint32_t rig_find_contact(const rig *r, const char *name);                   /* RIG_NONE */
 const rig_contact_set *rig_find_contact_set(const rig *r, const char *name); /* NULL */
 

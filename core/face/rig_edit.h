@@ -81,10 +81,10 @@ CHECKED mrt_result rig_edit_set_ball(rig *r, uint32_t index, vec3 centre, double
 CHECKED mrt_result rig_edit_ride_bone(rig *r, uint32_t index, uint32_t parent, error *err);
 
 /* The turns of a ball, 1 to RIG_TURNS_MAX, the first is applied last. Copied; the axis becomes
- * unit; the limits are around 0, at most half a turn away. */
+ * unit; the limits are around 0, at most half a turn away. A new one follows none. */
 CHECKED mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn,
                                      uint32_t *out_index, error *err);
-/* Poses no longer turn by it. One stays. */
+/* Poses no longer turn by it, and no turn follows it. One stays. */
 CHECKED mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err);
 /* Poses follow its name. */
 CHECKED mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_turn *to,

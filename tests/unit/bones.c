@@ -241,6 +241,103 @@ static void balls_turn_about_their_centre_first_listed_outermost(void **state)
     assert_true(scene_distance(rigid_apply(&pose[EYE], front), expected) < 1e-12);
 }
 
+/* ---- a lid that follows the gaze ---- */
+
+static double lid_angle(const bones *b, float pitch_rad, float close_rad)
+{
+    float dof[MRT_MAX_DOFS] = {0};
+    rigid pose[SCENE_BONES];
+    dof[b->first_dof[EYE] + 1] = pitch_rad;
+    dof[b->first_dof[LID]] = close_rad;
+    bones_pose(pose, b, dof);
+    return atan2(pose[LID].r[2][1], pose[LID].r[1][1]);
+}
+
+static void a_lid_follows_the_gaze_within_its_limits(void **state)
+{
+    (void)state;
+    static face_scene s;
+    bones b = make_bones(&s);
+    s.bone[LID].turn[0].follows = (rig_follow){EYE, 1, 0.6};
+    expect_near(lid_angle(&b, 0.2f, 0.0f), 0.12, 1e-7);
+    expect_near(lid_angle(&b, 0.0f, 0.3f), (double)0.3f, 1e-12);
+    expect_near(lid_angle(&b, -0.1f, 0.0f), -0.06, 1e-7); /* it widens */
+    expect_near(lid_angle(&b, -0.5f, 0.0f), -0.1, 1e-7);  /* as far as it can */
+    expect_near(lid_angle(&b, -0.5f, -0.1f), -0.1, 1e-7);
+    assert_true(lid_angle(&b, 0.2f, -0.1f) > -0.1);
+    for (int i = -9; i <= 9; ++i) /* shut is shut, wherever the eye looks */
+        assert_true(lid_angle(&b, 0.1f * (float)i, 0.5f) == lid_angle(&b, 0.0f, 0.5f));
+}
+
+/* Plugins and takes see what was driven: limits know nothing of the gaze. */
+static void the_value_of_a_lid_that_follows_stays_the_driven_one(void **state)
+{
+    (void)state;
+    static face_scene s;
+    bones b = make_bones(&s);
+    const float dof[MRT_MAX_DOFS] = {0, 0, 0, 0, 0.45f, 0.2f};
+    float plain[MRT_MAX_DOFS], limited[MRT_MAX_DOFS], back[MRT_MAX_DOFS];
+    rigid before[SCENE_BONES], after[SCENE_BONES];
+    bones_limit(plain, &b, dof);
+    s.bone[LID].turn[0].follows = (rig_follow){EYE, 1, -0.6};
+    bones_limit(limited, &b, dof);
+    assert_memory_equal(plain, limited, b.dof_count * sizeof *plain);
+    bones_unlimit(back, &b, limited);
+    bones_pose(before, &b, dof);
+    bones_pose(after, &b, back);
+    const vec3 x = {30, 40, 72};
+    assert_true(scene_distance(rigid_apply(&before[LID], x), rigid_apply(&after[LID], x)) < 1e-4);
+}
+
+static void following_is_smooth_and_never_turns_back(void **state)
+{
+    (void)state;
+    const double h = 1e-6, min = -0.2, max = 0.9;
+    for (int k = -10; k <= 10; ++k) {
+        double by = 0.1 * k, last = -1.0, last_slope = 0.0;
+        for (int i = 0; i <= 4400; ++i) {
+            double x = min + 0.00025 * i, y = bones_followed(x, by, min, max);
+            double slope =
+                (bones_followed(x + h, by, min, max) - bones_followed(x - h, by, min, max)) /
+                (2 * h);
+            assert_true(y >= last - 1e-12 && y >= min - 1e-12 && y <= max + 1e-12);
+            if (i > 1 && i < 4399)
+                assert_true(fabs(slope - last_slope) < 0.1); /* a kink would be 1 */
+            last = y;
+            last_slope = slope;
+        }
+    }
+    assert_true(bones_followed(0.3, 0.0, min, max) == 0.3);
+    assert_true(bones_followed(0.0, -0.5, 0.0, max) == 0.0); /* a lid that cannot widen */
+    assert_true(bones_followed(0.0, 0.5, min, 0.0) == 0.0);
+}
+
+static void what_cannot_be_followed_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        rig_follow follows;
+        const char *why;
+    } wrong[] = {{{LID, 0, 0.5}, "of the same bone"},
+                 {{EYE, 2, 0.5}, "no turn of a ball"},
+                 {{JAW, 0, 0.5}, "no turn of a ball"},
+                 {{EYE, 0, 1.5}, "within -1 and 1"}};
+    static face_scene s;
+    error err = {""};
+    bones b;
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        scene_init(&s);
+        s.bone[LID].turn[0].follows = wrong[i].follows;
+        assert_int_equal(bones_init(&b, &s.rig, incisor, &err), MRT_ERR_FORMAT);
+        if (!strstr(err.text, wrong[i].why))
+            fail_msg("%s", err.text);
+    }
+    scene_init(&s);
+    s.bone[EYE].turn[0].follows = (rig_follow){LID, 0, 0.5};
+    assert_int_equal(bones_init(&b, &s.rig, incisor, &err), MRT_ERR_FORMAT);
+    assert_non_null(strstr(err.text, "listed later"));
+}
+
 static void bones_ride_on_a_skull_that_turns(void **state)
 {
     (void)state;
@@ -251,7 +348,7 @@ static void bones_ride_on_a_skull_that_turns(void **state)
     scene_init(&s);
     s.bone[SKULL].kind = BONE_BALL;
     s.bone[SKULL].centre = (vec3){0, -60, 0};
-    s.bone[SKULL].turn[0] = (rig_turn){nod, {1, 0, 0}, -0.4, 0.4};
+    s.bone[SKULL].turn[0] = (rig_turn){nod, {1, 0, 0}, -0.4, 0.4, {0}};
     s.bone[SKULL].turn_count = 1;
     s.bone[SKULL].parent = RIG_NONE;
     rig_bone swapped = s.bone[SKULL]; /* a parent may be listed behind its child */
@@ -482,6 +579,10 @@ int main(void)
         cmocka_unit_test(the_jaw_gives_way_to_the_cusps),
         cmocka_unit_test(the_envelope_narrows_as_the_jaw_opens),
         cmocka_unit_test(balls_turn_about_their_centre_first_listed_outermost),
+        cmocka_unit_test(a_lid_follows_the_gaze_within_its_limits),
+        cmocka_unit_test(the_value_of_a_lid_that_follows_stays_the_driven_one),
+        cmocka_unit_test(following_is_smooth_and_never_turns_back),
+        cmocka_unit_test(what_cannot_be_followed_is_refused),
         cmocka_unit_test(bones_ride_on_a_skull_that_turns),
         cmocka_unit_test(rigs_that_cannot_move_are_refused_by_name),
         cmocka_unit_test(controls_at_rest_leave_the_jaw_exactly_shut),

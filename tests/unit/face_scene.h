@@ -177,15 +177,15 @@ static inline void scene_rig(face_scene *s)
                               .centre = {30, 40, 60},
                               .radius_mm = 12,
                               .turn_count = 2};
-    s->bone[EYE].turn[0] = (rig_turn){yaw, {0, 1, 0}, -0.6, 0.6};
-    s->bone[EYE].turn[1] = (rig_turn){pitch, {1, 0, 0}, -0.5, 0.5};
+    s->bone[EYE].turn[0] = (rig_turn){yaw, {0, 1, 0}, -0.6, 0.6, {0}};
+    s->bone[EYE].turn[1] = (rig_turn){pitch, {1, 0, 0}, -0.5, 0.5, {0}};
     s->bone[LID] = (rig_bone){.name = lid,
                               .kind = BONE_BALL,
                               .parent = SKULL,
                               .centre = {30, 40, 60},
                               .radius_mm = 12,
                               .turn_count = 1};
-    s->bone[LID].turn[0] = (rig_turn){close, {1, 0, 0}, -0.1, 0.5};
+    s->bone[LID].turn[0] = (rig_turn){close, {1, 0, 0}, -0.1, 0.5, {0}};
     for (uint32_t i = 0; i < SCENE_CONTACTS; ++i)
         s->contact[i] = (rig_contact){
             .name = names[i], .bone = RIG_NONE, .vertex = vertices[i], .mirror = RIG_NONE};

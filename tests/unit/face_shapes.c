@@ -94,6 +94,39 @@ static void make_called(shaped *s, char *const names[SHAPES], mesh_expression *r
          &err);
 }
 
+/* LOOK_DOWN instead of CHEEK_FOLD: the eye's turn and the lid's, of which a part is what it follows
+ * the eye by. */
+static const double look_down_rad = 0.25, lid_down_rad = 0.18;
+
+static void make_looking_down(shaped *s, double share)
+{
+    static char *const names[SHAPES] = {"jawOpen",         "mouthClose",     "smile", "browUp",
+                                        "eyeLookDownLeft", "eyeLookOutLeft", "still"};
+    error err = {""};
+    binding b;
+    bones posed;
+    float dof[MRT_MAX_DOFS] = {0};
+    rigid pose[RIG_BONES_MAX];
+    scene_init(&s->scene);
+    sculpt(s, names);
+    scene_bind(&s->scene, &b);
+    must(bones_init(&posed, &s->scene.rig, (vec3){0, 0, 0}, &err), &err);
+    dof[posed.first_dof[EYE] + 1] = (float)look_down_rad;
+    dof[posed.first_dof[LID]] = (float)lid_down_rad;
+    bones_pose(pose, &posed, dof);
+    for (uint32_t v = 0; v < SCENE_VERTICES; ++v) {
+        vec3 at = scene_rest(&s->scene, v), by = {0, 0, 0};
+        for (uint32_t bone = EYE; bone <= LID; ++bone)
+            by = vec3_add(by, vec3_scale(vec3_sub(rigid_apply(&pose[bone], at), at),
+                                         (double)b.weight[(size_t)bone * SCENE_VERTICES + v]));
+        set(s, CHEEK_FOLD, v, by.x, by.y, by.z);
+    }
+    s->scene.bone[LID].turn[0].follows = (rig_follow){EYE, 1, share};
+    must(face_create_shaped(&s->scene.face, &s->scene.rig, &s->scene.mesh, &b, MRT_MAX_VECTORS,
+                            &err),
+         &err);
+}
+
 static void make(shaped *s)
 {
     make_called(s, shape_names, NULL, 0);
@@ -220,6 +253,28 @@ static void bones_and_shapes_do_the_work_once(void **state)
     assert_true(fabs(open - jaw_rad) < 0.03);
     assert_true(greatest_miss(&s, end) < 1e-4);
     face_destroy(s.scene.face);
+}
+
+/* eyeLookDown takes the lid along by itself: a lid that follows the gaze besides goes no further
+ * than the head's maker had it. */
+static void a_lid_that_a_look_moves_is_not_moved_twice(void **state)
+{
+    static const double shares[] = {0.0, 0.6, 0.72, 1.0};
+    static shaped s;
+    error err = {""};
+    (void)state;
+    for (size_t i = 0; i < sizeof shares / sizeof *shares; ++i) {
+        float dof[MRT_MAX_DOFS];
+        make_looking_down(&s, shares[i]);
+        for (int d = 0; d < MRT_MAX_DOFS; ++d)
+            dof[d] = NAN;
+        dof[scene_dof(&s.scene, "eye.pitch")] = (float)look_down_rad;
+        must(face_pull(s.scene.face, NULL, dof, &err), &err);
+        double off = greatest_off(&s, CHEEK_FOLD, 1.0);
+        print_message("follows by %.2f: %.2f mm off the file's shape\n", shares[i], off);
+        assert_true(off < (shares[i] > 0.0 ? 0.8 : 2.0));
+        face_destroy(s.scene.face);
+    }
 }
 
 static void ask_for(const shaped *s, const char *name, float weight)
@@ -658,6 +713,7 @@ int main(void)
         cmocka_unit_test(a_pull_that_a_shape_explains_becomes_that_shape),
         cmocka_unit_test(contacts_land_whatever_is_pulled),
         cmocka_unit_test(bones_and_shapes_do_the_work_once),
+        cmocka_unit_test(a_lid_that_a_look_moves_is_not_moved_twice),
         cmocka_unit_test(a_shape_that_is_asked_for_is_that_shape),
         cmocka_unit_test(words_of_the_file_are_sums_of_its_shapes),
         cmocka_unit_test(pulls_add_to_what_is_asked_for),

@@ -167,6 +167,31 @@ static void bones_that_cannot_move_are_refused(void **state)
 #undef JAW
 }
 
+static void what_a_lid_cannot_follow_is_refused(void **state)
+{
+    (void)state;
+#define LID(follows)                                                                               \
+    "\"bones\": [{\"name\": \"skull\"}, {\"name\": \"eye\", \"ball\": {\"centre\": [0,0,0]}, "     \
+    "\"turns\": [{\"name\": \"pitch\", \"axis\": [1,0,0], \"deg\": [-9,9]}]}, {\"name\": "         \
+    "\"lid\", "                                                                                    \
+    "\"ball\": {\"centre\": [0,0,0]}, \"turns\": [{\"name\": \"close\", \"axis\": [1,0,0], "       \
+    "\"deg\": [-9,9], \"follows\": " follows "}]}, {\"name\": \"lash\", \"ball\": {\"centre\": "   \
+    "[0,0,0]}, \"turns\": [{\"name\": \"bend\", \"axis\": [1,0,0], \"deg\": [-9,9], "              \
+    "\"follows\": {\"dof\": \"lid.close\", \"share\": 0.5}}]}]"
+#define AT "$.bones[2].turns[0].follows"
+    assert_refused(LID("0.5"), AT, "an object with dof and share");
+    assert_refused(LID("{\"share\": 0.5}"), AT ".dof", "eye.l.pitch");
+    assert_refused(LID("{\"dof\": \"eye.pitch\"}"), AT ".share", "number");
+    assert_refused(LID("{\"dof\": \"eye.pitch\", \"share\": 2}"), AT ".share", "1");
+    assert_refused(LID("{\"dof\": \"nose.pitch\", \"share\": 0.5}"), AT ".dof", "listed before");
+    assert_refused(LID("{\"dof\": \"lash.bend\", \"share\": 0.5}"), AT ".dof", "listed before");
+    assert_refused(LID("{\"dof\": \"lid.close\", \"share\": 0.5}"), AT ".dof", "of the same bone");
+    assert_refused(LID("{\"dof\": \"eye.pitch\", \"share\": 0.5}"),
+                   "$.bones[3].turns[0].follows.dof", "follows another turn itself");
+#undef AT
+#undef LID
+}
+
 static void wrong_regions_are_refused(void **state)
 {
     (void)state;
@@ -316,6 +341,7 @@ int main(void)
         cmocka_unit_test(selectors_nest),
         cmocka_unit_test(unknown_keys_are_listed_and_do_no_harm),
         cmocka_unit_test(bones_that_cannot_move_are_refused),
+        cmocka_unit_test(what_a_lid_cannot_follow_is_refused),
         cmocka_unit_test(wrong_regions_are_refused),
         cmocka_unit_test(wrong_contacts_are_refused),
         cmocka_unit_test(wrong_settings_are_refused),

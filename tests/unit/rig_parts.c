@@ -115,9 +115,9 @@ static void the_turns_of_a_ball_are_changed_and_read_again(void **state)
     char name[] = "close", other[] = "roll";
     make(&r);
     must(rig_edit_add_bone(&r, "lid", BONE_BALL, (vec3){30, 40, 50}, 12.0, &bone, &err), &err);
-    rig_turn to = {name, {0.0, 1.0, 1.0}, -12.3456 * degree, 50.0 * degree};
+    rig_turn to = {name, {0.0, 1.0, 1.0}, -12.3456 * degree, 50.0 * degree, {0}};
     must(rig_edit_set_turn(&r, bone, 0, &to, &err), &err);
-    to = (rig_turn){other, {0.0, 0.0, 3.0}, 0.0, 10.0 * degree};
+    to = (rig_turn){other, {0.0, 0.0, 3.0}, 0.0, 10.0 * degree, {0}};
     must(rig_edit_add_turn(&r, bone, &to, &index, &err), &err);
     assert_int_equal(index, 2);
     must(rig_edit_remove_turn(&r, bone, 1, &err), &err);
@@ -160,6 +160,41 @@ static void poses_follow_a_turn_and_forget_it(void **state)
     rig_destroy(&r);
 }
 
+static void a_lid_follows_a_turn_that_is_renamed_moved_and_taken_out(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t eye = RIG_NONE, lid = RIG_NONE;
+    const vec3 at = {30, 40, 50};
+    make(&r);
+    must(rig_edit_add_bone(&r, "eye", BONE_BALL, at, 12.0, &eye, &err), &err);
+    must(rig_edit_add_bone(&r, "lid", BONE_BALL, at, 12.0, &lid, &err), &err);
+    rig_turn to = r.bone[lid].turn[1];
+    to.follows = (rig_follow){eye, 1, -0.6};
+    must(rig_edit_set_turn(&r, lid, 1, &to, &err), &err);
+    to = r.bone[eye].turn[1];
+    to.follows = (rig_follow){lid, 1, 0.5};
+    refused(rig_edit_set_turn(&r, eye, 1, &to, &err), &err, "listed later");
+    again(&r);
+    assert_int_equal(r.bone[lid].turn[1].follows.bone, eye);
+    assert_int_equal(r.bone[lid].turn[1].follows.turn, 1);
+    assert_float_equal(r.bone[lid].turn[1].follows.share, -0.6, 1e-12);
+    must(rig_edit_name_bone(&r, eye, "eye.l", &err), &err);
+    must(rig_edit_remove_turn(&r, eye, 0, &err), &err);
+    must(rig_edit_remove_bone(&r, 2, &err), &err); /* the tongue, before both */
+    again(&r);
+    eye -= 1;
+    lid -= 1;
+    assert_int_equal(r.bone[lid].turn[1].follows.bone, eye);
+    assert_int_equal(r.bone[lid].turn[1].follows.turn, 0);
+    must(rig_edit_remove_bone(&r, eye, &err), &err);
+    again(&r);
+    lid -= 1;
+    assert_true(r.bone[lid].turn[1].follows.share == 0.0);
+    rig_destroy(&r);
+}
+
 static void turns_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
@@ -169,22 +204,22 @@ static void turns_that_make_no_sense_are_refused(void **state)
     char yaw[] = "yaw", none[] = "", third[] = "third", fourth[] = "fourth";
     make(&r);
     must(rig_edit_add_bone(&r, "eye", BONE_BALL, (vec3){30, 40, 50}, 12.0, &bone, &err), &err);
-    rig_turn to = {yaw, {1, 0, 0}, -1.0, 1.0};
+    rig_turn to = {yaw, {1, 0, 0}, -1.0, 1.0, {0}};
     refused(rig_edit_set_turn(&r, 1, 0, &to, &err), &err, "no ball");
     refused(rig_edit_set_turn(&r, bone, 2, &to, &err), &err, "no turn 2");
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "another turn");
     to.name = none;
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "1 to");
-    to = (rig_turn){third, {0, 0, 0}, -1.0, 1.0};
+    to = (rig_turn){third, {0, 0, 0}, -1.0, 1.0, {0}};
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "axis");
-    to = (rig_turn){third, {1, 0, 0}, 0.1, 1.0};
+    to = (rig_turn){third, {1, 0, 0}, 0.1, 1.0, {0}};
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "180");
-    to = (rig_turn){third, {1, 0, 0}, -4.0, 1.0};
+    to = (rig_turn){third, {1, 0, 0}, -4.0, 1.0, {0}};
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "180");
-    to = (rig_turn){third, {1, 0, 0}, 0.0, 1e-6};
+    to = (rig_turn){third, {1, 0, 0}, 0.0, 1e-6, {0}};
     refused(rig_edit_set_turn(&r, bone, 1, &to, &err), &err, "nowhere");
     assert_string_equal(r.bone[bone].turn[1].name, "pitch");
-    to = (rig_turn){third, {1, 0, 0}, 0.0, 1.0};
+    to = (rig_turn){third, {1, 0, 0}, 0.0, 1.0, {0}};
     must(rig_edit_add_turn(&r, bone, &to, &index, &err), &err);
     to.name = fourth;
     refused(rig_edit_add_turn(&r, bone, &to, &index, &err), &err, "at most 3");
@@ -428,6 +463,7 @@ int main(void)
         cmocka_unit_test(an_eye_is_added_and_read_again),
         cmocka_unit_test(the_turns_of_a_ball_are_changed_and_read_again),
         cmocka_unit_test(poses_follow_a_turn_and_forget_it),
+        cmocka_unit_test(a_lid_follows_a_turn_that_is_renamed_moved_and_taken_out),
         cmocka_unit_test(turns_that_make_no_sense_are_refused),
         cmocka_unit_test(a_bone_rides_on_another_that_is_before_it),
         cmocka_unit_test(numbers_that_a_drag_gave_are_rounded_and_others_stay),

@@ -58,6 +58,18 @@ double bones_soft_limit_inverse(double limited, double min, double max)
     return limited < 0.0 ? -soft_side_inverse(-limited, -min) : soft_side_inverse(limited, max);
 }
 
+double bones_followed(double limited, double by_rad, double min, double max)
+{
+    if (by_rad == 0.0)
+        return limited;
+    double part = limited > 0.0 ? limited / max : 0.0;
+    double fade = part < 1.0 ? (1.0 - part) * (1.0 - part) * (1.0 + 2.0 * part) : 0.0;
+    /* up to half the way: from there on it would go back while `limited` grows */
+    if (by_rad > 0.0)
+        return limited + fade * soft_side(by_rad, 0.5 * max);
+    return limited - soft_side(-by_rad * fade, limited - min);
+}
+
 static double narrowing(const rig_bone *jaw, double open_rad)
 {
     double part = jaw->open_max_rad > 0.0 ? open_rad / jaw->open_max_rad : 0.0;
@@ -213,11 +225,24 @@ static rigid pose_jaw(const bones *b, const float *dof)
     return bones_jaw(b, jaw[0], jaw[1], jaw[2]);
 }
 
-static rigid pose_ball(const rig_bone *ball, const float *dof)
+static double angle_of(const bones *b, uint32_t bone, uint32_t axis, const float *dof)
 {
+    const rig_turn *turn = &b->rig->bone[bone].turn[axis];
+    const rig_follow *follows = &turn->follows;
+    double limited = limit_turn(&b->rig->bone[bone], axis, dof + b->first_dof[bone]);
+    if (follows->share == 0.0)
+        return limited;
+    double other =
+        limit_turn(&b->rig->bone[follows->bone], follows->turn, dof + b->first_dof[follows->bone]);
+    return bones_followed(limited, follows->share * other, turn->min_rad, turn->max_rad);
+}
+
+static rigid pose_ball(const bones *b, uint32_t bone, const float *dof)
+{
+    const rig_bone *ball = &b->rig->bone[bone];
     rigid out = rigid_identity();
     for (uint32_t i = 0; i < ball->turn_count; ++i) {
-        double angle = limit_turn(ball, i, dof);
+        double angle = angle_of(b, bone, i, dof);
         if (angle == 0.0)
             continue;
         rigid rotation = rigid_turn(ball->centre, ball->turn[i].axis, angle);
@@ -237,7 +262,7 @@ void bones_pose(rigid *out, const bones *b, const float *dof)
         if (one->kind == BONE_JAW)
             out[bone] = pose_jaw(b, dof + b->first_dof[bone]);
         else if (one->kind == BONE_BALL)
-            out[bone] = pose_ball(one, dof + b->first_dof[bone]);
+            out[bone] = pose_ball(b, bone, dof);
         if (one->parent != RIG_NONE && b->moves[one->parent])
             out[bone] = rigid_compose(&out[one->parent], &out[bone]);
     }
@@ -355,6 +380,10 @@ static mrt_result init_ball(bones *b, uint32_t bone, error *err)
                 "bone %s: turn %s from %g to %g rad: expected [low, high] with low <= 0 "
                 "<= high",
                 ball->name, t->name, t->min_rad, t->max_rad);
+        const char *fault = rig_follow_fault(b->rig, bone, i);
+        if (fault)
+            return error_set(err, MRT_ERR_FORMAT, "bone %s: what turn %s follows %s", ball->name,
+                             t->name, fault);
         mrt_result result = add_dof(b, bone, t->name, "rad", t->min_rad, t->max_rad, err);
         if (result < 0)
             return result;

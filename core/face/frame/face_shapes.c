@@ -197,10 +197,23 @@ static double part_of(const learning *l, uint32_t bone, const float *dof)
     return whole > 0.0 ? 1.0 - left / whole : 0.0;
 }
 
+/* A lid that follows the gaze goes with the eye that the shape turns, which was fitted before: it
+ * is fitted to what is left. */
+static void follow_fitted(float *dof, const face_shape *one, const bones *b, const rig_turn *turn)
+{
+    const rig_follow *follows = &turn->follows;
+    if (follows->share == 0.0)
+        return;
+    uint32_t at = b->first_dof[follows->bone] + follows->turn;
+    dof[at] = one->dof[at];
+}
+
 static void fit_bone(const learning *l, face_shape *one, uint32_t bone)
 {
     const bones *b = &l->f->bones;
     float dof[MRT_MAX_DOFS] = {0};
+    for (uint32_t i = 0; i < dofs_of(b, bone); ++i)
+        follow_fitted(dof, one, b, &b->rig->bone[bone].turn[i]);
     double before = left_over(l, bone, dof, NULL), damping = 1e-3;
     double least = bone_least_mm * bone_least_mm * l->points[bone];
     if (l->points[bone] < 4 || !(before > least))

@@ -84,6 +84,41 @@ void rig_destroy(rig *r)
     *r = (rig){0};
 }
 
+bool rig_find_turn(const rig *r, const char *dof, uint32_t *out_bone, uint32_t *out_turn)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i) {
+        const rig_bone *bone = &r->bone[i];
+        size_t length = strlen(bone->name);
+        if (strncmp(dof, bone->name, length) != 0 || dof[length] != '.')
+            continue;
+        for (uint32_t k = 0; k < bone->turn_count; ++k)
+            if (strcmp(dof + length + 1, bone->turn[k].name) == 0) {
+                *out_bone = i;
+                *out_turn = k;
+                return true;
+            }
+    }
+    return false;
+}
+
+const char *rig_follow_fault(const rig *r, uint32_t bone, uint32_t turn)
+{
+    const rig_follow *follows = &r->bone[bone].turn[turn].follows;
+    if (follows->share == 0.0)
+        return NULL;
+    if (!(follows->share >= -1.0 && follows->share <= 1.0))
+        return "follows by a share that is not within -1 and 1";
+    if (follows->bone == bone)
+        return "is a turn of the same bone, and a turn follows one of another bone";
+    if (follows->bone > bone)
+        return "is a turn of a bone that is listed later, and a turn follows an earlier one";
+    if (follows->turn >= r->bone[follows->bone].turn_count)
+        return "is no turn of a ball that is listed before";
+    if (r->bone[follows->bone].turn[follows->turn].follows.share != 0.0)
+        return "follows another turn itself, and a turn follows one that does not";
+    return NULL;
+}
+
 uint32_t rig_find_jaw(const rig *r)
 {
     for (uint32_t i = 0; i < r->bone_count; ++i)

@@ -519,11 +519,11 @@ static void add_lid(drafting *d, const char *side, const char *which, const anat
     char name[RIG_NAME_MAX + 1];
     double r = eye->radius_mm;
     (void)snprintf(name, sizeof name, "lid_%s.%s", which, side);
-    json_array_append_new(d->bones,
-                          json_pack("{ss, s{so, sf}, s[{ss, s[fii], s[ii]}]}", "name", name, "ball",
-                                    "centre", point_of(eye->centre), "radius_mm",
-                                    round(10.0 * r) / 10.0, "turns", "name", "close", "axis", sign,
-                                    0, 0, "deg", -8, (int)floor(close_rad * degree_per_radian)));
+    json_array_append_new(
+        d->bones, json_pack("{ss, s{so, sf}, s[{ss, s[fii], s[ii]}]}", "name", name, "ball",
+                            "centre", point_of(eye->centre), "radius_mm", round(10.0 * r) / 10.0,
+                            "turns", "name", "close", "axis", sign, 0, 0, "deg",
+                            sign > 0.0 ? -12 : -8, (int)floor(close_rad * degree_per_radian)));
     /* A plane through the ball's axis, a little beyond the corners of the eye. */
     vec3 up = {0.0, sign * cos(0.5 * edge), -sign * sin(0.5 * edge)};
     vec3 front = {eye->centre.x, eye->centre.y, eye->centre.z + 0.25 * r};
@@ -915,6 +915,36 @@ static double part_together(face *f, const freedom *all, uint32_t count)
     return part;
 }
 
+/* Of the eye's pitch, which is positive upwards. */
+static const double upper_lid_follows = -0.6, lower_lid_follows = 0.25;
+
+/* Lids go with the gaze. Tried without: a lid that follows stays within its limits, so nothing
+ * folds that did not before, and no eye is held back because of its lid. */
+static void add_follows(rig *r, drafting *d)
+{
+    const struct {
+        const char *lid, *eye;
+        double share;
+    } all[] = {{"lid_upper.l", "eye.l.pitch", upper_lid_follows},
+               {"lid_upper.r", "eye.r.pitch", upper_lid_follows},
+               {"lid_lower.l", "eye.l.pitch", lower_lid_follows},
+               {"lid_lower.r", "eye.r.pitch", lower_lid_follows}};
+    bool any = false;
+    for (size_t i = 0; i < sizeof all / sizeof *all; ++i) {
+        rig_follow follows = {.share = all[i].share};
+        uint32_t lid = rig_find_bone(r, all[i].lid);
+        if (lid == RIG_NONE || !rig_find_turn(r, all[i].eye, &follows.bone, &follows.turn))
+            continue;
+        r->bone[lid].turn[0].follows = follows;
+        any = true;
+    }
+    if (any)
+        rig_note(&d->confirm,
+                 "lids follow the gaze up and down, the upper ones by %.0f %%, the lower ones by "
+                 "%.0f %%: likely",
+                 -100.0 * upper_lid_follows, 100.0 * lower_lid_follows);
+}
+
 typedef struct trial {
     bool has_lids; /* lids that can hardly close are worse than none */
     bool opens;    /* the jaw, at least as far as clay does */
@@ -1134,6 +1164,8 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
                  d.ambition == WITHOUT_PIECES ? "lids" : "lids, eyes, teeth and what is worn",
                  d.ambition == WITHOUT_PIECES ? "skin around the eyes would fold"
                                               : "rig would not load with them");
+    if (result >= 0)
+        add_follows(out, &d);
     rig_anatomy_finish(&d.a);
     if (result >= 0 && cut_mouth) {
         out->cut_mouth = malloc(cut_count * sizeof *cut_mouth);

@@ -487,8 +487,10 @@ static void make_ball(rig_bone *out, vec3 at, double half_mm)
 {
     out->centre = round_position(at, nowhere);
     out->radius_mm = round_mm(half_mm, nowhere.x);
-    out->turn[0] = (rig_turn){strdup("yaw"), {0.0, 1.0, 0.0}, -to_the_sides_rad, to_the_sides_rad};
-    out->turn[1] = (rig_turn){strdup("pitch"), {-1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad};
+    out->turn[0] =
+        (rig_turn){strdup("yaw"), {0.0, 1.0, 0.0}, -to_the_sides_rad, to_the_sides_rad, {0}};
+    out->turn[1] =
+        (rig_turn){strdup("pitch"), {-1.0, 0.0, 0.0}, -up_and_down_rad, up_and_down_rad, {0}};
     out->turn_count = 2;
 }
 
@@ -598,6 +600,22 @@ static uint32_t heir_of(uint32_t bone, uint32_t removed, uint32_t heir)
     return bone > removed ? bone - 1 : bone;
 }
 
+/* Of the bone, or of one of its turns (RIG_NONE: of any), which goes: no turn follows it, and those
+ * behind it have new numbers. */
+static void forget_followed(rig *r, uint32_t bone, uint32_t turn)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        for (uint32_t k = 0; k < r->bone[i].turn_count; ++k) {
+            rig_follow *follows = &r->bone[i].turn[k].follows;
+            if (follows->bone == bone && (turn == RIG_NONE || follows->turn == turn))
+                *follows = (rig_follow){0};
+            else if (turn == RIG_NONE && follows->bone > bone)
+                follows->bone -= 1;
+            else if (follows->bone == bone && follows->turn > turn)
+                follows->turn -= 1;
+        }
+}
+
 static void reassign_bone(rig *r, uint32_t removed, uint32_t heir)
 {
     for (uint32_t i = 0; i < r->region_count; ++i)
@@ -626,6 +644,7 @@ mrt_result rig_edit_remove_bone(rig *r, uint32_t index, error *err)
         return result;
     const uint32_t parent = r->bone[index].parent;
     forget_in_poses(r, r->bone[index].name, NULL);
+    forget_followed(r, index, RIG_NONE);
     reassign_bone(r, index, parent == RIG_NONE ? 0 : parent);
     finish_bone(&r->bone[index]);
     close_array(r->bone, &r->bone_count, index, sizeof *r->bone);
@@ -775,12 +794,26 @@ static mrt_result round_turn(rig_turn *out, const rig_turn *turn, const rig_turn
     return check_way(out, err);
 }
 
+/* Of one turn, so changed; others may follow it. */
+static mrt_result check_follows(rig *r, uint32_t bone, uint32_t turn, const rig_follow *to,
+                                error *err)
+{
+    rig_follow *there = &r->bone[bone].turn[turn].follows, before = *there;
+    const char *fault = NULL;
+    *there = *to;
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        for (uint32_t k = 0; k < r->bone[i].turn_count && !fault; ++k)
+            fault = rig_follow_fault(r, i, k);
+    *there = before;
+    return fault ? error_set(err, MRT_ERR_ARGUMENT, "what the turn follows %s", fault) : MRT_OK;
+}
+
 /* ---- changes ---- */
 
 mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn, uint32_t *out_index,
                              error *err)
 {
-    const rig_turn none = {NULL, {0.0, 0.0, 0.0}, (double)NAN, (double)NAN};
+    const rig_turn none = {NULL, {0.0, 0.0, 0.0}, (double)NAN, (double)NAN, {0}};
     rig_turn made;
     mrt_result result = check_ball(r, bone, err);
     if (result < 0)
@@ -793,6 +826,8 @@ mrt_result rig_edit_add_turn(rig *r, uint32_t bone, const rig_turn *turn, uint32
                          "the bones of a rig move in at most %d ways; take one out first",
                          MRT_MAX_DOFS);
     result = check_turn_name(ball, RIG_NONE, turn->name, err);
+    if (result >= 0 && turn->follows.share != 0.0)
+        result = error_set(err, MRT_ERR_ARGUMENT, "a new turn follows none yet");
     if (result >= 0)
         result = round_turn(&made, turn, &none, err);
     if (result < 0)
@@ -814,6 +849,7 @@ mrt_result rig_edit_remove_turn(rig *r, uint32_t bone, uint32_t turn, error *err
     if (ball->turn_count == 1)
         return error_set(err, MRT_ERR_UNSUPPORTED, "a ball has one turn at least: this one stays");
     forget_in_poses(r, ball->name, ball->turn[turn].name);
+    forget_followed(r, bone, turn);
     free(ball->turn[turn].name);
     close_array(ball->turn, &ball->turn_count, turn, sizeof *ball->turn);
     ball->turn[ball->turn_count] = (rig_turn){0};
@@ -829,6 +865,8 @@ mrt_result rig_edit_set_turn(rig *r, uint32_t bone, uint32_t turn, const rig_tur
     rig_bone *ball = &r->bone[bone];
     rig_turn *there = &ball->turn[turn];
     result = check_turn_name(ball, turn, to->name, err);
+    if (result >= 0)
+        result = check_follows(r, bone, turn, &to->follows, err);
     if (result >= 0)
         result = round_turn(&made, to, there, err);
     if (result < 0)

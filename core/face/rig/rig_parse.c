@@ -411,9 +411,42 @@ static mrt_result check_turn_name(const rig_bone *bone, uint32_t index, const js
     return MRT_OK;
 }
 
+/* bone: the next of the rig. */
+static mrt_result read_follows(rig_bone *bone, uint32_t index, const json_node *at, rig *r,
+                               error *err)
+{
+    static const char *const known[] = {"dof", "share", NULL};
+    json_node follows = json_node_member(at, "follows");
+    if (!follows.value)
+        return MRT_OK;
+    rig_follow *out = &bone->turn[index].follows;
+    mrt_result result = json_node_object(&follows, "an object with dof and share", err);
+    if (result < 0)
+        return result;
+    rig_json_note_unknown(&r->note, &follows, known);
+    json_node dof = json_node_member(&follows, "dof"), share = json_node_member(&follows, "share");
+    const char *name = json_string_value(dof.value), *fault = NULL;
+    if (!name)
+        return json_node_unexpected(err, &dof, "a degree of freedom like \"eye.l.pitch\"");
+    result = json_node_number(&out->share, &share, -1.0, 1.0, err);
+    if (result < 0)
+        return result;
+    uint32_t before = r->bone_count;
+    r->bone_count += 1; /* its own turns are found, too */
+    if (!rig_find_turn(r, name, &out->bone, &out->turn))
+        fault = "is no turn of a ball that is listed before";
+    r->bone_count = before;
+    if (!fault)
+        fault = rig_follow_fault(r, before, index);
+    if (!fault)
+        return MRT_OK;
+    json_words word = json_shown(name);
+    return error_set(err, MRT_ERR_FORMAT, "%s: \"%s\" %s", dof.path.text, word.text, fault);
+}
+
 static mrt_result read_turn(rig_bone *bone, const json_node *at, rig *r, error *err)
 {
-    static const char *const known[] = {"name", "axis", "deg", NULL};
+    static const char *const known[] = {"name", "axis", "deg", "follows", NULL};
     uint32_t index = bone->turn_count;
     rig_turn *turn = &bone->turn[index];
     mrt_result result = json_node_object(at, "an object with name, axis and deg", err);
@@ -435,7 +468,8 @@ static mrt_result read_turn(rig_bone *bone, const json_node *at, rig *r, error *
                          axis.path.text);
     turn->axis = vec3_normalised(turn->axis, (vec3){1.0, 0.0, 0.0});
     json_node deg = json_node_member(at, "deg");
-    return read_range(&turn->min_rad, &turn->max_rad, &deg, 180.0, err);
+    result = read_range(&turn->min_rad, &turn->max_rad, &deg, 180.0, err);
+    return result < 0 ? result : read_follows(bone, index, at, r, err);
 }
 
 static mrt_result read_ball(rig_bone *bone, const reading *in, error *err)

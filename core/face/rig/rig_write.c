@@ -270,13 +270,28 @@ static bool holds_axis(const json_t *there, vec3 axis)
            is_same(found.z, axis.z);
 }
 
-static json_t *turn_to_json(const rig_turn *turn, const json_t *source)
+static void write_follows(json_t *out, const rig *r, const rig_follow *follows)
+{
+    char dof[2 * RIG_NAME_MAX + 2];
+    if (follows->share == 0.0) {
+        json_object_del(out, "follows");
+        return;
+    }
+    const rig_bone *bone = &r->bone[follows->bone];
+    (void)snprintf(dof, sizeof dof, "%s.%s", bone->name, bone->turn[follows->turn].name);
+    json_t *to = get_object(out, "follows");
+    set_text(to, "dof", dof);
+    set_number(to, "share", follows->share, 1.0, (double)NAN);
+}
+
+static json_t *turn_to_json(const rig *r, const rig_turn *turn, const json_t *source)
 {
     json_t *out = json_is_object(source) ? json_deep_copy(source) : json_object();
     set_text(out, "name", turn->name);
     if (!holds_axis(json_object_get(out, "axis"), turn->axis))
         json_object_set_new(out, "axis", rig_point_to_json(rig_round_axis(turn->axis), 1.0));
     set_range(out, "deg", turn->min_rad, turn->max_rad, (double)NAN);
+    write_follows(out, r, &turn->follows);
     return out;
 }
 
@@ -307,7 +322,8 @@ static void write_ball(json_t *out, const rig_bone *bone, const writing *w)
     json_t *turns = json_array();
     json_t *before = json_object_get(out, "turns");
     for (uint32_t i = 0; i < bone->turn_count; ++i)
-        json_array_append_new(turns, turn_to_json(&bone->turn[i], source_of_turn(before, bone, i)));
+        json_array_append_new(turns,
+                              turn_to_json(w->r, &bone->turn[i], source_of_turn(before, bone, i)));
     json_object_set_new(out, "turns", turns);
 }
 

@@ -96,7 +96,7 @@ static void add_turn(panel *self, const rig_bone *ball)
     (void)snprintf(name, sizeof name, "%s", ways[way].name);
     for (uint32_t number = 2; has_turn(ball, name); ++number)
         (void)snprintf(name, sizeof name, "%s %u", ways[way].name, number);
-    const rig_turn made = {name, ways[way].axis, -15.0 * degree, 15.0 * degree};
+    const rig_turn made = {name, ways[way].axis, -15.0 * degree, 15.0 * degree, {0}};
     rig *r = rig_panel_begin(self);
     if (r &&
         rig_panel_finish(self, rig_edit_add_turn(r, self->parting.bone, &made, &index, &self->err),
