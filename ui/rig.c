@@ -84,9 +84,11 @@ static mrt_result check(checking *c, const face_file *f, error *err)
     bool is_bound = binding_create(&b, f->rig, &f->mesh, &f->topology, &reason) >= 0;
     mrt_result result =
         rig_check(&c->findings, f->rig, &f->mesh, &f->topology, is_bound ? &b : NULL, err);
-    if (is_bound)
+    if (is_bound) {
+        if (result >= 0 && rig_findings_count(&c->findings, RIG_ERROR) == 0)
+            result = rig_check_poses(&c->findings, f->rig, &f->mesh, &f->topology, &b, err);
         binding_destroy(&b);
-    else if (result >= 0 && rig_findings_count(&c->findings, RIG_ERROR) == 0)
+    } else if (result >= 0 && rig_findings_count(&c->findings, RIG_ERROR) == 0)
         result = error_set(err, MRT_ERR_UNSUPPORTED, "%s: %s", c->path, reason.text);
     return result;
 }
@@ -363,11 +365,12 @@ static mrt_result print_poses(rig_poses_stage *stage, uint32_t count, rigportrai
         if (i < RIGPORTRAITS_MAX)
             rigportraits_frame_add(frame, stage->position, stage->mesh->vertex_count);
         rig_poses_measure m = rig_poses_measured(stage);
+        const char *part = rig_pose_part_name[stage->rig.pose[i].part];
         terminal_print(
-            "%-20s least determinant %6.3f   penetration %.2f mm   furthest %.1f mm (vertex "
+            "%-20s %-6s least determinant %6.3f   penetration %.2f mm   furthest %.1f mm (vertex "
             "%u)%s\n",
-            stage->rig->pose[i].name, m.least_determinant, m.penetration_mm, m.furthest_mm,
-            m.furthest_vertex, m.least_determinant > 0.0 ? "" : "   FOLDS");
+            stage->rig.pose[i].name, part ? part : "", m.least_determinant, m.penetration_mm,
+            m.furthest_mm, m.furthest_vertex, m.least_determinant > 0.0 ? "" : "   FOLDS");
     }
     return MRT_OK;
 }
@@ -378,7 +381,8 @@ static mrt_result draw_poses(const showing *s, rig_poses_stage *stage, uint32_t 
     char title[256], typed[1024];
     uint32_t drawn = count < RIGPORTRAITS_MAX ? count : RIGPORTRAITS_MAX;
     command_typed(typed, sizeof typed);
-    (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig->name, count);
+    stage->solver.stretch_most = stage->rig.solver.stretch_most; /* as they are performed */
+    (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig.name, count);
     const rigpicture_about about = {title, typed, s->look.width, s->look.height};
     mrt_result result = rigportraits_write(s->out_path, stage, drawn, frame, &about, err);
     if (result < 0)

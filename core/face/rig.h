@@ -114,15 +114,21 @@ typedef struct rig_proxy { /* "skull_proxy": skin does not enter it */
     uint32_t source;    /* as of a region */
 } rig_proxy;
 
-typedef struct rig_pose { /* "poses": [ { "name", "dofs": { name: value }, "pulls": { contact:
-                             [x,y,z] } } ] */
+/* "part": "mouth" or "upper": a pose of one half leaves the other half of the face as it is. */
+typedef enum rig_pose_part { POSE_WHOLE = 0, POSE_MOUTH, POSE_UPPER } rig_pose_part;
+
+typedef struct rig_pose { /* "poses": [ { "name", "part", "dofs": { name: value }, "pulls": {
+                             contact: [x,y,z] } } ] */
     char *name;
+    rig_pose_part part;
     char **dof_name;
     double *dof_value; /* rad or mm */
     uint32_t dof_count;
     uint32_t *pull_contact;
     vec3 *pull_mm;
     uint32_t pull_count;
+    uint32_t follow_count; /* pulls of other contacts, behind those: see rig_poses_complete; of no
+                              file */
 } rig_pose;
 
 typedef enum rig_seal_from { SEAL_FROM_CORNERS = 0, SEAL_FROM_MIDDLE } rig_seal_from;
@@ -185,6 +191,8 @@ CHECKED mrt_result rig_copy(rig *out, const rig *r, error *err);
 void rig_destroy(rig *r);             /* accepts NULL and zeroed; [any] */
 void rig_pose_finish(rig_pose *pose); /* accepts zeroed; [any] */
 
+/* "mouth", "upper"; NULL: the whole. */
+extern const char *const rig_pose_part_name[POSE_UPPER + 1];
 uint32_t rig_find_bone(const rig *r, const char *name); /* RIG_NONE */
 uint32_t rig_find_jaw(const rig *r);                    /* RIG_NONE */
 /* Whether `dof` ("eye.l.pitch") is a turn of a ball. */

@@ -26,6 +26,11 @@ typedef struct rig_findings {
  * or NULL: then what needs filled weights is left out. */
 CHECKED mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topology *t,
                              const binding *b, error *err);
+/* Adds how far the fold guard holds each pose back, warnings above 0.5 mm; and how near complete
+ * poses come to what the contacts that they name do alone (rig_poses_complete). Some ms for each
+ * pose. The rig is valid. */
+CHECKED mrt_result rig_check_poses(rig_findings *out, const rig *r, const mesh *m,
+                                   const topology *t, const binding *b, error *err);
 void rig_findings_finish(rig_findings *findings); /* accepts zeroed */
 uint32_t rig_findings_count(const rig_findings *findings, rig_severity severity);
 

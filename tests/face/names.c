@@ -304,6 +304,7 @@ static void poses_are_carried_to_heads_that_were_drafted(void **state)
         must(rig_poses_carry(p.file.rig, &p.file.mesh, puppet.rig, &puppet.mesh, &err), &err);
         begin(&p);
         csrbf_settings solver = rig_poses_solver(p.file.rig, &p.file.mesh);
+        must(rig_poses_complete(p.file.rig, 0, p.face, &solver, &err), &err);
         solver.stretch_most = p.file.rig->solver.stretch_most;
         for (uint32_t i = 0; i < p.file.rig->pose_count; ++i) {
             const char *name = p.file.rig->pose[i].name;

@@ -77,7 +77,7 @@ static void add_to_mixture(named_face *of, const rig_pose *pose, double weight)
         to->dof_name[at] = pose->dof_name[i];
         to->dof_value[at] += weight * pose->dof_value[i];
     }
-    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+    for (uint32_t i = 0; i < pose->pull_count + pose->follow_count; ++i) {
         uint32_t at = 0;
         while (at < to->pull_count && to->pull_contact[at] != pose->pull_contact[i])
             at += 1;
@@ -97,8 +97,8 @@ static const face_channels *perform(named_face *of, const double weight[ARKIT_SH
     memset(of->mixture.dof_value, 0, MRT_MAX_DOFS * sizeof(double));
     memset(of->mixture.pull_mm, 0, r->contact_count * sizeof(vec3));
     for (uint32_t i = 0; i < ARKIT_SHAPES; ++i)
-        if (weight[i] > 0.0 && pose_of(of->file.rig, i))
-            add_to_mixture(of, pose_of(of->file.rig, i), weight[i]);
+        if (weight[i] > 0.0 && pose_of(&of->stage.rig, i))
+            add_to_mixture(of, pose_of(&of->stage.rig, i), weight[i]);
     r->pose_count = of->file.rig->pose_count + 1;
     r->pose[r->pose_count - 1] = of->mixture;
     solver.stretch_most = of->file.rig->solver.stretch_most;

@@ -88,12 +88,11 @@ static void finish(posed *p)
         free(p->dof_name[i]);
 }
 
-/* The face of so much of each pose: their contacts pulled, their bones turned. */
+/* The face of so much of each pose: all contacts held, theirs pulled, their bones turned. */
 static void perform(posed *p, const double weight[POSES])
 {
     error err = {""};
     double way[SCENE_CONTACTS][3] = {{0}}, end[SCENE_CONTACTS][3];
-    bool is_pulled[SCENE_CONTACTS] = {false};
     face_control control[SCENE_CONTACTS];
     uint8_t rides[SCENE_CONTACTS];
     float dof[MRT_MAX_DOFS] = {0};
@@ -103,7 +102,6 @@ static void perform(posed *p, const double weight[POSES])
             dof[scene_dof(&p->scene, p->dof_name[i])] += (float)(weight[i] * p->dof_value[i]);
         for (uint32_t k = 0; k < p->pose[i].pull_count && weight[i] > 0.0; ++k) {
             const uint32_t at = p->contact[i][k];
-            is_pulled[at] = true;
             way[at][0] += weight[i] * p->pull[i][k].x;
             way[at][1] += weight[i] * p->pull[i][k].y;
             way[at][2] += weight[i] * p->pull[i][k].z;
@@ -111,8 +109,6 @@ static void perform(posed *p, const double weight[POSES])
     }
     face_reset(p->scene.face);
     for (uint32_t k = 0; k < SCENE_CONTACTS; ++k) {
-        if (!is_pulled[k])
-            continue;
         control[count] = (face_control){scene_rest(&p->scene, p->scene.contact[k].vertex), 1 + k};
         memcpy(end[count++], way[k], sizeof end[0]);
     }

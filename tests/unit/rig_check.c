@@ -328,6 +328,62 @@ static void pieces_that_touch_and_would_part_are_a_warning(void **state)
     rig_findings_finish(&all);
 }
 
+static void a_pose_that_reaches_into_the_other_half_is_a_warning(void **state)
+{
+    (void)state;
+    char name[] = "talk", nod[] = "skull.nod";
+    char *dof[] = {nod};
+    double turn = 0.1;
+    uint32_t contact[2] = {rig_find_contact(moai.rig, "chin"),
+                           rig_find_contact(moai.rig, "brow.mid.l")};
+    vec3 way[2] = {{0, 4, 0}, {0, 4, 0}};
+    rig_pose pose = {
+        .name = name, .part = POSE_MOUTH, .pull_contact = contact, .pull_mm = way, .pull_count = 2};
+    rig_pose *had = moai.rig->pose;
+    uint32_t had_count = moai.rig->pose_count;
+    moai.rig->pose = &pose;
+    moai.rig->pose_count = 1;
+    assert_found(RIG_WARNING, "$.poses[0]", "\"brow.mid.l\" is not of the part \"mouth\"");
+    pose.part = POSE_UPPER;
+    assert_found(RIG_WARNING, "$.poses[0]", "\"chin\" is not of the part \"upper\"");
+    pose.pull_count = 0;
+    pose.dof_name = dof;
+    pose.dof_value = &turn;
+    pose.dof_count = 1;
+    assert_found(RIG_WARNING, "$.poses[0]", "\"skull.nod\" is not of the part \"upper\"");
+    pose.part = POSE_WHOLE;
+    rig_findings all = check_moai();
+    for (uint32_t i = 0; i < all.count; ++i)
+        assert_null(strstr(all.item[i].text, "is not of the part"));
+    rig_findings_finish(&all);
+    moai.rig->pose = had;
+    moai.rig->pose_count = had_count;
+}
+
+/* What is asked for and what is given. */
+static void a_pose_that_folds_is_held_back_and_a_warning(void **state)
+{
+    (void)state;
+    char name[] = "torn";
+    uint32_t contact = rig_find_contact(moai.rig, "brow.inner.l");
+    vec3 way = {60, 0, 0};
+    rig_pose pose = {.name = name, .pull_contact = &contact, .pull_mm = &way, .pull_count = 1};
+    rig_pose *had = moai.rig->pose;
+    uint32_t had_count = moai.rig->pose_count;
+    rig_findings all = {0};
+    error err = {""};
+    moai.rig->pose = &pose;
+    moai.rig->pose_count = 1;
+    assert_int_equal(
+        rig_check_poses(&all, moai.rig, &moai.mesh, &moai.topology, &moai_binding, &err), MRT_OK);
+    assert_int_equal(all.count, 2);
+    assert_int_equal(find(&all, "\"torn\" is held back by up to")->severity, RIG_WARNING);
+    assert_int_equal(find(&all, "all 27 contacts are held")->severity, RIG_NOTE);
+    rig_findings_finish(&all);
+    moai.rig->pose = had;
+    moai.rig->pose_count = had_count;
+}
+
 static void poses_in_another_unit_are_warnings(void **state)
 {
     (void)state;
@@ -405,6 +461,8 @@ int main(void)
         cmocka_unit_test(a_contact_on_a_seam_is_an_error_unless_its_bone_is_named),
         cmocka_unit_test(pieces_that_touch_and_would_part_are_a_warning),
         cmocka_unit_test(poses_in_another_unit_are_warnings),
+        cmocka_unit_test(a_pose_that_reaches_into_the_other_half_is_a_warning),
+        cmocka_unit_test(a_pose_that_folds_is_held_back_and_a_warning),
         cmocka_unit_test(errors_come_first),
         cmocka_unit_test(a_missing_mesh_names_the_rig_and_the_place),
     };

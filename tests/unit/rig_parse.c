@@ -30,7 +30,8 @@ static const char whole[] =
     " \"contact_sets\": {\"few\": [\"lip.r\"]},"
     " \"skull_proxy\": [{\"ellipsoid\": {\"centre\": [0, 0.05, 0], \"radii\": [0.07, 0.09, 0.08],"
     "  \"bone\": \"skull\"}}],"
-    " \"poses\": [{\"name\": \"talk\", \"dofs\": {\"jaw.open\": 15, \"jaw.lateral\": 2,"
+    " \"poses\": [{\"name\": \"talk\", \"part\": \"mouth\", \"dofs\": {\"jaw.open\": 15, "
+    "\"jaw.lateral\": 2,"
     "  \"eye.l.yaw\": -10}, \"pulls\": {\"lip.l\": [0, 0.002, 0]}}],"
     " \"solver\": {\"kernel\": \"wendland_c4\", \"radius_mm\": 60, \"polynomial\": \"constant\"}}";
 
@@ -51,6 +52,7 @@ static void lengths_are_mm_and_angles_rad_whatever_the_unit(void **state)
     assert_near(r.pose[0].dof_value[0], 15.0 * 0.017453292519943295, 1e-12);
     assert_near(r.pose[0].dof_value[1], 2.0, 0.0);
     assert_near(r.pose[0].pull_mm[0].y, 2.0, 1e-9);
+    assert_int_equal(r.pose[0].part, POSE_MOUTH);
     rig_destroy(&r);
 }
 
@@ -231,6 +233,10 @@ static void wrong_contacts_are_refused(void **state)
                    "$.poses[0].pulls.a", "no contact \"a\"");
     assert_refused("\"poses\": [{\"name\": \"p\", \"dofs\": {\"jaw.open\": 3}}]",
                    "$.poses[0].dofs[\"jaw.open\"]", "no such degree of freedom");
+    assert_refused("\"poses\": [{\"name\": \"p\", \"part\": \"nose\"}]", "$.poses[0].part",
+                   "\"mouth\" or \"upper\"");
+    assert_refused("\"poses\": [{\"name\": \"p\", \"part\": 1}]", "$.poses[0].part",
+                   "\"mouth\" or \"upper\"");
 }
 
 static void wrong_settings_are_refused(void **state)

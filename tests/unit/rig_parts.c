@@ -434,7 +434,14 @@ static void poses_come_are_named_and_go(void **state)
     double value[] = {0.3};
     vec3 way[2] = {{0, 3, 1}, {1, 0, 0}};
     char name[] = "surprise";
-    const rig_pose pose = {name, dof, value, 1, contact, way, 2};
+    const rig_pose pose = {.name = name,
+                           .part = POSE_MOUTH,
+                           .dof_name = dof,
+                           .dof_value = value,
+                           .dof_count = 1,
+                           .pull_contact = contact,
+                           .pull_mm = way,
+                           .pull_count = 2};
     make(&r);
     must(rig_edit_add_pose(&r, &pose, &index, &err), &err);
     assert_int_equal(index, 1);
@@ -446,6 +453,7 @@ static void poses_come_are_named_and_go(void **state)
     assert_string_equal(r.pose[1].name, "oh");
     assert_float_equal(r.pose[1].dof_value[0], 0.3, 1e-4); /* to 0.01 degrees */
     assert_int_equal(r.pose[1].pull_count, 2);
+    assert_int_equal(r.pose[1].part, POSE_MOUTH);
     must(rig_edit_remove_pose(&r, 0, &err), &err);
     again(&r);
     assert_int_equal(r.pose_count, 1);

@@ -8,9 +8,14 @@
 
 #include "rig_help.h"
 #include "face/rig/rig_poses.h"
-#include "stage/perform/face_file.h"
+#include "mesh/position.h"
+#include "stage/perform/composer.h"
+#include "stage/perform/patch_bay.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* A plane that rides on a head, which turns about +z; one contact at (10, 10, 0), one in the
  * middle. */
@@ -199,14 +204,308 @@ static void expressions_of_the_puppet_are_sound(void **state)
     face_file_destroy(&f);
 }
 
+/* ---- a pose is one face ---- */
+
+enum { PUPPET, MOAI, FACES };
+
+typedef struct known {
+    face_file file;
+    rig_poses_stage stage;
+    composer *composer;
+} known;
+static known faces[FACES];
+
+static void must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+static int open_faces(void **state)
+{
+    (void)state;
+    static const char *const path[FACES] = {SOURCE_DIR "/rigs/puppet/puppet.rig.json",
+                                            SOURCE_DIR "/rigs/moai/moai.rig.json"};
+    const csrbf_settings of_rig = {.radius = 0};
+    for (int n = 0; n < FACES; ++n) {
+        known *k = &faces[n];
+        error err = {""};
+        must(face_file_read(&k->file, path[n], NULL, FACE_FILE_USABLE, &err), &err);
+        must(rig_poses_stage_init(&k->stage, k->file.rig, &k->file.mesh, &k->file.topology, &err),
+             &err);
+        k->stage.solver.stretch_most = k->file.rig->solver.stretch_most; /* as it is performed */
+        must(composer_create(&k->composer, &k->file, &of_rig, &err), &err);
+    }
+    return 0;
+}
+
+static int close_faces(void **state)
+{
+    (void)state;
+    for (int n = 0; n < FACES; ++n) {
+        composer_destroy(faces[n].composer);
+        rig_poses_stage_finish(&faces[n].stage);
+        face_file_destroy(&faces[n].file);
+    }
+    return 0;
+}
+
+static uint32_t pose_named(const rig *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        if (strcmp(r->pose[i].name, name) == 0)
+            return i;
+    fail_msg("no pose %s", name);
+    return RIG_NONE;
+}
+
+static double apart_mm(const known *k, const float *a, const float *b)
+{
+    double most = 0.0;
+    for (size_t v = 0; v < k->file.mesh.vertex_count; ++v)
+        most = fmax(most, vec3_length((vec3){(double)(a[3 * v] - b[3 * v]),
+                                             (double)(a[3 * v + 1] - b[3 * v + 1]),
+                                             (double)(a[3 * v + 2] - b[3 * v + 2])}));
+    return most;
+}
+
+static float *copy_shown(const known *k)
+{
+    const size_t size = (size_t)3 * k->file.mesh.vertex_count * sizeof(float);
+    float *out = malloc(size);
+    assert_non_null(out);
+    memcpy(out, k->stage.position, size);
+    return out;
+}
+
+/* A fader that is connected to the pose and pushed all the way, over hands that hold no contact
+ * (0), or all of them. */
+static void patch_to(known *k, uint32_t pose, bool adds, bool hold_all)
+{
+    static const mrt_channel fader = {"fader", "", MRT_CH_OTHER, MRT_NO_HAND, 0, 1};
+    static const float pushed = 1.0f;
+    const mrt_face *about = composer_about(k->composer);
+    const mrt_channels input = {"box", &fader, &pushed, 0, 1};
+    const mrt_frame frame = {.dt_s = 1.0, .inputs = &input, .input_count = 1};
+    const guard fence = {.contact_count = about->contact_count, .reach_mm = 2000.0};
+    mrt_pull below = {.mode = MRT_ANCHORED};
+    error err = {""};
+    patch of = {.count = 1};
+    patch_plan *plan, *old;
+    patch_bay bay;
+    composer_part part[3];
+    uint32_t count = 0;
+    of.connection[0] = patch_connection_of(PATCH_POSE);
+    (void)snprintf(of.connection[0].channel, sizeof of.connection[0].channel, "fader");
+    (void)snprintf(of.connection[0].target, sizeof of.connection[0].target, "%s",
+                   k->file.rig->pose[pose].name);
+    of.connection[0].in[0] = of.connection[0].out[0] = 0.0;
+    of.connection[0].in[1] = of.connection[0].out[1] = 1.0;
+    of.connection[0].adds = adds;
+    of.connection[0].picks_up = false;
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        below.dof[i] = hold_all && i < about->dof_count ? 0.0f : NAN;
+    for (uint32_t i = 0; hold_all && i < about->contact_count; ++i)
+        below.vector[below.count++] =
+            (mrt_vector){about->contacts[i].rest, about->contacts[i].rest, 1 + i};
+    patch_bay_init(&bay, &fence);
+    must(patch_plan_create(&plan, &of, about, composer_rig(k->composer), composer_face(k->composer),
+                           &err),
+         &err);
+    assert_true(patch_bay_set(&bay, plan, &old));
+    for (int step = 0; step < 4; ++step)
+        patch_bay_step(&bay, &frame, NULL, NULL, &below);
+    const mrt_pull *pull[3] = {&below, &bay.pull[PATCH_INSTEAD], &bay.pull[PATCH_ADDED]};
+    for (uint32_t i = 0; i < 3; ++i)
+        if (pull[i]->mode == MRT_ANCHORED)
+            part[count++] = (composer_part){.slot = i,
+                                            .layer = i,
+                                            .is_additive = i == 2,
+                                            .is_fresh = true,
+                                            .weight = 1.0,
+                                            .gain = 1.0,
+                                            .pull = pull[i]};
+    composer_reset(k->composer);
+    composer_move(k->composer, part, count, 0.01);
+    composer_draw(k->composer);
+    patch_bay_finish(&bay);
+}
+
+/* Whoever makes it: the portrait, a fader, alone or over a mapping that holds all contacts. */
+static void a_pose_is_one_face(void **state)
+{
+    (void)state;
+    for (int n = 0; n < FACES; ++n) {
+        known *k = &faces[n];
+        float *patched = malloc((size_t)3 * k->file.mesh.vertex_count * sizeof *patched);
+        double worst = 0.0;
+        assert_non_null(patched);
+        for (uint32_t i = 0; i < k->file.rig->pose_count; ++i) {
+            if (strcmp(k->file.rig->pose[i].name, "mouthClose") == 0)
+                continue; /* its portrait has the jaw open */
+            show(&k->stage, i);
+            for (int way = 0; way < 4; ++way) {
+                patch_to(k, i, way & 1, way & 2);
+                face *f = composer_face(k->composer);
+                points_to_rows(patched, face_shown(f), face_order(f));
+                const double apart = apart_mm(k, patched, k->stage.position);
+                worst = fmax(worst, apart);
+                if (!(apart < 0.05))
+                    fail_msg("%s, way %d: %.2f mm", k->file.rig->pose[i].name, way, apart);
+            }
+        }
+        print_message("  %s: at most %.4f mm apart\n", k->file.rig->name, worst);
+        free(patched);
+    }
+}
+
+/* And it is the face of the contacts that it names, to which the others are carried. */
+static void what_a_pose_does_not_name_goes_with_what_it_names(void **state)
+{
+    (void)state;
+    for (int n = 0; n < FACES; ++n) {
+        known *k = &faces[n];
+        error err = {""};
+        const double stretch_most = k->stage.solver.stretch_most;
+        k->stage.solver.stretch_most = -1.0;
+        for (uint32_t i = 0; i < k->file.rig->pose_count; ++i) {
+            const rig_pose *pose = &k->stage.rig.pose[i];
+            show(&k->stage, i);
+            float *complete = copy_shown(k);
+            must(rig_poses_show_named(&k->stage, i, &err), &err);
+            const double apart = apart_mm(k, complete, k->stage.position);
+            /* mouthClose pulls the corners far beside a jaw that is open */
+            if (!(apart < (strcmp(pose->name, "mouthClose") == 0 ? 3.0 : 1.0)))
+                fail_msg("%s: %.2f mm", pose->name, apart);
+            free(complete);
+        }
+        k->stage.solver.stretch_most = stretch_most;
+    }
+}
+
+/* ---- halves ---- */
+
+static void contacts_belong_to_a_half_by_name_or_height(void **state)
+{
+    (void)state;
+    static char *const names[] = {"lip.upper.mid", "brow.mid.l", "nose.tip", "nose.root",
+                                  "high",          "low",        "lid.l",    "cheek.l"};
+    static const double y[] = {-20, 40, 0, 20, 31, 10, 30, 5};
+    static const rig_pose_part expected[] = {POSE_MOUTH, POSE_UPPER, POSE_MOUTH, POSE_UPPER,
+                                             POSE_UPPER, POSE_MOUTH, POSE_UPPER, POSE_MOUTH};
+    rig_contact contact[8] = {{0}};
+    vec3 at[8];
+    rig_pose_part part[8];
+    for (int i = 0; i < 8; ++i) {
+        contact[i].name = names[i];
+        at[i] = (vec3){0, y[i], 0};
+    }
+    const rig r = {.contact = contact, .contact_count = 8};
+    rig_poses_contact_parts(part, &r, at);
+    for (int i = 0; i < 8; ++i)
+        assert_int_equal(part[i], expected[i]);
+    const rig unnamed = {.contact = contact + 4, .contact_count = 2};
+    rig_poses_contact_parts(part, &unnamed, at + 4);
+    assert_int_equal(part[0], POSE_WHOLE); /* nobody knows where the halves meet */
+    assert_int_equal(rig_poses_dof_part("jaw.open"), POSE_MOUTH);
+    assert_int_equal(rig_poses_dof_part("lid_upper.l.close"), POSE_UPPER);
+    assert_int_equal(rig_poses_dof_part("skull.turn"), POSE_WHOLE);
+}
+
+static rig_pose sum_of(const rig_pose *a, const rig_pose *b)
+{
+    rig_pose out = {.name = strdup("sum"),
+                    .dof_name = calloc(MRT_MAX_DOFS, sizeof *out.dof_name),
+                    .dof_value = calloc(MRT_MAX_DOFS, sizeof *out.dof_value),
+                    .pull_contact = calloc(MRT_MAX_VECTORS, sizeof *out.pull_contact),
+                    .pull_mm = calloc(MRT_MAX_VECTORS, sizeof *out.pull_mm)};
+    for (int of = 0; of < 2; ++of) {
+        const rig_pose *from = of == 0 ? a : b;
+        for (uint32_t i = 0; i < from->dof_count; ++i) {
+            out.dof_name[out.dof_count] = strdup(from->dof_name[i]);
+            out.dof_value[out.dof_count++] = from->dof_value[i];
+        }
+        for (uint32_t i = 0; i < from->pull_count + from->follow_count; ++i) {
+            out.pull_contact[out.pull_count] = from->pull_contact[i];
+            out.pull_mm[out.pull_count++] = from->pull_mm[i];
+        }
+    }
+    return out;
+}
+
+/* At each vertex the way of the mouth and the way of the upper half. */
+static void a_mouth_and_an_upper_half_add_without_touching(void **state)
+{
+    (void)state;
+    static const char *const mouths[] = {"viseme_aa", "viseme_U", "viseme_PP", "mouthSmileLeft"};
+    static const char *const uppers[] = {"browInnerUp", "browDownLeft", "eyeBlinkRight"};
+    known *k = &faces[PUPPET];
+    rig *r = &k->stage.rig;
+    rig_pose *grown = realloc(r->pose, (r->pose_count + (size_t)1) * sizeof *grown);
+    double worst = 0.0;
+    assert_non_null(grown);
+    r->pose = grown;
+    k->stage.solver.stretch_most = -1.0;
+    for (size_t m = 0; m < sizeof mouths / sizeof *mouths; ++m)
+        for (size_t u = 0; u < sizeof uppers / sizeof *uppers; ++u) {
+            const uint32_t mouth = pose_named(r, mouths[m]), upper = pose_named(r, uppers[u]);
+            assert_int_equal(r->pose[mouth].part, POSE_MOUTH);
+            assert_int_equal(r->pose[upper].part, POSE_UPPER);
+            show(&k->stage, mouth);
+            float *expected = copy_shown(k);
+            show(&k->stage, upper);
+            for (size_t i = 0; i < (size_t)3 * k->file.mesh.vertex_count; ++i)
+                expected[i] += k->stage.position[i] - k->file.mesh.position[i];
+            r->pose[r->pose_count] = sum_of(&r->pose[mouth], &r->pose[upper]);
+            r->pose_count += 1;
+            show(&k->stage, r->pose_count - 1);
+            const double apart = apart_mm(k, expected, k->stage.position);
+            worst = fmax(worst, apart);
+            if (!(apart < 0.05))
+                fail_msg("%s and %s: %.2f mm", mouths[m], uppers[u], apart);
+            rig_pose_finish(&r->pose[--r->pose_count]);
+            free(expected);
+        }
+    k->stage.solver.stretch_most = k->file.rig->solver.stretch_most;
+    print_message("  sums: at most %.4f mm\n", worst);
+}
+
+/* Every pose with a mark keeps to its half. */
+static void marks_of_the_faces_are_true(void **state)
+{
+    (void)state;
+    for (int n = 0; n < FACES; ++n) {
+        const rig *r = &faces[n].stage.rig;
+        rig_pose_part part[MRT_MAX_VECTORS];
+        vec3 at[MRT_MAX_VECTORS];
+        uint32_t marked = 0;
+        for (uint32_t i = 0; i < r->contact_count; ++i)
+            at[i] = mesh_position(&faces[n].file.mesh, r->contact[i].vertex);
+        rig_poses_contact_parts(part, r, at);
+        for (uint32_t i = 0; i < r->pose_count; ++i) {
+            const rig_pose *pose = &r->pose[i];
+            marked += pose->part != POSE_WHOLE;
+            for (uint32_t k = 0; k < pose->pull_count + pose->follow_count; ++k)
+                if (pose->part != POSE_WHOLE && part[pose->pull_contact[k]] != pose->part)
+                    fail_msg("%s pulls %s", pose->name, r->contact[pose->pull_contact[k]].name);
+        }
+        assert_true(marked > 50);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pulls_ride_on_turned_bones),
+        cmocka_unit_test(a_pose_is_one_face),
+        cmocka_unit_test(what_a_pose_does_not_name_goes_with_what_it_names),
+        cmocka_unit_test(contacts_belong_to_a_half_by_name_or_height),
+        cmocka_unit_test(a_mouth_and_an_upper_half_add_without_touching),
+        cmocka_unit_test(marks_of_the_faces_are_true),
         cmocka_unit_test(no_pose_is_left_in_the_next),
         cmocka_unit_test(a_pose_that_folds_is_measured_as_one),
         cmocka_unit_test(a_shape_becomes_a_pose_that_gives_the_shape),
         cmocka_unit_test(expressions_of_the_puppet_are_sound),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, open_faces, close_faces);
 }

@@ -90,7 +90,8 @@ static const char head[] =
     "    {\"name\": \"a.r\", \"bone\": \"auto\", \"vertex\": 5, \"mirror\": \"a.l\"}\n"
     "  ],\n"
     "  \"poses\": [\n"
-    "    {\"name\": \"open\", \"dofs\": {\"jaw.open\": 15.5}, \"pulls\": {\"a.l\": [0, 0.0123, "
+    "    {\"name\": \"open\", \"part\": \"mouth\", \"dofs\": {\"jaw.open\": 15.5}, \"pulls\": "
+    "{\"a.l\": [0, 0.0123, "
     "0]}}\n"
     "  ],\n"
     "  \"solver\": {\"radius_mm\": 60}\n"
@@ -121,6 +122,7 @@ static void only_what_changed_changes(void **state)
     r.bone[1].open_max_rad = 30.0 * 0.017453292519943295;
     r.region[0].select.b.z = 650.0;
     r.pose[0].dof_value[0] = 0.1;
+    r.pose[0].part = POSE_WHOLE;
     r.solver.polynomial = CSRBF_LINEAR;
     assert_int_equal(rig_write(&r, in_folder("out.rig.json"), &err), MRT_OK);
     rig_destroy(&r);
@@ -134,6 +136,7 @@ static void only_what_changed_changes(void **state)
     assert_non_null(strstr(text, "\"author\": {\"name\": \"Ana\", \"since\": 1987}"));
     rig again = read_rig("out.rig.json");
     assert_true(fabs(again.pose[0].dof_value[0] - 0.1) < 1e-12);
+    assert_null(strstr(text, "\"part\""));
     rig_destroy(&again);
 }
 

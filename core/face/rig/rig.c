@@ -39,6 +39,9 @@ static void free_bones(rig *r)
     free(r->bone);
 }
 
+const char *const rig_pose_part_name[POSE_UPPER + 1] = {
+    [POSE_MOUTH] = "mouth", [POSE_UPPER] = "upper"};
+
 void rig_pose_finish(rig_pose *pose)
 {
     for (uint32_t i = 0; pose->dof_name && i < pose->dof_count; ++i)
@@ -245,7 +248,7 @@ static void copy_contacts(copying *c, rig *out, const rig *r)
 
 static void copy_pose(copying *c, rig_pose *out, const rig_pose *from)
 {
-    uint32_t dof_count = from->dof_count, pull_count = from->pull_count;
+    uint32_t dof_count = from->dof_count, pull_count = from->pull_count + from->follow_count;
     out->name = copy_text(c, from->name);
     out->dof_name =
         from->dof_name ? copy_roomy(c, NULL, 0, dof_count, sizeof *out->dof_name) : NULL;

@@ -4,6 +4,7 @@
 #include "face/bones.h"
 #include "face/rig/rig_document.h"
 #include "face/rig/rig_anatomy.h"
+#include "face/rig/rig_poses.h"
 #include "mesh/position.h"
 
 #include <math.h>
@@ -764,6 +765,44 @@ static void check_turns(checking *c, const rig_pose *pose, const char *path)
                most_deg);
 }
 
+/* What it names of the other half, so that sums are not exact. */
+static void check_part(checking *c, const rig_pose *pose, const rig_pose_part *part,
+                       const char *path)
+{
+    const char *other = NULL;
+    for (uint32_t i = 0; i < pose->pull_count && !other; ++i)
+        if (part[pose->pull_contact[i]] != pose->part)
+            other = c->r->contact[pose->pull_contact[i]].name;
+    for (uint32_t i = 0; i < pose->dof_count && !other; ++i)
+        if (rig_poses_dof_part(pose->dof_name[i]) != pose->part)
+            other = pose->dof_name[i];
+    if (other)
+        report(c, RIG_WARNING, path,
+               "\"%s\" is not of the part \"%s\": poses of the two halves no longer add without "
+               "touching each other; take it out, or take out \"part\"",
+               other, rig_pose_part_name[pose->part]);
+}
+
+static void check_parts(checking *c)
+{
+    const uint32_t count = c->r->contact_count;
+    vec3 *at = calloc(count + (size_t)1, sizeof *at);
+    rig_pose_part *part = calloc(count + (size_t)1, sizeof *part);
+    c->is_out_of_memory = c->is_out_of_memory || !at || !part;
+    for (uint32_t i = 0; at && i < count; ++i)
+        if (c->r->contact[i].vertex < c->m->vertex_count)
+            at[i] = mesh_position(c->m, c->r->contact[i].vertex);
+    if (at && part)
+        rig_poses_contact_parts(part, c->r, at);
+    for (uint32_t i = 0; at && part && i < c->r->pose_count; ++i) {
+        json_path path = rig_entry_path(c->r, RIG_POSES, i);
+        if (c->r->pose[i].part != POSE_WHOLE)
+            check_part(c, &c->r->pose[i], part, path.text);
+    }
+    free(at);
+    free(part);
+}
+
 static void check_poses(checking *c)
 {
     double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
@@ -772,6 +811,138 @@ static void check_poses(checking *c)
         check_pulls(c, &c->r->pose[i], path.text, head_mm);
         check_turns(c, &c->r->pose[i], path.text);
     }
+    check_parts(c);
+}
+
+/* ---- poses as they are performed ---- */
+
+static const double lips_mm = 12.0; /* around contacts of the lips */
+
+/* 1: skin, 2: skin of the lips; of each vertex of the file. */
+static uint8_t *find_skin(const checking *c)
+{
+    uint8_t *out = calloc((size_t)c->m->vertex_count + 1, sizeof *out);
+    for (uint32_t v = 0; out && v < c->m->vertex_count; ++v)
+        out[v] = c->binding->mobility[v] > 0.0f;
+    for (uint32_t i = 0; out && i < c->r->contact_count; ++i) {
+        const char *name = c->r->contact[i].name;
+        if (strncmp(name, "lip.", 4) != 0 && strncmp(name, "mouth.", 6) != 0)
+            continue;
+        const vec3 at = mesh_position(c->m, c->r->contact[i].vertex);
+        for (uint32_t v = 0; v < c->m->vertex_count; ++v)
+            if (out[v] && vec3_length(vec3_sub(mesh_position(c->m, v), at)) <= lips_mm)
+                out[v] = 2;
+    }
+    return out;
+}
+
+/* Greatest distance between two shapes, mm: of all skin, and of the lips. */
+static void measure_apart(double out_mm[2], const checking *c, const uint8_t *skin, const float *a,
+                          const float *b)
+{
+    out_mm[0] = out_mm[1] = 0.0;
+    for (size_t v = 0; v < c->m->vertex_count; ++v) {
+        const vec3 way = {(double)(a[3 * v] - b[3 * v]), (double)(a[3 * v + 1] - b[3 * v + 1]),
+                          (double)(a[3 * v + 2] - b[3 * v + 2])};
+        const double mm = skin[v] ? vec3_length(way) : 0.0;
+        out_mm[0] = fmax(out_mm[0], mm);
+        out_mm[1] = skin[v] == 2 ? fmax(out_mm[1], mm) : out_mm[1];
+    }
+}
+
+typedef struct comparing {
+    checking *c;
+    rig_poses_stage *stage;
+    uint8_t *skin;
+    float *asked; /* vertex_count by 3 */
+    double worst_mm[2];
+    uint32_t worst[2]; /* poses */
+} comparing;
+
+/* What holds back skin that would fold, and what does not. */
+static mrt_result compare_performed(comparing *k, uint32_t pose, error *err)
+{
+    static const double most_mm = 0.5;
+    double apart_mm[2];
+    csrbf_settings solver = k->stage->solver;
+    solver.stretch_most = k->c->r->solver.stretch_most;
+    mrt_result result = rig_poses_show_on(k->stage->face, &k->stage->rig, pose, &solver, err);
+    if (result < 0)
+        return result;
+    points_to_rows(k->stage->position, face_shown(k->stage->face), face_order(k->stage->face));
+    measure_apart(apart_mm, k->c, k->skin, k->asked, k->stage->position);
+    json_path path = rig_entry_path(k->c->r, RIG_POSES, pose);
+    if (apart_mm[0] > most_mm)
+        report(
+            k->c, RIG_WARNING, path.text,
+            "\"%s\" is held back by up to %.2f mm (lips %.2f mm), as the skin would fold or tear; "
+            "pull by less, or pull the contacts beside too",
+            k->c->r->pose[pose].name, apart_mm[0], apart_mm[1]);
+    return MRT_OK;
+}
+
+static mrt_result compare_named(comparing *k, uint32_t pose, error *err)
+{
+    double apart_mm[2];
+    mrt_result result = rig_poses_show_named(k->stage, pose, err);
+    if (result < 0)
+        return result;
+    measure_apart(apart_mm, k->c, k->skin, k->asked, k->stage->position);
+    for (int i = 0; i < 2; ++i)
+        if (apart_mm[i] > k->worst_mm[i]) {
+            k->worst_mm[i] = apart_mm[i];
+            k->worst[i] = pose;
+        }
+    return MRT_OK;
+}
+
+static mrt_result compare_poses(comparing *k, error *err)
+{
+    const rig *r = k->c->r;
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < r->pose_count && result >= 0; ++i) {
+        result = rig_poses_show(k->stage, i, err);
+        memcpy(k->asked, k->stage->position, (size_t)3 * k->c->m->vertex_count * sizeof *k->asked);
+        if (result >= 0)
+            result = compare_performed(k, i, err);
+        if (result >= 0)
+            result = compare_named(k, i, err);
+    }
+    if (result >= 0)
+        report(k->c, RIG_NOTE, "$.poses",
+               "all %u contacts are held, and what a pose does not name goes where those that it "
+               "names bring it: within %.2f mm (\"%s\"), on the lips %.2f mm (\"%s\")",
+               r->contact_count, k->worst_mm[0], r->pose[k->worst[0]].name, k->worst_mm[1],
+               r->pose[k->worst[1]].name);
+    return result;
+}
+
+mrt_result rig_check_poses(rig_findings *out, const rig *r, const mesh *m, const topology *t,
+                           const binding *b, error *err)
+{
+    checking c = {.r = r, .m = m, .t = t, .binding = b, .out = out};
+    rig_poses_stage stage;
+    if (r->pose_count == 0 || r->contact_count == 0)
+        return MRT_OK;
+    if (r->contact_count > MRT_MAX_VECTORS) {
+        report(&c, RIG_NOTE, "$.contacts",
+               "of %u contacts at most %d are held at once: a pose holds those that it names",
+               r->contact_count, MRT_MAX_VECTORS);
+        return MRT_OK;
+    }
+    mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);
+    if (result < 0)
+        return result;
+    comparing k = {.c = &c, .stage = &stage, .skin = find_skin(&c)};
+    k.asked = malloc((size_t)3 * m->vertex_count * sizeof *k.asked + 1);
+    result = k.skin && k.asked && !c.is_out_of_memory
+                 ? compare_poses(&k, err)
+                 : error_set(err, MRT_ERR_MEMORY, "no memory to check the rig");
+    free(k.skin);
+    free(k.asked);
+    rig_poses_stage_finish(&stage);
+    sort_by_severity(out);
+    return result;
 }
 
 /* ---- what makes it unusable ---- */

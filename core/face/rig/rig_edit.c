@@ -944,6 +944,7 @@ static void take_contact_out_of_pose(rig_pose *pose, uint32_t removed)
         kept += 1;
     }
     pose->pull_count = kept;
+    pose->follow_count = 0;
 }
 
 mrt_result rig_edit_remove_contact(rig *r, uint32_t index, error *err)
@@ -1159,6 +1160,7 @@ static double rounded_dof(const rig *r, const char *dof, double value)
 static bool copy_pose(rig_pose *out, const rig_pose *from, const rig *r)
 {
     *out = (rig_pose){.name = strdup(from->name),
+                      .part = from->part,
                       .dof_name = calloc(from->dof_count + 1u, sizeof *out->dof_name),
                       .dof_value = calloc(from->dof_count + 1u, sizeof *out->dof_value),
                       .pull_contact = calloc(from->pull_count + 1u, sizeof *out->pull_contact),

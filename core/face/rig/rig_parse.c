@@ -704,14 +704,29 @@ static mrt_result read_pulls(rig_pose *pose, const rig *r, const json_node *pull
     return result;
 }
 
+static mrt_result read_part(rig_pose_part *out, const json_node *at, error *err)
+{
+    const char *name = json_string_value(at->value);
+    if (!at->value)
+        return MRT_OK;
+    for (rig_pose_part part = POSE_MOUTH; name && part <= POSE_UPPER; ++part)
+        if (strcmp(name, rig_pose_part_name[part]) == 0) {
+            *out = part;
+            return MRT_OK;
+        }
+    return json_node_unexpected(err, at, "\"mouth\" or \"upper\" (without it: the whole face)");
+}
+
 static mrt_result read_pose(rig *r, rig_pose *pose, const json_node *at, double mm_per_unit,
                             error *err)
 {
-    static const char *const known[] = {"name", "dofs", "pulls", NULL};
+    static const char *const known[] = {"name", "part", "dofs", "pulls", NULL};
     rig_json_note_unknown(&r->note, at, known);
     json_node name = json_node_member(at, "name"), dofs = json_node_member(at, "dofs");
-    json_node pulls = json_node_member(at, "pulls");
+    json_node pulls = json_node_member(at, "pulls"), part = json_node_member(at, "part");
     mrt_result result = rig_json_text(&pose->name, &name, "a name", RIG_NAME_MAX, err);
+    if (result >= 0)
+        result = read_part(&pose->part, &part, err);
     if (result >= 0)
         result = read_dofs(pose, r, &dofs, err);
     return result < 0 ? result : read_pulls(pose, r, &pulls, mm_per_unit, err);

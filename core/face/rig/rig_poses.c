@@ -1,20 +1,12 @@
 #include "face/rig/rig_poses.h"
 
+#include "base/arrays.h"
 #include "mesh/arkit.h"
 #include "mesh/position.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static uint32_t most_pulls(const rig *r)
-{
-    uint32_t most = 1;
-    for (uint32_t i = 0; i < r->pose_count; ++i)
-        if (r->pose[i].pull_count > most)
-            most = r->pose[i].pull_count;
-    return 2 * most < MRT_MAX_VECTORS ? 2 * most : MRT_MAX_VECTORS; /* mouthClose */
-}
 
 csrbf_settings rig_poses_solver(const rig *r, const mesh *m)
 {
@@ -27,11 +19,25 @@ csrbf_settings rig_poses_solver(const rig *r, const mesh *m)
     return solver;
 }
 
+static mrt_result create_stage(rig_poses_stage *out, const rig *r, const topology *t, error *err)
+{
+    binding b = {0};
+    mrt_result result = rig_copy(&out->rig, r, err);
+    if (result >= 0)
+        result = binding_create(&b, &out->rig, out->mesh, t, err);
+    if (result >= 0)
+        result = face_create_shaped(&out->face, &out->rig, out->mesh, &b, MRT_MAX_VECTORS, err);
+    if (result < 0)
+        return result;
+    face_set_shapes(out->face, r->shapes);
+    return rig_poses_complete(&out->rig, 0, out->face, &out->solver, err);
+}
+
 mrt_result rig_poses_stage_init(rig_poses_stage *out, const rig *r, const mesh *m,
                                 const topology *t, error *err)
 {
-    *out = (rig_poses_stage){.rig = r, .mesh = m, .solver = rig_poses_solver(r, m)};
-    mrt_result result = face_create(&out->face, r, m, t, most_pulls(r), err);
+    *out = (rig_poses_stage){.mesh = m, .solver = rig_poses_solver(r, m)};
+    mrt_result result = create_stage(out, r, t, err);
     if (result >= 0) {
         out->position = malloc((size_t)m->vertex_count * 3 * sizeof *out->position + 1);
         if (!out->position)
@@ -47,9 +53,55 @@ void rig_poses_stage_finish(rig_poses_stage *self)
     if (!self)
         return;
     face_destroy(self->face);
+    rig_destroy(&self->rig);
     free(self->position);
     *self = (rig_poses_stage){0};
 }
+
+/* ---- halves of a face ---- */
+
+static bool starts(const char *name, const char *with)
+{
+    return strncmp(name, with, strlen(with)) == 0;
+}
+
+static rig_pose_part part_of_name(const char *name)
+{
+    static const char *const upper[] = {"brow",   "forehead", "eye",       "lid",
+                                        "temple", "glabella", "nose.root", "nose.bridge"};
+    static const char *const mouth[] = {"mouth", "lip",        "jaw",   "chin",  "cheek",
+                                        "nose",  "nasolabial", "teeth", "tongue"};
+    for (size_t i = 0; i < sizeof upper / sizeof *upper; ++i)
+        if (starts(name, upper[i]))
+            return POSE_UPPER;
+    for (size_t i = 0; i < sizeof mouth / sizeof *mouth; ++i)
+        if (starts(name, mouth[i]))
+            return POSE_MOUTH;
+    return POSE_WHOLE;
+}
+
+rig_pose_part rig_poses_dof_part(const char *name)
+{
+    return part_of_name(name);
+}
+
+void rig_poses_contact_parts(rig_pose_part *out, const rig *r, const vec3 *at)
+{
+    double lowest = (double)INFINITY, highest = -(double)INFINITY;
+    for (uint32_t i = 0; i < r->contact_count; ++i) {
+        out[i] = part_of_name(r->contact[i].name);
+        if (out[i] == POSE_UPPER)
+            lowest = fmin(lowest, at[i].y);
+        else if (out[i] == POSE_MOUTH)
+            highest = fmax(highest, at[i].y);
+    }
+    const double border = 0.5 * (lowest + highest);
+    for (uint32_t i = 0; i < r->contact_count && isfinite(border); ++i)
+        if (out[i] == POSE_WHOLE)
+            out[i] = at[i].y > border ? POSE_UPPER : POSE_MOUTH;
+}
+
+/* ---- on a face ---- */
 
 static void read_dofs(float out_dof[MRT_MAX_DOFS], const bones *b, const rig_pose *pose)
 {
@@ -74,27 +126,60 @@ static mrt_result take_hold(face *f, const csrbf_settings *solver, const uint32_
     return result;
 }
 
-static mrt_result pull(face *f, const rig_pose *pose, error *err)
+static bool can_hold_all(uint32_t contact_count)
 {
-    float dof[MRT_MAX_DOFS];
-    read_dofs(dof, face_bones(f), pose);
-    double *end = calloc(pose->pull_count * (size_t)3 + 1, sizeof *end);
-    uint8_t *rides = malloc(pose->pull_count + (size_t)1);
-    mrt_result result =
-        end && rides ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the pulls");
-    if (result >= 0) {
-        for (uint32_t i = 0; i < pose->pull_count; ++i) {
-            end[3 * i] = pose->pull_mm[i].x;
-            end[3 * i + 1] = pose->pull_mm[i].y;
-            end[3 * i + 2] = pose->pull_mm[i].z;
-        }
-        memset(rides, 1, pose->pull_count);
-        face_ride(f, end, rides, dof);
-        result = face_pull(f, end, dof, err);
+    return contact_count <= MRT_MAX_VECTORS;
+}
+
+static void set_row(double *rows, uint32_t k, vec3 value)
+{
+    rows[3 * k] = value.x;
+    rows[3 * k + 1] = value.y;
+    rows[3 * k + 2] = value.z;
+}
+
+/* Which contacts are held, and how far each is pulled. */
+typedef struct held {
+    uint32_t contact[MRT_MAX_VECTORS], count;
+    vec3 pull_mm[MRT_MAX_VECTORS];
+} held;
+
+static void hold(held *out, uint32_t contact)
+{
+    for (uint32_t i = 0; i < out->count; ++i)
+        if (out->contact[i] == contact)
+            return;
+    if (out->count == MRT_MAX_VECTORS)
+        return;
+    out->contact[out->count] = contact;
+    out->pull_mm[out->count++] = (vec3){0, 0, 0};
+}
+
+static void hold_all(held *out, uint32_t contact_count)
+{
+    for (uint32_t i = 0; can_hold_all(contact_count) && i < contact_count; ++i)
+        hold(out, i);
+}
+
+static void set_pulls(held *out, const rig_pose *pose, uint32_t pull_count)
+{
+    for (uint32_t i = 0; i < pull_count; ++i) {
+        hold(out, pose->pull_contact[i]);
+        for (uint32_t k = 0; k < out->count; ++k)
+            if (out->contact[k] == pose->pull_contact[i])
+                out->pull_mm[k] = pose->pull_mm[i];
     }
-    free(end);
-    free(rides);
-    return result;
+}
+
+static mrt_result pull(face *f, const held *h, const float *dof, error *err)
+{
+    double end[3 * MRT_MAX_VECTORS];
+    uint8_t rides[MRT_MAX_VECTORS];
+    for (uint32_t i = 0; i < h->count; ++i)
+        set_row(end, i, h->pull_mm[i]);
+    memset(rides, 1, sizeof rides);
+    face_ride(f, end, rides, dof);
+    return face_pull(f, end, dof, err);
 }
 
 /* ---- mouthClose closes the lips of an open jaw ---- */
@@ -128,7 +213,7 @@ static void add_pose(summed_pose *out, const rig_pose *pose)
         out->dof_name[at] = pose->dof_name[i];
         out->dof_value[at] += pose->dof_value[i];
     }
-    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+    for (uint32_t i = 0; i < pose->pull_count + pose->follow_count; ++i) {
         uint32_t at = 0;
         while (at < to->pull_count && out->pull_contact[at] != pose->pull_contact[i])
             at += 1;
@@ -140,25 +225,37 @@ static void add_pose(summed_pose *out, const rig_pose *pose)
     }
 }
 
+/* As it is shown: mouthClose over the rig's jawOpen. `sum` is where that is put. */
+static const rig_pose *shown_pose(summed_pose *sum, const rig *r, const rig_pose *pose)
+{
+    const rig_pose *jaw = find_pose(r, "jawOpen");
+    if (!jaw || strcmp(pose->name, "mouthClose") != 0)
+        return pose;
+    *sum = (summed_pose){.pose = {.name = pose->name}};
+    sum->pose.dof_name = sum->dof_name;
+    sum->pose.dof_value = sum->dof_value;
+    sum->pose.pull_contact = sum->pull_contact;
+    sum->pose.pull_mm = sum->pull_mm;
+    add_pose(sum, jaw);
+    add_pose(sum, pose);
+    return &sum->pose;
+}
+
 mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_settings *solver,
                              error *err)
 {
-    const rig_pose *wanted = &r->pose[pose], *jaw = find_pose(r, "jawOpen");
-    summed_pose sum = {.pose = {.name = wanted->name}};
+    summed_pose sum;
+    const rig_pose *wanted = shown_pose(&sum, r, &r->pose[pose]);
+    held all = {.count = 0};
+    float dof[MRT_MAX_DOFS];
     error why = {""};
-    if (jaw && strcmp(wanted->name, "mouthClose") == 0) {
-        sum.pose.dof_name = sum.dof_name;
-        sum.pose.dof_value = sum.dof_value;
-        sum.pose.pull_contact = sum.pull_contact;
-        sum.pose.pull_mm = sum.pull_mm;
-        add_pose(&sum, jaw);
-        add_pose(&sum, wanted);
-        wanted = &sum.pose;
-    }
+    hold_all(&all, r->contact_count);
+    set_pulls(&all, wanted, wanted->pull_count + wanted->follow_count);
+    read_dofs(dof, face_bones(f), wanted);
     face_reset(f);
-    mrt_result result = take_hold(f, solver, wanted->pull_contact, wanted->pull_count, &why);
+    mrt_result result = take_hold(f, solver, all.contact, all.count, &why);
     if (result >= 0)
-        result = pull(f, wanted, &why);
+        result = pull(f, &all, dof, &why);
     if (result < 0)
         return error_set(err, result, "%s: pose \"%s\": %s", r->path, wanted->name, why.text);
     return MRT_OK;
@@ -166,7 +263,214 @@ mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose, const csrbf_s
 
 mrt_result rig_poses_show(rig_poses_stage *self, uint32_t pose, error *err)
 {
-    mrt_result result = rig_poses_show_on(self->face, self->rig, pose, &self->solver, err);
+    mrt_result result = rig_poses_show_on(self->face, &self->rig, pose, &self->solver, err);
+    if (result >= 0)
+        points_to_rows(self->position, face_shown(self->face), face_order(self->face));
+    return result;
+}
+
+/* ---- where the contacts go that a pose does not name ---- */
+
+static const double least_follow_mm = 0.05;
+
+/* The contacts alone: positions follow the formula of face.h without projection and fold guard, and
+ * a pose takes some 0.1 ms. */
+typedef struct contacts_alone {
+    rig rig;
+    mesh mesh;
+    face *face;
+    vec3 *rest;
+    rig_pose_part *part;
+    arrays arrays;
+} contacts_alone;
+
+static mrt_result contacts_alone_create(contacts_alone *out, const rig *r, const face *f,
+                                        error *err)
+{
+    const binding *from = face_binding(f);
+    const bones *b = face_bones(f);
+    const uint32_t count = r->contact_count;
+    *out = (contacts_alone){.rig = {.path = r->path,
+                                    .name = r->name,
+                                    .mm_per_unit = r->mm_per_unit,
+                                    .bone_count = r->bone_count,
+                                    .contact_count = count}};
+    arrays *a = &out->arrays;
+    float *position = arrays_add(a, 3 * (size_t)count, sizeof *position);
+    out->rig.bone = arrays_add(a, r->bone_count, sizeof *out->rig.bone);
+    out->rig.contact = arrays_add(a, count, sizeof *out->rig.contact);
+    out->rest = arrays_add(a, count, sizeof *out->rest);
+    out->part = arrays_add(a, count, sizeof *out->part);
+    binding small = {.vertex_count = count, .bone_count = from->bone_count};
+    small.weight = malloc((size_t)count * from->bone_count * sizeof *small.weight);
+    small.mobility = malloc(count * sizeof *small.mobility);
+    if (a->failed || !small.weight || !small.mobility) {
+        binding_destroy(&small);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the poses");
+    }
+    memcpy(out->rig.bone, r->bone, r->bone_count * sizeof *r->bone);
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        if (r->bone[i].kind == BONE_JAW) {
+            out->rig.bone[i].incisor = b->incisor;
+            out->rig.bone[i].has_incisor = true;
+        }
+    uint32_t contact_count;
+    const mrt_contact *contact = face_contacts(f, &contact_count);
+    for (uint32_t i = 0; i < count; ++i) {
+        const size_t v = r->contact[i].vertex;
+        out->rig.contact[i] = r->contact[i];
+        out->rig.contact[i].vertex = i;
+        out->rest[i] =
+            (vec3){(double)contact[i].rest.x, (double)contact[i].rest.y, (double)contact[i].rest.z};
+        memcpy(position + 3 * (size_t)i, &contact[i].rest, 3 * sizeof *position);
+        small.mobility[i] = from->mobility[v];
+        for (size_t bone = 0; bone < from->bone_count; ++bone)
+            small.weight[bone * count + i] = from->weight[bone * from->vertex_count + v];
+    }
+    rig_poses_contact_parts(out->part, r, out->rest);
+    out->mesh = (mesh){.position = position, .vertex_count = count};
+    return face_create_bound(&out->face, &out->rig, &out->mesh, &small, count, err);
+}
+
+static void contacts_alone_destroy(contacts_alone *self)
+{
+    face_destroy(self->face);
+    arrays_free(&self->arrays);
+}
+
+/* With the contacts pulled that the pose names, and those at rest that it leaves to another half.
+ */
+static mrt_result show_named(face *f, const rig_pose *pose, const rig_pose *shown,
+                             const rig_pose_part *part, uint32_t contact_count,
+                             const csrbf_settings *solver, error *err)
+{
+    held named = {.count = 0};
+    float dof[MRT_MAX_DOFS];
+    read_dofs(dof, face_bones(f), shown);
+    set_pulls(&named, pose, pose->pull_count);
+    for (uint32_t i = 0; pose->part != POSE_WHOLE && i < contact_count; ++i)
+        if (part[i] != pose->part)
+            hold(&named, i);
+    face_reset(f);
+    mrt_result result = take_hold(f, solver, named.contact, named.count, err);
+    return result < 0 ? result : pull(f, &named, dof, err);
+}
+
+/* How far each of the contacts held is from rest, with the bones taken back. */
+static void read_pulls(vec3 *out, const face *f, uint32_t count, const vec3 *at, const float *dof)
+{
+    double end[3 * MRT_MAX_VECTORS];
+    for (uint32_t i = 0; i < count; ++i)
+        set_row(end, i, at[i]);
+    face_unride(f, end, dof);
+    for (uint32_t i = 0; i < count; ++i)
+        out[i] = (vec3){end[3 * i], end[3 * i + 1], end[3 * i + 2]};
+}
+
+static void read_contacts(vec3 *out, const face *f, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        out[i] = face_contact_now(f, 1 + i);
+}
+
+/* Fixed-point steps: a contact that hardly yields falls short of where it is pulled. */
+static mrt_result find_follows(held *all, contacts_alone *c, const rig_pose *pose,
+                               const rig_pose *shown, const csrbf_settings *solver, error *err)
+{
+    enum { ROUNDS = 5 };
+    const uint32_t count = c->rig.contact_count;
+    vec3 at[MRT_MAX_VECTORS], wanted[MRT_MAX_VECTORS], reached[MRT_MAX_VECTORS];
+    bool is_named[MRT_MAX_VECTORS] = {false};
+    float dof[MRT_MAX_DOFS];
+    read_dofs(dof, face_bones(c->face), shown);
+    mrt_result result = show_named(c->face, pose, shown, c->part, count, solver, err);
+    if (result < 0)
+        return result;
+    read_contacts(at, c->face, count);
+    for (uint32_t i = 0; i < pose->pull_count; ++i)
+        is_named[pose->pull_contact[i]] = true;
+    *all = (held){.count = 0};
+    hold_all(all, count);
+    set_pulls(all, pose, pose->pull_count);
+    face_reset(c->face);
+    result = take_hold(c->face, solver, all->contact, all->count, err);
+    if (result >= 0)
+        read_pulls(wanted, c->face, count, at, dof);
+    for (int round = 0; round < ROUNDS && result >= 0; ++round) {
+        result = pull(c->face, all, dof, err);
+        if (result < 0)
+            break;
+        read_contacts(at, c->face, count);
+        read_pulls(reached, c->face, count, at, dof);
+        for (uint32_t i = 0; i < count; ++i)
+            if (!is_named[i] && (pose->part == POSE_WHOLE || c->part[i] == pose->part))
+                all->pull_mm[i] = vec3_add(all->pull_mm[i], vec3_sub(wanted[i], reached[i]));
+    }
+    return result;
+}
+
+static mrt_result add_follows(rig_pose *pose, const held *all, error *err)
+{
+    uint32_t *contact = realloc(pose->pull_contact, (all->count + (size_t)1) * sizeof *contact);
+    pose->pull_contact = contact ? contact : pose->pull_contact;
+    vec3 *way = realloc(pose->pull_mm, (all->count + (size_t)1) * sizeof *way);
+    pose->pull_mm = way ? way : pose->pull_mm;
+    if (!contact || !way)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the poses");
+    for (uint32_t i = 0; i < all->count; ++i) {
+        bool is_named = false;
+        for (uint32_t k = 0; k < pose->pull_count && !is_named; ++k)
+            is_named = contact[k] == all->contact[i];
+        if (is_named || !(vec3_length(all->pull_mm[i]) >= least_follow_mm))
+            continue;
+        contact[pose->pull_count + pose->follow_count] = all->contact[i];
+        way[pose->pull_count + pose->follow_count++] = all->pull_mm[i];
+    }
+    return MRT_OK;
+}
+
+mrt_result rig_poses_complete(rig *r, uint32_t first, const face *f, const csrbf_settings *solver,
+                              error *err)
+{
+    contacts_alone alone;
+    csrbf_settings free_solver = *solver;
+    free_solver.stretch_most = -1.0;
+    for (uint32_t i = first; i < r->pose_count; ++i)
+        r->pose[i].follow_count = 0;
+    if (first >= r->pose_count || r->contact_count == 0 || !can_hold_all(r->contact_count))
+        return MRT_OK;
+    mrt_result result = contacts_alone_create(&alone, r, f, err);
+    for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
+        summed_pose sum;
+        held all;
+        if (r->pose[i].pull_count == 0)
+            continue;
+        const rig_pose *shown = shown_pose(&sum, r, &r->pose[i]);
+        result = find_follows(&all, &alone, &r->pose[i], shown, &free_solver, err);
+        if (result >= 0)
+            result = add_follows(&r->pose[i], &all, err);
+    }
+    contacts_alone_destroy(&alone);
+    return result;
+}
+
+mrt_result rig_poses_show_named(rig_poses_stage *self, uint32_t pose, error *err)
+{
+    summed_pose sum;
+    const rig *r = &self->rig;
+    const rig_pose *shown = shown_pose(&sum, r, &r->pose[pose]);
+    rig_pose_part part[MRT_MAX_VECTORS] = {POSE_WHOLE};
+    vec3 rest[MRT_MAX_VECTORS];
+    uint32_t count;
+    const mrt_contact *contact = face_contacts(self->face, &count);
+    if (!can_hold_all(count))
+        return rig_poses_show(self, pose, err);
+    for (uint32_t i = 0; i < count; ++i)
+        rest[i] =
+            (vec3){(double)contact[i].rest.x, (double)contact[i].rest.y, (double)contact[i].rest.z};
+    rig_poses_contact_parts(part, r, rest);
+    mrt_result result =
+        show_named(self->face, &r->pose[pose], shown, part, count, &self->solver, err);
     if (result >= 0)
         points_to_rows(self->position, face_shown(self->face), face_order(self->face));
     return result;
@@ -331,17 +635,13 @@ typedef struct carrying {
     double closing;          /* of lips over an open jaw */
 } carrying;
 
-static bool starts(const char *name, const char *with)
-{
-    return strncmp(name, with, strlen(with)) == 0;
-}
-
 /* False: it would not be that pose, or no memory. */
 static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
 {
     bool is_of_eye = starts(pose->name, "eye"), closes = strcmp(pose->name, "mouthClose") == 0;
     if (!allocate_pose(out, pose->name, pose->dof_count, pose->pull_count))
         return false;
+    out->part = pose->part;
     for (uint32_t i = 0; i < pose->dof_count; ++i)
         if (!carry_dof(out, pose->dof_name[i], pose->dof_value[i], &c->to.bones, &c->from.bones) &&
             is_of_eye)
@@ -406,6 +706,12 @@ mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *
     return MRT_OK;
 }
 
+static void shorten(rig_pose *pose, double part)
+{
+    for (uint32_t k = 0; k < pose->pull_count + pose->follow_count; ++k)
+        pose->pull_mm[k] = vec3_scale(pose->pull_mm[k], part);
+}
+
 mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
 {
     static const double least = 0.05, part = 0.8;
@@ -418,8 +724,8 @@ mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology 
             result = rig_poses_show(&stage, i, err);
             if (result < 0 || face_min_determinant(stage.face) > least)
                 break;
-            for (uint32_t k = 0; k < r->pose[i].pull_count; ++k)
-                r->pose[i].pull_mm[k] = vec3_scale(r->pose[i].pull_mm[k], part);
+            shorten(&r->pose[i], part);
+            shorten(&stage.rig.pose[i], part);
         }
     rig_poses_stage_finish(&stage);
     return result;

@@ -465,6 +465,10 @@ static void write_pose(json_t *out, const writing *w, uint32_t index)
 {
     const rig_pose *pose = &w->r->pose[index];
     set_text(out, "name", pose->name);
+    if (pose->part == POSE_WHOLE)
+        json_object_del(out, "part");
+    else
+        set_text(out, "part", rig_pose_part_name[pose->part]);
     write_dofs(out, w->r, pose);
     write_pulls(out, w, pose);
 }

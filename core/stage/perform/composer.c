@@ -1,5 +1,6 @@
 #include "stage/perform/composer.h"
 #include "base/bytes.h"
+#include "face/rig/rig_poses.h"
 
 #include <float.h>
 #include <math.h>
@@ -40,7 +41,7 @@ typedef struct joined_control {
 
 struct composer {
     face *face;
-    const rig *rig;
+    rig rig; /* the face file's, with poses that are complete */
     mrt_face about;
     mrt_dof dof[MRT_MAX_DOFS];
     csrbf_settings solver;
@@ -700,7 +701,10 @@ static mrt_result create_face(composer *self, const face_file *file, error *err)
         result = face_create_shaped(&self->face, file->rig, &file->mesh, &b, MRT_MAX_VECTORS, err);
     if (result >= 0)
         face_set_shapes(self->face, file->rig ? file->rig->shapes : 0.0);
-    return result;
+    if (result < 0 || !file->rig)
+        return result;
+    result = rig_copy(&self->rig, file->rig, err);
+    return result < 0 ? result : rig_poses_complete(&self->rig, 0, self->face, &self->solver, err);
 }
 
 static mrt_result create_shading(composer *self, const mesh *m, error *err)
@@ -779,7 +783,6 @@ mrt_result composer_create(composer **out, const face_file *file, const csrbf_se
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the face");
     self->counts.min_determinant = 1.0;
-    self->rig = file->rig;
     measure_face(self, file, solver);
     mrt_result result = create_face(self, file, err);
     if (result >= 0)
@@ -799,6 +802,7 @@ void composer_destroy(composer *self)
     if (!self)
         return;
     face_destroy(self->face);
+    rig_destroy(&self->rig);
     shading_destroy(self->shading);
     free(self);
 }
@@ -1130,7 +1134,7 @@ const mrt_face *composer_about(const composer *self)
 
 const rig *composer_rig(const composer *self)
 {
-    return self->rig;
+    return face_bones(self->face)->rig ? &self->rig : NULL;
 }
 
 double composer_reach_mm(const composer *self, vec3 *out_centre)

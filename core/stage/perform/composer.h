@@ -30,7 +30,8 @@ void composer_destroy(composer *self); /* NULL is fine */
 
 /* The face as mappings see it; until destroy. And the guard's reach around its centre. */
 const mrt_face *composer_about(const composer *self);
-const rig *composer_rig(const composer *self); /* the face file's; NULL: a mesh alone */
+/* The face file's, with poses that are complete (rig_poses_complete); NULL: a mesh alone. */
+const rig *composer_rig(const composer *self);
 double composer_reach_mm(const composer *self, vec3 *out_centre);
 
 typedef struct composer_part {

@@ -249,7 +249,7 @@ mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const to
 }
 
 /* With a rig of its own, which has more poses. */
-static mrt_result find_weights(face_weights **out, const face_file *f, const rig *own, error *err)
+static mrt_result find_weights(face_weights **out, const face_file *f, rig *own, error *err)
 {
     binding bound = {0};
     face *performed = NULL;
@@ -257,8 +257,11 @@ static mrt_result find_weights(face_weights **out, const face_file *f, const rig
                                  : binding_create(&bound, own, &f->mesh, &f->topology, err);
     if (result >= 0)
         result = face_create_shaped(&performed, own, &f->mesh, &bound, MRT_MAX_VECTORS, err);
-    if (result >= 0 && own)
+    if (result >= 0 && own) {
+        const csrbf_settings solver = rig_poses_solver(own, &f->mesh);
         face_set_shapes(performed, own->shapes);
+        result = rig_poses_complete(own, 0, performed, &solver, err);
+    }
     if (result >= 0)
         result = face_weights_create(out, performed, f->rig, &f->mesh, err);
     face_destroy(performed);

@@ -18,15 +18,17 @@ typedef struct patch_move {
     uint32_t connection;
     move_kind kind;
     uint32_t index;
-    float way[3]; /* mm; else only the first, of a degree of freedom rad or mm */
+    bool is_follow; /* of a pose, of a contact that it does not name: added whatever else is */
+    float way[3];   /* mm; else only the first, of a degree of freedom rad or mm */
 } patch_move;
 
 struct patch_plan {
     patch of;
     patch_range range[PATCH_CONNECTIONS_MAX];
-    patch_move *move;                 /* by connection */
-    uint32_t move_count, shape_count; /* of the face, if a connection moves one; else 0 */
-    uint32_t sum;                     /* of the patch: whose state it is */
+    patch_move *move;                    /* by connection */
+    uint32_t move_count, shape_count;    /* of the face, if a connection moves one; else 0 */
+    bool is_pose[PATCH_CONNECTIONS_MAX]; /* of the rig: it holds all contacts */
+    uint32_t sum;                        /* of the patch: whose state it is */
     const mrt_face *about;
     char note[NOTE];
 };
@@ -158,9 +160,11 @@ static void plan_pose(patch_plan *self, uint32_t i, const mrt_face *about, const
 {
     const patch_connection *c = &self->of.connection[i];
     const rig_pose *pose = find_pose(r, c->target, c->kind);
-    for (uint32_t k = 0; pose && k < pose->pull_count; ++k) {
+    self->is_pose[i] = pose != NULL;
+    for (uint32_t k = 0; pose && k < pose->pull_count + pose->follow_count; ++k) {
         const double way[3] = {pose->pull_mm[k].x, pose->pull_mm[k].y, pose->pull_mm[k].z};
-        (void)add_move(self, i, MOVE_CONTACT, pose->pull_contact[k], way);
+        if (add_move(self, i, MOVE_CONTACT, pose->pull_contact[k], way) >= 0)
+            self->move[self->move_count - 1].is_follow = k >= pose->pull_count;
     }
     for (uint32_t k = 0; pose && k < pose->dof_count; ++k)
         for (uint32_t d = 0; d < about->dof_count && d < MRT_MAX_DOFS; ++d) {
@@ -513,19 +517,40 @@ static void add_to_pull(mrt_pull *pull, float *shapes, const mrt_face *about,
     v->end.z += (float)(value * (double)move->way[2]);
 }
 
-static void pull(patch_bay *self)
+/* A pose is the same face whatever else is pulled: contacts that it leaves at rest are held, but
+ * what others pull of them stays. So are degrees of freedom, where no other pulls would pose them.
+ */
+static void hold_still(mrt_pull *pull, const mrt_face *about, bool is_alone)
+{
+    pull->mode = MRT_ANCHORED;
+    for (uint32_t k = 0; about->contact_count <= MRT_MAX_VECTORS && k < about->contact_count; ++k)
+        (void)vector_of(pull, about, k);
+    for (uint32_t d = 0; is_alone && d < about->dof_count && d < MRT_MAX_DOFS; ++d)
+        pull->dof[d] = isnan(pull->dof[d]) ? 0.0f : pull->dof[d];
+}
+
+static void pull(patch_bay *self, const mrt_pull *below)
 {
     const patch_plan *plan = self->plan;
+    bool has_pose = false, is_posed = false;
     for (int k = 0; k < PATCH_PULLS; ++k)
         forget_pull(&self->pull[k], self->shape[k]);
     for (uint32_t m = 0; m < plan->move_count; ++m) {
         const patch_move *move = &plan->move[m];
         uint32_t i = move->connection;
-        int which = plan->of.connection[i].adds ? PATCH_ADDED : PATCH_INSTEAD;
+        int which = plan->of.connection[i].adds || move->is_follow ? PATCH_ADDED : PATCH_INSTEAD;
         if (self->speaks[i])
             add_to_pull(&self->pull[which], self->shape[which], plan->about, move,
                         self->course[i].value);
     }
+    for (uint32_t i = 0; i < plan->of.count; ++i) {
+        const bool is_pose = self->speaks[i] && plan->is_pose[i];
+        has_pose |= is_pose;
+        is_posed |= is_pose && fabs(self->course[i].value) > 0.0;
+    }
+    if (has_pose)
+        hold_still(&self->pull[PATCH_ADDED], plan->about,
+                   is_posed && (below->mode == MRT_IDLE || below->count == 0));
     for (int k = 0; k < PATCH_PULLS; ++k)
         if (guard_fault(&self->guard, &self->pull[k])) /* further than any face reaches */
             forget_pull(&self->pull[k], self->shape[k]);
@@ -547,7 +572,7 @@ void patch_bay_step(patch_bay *self, const mrt_frame *frame, const mrt_plugin_ty
     for (uint32_t i = 0; i < self->plan->of.count; ++i)
         listen(self, i, frame, own, below);
     fade_on_change(self);
-    pull(self);
+    pull(self, below);
 }
 
 double patch_bay_weight(const patch_bay *self)

@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "face/rig.h"
+#include "face/rig/rig_poses.h"
 #include "face/rig_draft.h"
 #include "face/rig_edit.h"
 #include "mesh/mesh.h"
@@ -219,7 +220,10 @@ static mrt_result copy_for_stage(rig_work *work, const order *o, error *err)
 /* binding: taken over. */
 static mrt_result make_face(rig_work *work, const order *o, binding *b, error *err)
 {
+    const csrbf_settings solver = rig_poses_solver(&work->rig, o->m);
     mrt_result result = face_create_bound(&work->face, &work->rig, o->m, b, MRT_MAX_VECTORS, err);
+    if (result >= 0)
+        result = rig_poses_complete(&work->rig, 0, work->face, &solver, err);
     return result < 0 ? result : copy_for_stage(work, o, err);
 }
 

@@ -318,7 +318,9 @@ static void draw_chosen(panel *self, ui *on, const rig *r)
     const rig_pose *pose = &r->pose[index];
     const uint64_t number = rig_model_number(self->model);
     ui_id_begin(on, "pose");
-    (void)snprintf(words, sizeof words, "%u pulls, %u turns", pose->pull_count, pose->dof_count);
+    const char *part = rig_pose_part_name[pose->part];
+    (void)snprintf(words, sizeof words, "%s%s%u pulls, %u turns", part ? part : "",
+                   part ? ": " : "", pose->pull_count, pose->dof_count);
     if (rig_panel_draw_name(self, on, "name", &self->parting.pose_name, index, pose->name))
         name_pose(self);
     ui_fact(on, "Holds", RIG_PANEL_LABEL, UI_STYLE_BODY, words);
