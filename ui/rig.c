@@ -355,6 +355,25 @@ static mrt_result choose_poses(uint32_t *out_count, const showing *s, rig *r, er
     return MRT_OK;
 }
 
+/* Of a head on a body only the head. */
+static void add_to_frame(rigportraits_frame *frame, const rig_poses_stage *stage)
+{
+    const mesh *m = stage->mesh;
+    float low[3], high[3];
+    uint32_t first = 0;
+    mesh_focus(m, low, high);
+    for (uint32_t v = 0; v <= m->vertex_count; ++v) {
+        bool is_in = v < m->vertex_count;
+        for (size_t i = 0; is_in && i < 3; ++i)
+            is_in = m->position[3 * (size_t)v + i] >= low[i] &&
+                    m->position[3 * (size_t)v + i] <= high[i];
+        if (is_in)
+            continue;
+        rigportraits_frame_add(frame, stage->position + 3 * (size_t)first, v - first);
+        first = v + 1;
+    }
+}
+
 static mrt_result print_poses(rig_poses_stage *stage, uint32_t count, rigportraits_frame *frame,
                               error *err)
 {
@@ -363,7 +382,7 @@ static mrt_result print_poses(rig_poses_stage *stage, uint32_t count, rigportrai
         if (result < 0)
             return result;
         if (i < RIGPORTRAITS_MAX)
-            rigportraits_frame_add(frame, stage->position, stage->mesh->vertex_count);
+            add_to_frame(frame, stage);
         rig_poses_measure m = rig_poses_measured(stage);
         const char *part = rig_pose_part_name[stage->rig.pose[i].part];
         terminal_print(

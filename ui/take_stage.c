@@ -42,8 +42,9 @@ static json_t *pose_named(json_t *poses, const char *name)
     return NULL;
 }
 
-/* A rig that has more poses than then performs what it did. */
-static bool has_only_more_poses(const char *then, const char *path)
+/* A rig that has more poses than then performs what it did; one with other poses too, where no
+ * patch moved the face by them. */
+static bool performs_as_then(const char *then, const char *path, bool has_patch)
 {
     json_error_t ignored;
     json_t *was = json_loads(then, 0, &ignored), *is = json_load_file(path, 0, &ignored);
@@ -52,7 +53,7 @@ static bool has_only_more_poses(const char *then, const char *path)
     (void)json_object_del(was, "poses");
     (void)json_object_del(is, "poses");
     bool is_same = was && is && json_equal(was, is);
-    for (size_t i = 0; is_same && i < json_array_size(old); ++i) {
+    for (size_t i = 0; is_same && has_patch && i < json_array_size(old); ++i) {
         json_t *pose = json_array_get(old, i);
         const char *name = json_string_value(json_object_get(pose, "name"));
         is_same = json_equal(pose, pose_named(now, name));
@@ -75,7 +76,7 @@ static mrt_result compare(const char *path, const take_performance *p, const rig
     if (r)
         result = hash_rig(now, path, err);
     if (result >= 0 && strcmp(now, p->rig_hash) != 0 &&
-        !(p->rig_json && has_only_more_poses(p->rig_json, path)))
+        !(p->rig_json && performs_as_then(p->rig_json, path, p->patch != NULL)))
         (void)error_set(out_change, MRT_OK, "%s", path);
     if (result >= 0)
         result = hash_file(now, mesh_path, err);

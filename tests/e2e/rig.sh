@@ -40,20 +40,20 @@ fi
 "$MAROTTE" rig show puppet --poses --only joy >named.txt || fail "rig show takes no rig by its name"
 grep -q '^joy' named.txt || fail "rig show puppet: $(cat named.txt)"
 "$MAROTTE" rig check puppet >/dev/null || fail "rig check takes no rig by its name"
-[ "$(head -4 poses.txt | cut -d' ' -f1 | tr '\n' ' ')" = "joy surprise grumpy mischief " ] ||
+[ "$(head -4 poses.txt | cut -d' ' -f1 | tr '\n' ' ')" = "joy sadness anger surprise " ] ||
     fail "the puppet's poses: $(cat poses.txt)"
-[ "$(grep -cE 'least determinant  [01]\.[0-9]+   penetration 0\.00 mm   furthest [0-9.]+ mm' poses.txt)" -eq 72 ] ||
+[ "$(grep -cE 'least determinant  [01]\.[0-9]+   penetration 0\.00 mm   furthest [0-9.]+ mm' poses.txt)" -eq 80 ] ||
     fail "what is measured of poses: $(cat poses.txt)"
 "$MAROTTE" rig show "$puppet.rig.json" --poses --only jawOpen,joy >only.txt || fail "rig show --only"
 [ "$(cut -d' ' -f1 only.txt | tr '\n' ' ')" = "jawOpen joy " ] || fail "--only: $(cat only.txt)"
 refused 1 'has no "sorrow"' "$MAROTTE" rig show "$puppet.rig.json" --poses --only joy,sorrow
 grep -q FOLDS poses.txt && fail "a pose of the puppet folds"
 if [ -e rig.png ]; then
-    "$MAROTTE" rig show "$puppet.rig.json" --poses --only joy,surprise,grumpy,mischief --out poses.png >shown.txt || fail "portraits"
+    "$MAROTTE" rig show "$puppet.rig.json" --poses --only joy,surprise,anger,smug --out poses.png >shown.txt || fail "portraits"
     [ "$(tail -1 shown.txt)" = "wrote poses.png: 4 poses" ] || fail "$(tail -1 shown.txt)"
     [ "$(od -An -tu1 -j16 -N8 poses.png | tr -s ' ')" = " 0 0 6 64 0 0 2 116" ] ||
         fail "the portraits are not 1600 by 628"
-    "$MAROTTE" rig show "$puppet.rig.json" --poses --only joy,surprise,grumpy,mischief --yaw -20 --out other.png >/dev/null || fail "--yaw"
+    "$MAROTTE" rig show "$puppet.rig.json" --poses --only joy,surprise,anger,smug --yaw -20 --out other.png >/dev/null || fail "--yaw"
     cmp -s poses.png other.png && fail "--yaw does not turn the portraits"
 fi
 printf '{"marotte_rig": 1, "mesh": "new.glb", "include": "new.rig.json", "poses": [%s]}' \

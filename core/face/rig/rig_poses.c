@@ -638,7 +638,9 @@ typedef struct carrying {
 /* False: it would not be that pose, or no memory. */
 static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
 {
-    bool is_of_eye = starts(pose->name, "eye"), closes = strcmp(pose->name, "mouthClose") == 0;
+    bool closes = strcmp(pose->name, "mouthClose") == 0;
+    bool is_of_eye = starts(pose->name, "eye") || starts(pose->name, "wink_") ||
+                     strcmp(pose->name, "sleepy") == 0;
     if (!allocate_pose(out, pose->name, pose->dof_count, pose->pull_count))
         return false;
     out->part = pose->part;
@@ -662,8 +664,14 @@ static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
     return out->dof_count + out->pull_count > 0 || pose->dof_count + pose->pull_count == 0;
 }
 
-static bool is_name_of_others(const char *name)
+static bool is_carried(const char *name)
 {
+    static const char *const expressions[] = {"joy",  "sadness",   "anger",      "surprise",
+                                              "fear", "disgust",   "contempt",   "sleepy",
+                                              "smug", "wink_left", "wink_right", "brow_up"};
+    for (size_t i = 0; i < sizeof expressions / sizeof *expressions; ++i)
+        if (strcmp(name, expressions[i]) == 0)
+            return true;
     return arkit_find(name) < ARKIT_SHAPES || starts(name, "viseme_");
 }
 
@@ -696,7 +704,7 @@ mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *
     r->pose = grown;
     for (uint32_t i = 0; i < model->pose_count; ++i) {
         const rig_pose *pose = &model->pose[i];
-        if (!is_name_of_others(pose->name) || find_pose(r, pose->name) || has_shape(m, pose->name))
+        if (!is_carried(pose->name) || find_pose(r, pose->name) || has_shape(m, pose->name))
             continue;
         if (carry_pose(&r->pose[r->pose_count], pose, &c))
             r->pose_count += 1;

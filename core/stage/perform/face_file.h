@@ -32,8 +32,8 @@ CHECKED mrt_result face_file_cut_mouth(face_file *f, const uint32_t *chain, uint
                                        error *err);
 
 /* A first rig for a mesh alone (rig_draft_make), which says how its file is read, and has the
- * puppet's poses that are called as other programs know them, or a line to confirm that says why
- * it has none. Any thread, while nobody changes the mesh. */
+ * puppet's expressions and poses that are called as other programs know them, or a line to confirm
+ * that says why it has none. Any thread, while nobody changes the mesh. */
 CHECKED mrt_result face_file_draft(rig *out, char **out_confirm, const mesh *m, const topology *t,
                                    const char *mesh_path, const uint32_t *cut_mouth,
                                    uint32_t cut_count, error *err);
