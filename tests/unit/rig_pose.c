@@ -294,6 +294,63 @@ static void a_pose_is_one_face(void **state)
     }
 }
 
+/* What is on the stage, held by whatever contacts, is the pose that is made of it. */
+static void a_pose_that_is_made_of_a_shape_is_that_shape(void **state)
+{
+    (void)state;
+    static const char *const shown[] = {"viseme_U", "browInnerUp", "contempt"};
+    for (int n = 0; n < FACES; ++n)
+        for (size_t i = 0; i < sizeof shown / sizeof *shown; ++i) {
+            known *k = &faces[n];
+            rig *r = &k->stage.rig;
+            const uint32_t pose = pose_named(r, shown[i]);
+            error err = {""};
+            rig_pose made;
+            vec3 at[MRT_MAX_VECTORS];
+            float dof[MRT_MAX_DOFS];
+            show(&k->stage, pose);
+            memcpy(dof, face_metered(k->stage.face)->dof, sizeof dof);
+            float *was = copy_shown(k);
+            for (uint32_t c = 0; c < r->contact_count; ++c)
+                at[c] = face_contact_now(k->stage.face, 1 + c);
+            must(rig_poses_of(&made, "made", k->stage.face, MRT_MAX_VECTORS, r, &k->stage.solver,
+                              at, dof, &err),
+                 &err);
+            rig_pose had = r->pose[pose];
+            r->pose[pose] = made;
+            rig one = *r;
+            one.pose = &r->pose[pose];
+            one.pose_count = 1;
+            must(rig_poses_complete(&one, 0, k->stage.face, &k->stage.solver, &err), &err);
+            show(&k->stage, pose);
+            const double apart = apart_mm(k, was, k->stage.position);
+            print_message("  %s: %s: %u contacts are named, %.2f mm apart\n", r->name, shown[i],
+                          r->pose[pose].pull_count, apart);
+            assert_true(apart < 0.5);
+            rig_pose_finish(&r->pose[pose]);
+            r->pose[pose] = had;
+            free(was);
+        }
+}
+
+/* It is refused when it is performed; the face is there. */
+static void a_pose_beyond_all_reach_stays_as_it_is(void **state)
+{
+    (void)state;
+    known *k = &faces[MOAI];
+    rig *r = &k->stage.rig;
+    const uint32_t pose = pose_named(r, "joy");
+    const vec3 had = r->pose[pose].pull_mm[0];
+    error err = {""};
+    r->pose[pose].pull_mm[0] = (vec3){1e15, 0, 0};
+    must(rig_poses_complete(r, 0, k->stage.face, &k->stage.solver, &err), &err);
+    assert_int_equal(r->pose[pose].follow_count, 0);
+    assert_true(rig_poses_show(&k->stage, pose, &err) < 0);
+    r->pose[pose].pull_mm[0] = had;
+    must(rig_poses_complete(r, 0, k->stage.face, &k->stage.solver, &err), &err);
+    assert_true(r->pose[pose].follow_count > 0);
+}
+
 /* And it is the face of the contacts that it names, to which the others are carried. */
 static void what_a_pose_does_not_name_goes_with_what_it_names(void **state)
 {
@@ -501,6 +558,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(pulls_ride_on_turned_bones),
         cmocka_unit_test(a_pose_is_one_face),
+        cmocka_unit_test(a_pose_that_is_made_of_a_shape_is_that_shape),
+        cmocka_unit_test(a_pose_beyond_all_reach_stays_as_it_is),
         cmocka_unit_test(what_a_pose_does_not_name_goes_with_what_it_names),
         cmocka_unit_test(contacts_belong_to_a_half_by_name_or_height),
         cmocka_unit_test(a_mouth_and_an_upper_half_add_without_touching),

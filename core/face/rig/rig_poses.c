@@ -421,7 +421,8 @@ static mrt_result add_follows(rig_pose *pose, const held *all, error *err)
         bool is_named = false;
         for (uint32_t k = 0; k < pose->pull_count && !is_named; ++k)
             is_named = contact[k] == all->contact[i];
-        if (is_named || !(vec3_length(all->pull_mm[i]) >= least_follow_mm))
+        const double mm = vec3_length(all->pull_mm[i]);
+        if (is_named || !(mm >= least_follow_mm) || !isfinite(mm))
             continue;
         contact[pose->pull_count + pose->follow_count] = all->contact[i];
         way[pose->pull_count + pose->follow_count++] = all->pull_mm[i];
@@ -443,11 +444,11 @@ mrt_result rig_poses_complete(rig *r, uint32_t first, const face *f, const csrbf
     for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
         summed_pose sum;
         held all;
+        error ignored = {""}; /* whoever performs the pose learns that it cannot be */
         if (r->pose[i].pull_count == 0)
             continue;
         const rig_pose *shown = shown_pose(&sum, r, &r->pose[i]);
-        result = find_follows(&all, &alone, &r->pose[i], shown, &free_solver, err);
-        if (result >= 0)
+        if (find_follows(&all, &alone, &r->pose[i], shown, &free_solver, &ignored) >= 0)
             result = add_follows(&r->pose[i], &all, err);
     }
     contacts_alone_destroy(&alone);
@@ -503,9 +504,9 @@ static bool note_dofs(rig_pose *out, const bones *b, const float *dof)
     return true;
 }
 
-/* As many contacts as can be engaged at once. */
-static mrt_result note_pulls(rig_pose *out, face *f, const csrbf_settings *solver, uint32_t first,
-                             uint32_t count, const vec3 *at, const float *dof, error *err)
+/* How far each contact is pulled; as many as can be engaged at once. */
+static mrt_result find_ways(vec3 *out, face *f, const csrbf_settings *solver, uint32_t first,
+                            uint32_t count, const vec3 *at, const float *dof, error *err)
 {
     uint32_t contact[MRT_MAX_VECTORS] = {0};
     double end[3 * MRT_MAX_VECTORS];
@@ -520,14 +521,42 @@ static mrt_result note_pulls(rig_pose *out, face *f, const csrbf_settings *solve
     if (result < 0)
         return result;
     face_unride(f, end, dof);
-    for (uint32_t i = 0; i < count; ++i) {
-        const vec3 way = {end[3 * i], end[3 * i + 1], end[3 * i + 2]};
-        if (!(vec3_length(way) > least_way_mm))
-            continue;
-        out->pull_contact[out->pull_count] = first + i;
-        out->pull_mm[out->pull_count++] = way;
-    }
+    for (uint32_t i = 0; i < count; ++i)
+        out[first + i] = (vec3){end[3 * i], end[3 * i + 1], end[3 * i + 2]};
     return MRT_OK;
+}
+
+/* Names the contacts that are not where those named so far bring them. */
+static mrt_result name_pulls(rig_pose *out, const face *f, const rig *r,
+                             const csrbf_settings *solver, const vec3 *way, error *err)
+{
+    uint32_t before = RIG_NONE;
+    mrt_result result = MRT_OK;
+    while (result >= 0 && before != out->pull_count) {
+        rig one = *r;
+        uint32_t count = before = out->pull_count;
+        one.pose = out;
+        one.pose_count = 1;
+        result = rig_poses_complete(&one, 0, f, solver, err);
+        vec3 *follow = calloc(r->contact_count + (size_t)1, sizeof *follow);
+        bool *is_named = calloc(r->contact_count + (size_t)1, sizeof *is_named);
+        for (uint32_t i = 0; follow && is_named && i < count + out->follow_count; ++i) {
+            follow[out->pull_contact[i]] = out->pull_mm[i];
+            is_named[out->pull_contact[i]] = i < count;
+        }
+        out->follow_count = 0;
+        for (uint32_t i = 0; follow && is_named && i < r->contact_count; ++i) {
+            if (is_named[i] || !(vec3_length(vec3_sub(way[i], follow[i])) > least_way_mm))
+                continue;
+            out->pull_contact[out->pull_count] = i;
+            out->pull_mm[out->pull_count++] = way[i];
+        }
+        if (result >= 0 && (!follow || !is_named))
+            result = error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
+        free(follow);
+        free(is_named);
+    }
+    return result;
 }
 
 mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room, const rig *r,
@@ -535,14 +564,19 @@ mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
 {
     const bones *b = face_bones(f);
     const uint32_t most = room < MRT_MAX_VECTORS ? room : MRT_MAX_VECTORS;
+    vec3 *way = calloc(r->contact_count + (size_t)1, sizeof *way);
     mrt_result result = MRT_OK;
-    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !note_dofs(out, b, dof))
+    if (!allocate_pose(out, name, b->dof_count, r->contact_count) || !note_dofs(out, b, dof) ||
+        !way)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
     for (uint32_t first = 0; result >= 0 && first < r->contact_count; first += most) {
         const uint32_t left = r->contact_count - first;
-        result = note_pulls(out, f, solver, first, left < most ? left : most, at, dof, err);
+        result = find_ways(way, f, solver, first, left < most ? left : most, at, dof, err);
     }
+    if (result >= 0)
+        result = name_pulls(out, f, r, solver, way, err);
     face_reset(f);
+    free(way);
     if (result < 0)
         rig_pose_finish(out);
     return result;

@@ -46,7 +46,8 @@ rig_poses_measure rig_poses_measured(const rig_poses_stage *self);
 
 /* Finds for the poses from `first` on where the contacts go that they do not name
  * (rig_pose.follow_count), less than 0.05 mm left out: a millisecond for ten poses. Of a pose of a
- * half only contacts of that half. f: a face of that rig; r may be its rig. */
+ * half only contacts of that half. A pose that cannot be performed stays as it is. f: a face of
+ * that rig; r may be its rig. */
 CHECKED mrt_result rig_poses_complete(rig *r, uint32_t first, const face *f,
                                       const csrbf_settings *solver, error *err);
 /* Which half each contact belongs to, out: contact_count; at: where they are at rest, mm. By the
@@ -61,9 +62,9 @@ rig_pose_part rig_poses_dof_part(const char *name);
 CHECKED mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose,
                                      const csrbf_settings *solver, error *err);
 /* The other way round: the pose that brings the rig's contacts to `at` (contact_count, mm) while
- * its bones are turned by dof (dof_count); what moves by less than can be seen is left out. The
- * face of that rig, which has room for so many controls, is at rest afterwards. `name` is copied;
- * to be finished. */
+ * its bones are turned by dof (dof_count); what is where the contacts named bring it is left out.
+ * The face of that rig, which has room for so many controls, is at rest afterwards. `name` is
+ * copied; to be finished. */
 CHECKED mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
                                 const rig *r, const csrbf_settings *solver, const vec3 *at,
                                 const float *dof, error *err);
