@@ -44,6 +44,8 @@ typedef struct bind_station {
     double along; /* 0..1, from the first to the second */
 } bind_station;
 
+enum { BIND_FAULT = 256 };
+
 /* The slit between the lips (rig_mouth) in stations from the subject's right corner to the left:
  * each is a point of the upper rim, and the point of the lower rim that it faces. */
 typedef struct bind_lips {
@@ -53,7 +55,7 @@ typedef struct bind_lips {
     double width_mm;             /* from corner to corner */
     float *of_upper, *of_lower;  /* vertex_count: how far a vertex goes with that rim, 0..1; by
                                     distances along the surface, so never across the slit */
-    char why_not[256]; /* one sentence: why a mouth that the rig declares cannot be sealed */
+    char why_not[BIND_FAULT]; /* one sentence: why a mouth that the rig declares cannot be sealed */
 } bind_lips;
 
 typedef struct binding {
@@ -68,6 +70,10 @@ typedef struct binding {
  * rig: one bone, everything free (t may be NULL then). */
 CHECKED mrt_result binding_create(binding *out, const rig *r, const mesh *m, const topology *t,
                                   error *err);
+/* One sentence: why the mouth that the rig declares cannot be sealed; "": it can, or it declares
+ * none. */
+CHECKED mrt_result bind_lips_fault(char out[BIND_FAULT], const rig *r, const mesh *m,
+                                   const topology *t, error *err);
 /* contact_count: of the rig it was made for; 0: of none. */
 CHECKED mrt_result binding_copy(binding *out, const binding *b, uint32_t contact_count, error *err);
 void binding_destroy(binding *b);

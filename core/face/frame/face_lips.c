@@ -22,7 +22,7 @@ static const double reach_of_width = 0.36;
 /* The mobility from which on skin follows its rim wholly; and responses that are left out. */
 static const float free_from = 0.6f, response_least = 2e-4f;
 /* Of half the slit: how long the front is that closes. */
-static const double zip_width = 0.6;
+static const double zip_width = 1.0;
 enum { FACING = 4 }; /* stations to either side among which the facing one is looked for */
 
 static double clamp01(double t)
@@ -113,6 +113,12 @@ static mrt_result add_lip(face *f, uint32_t rim, double share, const float *of_r
     return result;
 }
 
+static bool is_reached(const face_lips *l, const uint32_t *corner)
+{
+    return l->reaches[corner[0] / POINTS_BLOCK] || l->reaches[corner[1] / POINTS_BLOCK] ||
+           l->reaches[corner[2] / POINTS_BLOCK];
+}
+
 static void list_reached(face *f)
 {
     face_lips *l = &f->lips;
@@ -122,18 +128,28 @@ static void list_reached(face *f)
         for (uint32_t word = 0; word < c->mark_words; ++word)
             any |= c->mark[block * (size_t)c->mark_words + word];
         l->reaches[block] = any != 0;
-        if (any != 0)
-            l->block[l->block_count++] = block;
     }
     for (uint32_t t = 0; t < f->skin_count; ++t) {
-        const uint32_t *corner = f->skin + (size_t)3 * t;
         uint32_t group = t / STRAIN_GROUP;
-        bool is_reached = l->reaches[corner[0] / POINTS_BLOCK] ||
-                          l->reaches[corner[1] / POINTS_BLOCK] ||
-                          l->reaches[corner[2] / POINTS_BLOCK];
-        if (is_reached && (l->group_count == 0 || l->group[l->group_count - 1] != group))
+        if (is_reached(l, f->skin + (size_t)3 * t) &&
+            (l->group_count == 0 || l->group[l->group_count - 1] != group))
             l->group[l->group_count++] = group;
     }
+}
+
+/* The blocks of all corners of these groups. */
+static void list_blocks(face *f)
+{
+    face_lips *l = &f->lips;
+    uint32_t *const is_listed = l->block; /* first as flags */
+    for (uint32_t i = 0; i < l->group_count; ++i) {
+        size_t first = (size_t)3 * STRAIN_GROUP * l->group[i], end = first + 3 * STRAIN_GROUP;
+        for (size_t corner = first; corner < end && corner < (size_t)3 * f->skin_count; ++corner)
+            is_listed[f->skin[corner] / POINTS_BLOCK] = 1;
+    }
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        if (is_listed[block] || l->reaches[block])
+            l->block[l->block_count++] = block;
 }
 
 /* Gradients of sums: neighbouring stations go nearly the same way, and each column alone is steep.
@@ -220,6 +236,7 @@ mrt_result face_lips_create(face *f, error *err)
         result = add_lip(f, 1, f->rig->mouth.upper_share - 1.0, from->of_lower, err);
     columns_note(&l->columns, count);
     list_reached(f);
+    list_blocks(f);
     return result < 0 ? result : measure_steepness(f, err);
 }
 

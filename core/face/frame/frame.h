@@ -137,9 +137,9 @@ typedef struct face_lips {
     double *open_mm;     /* how far they are apart at rest */
     double *from_corner; /* 0 at the corners .. 1 in the middle */
     columns columns;     /* one a station: how far a correction of 1 moves each vertex */
-    uint32_t *block, block_count; /* those that it can move, ascending */
-    uint8_t *reaches;             /* of each block: it is one of them */
-    uint32_t *group, group_count; /* of face_limit: likewise */
+    uint8_t *reaches;    /* of each block: 1 where the seal can move vertices */
+    uint32_t *group, group_count; /* of face_limit: with triangles that it can move, ascending */
+    uint32_t *block, block_count; /* with vertices of these groups, ascending */
     float *at_slot;               /* column capacity by slots: the face's columns there */
     float *steepest;  /* of each station and each of these groups: the greatest length of the
                          gradient  of the sum of the columns from that station on */
@@ -154,7 +154,7 @@ typedef struct face_lips {
     /* face_limit.c: how much of the seal is applied, so that it folds nothing */
     double share, share_near;       /* everywhere, and as far as `near` says */
     double *near;                   /* of each station, 0..1 */
-    float (*bare)[4], (*sealed)[4]; /* of each vertex that it can move, while rims meet: where it is
+    float (*bare)[4], (*sealed)[4]; /* of each vertex of these blocks, while rims meet: where it is
                                        without and with the seal */
 } face_lips;
 

@@ -803,6 +803,15 @@ static void check_parts(checking *c)
     free(part);
 }
 
+static void check_mouth(checking *c)
+{
+    char fault[BIND_FAULT];
+    c->is_out_of_memory = c->is_out_of_memory || bind_lips_fault(fault, c->r, c->m, c->t, NULL) < 0;
+    if (!c->is_out_of_memory && fault[0])
+        report(c, RIG_WARNING, "$.mouth", "%s; the face performs, but its lips are not sealed",
+               fault);
+}
+
 static void check_poses(checking *c)
 {
     double head_mm = c->head ? c->head->top_y - c->head->chin.y : 225.0;
@@ -1010,6 +1019,7 @@ mrt_result rig_check(rig_findings *out, const rig *r, const mesh *m, const topol
     if (c.marks)
         check_contacts(&c);
     check_jaw(&c);
+    check_mouth(&c);
     check_poses(&c);
     if (!c.marks)
         report(&c, RIG_NOTE, "$.regions", "contacts and parts are checked once this has no errors");

@@ -42,8 +42,8 @@ static bool check_vertices(bind_lips *out, const rim *of, const mesh *m)
 {
     for (uint32_t i = 0; i < of->count; ++i)
         if (of->vertex[i] >= m->vertex_count)
-            return refuse(out, "$.mouth.%s[%u]: vertex %u, but the mesh has %u vertices", of->key,
-                          i, of->vertex[i], m->vertex_count);
+            return refuse(out, "%s[%u]: vertex %u, but the mesh has %u vertices", of->key, i,
+                          of->vertex[i], m->vertex_count);
     return true;
 }
 
@@ -56,7 +56,7 @@ static bool check_doubled(bind_lips *out, const rim *a, const rim *b, const mesh
                 a != b && ((i == 0 && j == 0) || (i == a->count - 1 && j == b->count - 1));
             if (!is_end && mesh_point(m, a->vertex[i]) == mesh_point(m, b->vertex[j]))
                 return refuse(out,
-                              "$.mouth.%s[%u] and $.mouth.%s[%u] are one point: a rim goes once "
+                              "%s[%u] and %s[%u] are one point: a rim goes once "
                               "from corner to corner",
                               a->key, i, b->key, j);
         }
@@ -72,8 +72,8 @@ static mrt_result check_piece(bind_lips *out, const rim *of, const rim *upper, c
     for (uint32_t i = 0; result >= 0 && *out_is_good && i < of->count; ++i)
         if (piece[of->vertex[i]] != piece[upper->vertex[0]])
             *out_is_good = refuse(out,
-                                  "$.mouth.%s[%u]: vertex %u is on another piece of surface than "
-                                  "$.mouth.upper[0]: both rims belong to one",
+                                  "%s[%u]: vertex %u is on another piece of surface than "
+                                  "upper[0]: both rims belong to one",
                                   of->key, i, of->vertex[i]);
     free(piece);
     return result;
@@ -99,16 +99,15 @@ static bool find_axes(bind_lips *out, const rim *upper, const rim *lower, const 
     double longer = fmax(length_of(m, upper), length_of(m, lower));
     if (!(out->width_mm > straight_least * longer))
         return refuse(out,
-                      "$.mouth: the rims are a ring, %.1f mm long with their ends %.1f mm apart: "
+                      "the rims are a ring, %.1f mm long with their ends %.1f mm apart: "
                       "a rim goes from one corner of the mouth to the other",
                       longer, out->width_mm);
     out->across = vec3_scale(way, 1.0 / out->width_mm);
     vec3 up = {0.0, 1.0, 0.0};
     up = vec3_sub(up, vec3_scale(out->across, out->across.y));
     if (!(out->across.x > 0.5))
-        return refuse(out,
-                      "$.mouth: the rims do not go from the subject's right corner (x < 0) to the "
-                      "left one: turn their lists around");
+        return refuse(out, "the rims do not go from the subject's right corner (x < 0) to the "
+                           "left one: turn their lists around");
     out->up = vec3_normalised(up, (vec3){0, 1, 0});
     for (int end = 0; end < 2; ++end) {
         vec3 a = at_vertex(m, upper, end ? upper->count - 1 : 0);
@@ -116,7 +115,7 @@ static bool find_axes(bind_lips *out, const rim *upper, const rim *lower, const 
         double apart = vec3_length(vec3_sub(a, b));
         if (apart > ends_apart * out->width_mm)
             return refuse(out,
-                          "$.mouth: the %s ends of the rims are %.1f mm apart: both end at the "
+                          "the %s ends of the rims are %.1f mm apart: both end at the "
                           "corner of the mouth",
                           end ? "left" : "right", apart);
     }
@@ -166,7 +165,7 @@ static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const 
         double open = vec3_dot(gap, out->up);
         if (open < -crossed_most * out->width_mm)
             return refuse(out,
-                          "$.mouth: the upper rim is %.1f mm below the lower one, %.0f %% of the "
+                          "the upper rim is %.1f mm below the lower one, %.0f %% of the "
                           "way along the slit: the rims cross, or are exchanged",
                           -open, 100.0 * part);
     }
@@ -228,29 +227,56 @@ static bool allocate(bind_lips *out, uint32_t vertex_count)
     return out->upper && out->lower && out->of_upper && out->of_lower;
 }
 
+static mrt_result find_stations(bind_lips *out, const rim *upper, const rim *lower, const mesh *m,
+                                const topology *t, error *err)
+{
+    bool is_good = check_vertices(out, upper, m) && check_vertices(out, lower, m) &&
+                   check_doubled(out, upper, upper, m) && check_doubled(out, lower, lower, m) &&
+                   check_doubled(out, upper, lower, m);
+    mrt_result result = MRT_OK;
+    if (is_good)
+        result = check_piece(out, upper, upper, m, t, &is_good, err);
+    if (result >= 0 && is_good)
+        result = check_piece(out, lower, upper, m, t, &is_good, err);
+    if (result >= 0 && is_good && find_axes(out, upper, lower, m))
+        (void)pair_rims(out, upper, lower, m);
+    return result;
+}
+
+/* An empty rim where the rig declares none. */
+static rim rim_of(const char *key, const uint32_t *vertex, uint32_t count)
+{
+    return (rim){key, vertex, vertex ? count : 0};
+}
+
 mrt_result bind_lips_find(bind_lips *out, const rig *r, const mesh *m, const topology *t,
                           error *err)
 {
-    const rim upper = {"upper", r->mouth.upper, r->mouth.upper_count};
-    const rim lower = {"lower", r->mouth.lower, r->mouth.lower_count};
+    const rim upper = rim_of("upper", r->mouth.upper, r->mouth.upper_count);
+    const rim lower = rim_of("lower", r->mouth.lower, r->mouth.lower_count);
     *out = (bind_lips){0};
-    if (!upper.vertex || !lower.vertex)
+    if (upper.count == 0 || lower.count == 0)
         return MRT_OK;
     if (!allocate(out, m->vertex_count))
         return error_set(err, MRT_ERR_MEMORY, "no memory for the mouth of %u vertices",
                          m->vertex_count);
-    bool is_good = check_vertices(out, &upper, m) && check_vertices(out, &lower, m) &&
-                   check_doubled(out, &upper, &upper, m) && check_doubled(out, &lower, &lower, m) &&
-                   check_doubled(out, &upper, &lower, m);
+    mrt_result result = find_stations(out, &upper, &lower, m, t, err);
+    return result < 0 || out->station_count == 0 ? result
+                                                 : find_sides(out, &upper, &lower, m, t, err);
+}
+
+mrt_result bind_lips_fault(char out[BIND_FAULT], const rig *r, const mesh *m, const topology *t,
+                           error *err)
+{
+    const rim upper = rim_of("upper", r->mouth.upper, r->mouth.upper_count);
+    const rim lower = rim_of("lower", r->mouth.lower, r->mouth.lower_count);
+    bind_station station[2][LIPS_STATIONS_MAX];
+    bind_lips lips = {.upper = station[0], .lower = station[1]};
     mrt_result result = MRT_OK;
-    if (is_good)
-        result = check_piece(out, &upper, &upper, m, t, &is_good, err);
-    if (result >= 0 && is_good)
-        result = check_piece(out, &lower, &upper, m, t, &is_good, err);
-    if (result < 0 || !is_good || !find_axes(out, &upper, &lower, m) ||
-        !pair_rims(out, &upper, &lower, m))
-        return result;
-    return find_sides(out, &upper, &lower, m, t, err);
+    if (upper.count > 0 && lower.count > 0)
+        result = find_stations(&lips, &upper, &lower, m, t, err);
+    memcpy(out, lips.why_not, BIND_FAULT);
+    return result;
 }
 
 static void *copy_of(const void *from, size_t size)

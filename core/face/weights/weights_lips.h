@@ -5,7 +5,7 @@
 #define MAROTTE_FACE_WEIGHTS_LIPS_H
 #include "face/bind.h"
 
-enum { LIPS_STATIONS_MAX = 25 };
+enum { LIPS_STATIONS_MAX = 33 };
 
 /* A rig without a mouth, and rims that cannot be sealed (why_not), give no stations and no error.
  */

@@ -126,6 +126,18 @@ static void note_unused_shapes(face_file *f)
                   f->rig->mesh_path, count, f->mesh.vertex_count);
 }
 
+static mrt_result note_unsealed_lips(face_file *f, error *err)
+{
+    char fault[BIND_FAULT] = "";
+    mrt_result result = MRT_OK;
+    if (f->rig)
+        result = bind_lips_fault(fault, f->rig, &f->mesh, &f->topology, err);
+    if (fault[0])
+        mesh_note(&f->mesh, "%s: $.mouth: %s; the face performs, but its lips are not sealed",
+                  f->rig->path, fault);
+    return result;
+}
+
 static mrt_result join_notes(face_file *f, error *err)
 {
     const char *from_rig = f->rig && f->rig->note ? f->rig->note : "";
@@ -159,6 +171,8 @@ mrt_result face_file_read(face_file *out, const char *path, const mesh_frame *fr
         bind_focus(&out->mesh, out->rig, &out->topology);
     if (result >= 0)
         note_unused_shapes(out);
+    if (result >= 0)
+        result = note_unsealed_lips(out, err);
     if (result >= 0)
         result = join_notes(out, err);
     if (result < 0)
