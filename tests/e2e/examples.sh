@@ -53,6 +53,8 @@ examples <"$scratch/all" | sort -u >"$scratch/lines"
 [ "$(wc -l <"$scratch/lines")" -ge 90 ] || fail "only $(wc -l <"$scratch/lines") examples were found"
 
 count=0 parsed=0
+limit_s=100 # an example that hangs
+[ -z "${MAROTTE_TEST_LONG:-}" ] || limit_s=1200 # whole recordings, also under sanitizers
 while read -r line; do
     if [ -z "${MAROTTE_TEST_LONG:-}" ]; then # a second of the recordings, small pictures
         line=$(sed -E 's/log:(demo_(left_)?hand)\.csv(,end=[0-9]+)?/log:\1.csv,end=1/g; s/--size [0-9]+x[0-9]+/--size 160x90/' <<<"$line")
@@ -76,7 +78,7 @@ while read -r line; do
         [ $? -ne 2 ] || fail "wrong usage: $line: $(cat "$scratch/stderr")"
         parsed=$((parsed + 1))
     else
-        (cd "$folder" && eval "timeout 100 $line") >"$scratch/said" 2>"$scratch/stderr" </dev/null ||
+        (cd "$folder" && eval "timeout $limit_s $line") >"$scratch/said" 2>"$scratch/stderr" </dev/null ||
             fail "$line: $(tail -n 2 "$scratch/stderr")"
         count=$((count + 1))
     fi
