@@ -7,8 +7,9 @@
  * per moving bone (w_b x, w_b y, w_b z, w_b, moved by the columns of R_b - I and by t_b; x from
  * the bone's own centre, so that a turned head loses no digits). So a frame is one pass over
  * columns, exports are exact, and without a rig it is csrbf/shape.h, bit for bit.
- * Vertices in the engine's order. [frame] all but create/destroy: no allocation; same input, same
- * bits. */
+ * The seal of the lips (RIG_LIPS_SEAL) is added between the sum and the projection, and is no
+ * column. Vertices in the engine's order. [frame] all but create/destroy: no allocation; same
+ * input, same bits. */
 #ifndef MAROTTE_FACE_FACE_H
 #define MAROTTE_FACE_FACE_H
 #include "base/stamps.h"
@@ -157,7 +158,7 @@ typedef struct face_columns { /* of the engagement; valid until the next engage 
     const double *weight; /* count by 3: of the last face_pull */
     uint32_t count;
     uint32_t engagement; /* grows whenever base or columns change */
-    bool is_exact;       /* false: the projection moved a vertex in the last frame shown */
+    bool is_exact; /* false: the projection or the seal moved a vertex in the last frame shown */
 } face_columns;
 face_columns face_columns_now(const face *f);
 /* What a column is of: a shape along an axis ("mouthSmile.x", with "@jaw" behind for what a moving

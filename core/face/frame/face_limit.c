@@ -23,6 +23,7 @@
  * 5. A face without a rig (unfold). Its field is one of space and can fold behind the skin, where
  *    there is no triangle: the largest part is given that keeps the determinant of the field's
  *    map above a bound.
+ * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin.
  *
  * To be quick, triangles lie in groups of GROUP. How steep each column is at most in a group is
  * found once for an engagement (face_limit_engage); with the weights of the columns that is a bound

@@ -396,6 +396,8 @@ void face_lips_bound(face *f)
 
 void face_lips_part(face *f)
 {
+    if (f->lips.count == 0)
+        return;
     memset(f->lips.correction, 0, (size_t)3 * f->lips.count * sizeof *f->lips.correction);
     f->lips.is_meeting = false;
 }

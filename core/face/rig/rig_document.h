@@ -127,7 +127,12 @@ CHECKED mrt_result rig_paint_set(rig_select *out, const uint8_t *value, uint32_t
 /* ---- degrees of freedom ---- */
 
 /* What a degree of freedom of a pose is measured in. */
-typedef enum rig_dof_unit { RIG_DOF_UNKNOWN = 0, RIG_DOF_RAD, RIG_DOF_MM, RIG_DOF_SHARE } rig_dof_unit;
+typedef enum rig_dof_unit {
+    RIG_DOF_UNKNOWN = 0,
+    RIG_DOF_RAD,
+    RIG_DOF_MM,
+    RIG_DOF_SHARE
+} rig_dof_unit;
 rig_dof_unit rig_dof_unit_of(const rig *r, const char *name);
 
 #endif

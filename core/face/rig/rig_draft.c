@@ -1001,19 +1001,6 @@ mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err)
     return result;
 }
 
-static mrt_result add_teeth(rig *r, drafting *d, error *err)
-{
-    mrt_result result = fit_teeth(r, d->m, &d->a, err);
-    for (uint32_t i = 0; result >= 0 && i < r->proxy_count; ++i)
-        if (r->proxy[i].kind == PROXY_TEETH)
-            rig_note(&d->confirm,
-                     "skull_proxy: lips stop at the teeth of the %s, %.0f mm wide: likely",
-                     r->bone[r->proxy[i].bone].name, 2.0 * r->proxy[i].radii.x);
-    if (result < 0)
-        rig_destroy(r);
-    return result;
-}
-
 typedef struct trial {
     bool has_lids; /* lids that can hardly close are worse than none */
     bool opens;    /* the jaw, at least as far as clay does */
@@ -1235,8 +1222,6 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
                                               : "rig would not load with them");
     if (result >= 0)
         add_follows(out, &d);
-    if (result >= 0 && d.ambition <= WITHOUT_PIECES)
-        result = add_teeth(out, &d, err);
     rig_anatomy_finish(&d.a);
     if (result >= 0 && cut_mouth) {
         out->cut_mouth = malloc(cut_count * sizeof *cut_mouth);
