@@ -1086,16 +1086,9 @@ static mrt_result fill_contacts(rig *r, rig_document *d, error *err)
 static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const json_node *at, double mm_per_unit,
                              error *err)
 {
-    static const char *const known[] = {"ellipsoid", "teeth", NULL};
-    static const char *const known_inside[] = {"centre", "radii", "bone", "front", NULL};
-    json_node ellipsoid = json_node_member(at, "ellipsoid"), teeth = json_node_member(at, "teeth");
-    if (teeth.value && ellipsoid.value)
-        return error_set(err, MRT_ERR_FORMAT,
-                         "%s: is an ellipsoid and teeth; make two entries of it", at->path.text);
-    if (teeth.value) {
-        proxy->kind = PROXY_TEETH;
-        ellipsoid = teeth;
-    }
+    static const char *const known[] = {"ellipsoid", NULL};
+    static const char *const known_inside[] = {"centre", "radii", "bone", NULL};
+    json_node ellipsoid = json_node_member(at, "ellipsoid");
     mrt_result result = json_node_object(&ellipsoid, "an object with centre, radii and bone", err);
     if (result < 0)
         return result;
@@ -1104,10 +1097,7 @@ static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const json_node *at, doub
     json_node centre = json_node_member(&ellipsoid, "centre");
     json_node radii = json_node_member(&ellipsoid, "radii");
     json_node bone = json_node_member(&ellipsoid, "bone");
-    if (proxy->kind == PROXY_TEETH)
-        result = rig_json_optional_number(&proxy->front, &ellipsoid, "front", 0.0, 1.0, err);
-    if (result >= 0)
-        result = rig_json_point(&proxy->centre, &centre, mm_per_unit, err);
+    result = rig_json_point(&proxy->centre, &centre, mm_per_unit, err);
     if (result >= 0)
         result = rig_json_point(&proxy->radii, &radii, mm_per_unit, err);
     if (result < 0)
