@@ -4,7 +4,7 @@
 
 /* Names as the rigs of rigs/README.md spell them. */
 static const own_part parts[OWN_REGION_COUNT] = {
-    [OWN_MOUTH] = {"mouth", 3, {"mouth.*", "lip.*", "tongue.*"}},
+    [OWN_MOUTH] = {"mouth", 4, {"mouth.*", "lip.*", "lips.*", "tongue.*"}},
     [OWN_JAW] = {"jaw", 2, {"jaw.*", "chin.*"}},
     [OWN_BROWS] = {"brows", 2, {"brow.*", "forehead.*"}},
     [OWN_LIDS] = {"lids", 1, {"lid_*"}},
