@@ -23,7 +23,8 @@
  * 5. A face without a rig (unfold). Its field is one of space and can fold behind the skin, where
  *    there is no triangle: the largest part is given that keeps the determinant of the field's
  *    map above a bound.
- * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin.
+ * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin or
+ *    bends an edge too far.
  *
  * To be quick, triangles lie in groups of GROUP. How steep each column is at most in a group is
  * found once for an engagement (face_limit_engage); with the weights of the columns that is a bound
@@ -273,6 +274,18 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
         row[i][2] = sum[2][i];
         row[i][3] = 0.0f; /* so that whole rows are stored */
     }
+}
+
+static void put_vertex(points *out, uint32_t slot, const float *row)
+{
+    out->x[slot] = row[0];
+    out->y[slot] = row[1];
+    out->z[slot] = row[2];
+}
+
+static vec3 vertex_of(const float *row)
+{
+    return (vec3){(double)row[0], (double)row[1], (double)row[2]};
 }
 
 static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
@@ -1223,9 +1236,7 @@ static void pose_candidates(face *f, float part)
         for (int k = 0; k < 6; ++k) {
             uint32_t slot = around[k];
             const float *posed = l->posed[slot], *added = l->added[slot];
-            l->shown_before.x[slot] = posed[0];
-            l->shown_before.y[slot] = posed[1];
-            l->shown_before.z[slot] = posed[2];
+            put_vertex(&l->shown_before, slot, posed);
             l->shown_after.x[slot] = posed[0] + part * added[0];
             l->shown_after.y[slot] = posed[1] + part * added[1];
             l->shown_after.z[slot] = posed[2] + part * added[2];
@@ -1375,8 +1386,8 @@ static void unfold(face *f)
 /* ---- the lips ----
  *
  * What the seal adds comes on top of what the pulls add, wherever that brings the lips. Where both
- * together would fold skin, the lips are sealed less around there, then everywhere; where lips that
- * only touch would fold it, less of the pulls is given. */
+ * together would fold skin or bend an edge too far, the lips are sealed less around there, then
+ * everywhere; where lips that only touch would do it, the pulls around there give way, then all. */
 
 static const float lips_rounding = 1e-4f; /* of an area */
 static const double yield_reach = 0.2;    /* of the width of the mouth */
@@ -1419,8 +1430,58 @@ static bool is_folded_by_lips(face *f, size_t group)
     return least < (before < STRAIN_FOLD_ROOM ? before : STRAIN_FOLD_ROOM) - lips_rounding;
 }
 
-/* Whether the bounds of what pulls and seal add allow a fold in group i of those of the seal. */
-static bool may_lips_fold(face *f, uint32_t i)
+/* limit.candidate: the triangles of the group that the seal has turned so far that it may have bent
+ * an edge too far. */
+static void find_turned_by_lips(face *f, size_t group)
+{
+    face_limit *l = &f->limit;
+    const limit_patch *patch = &l->patch[group];
+    const angle_sincos apart = half_apart(f, &l->group[group]);
+    turn_normals(f, group);
+    l->candidate_count = 0;
+    for (size_t i = 0; i < group_size(f, group); ++i) {
+        const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
+        const vec3 a = vertex_of(f->lips.sealed[corner[0]]);
+        const vec3 normal = vec3_cross(vec3_sub(vertex_of(f->lips.sealed[corner[1]]), a),
+                                       vec3_sub(vertex_of(f->lips.sealed[corner[2]]), a));
+        const vec3 along = {(double)patch->along[0][i], (double)patch->along[1][i],
+                            (double)patch->along[2][i]};
+        double inv_tan = angle_subtract((double)patch->inv_tan_turn[i], apart);
+        double cosine = inv_tan / sqrt(1.0 + inv_tan * inv_tan);
+        if (!(vec3_dot(normal, along) > cosine * vec3_length(normal) * vec3_length(along)))
+            l->candidate[l->candidate_count++] = (uint32_t)(GROUP * group + i);
+    }
+}
+
+/* Whether it bends an edge of the group too far, and further than it is bent without it. */
+static bool is_bent_by_lips(face *f, size_t group)
+{
+    face_limit *l = &f->limit;
+    const float *before[3], *after[3];
+    find_turned_by_lips(f, group);
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        uint32_t around[6];
+        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+            continue;
+        for (int k = 0; k < 6; ++k) {
+            put_vertex(&l->shown_before, around[k], f->lips.bare[around[k]]);
+            put_vertex(&l->shown_after, around[k], f->lips.sealed[around[k]]);
+        }
+    }
+    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+                              points_streams(&l->shown_before, before),
+                              points_streams(&l->shown_after, after)) > 1.0;
+}
+
+/* Whether the seal does either in group i of those that it reaches. */
+static bool is_harmed_by_lips(face *f, uint32_t i)
+{
+    size_t group = f->lips.group[i];
+    return is_folded_by_lips(f, group) || (!is_shaped(f) && is_bent_by_lips(f, group));
+}
+
+/* Whether the bounds of what pulls and seal add allow that. */
+static bool may_lips_harm(face *f, uint32_t i)
 {
     const face_lips *l = &f->lips;
     limit_group *g = &f->limit.group[l->group[i]];
@@ -1435,27 +1496,28 @@ static bool may_lips_fold(face *f, uint32_t i)
     return !(most < g->room);
 }
 
-static bool lips_fold(face *f, double strength)
+/* Applies that much of the seal. */
+static bool lips_harm(face *f, double strength)
 {
     const face_lips *l = &f->lips;
     face_lips_meet(f, strength);
     face_lips_bound(f);
     find_sealed_lips(f);
     for (uint32_t i = 0; l->is_meeting && i < l->group_count; ++i)
-        if (may_lips_fold(f, i) && is_folded_by_lips(f, l->group[i]))
+        if (may_lips_harm(f, i) && is_harmed_by_lips(f, i))
             return true;
     return false;
 }
 
-/* lips.near: how near each station is to skin that the seal folds, 0..1. */
-static void find_folded_stations(face *f)
+/* lips.near: how near each station is to skin that the seal harms, 0..1. */
+static void find_harmed_stations(face *f)
 {
     face_lips *l = &f->lips;
     const double reach_mm = yield_reach * f->binding.lips.width_mm;
     memset(l->near, 0, l->count * sizeof *l->near);
     for (uint32_t i = 0; i < l->group_count; ++i) {
         const uint32_t *corner = f->skin + (size_t)3 * GROUP * l->group[i];
-        if (!is_folded_by_lips(f, l->group[i]))
+        if (!is_harmed_by_lips(f, i))
             continue;
         for (uint32_t k = 0; k < l->count; ++k) {
             vec3 way = vec3_sub(points_position(&f->rest, *corner), vec3_row(l->rest, k));
@@ -1465,8 +1527,60 @@ static void find_folded_stations(face *f)
     }
 }
 
-/* Gives less of the pulls, until lips that only touch fold no more than the pulls do. */
-static void yield_to_lips(face *f)
+/* limit.tip_share: how near each control is to such skin, of the nearest one, 0..1. */
+static void find_harmed_controls(face *f)
+{
+    face_limit *l = &f->limit;
+    memset(l->tip_share, 0, f->control_count * sizeof *l->tip_share);
+    for (uint32_t i = 0; i < f->lips.group_count; ++i) {
+        const size_t triangle = (size_t)GROUP * f->lips.group[i];
+        double nearest = 1e-6;
+        if (!is_harmed_by_lips(f, i))
+            continue;
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            nearest = fmax(nearest, near_grip(f, triangle, k));
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            l->tip_share[k] = fmax(l->tip_share[k], near_grip(f, triangle, k) / nearest);
+    }
+}
+
+/* Whether lips that only touch harm nothing when controls have lost `less` of limit.tip_share of
+ * their pulls, limit.centre. */
+static bool try_less_near(face *f, double less)
+{
+    face_limit *l = &f->limit;
+    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
+        l->g[i] = l->centre[i] * (1.0 - less * l->tip_share[i / 3]);
+    give(f);
+    find_bare_lips(f);
+    return !lips_harm(f, 0.0);
+}
+
+/* False, and nothing changed: it is not enough that the controls near such skin give way. */
+static bool yield_near_lips(face *f)
+{
+    face_limit *l = &f->limit;
+    const size_t size = (size_t)3 * f->control_count * sizeof *l->g;
+    double low = 0.0, high = 1.0;
+    find_harmed_controls(f);
+    memcpy(l->centre, l->g, size);
+    if (!try_less_near(f, 1.0)) {
+        memcpy(l->g, l->centre, size);
+        give(f);
+        return false;
+    }
+    for (int i = 0; i < HALVINGS; ++i) {
+        double middle = 0.5 * (low + high);
+        if (try_less_near(f, middle))
+            high = middle;
+        else
+            low = middle;
+    }
+    return try_less_near(f, high);
+}
+
+/* Gives less of all pulls. */
+static void yield_everywhere(face *f)
 {
     double low = 0.0, high = 1.0, part = 1.0;
     for (int i = 0; i < HALVINGS; ++i) {
@@ -1474,31 +1588,38 @@ static void yield_to_lips(face *f)
         give_part(f, middle / part);
         part = middle;
         find_bare_lips(f);
-        if (lips_fold(f, 0.0))
+        if (lips_harm(f, 0.0))
             high = middle;
         else
             low = middle;
     }
     give_part(f, low / part);
-    give_fields(f);
-    f->is_held = true;
-    note_held_back(f);
     find_bare_lips(f);
 }
 
-/* The greatest value of *share with which the seal folds nothing; 0 where there is none. */
+/* Pulls give way until lips that only touch harm nothing. */
+static void yield_to_lips(face *f)
+{
+    if (!yield_near_lips(f))
+        yield_everywhere(f);
+    give_fields(f);
+    f->is_held = true;
+    note_held_back(f);
+}
+
+/* The greatest value of *share with which the seal harms nothing; 0 where there is none. */
 static bool find_share(face *f, double *share)
 {
     double low = 0.0, high = 1.0;
     for (int i = 0; i < HALVINGS; ++i) {
         *share = 0.5 * (low + high);
-        if (lips_fold(f, 1.0))
+        if (lips_harm(f, 1.0))
             high = *share;
         else
             low = *share;
     }
     *share = low;
-    return !lips_fold(f, 1.0);
+    return !lips_harm(f, 1.0);
 }
 
 static void limit_lips(face *f)
@@ -1510,13 +1631,13 @@ static void limit_lips(face *f)
         return;
     begin_pose(f);
     find_bare_lips(f);
-    if (!lips_fold(f, 1.0))
+    if (!lips_harm(f, 1.0))
         return;
-    if (f->control_count > 0 && f->origin == &f->base && lips_fold(f, 0.0))
+    if (f->control_count > 0 && f->origin == &f->base && lips_harm(f, 0.0))
         yield_to_lips(f);
-    if (!lips_fold(f, 1.0))
+    if (!lips_harm(f, 1.0))
         return;
-    find_folded_stations(f);
+    find_harmed_stations(f);
     if (!find_share(f, &l->share_near))
         (void)find_share(f, &l->share);
 }

@@ -137,15 +137,20 @@ static void list_reached(face *f)
     }
 }
 
-/* The blocks of all corners of these groups. */
+/* The blocks of all corners of these groups, and of the triangles beside them. */
 static void list_blocks(face *f)
 {
     face_lips *l = &f->lips;
     uint32_t *const is_listed = l->block; /* first as flags */
     for (uint32_t i = 0; i < l->group_count; ++i) {
-        size_t first = (size_t)3 * STRAIN_GROUP * l->group[i], end = first + 3 * STRAIN_GROUP;
-        for (size_t corner = first; corner < end && corner < (size_t)3 * f->skin_count; ++corner)
-            is_listed[f->skin[corner] / POINTS_BLOCK] = 1;
+        uint32_t first = STRAIN_GROUP * l->group[i], end = first + STRAIN_GROUP, around[6];
+        for (uint32_t t = first; t < end && t < f->skin_count; ++t) {
+            for (uint32_t k = 0; k < 3; ++k)
+                is_listed[f->skin[3 * (size_t)t + k] / POINTS_BLOCK] = 1;
+            if (surface_meter_around(f->surface_meter, t, around))
+                for (uint32_t k = 3; k < 6; ++k)
+                    is_listed[around[k] / POINTS_BLOCK] = 1;
+        }
     }
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
         if (is_listed[block] || l->reaches[block])
