@@ -228,7 +228,7 @@ static void every_contact_lands_in_any_pose_and_nothing_jumps(void **state)
         print_message("pose %d: furthest from its end %.2g mm%s, jump %.2g mm\n", round, miss,
                       is_free ? "" : " (the skull was in the way)", jump);
         assert_true(miss < 1e-3 || !is_free);
-        assert_true(round > 0 || is_free);
+        assert_true(round > 0 || miss < 1e-3); /* the teeth may hold the inside of the mouth */
         assert_true(jump < 1e-4);
     }
     points_destroy(&kept);

@@ -25,6 +25,8 @@
  *    map above a bound.
  * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin or
  *    bends an edge too far.
+ * 7. Skin that slides (face_limit_slide). What lies under the skin pushes it aside last of all.
+ *    Where that folds it, pulls give way.
  *
  * To be quick, triangles lie in groups of GROUP. How steep each column is at most in a group is
  * found once for an engagement (face_limit_engage); with the weights of the columns that is a bound
@@ -228,6 +230,10 @@ mrt_result face_limit_create(face *f, error *err)
     l->apart = arrays_add(a, (size_t)CARRIERS * CARRIERS, sizeof *l->apart);
     l->block = arrays_add(a, 3 * skin, sizeof *l->block);
     l->candidate = arrays_add(a, skin, sizeof *l->candidate);
+    l->harmed = arrays_add(a, groups, sizeof *l->harmed);
+    l->shaped = arrays_add(a, f->shapes.count, sizeof *l->shaped);
+    l->slid = arrays_add(a, vertices, sizeof *l->slid);
+    l->is_slid = arrays_add(a, blocks, 1);
     l->longest = arrays_add(a, skin, sizeof *l->longest);
     l->bounded = arrays_add(a, 3 * weighed, sizeof *l->bounded);
     l->pose_weight = arrays_add(a, 3 * weighed, sizeof *l->pose_weight);
@@ -1383,6 +1389,117 @@ static void unfold(face *f)
     f->is_held = true;
 }
 
+/* ---- bends of the shape as it will be shown ---- */
+
+/* limit.candidate: the triangles of the group that are turned so far from where the bones turn them
+ * that an edge may be bent too far. */
+static void find_turned(face *f, size_t group, const float (*row)[4])
+{
+    face_limit *l = &f->limit;
+    const limit_patch *patch = &l->patch[group];
+    const angle_sincos apart = half_apart(f, &l->group[group]);
+    turn_normals(f, group);
+    l->candidate_count = 0;
+    for (size_t i = 0; i < group_size(f, group); ++i) {
+        const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
+        const vec3 a = vertex_of(row[corner[0]]);
+        const vec3 normal = vec3_cross(vec3_sub(vertex_of(row[corner[1]]), a),
+                                       vec3_sub(vertex_of(row[corner[2]]), a));
+        const vec3 along = {(double)patch->along[0][i], (double)patch->along[1][i],
+                            (double)patch->along[2][i]};
+        double inv_tan = angle_subtract((double)patch->inv_tan_turn[i], apart);
+        double cosine = inv_tan / sqrt(1.0 + inv_tan * inv_tan);
+        if (!(vec3_dot(normal, along) > cosine * vec3_length(normal) * vec3_length(along)))
+            l->candidate[l->candidate_count++] = (uint32_t)(GROUP * group + i);
+    }
+}
+
+/* Whether an edge of the candidates is bent too far after, and further than before. */
+static bool candidates_are_bent(face *f, const float (*row_before)[4], const float (*row_after)[4])
+{
+    face_limit *l = &f->limit;
+    const float *before[3], *after[3];
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        uint32_t around[6];
+        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+            continue;
+        for (int k = 0; k < 6; ++k) {
+            put_vertex(&l->shown_before, around[k], row_before[around[k]]);
+            put_vertex(&l->shown_after, around[k], row_after[around[k]]);
+        }
+    }
+    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+                              points_streams(&l->shown_before, before),
+                              points_streams(&l->shown_after, after)) > 1.0;
+}
+
+/* ---- pulls give way to what comes after them ----
+ *
+ * To the seal and to what lies under the skin. `harms` judges f->given; the controls near the skin
+ * of limit.harmed give way first. */
+
+/* limit.tip_share: how near each control is to that skin, of the nearest one, 0..1. */
+static void find_harmed_controls(face *f)
+{
+    face_limit *l = &f->limit;
+    memset(l->tip_share, 0, f->control_count * sizeof *l->tip_share);
+    for (uint32_t i = 0; i < l->harmed_count; ++i) {
+        const size_t triangle = (size_t)GROUP * l->harmed[i];
+        double nearest = 1e-6;
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            nearest = fmax(nearest, near_grip(f, triangle, k));
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            l->tip_share[k] = fmax(l->tip_share[k], near_grip(f, triangle, k) / nearest);
+    }
+}
+
+/* less, 0..1: the controls near that skin lose so much of limit.tip_share; 1..2: the others and the
+ * shapes lose theirs too, until nothing is given. Of limit.centre and limit.shaped. */
+static void give_less(face *f, double less)
+{
+    face_limit *l = &f->limit;
+    const double near = fmin(less, 1.0), all = fmax(less - 1.0, 0.0);
+    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
+        l->g[i] = l->centre[i] * (1.0 - fmax(near * l->tip_share[i / 3], all));
+    for (uint32_t i = 0; i < f->shapes.count; ++i)
+        f->shapes.given[i] = l->shaped[i] * (1.0 - all);
+    give(f);
+}
+
+/* Gives as little less as is needed. False, and nothing is given less: nothing is enough. */
+static bool yield_to(face *f, bool (*harms)(face *f))
+{
+    face_limit *l = &f->limit;
+    double low = 0.0, high = 1.0;
+    find_harmed_controls(f);
+    memcpy(l->centre, l->g, (size_t)3 * f->control_count * sizeof *l->g);
+    memcpy(l->shaped, f->shapes.given, f->shapes.count * sizeof *l->shaped);
+    give_less(f, high);
+    if (harms(f)) {
+        low = 1.0, high = 2.0;
+        give_less(f, high);
+        if (harms(f)) {
+            give_less(f, 0.0);
+            (void)harms(f);
+            return false;
+        }
+    }
+    for (int i = 0; i < HALVINGS; ++i) {
+        double middle = 0.5 * (low + high);
+        give_less(f, middle);
+        if (harms(f))
+            low = middle;
+        else
+            high = middle;
+    }
+    give_less(f, high);
+    (void)harms(f);
+    give_fields(f);
+    f->is_held = true;
+    note_held_back(f);
+    return true;
+}
+
 /* ---- the lips ----
  *
  * What the seal adds comes on top of what the pulls add, wherever that brings the lips. Where both
@@ -1430,47 +1547,11 @@ static bool is_folded_by_lips(face *f, size_t group)
     return least < (before < STRAIN_FOLD_ROOM ? before : STRAIN_FOLD_ROOM) - lips_rounding;
 }
 
-/* limit.candidate: the triangles of the group that the seal has turned so far that it may have bent
- * an edge too far. */
-static void find_turned_by_lips(face *f, size_t group)
-{
-    face_limit *l = &f->limit;
-    const limit_patch *patch = &l->patch[group];
-    const angle_sincos apart = half_apart(f, &l->group[group]);
-    turn_normals(f, group);
-    l->candidate_count = 0;
-    for (size_t i = 0; i < group_size(f, group); ++i) {
-        const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
-        const vec3 a = vertex_of(f->lips.sealed[corner[0]]);
-        const vec3 normal = vec3_cross(vec3_sub(vertex_of(f->lips.sealed[corner[1]]), a),
-                                       vec3_sub(vertex_of(f->lips.sealed[corner[2]]), a));
-        const vec3 along = {(double)patch->along[0][i], (double)patch->along[1][i],
-                            (double)patch->along[2][i]};
-        double inv_tan = angle_subtract((double)patch->inv_tan_turn[i], apart);
-        double cosine = inv_tan / sqrt(1.0 + inv_tan * inv_tan);
-        if (!(vec3_dot(normal, along) > cosine * vec3_length(normal) * vec3_length(along)))
-            l->candidate[l->candidate_count++] = (uint32_t)(GROUP * group + i);
-    }
-}
-
-/* Whether it bends an edge of the group too far, and further than it is bent without it. */
 static bool is_bent_by_lips(face *f, size_t group)
 {
-    face_limit *l = &f->limit;
-    const float *before[3], *after[3];
-    find_turned_by_lips(f, group);
-    for (uint32_t i = 0; i < l->candidate_count; ++i) {
-        uint32_t around[6];
-        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
-            continue;
-        for (int k = 0; k < 6; ++k) {
-            put_vertex(&l->shown_before, around[k], f->lips.bare[around[k]]);
-            put_vertex(&l->shown_after, around[k], f->lips.sealed[around[k]]);
-        }
-    }
-    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
-                              points_streams(&l->shown_before, before),
-                              points_streams(&l->shown_after, after)) > 1.0;
+    const face_lips *l = &f->lips;
+    find_turned(f, group, (const float(*)[4])l->sealed);
+    return candidates_are_bent(f, (const float(*)[4])l->bare, (const float(*)[4])l->sealed);
 }
 
 /* Whether the seal does either in group i of those that it reaches. */
@@ -1527,84 +1608,19 @@ static void find_harmed_stations(face *f)
     }
 }
 
-/* limit.tip_share: how near each control is to such skin, of the nearest one, 0..1. */
-static void find_harmed_controls(face *f)
+/* limit.harmed: the groups that lips which only touch harm. */
+static void list_harmed_by_lips(face *f)
 {
-    face_limit *l = &f->limit;
-    memset(l->tip_share, 0, f->control_count * sizeof *l->tip_share);
-    for (uint32_t i = 0; i < f->lips.group_count; ++i) {
-        const size_t triangle = (size_t)GROUP * f->lips.group[i];
-        double nearest = 1e-6;
-        if (!is_harmed_by_lips(f, i))
-            continue;
-        for (uint32_t k = 0; k < f->control_count; ++k)
-            nearest = fmax(nearest, near_grip(f, triangle, k));
-        for (uint32_t k = 0; k < f->control_count; ++k)
-            l->tip_share[k] = fmax(l->tip_share[k], near_grip(f, triangle, k) / nearest);
-    }
+    f->limit.harmed_count = 0;
+    for (uint32_t i = 0; i < f->lips.group_count; ++i)
+        if (is_harmed_by_lips(f, i))
+            f->limit.harmed[f->limit.harmed_count++] = f->lips.group[i];
 }
 
-/* Whether lips that only touch harm nothing when controls have lost `less` of limit.tip_share of
- * their pulls, limit.centre. */
-static bool try_less_near(face *f, double less)
+static bool touching_lips_harm(face *f)
 {
-    face_limit *l = &f->limit;
-    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
-        l->g[i] = l->centre[i] * (1.0 - less * l->tip_share[i / 3]);
-    give(f);
     find_bare_lips(f);
-    return !lips_harm(f, 0.0);
-}
-
-/* False, and nothing changed: it is not enough that the controls near such skin give way. */
-static bool yield_near_lips(face *f)
-{
-    face_limit *l = &f->limit;
-    const size_t size = (size_t)3 * f->control_count * sizeof *l->g;
-    double low = 0.0, high = 1.0;
-    find_harmed_controls(f);
-    memcpy(l->centre, l->g, size);
-    if (!try_less_near(f, 1.0)) {
-        memcpy(l->g, l->centre, size);
-        give(f);
-        return false;
-    }
-    for (int i = 0; i < HALVINGS; ++i) {
-        double middle = 0.5 * (low + high);
-        if (try_less_near(f, middle))
-            high = middle;
-        else
-            low = middle;
-    }
-    return try_less_near(f, high);
-}
-
-/* Gives less of all pulls. */
-static void yield_everywhere(face *f)
-{
-    double low = 0.0, high = 1.0, part = 1.0;
-    for (int i = 0; i < HALVINGS; ++i) {
-        double middle = 0.5 * (low + high);
-        give_part(f, middle / part);
-        part = middle;
-        find_bare_lips(f);
-        if (lips_harm(f, 0.0))
-            high = middle;
-        else
-            low = middle;
-    }
-    give_part(f, low / part);
-    find_bare_lips(f);
-}
-
-/* Pulls give way until lips that only touch harm nothing. */
-static void yield_to_lips(face *f)
-{
-    if (!yield_near_lips(f))
-        yield_everywhere(f);
-    give_fields(f);
-    f->is_held = true;
-    note_held_back(f);
+    return lips_harm(f, 0.0);
 }
 
 /* The greatest value of *share with which the seal harms nothing; 0 where there is none. */
@@ -1633,8 +1649,10 @@ static void limit_lips(face *f)
     find_bare_lips(f);
     if (!lips_harm(f, 1.0))
         return;
-    if (f->control_count > 0 && f->origin == &f->base && lips_harm(f, 0.0))
-        yield_to_lips(f);
+    if (f->control_count > 0 && f->origin == &f->base && lips_harm(f, 0.0)) {
+        list_harmed_by_lips(f);
+        (void)yield_to(f, touching_lips_harm);
+    }
     if (!lips_harm(f, 1.0))
         return;
     find_harmed_stations(f);
@@ -1677,12 +1695,101 @@ static void limit_pulls(face *f)
         note_held_back(f);
 }
 
+/* ---- skin that slides over what lies under it ---- */
+
+static const float slid_least = 0.02f; /* of its area at rest, that a triangle keeps */
+
+/* limit.slid: where these vertices are shown; once in a frame. */
+static void take_slid_block(face *f, uint32_t block)
+{
+    const size_t first = (size_t)block * POINTS_BLOCK;
+    if (f->limit.is_slid[block])
+        return;
+    f->limit.is_slid[block] = 1;
+    for (size_t slot = first; slot < first + POINTS_BLOCK; ++slot) {
+        float *row = f->limit.slid[slot];
+        row[0] = f->shown.x[slot];
+        row[1] = f->shown.y[slot];
+        row[2] = f->shown.z[slot];
+    }
+}
+
+static bool is_folded_as_shown(face *f, size_t group)
+{
+    const limit_group *g = &f->limit.group[group];
+    const strain_corners slid = corners_of(f, group, f->limit.slid);
+    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+        take_slid_block(f, f->limit.block[i]);
+    turn_normals(f, group);
+    return f->limit.loops->least_area(&slid, (const float(*)[GROUP])f->limit.patch[group].along) <
+           slid_least;
+}
+
+/* Against what the bones alone do. */
+static bool is_bent_as_shown(face *f, size_t group)
+{
+    face_limit *l = &f->limit;
+    find_turned(f, group, (const float(*)[4])l->slid);
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        uint32_t around[6];
+        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+            continue;
+        for (int k = 0; k < 6; ++k) {
+            take_slid_block(f, around[k] / POINTS_BLOCK);
+            pose_block(f, around[k] / POINTS_BLOCK);
+        }
+    }
+    return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
+}
+
+/* limit.harmed: of the groups that have been pushed aside, those that are folded or bent too far as
+ * shown. */
+static bool slid_skin_is_harmed(face *f)
+{
+    face_limit *l = &f->limit;
+    l->harmed_count = 0;
+    memset(l->is_slid, 0, f->rest.block_count);
+    columns_weigh(&f->columns, l->pose_weight, f->columns.count); /* for pose_block */
+    for (uint32_t group = 0; group < group_count(f); ++group) {
+        const limit_group *g = &l->group[group];
+        bool is_pushed = false;
+        for (uint32_t i = g->first_block; i < g[1].first_block && !is_pushed; ++i)
+            is_pushed = projection_has_moved(&f->projection, l->block[i]);
+        if (is_pushed &&
+            (is_folded_as_shown(f, group) || (!is_shaped(f) && is_bent_as_shown(f, group))))
+            l->harmed[l->harmed_count++] = group;
+    }
+    return l->harmed_count > 0;
+}
+
+static bool sliding_harms(face *f)
+{
+    face_lips_meet(f, 1.0);
+    if (f->lips.is_meeting) {
+        find_bare_lips(f);
+        find_sealed_lips(f);
+    }
+    face_write(f);
+    return slid_skin_is_harmed(f);
+}
+
+void face_limit_slide(face *f)
+{
+    if (f->control_count == 0 || f->origin != &f->base || f->settings.stretch_most < 0.0)
+        return;
+    begin_pose(f);
+    if (slid_skin_is_harmed(f))
+        (void)yield_to(f, sliding_harms);
+    columns_weigh(&f->columns, f->given, f->columns.count);
+}
+
 void face_limit_pull(face *f)
 {
     f->limit.is_added_given = false;
     if (f->is_given)
         return;
     f->limit.is_begun = false;
+    projection_pose(&f->projection, f->pose, f->blocks.is_stale);
     limit_pulls(f);
     limit_lips(f);
 }

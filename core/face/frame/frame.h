@@ -69,6 +69,10 @@ typedef struct face_limit {
     uint32_t *wanted;  /* scratch: groups */
     uint32_t *candidate,
         candidate_count;            /* triangles that may be bent too far against neighbours */
+    uint32_t *harmed, harmed_count; /* groups that what comes after the pulls has harmed */
+    float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
+    uint8_t *is_slid;
+    double *shaped; /* of each of the head's own shapes: as shapes.given, before pulls give way */
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */
     bool is_begun;                  /* begin_pose has been called for this frame */
     double *g;                      /* control_capacity by 3: what is given */
@@ -300,6 +304,9 @@ void face_limit_engage(face *f);
 /* f->given := f->weight, reduced near where the skin would fold or tear; sets held_back_mm. A
  * function of f->weight, the pose and the engagement alone. */
 void face_limit_pull(face *f);
+/* Called when f->given is shown. Where skin that was pushed aside by what lies under it folds,
+ * pulls give way, and the face is written again. */
+void face_limit_slide(face *f);
 /* After face_limit_pull on a face with shapes: whether it has summed a block, and that sum of all
  * columns but those of bones, so that it need not be computed again. */
 bool face_limit_knows(const face *f, uint32_t block);
@@ -310,6 +317,8 @@ double face_stretch_most(const csrbf_settings *settings);
 /* ---- face_shown.c ---- */
 
 CHECKED mrt_result face_shown_create(face *f, error *err);
+/* Writes the blocks that f->given, the pose and the seal change. */
+void face_write(face *f);
 /* Called when a block of the origin, or of the next origin, has been written. */
 void face_touch(face *f, uint32_t block, const points *origin);
 void face_touch_all(face *f);
