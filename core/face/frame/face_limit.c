@@ -80,6 +80,7 @@ typedef struct limit_patch {
      * whatever its neighbours do: at rest, and as posed. And of the angle by which it may tilt, as
      * posed, before it is seen from behind. */
     float inv_tan_turn[GROUP], inv_tan_turn_posed[GROUP], inv_tan_tilt_posed[GROUP];
+    float turn_cosine[GROUP], turn_sine[GROUP]; /* of that angle at rest */
     float rest_normal[3][GROUP],
         main_share[GROUP]; /* twice the area long; the share that main_bone has */
     float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.has_along */
@@ -152,7 +153,10 @@ static void measure_turns(face *f)
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
         double angle_rad = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
-        f->limit.patch[t / GROUP].inv_tan_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
+        limit_patch *patch = &f->limit.patch[t / GROUP];
+        patch->inv_tan_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
+        patch->turn_cosine[t % GROUP] = (float)cos(angle_rad);
+        patch->turn_sine[t % GROUP] = (float)sin(angle_rad);
     }
 }
 
@@ -234,6 +238,7 @@ mrt_result face_limit_create(face *f, error *err)
     l->shaped = arrays_add(a, f->shapes.count, sizeof *l->shaped);
     l->slid = arrays_add(a, vertices, sizeof *l->slid);
     l->is_slid = arrays_add(a, blocks, 1);
+    l->is_pushed = arrays_add(a, blocks, 1);
     l->longest = arrays_add(a, skin, sizeof *l->longest);
     l->bounded = arrays_add(a, 3 * weighed, sizeof *l->bounded);
     l->pose_weight = arrays_add(a, 3 * weighed, sizeof *l->pose_weight);
@@ -287,11 +292,6 @@ static void put_vertex(points *out, uint32_t slot, const float *row)
     out->x[slot] = row[0];
     out->y[slot] = row[1];
     out->z[slot] = row[2];
-}
-
-static vec3 vertex_of(const float *row)
-{
-    return (vec3){(double)row[0], (double)row[1], (double)row[2]};
 }
 
 static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
@@ -1389,29 +1389,30 @@ static void unfold(face *f)
     f->is_held = true;
 }
 
-/* ---- bends of the shape as it will be shown ---- */
+/* ---- the shape as it will be shown ---- */
 
-/* limit.candidate: the triangles of the group that are turned so far from where the bones turn them
- * that an edge may be bent too far. */
-static void find_turned(face *f, size_t group, const float (*row)[4])
+/* Returns the least area of the group's triangles, seen along the normals as the bones turn them,
+ * over that at rest. limit.candidate: those that are turned so far that an edge may be bent too
+ * far. */
+static float see_group(face *f, size_t group, const float (*row)[4])
 {
     face_limit *l = &f->limit;
     const limit_patch *patch = &l->patch[group];
+    const strain_corners at = {row, f->skin + 3 * GROUP * group, group_size(f, group)};
     const angle_sincos apart = half_apart(f, &l->group[group]);
+    const strain_turns may_turn = {patch->turn_cosine, patch->turn_sine, (float)apart.cos,
+                                   (float)apart.sin};
+    strain_seen seen;
+    float least = 1.0f;
     turn_normals(f, group);
+    l->loops->seen(&seen, &at, (const float(*)[GROUP])patch->along, &may_turn);
     l->candidate_count = 0;
-    for (size_t i = 0; i < group_size(f, group); ++i) {
-        const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
-        const vec3 a = vertex_of(row[corner[0]]);
-        const vec3 normal = vec3_cross(vec3_sub(vertex_of(row[corner[1]]), a),
-                                       vec3_sub(vertex_of(row[corner[2]]), a));
-        const vec3 along = {(double)patch->along[0][i], (double)patch->along[1][i],
-                            (double)patch->along[2][i]};
-        double inv_tan = angle_subtract((double)patch->inv_tan_turn[i], apart);
-        double cosine = inv_tan / sqrt(1.0 + inv_tan * inv_tan);
-        if (!(vec3_dot(normal, along) > cosine * vec3_length(normal) * vec3_length(along)))
+    for (size_t i = 0; i < GROUP; ++i) {
+        least = seen.area[i] < least ? seen.area[i] : least;
+        if (seen.turned[i] > 0.0f)
             l->candidate[l->candidate_count++] = (uint32_t)(GROUP * group + i);
     }
+    return least;
 }
 
 /* Whether an edge of the candidates is bent too far after, and further than before. */
@@ -1532,33 +1533,18 @@ static void find_sealed_lips(face *f)
     }
 }
 
-/* Whether the seal folds a triangle of the group that is not folded without it. */
-static bool is_folded_by_lips(face *f, size_t group)
-{
-    const face_limit *l = &f->limit;
-    const float(*along)[GROUP] = (const float(*)[GROUP])l->patch[group].along;
-    const strain_corners sealed = corners_of(f, group, f->lips.sealed);
-    turn_normals(f, group);
-    float least = l->loops->least_area(&sealed, along);
-    if (!(least < STRAIN_FOLD_ROOM))
-        return false;
-    const strain_corners bare = corners_of(f, group, f->lips.bare);
-    float before = l->loops->least_area(&bare, along);
-    return least < (before < STRAIN_FOLD_ROOM ? before : STRAIN_FOLD_ROOM) - lips_rounding;
-}
-
-static bool is_bent_by_lips(face *f, size_t group)
-{
-    const face_lips *l = &f->lips;
-    find_turned(f, group, (const float(*)[4])l->sealed);
-    return candidates_are_bent(f, (const float(*)[4])l->bare, (const float(*)[4])l->sealed);
-}
-
-/* Whether the seal does either in group i of those that it reaches. */
+/* Whether the seal folds a triangle in group i of those that it reaches, or bends an edge too far,
+ * and not without it. */
 static bool is_harmed_by_lips(face *f, uint32_t i)
 {
+    const float(*bare)[4] = (const float(*)[4])f->lips.bare;
+    const float(*sealed)[4] = (const float(*)[4])f->lips.sealed;
     size_t group = f->lips.group[i];
-    return is_folded_by_lips(f, group) || (!is_shaped(f) && is_bent_by_lips(f, group));
+    float least = see_group(f, group, sealed);
+    if (f->limit.candidate_count > 0 && !is_shaped(f) && candidates_are_bent(f, bare, sealed))
+        return true;
+    return least < STRAIN_FOLD_ROOM &&
+           least < fminf(see_group(f, group, bare), STRAIN_FOLD_ROOM) - lips_rounding;
 }
 
 /* Whether the bounds of what pulls and seal add allow that. */
@@ -1714,22 +1700,18 @@ static void take_slid_block(face *f, uint32_t block)
     }
 }
 
-static bool is_folded_as_shown(face *f, size_t group)
-{
-    const limit_group *g = &f->limit.group[group];
-    const strain_corners slid = corners_of(f, group, f->limit.slid);
-    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        take_slid_block(f, f->limit.block[i]);
-    turn_normals(f, group);
-    return f->limit.loops->least_area(&slid, (const float(*)[GROUP])f->limit.patch[group].along) <
-           slid_least;
-}
-
-/* Against what the bones alone do. */
-static bool is_bent_as_shown(face *f, size_t group)
+/* Folded, or bent too far against what the bones alone do. */
+static bool is_harmed_as_shown(face *f, size_t group)
 {
     face_limit *l = &f->limit;
-    find_turned(f, group, (const float(*)[4])l->slid);
+    const limit_group *g = &l->group[group];
+    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+        take_slid_block(f, l->block[i]);
+    if (see_group(f, group, (const float(*)[4])l->slid) < slid_least)
+        return true;
+    if (l->candidate_count == 0 || is_shaped(f))
+        return false;
+    columns_weigh(&f->columns, l->pose_weight, f->columns.count);
     for (uint32_t i = 0; i < l->candidate_count; ++i) {
         uint32_t around[6];
         if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
@@ -1739,6 +1721,7 @@ static bool is_bent_as_shown(face *f, size_t group)
             pose_block(f, around[k] / POINTS_BLOCK);
         }
     }
+    columns_weigh(&f->columns, f->given, f->columns.count);
     return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
 }
 
@@ -1749,14 +1732,14 @@ static bool slid_skin_is_harmed(face *f)
     face_limit *l = &f->limit;
     l->harmed_count = 0;
     memset(l->is_slid, 0, f->rest.block_count);
-    columns_weigh(&f->columns, l->pose_weight, f->columns.count); /* for pose_block */
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        l->is_pushed[block] = projection_has_moved(&f->projection, block);
     for (uint32_t group = 0; group < group_count(f); ++group) {
         const limit_group *g = &l->group[group];
-        bool is_pushed = false;
-        for (uint32_t i = g->first_block; i < g[1].first_block && !is_pushed; ++i)
-            is_pushed = projection_has_moved(&f->projection, l->block[i]);
-        if (is_pushed &&
-            (is_folded_as_shown(f, group) || (!is_shaped(f) && is_bent_as_shown(f, group))))
+        uint32_t is_pushed = 0;
+        for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+            is_pushed |= l->is_pushed[l->block[i]];
+        if (is_pushed && is_harmed_as_shown(f, group))
             l->harmed[l->harmed_count++] = group;
     }
     return l->harmed_count > 0;
@@ -1780,7 +1763,6 @@ void face_limit_slide(face *f)
     begin_pose(f);
     if (slid_skin_is_harmed(f))
         (void)yield_to(f, sliding_harms);
-    columns_weigh(&f->columns, f->given, f->columns.count);
 }
 
 void face_limit_pull(face *f)

@@ -392,10 +392,13 @@ void face_lips_meet(face *f, double strength)
         return;
     const rigid *pose = &f->pose[l->carrier];
     vec3 across = rigid_rotate(pose, slit->across), up = rigid_rotate(pose, slit->up);
+    const double seal = strength * l->share * (double)f->meter.dof[f->bones.seal];
     memset(l->correction, 0, (size_t)3 * l->count * sizeof *l->correction);
     place_rims(f);
-    (void)find_rims(f);
-    close_lips(f, strength * l->share * (double)f->meter.dof[f->bones.seal], up);
+    if (seal > 0.0 || f->rig->mouth.stickiness_mm > 0.0) {
+        (void)find_rims(f);
+        close_lips(f, seal, up);
+    }
     for (int i = 0; i < PARTINGS; ++i) {
         bool is_pushed = find_rims(f);
         if (!(keep_apart(f, across, up) > crossed_most_mm) || !is_pushed)
