@@ -262,6 +262,63 @@ static void nothing_that_is_pulled_makes_the_lips_cross(void **state)
     close_actor(&a);
 }
 
+/* How far its foremost point is before the edge of the lips, in the middle. */
+static double tongue_before_lips(const actor *a)
+{
+    const uint32_t bone = rig_find_bone(a->file.rig, "tongue");
+    const binding *b = face_binding(a->face);
+    const rig_mouth *mouth = &a->file.rig->mouth;
+    double tip = -INFINITY;
+    for (uint32_t v = 0; v < b->vertex_count; ++v)
+        if (b->weight[(size_t)bone * b->vertex_count + v] > 0.99f)
+            tip = fmax(tip, unturned(a, v).z);
+    return tip - fmin(unturned(a, mouth->upper[mouth->upper_count / 2]).z,
+                      unturned(a, mouth->lower[mouth->lower_count / 2]).z);
+}
+
+static void put_tongue_out(actor *a, double jaw_deg, double seal, float out)
+{
+    const rig_bone *bone = &a->file.rig->bone[rig_find_bone(a->file.rig, "tongue")];
+    double *pull = calloc((size_t)3 * a->file.rig->contact_count, sizeof *pull);
+    float dof[MRT_MAX_DOFS] = {0};
+    assert_non_null(pull);
+    dof[dof_named(a, "tongue.out")] = out * (float)bone->turn[0].max_rad;
+    dof[dof_named(a, "jaw.open")] = (float)(jaw_deg * 3.14159265358979 / 180.0);
+    dof[dof_named(a, "lips.seal")] = (float)seal;
+    hold(a, pull, dof);
+    free(pull);
+}
+
+static void the_tongue_stays_behind_closed_lips(void **state)
+{
+    (void)state;
+    actor a;
+    double last = 0.0, step = 0.0;
+    open_puppet(&a);
+    for (double jaw_deg = 0.0; jaw_deg <= 10.0; jaw_deg += 2.0) {
+        put_tongue_out(&a, jaw_deg, 1.0, 1.0f);
+        assert_true(tongue_before_lips(&a) < -1.5);
+    }
+    put_tongue_out(&a, 0.0, 0.0, 1.0f);
+    assert_true(tongue_before_lips(&a) < -1.5);
+    for (double jaw_deg = 0.0; jaw_deg <= 20.0; jaw_deg += 0.25) { /* it comes out with the gap */
+        put_tongue_out(&a, jaw_deg, 0.0, 1.0f);
+        double before = tongue_before_lips(&a);
+        if (jaw_deg > 0.0)
+            step = fmax(step, fabs(before - last));
+        last = before;
+    }
+    print_message(
+        "jaw at 20 degrees: the tongue is %.1f mm before the lips, %.2f mm a step at most\n", last,
+        step);
+    assert_true(last > 15.0 && step < 1.0);
+    put_tongue_out(&a, 20.0, 1.0, 1.0f);
+    float full = (float)a.file.rig->bone[rig_find_bone(a.file.rig, "tongue")].turn[0].max_rad;
+    /* what a recording and an export have */
+    assert_true(face_metered(a.face)->dof[dof_named(&a, "tongue.out")] < 0.9f * full);
+    close_actor(&a);
+}
+
 static void at_rest_nothing_moves(void **state)
 {
     (void)state;
@@ -404,6 +461,7 @@ int main(void)
         cmocka_unit_test(lips_close_bit_by_bit_and_never_jump),
         cmocka_unit_test(no_pose_makes_the_lips_cross),
         cmocka_unit_test(nothing_that_is_pulled_makes_the_lips_cross),
+        cmocka_unit_test(the_tongue_stays_behind_closed_lips),
         cmocka_unit_test(at_rest_nothing_moves),
         cmocka_unit_test(the_same_frame_has_the_same_bits_whatever_came_before),
         cmocka_unit_test(sticky_lips_part_late),

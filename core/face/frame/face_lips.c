@@ -68,6 +68,7 @@ static void take_stations(face *f)
         l->open_mm[i] = vec3_dot(vec3_sub(rest_of(f, i, 0), rest_of(f, i, 1)), from->up);
         l->floor_mm[i] = fmin(l->open_mm[i], 0.0);
         vec3_set_row(l->rest, i, rest_of(f, i, 0));
+        l->middle = l->from_corner[i] > l->from_corner[l->middle] ? i : l->middle;
     }
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         double sum = 0.0;
@@ -408,6 +409,14 @@ void face_lips_meet(face *f, double strength)
     for (uint32_t i = 0; i < 3 * l->count; ++i)
         l->is_meeting = l->is_meeting || l->correction[i] != 0.0;
     columns_weigh(&l->columns, l->correction, l->count);
+}
+
+double face_lips_open_mm(face *f)
+{
+    const face_lips *l = &f->lips;
+    (void)find_rims(f);
+    vec3 up = rigid_rotate(&f->pose[l->carrier], f->binding.lips.up);
+    return vec3_dot(vec3_sub(vec3_row(l->upper, l->middle), vec3_row(l->lower, l->middle)), up);
 }
 
 void face_lips_bound(face *f)

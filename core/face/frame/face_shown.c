@@ -220,6 +220,7 @@ void face_show(face *f)
 {
     face_blocks *s = &f->blocks;
     face_limit_pull(f);
+    face_tongue_hold(f);
     memcpy(s->pose, f->pose, sizeof s->pose);
     stamps_begin(&s->written);
     face_write(f);

@@ -135,6 +135,7 @@ typedef struct face_shapes {
 typedef struct face_lips {
     uint32_t count;      /* of stations; 0: the face has no seal */
     uint32_t carrier;    /* the bone that the slit's axes turn with */
+    uint32_t middle;     /* the station halfway */
     uint32_t *slot;      /* 4 a station: the ends of its edge of the upper rim, then of the lower */
     double *along;       /* 2 a station: how far along these edges it is */
     double *rest;        /* count by 3: of the upper rim */
@@ -162,6 +163,13 @@ typedef struct face_lips {
     float (*bare)[4], (*sealed)[4]; /* of each vertex of these blocks, while rims meet: where it is
                                        without and with the seal */
 } face_lips;
+
+/* The tongue behind the lips: face_tongue.c. */
+typedef struct face_tongue {
+    uint32_t bone;    /* RIG_NONE: none that could come out between lips */
+    double free_rad;  /* how far out it is behind them all the same */
+    double height_mm; /* of what is before them all the way out */
+} face_tongue;
 
 struct face {
     arrays arrays;  /* owns all arrays here but those marked otherwise */
@@ -215,6 +223,7 @@ struct face {
     surface_meter *surface_meter; /* of the skin */
     face_limit limit;
     face_lips lips;
+    face_tongue tongue;
 };
 
 /* ---- face_grip.c ---- */
@@ -236,6 +245,8 @@ void face_bake(face *f, points *out);
 void face_pose_columns(face *f);
 /* weight: those of the bones for these poses, behind the first control_column_count. */
 void face_pose_weights(face *f, double *weight, const rigid *pose);
+/* The same of one bone that moves. */
+void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *pose);
 /* Some bone that moves is not at rest. */
 bool face_is_posed(const face *f);
 /* Puts the dofs and poses of a frame in force. */
@@ -296,6 +307,15 @@ void face_lips_part(face *f);
 void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* Whether the corrections differ from those shown last; they are those from now on. */
 bool face_lips_show(face *f);
+
+/* How far apart the rims are in the middle of the slit, as they are shown. */
+double face_lips_open_mm(face *f);
+
+/* ---- face_tongue.c ---- */
+
+void face_tongue_create(face *f);
+/* Called when f->given and the lips of a frame are known: turns the tongue back behind them. */
+void face_tongue_hold(face *f);
 
 /* ---- face_limit.c ---- */
 
