@@ -142,11 +142,12 @@ typedef enum rig_seal_from { SEAL_FROM_CORNERS = 0, SEAL_FROM_MIDDLE } rig_seal_
 /* "mouth": the two rims of the slit between the lips, which "lips.seal" brings together. */
 typedef struct rig_mouth {
     uint32_t *upper, *lower; /* vertices along each rim, from the subject's right corner to the left
-                                one; NULL: the rig declares no mouth */
+                                one; upper NULL: the rig declares no mouth */
     uint32_t upper_count, lower_count;
     double upper_share;   /* 0..1: the upper lip's part of the way; RIG_UPPER_SHARE if not given */
     double stickiness_mm; /* lips closer than that at some place draw together there; 0: none */
     rig_seal_from seal_from; /* where lips close first */
+    char *fault;             /* why the file's mouth cannot be read; NULL: it can, or has none */
 } rig_mouth;
 
 typedef struct rig_contact_set { /* "contact_sets": { "fit10": [names] } */

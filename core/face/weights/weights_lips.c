@@ -154,7 +154,8 @@ static vec3 place_of(const mesh *m, const bind_station *s)
 
 static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const mesh *m)
 {
-    uint32_t count = upper->count > lower->count ? upper->count : lower->count;
+    /* Twice as many as vertices: on coarse rims those between vertices bring their edges closer. */
+    uint32_t count = 2 * (upper->count > lower->count ? upper->count : lower->count);
     count = count < LIPS_STATIONS_MAX ? count : LIPS_STATIONS_MAX;
     for (uint32_t i = 0; i < count; ++i) {
         double even = (double)i / (count - 1), ease = even * even * (3.0 - 2.0 * even);
@@ -255,6 +256,8 @@ mrt_result bind_lips_find(bind_lips *out, const rig *r, const mesh *m, const top
     const rim upper = rim_of("upper", r->mouth.upper, r->mouth.upper_count);
     const rim lower = rim_of("lower", r->mouth.lower, r->mouth.lower_count);
     *out = (bind_lips){0};
+    if (r->mouth.fault)
+        (void)refuse(out, "%s", r->mouth.fault);
     if (upper.count == 0 || lower.count == 0)
         return MRT_OK;
     if (!allocate(out, m->vertex_count))
@@ -273,6 +276,8 @@ mrt_result bind_lips_fault(char out[BIND_FAULT], const rig *r, const mesh *m, co
     bind_station station[2][LIPS_STATIONS_MAX];
     bind_lips lips = {.upper = station[0], .lower = station[1]};
     mrt_result result = MRT_OK;
+    if (r->mouth.fault)
+        (void)refuse(&lips, "%s", r->mouth.fault);
     if (upper.count > 0 && lower.count > 0)
         result = find_stations(&lips, &upper, &lower, m, t, err);
     memcpy(out, lips.why_not, BIND_FAULT);
