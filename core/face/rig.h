@@ -53,8 +53,10 @@ typedef enum rig_bone_kind {
 #define RIG_NONE UINT32_MAX
 /* The degree of freedom that a rig with a mouth has besides those of its bones: 0 open .. 1 sealed.
  */
-#define RIG_LIPS_SEAL   "lips.seal"
-#define RIG_UPPER_SHARE 0.35
+#define RIG_LIPS_SEAL          "lips.seal"
+#define RIG_UPPER_SHARE        0.35
+#define RIG_STICKINESS_MOST_MM 50.0
+enum { RIG_RIM_LEAST = 3, RIG_RIM_MOST = 4096 }; /* vertices of a rim */
 enum { RIG_TURNS_MAX = 3, RIG_BONES_MAX = 16 };
 
 typedef struct rig_follow { /* "follows": { "dof": "eye.l.pitch", "share": -0.6 }: see bones_pose */

@@ -1057,19 +1057,25 @@ static void drop_mouth(rig_mouth *mouth)
     *mouth = (rig_mouth){0};
 }
 
-/* Sets d->mouth, or writes to d->no_mouth why there is none. cut: of mesh_cut_mouth, or NULL. */
+/* Keeps rims only if they can be sealed, else writes why not. */
+static mrt_result check_mouth(rig_mouth *mouth, char why_not[BIND_FAULT], const mesh *m,
+                              const topology *t, error *err)
+{
+    const rig bare = {.mouth = *mouth};
+    mrt_result result = mouth->upper ? bind_lips_fault(why_not, &bare, m, t, err) : MRT_OK;
+    if (result < 0 || why_not[0])
+        drop_mouth(mouth);
+    return result;
+}
+
+/* Sets d->mouth, or d->no_mouth. cut: of mesh_cut_mouth, or NULL. */
 static mrt_result find_mouth(drafting *d, const uint32_t *cut, uint32_t cut_count, error *err)
 {
     if (!d->a.has_face)
         return MRT_OK;
     mrt_result result = cut ? rig_rims_of_cut(&d->mouth, cut, cut_count, d->m, err)
                             : rig_rims_find(&d->mouth, d->no_mouth, &d->a, d->m, d->t, err);
-    const rig bare = {.mouth = d->mouth};
-    if (result >= 0 && d->mouth.upper)
-        result = bind_lips_fault(d->no_mouth, &bare, d->m, d->t, err);
-    if (result < 0 || d->no_mouth[0])
-        drop_mouth(&d->mouth);
-    return result;
+    return result < 0 ? result : check_mouth(&d->mouth, d->no_mouth, d->m, d->t, err);
 }
 
 /* Gives the rig the mouth that was found, unless its seal folds the skin. */
@@ -1212,6 +1218,21 @@ mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh
         result = find_mouth_line(out_chain, out_count, &a, &l, m, t, err);
     rig_anatomy_finish(&a);
     return result;
+}
+
+mrt_result rig_draft_rims(rig_mouth *out, char why_not[BIND_FAULT], const mesh *m,
+                          const topology *t, error *err)
+{
+    rig_anatomy a;
+    *out = (rig_mouth){0};
+    (void)snprintf(why_not, BIND_FAULT, "no face is seen");
+    mrt_result result = rig_anatomy_find(&a, m, t, err);
+    if (result < 0)
+        return result;
+    if (a.has_face)
+        result = rig_rims_find(out, why_not, &a, m, t, err);
+    rig_anatomy_finish(&a);
+    return result < 0 ? result : check_mouth(out, why_not, m, t, err);
 }
 
 bool rig_draft_is_clay(const rig *drafted)

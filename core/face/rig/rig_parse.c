@@ -1173,16 +1173,13 @@ static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
     return result;
 }
 
-enum { RIM_MAX = 4096 };
-static const double stickiness_most_mm = 50.0;
-
 /* Checks only numbers: whether these vertices are rims is seen on the mesh (bind_lips). */
 static mrt_result read_rim(uint32_t **out, uint32_t *out_count, const json_node *mouth,
                            const char *key, error *err)
 {
     json_node list = json_node_member(mouth, key);
     size_t count = json_array_size(list.value);
-    if (count < 3 || count > RIM_MAX)
+    if (count < RIG_RIM_LEAST || count > RIG_RIM_MOST)
         return json_node_unexpected(err, &list,
                                     "a list of 3 vertices or more, from the right corner of the "
                                     "mouth to the left one");
@@ -1217,7 +1214,7 @@ static mrt_result read_mouth(rig_mouth *out, char **note, const json_node *mouth
         result = rig_json_optional_number(&out->upper_share, mouth, "upper_share", 0.0, 1.0, err);
     return result < 0 ? result
                       : rig_json_optional_number(&out->stickiness_mm, mouth, "stickiness_mm", 0.0,
-                                                 stickiness_most_mm, err);
+                                                 RIG_STICKINESS_MOST_MM, err);
 }
 
 /* A mouth that cannot be read is declared all the same, without rims: poses that name its seal stay

@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS_MAX = 256, WAY_MAX = 3000, BISECTIONS = 8, RIM_LEAST = 3, RIM_MAX = 4096 };
+enum { COLUMNS_MAX = 256, WAY_MAX = 3000, BISECTIONS = 8 };
 
 /* Less steep in the corners, where lips part at a wider angle. */
 static const double steep[] = {6.0, 3.0};
@@ -537,7 +537,7 @@ static uint32_t find_chain(uint32_t *out, finding *f, int lip, uint32_t from, ui
     }
     if (!isfinite(f->cost[to]))
         return 0;
-    for (uint32_t v = to; v != RIG_NONE && length < RIM_MAX; v = f->before[v])
+    for (uint32_t v = to; v != RIG_NONE && length < RIG_RIM_MOST; v = f->before[v])
         out[length++] = v;
     return length;
 }
@@ -556,7 +556,7 @@ static mrt_result find_rims(rig_mouth *out, finding *f, error *err)
         return MRT_OK;
     }
     for (int lip = 0; lip < 2; ++lip) {
-        *rim[lip] = malloc(RIM_MAX * sizeof **rim[lip]);
+        *rim[lip] = malloc(RIG_RIM_MOST * sizeof **rim[lip]);
         if (!*rim[lip])
             return error_set(err, MRT_ERR_MEMORY, "no memory for the rims of the mouth");
         *count[lip] = find_chain(*rim[lip], f, lip, left, right);
@@ -564,7 +564,8 @@ static mrt_result find_rims(rig_mouth *out, finding *f, error *err)
         for (uint32_t i = 0; i < *count[lip]; ++i)
             if (!is_in_corner(f, (*rim[lip])[i]))
                 off_mm = fmax(off_mm, f->off[lip][(*rim[lip])[i]]);
-        if (*count[lip] < RIM_LEAST || *count[lip] == RIM_MAX || off_mm > off_most * f->width_mm) {
+        if (*count[lip] < RIG_RIM_LEAST || *count[lip] == RIG_RIM_MOST ||
+            off_mm > off_most * f->width_mm) {
             (void)refuse(f,
                          "no edges of the mesh follow the %s lip closely: it is too coarse there",
                          lip_name[lip]);

@@ -146,10 +146,10 @@ static bind_station station_at(const bind_lips *lips, const mesh *m, const rim *
     return (bind_station){{of->vertex[0], of->vertex[0]}, 0.0};
 }
 
-static vec3 place_of(const mesh *m, const bind_station *s)
+vec3 bind_station_position(const bind_station *station, const mesh *m)
 {
-    vec3 a = mesh_position(m, s->vertex[0]), b = mesh_position(m, s->vertex[1]);
-    return vec3_add(vec3_scale(a, 1.0 - s->along), vec3_scale(b, s->along));
+    vec3 a = mesh_position(m, station->vertex[0]), b = mesh_position(m, station->vertex[1]);
+    return vec3_add(vec3_scale(a, 1.0 - station->along), vec3_scale(b, station->along));
 }
 
 static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const mesh *m)
@@ -162,7 +162,8 @@ static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const 
         double part = even + end_density * (ease - even);
         out->upper[i] = station_at(out, m, upper, part);
         out->lower[i] = station_at(out, m, lower, part);
-        vec3 gap = vec3_sub(place_of(m, &out->upper[i]), place_of(m, &out->lower[i]));
+        vec3 gap = vec3_sub(bind_station_position(&out->upper[i], m),
+                            bind_station_position(&out->lower[i], m));
         double open = vec3_dot(gap, out->up);
         if (open < -crossed_most * out->width_mm)
             return refuse(out,
