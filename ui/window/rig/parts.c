@@ -919,7 +919,7 @@ static void draw_sealing(panel *self, ui *on, const rig_mouth *mouth)
     next.stickiness_mm = shown->stickiness_mm;
     if (is_changed && !is_held) {
         set_mouth(self, &next, "change how lips close");
-    } else if (!is_held && ui_choice(on, "Close from", RIG_PANEL_LABEL, from_items, 2, &from)) {
+    } else if (!is_held && ui_choice(on, "Starts at", RIG_PANEL_LABEL, from_items, 2, &from)) {
         next.seal_from = (rig_seal_from)from;
         set_mouth(self, &next, "change where lips close first");
     }
