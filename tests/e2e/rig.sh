@@ -99,7 +99,7 @@ bad 'y.rig.json includes x.rig.json includes y.rig.json' y.rig.json \
 bad 'line 1, column' j.rig.json '{"marotte_rig": 1,, }'
 
 # Wrong usage.
-refused 2 "choose check, show, new or fit" "$MAROTTE" rig
+refused 2 "choose check, show, new, fit or teeth" "$MAROTTE" rig
 refused 2 'there is no command "rig paint"' "$MAROTTE" rig paint
 refused 2 "check needs one rig file" "$MAROTTE" rig check
 refused 2 "show needs a rig file" "$MAROTTE" rig show new.rig.json
