@@ -964,6 +964,10 @@ static void add_follows(rig *r, drafting *d)
 
 /* ---- teeth ---- */
 
+/* Of the height of a row: so much further it goes on the side of the gums, where the inside of the
+ * mouth is in front of them and skin would pass through it. */
+static const double beside_gums = 0.45;
+
 static uint32_t list_teeth(vec3 *out, const mesh *m, const rig_anatomy *a, piece_kind kind)
 {
     uint32_t count = 0;
@@ -978,7 +982,8 @@ static mrt_result fit_teeth(rig *r, const mesh *m, const rig_anatomy *a, error *
     static const struct {
         piece_kind kind;
         const char *bone;
-    } row[] = {{PIECE_TEETH_UPPER, "skull"}, {PIECE_TEETH_LOWER, "jaw"}};
+        double gums; /* 1: above the teeth */
+    } row[] = {{PIECE_TEETH_UPPER, "skull", 1.0}, {PIECE_TEETH_LOWER, "jaw", -1.0}};
     vec3 *tooth = malloc(((size_t)m->vertex_count + 1) * sizeof *tooth);
     mrt_result result = tooth ? MRT_OK : no_memory(err);
     for (uint32_t i = r->proxy_count; result >= 0 && i-- > 0;)
@@ -991,6 +996,9 @@ static mrt_result fit_teeth(rig *r, const mesh *m, const rig_anatomy *a, error *
         if (bone == RIG_NONE || !rig_teeth_fit(&made, tooth, count))
             continue;
         made.bone = bone;
+        const double more_mm = round(10.0 * beside_gums * made.radii.y) / 10.0;
+        made.centre.y += row[i].gums * more_mm;
+        made.radii.y += more_mm;
         result = rig_edit_add_proxy(r, &made, &index, err);
     }
     free(tooth);
