@@ -366,8 +366,7 @@ static void what_a_pose_does_not_name_goes_with_what_it_names(void **state)
             float *complete = copy_shown(k);
             must(rig_poses_show_named(&k->stage, i, &err), &err);
             const double apart = apart_mm(k, complete, k->stage.position);
-            /* mouthClose pulls the corners far beside a jaw that is open */
-            if (!(apart < (strcmp(pose->name, "mouthClose") == 0 ? 3.0 : 1.2)))
+            if (!(apart < 1.0))
                 fail_msg("%s: %.2f mm", pose->name, apart);
             free(complete);
         }
