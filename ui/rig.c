@@ -244,6 +244,70 @@ static int rignew_run(int argc, char **argv)
     return draft(&d, &err) < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
 }
 
+/* ---- rig teeth ---- */
+
+typedef struct fitting_teeth {
+    char *path;
+    const char *out_path; /* NULL: print them */
+} fitting_teeth;
+
+#define AT(member) .offset = offsetof(fitting_teeth, member)
+static const command_option teeth_options[] = {
+    {"RIG", COMMAND_WORD, AT(path), .read = command_read_face},
+    {"out", COMMAND_TEXT, AT(out_path)},
+    {.name = NULL},
+};
+#undef AT
+
+static mrt_result fit_teeth(const fitting_teeth *self, const face_file *f, error *err)
+{
+    rig r;
+    uint32_t rows = 0;
+    mrt_result result = rig_copy(&r, f->rig, err);
+    if (result < 0)
+        return result;
+    result = rig_draft_teeth(&r, &f->mesh, &f->topology, err);
+    for (uint32_t i = 0; result >= 0 && i < r.proxy_count; ++i) {
+        const rig_proxy *p = &r.proxy[i];
+        if (p->kind != PROXY_TEETH)
+            continue;
+        terminal_print(
+            "{\"teeth\": {\"centre\": [%.10g, %.10g, %.10g], \"radii\": [%.10g, %.10g, %.10g], "
+            "\"bone\": \"%s\"}}\n",
+            p->centre.x / r.mm_per_unit, p->centre.y / r.mm_per_unit, p->centre.z / r.mm_per_unit,
+            p->radii.x / r.mm_per_unit, p->radii.y / r.mm_per_unit, p->radii.z / r.mm_per_unit,
+            r.bone[p->bone].name);
+        rows += 1;
+    }
+    if (result >= 0 && rows == 0)
+        terminal_print("no teeth were found\n");
+    if (result >= 0 && self->out_path)
+        result = rig_write(&r, self->out_path, err);
+    if (result >= 0 && self->out_path)
+        terminal_print("wrote    %s\n", self->out_path);
+    rig_destroy(&r);
+    return result;
+}
+
+static int rigteeth_run(int argc, char **argv)
+{
+    fitting_teeth self = {0};
+    face_file f = {0};
+    error err = {""};
+    int code = command_options(&self, &command_rig, teeth_options, argc, argv);
+    if (code == COMMAND_DONE && !self.path)
+        code = command_usage(&command_rig, "teeth needs one rig file");
+    mrt_result result =
+        code == COMMAND_DONE ? read_rig(&f, self.path, FACE_FILE_ANY, &err) : MRT_OK;
+    if (code == COMMAND_DONE && result >= 0)
+        result = fit_teeth(&self, &f, &err);
+    face_file_destroy(&f);
+    free(self.path);
+    if (code != COMMAND_DONE)
+        return code;
+    return result < 0 ? command_failed(&command_rig, &err) : COMMAND_DONE;
+}
+
 /* ---- rig show ---- */
 
 typedef struct showing {
@@ -816,10 +880,13 @@ static int run(int argc, char **argv)
     static const struct {
         const char *name;
         int (*run)(int argc, char **argv);
-    } parts[] = {
-        {"check", rigcheck_run}, {"fit", rigfit_run}, {"new", rignew_run}, {"show", rigshow_run}};
+    } parts[] = {{"check", rigcheck_run},
+                 {"fit", rigfit_run},
+                 {"new", rignew_run},
+                 {"show", rigshow_run},
+                 {"teeth", rigteeth_run}};
     if (argc < 2)
-        return command_usage(&command_rig, "choose check, show, new or fit");
+        return command_usage(&command_rig, "choose check, show, new, fit or teeth");
     suggest near;
     suggest_begin(&near, argv[1]);
     for (size_t i = 0; i < sizeof parts / sizeof *parts; ++i) {
@@ -863,7 +930,11 @@ const command command_rig = {
         "  its worst vertex, the motion of rigid parts, the penetration into the skull, the\n"
         "  smallest Jacobian (above 0: no fold), and the error of the paper's unconstrained warp.\n"
         "  --contacts: a name in the rig's contact_sets. --out: the fitted faces as targets.\n"
-        "  --save-poses: the rig with a pose for each. --suggest: proposes N contacts in pairs.\n",
+        "  --save-poses: the rig with a pose for each. --suggest: proposes N contacts in pairs.\n"
+        "\n"
+        "marotte rig teeth RIG.rig.json [--out OUT.rig.json]\n"
+        "  Fits the shapes that lips stop at to the upper and lower teeth of the rig's mesh, and\n"
+        "  prints them as entries of skull_proxy. --out: the rig with them instead of its own.\n",
     .examples = "rig new girl.glb --out out/girl.rig.json\n"
                 "rig check puppet\n"
                 "rig show moai --out out/moai_rig.png\n"

@@ -108,7 +108,13 @@ typedef struct rig_contact {
     uint32_t source; /* as of a region */
 } rig_contact;
 
+typedef enum rig_proxy_kind {
+    PROXY_ELLIPSOID = 0,
+    PROXY_TEETH /* "teeth": a row; an ellipse seen from above, level edges */
+} rig_proxy_kind;
+
 typedef struct rig_proxy { /* "skull_proxy": skin does not enter it */
+    rig_proxy_kind kind;
     uint32_t bone;
     vec3 centre, radii; /* mm */
     uint32_t source;    /* as of a region */
@@ -202,6 +208,10 @@ bool rig_find_turn(const rig *r, const char *dof, uint32_t *out_bone, uint32_t *
 const char *rig_follow_fault(const rig *r, uint32_t bone, uint32_t turn);
 uint32_t rig_find_contact(const rig *r, const char *name);                   /* RIG_NONE */
 const rig_contact_set *rig_find_contact_set(const rig *r, const char *name); /* NULL */
+
+/* The share of the radii of a row of teeth that is its core, a level plate: skin is pushed away
+ * from the nearest point of it. 0 of an ellipsoid. */
+double rig_teeth_core(const rig_proxy *proxy);
 
 /* FNV-1a, 64 bits, of vertex count and triangles. */
 uint64_t rig_mesh_hash(uint32_t vertex_count, const uint32_t *triangle, uint32_t triangle_count);

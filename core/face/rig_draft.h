@@ -19,6 +19,10 @@ CHECKED mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, co
 CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
                                   const char *mesh_path, const uint32_t *cut_mouth,
                                   uint32_t cut_count, error *err);
+/* The rows of teeth that lips stop at, fitted to the mesh's upper and lower teeth: they take the
+ * place of the rig's. A rig without a skull or a jaw, a mesh without teeth: that row is left out.
+ */
+CHECKED mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err);
 bool rig_draft_is_clay(const rig *drafted); /* its jaw only stretches the skin: no lips part */
 
 #endif

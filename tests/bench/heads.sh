@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Heads that nobody here made, from the file to the performance: a rig is drafted, checked and
 # performed through three mappings by the demo hand and three recordings, as a table. A row that
-# folds, tears, bends skin by more than 120 degrees or what is rigid at all, or takes longer than 15 s to the first performance fails it.
+# folds, tears, bends skin by more than 120 degrees or what is rigid at all, or whose first performance costs more than 15 s of a
+# processor fails it.
 #   heads.sh [--quick] [NAME]...   of heads, mappings and hands: only rows that have all names
 # --quick: the demo hand's first seconds alone. Contact sheets are kept in $SHEETS, where it is set.
 source "$(dirname "$0")/../e2e/lib.sh"
@@ -32,6 +33,12 @@ is_wanted() {
     done
 }
 
+# FROM TO, two outputs of times: the processors' seconds of what ran between. A busy machine changes nothing.
+spent() {
+    awk 'FNR == 2 { gsub(/[ms]/, " "); was = sum; sum = $1 * 60 + $2 + $3 * 60 + $4 }
+        END { printf "%.1f", sum - was }' "$1" "$2"
+}
+
 number() { fact "$1" "$scratch/facts.txt"; }
 
 row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %5s %6s\n'
@@ -45,7 +52,7 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
         *) [ "$1" = "$head" ] || continue ;;
     esac
     cp "$file" "$scratch" && chmod u+w "$scratch/$name"
-    begun=$(date +%s.%N)
+    times >"$scratch/begun"
     if ! "$MAROTTE" rig new "$scratch/$name" --force >"$scratch/said" 2>&1; then
         [ "$(wc -l <"$scratch/said")" -eq 1 ] || fail "$head: $(cat "$scratch/said")"
         printf '%-13s %s\n' "$head" "$(cat "$scratch/said")"
@@ -60,7 +67,8 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
                 --export "$scratch/frames.pc2" >"$scratch/facts.txt" 2>"$scratch/said" ||
                 { fail "$head $map: $(cat "$scratch/said")"; continue; }
             took=
-            [ -n "$first" ] && took=$(awk -v a="$begun" -v b="$(date +%s.%N)" 'BEGIN { printf "%.1f", b - a }')
+            times >"$scratch/now"
+            [ -n "$first" ] && took=$(spent "$scratch/begun" "$scratch/now")
             first=
             read -r parted bent < <("$apart" "$rig" "$scratch/frames.pc2")
             printf "$row" "$head" "$map" "${hand%%=*}" "$(number 'range of motion')" \
@@ -75,7 +83,7 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
             awk -v mm="${bent:-1}" 'BEGIN { exit !(mm <= 0.05) }' ||
                 fail "$head $map ${hand%%=*}: what is rigid bends by $bent mm"
             [ -z "$took" ] || [ -n "${SANITIZED:-}" ] || awk -v s="$took" 'BEGIN { exit !(s < 15) }' ||
-                fail "$head: $took s from the file to the first performance"
+                fail "$head: $took s of a processor from the file to the first performance"
             if [ -n "${SHEETS:-}" ] && [ "${hand%%=*}" = demo ]; then
                 mkdir -p "$SHEETS"
                 "$MAROTTE" perform --face "$rig" --input "log:${hand#*=}" --map $map \

@@ -209,7 +209,8 @@ static void every_contact_lands_in_any_pose_and_nothing_jumps(void **state)
         float dof[MRT_MAX_DOFS] = {0};
         face_reset(a.face);
         for (uint32_t i = 0; i < b->dof_count; ++i)
-            dof[i] = b->dof[i].max * 0.2f * (float)round;
+            dof[i] =
+                i == b->seal ? 0.0f : b->dof[i].max * 0.2f * (float)round; /* it moves lips on */
         must(face_pull(a.face, NULL, dof, &err), &err);
         uint32_t count = hold_all(&a, end);
         for (uint32_t k = 0; k < count; ++k)
@@ -227,7 +228,7 @@ static void every_contact_lands_in_any_pose_and_nothing_jumps(void **state)
         print_message("pose %d: furthest from its end %.2g mm%s, jump %.2g mm\n", round, miss,
                       is_free ? "" : " (the skull was in the way)", jump);
         assert_true(miss < 1e-3 || !is_free);
-        assert_true(round > 0 || is_free);
+        assert_true(round > 0 || miss < 1e-3); /* the teeth may hold the inside of the mouth */
         assert_true(jump < 1e-4);
     }
     points_destroy(&kept);
@@ -278,7 +279,7 @@ static void no_pull_bends_what_bones_have_bent(void **state)
         must(face_pull(a.face, end[0], dof, &err), &err);
         face_surface now = face_judge(a.face);
         assert_true(now.min_determinant > 0.0);
-        assert_true(now.skin.bent_count <= 1); /* one where the lips touch at the corner */
+        assert_int_equal(now.skin.bent_count, 0);
         held += now.held_back_mm > 1.0;
         vec3 at = face_contact_now(a.face, control[BROW].contact);
         least_brow = fmin(least_brow, at.y - control[BROW].start.y);

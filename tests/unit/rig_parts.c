@@ -403,6 +403,24 @@ static void ellipsoids_come_change_and_go(void **state)
     rig_destroy(&r);
 }
 
+static void a_row_of_teeth_is_added_and_read_again(void **state)
+{
+    (void)state;
+    rig r;
+    error err = {""};
+    uint32_t index = RIG_NONE;
+    const rig_proxy made = {
+        .kind = PROXY_TEETH, .bone = 1, .centre = {0, -50, 40}, .radii = {30, 9, 35}};
+    make(&r);
+    must(rig_edit_add_proxy(&r, &made, &index, &err), &err);
+    again(&r);
+    assert_int_equal(r.proxy[0].kind, PROXY_ELLIPSOID);
+    assert_int_equal(r.proxy[index].kind, PROXY_TEETH);
+    assert_float_equal(r.proxy[index].radii.z, 35.0, 1e-9);
+    assert_int_equal(r.proxy[index].bone, 1);
+    rig_destroy(&r);
+}
+
 static void what_this_version_does_not_know_stays_with_its_ellipsoid(void **state)
 {
     (void)state;
@@ -480,6 +498,7 @@ int main(void)
         cmocka_unit_test(poses_follow_a_bones_name),
         cmocka_unit_test(bones_that_make_no_sense_are_refused),
         cmocka_unit_test(ellipsoids_come_change_and_go),
+        cmocka_unit_test(a_row_of_teeth_is_added_and_read_again),
         cmocka_unit_test(what_this_version_does_not_know_stays_with_its_ellipsoid),
         cmocka_unit_test(poses_come_are_named_and_go),
     };

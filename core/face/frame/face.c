@@ -71,22 +71,25 @@ static void put(double *row, double x, double y, double z)
     row[2] = z;
 }
 
+void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *pose)
+{
+    const face_field *field = &f->field[bone];
+    double *row = weight + (size_t)3 * field->pose_column;
+    const rigid *p = &pose[bone];
+    vec3 shift = vec3_sub(rigid_apply(p, field->pivot), field->pivot);
+    put(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
+    put(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
+    put(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
+    put(row + 9, shift.x, shift.y, shift.z);
+}
+
 void face_pose_weights(face *f, double *weight, const rigid *pose)
 {
     f->is_given = false;
     face_shapes_weigh(f, weight, pose);
-    for (uint32_t b = 0; b < f->bone_count; ++b) {
-        const face_field *field = &f->field[b];
-        if (!f->bones.moves[b])
-            continue;
-        double *row = weight + (size_t)3 * field->pose_column;
-        const rigid *p = &pose[b];
-        vec3 shift = vec3_sub(rigid_apply(p, field->pivot), field->pivot);
-        put(row, p->r[0][0] - 1.0, p->r[1][0], p->r[2][0]);
-        put(row + 3, p->r[0][1], p->r[1][1] - 1.0, p->r[2][1]);
-        put(row + 6, p->r[0][2], p->r[1][2], p->r[2][2] - 1.0);
-        put(row + 9, shift.x, shift.y, shift.z);
-    }
+    for (uint32_t b = 0; b < f->bone_count; ++b)
+        if (f->bones.moves[b])
+            face_weigh_bone(f, weight, b, pose);
 }
 
 /* ---- the shape without its pose ---- */

@@ -23,7 +23,10 @@
  * 5. A face without a rig (unfold). Its field is one of space and can fold behind the skin, where
  *    there is no triangle: the largest part is given that keeps the determinant of the field's
  *    map above a bound.
- * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin.
+ * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin or
+ *    bends an edge too far.
+ * 7. Skin that slides (face_limit_slide). What lies under the skin pushes it aside last of all.
+ *    Where that folds it, pulls give way.
  *
  * To be quick, triangles lie in groups of GROUP. How steep each column is at most in a group is
  * found once for an engagement (face_limit_engage); with the weights of the columns that is a bound
@@ -77,6 +80,7 @@ typedef struct limit_patch {
      * whatever its neighbours do: at rest, and as posed. And of the angle by which it may tilt, as
      * posed, before it is seen from behind. */
     float inv_tan_turn[GROUP], inv_tan_turn_posed[GROUP], inv_tan_tilt_posed[GROUP];
+    float turn_cosine[GROUP], turn_sine[GROUP]; /* of that angle at rest */
     float rest_normal[3][GROUP],
         main_share[GROUP]; /* twice the area long; the share that main_bone has */
     float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.has_along */
@@ -149,7 +153,10 @@ static void measure_turns(face *f)
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
         double angle_rad = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
-        f->limit.patch[t / GROUP].inv_tan_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
+        limit_patch *patch = &f->limit.patch[t / GROUP];
+        patch->inv_tan_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
+        patch->turn_cosine[t % GROUP] = (float)cos(angle_rad);
+        patch->turn_sine[t % GROUP] = (float)sin(angle_rad);
     }
 }
 
@@ -227,6 +234,11 @@ mrt_result face_limit_create(face *f, error *err)
     l->apart = arrays_add(a, (size_t)CARRIERS * CARRIERS, sizeof *l->apart);
     l->block = arrays_add(a, 3 * skin, sizeof *l->block);
     l->candidate = arrays_add(a, skin, sizeof *l->candidate);
+    l->harmed = arrays_add(a, groups, sizeof *l->harmed);
+    l->shaped = arrays_add(a, f->shapes.count, sizeof *l->shaped);
+    l->slid = arrays_add(a, vertices, sizeof *l->slid);
+    l->is_slid = arrays_add(a, blocks, 1);
+    l->is_pushed = arrays_add(a, blocks, 1);
     l->longest = arrays_add(a, skin, sizeof *l->longest);
     l->bounded = arrays_add(a, 3 * weighed, sizeof *l->bounded);
     l->pose_weight = arrays_add(a, 3 * weighed, sizeof *l->pose_weight);
@@ -273,6 +285,13 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
         row[i][2] = sum[2][i];
         row[i][3] = 0.0f; /* so that whole rows are stored */
     }
+}
+
+static void put_vertex(points *out, uint32_t slot, const float *row)
+{
+    out->x[slot] = row[0];
+    out->y[slot] = row[1];
+    out->z[slot] = row[2];
 }
 
 static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
@@ -1223,9 +1242,7 @@ static void pose_candidates(face *f, float part)
         for (int k = 0; k < 6; ++k) {
             uint32_t slot = around[k];
             const float *posed = l->posed[slot], *added = l->added[slot];
-            l->shown_before.x[slot] = posed[0];
-            l->shown_before.y[slot] = posed[1];
-            l->shown_before.z[slot] = posed[2];
+            put_vertex(&l->shown_before, slot, posed);
             l->shown_after.x[slot] = posed[0] + part * added[0];
             l->shown_after.y[slot] = posed[1] + part * added[1];
             l->shown_after.z[slot] = posed[2] + part * added[2];
@@ -1372,11 +1389,123 @@ static void unfold(face *f)
     f->is_held = true;
 }
 
+/* ---- the shape as it will be shown ---- */
+
+/* Returns the least area of the group's triangles, seen along the normals as the bones turn them,
+ * over that at rest. limit.candidate: those that are turned so far that an edge may be bent too
+ * far. */
+static float see_group(face *f, size_t group, const float (*row)[4])
+{
+    face_limit *l = &f->limit;
+    const limit_patch *patch = &l->patch[group];
+    const strain_corners at = {row, f->skin + 3 * GROUP * group, group_size(f, group)};
+    const angle_sincos apart = half_apart(f, &l->group[group]);
+    const strain_turns may_turn = {patch->turn_cosine, patch->turn_sine, (float)apart.cos,
+                                   (float)apart.sin};
+    strain_seen seen;
+    float least = 1.0f;
+    turn_normals(f, group);
+    l->loops->seen(&seen, &at, (const float(*)[GROUP])patch->along, &may_turn);
+    l->candidate_count = 0;
+    for (size_t i = 0; i < GROUP; ++i) {
+        least = seen.area[i] < least ? seen.area[i] : least;
+        if (seen.turned[i] > 0.0f)
+            l->candidate[l->candidate_count++] = (uint32_t)(GROUP * group + i);
+    }
+    return least;
+}
+
+/* Whether an edge of the candidates is bent too far after, and further than before. */
+static bool candidates_are_bent(face *f, const float (*row_before)[4], const float (*row_after)[4])
+{
+    face_limit *l = &f->limit;
+    const float *before[3], *after[3];
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        uint32_t around[6];
+        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+            continue;
+        for (int k = 0; k < 6; ++k) {
+            put_vertex(&l->shown_before, around[k], row_before[around[k]]);
+            put_vertex(&l->shown_after, around[k], row_after[around[k]]);
+        }
+    }
+    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+                              points_streams(&l->shown_before, before),
+                              points_streams(&l->shown_after, after)) > 1.0;
+}
+
+/* ---- pulls give way to what comes after them ----
+ *
+ * To the seal and to what lies under the skin. `harms` judges f->given; the controls near the skin
+ * of limit.harmed give way first. */
+
+/* limit.tip_share: how near each control is to that skin, of the nearest one, 0..1. */
+static void find_harmed_controls(face *f)
+{
+    face_limit *l = &f->limit;
+    memset(l->tip_share, 0, f->control_count * sizeof *l->tip_share);
+    for (uint32_t i = 0; i < l->harmed_count; ++i) {
+        const size_t triangle = (size_t)GROUP * l->harmed[i];
+        double nearest = 1e-6;
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            nearest = fmax(nearest, near_grip(f, triangle, k));
+        for (uint32_t k = 0; k < f->control_count; ++k)
+            l->tip_share[k] = fmax(l->tip_share[k], near_grip(f, triangle, k) / nearest);
+    }
+}
+
+/* less, 0..1: the controls near that skin lose so much of limit.tip_share; 1..2: the others and the
+ * shapes lose theirs too, until nothing is given. Of limit.centre and limit.shaped. */
+static void give_less(face *f, double less)
+{
+    face_limit *l = &f->limit;
+    const double near = fmin(less, 1.0), all = fmax(less - 1.0, 0.0);
+    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
+        l->g[i] = l->centre[i] * (1.0 - fmax(near * l->tip_share[i / 3], all));
+    for (uint32_t i = 0; i < f->shapes.count; ++i)
+        f->shapes.given[i] = l->shaped[i] * (1.0 - all);
+    give(f);
+}
+
+/* Gives as little less as is needed. False, and nothing is given less: nothing is enough. */
+static bool yield_to(face *f, bool (*harms)(face *f))
+{
+    face_limit *l = &f->limit;
+    double low = 0.0, high = 1.0;
+    find_harmed_controls(f);
+    memcpy(l->centre, l->g, (size_t)3 * f->control_count * sizeof *l->g);
+    memcpy(l->shaped, f->shapes.given, f->shapes.count * sizeof *l->shaped);
+    give_less(f, high);
+    if (harms(f)) {
+        low = 1.0, high = 2.0;
+        give_less(f, high);
+        if (harms(f)) {
+            give_less(f, 0.0);
+            (void)harms(f);
+            return false;
+        }
+    }
+    for (int i = 0; i < HALVINGS; ++i) {
+        double middle = 0.5 * (low + high);
+        give_less(f, middle);
+        if (harms(f))
+            low = middle;
+        else
+            high = middle;
+    }
+    give_less(f, high);
+    (void)harms(f);
+    give_fields(f);
+    f->is_held = true;
+    note_held_back(f);
+    return true;
+}
+
 /* ---- the lips ----
  *
  * What the seal adds comes on top of what the pulls add, wherever that brings the lips. Where both
- * together would fold skin, the lips are sealed less around there, then everywhere; where lips that
- * only touch would fold it, less of the pulls is given. */
+ * together would fold skin or bend an edge too far, the lips are sealed less around there, then
+ * everywhere; where lips that only touch would do it, the pulls around there give way, then all. */
 
 static const float lips_rounding = 1e-4f; /* of an area */
 static const double yield_reach = 0.2;    /* of the width of the mouth */
@@ -1404,23 +1533,22 @@ static void find_sealed_lips(face *f)
     }
 }
 
-/* Whether the seal folds a triangle of the group that is not folded without it. */
-static bool is_folded_by_lips(face *f, size_t group)
+/* Whether the seal folds a triangle in group i of those that it reaches, or bends an edge too far,
+ * and not without it. */
+static bool is_harmed_by_lips(face *f, uint32_t i)
 {
-    const face_limit *l = &f->limit;
-    const float(*along)[GROUP] = (const float(*)[GROUP])l->patch[group].along;
-    const strain_corners sealed = corners_of(f, group, f->lips.sealed);
-    turn_normals(f, group);
-    float least = l->loops->least_area(&sealed, along);
-    if (!(least < STRAIN_FOLD_ROOM))
-        return false;
-    const strain_corners bare = corners_of(f, group, f->lips.bare);
-    float before = l->loops->least_area(&bare, along);
-    return least < (before < STRAIN_FOLD_ROOM ? before : STRAIN_FOLD_ROOM) - lips_rounding;
+    const float(*bare)[4] = (const float(*)[4])f->lips.bare;
+    const float(*sealed)[4] = (const float(*)[4])f->lips.sealed;
+    size_t group = f->lips.group[i];
+    float least = see_group(f, group, sealed);
+    if (f->limit.candidate_count > 0 && !is_shaped(f) && candidates_are_bent(f, bare, sealed))
+        return true;
+    return least < STRAIN_FOLD_ROOM &&
+           least < fminf(see_group(f, group, bare), STRAIN_FOLD_ROOM) - lips_rounding;
 }
 
-/* Whether the bounds of what pulls and seal add allow a fold in group i of those of the seal. */
-static bool may_lips_fold(face *f, uint32_t i)
+/* Whether the bounds of what pulls and seal add allow that. */
+static bool may_lips_harm(face *f, uint32_t i)
 {
     const face_lips *l = &f->lips;
     limit_group *g = &f->limit.group[l->group[i]];
@@ -1435,27 +1563,28 @@ static bool may_lips_fold(face *f, uint32_t i)
     return !(most < g->room);
 }
 
-static bool lips_fold(face *f, double strength)
+/* Applies that much of the seal. */
+static bool lips_harm(face *f, double strength)
 {
     const face_lips *l = &f->lips;
     face_lips_meet(f, strength);
     face_lips_bound(f);
     find_sealed_lips(f);
     for (uint32_t i = 0; l->is_meeting && i < l->group_count; ++i)
-        if (may_lips_fold(f, i) && is_folded_by_lips(f, l->group[i]))
+        if (may_lips_harm(f, i) && is_harmed_by_lips(f, i))
             return true;
     return false;
 }
 
-/* lips.near: how near each station is to skin that the seal folds, 0..1. */
-static void find_folded_stations(face *f)
+/* lips.near: how near each station is to skin that the seal harms, 0..1. */
+static void find_harmed_stations(face *f)
 {
     face_lips *l = &f->lips;
     const double reach_mm = yield_reach * f->binding.lips.width_mm;
     memset(l->near, 0, l->count * sizeof *l->near);
     for (uint32_t i = 0; i < l->group_count; ++i) {
         const uint32_t *corner = f->skin + (size_t)3 * GROUP * l->group[i];
-        if (!is_folded_by_lips(f, l->group[i]))
+        if (!is_harmed_by_lips(f, i))
             continue;
         for (uint32_t k = 0; k < l->count; ++k) {
             vec3 way = vec3_sub(points_position(&f->rest, *corner), vec3_row(l->rest, k));
@@ -1465,40 +1594,34 @@ static void find_folded_stations(face *f)
     }
 }
 
-/* Gives less of the pulls, until lips that only touch fold no more than the pulls do. */
-static void yield_to_lips(face *f)
+/* limit.harmed: the groups that lips which only touch harm. */
+static void list_harmed_by_lips(face *f)
 {
-    double low = 0.0, high = 1.0, part = 1.0;
-    for (int i = 0; i < HALVINGS; ++i) {
-        double middle = 0.5 * (low + high);
-        give_part(f, middle / part);
-        part = middle;
-        find_bare_lips(f);
-        if (lips_fold(f, 0.0))
-            high = middle;
-        else
-            low = middle;
-    }
-    give_part(f, low / part);
-    give_fields(f);
-    f->is_held = true;
-    note_held_back(f);
-    find_bare_lips(f);
+    f->limit.harmed_count = 0;
+    for (uint32_t i = 0; i < f->lips.group_count; ++i)
+        if (is_harmed_by_lips(f, i))
+            f->limit.harmed[f->limit.harmed_count++] = f->lips.group[i];
 }
 
-/* The greatest value of *share with which the seal folds nothing; 0 where there is none. */
+static bool touching_lips_harm(face *f)
+{
+    find_bare_lips(f);
+    return lips_harm(f, 0.0);
+}
+
+/* The greatest value of *share with which the seal harms nothing; 0 where there is none. */
 static bool find_share(face *f, double *share)
 {
     double low = 0.0, high = 1.0;
     for (int i = 0; i < HALVINGS; ++i) {
         *share = 0.5 * (low + high);
-        if (lips_fold(f, 1.0))
+        if (lips_harm(f, 1.0))
             high = *share;
         else
             low = *share;
     }
     *share = low;
-    return !lips_fold(f, 1.0);
+    return !lips_harm(f, 1.0);
 }
 
 static void limit_lips(face *f)
@@ -1510,13 +1633,15 @@ static void limit_lips(face *f)
         return;
     begin_pose(f);
     find_bare_lips(f);
-    if (!lips_fold(f, 1.0))
+    if (!lips_harm(f, 1.0))
         return;
-    if (f->control_count > 0 && f->origin == &f->base && lips_fold(f, 0.0))
-        yield_to_lips(f);
-    if (!lips_fold(f, 1.0))
+    if (f->control_count > 0 && f->origin == &f->base && lips_harm(f, 0.0)) {
+        list_harmed_by_lips(f);
+        (void)yield_to(f, touching_lips_harm);
+    }
+    if (!lips_harm(f, 1.0))
         return;
-    find_folded_stations(f);
+    find_harmed_stations(f);
     if (!find_share(f, &l->share_near))
         (void)find_share(f, &l->share);
 }
@@ -1556,12 +1681,97 @@ static void limit_pulls(face *f)
         note_held_back(f);
 }
 
+/* ---- skin that slides over what lies under it ---- */
+
+static const float slid_least = 0.02f; /* of its area at rest, that a triangle keeps */
+
+/* limit.slid: where these vertices are shown; once in a frame. */
+static void take_slid_block(face *f, uint32_t block)
+{
+    const size_t first = (size_t)block * POINTS_BLOCK;
+    if (f->limit.is_slid[block])
+        return;
+    f->limit.is_slid[block] = 1;
+    for (size_t slot = first; slot < first + POINTS_BLOCK; ++slot) {
+        float *row = f->limit.slid[slot];
+        row[0] = f->shown.x[slot];
+        row[1] = f->shown.y[slot];
+        row[2] = f->shown.z[slot];
+    }
+}
+
+/* Folded, or bent too far against what the bones alone do. */
+static bool is_harmed_as_shown(face *f, size_t group)
+{
+    face_limit *l = &f->limit;
+    const limit_group *g = &l->group[group];
+    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+        take_slid_block(f, l->block[i]);
+    if (see_group(f, group, (const float(*)[4])l->slid) < slid_least)
+        return true;
+    if (l->candidate_count == 0 || is_shaped(f))
+        return false;
+    columns_weigh(&f->columns, l->pose_weight, f->columns.count);
+    for (uint32_t i = 0; i < l->candidate_count; ++i) {
+        uint32_t around[6];
+        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
+            continue;
+        for (int k = 0; k < 6; ++k) {
+            take_slid_block(f, around[k] / POINTS_BLOCK);
+            pose_block(f, around[k] / POINTS_BLOCK);
+        }
+    }
+    columns_weigh(&f->columns, f->given, f->columns.count);
+    return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
+}
+
+/* limit.harmed: of the groups that have been pushed aside, those that are folded or bent too far as
+ * shown. */
+static bool slid_skin_is_harmed(face *f)
+{
+    face_limit *l = &f->limit;
+    l->harmed_count = 0;
+    memset(l->is_slid, 0, f->rest.block_count);
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        l->is_pushed[block] = projection_has_moved(&f->projection, block);
+    for (uint32_t group = 0; group < group_count(f); ++group) {
+        const limit_group *g = &l->group[group];
+        uint32_t is_pushed = 0;
+        for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+            is_pushed |= l->is_pushed[l->block[i]];
+        if (is_pushed && is_harmed_as_shown(f, group))
+            l->harmed[l->harmed_count++] = group;
+    }
+    return l->harmed_count > 0;
+}
+
+static bool sliding_harms(face *f)
+{
+    face_lips_meet(f, 1.0);
+    if (f->lips.is_meeting) {
+        find_bare_lips(f);
+        find_sealed_lips(f);
+    }
+    face_write(f);
+    return slid_skin_is_harmed(f);
+}
+
+void face_limit_slide(face *f)
+{
+    if (f->control_count == 0 || f->origin != &f->base || f->settings.stretch_most < 0.0)
+        return;
+    begin_pose(f);
+    if (slid_skin_is_harmed(f))
+        (void)yield_to(f, sliding_harms);
+}
+
 void face_limit_pull(face *f)
 {
     f->limit.is_added_given = false;
     if (f->is_given)
         return;
     f->limit.is_begun = false;
+    projection_pose(&f->projection, f->pose, f->blocks.is_stale);
     limit_pulls(f);
     limit_lips(f);
 }

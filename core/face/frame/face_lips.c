@@ -23,6 +23,9 @@ static const double reach_of_width = 0.36;
 static const float free_from = 0.6f, response_least = 2e-4f;
 /* Of half the slit: how long the front is that closes. */
 static const double zip_width = 1.0;
+/* Teeth push rims that are kept apart: how often that is gone through, until they cross by less. */
+enum { PARTINGS = 6 };
+static const double crossed_most_mm = 0.02, pushed_least_mm = 1e-6;
 enum { FACING = 4 }; /* stations to either side among which the facing one is looked for */
 
 static double clamp01(double t)
@@ -65,6 +68,7 @@ static void take_stations(face *f)
         l->open_mm[i] = vec3_dot(vec3_sub(rest_of(f, i, 0), rest_of(f, i, 1)), from->up);
         l->floor_mm[i] = fmin(l->open_mm[i], 0.0);
         vec3_set_row(l->rest, i, rest_of(f, i, 0));
+        l->middle = l->from_corner[i] > l->from_corner[l->middle] ? i : l->middle;
     }
     for (uint32_t b = 0; b < f->bone_count; ++b) {
         double sum = 0.0;
@@ -137,15 +141,20 @@ static void list_reached(face *f)
     }
 }
 
-/* The blocks of all corners of these groups. */
+/* The blocks of all corners of these groups, and of the triangles beside them. */
 static void list_blocks(face *f)
 {
     face_lips *l = &f->lips;
     uint32_t *const is_listed = l->block; /* first as flags */
     for (uint32_t i = 0; i < l->group_count; ++i) {
-        size_t first = (size_t)3 * STRAIN_GROUP * l->group[i], end = first + 3 * STRAIN_GROUP;
-        for (size_t corner = first; corner < end && corner < (size_t)3 * f->skin_count; ++corner)
-            is_listed[f->skin[corner] / POINTS_BLOCK] = 1;
+        uint32_t first = STRAIN_GROUP * l->group[i], end = first + STRAIN_GROUP, around[6];
+        for (uint32_t t = first; t < end && t < f->skin_count; ++t) {
+            for (uint32_t k = 0; k < 3; ++k)
+                is_listed[f->skin[3 * (size_t)t + k] / POINTS_BLOCK] = 1;
+            if (surface_meter_around(f->surface_meter, t, around))
+                for (uint32_t k = 3; k < 6; ++k)
+                    is_listed[around[k] / POINTS_BLOCK] = 1;
+        }
     }
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
         if (is_listed[block] || l->reaches[block])
@@ -258,7 +267,7 @@ void face_lips_engage(face *f)
     }
 }
 
-/* Where f->given and the pose bring the rims. */
+/* Where f->given and the pose bring the ends of the stations' edges. */
 static void place_rims(face *f)
 {
     face_lips *l = &f->lips;
@@ -281,12 +290,29 @@ static void place_rims(face *f)
             z[i] += (double)at[i] * wz;
         }
     }
+}
+
+/* The rims: where these places are once the corrections, and then what lies under the skin, have
+ * moved them. True: what lies under the skin has. */
+static bool find_rims(face *f)
+{
+    face_lips *l = &f->lips;
+    const double share[2] = {f->rig->mouth.upper_share, f->rig->mouth.upper_share - 1.0};
+    bool is_pushed = false;
     for (uint32_t i = 0; i < 2 * l->count; ++i) {
-        double *out = (i % 2 ? l->lower : l->upper) + (size_t)3 * (i / 2), t = l->along[i];
-        out[0] = x[2 * i] + t * (x[2 * i + 1] - x[2 * i]);
-        out[1] = y[2 * i] + t * (y[2 * i + 1] - y[2 * i]);
-        out[2] = z[2 * i] + t * (z[2 * i + 1] - z[2 * i]);
+        vec3 end[2], by = vec3_scale(vec3_row(l->correction, i / 2), share[i % 2]);
+        for (uint32_t k = 0; k < 2; ++k) {
+            uint32_t at = 2 * i + k;
+            end[k] = vec3_add((vec3){l->x[at], l->y[at], l->z[at]}, by);
+            vec3 to = projection_at(&f->projection, l->slot[at], end[k]);
+            is_pushed = is_pushed || vec3_length(vec3_sub(to, end[k])) > pushed_least_mm;
+            end[k] = to;
+        }
+        vec3 way = vec3_sub(end[1], end[0]);
+        vec3_set_row(i % 2 ? l->lower : l->upper, i / 2,
+                     vec3_add(end[0], vec3_scale(way, l->along[i])));
     }
+    return is_pushed;
 }
 
 /* How far a station is sealed, 0..1. */
@@ -339,16 +365,11 @@ static bool facing_height(double *out, const double *other, uint32_t count, uint
     return false;
 }
 
-/* Rims that have crossed touch. Moves l->upper and l->lower to where close_lips brings them. */
-static void keep_apart(face *f, vec3 across, vec3 up)
+/* Rims that have crossed touch. Returns by how much they had crossed at most. */
+static double keep_apart(face *f, vec3 across, vec3 up)
 {
     face_lips *l = &f->lips;
-    const double share = f->rig->mouth.upper_share;
-    for (uint32_t i = 0; i < l->count; ++i) {
-        vec3 to = vec3_row(l->correction, i);
-        vec3_set_row(l->upper, i, vec3_add(vec3_row(l->upper, i), vec3_scale(to, share)));
-        vec3_set_row(l->lower, i, vec3_add(vec3_row(l->lower, i), vec3_scale(to, share - 1.0)));
-    }
+    double most = 0.0;
     for (uint32_t i = 1; i + 1 < l->count; ++i) {
         vec3 upper = vec3_row(l->upper, i), lower = vec3_row(l->lower, i);
         double below = 0.0, above = 0.0, crossed = 0.0;
@@ -359,7 +380,9 @@ static void keep_apart(face *f, vec3 across, vec3 up)
         if (crossed > 0.0)
             vec3_set_row(l->correction, i,
                          vec3_add(vec3_row(l->correction, i), vec3_scale(up, crossed)));
+        most = fmax(most, crossed);
     }
+    return most;
 }
 
 void face_lips_meet(face *f, double strength)
@@ -370,13 +393,30 @@ void face_lips_meet(face *f, double strength)
         return;
     const rigid *pose = &f->pose[l->carrier];
     vec3 across = rigid_rotate(pose, slit->across), up = rigid_rotate(pose, slit->up);
+    const double seal = strength * l->share * (double)f->meter.dof[f->bones.seal];
+    memset(l->correction, 0, (size_t)3 * l->count * sizeof *l->correction);
     place_rims(f);
-    close_lips(f, strength * l->share * (double)f->meter.dof[f->bones.seal], up);
-    keep_apart(f, across, up);
+    if (seal > 0.0 || f->rig->mouth.stickiness_mm > 0.0) {
+        (void)find_rims(f);
+        close_lips(f, seal, up);
+    }
+    for (int i = 0; i < PARTINGS; ++i) {
+        bool is_pushed = find_rims(f);
+        if (!(keep_apart(f, across, up) > crossed_most_mm) || !is_pushed)
+            break;
+    }
     l->is_meeting = false;
     for (uint32_t i = 0; i < 3 * l->count; ++i)
         l->is_meeting = l->is_meeting || l->correction[i] != 0.0;
     columns_weigh(&l->columns, l->correction, l->count);
+}
+
+double face_lips_open_mm(face *f)
+{
+    const face_lips *l = &f->lips;
+    (void)find_rims(f);
+    vec3 up = rigid_rotate(&f->pose[l->carrier], f->binding.lips.up);
+    return vec3_dot(vec3_sub(vec3_row(l->upper, l->middle), vec3_row(l->lower, l->middle)), up);
 }
 
 void face_lips_bound(face *f)

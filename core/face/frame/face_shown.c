@@ -201,23 +201,30 @@ static void note_projection(face *f)
     f->is_exact = report.moved_count == 0 && !f->lips.is_meeting;
 }
 
-void face_show(face *f)
+void face_write(face *f)
 {
     face_blocks *s = &f->blocks;
-    face_limit_pull(f);
     columns_weigh(&f->columns, f->given, f->columns.count);
     note_weights(f);
-    projection_pose(&f->projection, f->pose, s->is_stale);
-    memcpy(s->pose, f->pose, sizeof s->pose);
     if (face_lips_show(f))
         for (uint32_t block = 0; block < f->rest.block_count; ++block)
             s->is_stale[block] |= f->lips.reaches[block];
-    stamps_begin(&s->written);
     for (uint32_t block = 0; block < f->rest.block_count;)
         block = !is_due(f, block)            ? block + 1
                 : is_sealed(f, block)        ? write_sealed(f, block)
                 : face_limit_knows(f, block) ? write_known(f, block)
                                              : write_run(f, block);
+}
+
+void face_show(face *f)
+{
+    face_blocks *s = &f->blocks;
+    face_limit_pull(f);
+    face_tongue_hold(f);
+    memcpy(s->pose, f->pose, sizeof s->pose);
+    stamps_begin(&s->written);
+    face_write(f);
+    face_limit_slide(f);
     note_projection(f);
 }
 

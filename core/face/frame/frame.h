@@ -69,6 +69,11 @@ typedef struct face_limit {
     uint32_t *wanted;  /* scratch: groups */
     uint32_t *candidate,
         candidate_count;            /* triangles that may be bent too far against neighbours */
+    uint32_t *harmed, harmed_count; /* groups that what comes after the pulls has harmed */
+    float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
+    uint8_t *is_slid;
+    uint8_t *is_pushed; /* of each block: by what lies under the skin, in the frame shown last */
+    double *shaped; /* of each of the head's own shapes: as shapes.given, before pulls give way */
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */
     bool is_begun;                  /* begin_pose has been called for this frame */
     double *g;                      /* control_capacity by 3: what is given */
@@ -130,6 +135,7 @@ typedef struct face_shapes {
 typedef struct face_lips {
     uint32_t count;      /* of stations; 0: the face has no seal */
     uint32_t carrier;    /* the bone that the slit's axes turn with */
+    uint32_t middle;     /* the station halfway */
     uint32_t *slot;      /* 4 a station: the ends of its edge of the upper rim, then of the lower */
     double *along;       /* 2 a station: how far along these edges it is */
     double *rest;        /* count by 3: of the upper rim */
@@ -157,6 +163,13 @@ typedef struct face_lips {
     float (*bare)[4], (*sealed)[4]; /* of each vertex of these blocks, while rims meet: where it is
                                        without and with the seal */
 } face_lips;
+
+/* The tongue behind the lips: face_tongue.c. */
+typedef struct face_tongue {
+    uint32_t bone;    /* RIG_NONE: none that could come out between lips */
+    double free_rad;  /* how far out it is behind them all the same */
+    double height_mm; /* of what is before them all the way out */
+} face_tongue;
 
 struct face {
     arrays arrays;  /* owns all arrays here but those marked otherwise */
@@ -210,6 +223,7 @@ struct face {
     surface_meter *surface_meter; /* of the skin */
     face_limit limit;
     face_lips lips;
+    face_tongue tongue;
 };
 
 /* ---- face_grip.c ---- */
@@ -231,6 +245,8 @@ void face_bake(face *f, points *out);
 void face_pose_columns(face *f);
 /* weight: those of the bones for these poses, behind the first control_column_count. */
 void face_pose_weights(face *f, double *weight, const rigid *pose);
+/* The same of one bone that moves. */
+void face_weigh_bone(const face *f, double *weight, uint32_t bone, const rigid *pose);
 /* Some bone that moves is not at rest. */
 bool face_is_posed(const face *f);
 /* Puts the dofs and poses of a frame in force. */
@@ -292,6 +308,15 @@ void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* Whether the corrections differ from those shown last; they are those from now on. */
 bool face_lips_show(face *f);
 
+/* How far apart the rims are in the middle of the slit, as they are shown. */
+double face_lips_open_mm(face *f);
+
+/* ---- face_tongue.c ---- */
+
+void face_tongue_create(face *f);
+/* Called when f->given and the lips of a frame are known: turns the tongue back behind them. */
+void face_tongue_hold(face *f);
+
 /* ---- face_limit.c ---- */
 
 CHECKED mrt_result face_limit_create(face *f, error *err);
@@ -300,6 +325,9 @@ void face_limit_engage(face *f);
 /* f->given := f->weight, reduced near where the skin would fold or tear; sets held_back_mm. A
  * function of f->weight, the pose and the engagement alone. */
 void face_limit_pull(face *f);
+/* Called when f->given is shown. Where skin that was pushed aside by what lies under it folds,
+ * pulls give way, and the face is written again. */
+void face_limit_slide(face *f);
 /* After face_limit_pull on a face with shapes: whether it has summed a block, and that sum of all
  * columns but those of bones, so that it need not be computed again. */
 bool face_limit_knows(const face *f, uint32_t block);
@@ -310,6 +338,8 @@ double face_stretch_most(const csrbf_settings *settings);
 /* ---- face_shown.c ---- */
 
 CHECKED mrt_result face_shown_create(face *f, error *err);
+/* Writes the blocks that f->given, the pose and the seal change. */
+void face_write(face *f);
 /* Called when a block of the origin, or of the next origin, has been written. */
 void face_touch(face *f, uint32_t block, const points *origin);
 void face_touch_all(face *f);

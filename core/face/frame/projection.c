@@ -6,6 +6,8 @@
 
 enum { FLOOR_PASSES = 6 };
 static const double floor_part = 0.4, floor_most_mm = 2.0, band_most_mm = 3.0;
+static const double size_most = 1e3; /* of q: floats take it to its 8th power */
+static const double teeth_band_most_mm = 4.0, teeth_apart_mm = 0.5, teeth_kept = 0.3;
 static const float part_least = 1e-6f; /* 1e-4 mm at 100 mm from the centre: less is not moved */
 
 static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
@@ -15,7 +17,7 @@ static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
     const double centre[3] = {proxy->centre.x, proxy->centre.y, proxy->centre.z};
     const double radii[3] = {proxy->radii.x, proxy->radii.y, proxy->radii.z};
     const double t[3] = {into.t.x, into.t.y, into.t.z};
-    proxy_frame f = {.centre = rigid_apply(on, proxy->centre)};
+    proxy_frame f = {.centre = rigid_apply(on, proxy->centre), .kind = proxy->kind};
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j)
             f.row[i][j] = into.r[i][j] / radii[i];
@@ -23,27 +25,60 @@ static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
         for (int j = 0; j < 4; ++j)
             f.narrow_row[i][j] = (float)f.row[i][j];
     }
+    f.core = rig_teeth_core(proxy);
+    f.narrow_height_mm = (float)proxy->radii.y;
+    for (int i = 0; i < 3; ++i)
+        f.narrow_up[i] = (float)on->r[i][1];
     f.narrow_centre[0] = (float)f.centre.x;
     f.narrow_centre[1] = (float)f.centre.y;
     f.narrow_centre[2] = (float)f.centre.z;
     return f;
 }
 
-/* |q| */
-static double scaled_size(const proxy_frame *f, vec3 x)
+static double square(double x)
 {
-    double sum = 0.0;
-    for (int i = 0; i < 3; ++i) {
-        double q = f->row[i][0] * x.x + f->row[i][1] * x.y + f->row[i][2] * x.z + f->row[i][3];
-        sum += q * q;
-    }
-    return sqrt(sum);
+    return x * x;
+}
+
+static double to_8(double x)
+{
+    return square(square(square(x)));
+}
+
+static double root_8(double x)
+{
+    return sqrt(sqrt(sqrt(x)));
+}
+
+static vec3 scaled(const proxy_frame *f, vec3 x)
+{
+    double q[3];
+    for (int i = 0; i < 3; ++i)
+        q[i] = f->row[i][0] * x.x + f->row[i][1] * x.y + f->row[i][2] * x.z + f->row[i][3];
+    return (vec3){q[0], q[1], q[2]};
+}
+
+/* The size of q, and the way to x from where it is pushed away from, mm; level: of teeth, 1 / w. */
+static double scaled_size(const proxy_frame *f, vec3 x, double level, vec3 *out_way)
+{
+    vec3 q = scaled(f, x), way = vec3_sub(x, f->centre);
+    *out_way = way;
+    if (f->kind != PROXY_TEETH)
+        return sqrt(q.x * q.x + q.y * q.y + q.z * q.z);
+    double out = sqrt(q.x * q.x + q.z * q.z), beyond = fmax(out - f->core, 0.0);
+    vec3 up = {(double)f->narrow_up[0], (double)f->narrow_up[1], (double)f->narrow_up[2]};
+    up = vec3_scale(up, vec3_dot(up, way));
+    double part = out > 0.0 ? beyond / out : 0.0;
+    *out_way = vec3_add(up, vec3_scale(vec3_sub(way, up), part));
+    return root_8(to_8(beyond * level) + to_8(q.y));
 }
 
 /* ---- the frame, in float ---- */
 
 typedef struct block_sizes {
     float squared[POINTS_BLOCK]; /* |q|^2 */
+    /* Of teeth: the part of the level way that is beyond the core; the way up, mm. */
+    float beyond[POINTS_BLOCK], up_mm[POINTS_BLOCK];
 } block_sizes;
 
 /* False: no vertex of the block is lower than at rest. */
@@ -63,6 +98,38 @@ static bool measure_block(block_sizes *out, const proxy_frame *f, const projecti
         float qy = b0 * x[i] + b1 * y[i] + b2 * z[i] + b3;
         float qz = c0 * x[i] + c1 * y[i] + c2 * z[i] + c3;
         float squared = qx * qx + qy * qy + qz * qz;
+        out->squared[i] = squared;
+        below |= squared < b->inside[i];
+    }
+    return below != 0;
+}
+
+/* The same of teeth. */
+static bool measure_teeth(block_sizes *out, const proxy_frame *f, const projection_block *b,
+                          const points *shown)
+{
+    const float *x = shown->x + (size_t)b->block * POINTS_BLOCK;
+    const float *y = shown->y + (size_t)b->block * POINTS_BLOCK;
+    const float *z = shown->z + (size_t)b->block * POINTS_BLOCK;
+    const float a0 = f->narrow_row[0][0], a1 = f->narrow_row[0][1], a2 = f->narrow_row[0][2];
+    const float b0 = f->narrow_row[1][0], b1 = f->narrow_row[1][1], b2 = f->narrow_row[1][2];
+    const float c0 = f->narrow_row[2][0], c1 = f->narrow_row[2][1], c2 = f->narrow_row[2][2];
+    const float a3 = f->narrow_row[0][3], b3 = f->narrow_row[1][3], c3 = f->narrow_row[2][3];
+    const float core = (float)f->core, height_mm = f->narrow_height_mm;
+    int below = 0;
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float qx = a0 * x[i] + a1 * y[i] + a2 * z[i] + a3;
+        float qy = b0 * x[i] + b1 * y[i] + b2 * z[i] + b3;
+        float qz = c0 * x[i] + c1 * y[i] + c2 * z[i] + c3;
+        float level_out = sqrtf(qx * qx + qz * qz + 1e-12f), past = level_out - core;
+        past = past > 0.0f ? past : 0.0f;
+        float flat = past * b->level[i], up = qy * qy;
+        flat = flat * flat;
+        flat = flat * flat;
+        up = up * up;
+        float squared = sqrtf(sqrtf(flat * flat + up * up));
+        out->beyond[i] = past / level_out;
+        out->up_mm[i] = qy * height_mm;
         out->squared[i] = squared;
         below |= squared < b->inside[i];
     }
@@ -92,17 +159,22 @@ static void ease_block(float *restrict part, float *restrict sunk, const block_s
     }
 }
 
-static float squared_distance(const proxy_frame *f, const points *p, size_t slot)
-{
-    float dx = p->x[slot] - f->narrow_centre[0], dy = p->y[slot] - f->narrow_centre[1];
-    float dz = p->z[slot] - f->narrow_centre[2];
-    return dx * dx + dy * dy + dz * dz;
-}
-
 static void move_away(float *restrict x, const float *restrict part, float centre)
 {
     for (int i = 0; i < POINTS_BLOCK; ++i) {
         float moved = x[i] + part[i] * (x[i] - centre);
+        x[i] = part[i] > 0.0f ? moved : x[i];
+    }
+}
+
+/* The same from the nearest point of the core of a row of teeth. */
+static void move_from_core(float *restrict x, const float *restrict part,
+                           const block_sizes *restrict sizes, float centre, float up)
+{
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float level = sizes->beyond[i], way = level * (x[i] - centre);
+        way += (1.0f - level) * (sizes->up_mm[i] * up);
+        float moved = x[i] + part[i] * way;
         x[i] = part[i] > 0.0f ? moved : x[i];
     }
 }
@@ -115,8 +187,9 @@ static double deepest_mm(const proxy_frame *f, const float *sunk, const points *
         any |= sunk[i] > 0.0f;
     for (size_t i = 0; any && i < POINTS_BLOCK; ++i)
         if (sunk[i] > 0.0f) {
-            double way = (double)sqrtf(squared_distance(f, p, first + i));
-            deepest = fmax(deepest, (double)sunk[i] * way);
+            vec3 way;
+            (void)scaled_size(f, points_position(p, first + i), 1.0, &way);
+            deepest = fmax(deepest, (double)sunk[i] * vec3_length(way));
         }
     return deepest;
 }
@@ -137,16 +210,21 @@ static uint32_t project_block(const proxy_frame *f, const projection_block *b, p
     block_sizes sizes;
     float part[POINTS_BLOCK], sunk[POINTS_BLOCK];
     size_t first = (size_t)b->block * POINTS_BLOCK;
-    if (!measure_block(&sizes, f, b, shown))
+    bool is_lower = f->kind == PROXY_TEETH ? measure_teeth(&sizes, f, b, shown)
+                                           : measure_block(&sizes, f, b, shown);
+    if (!is_lower)
         return 0;
     ease_block(part, sunk, &sizes, b, rule);
     *depth_mm = fmax(*depth_mm, deepest_mm(f, sunk, shown, first));
     uint32_t moved = count_moved(part, shown->count - (uint32_t)first);
     if (moved == 0)
         return 0;
-    move_away(shown->x + first, part, f->narrow_centre[0]);
-    move_away(shown->y + first, part, f->narrow_centre[1]);
-    move_away(shown->z + first, part, f->narrow_centre[2]);
+    float *const axis[3] = {shown->x + first, shown->y + first, shown->z + first};
+    for (int i = 0; i < 3; ++i)
+        if (f->kind == PROXY_TEETH)
+            move_from_core(axis[i], part, &sizes, f->narrow_centre[i], f->narrow_up[i]);
+        else
+            move_away(axis[i], part, f->narrow_centre[i]);
     points_update_block(shown, b->block);
     return moved;
 }
@@ -204,6 +282,24 @@ bool projection_apply(projection *p, points *shown, uint32_t block)
     return apply(p, p->frame, shown, block, p->done);
 }
 
+vec3 projection_at(const projection *p, uint32_t slot, vec3 at)
+{
+    const uint32_t block = slot / POINTS_BLOCK, lane = slot % POINTS_BLOCK;
+    const uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
+    for (uint32_t i = p->block_count > 0 ? p->first[block] : 0; i < end; ++i) {
+        const projection_block *b = &p->block[i];
+        vec3 way;
+        double size = scaled_size(&p->frame[b->proxy], at, (double)b->level[lane], &way);
+        if (!(size * size < (double)b->inside[lane]))
+            continue;
+        double lowest = (double)b->floor[lane], half = (double)b->band[lane] + 1e-12;
+        double above = fmax(size - 1.0 - lowest + half, 0.0);
+        double target = lowest + above * above / (4.0 * half);
+        at = vec3_add(at, vec3_scale(way, fmax(target - (size - 1.0), 0.0) / fmax(size, 1e-6)));
+    }
+    return at;
+}
+
 void projection_apply_still(const projection *p, points *at)
 {
     for (uint32_t block = 0; block < at->block_count; ++block)
@@ -232,6 +328,15 @@ void projection_rest(projection *p)
         p->done[i] = (projection_done){0};
 }
 
+bool projection_has_moved(const projection *p, uint32_t block)
+{
+    uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
+    for (uint32_t i = p->block_count > 0 ? p->first[block] : 0; i < end; ++i)
+        if (p->done[i].moved_count > 0)
+            return true;
+    return false;
+}
+
 projection_report projection_reported(const projection *p)
 {
     projection_report report = {0};
@@ -250,10 +355,11 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
         proxy_frame f = frame_of(&p->proxy[b->proxy], pose);
         for (size_t v = 0; v < POINTS_BLOCK; ++v) {
             vec3 x = points_position(shown, (size_t)b->block * POINTS_BLOCK + v);
-            double size = scaled_size(&f, x), lowest = 1.0 + (double)b->floor[v];
+            vec3 way;
+            double size = scaled_size(&f, x, (double)b->level[v], &way);
+            double lowest = 1.0 + (double)b->floor[v];
             if (b->band[v] > 0.0f && size < lowest && size > 1e-6)
-                deepest =
-                    fmax(deepest, (lowest - size) / size * vec3_length(vec3_sub(x, f.centre)));
+                deepest = fmax(deepest, (lowest - size) / size * vec3_length(way));
         }
     }
     return deepest;
@@ -261,10 +367,16 @@ double projection_depth_mm(const projection *p, const points *shown, const rigid
 
 /* ---- made from a rig ---- */
 
-static void fill_vertex(projection_block *out, size_t lane, double height, double mm_per_height)
+/* Of teeth the floor is in the width. */
+static void fill_vertex(projection_block *out, size_t lane, double height, double mm_per_height,
+                        rig_proxy_kind kind)
 {
     double lowest = fmin(floor_part * height, floor_most_mm / mm_per_height);
     double band = fmin((1.0 - floor_part) * height, band_most_mm / mm_per_height);
+    if (kind == PROXY_TEETH) {
+        lowest = 0.0;
+        band = fmin(height, teeth_band_most_mm / mm_per_height);
+    }
     double edge = 1.0 + lowest + band;
     out->floor[lane] = (float)lowest;
     out->band[lane] = (float)band;
@@ -272,21 +384,50 @@ static void fill_vertex(projection_block *out, size_t lane, double height, doubl
     out->inside[lane] = (float)(edge * edge * (1.0 - 8e-6));
 }
 
+static double smoothstep(double low, double high, double x)
+{
+    double t = (x - low) / (high - low);
+    t = t < 0.0 ? 0.0 : (t > 1.0 ? 1.0 : t);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+/* 1 / w of a row of teeth; size_most: it is left alone. */
+static double level_of(const proxy_frame *f, vec3 rest)
+{
+    const vec3 q = scaled(f, rest), way = vec3_sub(rest, f->centre);
+    const vec3 up = {(double)f->narrow_up[0], (double)f->narrow_up[1], (double)f->narrow_up[2]};
+    const double out = sqrt(q.x * q.x + q.z * q.z), depth = 1.0 - f->core;
+    const double level_mm = vec3_length(vec3_sub(way, vec3_scale(up, vec3_dot(up, way))));
+    double width = depth + teeth_kept * fmax(out - 1.0, 0.0);
+    double apart = 1.0 + teeth_apart_mm * out / (depth * fmax(level_mm, 1e-6));
+    double left = to_8(apart) - to_8(q.y);
+    if (left > 0.0) /* with that it is `apart` at rest */
+        width = fmin(width, fmax(out - f->core, 0.0) / root_8(left));
+    width *= smoothstep(-0.5, 0.0, q.z / fmax(out, 1e-6));
+    width *= 1.0 - smoothstep(0.2, 0.6, (1.0 - out) / depth);
+    return 1.0 / fmax(width, 1.0 / size_most);
+}
+
 /* False: no vertex of the block is in reach. */
 static bool fill_block(projection_block *out, const proxy_frame *f, const points *rest,
                        const float *mobility)
 {
+    const double reach_mm =
+        f->kind == PROXY_TEETH ? PROJECTION_TEETH_REACH_MM : PROJECTION_REACH_MM;
     bool any = false;
     for (size_t i = 0; i < POINTS_BLOCK; ++i) {
         size_t slot = (size_t)out->block * POINTS_BLOCK + i;
         vec3 x = points_position(rest, slot);
-        double size = scaled_size(f, x), height = size - 1.0;
-        double mm_per_height = vec3_length(vec3_sub(x, f->centre)) / size;
+        vec3 way, whole_way;
+        double whole = scaled_size(f, x, 1.0 / (1.0 - f->core), &whole_way);
+        out->level[i] = (float)(f->kind == PROXY_TEETH ? level_of(f, x) : 1.0);
+        double size = scaled_size(f, x, (double)out->level[i], &way), height = size - 1.0;
         out->inside[i] = -1.0f;
-        if (!(mobility[slot] > 0.0f && height > 1e-6 &&
-              height * mm_per_height <= PROJECTION_REACH_MM))
+        if (!(mobility[slot] > 0.0f && height > 1e-6 && height < size_most &&
+              (double)out->level[i] < size_most &&
+              (whole - 1.0) * vec3_length(whole_way) / whole <= reach_mm))
             continue;
-        fill_vertex(out, i, height, mm_per_height);
+        fill_vertex(out, i, height, vec3_length(way) / size, f->kind);
         any = true;
     }
     return any;

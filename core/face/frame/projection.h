@@ -7,13 +7,26 @@
  * along q. Where ellipsoids overlap, what one pushed into another is put back onto that one's
  * floor. So at rest nothing moves, and neither does anything further out than at rest. Vertices
  * that are inside at rest, or further from the ellipsoid than PROJECTION_REACH_MM, are left alone.
+ *
+ * A row of teeth is an ellipse seen from above and has level edges. Its core is a level plate, and
+ * skin is pushed away from the nearest point of that (rig_teeth_core, as a share k of the radii):
+ * the size of q is
+ *   (B^8 + |q_y|^8)^(1/8),  B = max(R - k, 0) / w,  R^2 = q_x^2 + q_z^2,
+ * so that the edge is met from below and the front from before. Each vertex has a w of its own, by
+ * R at rest, R0. Before the row w is 1 - k + 0.3 (R0 - 1): a lip that is pressed against the teeth
+ * keeps the order of its layers, and yet touches their edge from below. What is in the row at rest,
+ * as lips that touch their teeth, is 0.5 mm outside of its own: it goes no deeper. Deep in the row
+ * w fades to 0, and so it does behind the middle of the arch. The floor is c = 0, its band at most
+ * 4 mm. One row is one shape: ellipsoids along the arch would leave dents
+ * between them, and lips would catch at the last one.
  * Inside the room. [frame] all but create/destroy. */
 #ifndef MAROTTE_FACE_PROJECTION_H
 #define MAROTTE_FACE_PROJECTION_H
 #include "csrbf/points.h"
 #include "face/rig.h"
 
-#define PROJECTION_REACH_MM 60.0
+#define PROJECTION_REACH_MM       60.0
+#define PROJECTION_TEETH_REACH_MM 20.0
 enum { PROJECTION_PROXIES_MAX = 32 };
 
 /* From the face to the scaled space of a proxy on its bone: q = row x. The way along q is, in the
@@ -21,7 +34,9 @@ enum { PROJECTION_PROXIES_MAX = 32 };
 typedef struct proxy_frame {
     double row[3][4];
     vec3 centre; /* in the face */
-    float narrow_row[3][4], narrow_centre[3];
+    rig_proxy_kind kind;
+    double core; /* of teeth, else 0 */
+    float narrow_row[3][4], narrow_centre[3], narrow_up[3], narrow_height_mm;
 } proxy_frame;
 
 typedef struct projection_block { /* of one proxy: a block of vertices of which some are in reach */
@@ -29,6 +44,7 @@ typedef struct projection_block { /* of one proxy: a block of vertices of which 
     float floor[POINTS_BLOCK];  /* c */
     float band[POINTS_BLOCK];   /* e; 0: left alone */
     float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is within the band */
+    float level[POINTS_BLOCK];  /* of teeth: 1 / w^2 */
 } projection_block;
 
 /* What was done to one of them. */
@@ -63,7 +79,11 @@ void projection_destroy(projection *p);
 void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
 /* One block of vertices, just written. Keeps the bounds of shown. True: it has moved some. */
 bool projection_apply(projection *p, points *shown, uint32_t block);
-/* The same of all blocks with the bones at rest, whatever the frame is; it is not reported. */
+/* Where it brings a vertex that is at `at`, but for what two proxies do to each other. */
+vec3 projection_at(const projection *p, uint32_t slot, vec3 at);
+/* Whether it has moved vertices of the block when that was written last. */
+bool projection_has_moved(const projection *p, uint32_t block);
+/* Projects all blocks with the bones at rest, whatever the frame is; it is not reported. */
 void projection_apply_still(const projection *p, points *at);
 /* Nothing is projected: the shape shown is that at rest. */
 void projection_rest(projection *p);

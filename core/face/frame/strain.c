@@ -13,7 +13,7 @@
                                                  .steepest = STRAIN_OF(steepest, variant),         \
                                                  .strains = STRAIN_OF(strains, variant),           \
                                                  .turn_normals = STRAIN_OF(turn_normals, variant), \
-                                                 .least_area = STRAIN_OF(least_area, variant),     \
+                                                 .seen = STRAIN_OF(seen, variant),                 \
                                                  .folds = STRAIN_OF(folds, variant)}
 
 STRAIN_TABLE(generic);

@@ -45,6 +45,18 @@ typedef struct strain_folds {
     float drawn[STRAIN_GROUP]; /* above 0: some edge is more than doubled */
 } strain_folds;
 
+typedef struct strain_seen {
+    float
+        area[STRAIN_GROUP]; /* seen along a normal, over the area at rest; 1 where there is none */
+    float turned[STRAIN_GROUP]; /* above 0: turned from that normal by more than may be */
+} strain_seen;
+
+/* By how much each may turn, less what their neighbours may have turned the other way. */
+typedef struct strain_turns {
+    const float *cosine, *sine;
+    float less_cosine, less_sine;
+} strain_turns;
+
 typedef struct strain_loops {
     /* out[i] += by * row[i] */
     void (*add)(float *out, const float *row, float by, size_t count);
@@ -64,9 +76,8 @@ typedef struct strain_loops {
      * identity */
     void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
                          const float *share, const float rotation[9]);
-    /* The least area of these triangles, seen along `normal`, over the area that they have at rest.
-     */
-    float (*least_area)(const strain_corners *at, const float (*normal)[STRAIN_GROUP]);
+    void (*seen)(strain_seen *out, const strain_corners *at, const float (*normal)[STRAIN_GROUP],
+                 const strain_turns *may_turn);
     /* Of what `added` does to `posed`, seen along `normal`. */
     void (*folds)(strain_folds *out, const strain_corners *posed, const strain_corners *added,
                   const float (*normal)[STRAIN_GROUP]);
@@ -105,8 +116,9 @@ const strain_loops *strain_loops_now(void);
     void STRAIN_OF(turn_normals, variant)(float(*out)[STRAIN_GROUP],                               \
                                           const float(*rest)[STRAIN_GROUP], const float *share,    \
                                           const float rotation[9]);                                \
-    float STRAIN_OF(least_area, variant)(const strain_corners *at,                                 \
-                                         const float(*normal)[STRAIN_GROUP]);                      \
+    void STRAIN_OF(seen, variant)(strain_seen * out, const strain_corners *at,                     \
+                                  const float(*normal)[STRAIN_GROUP],                              \
+                                  const strain_turns *may_turn);                                   \
     void STRAIN_OF(folds, variant)(strain_folds * out, const strain_corners *posed,                \
                                    const strain_corners *added,                                    \
                                    const float(*normal)[STRAIN_GROUP])

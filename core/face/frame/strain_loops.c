@@ -139,22 +139,26 @@ void STRAIN(turn_normals)(float (*restrict out)[STRAIN_GROUP],
                             rotation[3 * axis + 2] * rest[2][i]);
 }
 
-float STRAIN(least_area)(const strain_corners *at, const float (*restrict normal)[STRAIN_GROUP])
+void STRAIN(seen)(strain_seen *restrict out, const strain_corners *at,
+                  const float (*restrict normal)[STRAIN_GROUP], const strain_turns *may_turn)
 {
+    const float *restrict cosine = may_turn->cosine, *restrict sine = may_turn->sine;
+    const float less_cosine = may_turn->less_cosine, less_sine = may_turn->less_sine;
     edges e;
-    float area[STRAIN_GROUP], least = 1.0f;
     gather(&e, at);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
         float nx = normal[0][i], ny = normal[1][i], nz = normal[2][i];
         float nn = nx * nx + ny * ny + nz * nz;
-        float by = nx * (e.a[1][i] * e.b[2][i] - e.a[2][i] * e.b[1][i]) +
-                   ny * (e.a[2][i] * e.b[0][i] - e.a[0][i] * e.b[2][i]) +
-                   nz * (e.a[0][i] * e.b[1][i] - e.a[1][i] * e.b[0][i]);
-        area[i] = (nn > 1e-30f) & (i < at->count) ? by / (nn > 1e-30f ? nn : 1.0f) : 1.0f;
+        float ax = e.a[1][i] * e.b[2][i] - e.a[2][i] * e.b[1][i];
+        float ay = e.a[2][i] * e.b[0][i] - e.a[0][i] * e.b[2][i];
+        float az = e.a[0][i] * e.b[1][i] - e.a[1][i] * e.b[0][i];
+        float along = nx * ax + ny * ay + nz * az;
+        float left = cosine[i] < less_cosine ? cosine[i] * less_cosine + sine[i] * less_sine : 1.0f;
+        bool is_there = (nn > 1e-30f) & (i < at->count);
+        out->area[i] = is_there ? along / (nn > 1e-30f ? nn : 1.0f) : 1.0f;
+        float size = sqrtf(nn * (ax * ax + ay * ay + az * az));
+        out->turned[i] = is_there ? left * size - along : 0.0f;
     }
-    for (size_t i = 0; i < STRAIN_GROUP; ++i)
-        least = area[i] < least ? area[i] : least;
-    return least;
 }
 
 /* The third edges, from the second corner to the third. */

@@ -122,6 +122,13 @@ const char *rig_follow_fault(const rig *r, uint32_t bone, uint32_t turn)
     return NULL;
 }
 
+double rig_teeth_core(const rig_proxy *proxy)
+{
+    const double least = proxy->radii.x < proxy->radii.z ? proxy->radii.x : proxy->radii.z;
+    const double core = 1.0 - 1.5 * proxy->radii.y / least;
+    return proxy->kind == PROXY_TEETH && core > 0.0 ? core : 0.0;
+}
+
 uint32_t rig_find_jaw(const rig *r)
 {
     for (uint32_t i = 0; i < r->bone_count; ++i)

@@ -2,9 +2,11 @@
 
 #include "face/rig/rig_anatomy.h"
 #include "face/rig/rig_document.h"
+#include "face/rig/rig_teeth.h"
 #include "face/weights/weights_laplace.h"
 #include "face/face.h"
 #include "face/rig_check.h"
+#include "face/rig_edit.h"
 #include "mesh/position.h"
 
 #include <math.h>
@@ -943,6 +945,52 @@ static void add_follows(rig *r, drafting *d)
                  "lids follow the gaze up and down, the upper ones by %.0f %%, the lower ones by "
                  "%.0f %%: likely",
                  -100.0 * upper_lid_follows, 100.0 * lower_lid_follows);
+}
+
+/* ---- teeth ---- */
+
+static uint32_t list_teeth(vec3 *out, const mesh *m, const rig_anatomy *a, piece_kind kind)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < a->piece_count; ++i)
+        for (uint32_t k = 0; k < a->piece[i].point_count && a->piece[i].kind == kind; ++k)
+            out[count++] = mesh_position(m, a->member[a->piece[i].first_member + k]);
+    return count;
+}
+
+static mrt_result fit_teeth(rig *r, const mesh *m, const rig_anatomy *a, error *err)
+{
+    static const struct {
+        piece_kind kind;
+        const char *bone;
+    } row[] = {{PIECE_TEETH_UPPER, "skull"}, {PIECE_TEETH_LOWER, "jaw"}};
+    vec3 *tooth = malloc(((size_t)m->vertex_count + 1) * sizeof *tooth);
+    mrt_result result = tooth ? MRT_OK : no_memory(err);
+    for (uint32_t i = r->proxy_count; result >= 0 && i-- > 0;)
+        if (r->proxy[i].kind == PROXY_TEETH)
+            result = rig_edit_remove_proxy(r, i, err);
+    for (size_t i = 0; result >= 0 && a->has_face && i < sizeof row / sizeof *row; ++i) {
+        rig_proxy made;
+        uint32_t bone = rig_find_bone(r, row[i].bone), index;
+        uint32_t count = list_teeth(tooth, m, a, row[i].kind);
+        if (bone == RIG_NONE || !rig_teeth_fit(&made, tooth, count))
+            continue;
+        made.bone = bone;
+        result = rig_edit_add_proxy(r, &made, &index, err);
+    }
+    free(tooth);
+    return result;
+}
+
+mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err)
+{
+    rig_anatomy a;
+    mrt_result result = rig_anatomy_find(&a, m, t, err);
+    if (result < 0)
+        return result;
+    result = fit_teeth(r, m, &a, err);
+    rig_anatomy_finish(&a);
+    return result;
 }
 
 typedef struct trial {

@@ -1086,9 +1086,16 @@ static mrt_result fill_contacts(rig *r, rig_document *d, error *err)
 static mrt_result fill_proxy(rig *r, rig_proxy *proxy, const json_node *at, double mm_per_unit,
                              error *err)
 {
-    static const char *const known[] = {"ellipsoid", NULL};
+    static const char *const known[] = {"ellipsoid", "teeth", NULL};
     static const char *const known_inside[] = {"centre", "radii", "bone", NULL};
-    json_node ellipsoid = json_node_member(at, "ellipsoid");
+    json_node ellipsoid = json_node_member(at, "ellipsoid"), teeth = json_node_member(at, "teeth");
+    if (teeth.value && ellipsoid.value)
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: is an ellipsoid and teeth; make two entries of it", at->path.text);
+    if (teeth.value) {
+        proxy->kind = PROXY_TEETH;
+        ellipsoid = teeth;
+    }
     mrt_result result = json_node_object(&ellipsoid, "an object with centre, radii and bone", err);
     if (result < 0)
         return result;

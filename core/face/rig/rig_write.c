@@ -408,7 +408,8 @@ static void write_contact(json_t *out, const writing *w, uint32_t index)
 static void write_proxy(json_t *out, const writing *w, uint32_t index)
 {
     const rig_proxy *proxy = &w->r->proxy[index];
-    json_t *ellipsoid = get_object(out, "ellipsoid");
+    json_object_del(out, proxy->kind == PROXY_TEETH ? "ellipsoid" : "teeth");
+    json_t *ellipsoid = get_object(out, proxy->kind == PROXY_TEETH ? "teeth" : "ellipsoid");
     set_point(ellipsoid, "centre", proxy->centre, w);
     set_point(ellipsoid, "radii", proxy->radii, w);
     set_text(ellipsoid, "bone", w->r->bone[proxy->bone].name);

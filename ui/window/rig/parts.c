@@ -669,9 +669,9 @@ static void draw_proxies(panel *self, ui *on)
     for (uint32_t i = 0; i < r->proxy_count; ++i) {
         char label[UNDO_WORDS];
         const rig_proxy *proxy = &r->proxy[i];
-        (void)snprintf(label, sizeof label, "%.60s, %.0f \u00d7 %.0f \u00d7 %.0f mm##proxy%u",
-                       r->bone[proxy->bone].name, 2.0 * proxy->radii.x, 2.0 * proxy->radii.y,
-                       2.0 * proxy->radii.z, i);
+        (void)snprintf(label, sizeof label, "%.60s%s, %.0f \u00d7 %.0f \u00d7 %.0f mm##proxy%u",
+                       r->bone[proxy->bone].name, proxy->kind == PROXY_TEETH ? ", teeth" : "",
+                       2.0 * proxy->radii.x, 2.0 * proxy->radii.y, 2.0 * proxy->radii.z, i);
         if (ui_row(on, label, i == self->parting.proxy) != UI_ROW_NONE)
             rig_panel_choose_part(self, RIG_NONE, i == self->parting.proxy ? RIG_NONE : i,
                                   RIG_NONE);

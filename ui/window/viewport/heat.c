@@ -178,6 +178,8 @@ static vec3 vertex_of(const float *position, uint32_t v)
 static double share_gone(const rig_proxy *proxy, const rigid *into, vec3 rest, vec3 now)
 {
     double at_rest = height_mm(proxy, rest);
+    if (proxy->kind == PROXY_TEETH) /* no ellipsoid */
+        return 0.0;
     if (!(at_rest > 0.0 && at_rest < proxy_reach_mm))
         return 0.0;
     double floor = fmin(floor_part * at_rest, floor_most_mm);
