@@ -373,6 +373,27 @@ static void print_follows(const rig *r)
         }
 }
 
+/* One line. */
+static void print_mouth(const face_file *f, const bind_lips *lips)
+{
+    const rig_mouth *mouth = &f->rig->mouth;
+    double open_mm = 0.0;
+    for (uint32_t i = 0; i < lips->station_count; ++i) {
+        vec3 upper = bind_station_position(&lips->upper[i], &f->mesh);
+        vec3 lower = bind_station_position(&lips->lower[i], &f->mesh);
+        open_mm = fmax(open_mm, vec3_dot(vec3_sub(upper, lower), lips->up));
+    }
+    if (!mouth->upper)
+        terminal_print("mouth: the rig declares none, so the lips are not sealed\n");
+    else if (lips->station_count == 0)
+        terminal_print("mouth: %s; the lips are not sealed\n", lips->why_not);
+    else
+        terminal_print("mouth: rims of %u and %u vertices, %.1f mm wide, %.1f mm open at rest, "
+                       "sealed from the %s\n",
+                       mouth->upper_count, mouth->lower_count, lips->width_mm, open_mm,
+                       mouth->seal_from == SEAL_FROM_MIDDLE ? "middle" : "corners");
+}
+
 static mrt_result show_rig(showing *s, const face_file *f, error *err)
 {
     binding b;
@@ -387,12 +408,13 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
         .made_from = typed, .width = s->look.width, .height = s->look.height};
     result =
         rigpicture_write(s->out_path, f->rig, &f->mesh, &b, s->view, s->view_count, &about, err);
-    binding_destroy(&b);
     if (result >= 0) {
+        print_mouth(f, &b.lips);
         print_follows(f->rig);
         terminal_print("wrote %s: %u bones, %u contacts, %u views\n", s->out_path,
                        f->rig->bone_count, f->rig->contact_count, s->view_count);
     }
+    binding_destroy(&b);
     return result;
 }
 
@@ -909,7 +931,8 @@ const command command_rig = {
         "marotte rig show FILE.rig.json --out PICTURE.png [--yaw DEGREES] [--pitch DEGREES]\n"
         "                [--size WxH]\n"
         "  Draws the rig from the front, from three quarters and from the side: a colour for each\n"
-        "  bone (pale: cannot be pulled), the contacts with their names, the axis of the jaw.\n"
+        "  bone (pale: cannot be pulled), the contacts with their names, the axis of the jaw, the\n"
+        "  rims of the mouth.\n"
         "  --yaw and --pitch: only one view, from there; yaw turns to the subject's left.\n"
         "\n"
         "marotte rig show FILE.rig.json --poses [--only NAME,NAME...] [--out PICTURE.png]\n"

@@ -19,11 +19,13 @@ enum { /* pixels */
        MADE_SIZE = 15,
        SWATCH = 16
 };
-enum { LABELS_MAX = RIGPICTURE_LABELS_MAX, STROKES_PER_LABEL = 3 };
+enum { LABELS_MAX = RIGPICTURE_LABELS_MAX, STROKES_PER_LABEL = 3, RIM_STROKES = 96 };
 static const float ink[4] = {0.90f, 0.91f, 0.93f, 1.0f}, faint[4] = {0.62f, 0.64f, 0.68f, 1.0f};
 static const float leader[4] = {0.85f, 0.86f, 0.90f, 0.45f};
 static const float dot[4] = {1.0f, 0.96f, 0.55f, 1.0f}, rim[4] = {0.05f, 0.05f, 0.06f, 1.0f};
 static const float axis_ink[4] = {1.0f, 0.35f, 0.75f, 1.0f};
+static const float upper_ink[4] = {1.0f, 1.0f, 1.0f, 1.0f},
+                   lower_ink[4] = {1.0f, 0.75f, 0.1f, 1.0f};
 
 typedef struct label {
     const char *name;
@@ -252,6 +254,25 @@ static void draw_axis(picture *p, const draw_camera *camera, const uint32_t rect
     }
 }
 
+/* The rims of the mouth: the upper one white, the lower one yellow. */
+static void draw_rims(picture *p, const draw_camera *camera, const uint32_t rectangle[4])
+{
+    const bind_lips *lips = &p->b->lips;
+    for (int lip = 0; lip < 2; ++lip) {
+        float px[2][2];
+        bool was_seen = false;
+        for (uint32_t i = 0; i < lips->station_count; ++i) {
+            vec3 at = bind_station_position(lip == 0 ? &lips->upper[i] : &lips->lower[i], p->m);
+            float point[3] = {(float)at.x, (float)at.y, (float)at.z};
+            bool is_seen =
+                is_visible(p, at, camera) && draw_project(px[i % 2], camera, rectangle, point);
+            if (is_seen && was_seen && p->stroke_count < RIM_STROKES)
+                add_stroke(p, px[(i + 1) % 2], px[i % 2], 2.5f, lip == 0 ? upper_ink : lower_ink);
+            was_seen = is_seen;
+        }
+    }
+}
+
 /* ---- views ---- */
 
 static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
@@ -267,6 +288,7 @@ static void draw_view(picture *p, const rigpicture_view *view, uint32_t index)
     draw_render(p->offscreen.renderer, p->offscreen.target, p->offscreen.face, &camera,
                 rectangle[0], rectangle[1], rectangle[2], rectangle[3]);
     p->stroke_count = 0;
+    draw_rims(p, &camera, rectangle);
     draw_axis(p, &camera, rectangle);
     collect_labels(p, &camera, rectangle);
     uint32_t left_count = 0;
@@ -322,7 +344,7 @@ static void finish(picture *p)
 static mrt_result init(picture *p, uint32_t view_count, error *err)
 {
     p->label = calloc(LABELS_MAX, sizeof *p->label);
-    p->stroke = calloc((LABELS_MAX + 4) * STROKES_PER_LABEL, sizeof *p->stroke);
+    p->stroke = calloc((LABELS_MAX + 4) * STROKES_PER_LABEL + RIM_STROKES, sizeof *p->stroke);
     p->number = calloc((size_t)LABELS_MAX * 2, sizeof *p->number);
     p->rgb = calloc((size_t)p->m->vertex_count * 3 + 1, sizeof *p->rgb);
     if (!p->label || !p->stroke || !p->number || !p->rgb)

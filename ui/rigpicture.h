@@ -1,5 +1,5 @@
 /* ui/rigpicture.h - a rig on a picture: weights as colours, contacts with their names, the axis of
- * the jaw, from several sides. It draws in a context of its own. [main] */
+ * the jaw, the rims of the mouth, from several sides. It draws in a context of its own. [main] */
 #ifndef MAROTTE_UI_RIGPICTURE_H
 #define MAROTTE_UI_RIGPICTURE_H
 #include "draw/draw.h"

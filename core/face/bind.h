@@ -58,6 +58,9 @@ typedef struct bind_lips {
     char why_not[BIND_FAULT]; /* one sentence: why a mouth that the rig declares cannot be sealed */
 } bind_lips;
 
+/* Where a station is at rest, mm. */
+vec3 bind_station_position(const bind_station *station, const mesh *m);
+
 typedef struct binding {
     uint32_t vertex_count, bone_count;
     float *weight;                           /* bone_count by vertex_count; sums to 1 within 1e-6 */

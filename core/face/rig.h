@@ -53,8 +53,10 @@ typedef enum rig_bone_kind {
 #define RIG_NONE UINT32_MAX
 /* The degree of freedom that a rig with a mouth has besides those of its bones: 0 open .. 1 sealed.
  */
-#define RIG_LIPS_SEAL   "lips.seal"
-#define RIG_UPPER_SHARE 0.35
+#define RIG_LIPS_SEAL          "lips.seal"
+#define RIG_UPPER_SHARE        0.35
+#define RIG_STICKINESS_MOST_MM 50.0
+enum { RIG_RIM_LEAST = 3, RIG_RIM_MOST = 4096 }; /* vertices of a rim */
 enum { RIG_TURNS_MAX = 3, RIG_BONES_MAX = 16 };
 
 typedef struct rig_follow { /* "follows": { "dof": "eye.l.pitch", "share": -0.6 }: see bones_pose */
@@ -142,11 +144,12 @@ typedef enum rig_seal_from { SEAL_FROM_CORNERS = 0, SEAL_FROM_MIDDLE } rig_seal_
 /* "mouth": the two rims of the slit between the lips, which "lips.seal" brings together. */
 typedef struct rig_mouth {
     uint32_t *upper, *lower; /* vertices along each rim, from the subject's right corner to the left
-                                one; NULL: the rig declares no mouth */
+                                one; upper NULL: the rig declares no mouth */
     uint32_t upper_count, lower_count;
     double upper_share;   /* 0..1: the upper lip's part of the way; RIG_UPPER_SHARE if not given */
     double stickiness_mm; /* lips closer than that at some place draw together there; 0: none */
     rig_seal_from seal_from; /* where lips close first */
+    char *fault;             /* why the file's mouth cannot be read; NULL: it can, or has none */
 } rig_mouth;
 
 typedef struct rig_contact_set { /* "contact_sets": { "fit10": [names] } */

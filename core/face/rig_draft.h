@@ -2,7 +2,7 @@
  * its parts. It is for a person to look at and correct: every guess is said. */
 #ifndef MAROTTE_FACE_RIG_DRAFT_H
 #define MAROTTE_FACE_RIG_DRAFT_H
-#include "face/rig.h"
+#include "face/bind.h"
 #include "mesh/mesh.h"
 #include "mesh/topology.h"
 
@@ -23,6 +23,10 @@ CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, c
  * place of the rig's. A rig without a skull or a jaw, a mesh without teeth: that row is left out.
  */
 CHECKED mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err);
+/* The rims of the slit between the lips of a mesh, for a rig that is there already: the arrays of
+ * `out` are to be freed. Without a slit they are NULL, and why_not is one sentence. */
+CHECKED mrt_result rig_draft_rims(rig_mouth *out, char why_not[BIND_FAULT], const mesh *m,
+                                  const topology *t, error *err);
 bool rig_draft_is_clay(const rig *drafted); /* its jaw only stretches the skin: no lips part */
 
 #endif

@@ -104,6 +104,13 @@ CHECKED mrt_result rig_edit_add_pose(rig *r, const rig_pose *pose, uint32_t *out
 CHECKED mrt_result rig_edit_remove_pose(rig *r, uint32_t index, error *err);
 CHECKED mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *err);
 
+/* ---- the mouth ---- */
+
+/* Copied. Whether the rims can be sealed is seen on the mesh (bind_lips). */
+CHECKED mrt_result rig_edit_set_mouth(rig *r, const rig_mouth *mouth, error *err);
+/* Poses no longer seal the lips. */
+void rig_edit_remove_mouth(rig *r);
+
 /* ---- the jaw ---- */
 
 typedef struct rig_edit_jaw {

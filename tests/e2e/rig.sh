@@ -26,6 +26,8 @@ refused 1 "new.rig.json: exists already" "$MAROTTE" rig new new.glb
 # The picture.
 if "$MAROTTE" rig show new.rig.json --out rig.png >shown.txt 2>show_error.txt; then
     [ "$(head -c 8 rig.png | od -An -tx1 | tr -d ' \n')" = 89504e470d0a1a0a ] || fail "no PNG"
+    grep -q '^mouth: rims of 37 and 37 vertices, 113.0 mm wide, 0.1 mm open at rest, sealed from the corners$' shown.txt ||
+        fail "what is said of the mouth: $(cat shown.txt)"
     "$MAROTTE" rig show new.rig.json --out one.png --yaw 20 --pitch 5 >/dev/null || fail "--yaw"
     [ "$(stat -c %s rig.png)" -gt "$(stat -c %s one.png)" ] || fail "three views and one"
 elif grep -qi 'egl\|opengl\|graphics' show_error.txt; then
@@ -96,7 +98,7 @@ bad 'y.rig.json includes x.rig.json includes y.rig.json' y.rig.json \
 bad 'line 1, column' j.rig.json '{"marotte_rig": 1,, }'
 
 # Wrong usage.
-refused 2 "choose check, show, new or fit" "$MAROTTE" rig
+refused 2 "choose check, show, new, fit or teeth" "$MAROTTE" rig
 refused 2 'there is no command "rig paint"' "$MAROTTE" rig paint
 refused 2 "check needs one rig file" "$MAROTTE" rig check
 refused 2 "show needs a rig file" "$MAROTTE" rig show new.rig.json

@@ -1,6 +1,6 @@
-/* Bones, ellipsoids and poses of a rig as a person adds, names and takes them out: what is written
- * is read again as it was meant, what rides on something that goes rides on, and what makes no
- * sense is refused and changes nothing. */
+/* Bones, ellipsoids, poses and the mouth of a rig as a person adds, names and takes them out: what
+ * is written is read again as it was meant, what rides on something that goes rides on, and what
+ * makes no sense is refused and changes nothing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -483,6 +483,52 @@ static void poses_come_are_named_and_go(void **state)
     rig_destroy(&r);
 }
 
+static void a_mouth_comes_changes_and_goes(void **state)
+{
+    (void)state;
+    uint32_t upper[] = {1, 2, 3, 4}, lower[] = {1, 6, 4}, contact[] = {0}, index = RIG_NONE;
+    char name[] = "pressed", seal[] = RIG_LIPS_SEAL, *dof[] = {seal};
+    double value[] = {1.0};
+    vec3 way[] = {{0, 1, 0}};
+    rig r;
+    error err = {""};
+    rig_mouth mouth = {.upper = upper,
+                       .upper_count = 4,
+                       .lower = lower,
+                       .lower_count = 3,
+                       .upper_share = 0.43217,
+                       .stickiness_mm = 2.718,
+                       .seal_from = SEAL_FROM_MIDDLE};
+    const rig_pose pose = {.name = name,
+                           .dof_name = dof,
+                           .dof_value = value,
+                           .dof_count = 1,
+                           .pull_contact = contact,
+                           .pull_mm = way,
+                           .pull_count = 1};
+    make(&r);
+    must(rig_edit_set_mouth(&r, &mouth, &err), &err);
+    must(rig_edit_add_pose(&r, &pose, &index, &err), &err);
+    again(&r);
+    assert_int_equal(r.mouth.upper_count, 4);
+    assert_int_equal(r.mouth.lower[1], 6);
+    assert_float_equal(r.mouth.upper_share, 0.432, 1e-9);
+    assert_float_equal(r.mouth.stickiness_mm, 2.72, 1e-9);
+    assert_int_equal(r.mouth.seal_from, SEAL_FROM_MIDDLE);
+    mouth.upper_share = 1.5;
+    refused(rig_edit_set_mouth(&r, &mouth, &err), &err, "0 to 1");
+    mouth.upper_share = 0.5;
+    mouth.lower_count = 2;
+    refused(rig_edit_set_mouth(&r, &mouth, &err), &err, "3 to");
+    assert_int_equal(r.mouth.lower_count, 3);
+    rig_edit_remove_mouth(&r);
+    again(&r);
+    assert_null(r.mouth.upper);
+    assert_int_equal(r.pose[index].dof_count, 0);
+    assert_int_equal(r.pose[index].pull_count, 1);
+    rig_destroy(&r);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -501,6 +547,7 @@ int main(void)
         cmocka_unit_test(a_row_of_teeth_is_added_and_read_again),
         cmocka_unit_test(what_this_version_does_not_know_stays_with_its_ellipsoid),
         cmocka_unit_test(poses_come_are_named_and_go),
+        cmocka_unit_test(a_mouth_comes_changes_and_goes),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -213,6 +213,43 @@ static void the_axis_of_the_jaw_is_dragged_and_the_jaw_tried(void **state)
     rig_stand_close(&s);
 }
 
+static void undo_last(void)
+{
+    const app_step *step = &s.step[s.step_count - 1];
+    const uint32_t before = s.change_count;
+    step->undo(step->owner, step->data);
+    rig_stand_wait_for_change(&s, before + 1);
+}
+
+static void the_rims_of_the_mouth_are_found_and_taken_out(void **state)
+{
+    (void)state;
+    rig_stand_open(&s, PUPPET, "", 1280, 1000, 1.0f);
+    rig_stand_frames(&s, 60);
+    rig_stand_click_on(&s, "Jaw");
+    rig_stand_frames(&s, 3);
+    const uint32_t count = s.of.file.rig->mouth.upper_count;
+    assert_true(rig_stand_says(&s, "37 and 37 vertices"));
+    rig_stand_picture(&s, "rig_mouth");
+    rig_stand_check_words(&s);
+    rig_stand_click_on(&s, "Take out");
+    rig_stand_wait_for_change(&s, 1);
+    assert_string_equal(s.step[0].words, "rig: take out the mouth");
+    assert_null(s.of.file.rig->mouth.upper);
+    assert_true(rig_stand_says(&s, "No rims"));
+    for (uint32_t i = 0; i < s.of.file.rig->pose_count; ++i)
+        for (uint32_t k = 0; k < s.of.file.rig->pose[i].dof_count; ++k)
+            assert_string_not_equal(s.of.file.rig->pose[i].dof_name[k], RIG_LIPS_SEAL);
+    rig_stand_click_on(&s, "Find the rims");
+    rig_stand_wait_for_change(&s, 2);
+    assert_int_equal(s.of.file.rig->mouth.upper_count, count);
+    assert_string_equal(s.step[1].words, "rig: find the rims of the mouth");
+    rig_stand_picture(&s, "rig_mouth_found");
+    undo_last();
+    assert_null(s.of.file.rig->mouth.upper);
+    rig_stand_close(&s);
+}
+
 static void findings_lead_to_what_they_speak_of(void **state)
 {
     (void)state;
@@ -283,6 +320,7 @@ int main(void)
         cmocka_unit_test(regions_that_say_the_same_are_told_apart),
         cmocka_unit_test(a_contact_is_added_where_the_face_is_clicked),
         cmocka_unit_test(the_axis_of_the_jaw_is_dragged_and_the_jaw_tried),
+        cmocka_unit_test(the_rims_of_the_mouth_are_found_and_taken_out),
         cmocka_unit_test(findings_lead_to_what_they_speak_of),
         cmocka_unit_test(a_mesh_alone_can_be_drafted),
         cmocka_unit_test(everything_fits_at_scale_two),

@@ -1635,7 +1635,8 @@ static void limit_lips(face *f)
     find_bare_lips(f);
     if (!lips_harm(f, 1.0))
         return;
-    if (f->control_count > 0 && f->origin == &f->base && lips_harm(f, 0.0)) {
+    if (f->control_count > 0 && !(f->settings.stretch_most < 0.0) && f->origin == &f->base &&
+        lips_harm(f, 0.0)) {
         list_harmed_by_lips(f);
         (void)yield_to(f, touching_lips_harm);
     }

@@ -79,6 +79,7 @@ void rig_destroy(rig *r)
     free(r->cut_mouth);
     free(r->mouth.upper);
     free(r->mouth.lower);
+    free(r->mouth.fault);
     rig_document_destroy(r->document);
     free(r->path);
     free(r->name);
@@ -298,6 +299,7 @@ mrt_result rig_copy(rig *out, const rig *r, error *err)
     out->cut_mouth = copy_array(&c, r->cut_mouth, r->cut_mouth_count, sizeof *r->cut_mouth);
     out->mouth.upper = copy_array(&c, r->mouth.upper, r->mouth.upper_count, sizeof(uint32_t));
     out->mouth.lower = copy_array(&c, r->mouth.lower, r->mouth.lower_count, sizeof(uint32_t));
+    out->mouth.fault = copy_text(&c, r->mouth.fault);
     out->path = copy_text(&c, r->path);
     out->name = copy_text(&c, r->name);
     out->mesh_path = copy_text(&c, r->mesh_path);

@@ -2,6 +2,7 @@
 
 #include "face/rig/rig_anatomy.h"
 #include "face/rig/rig_document.h"
+#include "face/rig/rig_rims.h"
 #include "face/rig/rig_teeth.h"
 #include "face/weights/weights_laplace.h"
 #include "face/face.h"
@@ -47,7 +48,9 @@ typedef struct drafting {
     uint32_t patch_count;
     double reach_mm; /* from the nose down to the chin: what a face is measured in */
     json_t *bones, *regions, *contacts;
-    char *confirm; /* lines */
+    rig_mouth mouth;
+    char no_mouth[BIND_FAULT]; /* why none was found; "": it was */
+    char *confirm;             /* lines */
 } drafting;
 
 static const char *const sure[] = {[BY_SHAPE] = "by its shape: likely",
@@ -453,6 +456,17 @@ static void add_upper_face(drafting *d)
                                     ellipsoid(lip, radii))));
 }
 
+static void note_mouth(drafting *d)
+{
+    if (d->no_mouth[0])
+        rig_note(&d->confirm, "mouth: the lips cannot be sealed, since %s: likely", d->no_mouth);
+    else
+        rig_note(&d->confirm,
+                 "mouth: lips.seal brings its rims together, %u vertices of the upper lip and %u "
+                 "of the lower one: likely",
+                 d->mouth.upper_count, d->mouth.lower_count);
+}
+
 static void add_jaw(drafting *d)
 {
     const rig_head *head = &d->head;
@@ -707,6 +721,7 @@ static json_t *draft_document(drafting *d, const char *mesh_name)
         if (d->ambition < WITHOUT_LIDS)
             draft_lids(d);
         add_jaw(d);
+        note_mouth(d);
         add_patches(d);
     }
     if (d->a.has_body)
@@ -1033,6 +1048,62 @@ static mrt_result try_bones(rig *r, drafting *d, trial *out, error *err)
     return MRT_OK;
 }
 
+/* ---- the rims of the mouth ---- */
+
+static void drop_mouth(rig_mouth *mouth)
+{
+    free(mouth->upper);
+    free(mouth->lower);
+    *mouth = (rig_mouth){0};
+}
+
+/* Keeps rims only if they can be sealed, else writes why not. */
+static mrt_result check_mouth(rig_mouth *mouth, char why_not[BIND_FAULT], const mesh *m,
+                              const topology *t, error *err)
+{
+    const rig bare = {.mouth = *mouth};
+    mrt_result result = mouth->upper ? bind_lips_fault(why_not, &bare, m, t, err) : MRT_OK;
+    if (result < 0 || why_not[0])
+        drop_mouth(mouth);
+    return result;
+}
+
+/* Sets d->mouth, or d->no_mouth. cut: of mesh_cut_mouth, or NULL. */
+static mrt_result find_mouth(drafting *d, const uint32_t *cut, uint32_t cut_count, error *err)
+{
+    if (!d->a.has_face)
+        return MRT_OK;
+    mrt_result result = cut ? rig_rims_of_cut(&d->mouth, cut, cut_count, d->m, err)
+                            : rig_rims_find(&d->mouth, d->no_mouth, &d->a, d->m, d->t, err);
+    return result < 0 ? result : check_mouth(&d->mouth, d->no_mouth, d->m, d->t, err);
+}
+
+/* Gives the rig the mouth that was found, unless its seal folds the skin. */
+static mrt_result add_mouth(rig *r, drafting *d, error *err)
+{
+    static const double jaw_deg[] = {0.0, 6.0};
+    face *f = NULL;
+    if (!d->mouth.upper)
+        return MRT_OK;
+    r->mouth = d->mouth;
+    d->mouth = (rig_mouth){0};
+    mrt_result result = face_create(&f, r, d->m, d->t, 0, err);
+    for (size_t i = 0; result >= 0 && i < sizeof jaw_deg / sizeof *jaw_deg && r->mouth.upper; ++i) {
+        const bones *b = face_bones(f);
+        float dof[MRT_MAX_DOFS] = {0};
+        dof[b->seal] = 1.0f;
+        if (b->jaw != RIG_NONE)
+            dof[b->first_dof[b->jaw]] =
+                (float)fmin(jaw_deg[i] / degree_per_radian, r->bone[b->jaw].open_max_rad);
+        if (determinant_of(f, dof) > 0.0)
+            continue;
+        rig_note(&d->confirm, "mouth: the lips cannot be sealed, since the skin would fold");
+        drop_mouth(&r->mouth);
+    }
+    face_destroy(f);
+    return result;
+}
+
 /* ---- a mouth for a head that has none ---- */
 
 typedef struct mouth_line { /* along the groove between the lips, in front */
@@ -1149,6 +1220,21 @@ mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, const mesh
     return result;
 }
 
+mrt_result rig_draft_rims(rig_mouth *out, char why_not[BIND_FAULT], const mesh *m,
+                          const topology *t, error *err)
+{
+    rig_anatomy a;
+    *out = (rig_mouth){0};
+    (void)snprintf(why_not, BIND_FAULT, "no face is seen");
+    mrt_result result = rig_anatomy_find(&a, m, t, err);
+    if (result < 0)
+        return result;
+    if (a.has_face)
+        result = rig_rims_find(out, why_not, &a, m, t, err);
+    rig_anatomy_finish(&a);
+    return result < 0 ? result : check_mouth(out, why_not, m, t, err);
+}
+
 bool rig_draft_is_clay(const rig *drafted)
 {
     const uint32_t jaw = rig_find_bone(drafted, "jaw");
@@ -1180,7 +1266,8 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
         rig_anatomy_finish(&d.a);
         return result;
     }
-    for (bool is_done = false; !is_done && d.ambition < AMBITIONS;) {
+    result = find_mouth(&d, cut_mouth, cut_count, err);
+    for (bool is_done = result < 0; !is_done && d.ambition < AMBITIONS;) {
         bool is_clay = false;
         trial tried = {true, true};
         result = draft_once(out, &d, mesh_path, err);
@@ -1214,6 +1301,9 @@ mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const top
                                               : "rig would not load with them");
     if (result >= 0)
         add_follows(out, &d);
+    if (result >= 0 && (result = add_mouth(out, &d, err)) < 0)
+        rig_destroy(out);
+    drop_mouth(&d.mouth);
     rig_anatomy_finish(&d.a);
     if (result >= 0 && cut_mouth) {
         out->cut_mouth = malloc(cut_count * sizeof *cut_mouth);

@@ -442,10 +442,10 @@ static mrt_result check_bone_name(const rig *r, uint32_t index, const char *name
 
 /* ---- added ---- */
 
-/* Of all bones. */
+/* Of all bones and the mouth. */
 static uint32_t count_dofs(const rig *r)
 {
-    uint32_t count = 0;
+    uint32_t count = r->mouth.upper != NULL;
     for (uint32_t i = 0; i < r->bone_count; ++i)
         count += r->bone[i].kind == BONE_JAW ? 3 : r->bone[i].turn_count;
     return count;
@@ -1220,6 +1220,61 @@ mrt_result rig_edit_name_pose(rig *r, uint32_t index, const char *name, error *e
     if (result >= 0)
         result = check_pose_name(r, index, name, err);
     return result < 0 ? result : replace_name(&r->pose[index].name, name, err);
+}
+
+/* ---- the mouth ---- */
+
+static uint32_t *copy_rim(const uint32_t *rim, uint32_t count)
+{
+    uint32_t *out = malloc(count * sizeof *out);
+    if (out)
+        memcpy(out, rim, count * sizeof *out);
+    return out;
+}
+
+static void free_mouth(rig_mouth *mouth)
+{
+    free(mouth->upper);
+    free(mouth->lower);
+    free(mouth->fault);
+    *mouth = (rig_mouth){0};
+}
+
+mrt_result rig_edit_set_mouth(rig *r, const rig_mouth *mouth, error *err)
+{
+    const uint32_t count[] = {mouth->upper_count, mouth->lower_count};
+    for (int i = 0; i < 2; ++i)
+        if (count[i] < RIG_RIM_LEAST || count[i] > RIG_RIM_MOST)
+            return error_set(err, MRT_ERR_ARGUMENT, "a rim has %d to %d vertices", RIG_RIM_LEAST,
+                             RIG_RIM_MOST);
+    if (!(mouth->upper_share >= 0.0 && mouth->upper_share <= 1.0) ||
+        !(mouth->stickiness_mm >= 0.0 && mouth->stickiness_mm <= RIG_STICKINESS_MOST_MM))
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the upper lip's share is 0 to 1, and lips stick at up to %.0f mm",
+                         RIG_STICKINESS_MOST_MM);
+    if (!r->mouth.upper && count_dofs(r) >= MRT_MAX_DOFS)
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "a rig moves in at most %d ways; take a bone or a turn out first",
+                         MRT_MAX_DOFS);
+    rig_mouth made = *mouth;
+    made.upper = copy_rim(mouth->upper, mouth->upper_count);
+    made.lower = copy_rim(mouth->lower, mouth->lower_count);
+    made.fault = NULL;
+    made.upper_share = round_share(mouth->upper_share, r->mouth.upper_share);
+    made.stickiness_mm = round_mm(mouth->stickiness_mm, r->mouth.stickiness_mm);
+    if (!made.upper || !made.lower) {
+        free_mouth(&made);
+        return no_memory(err);
+    }
+    free_mouth(&r->mouth);
+    r->mouth = made;
+    return MRT_OK;
+}
+
+void rig_edit_remove_mouth(rig *r)
+{
+    free_mouth(&r->mouth);
+    forget_in_poses(r, "lips", "seal");
 }
 
 /* ---- in words ---- */

@@ -1173,16 +1173,13 @@ static mrt_result fill_cut_mouth(rig *r, rig_document *d, error *err)
     return result;
 }
 
-enum { RIM_MAX = 4096 };
-static const double stickiness_most_mm = 50.0;
-
 /* Checks only numbers: whether these vertices are rims is seen on the mesh (bind_lips). */
 static mrt_result read_rim(uint32_t **out, uint32_t *out_count, const json_node *mouth,
                            const char *key, error *err)
 {
     json_node list = json_node_member(mouth, key);
     size_t count = json_array_size(list.value);
-    if (count < 3 || count > RIM_MAX)
+    if (count < RIG_RIM_LEAST || count > RIG_RIM_MOST)
         return json_node_unexpected(err, &list,
                                     "a list of 3 vertices or more, from the right corner of the "
                                     "mouth to the left one");
@@ -1196,33 +1193,47 @@ static mrt_result read_rim(uint32_t **out, uint32_t *out_count, const json_node 
     return result;
 }
 
-static mrt_result fill_mouth(rig *r, rig_document *d, error *err)
+static mrt_result read_mouth(rig_mouth *out, char **note, const json_node *mouth, error *err)
 {
     static const char *const known[] = {"upper",         "lower",     "upper_share",
                                         "stickiness_mm", "seal_from", NULL};
-    uint32_t file;
-    json_node mouth = rig_document_scalar(d, "mouth", &file);
-    rig_mouth *out = &r->mouth;
-    if (!mouth.value)
-        return MRT_OK;
-    mrt_result result = json_node_object(&mouth, "an object with \"upper\" and \"lower\"", err);
+    mrt_result result = json_node_object(mouth, "an object with \"upper\" and \"lower\"", err);
     if (result < 0)
         return result;
-    rig_json_note_unknown(&r->note, &mouth, known);
-    json_node from = json_node_member(&mouth, "seal_from");
+    rig_json_note_unknown(note, mouth, known);
+    json_node from = json_node_member(mouth, "seal_from");
     const char *word = json_string_value(from.value);
     out->upper_share = RIG_UPPER_SHARE;
     out->seal_from = word && strcmp(word, "middle") == 0 ? SEAL_FROM_MIDDLE : SEAL_FROM_CORNERS;
     if (from.value && !(word && (strcmp(word, "middle") == 0 || strcmp(word, "corners") == 0)))
         return json_node_unexpected(err, &from, "\"corners\" or \"middle\"");
-    result = read_rim(&out->upper, &out->upper_count, &mouth, "upper", err);
+    result = read_rim(&out->upper, &out->upper_count, mouth, "upper", err);
     if (result >= 0)
-        result = read_rim(&out->lower, &out->lower_count, &mouth, "lower", err);
+        result = read_rim(&out->lower, &out->lower_count, mouth, "lower", err);
     if (result >= 0)
-        result = rig_json_optional_number(&out->upper_share, &mouth, "upper_share", 0.0, 1.0, err);
+        result = rig_json_optional_number(&out->upper_share, mouth, "upper_share", 0.0, 1.0, err);
     return result < 0 ? result
-                      : rig_json_optional_number(&out->stickiness_mm, &mouth, "stickiness_mm", 0.0,
-                                                 stickiness_most_mm, err);
+                      : rig_json_optional_number(&out->stickiness_mm, mouth, "stickiness_mm", 0.0,
+                                                 RIG_STICKINESS_MOST_MM, err);
+}
+
+/* A mouth that cannot be read is declared all the same, without rims: poses that name its seal stay
+ * good, and the face performs. */
+static mrt_result fill_mouth(rig *r, rig_document *d, error *err)
+{
+    uint32_t file;
+    json_node mouth = rig_document_scalar(d, "mouth", &file);
+    error why = {""};
+    rig_mouth *out = &r->mouth;
+    if (!mouth.value)
+        return MRT_OK;
+    mrt_result result = read_mouth(out, &r->note, &mouth, &why);
+    if (result >= 0)
+        return MRT_OK;
+    free(out->upper);
+    free(out->lower);
+    *out = (rig_mouth){.upper = calloc(1, sizeof *out->upper), .fault = strdup(why.text)};
+    return result != MRT_ERR_MEMORY && out->upper && out->fault ? MRT_OK : no_memory(err);
 }
 
 static mrt_result allocate(rig *r, rig_document *d, error *err)

@@ -823,6 +823,8 @@ static void put_mouth(json_t *root, const rig *r)
         json_object_del(root, "mouth");
         return;
     }
+    if (mouth->fault)
+        return; /* as the file has it */
     json_t *out = get_object(root, "mouth");
     json_object_set_new(out, "upper", rim_to_json(mouth->upper, mouth->upper_count));
     json_object_set_new(out, "lower", rim_to_json(mouth->lower, mouth->lower_count));

@@ -146,22 +146,24 @@ static bind_station station_at(const bind_lips *lips, const mesh *m, const rim *
     return (bind_station){{of->vertex[0], of->vertex[0]}, 0.0};
 }
 
-static vec3 place_of(const mesh *m, const bind_station *s)
+vec3 bind_station_position(const bind_station *station, const mesh *m)
 {
-    vec3 a = mesh_position(m, s->vertex[0]), b = mesh_position(m, s->vertex[1]);
-    return vec3_add(vec3_scale(a, 1.0 - s->along), vec3_scale(b, s->along));
+    vec3 a = mesh_position(m, station->vertex[0]), b = mesh_position(m, station->vertex[1]);
+    return vec3_add(vec3_scale(a, 1.0 - station->along), vec3_scale(b, station->along));
 }
 
 static bool pair_rims(bind_lips *out, const rim *upper, const rim *lower, const mesh *m)
 {
-    uint32_t count = upper->count > lower->count ? upper->count : lower->count;
+    /* Twice as many as vertices: on coarse rims those between vertices bring their edges closer. */
+    uint32_t count = 2 * (upper->count > lower->count ? upper->count : lower->count);
     count = count < LIPS_STATIONS_MAX ? count : LIPS_STATIONS_MAX;
     for (uint32_t i = 0; i < count; ++i) {
         double even = (double)i / (count - 1), ease = even * even * (3.0 - 2.0 * even);
         double part = even + end_density * (ease - even);
         out->upper[i] = station_at(out, m, upper, part);
         out->lower[i] = station_at(out, m, lower, part);
-        vec3 gap = vec3_sub(place_of(m, &out->upper[i]), place_of(m, &out->lower[i]));
+        vec3 gap = vec3_sub(bind_station_position(&out->upper[i], m),
+                            bind_station_position(&out->lower[i], m));
         double open = vec3_dot(gap, out->up);
         if (open < -crossed_most * out->width_mm)
             return refuse(out,
@@ -255,6 +257,8 @@ mrt_result bind_lips_find(bind_lips *out, const rig *r, const mesh *m, const top
     const rim upper = rim_of("upper", r->mouth.upper, r->mouth.upper_count);
     const rim lower = rim_of("lower", r->mouth.lower, r->mouth.lower_count);
     *out = (bind_lips){0};
+    if (r->mouth.fault)
+        (void)refuse(out, "%s", r->mouth.fault);
     if (upper.count == 0 || lower.count == 0)
         return MRT_OK;
     if (!allocate(out, m->vertex_count))
@@ -273,6 +277,8 @@ mrt_result bind_lips_fault(char out[BIND_FAULT], const rig *r, const mesh *m, co
     bind_station station[2][LIPS_STATIONS_MAX];
     bind_lips lips = {.upper = station[0], .lower = station[1]};
     mrt_result result = MRT_OK;
+    if (r->mouth.fault)
+        (void)refuse(&lips, "%s", r->mouth.fault);
     if (upper.count > 0 && lower.count > 0)
         result = find_stations(&lips, &upper, &lower, m, t, err);
     memcpy(out, lips.why_not, BIND_FAULT);

@@ -360,6 +360,7 @@ static void meter(live_stage *stage, const face *f, int64_t now_ns)
 static void describe_face(live_stage *stage, live_view *view, composer *of)
 {
     const face *f = composer_face(of);
+    float dof[MRT_MAX_DOFS] = {0.0f};
     /* A take's face is the same, but goes when another take is shown: the view outlives it. */
     view->about = composer_about(performer_composer(stage->scene->performer));
     view->contact_count = view->about->contact_count < LIVE_CONTACTS_MAX
@@ -368,7 +369,8 @@ static void describe_face(live_stage *stage, live_view *view, composer *of)
     for (uint32_t i = 0; i < view->contact_count; ++i)
         view->contact[i] = face_contact_now(f, i + 1);
     view->meter = *face_metered(f);
-    bones_pose(view->bone, face_bones(f), view->meter.dof);
+    bones_unlimit(dof, face_bones(f), view->meter.dof);
+    bones_pose(view->bone, face_bones(f), dof);
     view->pull = *composer_pull(of);
     view->is_anchored = composer_is_anchored(of);
     view->solver = composer_solver(of);

@@ -426,7 +426,8 @@ static double way_of_teeth(const bones *b, const float *dof)
                : vec3_length(vec3_sub(rigid_apply(&pose[b->jaw], b->incisor), b->incisor));
 }
 
-static double tried_open(float *dof, const bones *b, const rig *r, const rig_jawing *jawing)
+static double tried_open(float *dof, const bones *b, const rig *r, const rig_jawing *jawing,
+                         double sealed)
 {
     static const char *const motion[3] = {"open", "lateral", "forward"};
     const double value[3] = {jawing->open_deg * ANGLE_PI / 180.0, jawing->aside_mm,
@@ -436,6 +437,7 @@ static double tried_open(float *dof, const bones *b, const rig *r, const rig_jaw
         (void)snprintf(name, sizeof name, "%.60s.%s", r->bone[rig_find_jaw(r)].name, motion[i]);
         set_dof(dof, b, name, value[i]);
     }
+    set_dof(dof, b, RIG_LIPS_SEAL, sealed);
     return way_of_teeth(b, dof);
 }
 
@@ -468,7 +470,8 @@ static bool pose_face(panel *self)
     const bones *b = face_bones(work->face);
     float dof[MRT_MAX_DOFS] = {0.0f};
     if (is_jaw)
-        self->jawing.gap_mm = tried_open(dof, b, &work->rig, &self->jawing);
+        self->jawing.gap_mm =
+            tried_open(dof, b, &work->rig, &self->jawing, self->mouthing.sealed_percent / 100.0);
     else
         try_turns(dof, b, rig_model_rig(self->model), &self->parting);
     error err;
@@ -520,6 +523,28 @@ static uint32_t add_contacts(const panel *self, overlay_item *out)
     return count;
 }
 
+/* The rims of the mouth on the face that is tried: the upper one bright, the lower one amber. */
+static uint32_t add_rims(const panel *self, overlay_item *out, uint32_t capacity)
+{
+    const rig_work *work = rig_model_work(self->model);
+    const bind_lips *lips = work && work->face ? &face_binding(work->face)->lips : NULL;
+    uint32_t count = 0;
+    for (int lip = 0; lips && lip < 2; ++lip) {
+        vec3 before = {0, 0, 0};
+        for (uint32_t i = 0; i < lips->station_count && count < capacity; ++i) {
+            const bind_station *s = lip == 0 ? &lips->upper[i] : &lips->lower[i];
+            const uint32_t *slot = face_order(work->face)->slot_of_file;
+            vec3 a = points_position(face_shown(work->face), slot[s->vertex[0]]);
+            vec3 b = points_position(face_shown(work->face), slot[s->vertex[1]]);
+            vec3 at = vec3_add(vec3_scale(a, 1.0 - s->along), vec3_scale(b, s->along));
+            if (i > 0)
+                out[count++] = overlay_line(before, at, 2.5f, lip == 0 ? dot_rgba : chosen_rgba);
+            before = at;
+        }
+    }
+    return count;
+}
+
 static void tell_items(const panel *self, viewport *view)
 {
     overlay_item item[ITEMS_MAX];
@@ -528,6 +553,8 @@ static void tell_items(const panel *self, viewport *view)
         count = add_contacts(self, item);
     if (self->tab == RIG_TAB_JAW && rig_find_jaw(rig_model_rig(self->model)) != RIG_NONE)
         count = rig_gizmo_draw(item, &self->jawing.jaw, self->jawing.held);
+    if (self->tab == RIG_TAB_JAW)
+        count += add_rims(self, item + count, ITEMS_MAX - count);
     if (self->tab == RIG_TAB_PARTS)
         count = rig_panel_part_items(self, item, ITEMS_MAX);
     viewport_add(view, item, count);

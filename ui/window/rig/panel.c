@@ -864,6 +864,7 @@ static void forget_face(panel *self)
     self->is_draft_wanted = false;
     self->placing = (rig_placing){.name.of = RIG_NONE};
     self->jawing = (rig_jawing){.held = RIG_HANDLES};
+    self->mouthing = (rig_mouthing){.is_held = false};
     rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
     self->painting.is_on = false;
     self->trouble[0] = '\0';

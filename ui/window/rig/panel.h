@@ -54,6 +54,12 @@ typedef struct rig_jawing {                /* the axis, and how the jaw moves ab
     double gap_mm;                         /* of the incisors, as tried */
 } rig_jawing;
 
+typedef struct rig_mouthing { /* the mouth, as shown; the rig's but while a slider is held */
+    double upper_percent, stickiness_mm;
+    double sealed_percent; /* tried */
+    bool is_held;
+} rig_mouthing;
+
 typedef struct rig_parting {    /* bones, what skin does not enter, poses */
     uint32_t bone, proxy, pose; /* that is chosen, at most one of them; RIG_NONE */
     uint32_t kind;              /* of the bone that is to be added */
@@ -101,6 +107,7 @@ struct panel {
     rig_painting painting;
     rig_placing placing;
     rig_jawing jawing;
+    rig_mouthing mouthing;
     rig_parting parting;
     rig_shown shown;
 };

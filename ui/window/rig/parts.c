@@ -1,6 +1,8 @@
 /* The parts of a rig as tabs of its panel: bones, the ellipsoids that skin does not enter, poses,
  * the turns of a ball, the jaw. */
 #include "window/rig/panel.h"
+
+#include "face/rig_draft.h"
 #include "face/rig/rig_poses.h"
 
 #include "base/angle.h"
@@ -746,6 +748,8 @@ static const ui_range close_range = {-20.0, 0.0, "\xc2\xb0", 0, false, 0.0};
 static const ui_range open_range = {5.0, 60.0, "\xc2\xb0", 0, false, 32.0};
 static const ui_range lateral_range = {0.0, 30.0, "mm", 1, false, 10.0};
 static const ui_range forward_range = {0.0, 30.0, "mm", 1, false, 8.0};
+static const ui_range percent_range = {0.0, 100.0, "%", 0, false, 0.0};
+static const ui_range sticky_range = {0.0, RIG_STICKINESS_MOST_MM, "mm", 1, false, 0.0};
 static const ui_range slide_range = {0.0, 30.0, "mm", 1, false, 12.0};
 
 /* True while it is held or was changed in this frame. */
@@ -832,15 +836,129 @@ static void draw_jaw_try(panel *self, ui *on)
     if (forward.max > 0.0)
         is_new =
             ui_slider(on, "Forward##try", RIG_PANEL_LABEL, &forward, &jawing->forward_mm) || is_new;
+    if (rig_model_rig(self->model)->mouth.upper)
+        is_new = ui_slider(on, "Sealed##try", RIG_PANEL_LABEL, &percent_range,
+                           &self->mouthing.sealed_percent) ||
+                 is_new;
     (void)snprintf(text, sizeof text, "%.0f mm", jawing->gap_mm);
     ui_fact(on, "Teeth go", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
     if (ui_button(on, "Close##try", UI_PLAIN)) {
         jawing->open_deg = jawing->aside_mm = jawing->forward_mm = 0.0;
+        self->mouthing.sealed_percent = 0.0;
         is_new = true;
     }
     if (is_new)
         self->shown.is_shape_new = true;
 }
+
+/* ---- the mouth ---- */
+
+static void set_mouth(panel *self, const rig_mouth *mouth, const char *words)
+{
+    rig *r = rig_panel_begin(self);
+    if (r)
+        (void)rig_panel_finish(self, rig_edit_set_mouth(r, mouth, &self->err), words);
+}
+
+/* What is said of sealing stays. */
+static void find_rims(panel *self)
+{
+    char why_not[BIND_FAULT], words[BIND_FAULT + 64];
+    error err = {""};
+    rig_mouth found, next = rig_model_rig(self->model)->mouth;
+    mrt_result result = rig_draft_rims(&found, why_not, rig_model_mesh(self->model),
+                                       rig_model_topology(self->model), &err);
+    if (result < 0 || !found.upper) {
+        (void)snprintf(words, sizeof words, "No rims are found: %s.",
+                       result < 0 ? err.text : why_not);
+        rig_panel_say(self, words);
+        return;
+    }
+    if (!next.upper || next.fault)
+        next = (rig_mouth){.upper_share = RIG_UPPER_SHARE};
+    next.upper = found.upper;
+    next.lower = found.lower;
+    next.upper_count = found.upper_count;
+    next.lower_count = found.lower_count;
+    set_mouth(self, &next, "find the rims of the mouth");
+    free(found.upper);
+    free(found.lower);
+}
+
+static void remove_mouth(panel *self)
+{
+    rig *r = rig_panel_begin(self);
+    if (!r)
+        return;
+    rig_edit_remove_mouth(r);
+    (void)rig_panel_finish(self, MRT_OK, "take out the mouth");
+}
+
+/* A slider is one step of undo, once it is let go. */
+static void draw_sealing(panel *self, ui *on, const rig_mouth *mouth)
+{
+    static const char *const from_items[] = {"the corners", "the middle"};
+    rig_mouthing *shown = &self->mouthing;
+    rig_mouth next = *mouth;
+    uint32_t from = (uint32_t)mouth->seal_from;
+    if (!shown->is_held) {
+        shown->upper_percent = 100.0 * mouth->upper_share;
+        shown->stickiness_mm = mouth->stickiness_mm;
+    }
+    const double upper_percent = shown->upper_percent, stickiness_mm = shown->stickiness_mm;
+    const bool was_held = shown->is_held;
+    bool is_held = draw_number(on, "Upper lip", &percent_range, &shown->upper_percent);
+    ui_hint(on, "The upper lip's part of the way when the lips close.");
+    is_held = draw_number(on, "Sticks", &sticky_range, &shown->stickiness_mm) || is_held;
+    ui_hint(on, "Lips that are closer than this draw together.");
+    bool is_changed = was_held || shown->upper_percent < upper_percent ||
+                      shown->upper_percent > upper_percent ||
+                      shown->stickiness_mm < stickiness_mm || shown->stickiness_mm > stickiness_mm;
+    shown->is_held = is_held;
+    next.upper_share = shown->upper_percent / 100.0;
+    next.stickiness_mm = shown->stickiness_mm;
+    if (is_changed && !is_held) {
+        set_mouth(self, &next, "change how lips close");
+    } else if (!is_held && ui_choice(on, "Starts at", RIG_PANEL_LABEL, from_items, 2, &from)) {
+        next.seal_from = (rig_seal_from)from;
+        set_mouth(self, &next, "change where lips close first");
+    }
+}
+
+static void draw_mouth(panel *self, ui *on)
+{
+    const rig_mouth *mouth = &rig_model_rig(self->model)->mouth;
+    const rig_work *work = rig_model_work(self->model);
+    const bool is_declared = mouth->upper != NULL;
+    char text[96];
+    ui_text(on, UI_STYLE_TITLE, "Mouth");
+    if (!is_declared)
+        ui_text_wrapped(on, UI_STYLE_DIM, "No rims: the lips cannot be sealed.");
+    if (is_declared && !mouth->fault) {
+        (void)snprintf(text, sizeof text, "%u and %u vertices", mouth->upper_count,
+                       mouth->lower_count);
+        ui_fact(on, "Rims", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
+    }
+    if (is_declared && work && work->face && face_binding(work->face)->lips.why_not[0])
+        ui_text_wrapped(on, UI_STYLE_WARNING, face_binding(work->face)->lips.why_not);
+    const uint64_t number = rig_model_number(self->model);
+    if (is_declared && !mouth->fault)
+        draw_sealing(self, on, mouth);
+    if (number != rig_model_number(self->model))
+        return;
+    if (ui_button(on, "Find the rims", UI_PLAIN)) {
+        find_rims(self);
+        return;
+    }
+    ui_hint(on, "Looks for the slit between the lips on the face at rest.");
+    ui_same_line(on);
+    ui_disabled_begin(on, !is_declared);
+    if (ui_button(on, "Take out##mouth", UI_PLAIN))
+        remove_mouth(self);
+    ui_disabled_end(on);
+}
+
+/* ---- */
 
 void rig_panel_draw_jaw(panel *self, ui *on)
 {
@@ -848,6 +966,8 @@ void rig_panel_draw_jaw(panel *self, ui *on)
     uint32_t jaw = rig_find_jaw(r);
     if (jaw == RIG_NONE) {
         ui_text_wrapped(on, UI_STYLE_DIM, "This rig has no jaw: no bone of it has a hinge.");
+        ui_rule(on);
+        draw_mouth(self, on);
         return;
     }
     if (!self->jawing.is_changing)
@@ -857,4 +977,6 @@ void rig_panel_draw_jaw(panel *self, ui *on)
     draw_limits(self, on);
     ui_rule(on);
     draw_jaw_axis(self, on);
+    ui_rule(on);
+    draw_mouth(self, on);
 }
