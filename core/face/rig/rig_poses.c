@@ -663,16 +663,63 @@ static bool carry_dof(rig_pose *out, const char *name, double value, const bones
     return true;
 }
 
+/* How far the left corner of the mouth lies above the middle of the lips, mm; 0 where one is
+ * missing. */
+static double smile_of(const head *of)
+{
+    vec3 corner, upper, lower;
+    if (!contact_position(&corner, of, "mouth.corner.l") ||
+        !contact_position(&upper, of, "lip.upper.mid") ||
+        !contact_position(&lower, of, "lip.lower.mid"))
+        return 0.0;
+    return corner.y - 0.5 * (upper.y + lower.y);
+}
+
 typedef struct carrying {
     head to, from;
     part_scale upper, lower; /* brows; all else */
     double closing;          /* of lips over an open jaw */
+    double smile_mm;         /* how much more the model's mouth smiles at rest */
+    double narrowing;        /* 0.5..1: of pulls that narrow a mouth; less for a narrow one */
 } carrying;
+
+/* Where the model's mouth smiles at rest, a pose levels it first. A mouth that is level would frown
+ * by as much: that part of a pull downwards, `smile_mm` at the corners, is left out. */
+static double leveled(double down_mm, const char *contact, const carrying *c)
+{
+    vec3 at, corner;
+    bool is_beside = starts(contact, "mouth.corner") || starts(contact, "cheek.lower") ||
+                     starts(contact, "lip.upper.side") || starts(contact, "lip.lower.side");
+    if (!is_beside || down_mm >= 0.0 || !contact_position(&at, &c->from, contact) ||
+        !contact_position(&corner, &c->from, "mouth.corner.l") || !(corner.x > 0.0))
+        return down_mm;
+    double part = fmin(at.x * at.x / (corner.x * corner.x), 1.0);
+    return fmin(down_mm + part * c->smile_mm, 0.0);
+}
+
+/* A mouth that takes less of its face than the model's is narrowed by less: it would close. */
+static double narrowing_of(const head *to, const head *from, double mouth_across)
+{
+    double jaw_across = ratio_of(to, from, "jaw.angle.l", "jaw.angle.r");
+    return jaw_across > 0.0 ? fmax(0.5, fmin(mouth_across / jaw_across, 1.0)) : 1.0;
+}
+
+static bool narrows(const rig_pose *pose, const rig *r)
+{
+    bool left = false, right = false;
+    for (uint32_t i = 0; i < pose->pull_count; ++i) {
+        const char *name = r->contact[pose->pull_contact[i]].name;
+        left = left || (strcmp(name, "mouth.corner.l") == 0 && pose->pull_mm[i].x < 0.0);
+        right = right || (strcmp(name, "mouth.corner.r") == 0 && pose->pull_mm[i].x > 0.0);
+    }
+    return left && right;
+}
 
 /* False: it would not be that pose, or no memory. */
 static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
 {
     bool closes = strcmp(pose->name, "mouthClose") == 0;
+    double narrowing = narrows(pose, c->from.rig) ? c->narrowing : 1.0;
     bool is_of_eye = starts(pose->name, "eye") || starts(pose->name, "wink_") ||
                      strcmp(pose->name, "sleepy") == 0;
     if (!allocate_pose(out, pose->name, pose->dof_count, pose->pull_count))
@@ -685,12 +732,16 @@ static bool carry_pose(rig_pose *out, const rig_pose *pose, const carrying *c)
     for (uint32_t i = 0; i < pose->pull_count; ++i) {
         const char *name = c->from.rig->contact[pose->pull_contact[i]].name;
         uint32_t at = rig_find_contact(c->to.rig, name);
-        part_scale by = starts(name, "brow") || starts(name, "forehead") ? c->upper : c->lower;
+        bool is_upper = starts(name, "brow") || starts(name, "forehead");
+        part_scale by = is_upper ? c->upper : c->lower;
+        if (!is_upper)
+            by.across *= narrowing;
         if (closes)
             by = (part_scale){c->closing, c->closing};
         if (at == RIG_NONE)
             continue;
         vec3 way = pose->pull_mm[i];
+        way.y = leveled(way.y, name, c);
         out->pull_contact[out->pull_count] = at;
         out->pull_mm[out->pull_count++] =
             (vec3){by.across * way.x, by.along * way.y, by.along * way.z};
@@ -731,6 +782,9 @@ mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *
     c.upper = scale_of(&c.to, &c.from, "brow.outer.l", "brow.outer.r", "brow.mid.l", "nose.tip");
     c.lower = scale_of(&c.to, &c.from, "mouth.corner.l", "mouth.corner.r", "nose.tip", "chin");
     c.closing = lip_travel(&c.to) / fmax(lip_travel(&c.from), 1.0);
+    c.smile_mm = c.lower.along > 0.0 ? smile_of(&c.from) - smile_of(&c.to) / c.lower.along : 0.0;
+    c.smile_mm = fmax(c.smile_mm, 0.0);
+    c.narrowing = narrowing_of(&c.to, &c.from, c.lower.across);
     rig_pose *grown =
         realloc(r->pose, ((size_t)r->pose_count + model->pose_count + 1) * sizeof *grown);
     if (!grown)

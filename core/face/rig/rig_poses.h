@@ -70,8 +70,8 @@ CHECKED mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32
                                 const float *dof, error *err);
 /* Adds the model's poses that are called as ARKit's shapes, visemes or the twelve expressions, and
  * that neither r nor m's shapes say: as far as contacts and degrees of freedom of the same names
- * go, pulls as much larger as that part of the head is. What is of lids that it has not is left
- * out. */
+ * go, pulls as much larger as that part of the head is, less what only levels a model's mouth that
+ * smiles at rest. What is of lids that it has not is left out. */
 CHECKED mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
                                    error *err);
 /* Pulls of the poses from `first` on are made shorter where they fold the skin. */
