@@ -1684,7 +1684,8 @@ static void limit_pulls(face *f)
 
 /* ---- skin that slides over what lies under it ---- */
 
-static const float slid_least = 0.02f; /* of its area at rest, that a triangle keeps */
+static const float pushed_least_mm = 0.02f; /* less folds nothing */
+static const float slid_least = 0.02f;      /* of its area at rest, that a triangle keeps */
 
 /* limit.slid: where these vertices are shown; once in a frame. */
 static void take_slid_block(face *f, uint32_t block)
@@ -1734,7 +1735,7 @@ static bool slid_skin_is_harmed(face *f)
     l->harmed_count = 0;
     memset(l->is_slid, 0, f->rest.block_count);
     for (uint32_t block = 0; block < f->rest.block_count; ++block)
-        l->is_pushed[block] = projection_has_moved(&f->projection, block);
+        l->is_pushed[block] = projection_furthest_mm(&f->projection, block) > pushed_least_mm;
     for (uint32_t group = 0; group < group_count(f); ++group) {
         const limit_group *g = &l->group[group];
         uint32_t is_pushed = 0;

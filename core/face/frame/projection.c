@@ -179,6 +179,21 @@ static void move_from_core(float *restrict x, const float *restrict part,
     }
 }
 
+/* Upper bound of how far a vertex of the block is moved, mm. */
+static float furthest_mm(const proxy_frame *f, const float *restrict part, const points *shown,
+                         size_t first)
+{
+    const float *restrict x = shown->x + first, *restrict y = shown->y + first;
+    const float *restrict z = shown->z + first, *centre = f->narrow_centre;
+    float most = 0.0f;
+    for (int i = 0; i < POINTS_BLOCK; ++i) {
+        float dx = x[i] - centre[0], dy = y[i] - centre[1], dz = z[i] - centre[2];
+        float square = part[i] * part[i] * (dx * dx + dy * dy + dz * dz);
+        most = square > most ? square : most;
+    }
+    return sqrtf(most);
+}
+
 static double deepest_mm(const proxy_frame *f, const float *sunk, const points *p, size_t first)
 {
     double deepest = 0.0;
@@ -204,21 +219,53 @@ static uint32_t count_moved(const float *part, uint32_t left)
 }
 
 /* Returns how many vertices it moved. */
-static uint32_t project_block(const proxy_frame *f, const projection_block *b, points *shown,
-                              easing rule, double *depth_mm)
+static float past(float at, float reach)
+{
+    float left = fabsf(at) - reach;
+    return left > 0.0f ? left : 0.0f;
+}
+
+/* Whether the bounds of the block show that no vertex of it is within its band. */
+static bool is_clear(const proxy_frame *f, const projection_block *b, const points *shown)
+{
+    const points_bounds *box = &shown->block[b->block];
+    float q[3];
+    for (int i = 0; i < 3; ++i) {
+        float at = f->narrow_row[i][3], reach = 0.0f;
+        for (int k = 0; k < 3; ++k) {
+            at += f->narrow_row[i][k] * 0.5f * (box->low[k] + box->high[k]);
+            reach += fabsf(f->narrow_row[i][k]) * 0.5f * (box->high[k] - box->low[k]);
+        }
+        q[i] = past(at, reach);
+    }
+    float level = q[0] * q[0] + q[2] * q[2], size = level + q[1] * q[1];
+    if (f->kind == PROXY_TEETH) {
+        float flat = past(sqrtf(level), (float)f->core) * b->least_level;
+        size = flat > q[1] ? flat * flat : q[1] * q[1];
+    }
+    return size > b->most_inside;
+}
+
+/* What it did; moved_count 0: nothing. */
+static projection_done project_block(const proxy_frame *f, const projection_block *b, points *shown,
+                                     easing rule)
 {
     block_sizes sizes;
     float part[POINTS_BLOCK], sunk[POINTS_BLOCK];
     size_t first = (size_t)b->block * POINTS_BLOCK;
+    projection_done done = {0};
+    if (is_clear(f, b, shown))
+        return done;
     bool is_lower = f->kind == PROXY_TEETH ? measure_teeth(&sizes, f, b, shown)
                                            : measure_block(&sizes, f, b, shown);
     if (!is_lower)
-        return 0;
+        return done;
     ease_block(part, sunk, &sizes, b, rule);
-    *depth_mm = fmax(*depth_mm, deepest_mm(f, sunk, shown, first));
-    uint32_t moved = count_moved(part, shown->count - (uint32_t)first);
-    if (moved == 0)
-        return 0;
+    done.depth_mm = deepest_mm(f, sunk, shown, first);
+    done.moved_count = count_moved(part, shown->count - (uint32_t)first);
+    if (done.moved_count == 0)
+        return done;
+    done.furthest_mm = furthest_mm(f, part, shown, first);
     float *const axis[3] = {shown->x + first, shown->y + first, shown->z + first};
     for (int i = 0; i < 3; ++i)
         if (f->kind == PROXY_TEETH)
@@ -226,7 +273,7 @@ static uint32_t project_block(const proxy_frame *f, const projection_block *b, p
         else
             move_away(axis[i], part, f->narrow_centre[i]);
     points_update_block(shown, b->block);
-    return moved;
+    return done;
 }
 
 /* The proxies of the block, in turn. Returns by which one it was moved last: 1 + index; 0: none. */
@@ -236,12 +283,11 @@ static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, poin
     uint32_t moved_by = 0;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
-        double depth_mm = 0.0;
-        uint32_t moved_count = project_block(&frame[b->proxy], b, shown, EASED, &depth_mm);
-        if (moved_count > 0)
+        const projection_done one = project_block(&frame[b->proxy], b, shown, EASED);
+        if (one.moved_count > 0)
             moved_by = 1 + b->proxy;
         if (done)
-            done[i] = (projection_done){moved_count, depth_mm};
+            done[i] = one;
     }
     return moved_by;
 }
@@ -254,9 +300,8 @@ static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, poi
     *out_any = false;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
-        double depth_mm = 0.0;
         if (moved_by == 1 + b->proxy ||
-            project_block(&frame[b->proxy], b, shown, FLOORED, &depth_mm) == 0)
+            project_block(&frame[b->proxy], b, shown, FLOORED).moved_count == 0)
             continue;
         moved_by = 1 + b->proxy;
         *out_any = true;
@@ -328,13 +373,13 @@ void projection_rest(projection *p)
         p->done[i] = (projection_done){0};
 }
 
-bool projection_has_moved(const projection *p, uint32_t block)
+float projection_furthest_mm(const projection *p, uint32_t block)
 {
-    uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
+    const uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
+    float most = 0.0f;
     for (uint32_t i = p->block_count > 0 ? p->first[block] : 0; i < end; ++i)
-        if (p->done[i].moved_count > 0)
-            return true;
-    return false;
+        most = p->done[i].furthest_mm > most ? p->done[i].furthest_mm : most;
+    return most;
 }
 
 projection_report projection_reported(const projection *p)
@@ -428,6 +473,8 @@ static bool fill_block(projection_block *out, const proxy_frame *f, const points
               (whole - 1.0) * vec3_length(whole_way) / whole <= reach_mm))
             continue;
         fill_vertex(out, i, height, vec3_length(way) / size, f->kind);
+        out->least_level = any ? fminf(out->least_level, out->level[i]) : out->level[i];
+        out->most_inside = fmaxf(out->most_inside, out->inside[i] * (1.0f + 1e-4f));
         any = true;
     }
     return any;

@@ -41,15 +41,17 @@ typedef struct proxy_frame {
 
 typedef struct projection_block { /* of one proxy: a block of vertices of which some are in reach */
     uint32_t proxy, block;
-    float floor[POINTS_BLOCK];  /* c */
-    float band[POINTS_BLOCK];   /* e; 0: left alone */
-    float inside[POINTS_BLOCK]; /* below this |q|^2 a vertex is within the band */
-    float level[POINTS_BLOCK];  /* of teeth: 1 / w^2 */
+    float floor[POINTS_BLOCK];      /* c */
+    float band[POINTS_BLOCK];       /* e; 0: left alone */
+    float inside[POINTS_BLOCK];     /* below this |q|^2 a vertex is within the band */
+    float level[POINTS_BLOCK];      /* of teeth: 1 / w */
+    float least_level, most_inside; /* of those in reach */
 } projection_block;
 
 /* What was done to one of them. */
 typedef struct projection_done {
     uint32_t moved_count;
+    float furthest_mm; /* upper bound of how far one of them was moved */
     double depth_mm;
 } projection_done;
 
@@ -81,8 +83,8 @@ void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
 bool projection_apply(projection *p, points *shown, uint32_t block);
 /* Where it brings a vertex that is at `at`, but for what two proxies do to each other. */
 vec3 projection_at(const projection *p, uint32_t slot, vec3 at);
-/* Whether it has moved vertices of the block when that was written last. */
-bool projection_has_moved(const projection *p, uint32_t block);
+/* How far it has moved a vertex of the block at most when that was written last, mm; or more. */
+float projection_furthest_mm(const projection *p, uint32_t block);
 /* Projects all blocks with the bones at rest, whatever the frame is; it is not reported. */
 void projection_apply_still(const projection *p, points *at);
 /* Nothing is projected: the shape shown is that at rest. */
