@@ -9,23 +9,20 @@
 #include "face/face.h"
 #include "face/rig_check.h"
 #include "mesh/position.h"
+#include "slit.h"
 #include "stage/perform/face_file.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 25, HANDS = 100 };
+enum { HANDS = 60 };
 
 typedef struct actor {
     face_file file;
     face *face;
     csrbf_settings settings;
 } actor;
-
-typedef struct slit { /* the greatest of all columns; 0 where the lips touch */
-    double gap, overlap;
-} slit;
 
 static void must(mrt_result result, const error *err)
 {
@@ -143,30 +140,16 @@ static vec3 unturned(const actor *a, uint32_t vertex)
     return rigid_apply(&back, shown(a, vertex));
 }
 
-static double rim_height(const actor *a, const uint32_t *rim, uint32_t count, double x)
+static vec3 unturned_place(const void *of, uint32_t vertex)
 {
-    for (uint32_t i = 1; i < count; ++i) {
-        vec3 p = unturned(a, rim[i - 1]), q = unturned(a, rim[i]);
-        if (p.x <= x && x <= q.x && q.x > p.x)
-            return p.y + (q.y - p.y) * (x - p.x) / (q.x - p.x);
-    }
-    fail_msg("the rim does not reach x = %.2f", x);
-    return 0.0;
+    return unturned(of, vertex);
 }
 
 static slit measure(const actor *a)
 {
-    const rig_mouth *mouth = &a->file.rig->mouth;
-    double right = unturned(a, mouth->upper[0]).x;
-    double left = unturned(a, mouth->upper[mouth->upper_count - 1]).x;
-    slit out = {0.0, 0.0};
-    for (int k = 0; k < COLUMNS; ++k) {
-        double x = right + (left - right) * (k + 1) / (COLUMNS + 1);
-        double open = rim_height(a, mouth->upper, mouth->upper_count, x) -
-                      rim_height(a, mouth->lower, mouth->lower_count, x);
-        out.gap = fmax(out.gap, open);
-        out.overlap = fmax(out.overlap, -open);
-    }
+    slit out;
+    if (!slit_measure(&out, &a->file.rig->mouth, unturned_place, a))
+        fail_msg("a rim does not go from corner to corner");
     return out;
 }
 

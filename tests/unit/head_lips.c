@@ -13,6 +13,7 @@
 #include "face/rig_draft.h"
 #include "io/openmesh.h"
 #include "mesh/position.h"
+#include "slit.h"
 #include "stage/perform/face_file.h"
 
 #include <jansson.h>
@@ -21,7 +22,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { COLUMNS = 25 };
 static const double radian_per_degree = 0.017453292519943295;
 
 typedef struct actor {
@@ -71,16 +71,9 @@ static void perform(actor *a, double jaw_deg, double seal)
 
 /* ---- how far the lips are apart ---- */
 
-static bool rim_at(vec3 *out, const actor *a, const uint32_t *rim, uint32_t count, double x)
+static vec3 shown_place(const void *of, uint32_t vertex)
 {
-    for (uint32_t i = 1; i < count; ++i) {
-        vec3 p = shown(a, rim[i - 1]), q = shown(a, rim[i]);
-        if (!(p.x <= x && x <= q.x && q.x > p.x))
-            continue;
-        *out = vec3_add(p, vec3_scale(vec3_sub(q, p), (x - p.x) / (q.x - p.x)));
-        return true;
-    }
-    return false;
+    return shown(of, vertex);
 }
 
 typedef struct gaps { /* the greatest of all columns */
@@ -130,16 +123,11 @@ static double seen_gap(const actor *a, vec3 upper, vec3 lower)
 
 static gaps measure(const actor *a)
 {
-    const rig_mouth *mouth = &a->rig.mouth;
-    double right = shown(a, mouth->upper[0]).x;
-    double left = shown(a, mouth->upper[mouth->upper_count - 1]).x;
     gaps out = {0.0, 0.0};
-    for (int k = 0; k < COLUMNS; ++k) {
-        double x = right + (left - right) * (k + 1) / (COLUMNS + 1);
+    for (int k = 1; k <= SLIT_COLUMNS; ++k) {
         vec3 upper, lower;
-        if (!rim_at(&upper, a, mouth->upper, mouth->upper_count, x) ||
-            !rim_at(&lower, a, mouth->lower, mouth->lower_count, x))
-            fail_msg("a rim does not reach x = %.2f", x);
+        if (!slit_column(&upper, &lower, &a->rig.mouth, k, shown_place, a))
+            fail_msg("a rim does not reach column %d", k);
         out.rims = fmax(out.rims, upper.y - lower.y);
         out.seen = fmax(out.seen, seen_gap(a, upper, lower));
     }

@@ -8,6 +8,7 @@
 
 #include "face/rig/rig_poses.h"
 #include "mesh/position.h"
+#include "slit.h"
 #include "stage/perform/face_file.h"
 
 #include <math.h>
@@ -15,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { PUPPET, MOAI, FACES, COLUMNS = 25 };
+enum { PUPPET, MOAI, FACES };
 
 /* Which vertices a pose is judged by. */
 typedef struct known {
@@ -236,29 +237,17 @@ static void round_mouths_are_round_and_forward(void **state)
         free(shown[i]);
 }
 
-static double rim_height(const float *surface, const uint32_t *rim, uint32_t count, double x)
+static vec3 place_on(const void *surface, uint32_t vertex)
 {
-    for (uint32_t i = 1; i < count; ++i) {
-        const vec3 p = at(surface, rim[i - 1]), q = at(surface, rim[i]);
-        if (p.x <= x && x <= q.x && q.x > p.x)
-            return p.y + (q.y - p.y) * (x - p.x) / (q.x - p.x);
-    }
-    fail_msg("the rim does not reach x = %.2f", x);
-    return 0.0;
+    return at(surface, vertex);
 }
 
 static double overlap_of(const known *k, const float *surface)
 {
-    const rig_mouth *mouth = &k->stage.rig.mouth;
-    const double right = at(surface, mouth->upper[0]).x;
-    const double left = at(surface, mouth->upper[mouth->upper_count - 1]).x;
-    double worst = 0.0;
-    for (int c = 1; c <= COLUMNS; ++c) {
-        const double x = right + (left - right) * c / (COLUMNS + 1);
-        worst = fmax(worst, rim_height(surface, mouth->lower, mouth->lower_count, x) -
-                                rim_height(surface, mouth->upper, mouth->upper_count, x));
-    }
-    return worst;
+    slit out;
+    if (!slit_measure(&out, &k->stage.rig.mouth, place_on, surface))
+        fail_msg("a rim does not go from corner to corner");
+    return out.overlap;
 }
 
 /* In all poses: lips do not overlap, nothing folds, and what is performed is the portrait. */

@@ -1,0 +1,57 @@
+/* tests/unit/slit.h - how far the lips of a face are apart, or inside each other, in columns along
+ * the slit, whatever the rims are read from. */
+#ifndef MAROTTE_TESTS_SLIT_H
+#define MAROTTE_TESTS_SLIT_H
+#include "face/rig.h"
+
+#include <math.h>
+
+enum { SLIT_COLUMNS = 25 };
+
+typedef struct slit { /* mm, the greatest of all columns; 0 where the lips touch */
+    double gap, overlap;
+} slit;
+
+/* Where a vertex is shown, with the head upright. */
+typedef vec3 slit_place(const void *of, uint32_t vertex);
+
+static inline bool slit_rim_at(vec3 *out, const uint32_t *rim, uint32_t count, double x,
+                               slit_place *place, const void *of)
+{
+    for (uint32_t i = 1; i < count; ++i) {
+        const vec3 p = place(of, rim[i - 1]), q = place(of, rim[i]);
+        if (!(p.x <= x && x <= q.x && q.x > p.x))
+            continue;
+        *out = vec3_add(p, vec3_scale(vec3_sub(q, p), (x - p.x) / (q.x - p.x)));
+        return true;
+    }
+    return false;
+}
+
+/* Column k, 1 to SLIT_COLUMNS. */
+static inline bool slit_column(vec3 *upper, vec3 *lower, const rig_mouth *mouth, int k,
+                               slit_place *place, const void *of)
+{
+    const double right = place(of, mouth->upper[0]).x;
+    const double left = place(of, mouth->upper[mouth->upper_count - 1]).x;
+    const double x = right + (left - right) * k / (SLIT_COLUMNS + 1);
+    return slit_rim_at(upper, mouth->upper, mouth->upper_count, x, place, of) &&
+           slit_rim_at(lower, mouth->lower, mouth->lower_count, x, place, of);
+}
+
+/* False: a rim does not reach a column. */
+static inline bool slit_measure(slit *out, const rig_mouth *mouth, slit_place *place,
+                                const void *of)
+{
+    *out = (slit){0.0, 0.0};
+    for (int k = 1; k <= SLIT_COLUMNS; ++k) {
+        vec3 upper, lower;
+        if (!slit_column(&upper, &lower, mouth, k, place, of))
+            return false;
+        out->gap = fmax(out->gap, upper.y - lower.y);
+        out->overlap = fmax(out->overlap, lower.y - upper.y);
+    }
+    return true;
+}
+
+#endif
