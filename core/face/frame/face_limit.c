@@ -236,6 +236,7 @@ mrt_result face_limit_create(face *f, error *err)
     l->candidate = arrays_add(a, skin, sizeof *l->candidate);
     l->harmed = arrays_add(a, groups, sizeof *l->harmed);
     l->shaped = arrays_add(a, f->shapes.count, sizeof *l->shaped);
+    l->shape_share = arrays_add(a, f->shapes.count, sizeof *l->shape_share);
     l->slid = arrays_add(a, vertices, sizeof *l->slid);
     l->is_slid = arrays_add(a, blocks, 1);
     l->is_pushed = arrays_add(a, blocks, 1);
@@ -1439,14 +1440,17 @@ static bool candidates_are_bent(face *f, const float (*row_before)[4], const flo
  * To the seal and to what lies under the skin. `harms` judges f->given; the controls near the skin
  * of limit.harmed give way first. */
 
-/* limit.tip_share: how near each control is to that skin, of the nearest one, 0..1. */
+/* limit.tip_share: how near each control is to that skin, of the nearest one, 0..1; shapes.strain:
+ * how much each shape acts there. */
 static void find_harmed_controls(face *f)
 {
     face_limit *l = &f->limit;
     memset(l->tip_share, 0, f->control_count * sizeof *l->tip_share);
+    memset(f->shapes.strain, 0, f->shapes.count * sizeof *f->shapes.strain);
     for (uint32_t i = 0; i < l->harmed_count; ++i) {
         const size_t triangle = (size_t)GROUP * l->harmed[i];
         double nearest = 1e-6;
+        strain_own_shapes(f, l->harmed[i], 2.0);
         for (uint32_t k = 0; k < f->control_count; ++k)
             nearest = fmax(nearest, near_grip(f, triangle, k));
         for (uint32_t k = 0; k < f->control_count; ++k)
@@ -1454,8 +1458,8 @@ static void find_harmed_controls(face *f)
     }
 }
 
-/* less, 0..1: the controls near that skin lose so much of limit.tip_share; 1..2: the others and the
- * shapes lose theirs too, until nothing is given. Of limit.centre and limit.shaped. */
+/* less, 0..1: controls and shapes lose so much of that; 1..2: the others lose theirs too, until
+ * nothing is given. Of limit.centre and limit.shaped. */
 static void give_less(face *f, double less)
 {
     face_limit *l = &f->limit;
@@ -1463,7 +1467,7 @@ static void give_less(face *f, double less)
     for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
         l->g[i] = l->centre[i] * (1.0 - fmax(near * l->tip_share[i / 3], all));
     for (uint32_t i = 0; i < f->shapes.count; ++i)
-        f->shapes.given[i] = l->shaped[i] * (1.0 - all);
+        f->shapes.given[i] = l->shaped[i] * (1.0 - fmax(near * l->shape_share[i], all));
     give(f);
 }
 
@@ -1475,6 +1479,7 @@ static bool yield_to(face *f, bool (*harms)(face *f))
     find_harmed_controls(f);
     memcpy(l->centre, l->g, (size_t)3 * f->control_count * sizeof *l->g);
     memcpy(l->shaped, f->shapes.given, f->shapes.count * sizeof *l->shaped);
+    memcpy(l->shape_share, f->shapes.strain, f->shapes.count * sizeof *l->shape_share);
     give_less(f, high);
     if (harms(f)) {
         low = 1.0, high = 2.0;

@@ -73,7 +73,8 @@ typedef struct face_limit {
     float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
     uint8_t *is_slid;
     uint8_t *is_pushed; /* of each block: by what lies under the skin, in the frame shown last */
-    double *shaped; /* of each of the head's own shapes: as shapes.given, before pulls give way */
+    /* Of each of the head's own shapes: as shapes.given, before pulls give way; as tip_share. */
+    double *shaped, *shape_share;
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */
     bool is_begun;                  /* begin_pose has been called for this frame */
     double *g;                      /* control_capacity by 3: what is given */
