@@ -1689,8 +1689,7 @@ static void limit_pulls(face *f)
 
 /* ---- skin that slides over what lies under it ---- */
 
-static const float pushed_least_mm = 0.02f; /* less folds nothing */
-static const float slid_least = 0.02f;      /* of its area at rest, that a triangle keeps */
+static const float slid_least = 0.02f; /* of its area at rest, that a triangle keeps */
 
 /* limit.slid: where these vertices are shown; once in a frame. */
 static void take_slid_block(face *f, uint32_t block)
@@ -1732,23 +1731,37 @@ static bool is_harmed_as_shown(face *f, size_t group)
     return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
 }
 
+/* pushed: of each vertex; limit.is_pushed: of each block. */
+static bool is_group_pushed(const face *f, const uint8_t *pushed, size_t group)
+{
+    const face_limit *l = &f->limit;
+    const limit_group *g = &l->group[group];
+    const uint32_t *corner = f->skin + 3 * GROUP * group;
+    uint32_t any = 0;
+    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
+        any |= l->is_pushed[l->block[i]];
+    if (!any)
+        return false;
+    any = 0;
+    for (size_t i = 0; i < 3 * group_size(f, group); ++i)
+        any |= pushed[corner[i]];
+    return any != 0;
+}
+
 /* limit.harmed: of the groups that have been pushed aside, those that are folded or bent too far as
  * shown. */
 static bool slid_skin_is_harmed(face *f)
 {
     face_limit *l = &f->limit;
+    const uint8_t *pushed = projection_pushed(&f->projection);
     l->harmed_count = 0;
     memset(l->is_slid, 0, f->rest.block_count);
-    for (uint32_t block = 0; block < f->rest.block_count; ++block)
-        l->is_pushed[block] = projection_furthest_mm(&f->projection, block) > pushed_least_mm;
-    for (uint32_t group = 0; group < group_count(f); ++group) {
-        const limit_group *g = &l->group[group];
-        uint32_t is_pushed = 0;
-        for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-            is_pushed |= l->is_pushed[l->block[i]];
-        if (is_pushed && is_harmed_as_shown(f, group))
+    for (uint32_t block = 0; pushed && block < f->rest.block_count; ++block)
+        l->is_pushed[block] =
+            memchr(pushed + (size_t)block * POINTS_BLOCK, 1, POINTS_BLOCK) != NULL;
+    for (uint32_t group = 0; pushed && group < group_count(f); ++group)
+        if (is_group_pushed(f, pushed, group) && is_harmed_as_shown(f, group))
             l->harmed[l->harmed_count++] = group;
-    }
     return l->harmed_count > 0;
 }
 

@@ -72,7 +72,7 @@ typedef struct face_limit {
     uint32_t *harmed, harmed_count; /* groups that what comes after the pulls has harmed */
     float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
     uint8_t *is_slid;
-    uint8_t *is_pushed; /* of each block: by what lies under the skin, in the frame shown last */
+    uint8_t *is_pushed; /* scratch: blocks */
     /* Of each of the head's own shapes: as shapes.given, before pulls give way; as tip_share. */
     double *shaped, *shape_share;
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */

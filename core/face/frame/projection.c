@@ -8,6 +8,7 @@ enum { FLOOR_PASSES = 6 };
 static const double floor_part = 0.4, floor_most_mm = 2.0, band_most_mm = 3.0;
 static const double size_most = 1e3; /* of q: floats take it to its 8th power */
 static const double teeth_band_most_mm = 4.0, teeth_apart_mm = 0.5, teeth_kept = 0.3;
+static const float pushed_least_mm = 0.02f; /* less folds nothing */
 static const float part_least = 1e-6f; /* 1e-4 mm at 100 mm from the centre: less is not moved */
 
 static proxy_frame frame_of(const rig_proxy *proxy, const rigid *pose)
@@ -179,19 +180,17 @@ static void move_from_core(float *restrict x, const float *restrict part,
     }
 }
 
-/* Upper bound of how far a vertex of the block is moved, mm. */
-static float furthest_mm(const proxy_frame *f, const float *restrict part, const points *shown,
-                         size_t first)
+/* is_pushed |= whether a vertex is moved far enough to fold skin. */
+static void note_pushed(uint8_t *restrict is_pushed, const proxy_frame *f,
+                        const float *restrict part, const points *shown, size_t first)
 {
     const float *restrict x = shown->x + first, *restrict y = shown->y + first;
     const float *restrict z = shown->z + first, *centre = f->narrow_centre;
-    float most = 0.0f;
     for (int i = 0; i < POINTS_BLOCK; ++i) {
         float dx = x[i] - centre[0], dy = y[i] - centre[1], dz = z[i] - centre[2];
         float square = part[i] * part[i] * (dx * dx + dy * dy + dz * dz);
-        most = square > most ? square : most;
+        is_pushed[i] |= square > pushed_least_mm * pushed_least_mm;
     }
-    return sqrtf(most);
 }
 
 static double deepest_mm(const proxy_frame *f, const float *sunk, const points *p, size_t first)
@@ -246,9 +245,9 @@ static bool is_clear(const proxy_frame *f, const projection_block *b, const poin
     return size > b->most_inside;
 }
 
-/* What it did; moved_count 0: nothing. */
+/* What it did; moved_count 0: nothing. is_pushed: of the block, or NULL. */
 static projection_done project_block(const proxy_frame *f, const projection_block *b, points *shown,
-                                     easing rule)
+                                     easing rule, uint8_t *is_pushed)
 {
     block_sizes sizes;
     float part[POINTS_BLOCK], sunk[POINTS_BLOCK];
@@ -265,7 +264,8 @@ static projection_done project_block(const proxy_frame *f, const projection_bloc
     done.moved_count = count_moved(part, shown->count - (uint32_t)first);
     if (done.moved_count == 0)
         return done;
-    done.furthest_mm = furthest_mm(f, part, shown, first);
+    if (is_pushed)
+        note_pushed(is_pushed, f, part, shown, first);
     float *const axis[3] = {shown->x + first, shown->y + first, shown->z + first};
     for (int i = 0; i < 3; ++i)
         if (f->kind == PROXY_TEETH)
@@ -278,12 +278,13 @@ static projection_done project_block(const proxy_frame *f, const projection_bloc
 
 /* The proxies of the block, in turn. Returns by which one it was moved last: 1 + index; 0: none. */
 static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, points *shown,
-                             uint32_t first, uint32_t end, projection_done *done)
+                             uint32_t first, uint32_t end, projection_done *done,
+                             uint8_t *is_pushed)
 {
     uint32_t moved_by = 0;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
-        const projection_done one = project_block(&frame[b->proxy], b, shown, EASED);
+        const projection_done one = project_block(&frame[b->proxy], b, shown, EASED, is_pushed);
         if (one.moved_count > 0)
             moved_by = 1 + b->proxy;
         if (done)
@@ -295,13 +296,14 @@ static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, poin
 /* Puts back onto each floor what another proxy has pushed below it; returns who did so last, or
  * moved_by: there was nothing. */
 static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, points *shown,
-                              uint32_t first, uint32_t end, uint32_t moved_by, bool *out_any)
+                              uint32_t first, uint32_t end, uint32_t moved_by, bool *out_any,
+                              uint8_t *is_pushed)
 {
     *out_any = false;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
         if (moved_by == 1 + b->proxy ||
-            project_block(&frame[b->proxy], b, shown, FLOORED).moved_count == 0)
+            project_block(&frame[b->proxy], b, shown, FLOORED, is_pushed).moved_count == 0)
             continue;
         moved_by = 1 + b->proxy;
         *out_any = true;
@@ -309,22 +311,27 @@ static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, poi
     return moved_by;
 }
 
-/* done: of all blocks and proxies, or NULL. True: some vertex has moved. */
+/* done: of all blocks and proxies, is_pushed: of the block; or NULL. True: some vertex has moved.
+ */
 static bool apply(const projection *p, const proxy_frame *frame, points *shown, uint32_t block,
-                  projection_done *done)
+                  projection_done *done, uint8_t *is_pushed)
 {
     uint32_t first = p->block_count > 0 ? p->first[block] : 0;
     uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
-    uint32_t moved_by = ease_in_turn(p, frame, shown, first, end, done);
+    uint32_t moved_by = ease_in_turn(p, frame, shown, first, end, done, is_pushed);
     bool is_moved = moved_by != 0, again = is_moved && end - first > 1;
     for (int i = 0; again && i < FLOOR_PASSES; ++i)
-        moved_by = floor_in_turn(p, frame, shown, first, end, moved_by, &again);
+        moved_by = floor_in_turn(p, frame, shown, first, end, moved_by, &again, is_pushed);
     return is_moved;
 }
 
 bool projection_apply(projection *p, points *shown, uint32_t block)
 {
-    return apply(p, p->frame, shown, block, p->done);
+    if (p->block_count == 0)
+        return false;
+    uint8_t *is_pushed = p->is_pushed + (size_t)block * POINTS_BLOCK;
+    memset(is_pushed, 0, POINTS_BLOCK);
+    return apply(p, p->frame, shown, block, p->done, is_pushed);
 }
 
 vec3 projection_at(const projection *p, uint32_t slot, vec3 at)
@@ -348,7 +355,7 @@ vec3 projection_at(const projection *p, uint32_t slot, vec3 at)
 void projection_apply_still(const projection *p, points *at)
 {
     for (uint32_t block = 0; block < at->block_count; ++block)
-        (void)apply(p, p->still, at, block, NULL);
+        (void)apply(p, p->still, at, block, NULL, NULL);
 }
 
 void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale)
@@ -371,15 +378,13 @@ void projection_rest(projection *p)
 {
     for (uint32_t i = 0; i < p->block_count; ++i)
         p->done[i] = (projection_done){0};
+    if (p->block_count > 0)
+        memset(p->is_pushed, 0, p->vertex_count);
 }
 
-float projection_furthest_mm(const projection *p, uint32_t block)
+const uint8_t *projection_pushed(const projection *p)
 {
-    const uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
-    float most = 0.0f;
-    for (uint32_t i = p->block_count > 0 ? p->first[block] : 0; i < end; ++i)
-        most = p->done[i].furthest_mm > most ? p->done[i].furthest_mm : most;
-    return most;
+    return p->block_count > 0 ? p->is_pushed : NULL;
 }
 
 projection_report projection_reported(const projection *p)
@@ -513,7 +518,9 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
     out->block = malloc((room + 1) * sizeof *out->block);
     out->done = calloc(room + 1, sizeof *out->done);
     out->first = calloc((size_t)rest->block_count + 1, sizeof *out->first);
-    if (!out->block || !out->done || !out->first) {
+    out->vertex_count = rest->padded_count;
+    out->is_pushed = calloc((size_t)rest->padded_count + 1, 1);
+    if (!out->block || !out->done || !out->first || !out->is_pushed) {
         projection_destroy(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u skull proxies", r->proxy_count);
     }
@@ -545,5 +552,6 @@ void projection_destroy(projection *p)
     free(p->block);
     free(p->done);
     free(p->first);
+    free(p->is_pushed);
     *p = (projection){0};
 }

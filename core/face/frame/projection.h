@@ -51,7 +51,6 @@ typedef struct projection_block { /* of one proxy: a block of vertices of which 
 /* What was done to one of them. */
 typedef struct projection_done {
     uint32_t moved_count;
-    float furthest_mm; /* upper bound of how far one of them was moved */
     double depth_mm;
 } projection_done;
 
@@ -59,8 +58,10 @@ typedef struct projection {
     const rig_proxy *proxy;
     uint32_t proxy_count, block_count;
     projection_block *block; /* by block, then by proxy */
-    projection_done *done;   /* block_count: in the last frame in which the block was written */
-    uint32_t *first; /* of each block of vertices, and the end: where in `block` it begins */
+    uint8_t *is_pushed;      /* vertex_count: see projection_pushed */
+    uint32_t vertex_count;
+    projection_done *done; /* block_count: in the last frame in which the block was written */
+    uint32_t *first;       /* of each block of vertices, and the end: where in `block` it begins */
     rigid posed[PROJECTION_PROXIES_MAX]; /* of the bone of each proxy, and what follows from it */
     proxy_frame frame[PROJECTION_PROXIES_MAX];
     proxy_frame still[PROJECTION_PROXIES_MAX]; /* with the bones at rest */
@@ -83,8 +84,9 @@ void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
 bool projection_apply(projection *p, points *shown, uint32_t block);
 /* Where it brings a vertex that is at `at`, but for what two proxies do to each other. */
 vec3 projection_at(const projection *p, uint32_t slot, vec3 at);
-/* How far it has moved a vertex of the block at most when that was written last, mm; or more. */
-float projection_furthest_mm(const projection *p, uint32_t block);
+/* Of each vertex: whether it was moved far enough to fold skin when it was written last. NULL:
+ * there is nothing under the skin. */
+const uint8_t *projection_pushed(const projection *p);
 /* Projects all blocks with the bones at rest, whatever the frame is; it is not reported. */
 void projection_apply_still(const projection *p, points *at);
 /* Nothing is projected: the shape shown is that at rest. */

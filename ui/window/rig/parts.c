@@ -863,7 +863,7 @@ static void set_mouth(panel *self, const rig_mouth *mouth, const char *words)
 /* What is said of sealing stays. */
 static void find_rims(panel *self)
 {
-    char why_not[BIND_FAULT], words[BIND_FAULT + 64];
+    char why_not[BIND_FAULT], words[sizeof(error) + 64];
     error err = {""};
     rig_mouth found, next = rig_model_rig(self->model)->mouth;
     mrt_result result = rig_draft_rims(&found, why_not, rig_model_mesh(self->model),
