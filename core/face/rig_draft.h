@@ -19,12 +19,11 @@ CHECKED mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, co
 CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
                                   const char *mesh_path, const uint32_t *cut_mouth,
                                   uint32_t cut_count, error *err);
-/* The rows of teeth that lips stop at, fitted to the mesh's upper and lower teeth: they take the
- * place of the rig's. A rig without a skull or a jaw, a mesh without teeth: that row is left out.
- */
+/* Replaces the rig's rows of teeth with rows fitted to the upper and lower teeth of the mesh. Adds no
+ * row where the mesh has no such teeth, or the rig no skull or jaw. */
 CHECKED mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err);
-/* The rims of the slit between the lips of a mesh, for a rig that is there already: the arrays of
- * `out` are to be freed. Without a slit they are NULL, and why_not is one sentence. */
+/* Finds the rims of the slit between the lips, for an existing rig. The caller frees the arrays of
+ * `out`. A mesh without a slit leaves them NULL and sets why_not to a message. */
 CHECKED mrt_result rig_draft_rims(rig_mouth *out, char why_not[BIND_FAULT], const mesh *m,
                                   const topology *t, error *err);
 bool rig_draft_is_clay(const rig *drafted); /* its jaw only stretches the skin: no lips part */

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Heads that nobody here made, from the file to the performance: a rig is drafted, checked and
 # performed through three mappings by the demo hand and three recordings, as a table. A row that
-# folds, tears, bends skin by more than 120 degrees or what is rigid at all, or whose first performance costs more than 15 s of a
+# folds, tears, bends skin by more than 120 degrees or what is rigid at all, passes lips into each other, or whose first performance costs more than 15 s of a
 # processor fails it.
 #   heads.sh [--quick] [NAME]...   of heads, mappings and hands: only rows that have all names
 # --quick: the demo hand's first seconds alone. Contact sheets are kept in $SHEETS, where it is set.
@@ -41,8 +41,8 @@ spent() {
 
 number() { fact "$1" "$scratch/facts.txt"; }
 
-row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %5s %6s\n'
-printf "$row" head mapping hand motion folds least inside held parted bent bend s
+row='%-13s %-11s %-21s %7s %6s %7s %7s %7s %8s %8s %7s %5s %6s\n'
+printf "$row" head mapping hand motion folds least inside held parted bent overlap bend s
 for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
     [ -f "$file" ] || continue
     name=$(basename "$file")
@@ -70,10 +70,10 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
             times >"$scratch/now"
             [ -n "$first" ] && took=$(spent "$scratch/begun" "$scratch/now")
             first=
-            read -r parted bent < <("$apart" "$rig" "$scratch/frames.pc2")
+            read -r parted bent overlap < <("$apart" "$rig" "$scratch/frames.pc2")
             printf "$row" "$head" "$map" "${hand%%=*}" "$(number 'range of motion')" \
                 "$(number folds)" "$(number 'least determinant')" "$(number 'inside out')" \
-                "$(number 'held back')" "$parted" "$bent" \
+                "$(number 'held back')" "$parted" "$bent" "$overlap" \
                 "$(number 'greatest bend')" "$took"
             [ "$(number folds)" -eq 0 ] || fail "$head $map ${hand%%=*}: folds"
             awk -v bend="$(number 'greatest bend')" 'BEGIN { exit !(bend <= 120) }' ||
@@ -82,6 +82,8 @@ for file in "$heads"/*.{glb,gltf,obj,vrm} "$shared/data/faces/ict_face.glb"; do
                 fail "$head $map ${hand%%=*}: parts by $parted mm"
             awk -v mm="${bent:-1}" 'BEGIN { exit !(mm <= 0.05) }' ||
                 fail "$head $map ${hand%%=*}: what is rigid bends by $bent mm"
+            awk -v mm="${overlap:-1}" 'BEGIN { exit !(mm <= 0.3) }' ||
+                fail "$head $map ${hand%%=*}: lips pass into each other by $overlap mm"
             [ -z "$took" ] || [ -n "${SANITIZED:-}" ] || awk -v s="$took" 'BEGIN { exit !(s < 15) }' ||
                 fail "$head: $took s of a processor from the file to the first performance"
             if [ -n "${SHEETS:-}" ] && [ "${hand%%=*}" = demo ]; then

@@ -23,21 +23,17 @@
  * 5. A face without a rig (unfold). Its field is one of space and can fold behind the skin, where
  *    there is no triangle: the largest part is given that keeps the determinant of the field's
  *    map above a bound.
- * 6. Lips (limit_lips). What the seal adds comes on top, and is applied less where it folds skin or
- *    bends an edge too far.
- * 7. Skin that slides (face_limit_slide). What lies under the skin pushes it aside last of all.
- *    Where that folds it, pulls give way.
+ * 6. The seal of the lips, and the skull and teeth under the skin, move the skin after that:
+ *    face_limit_shown.c.
  *
- * To be quick, triangles lie in groups of GROUP. How steep each column is at most in a group is
- * found once for an engagement (face_limit_engage); with the weights of the columns that is a bound
- * for the strain of the group, and only groups whose bound is above 1 are computed. What the bounds
- * leave out cannot be above 1, so they change no result.
+ * To be quick, triangles are judged in groups of GROUP. How steep each column is at most in a group
+ * is found once for an engagement (face_limit_engage); with the weights of the columns that is a
+ * bound for the strain of the group, and only groups whose bound is above 1 are computed. What the
+ * bounds leave out cannot be above 1, so they change no result.
  *
- * What a drag may fold is judged where it is dragged: face_drag.c. */
-#include "base/angle.h"
+ * face_drag.c judges a drag. */
 #include "csrbf/soften.h"
-#include "face/frame/frame.h"
-#include "face/frame/strain.h"
+#include "face/frame/limit.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -46,7 +42,7 @@
 /* Where the bones alone have used up the stretch that an edge is allowed, pulls may still lengthen
  * it by this part of what was allowed: else a pull nearby would be taken back altogether. */
 static const float room_least = 0.05f;
-enum { SOFTENINGS = 5, GROUP = STRAIN_GROUP };
+enum { SOFTENINGS = 5 };
 /* The ridge of the first softening, for each 1 by which the strain is above 1, and the factor for
  * each further one. Tips near each other need little: only where they differ do they give way. */
 static const double softening = 0.02, softening_more = 3.0;
@@ -61,68 +57,18 @@ static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 /* Several of a head's own shapes at once may stretch an edge by this factor more than each alone.
  */
 static const float made_stretch = 1.5f;
-static const float shaped_steepness = 1.6f; /* less than 1 over it leaves room */
 
 /* Of part_shaped: tries, steps of bisection, and the strain that counts as 1. */
-enum { PARTINGS = 4, HALVINGS = 8 };
+enum { PARTINGS = 4 };
 static const double shaped_most = 1.001;
 
 enum { UNBENDINGS = 8, BEND_YIELDS = 3, UNFOLDINGS = 16 }; /* tries */
 /* Of unfold: the least determinant of the field's map at the vertices, and its tolerance. */
 static const double determinant_least = 0.05, determinant_rounding = 1e-4;
-static const surface_limits bends = {.stretch = 2.0, .bend_deg = 117.0, .area = 0.02};
-
-/* GROUP triangles near each other. */
-typedef struct limit_patch {
-    strain_frames origin; /* of the engagement */
-    strain_frames posed;  /* as the bones alone pose it */
-    /* 1 over the tangent of the angle by which a triangle may turn without bending an edge too far,
-     * whatever its neighbours do: at rest, and as posed. And of the angle by which it may tilt, as
-     * posed, before it is seen from behind. */
-    float inv_tan_turn[GROUP], inv_tan_turn_posed[GROUP], inv_tan_tilt_posed[GROUP];
-    float turn_cosine[GROUP], turn_sine[GROUP]; /* of that angle at rest */
-    float rest_normal[3][GROUP],
-        main_share[GROUP]; /* twice the area long; the share that main_bone has */
-    float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.has_along */
-} limit_patch;
-
-/* What is known of them beside. */
-typedef struct limit_group {
-    float steepness;    /* the most that a gradient of length 1 strains and turns one of them */
-    float inv_tan_turn; /* the greatest of its triangles' */
-    float tilt_cosine;  /* cosine of the largest turn of one of them from rest to the origin */
-    float rounding;     /* by how much rounding of the origin may turn and stretch a triangle */
-    float room;         /* room_of_pose; INFINITY: not known in this frame */
-    float room_alone;   /* the same for every pose, where no other bone is near; INFINITY: not so */
-    float strain,
-        flip; /* upper bounds (strain: also of the size); INFINITY: not known in this pose */
-    uint32_t main_bone;                  /* or STILL */
-    uint32_t bones_around;               /* bits: the main bones of the groups beside it */
-    uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
-    bool is_framed, has_along;           /* patch.posed and patch.along are those of this pose */
-    float centre[3], radius;
-} limit_group;
-
-/* A bone other than the main one that carries triangles of a group: its largest share, the mean
- * gradient of its share, and the largest difference of a triangle's gradient from the mean. */
-typedef struct limit_carried {
-    uint32_t bone;
-    float weight, gradient[3], apart;
-    float share[GROUP]; /* of each triangle: the mean of its corners */
-} limit_carried;
 
 /* What a pass looks for: triangles that are strained too much, or triangles that have turned so far
  * that their edges may be bent too far. */
 typedef enum limit_looks { AT_STRAINS = 0, AT_TURNS } limit_looks;
-
-/* How a bone moves relative to another; rotation: the length of R - I; < 0: not known in this
- * frame. */
-typedef struct limit_apart {
-    rigid motion;
-    double rotation;
-} limit_apart;
-
-enum { STILL = RIG_BONES_MAX, CARRIERS }; /* what no bone moves is carried by that */
 
 _Static_assert(CARRIERS <= 32, "a bit for each in limit_group.bones_around");
 _Static_assert((int)POINTS_BLOCK == (int)SURFACE_BLOCK, "a surface has the blocks of its points");
@@ -135,24 +81,13 @@ static inline float larger(float a, float b)
 
 /* ---- made ---- */
 
-static size_t group_count(const face *f)
-{
-    return ((size_t)f->skin_count + GROUP - 1) / GROUP;
-}
-
-static size_t group_size(const face *f, size_t group)
-{
-    size_t left = f->skin_count - group * GROUP;
-    return left < GROUP ? left : GROUP;
-}
-
 /* If two neighbours turn by no more than this each, the edge between them is not bent too far. */
 static void measure_turns(face *f)
 {
     const double pi = 3.14159265358979323846, least = 0.5 * SURFACE_CREASE_DEG - 1.0;
     for (size_t t = 0; t < f->skin_count; ++t) {
         double bent = surface_meter_bent_at_rest(f->surface_meter, (uint32_t)t);
-        double angle_rad = fmax(0.5 * (bends.bend_deg - bent), least) * pi / 180.0;
+        double angle_rad = fmax(0.5 * (limit_bends.bend_deg - bent), least) * pi / 180.0;
         limit_patch *patch = &f->limit.patch[t / GROUP];
         patch->inv_tan_turn[t % GROUP] = (float)(1.0 / tan(angle_rad));
         patch->turn_cosine[t % GROUP] = (float)cos(angle_rad);
@@ -193,10 +128,10 @@ static void list_blocks(face *f)
 {
     face_limit *l = &f->limit;
     uint32_t count = 0;
-    for (size_t group = 0; group < group_count(f); ++group) {
+    for (size_t group = 0; group < limit_group_count(f); ++group) {
         const uint32_t *corner = f->skin + 3 * GROUP * group;
         uint32_t first = l->group[group].first_block = count;
-        for (size_t i = 0; i < 3 * group_size(f, group); ++i) {
+        for (size_t i = 0; i < 3 * limit_group_size(f, group); ++i) {
             uint32_t block = corner[i] / POINTS_BLOCK, at = first;
             while (at < count && l->block[at] != block)
                 ++at;
@@ -204,7 +139,7 @@ static void list_blocks(face *f)
             count += at == count;
         }
     }
-    l->group[group_count(f)].first_block = count;
+    l->group[limit_group_count(f)].first_block = count;
 }
 
 mrt_result face_limit_create(face *f, error *err)
@@ -212,7 +147,7 @@ mrt_result face_limit_create(face *f, error *err)
     face_limit *l = &f->limit;
     arrays *a = &f->arrays;
     size_t vertices = f->rest.padded_count, blocks = f->rest.block_count;
-    size_t controls = f->control_capacity, groups = group_count(f) + 1;
+    size_t controls = f->control_capacity, groups = limit_group_count(f) + 1;
     size_t weighed = f->columns.capacity, skin = f->skin_count;
     l->loops = strain_loops_now();
     l->posed = arrays_add(a, vertices, sizeof *l->posed);
@@ -286,20 +221,6 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
         row[i][2] = sum[2][i];
         row[i][3] = 0.0f; /* so that whole rows are stored */
     }
-}
-
-static void put_vertex(points *out, uint32_t slot, const float *row)
-{
-    out->x[slot] = row[0];
-    out->y[slot] = row[1];
-    out->z[slot] = row[2];
-}
-
-static strain_corners corners_of(const face *f, size_t group, float (*row)[4])
-{
-    return (strain_corners){.row = (const float(*)[4])row,
-                            .vertex = f->skin + 3 * GROUP * group,
-                            .count = group_size(f, group)};
 }
 
 /* ---- where the skin can be strained at all ----
@@ -383,9 +304,9 @@ static float steepest_shape(const face *f, size_t column, size_t group)
     const uint32_t *corner = f->skin + 3 * GROUP * group;
     float square = 0.0f;
     for (uint32_t axis = 0; axis < 3; ++axis) {
-        float one =
-            steepest_in(columns_row(&f->columns, (uint32_t)column + axis), corner,
-                        &f->limit.patch[group].origin.shape, group_size(f, group), rounding_of(f));
+        float one = steepest_in(columns_row(&f->columns, (uint32_t)column + axis), corner,
+                                &f->limit.patch[group].origin.shape, limit_group_size(f, group),
+                                rounding_of(f));
         square += one * one;
     }
     return 1.01f * sqrtf(square);
@@ -397,7 +318,7 @@ static void bound_group(face *f, size_t group)
     limit_group *g = &f->limit.group[group];
     const limit_patch *patch = &f->limit.patch[group];
     const uint32_t *corner = f->skin + 3 * GROUP * group;
-    size_t count = group_size(f, group);
+    size_t count = limit_group_size(f, group);
     float rounding = 0.0f;
     bool is_squashed = false; /* no bound is known */
     g->inv_tan_turn = 0.0f;
@@ -428,7 +349,7 @@ static void enclose_group(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
     const uint32_t *corner = f->skin + 3 * GROUP * group;
-    size_t count = 3 * group_size(f, group);
+    size_t count = 3 * limit_group_size(f, group);
     double centre[3] = {0}, square = 0.0;
     for (size_t i = 0; i < count; ++i) {
         double at[3];
@@ -495,7 +416,7 @@ static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
 {
     limit_group *g = &f->limit.group[group];
     const uint32_t *corner = f->skin + 3 * GROUP * group;
-    size_t count = group_size(f, group);
+    size_t count = limit_group_size(f, group);
     uint32_t next = g->first_carried;
     float main_weight = -1.0f, most[CARRIERS] = {0.0f};
     for (uint32_t bone = 0; bone < CARRIERS; ++bone) {
@@ -531,22 +452,20 @@ static void find_bones_around(face *f)
     for (size_t t = 0; t < f->skin_count; ++t)
         for (size_t i = 0; i < 3; ++i)
             l->bones_around[f->skin[3 * t + i]] |= 1u << l->group[t / GROUP].main_bone;
-    for (size_t group = 0; group < group_count(f); ++group)
+    for (size_t group = 0; group < limit_group_count(f); ++group)
         l->group[group].bones_around = 0;
     for (size_t t = 0; t < f->skin_count; ++t)
         for (size_t i = 0; i < 3; ++i)
             l->group[t / GROUP].bones_around |= l->bones_around[f->skin[3 * t + i]];
 }
 
-static float room_of_pose(face *f, const limit_group *g);
-
 static void find_rooms_alone(face *f)
 {
-    for (size_t group = 0; group < group_count(f); ++group) {
+    for (size_t group = 0; group < limit_group_count(f); ++group) {
         limit_group *g = &f->limit.group[group];
         bool is_alone = g->first_carried == g[1].first_carried &&
                         (g->bones_around & ~(1u << g->main_bone)) == 0;
-        g->room_alone = is_alone ? room_of_pose(f, g) : INFINITY;
+        g->room_alone = is_alone ? limit_room_of_pose(f, g) : INFINITY;
     }
 }
 
@@ -554,7 +473,7 @@ void face_limit_engage(face *f)
 {
     face_limit *l = &f->limit;
     const columns *c = &f->columns;
-    size_t groups = group_count(f), shapes = f->shape_column_count;
+    size_t groups = limit_group_count(f), shapes = f->shape_column_count;
     memset(l->steepest + shapes * groups, 0, (c->count - shapes) * groups * sizeof *l->steepest);
     memset(l->pull_bound, 0, groups * sizeof *l->pull_bound);
     memset(l->bounded, 0, (size_t)3 * c->count * sizeof *l->bounded);
@@ -565,8 +484,8 @@ void face_limit_engage(face *f)
     }
     for (size_t group = 0; group < groups; ++group) {
         const uint32_t *corner = f->skin + 3 * GROUP * group;
-        size_t count = group_size(f, group);
-        const strain_corners at = corners_of(f, group, l->posed);
+        size_t count = limit_group_size(f, group);
+        const strain_corners at = limit_corners(f, group, l->posed);
         strain_frames *frames = &l->patch[group].origin, before = *frames;
         l->loops->frames(frames, &at);
         bool is_known = memcmp(frames, &before, sizeof before) == 0; /* of the shapes, which stay */
@@ -596,8 +515,7 @@ void face_limit_engage(face *f)
     find_rooms_alone(f);
 }
 
-/* Starts a frame with another pose: nothing that follows from it has been computed yet. */
-static void begin_pose(face *f)
+void limit_begin_pose(face *f)
 {
     face_limit *l = &f->limit;
     if (l->is_begun)
@@ -620,7 +538,7 @@ static void begin_pose(face *f)
     memset(l->is_posed, 0, f->rest.block_count);
     for (size_t i = 0; i < (size_t)CARRIERS * CARRIERS; ++i)
         l->apart[i].rotation = -1.0;
-    for (size_t group = 0; group < group_count(f); ++group) {
+    for (size_t group = 0; group < limit_group_count(f); ++group) {
         limit_group *g = &l->group[group];
         g->room = l->is_at_rest ? 1.0f - g->rounding : g->room_alone;
         g->strain = g->flip = INFINITY;
@@ -658,8 +576,7 @@ static double least_scale(double p, double n)
     return 1.0 + p > 0.0 ? fmin(1.0, 0.5 * (sqrt(4.0 * (1.0 + p) + n * n) - n)) : 0.0;
 }
 
-/* Upper bound of half the angle between the rotations of the group and of a neighbouring one. */
-static angle_sincos half_apart(face *f, const limit_group *g)
+angle_sincos limit_half_apart(face *f, const limit_group *g)
 {
     double most = 0.0;
     for (uint32_t left = g->bones_around & ~(1u << g->main_bone); left != 0; left &= left - 1) {
@@ -709,11 +626,9 @@ static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
     return (float)(scale - 1.01 * lost);
 }
 
-/* The length of a gradient (in the origin, times the group's steepness) below which pulls surely
- * strain no triangle of the posed group too much. */
-static float room_of_pose(face *f, const limit_group *g)
+float limit_room_of_pose(face *f, const limit_group *g)
 {
-    angle_sincos tilt, apart = half_apart(f, g);
+    angle_sincos tilt, apart = limit_half_apart(f, g);
     float scale = bound_pose(f, g, &tilt) - g->rounding;
     tilt = angle_add(tilt, angle_of_cosine((double)g->tilt_cosine));
     float steepness = steepness_of(g, tilt, apart);
@@ -742,7 +657,7 @@ static double size_of_change(const double *now, const double *before)
 static void follow_pulls(face *f)
 {
     face_limit *l = &f->limit;
-    size_t groups = group_count(f);
+    size_t groups = limit_group_count(f);
     memset(l->change, 0, groups * sizeof *l->change);
     for (uint32_t column = 0; column < f->shape_column_count; column += 3) {
         const double *now = f->given + (size_t)3 * column;
@@ -764,9 +679,7 @@ static void follow_pulls(face *f)
     l->loops->add(l->pull_bound, l->change, 1.0f, groups);
 }
 
-/* The head's own shapes are in use: they may strain skin as they like as long as it does not fold.
- */
-static bool is_shaped(const face *f)
+bool limit_is_shaped(const face *f)
 {
     return f->shapes.count > 0 && f->shapes.amount > 0.0;
 }
@@ -775,12 +688,13 @@ static bool is_shaped(const face *f)
 static bool is_too_steep(face *f, size_t group)
 {
     limit_group *g = &f->limit.group[group];
-    float steepness = is_shaped(f) && isfinite(g->steepness) ? shaped_steepness : g->steepness;
+    float steepness =
+        limit_is_shaped(f) && isfinite(g->steepness) ? limit_shaped_steepness : g->steepness;
     float most = f->limit.pull_bound[group] * steepness;
     if (!(most > 0.0f))
         return false;
     if (isinf(g->room) && most < 1.0f)
-        g->room = room_of_pose(f, g);
+        g->room = limit_room_of_pose(f, g);
     return !(most < 1.0f && most < g->room);
 }
 
@@ -794,7 +708,7 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
             g->strain = g->flip = INFINITY;
         return false;
     }
-    if (is_shaped(f))
+    if (limit_is_shaped(f))
         return true;
     if (change > 0.0f) {
         float more =
@@ -805,8 +719,7 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
     return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->flip < 1.0f));
 }
 
-/* Adds up the weighed columns of a block. */
-static void write_block(const face *f, float (*row)[4], const points *origin, uint32_t block)
+void limit_write_block(const face *f, float (*row)[4], const points *origin, uint32_t block)
 {
     float sum[3][POINTS_BLOCK] = {{0.0f}};
     if (face_reaches(&f->columns, f->columns.weights.live, block))
@@ -814,12 +727,11 @@ static void write_block(const face *f, float (*row)[4], const points *origin, ui
     put_rows(row, origin, sum, block);
 }
 
-/* A block as the bones alone pose it; their columns are weighed before. */
-static void pose_block(face *f, uint32_t block)
+void limit_pose_block(face *f, uint32_t block)
 {
     if (f->limit.is_posed[block])
         return;
-    write_block(f, f->limit.posed, f->origin, block);
+    limit_write_block(f, f->limit.posed, f->origin, block);
     f->limit.is_posed[block] = 1;
 }
 
@@ -840,7 +752,7 @@ static void add_block(face *f, uint32_t block)
 {
     if (f->limit.is_added[block])
         return;
-    write_block(f, f->limit.added, NULL, block);
+    limit_write_block(f, f->limit.added, NULL, block);
     f->limit.is_added[block] = 1;
 }
 
@@ -861,7 +773,7 @@ static float stretch_strain(const face *f, size_t t, float stretch)
     for (size_t e = 0; e < 3; ++e) {
         uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
         float longest = stretch * l->longest[t][e];
-        if (is_shaped(f)) /* as it is made to be it is not torn */
+        if (limit_is_shaped(f)) /* as it is made to be it is not torn */
             longest = fmaxf(longest, made_stretch * f->shapes.longest[t][e]);
         float least = room_least * longest;
         float room = longest - length_of(l->posed[a], l->posed[b]);
@@ -871,8 +783,7 @@ static float stretch_strain(const face *f, size_t t, float stretch)
     return worst;
 }
 
-/* How near a control is to a triangle: 1 there, 0 from the radius on. */
-static double near_grip(const face *f, size_t t, uint32_t control)
+double limit_near_grip(const face *f, size_t t, uint32_t control)
 {
     double radius = f->settings.radius;
     vec3 way = vec3_sub(points_position(f->origin, f->skin[3 * t]), f->grip[control].start);
@@ -884,7 +795,7 @@ static double near_grip(const face *f, size_t t, uint32_t control)
 static void strain_controls(face *f, size_t t, double strain)
 {
     for (uint32_t k = 0; k < f->control_count; ++k)
-        f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * near_grip(f, t, k));
+        f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * limit_near_grip(f, t, k));
 }
 
 /* patch.inv_tan_tilt_posed, of triangles that the main bone and the origin have turned so far. */
@@ -899,7 +810,7 @@ static void leave_tilts(face *f, size_t group, const float *turn_cosine)
     for (size_t i = 0; i < GROUP; ++i) {
         of_angle[i] = inv_tan_seen;
         cosine[i] = 1.0f;
-        if (i >= group_size(f, group) || (is_known && (double)turn_cosine[i] > enough))
+        if (i >= limit_group_size(f, group) || (is_known && (double)turn_cosine[i] > enough))
             continue;
         const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
         vec3 along = vec3_normalised(face_skin_along(f, corner), (vec3){0, 0, 0});
@@ -919,16 +830,15 @@ static void leave_turns(face *f, size_t group, const float *turn_cosine)
     limit_patch *patch = &f->limit.patch[group];
     float inv_tan_turn[GROUP], apart[GROUP];
     for (size_t i = 0; i < GROUP; ++i)
-        apart[i] = (float)half_apart(f, &f->limit.group[group]).cos;
+        apart[i] = (float)limit_half_apart(f, &f->limit.group[group]).cos;
     f->limit.loops->turns(inv_tan_turn, patch->inv_tan_turn, apart);
     f->limit.loops->turns(patch->inv_tan_turn_posed, inv_tan_turn, turn_cosine);
 }
 
-/* Likewise the shapes that act there. */
-static void strain_own_shapes(face *f, size_t group, double strain)
+void limit_strain_shapes(face *f, size_t group, double strain)
 {
     const face_shapes *s = &f->shapes;
-    size_t groups = group_count(f);
+    size_t groups = limit_group_count(f);
     for (uint32_t p = 0; p < s->part_count; ++p) {
         uint32_t own = s->part[p].shape;
         double weight = s->amount * s->weight[own];
@@ -944,7 +854,7 @@ static void frame_group(face *f, size_t group)
     face_limit *l = &f->limit;
     limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
-    const strain_corners posed = corners_of(f, group, l->posed);
+    const strain_corners posed = limit_corners(f, group, l->posed);
     const rigid motion = motion_of(f, g->main_bone);
     float rotation[9], turn_cosine[GROUP];
     for (int i = 0; i < 3; ++i)
@@ -957,8 +867,7 @@ static void frame_group(face *f, size_t group)
     g->is_framed = true;
 }
 
-/* patch.along: the normals at rest as the bones turn them. */
-static void turn_normals(face *f, size_t group)
+void limit_turn_normals(face *f, size_t group)
 {
     const face_limit *l = &f->limit;
     limit_group *g = &l->group[group];
@@ -982,7 +891,7 @@ static float flip_strain(face *f, size_t group, size_t i)
     const face_limit *l = &f->limit;
     const uint32_t *corner = f->skin + 3 * (GROUP * group + i);
     float e[2][3], d[2][3], n[3];
-    turn_normals(f, group);
+    limit_turn_normals(f, group);
     for (int axis = 0; axis < 3; ++axis) {
         n[axis] = l->patch[group].along[axis][i];
         for (int k = 0; k < 2; ++k) {
@@ -996,20 +905,20 @@ static float flip_strain(face *f, size_t group, size_t i)
 static double measure_shaped(face *f, size_t group, float stretch)
 {
     const face_limit *l = &f->limit;
-    const strain_corners posed = corners_of(f, group, l->posed);
-    const strain_corners added = corners_of(f, group, l->added);
+    const strain_corners posed = limit_corners(f, group, l->posed);
+    const strain_corners added = limit_corners(f, group, l->added);
     strain_folds found;
     float greatest = 0.0f;
-    turn_normals(f, group);
+    limit_turn_normals(f, group);
     l->loops->folds(&found, &posed, &added, (const float(*)[GROUP])l->patch[group].along);
-    for (size_t i = 0; i < group_size(f, group); ++i) {
+    for (size_t i = 0; i < limit_group_size(f, group); ++i) {
         size_t t = GROUP * group + i;
         float strain = found.fold[i];
         float tears = found.drawn[i] > 0.0f ? stretch_strain(f, t, stretch) : 0.0f;
         strain = tears > strain ? tears : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
-            strain_own_shapes(f, group, fmin((double)strain, strain_most));
+            limit_strain_shapes(f, group, fmin((double)strain, strain_most));
         }
         greatest = strain > greatest ? strain : greatest;
     }
@@ -1018,12 +927,12 @@ static double measure_shaped(face *f, size_t group, float stretch)
 
 static double measure_group(face *f, size_t group, float stretch)
 {
-    if (is_shaped(f))
+    if (limit_is_shaped(f))
         return measure_shaped(f, group, stretch);
     face_limit *l = &f->limit;
     limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
-    const strain_corners added = corners_of(f, group, l->added);
+    const strain_corners added = limit_corners(f, group, l->added);
     strain_found found;
     float greatest = 0.0f;
     if (!g->is_framed)
@@ -1042,7 +951,7 @@ static double measure_group(face *f, size_t group, float stretch)
         strain = stretched > strain ? stretched : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
-            strain_own_shapes(f, group, fmin((double)strain, strain_most));
+            limit_strain_shapes(f, group, fmin((double)strain, strain_most));
         }
         if (flip > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
@@ -1058,7 +967,7 @@ static double measure_strain(face *f, limit_looks looks)
     face_limit *l = &f->limit;
     const float stretch = (float)face_stretch_most(&f->settings);
     double greatest = 0.0;
-    size_t wanted = 0, groups = group_count(f);
+    size_t wanted = 0, groups = limit_group_count(f);
     memset(l->strain, 0, f->control_count * sizeof *l->strain);
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.strain[i] = 0.0;
@@ -1068,7 +977,7 @@ static double measure_strain(face *f, limit_looks looks)
     follow_pulls(f);
     columns_weigh(&f->columns, f->given, f->control_column_count);
     for (size_t group = 0; group < groups; ++group) {
-        const strain_corners added = corners_of(f, group, l->added);
+        const strain_corners added = limit_corners(f, group, l->added);
         const limit_group *g = &l->group[group];
         if (!may_be_strained(f, group, looks))
             continue;
@@ -1083,7 +992,7 @@ static double measure_strain(face *f, limit_looks looks)
         size_t group = l->wanted[i];
         const limit_group *g = &l->group[group];
         for (uint32_t k = g->first_block; k < g[1].first_block; ++k)
-            pose_block(f, l->block[k]);
+            limit_pose_block(f, l->block[k]);
         greatest = fmax(greatest, measure_group(f, group, stretch));
     }
     return greatest;
@@ -1130,8 +1039,7 @@ static void find_asked(face *f)
     }
 }
 
-/* f->given := the columns' weights for limit.g and the applied shares of the shapes. */
-static void give(face *f)
+void limit_give(face *f)
 {
     f->limit.is_added_given = false;
     face_shapes_give(f);
@@ -1148,8 +1056,7 @@ static void give(face *f)
     }
 }
 
-/* Sets the weights in the fields as well: their slopes are asked for the shape shown. */
-static void give_fields(face *f)
+void limit_give_fields(face *f)
 {
     f->meter.slope_bound = 0.0;
     for (uint32_t b = 0; b < f->bone_count; ++b) {
@@ -1163,7 +1070,7 @@ static void give_fields(face *f)
     }
 }
 
-static void note_held_back(face *f)
+void limit_note_held_back(face *f)
 {
     double most = 0.0;
     for (uint32_t k = 0; k < f->control_count; ++k) {
@@ -1181,7 +1088,7 @@ static void give_part(face *f, double part)
         f->limit.g[i] *= part;
     for (uint32_t i = 0; i < f->shapes.count; ++i)
         f->shapes.given[i] *= part;
-    give(f);
+    limit_give(f);
 }
 
 /* Scales f->given on a head with shapes until no skin is strained too much. 1 / strain is exact for
@@ -1224,7 +1131,7 @@ static double yield_pulls(face *f, double strain)
         memcpy(l->g, l->asked, numbers * sizeof *l->g);
         csrbf_soften(l->g, &f->settings, l->centre, l->likeness, l->ridge, f->control_count,
                      l->scratch);
-        give(f);
+        limit_give(f);
         strain = measure_strain(f, AT_STRAINS);
     }
     strain = measure_strain(f, AT_TURNS);
@@ -1243,7 +1150,7 @@ static void pose_candidates(face *f, float part)
         for (int k = 0; k < 6; ++k) {
             uint32_t slot = around[k];
             const float *posed = l->posed[slot], *added = l->added[slot];
-            put_vertex(&l->shown_before, slot, posed);
+            limit_put_vertex(&l->shown_before, slot, posed);
             l->shown_after.x[slot] = posed[0] + part * added[0];
             l->shown_after.y[slot] = posed[1] + part * added[1];
             l->shown_after.z[slot] = posed[2] + part * added[2];
@@ -1268,7 +1175,7 @@ static void find_candidates(face *f)
                 if (weighed == 0)
                     add_block(f, around[k] / POINTS_BLOCK);
                 else
-                    pose_block(f, around[k] / POINTS_BLOCK);
+                    limit_pose_block(f, around[k] / POINTS_BLOCK);
         }
     }
 }
@@ -1280,7 +1187,7 @@ static double bend_of_part(face *f, double part)
     face_limit *l = &f->limit;
     const float *before[3], *after[3];
     pose_candidates(f, (float)part);
-    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
+    return surface_meter_bend(f->surface_meter, &limit_bends, l->candidate, l->candidate_count,
                               points_streams(&l->shown_before, before),
                               points_streams(&l->shown_after, after));
 }
@@ -1311,15 +1218,16 @@ static void yield_to_bends(face *f, double part)
         l->tip_share[k] = 1.0;
     for (uint32_t i = 0; i < l->candidate_count; ++i) {
         double nearest = 1e-6;
-        double bend = surface_meter_bend(f->surface_meter, &bends, l->candidate + i, 1,
+        double bend = surface_meter_bend(f->surface_meter, &limit_bends, l->candidate + i, 1,
                                          points_streams(&l->shown_before, before),
                                          points_streams(&l->shown_after, after));
         if (!(bend > 1.0))
             continue;
         for (uint32_t k = 0; k < f->control_count; ++k)
-            nearest = fmax(nearest, near_grip(f, l->candidate[i], k));
+            nearest = fmax(nearest, limit_near_grip(f, l->candidate[i], k));
         for (uint32_t k = 0; k < f->control_count; ++k) {
-            double near = near_grip(f, l->candidate[i], k) / nearest * (bend - 1.0) / (most - 1.0);
+            double near =
+                limit_near_grip(f, l->candidate[i], k) / nearest * (bend - 1.0) / (most - 1.0);
             l->tip_share[k] = fmin(l->tip_share[k], 1.0 - (1.0 - part) * near);
         }
     }
@@ -1341,7 +1249,7 @@ static double unbend(face *f, double part)
     }
     for (int i = 0; i < BEND_YIELDS && (part = part_unbent(f)) < 1.0; ++i) {
         yield_to_bends(f, part);
-        give(f);
+        limit_give(f);
         (void)measure_strain(f, AT_TURNS);
         find_candidates(f);
     }
@@ -1354,7 +1262,7 @@ static double room_of_part(face *f, double part)
 {
     for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
         f->limit.g[i] = part * f->limit.centre[i];
-    give_fields(f);
+    limit_give_fields(f);
     return face_min_determinant(f) - determinant_least;
 }
 
@@ -1386,270 +1294,8 @@ static void unfold(face *f)
             side = 1;
         }
     }
-    give(f);
+    limit_give(f);
     f->is_held = true;
-}
-
-/* ---- the shape as it will be shown ---- */
-
-/* Returns the least area of the group's triangles, seen along the normals as the bones turn them,
- * over that at rest. limit.candidate: those that are turned so far that an edge may be bent too
- * far. */
-static float see_group(face *f, size_t group, const float (*row)[4])
-{
-    face_limit *l = &f->limit;
-    const limit_patch *patch = &l->patch[group];
-    const strain_corners at = {row, f->skin + 3 * GROUP * group, group_size(f, group)};
-    const angle_sincos apart = half_apart(f, &l->group[group]);
-    const strain_turns may_turn = {patch->turn_cosine, patch->turn_sine, (float)apart.cos,
-                                   (float)apart.sin};
-    strain_seen seen;
-    float least = 1.0f;
-    turn_normals(f, group);
-    l->loops->seen(&seen, &at, (const float(*)[GROUP])patch->along, &may_turn);
-    l->candidate_count = 0;
-    for (size_t i = 0; i < GROUP; ++i) {
-        least = seen.area[i] < least ? seen.area[i] : least;
-        if (seen.turned[i] > 0.0f)
-            l->candidate[l->candidate_count++] = (uint32_t)(GROUP * group + i);
-    }
-    return least;
-}
-
-/* Whether an edge of the candidates is bent too far after, and further than before. */
-static bool candidates_are_bent(face *f, const float (*row_before)[4], const float (*row_after)[4])
-{
-    face_limit *l = &f->limit;
-    const float *before[3], *after[3];
-    for (uint32_t i = 0; i < l->candidate_count; ++i) {
-        uint32_t around[6];
-        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
-            continue;
-        for (int k = 0; k < 6; ++k) {
-            put_vertex(&l->shown_before, around[k], row_before[around[k]]);
-            put_vertex(&l->shown_after, around[k], row_after[around[k]]);
-        }
-    }
-    return surface_meter_bend(f->surface_meter, &bends, l->candidate, l->candidate_count,
-                              points_streams(&l->shown_before, before),
-                              points_streams(&l->shown_after, after)) > 1.0;
-}
-
-/* ---- pulls give way to what comes after them ----
- *
- * To the seal and to what lies under the skin. `harms` judges f->given; the controls near the skin
- * of limit.harmed give way first. */
-
-/* limit.tip_share: how near each control is to that skin, of the nearest one, 0..1; shapes.strain:
- * how much each shape acts there. */
-static void find_harmed_controls(face *f)
-{
-    face_limit *l = &f->limit;
-    memset(l->tip_share, 0, f->control_count * sizeof *l->tip_share);
-    memset(f->shapes.strain, 0, f->shapes.count * sizeof *f->shapes.strain);
-    for (uint32_t i = 0; i < l->harmed_count; ++i) {
-        const size_t triangle = (size_t)GROUP * l->harmed[i];
-        double nearest = 1e-6;
-        strain_own_shapes(f, l->harmed[i], 2.0);
-        for (uint32_t k = 0; k < f->control_count; ++k)
-            nearest = fmax(nearest, near_grip(f, triangle, k));
-        for (uint32_t k = 0; k < f->control_count; ++k)
-            l->tip_share[k] = fmax(l->tip_share[k], near_grip(f, triangle, k) / nearest);
-    }
-}
-
-/* less, 0..1: controls and shapes lose so much of that; 1..2: the others lose theirs too, until
- * nothing is given. Of limit.centre and limit.shaped. */
-static void give_less(face *f, double less)
-{
-    face_limit *l = &f->limit;
-    const double near = fmin(less, 1.0), all = fmax(less - 1.0, 0.0);
-    for (size_t i = 0; i < (size_t)3 * f->control_count; ++i)
-        l->g[i] = l->centre[i] * (1.0 - fmax(near * l->tip_share[i / 3], all));
-    for (uint32_t i = 0; i < f->shapes.count; ++i)
-        f->shapes.given[i] = l->shaped[i] * (1.0 - fmax(near * l->shape_share[i], all));
-    give(f);
-}
-
-/* Gives as little less as is needed. False, and nothing is given less: nothing is enough. */
-static bool yield_to(face *f, bool (*harms)(face *f))
-{
-    face_limit *l = &f->limit;
-    double low = 0.0, high = 1.0;
-    find_harmed_controls(f);
-    memcpy(l->centre, l->g, (size_t)3 * f->control_count * sizeof *l->g);
-    memcpy(l->shaped, f->shapes.given, f->shapes.count * sizeof *l->shaped);
-    memcpy(l->shape_share, f->shapes.strain, f->shapes.count * sizeof *l->shape_share);
-    give_less(f, high);
-    if (harms(f)) {
-        low = 1.0, high = 2.0;
-        give_less(f, high);
-        if (harms(f)) {
-            give_less(f, 0.0);
-            (void)harms(f);
-            return false;
-        }
-    }
-    for (int i = 0; i < HALVINGS; ++i) {
-        double middle = 0.5 * (low + high);
-        give_less(f, middle);
-        if (harms(f))
-            low = middle;
-        else
-            high = middle;
-    }
-    give_less(f, high);
-    (void)harms(f);
-    give_fields(f);
-    f->is_held = true;
-    note_held_back(f);
-    return true;
-}
-
-/* ---- the lips ----
- *
- * What the seal adds comes on top of what the pulls add, wherever that brings the lips. Where both
- * together would fold skin or bend an edge too far, the lips are sealed less around there, then
- * everywhere; where lips that only touch would do it, the pulls around there give way, then all. */
-
-static const float lips_rounding = 1e-4f; /* of an area */
-static const double yield_reach = 0.2;    /* of the width of the mouth */
-
-/* lips.bare: the skin in reach of the seal as bones and pulls alone move it. */
-static void find_bare_lips(face *f)
-{
-    columns_weigh(&f->columns, f->given, f->columns.count);
-    for (uint32_t i = 0; i < f->lips.block_count; ++i)
-        write_block(f, f->lips.bare, f->origin, f->lips.block[i]);
-}
-
-/* lips.sealed: the same with the seal. */
-static void find_sealed_lips(face *f)
-{
-    const face_lips *l = &f->lips;
-    for (uint32_t i = 0; i < l->block_count; ++i) {
-        float sum[3][POINTS_BLOCK];
-        size_t first = (size_t)l->block[i] * POINTS_BLOCK;
-        memset(sum, 0, sizeof sum);
-        face_lips_sum(f, sum, l->block[i]);
-        for (size_t v = 0; v < POINTS_BLOCK; ++v)
-            for (int axis = 0; axis < 3; ++axis)
-                l->sealed[first + v][axis] = l->bare[first + v][axis] + sum[axis][v];
-    }
-}
-
-/* Whether the seal folds a triangle in group i of those that it reaches, or bends an edge too far,
- * and not without it. */
-static bool is_harmed_by_lips(face *f, uint32_t i)
-{
-    const float(*bare)[4] = (const float(*)[4])f->lips.bare;
-    const float(*sealed)[4] = (const float(*)[4])f->lips.sealed;
-    size_t group = f->lips.group[i];
-    float least = see_group(f, group, sealed);
-    if (f->limit.candidate_count > 0 && !is_shaped(f) && candidates_are_bent(f, bare, sealed))
-        return true;
-    return least < STRAIN_FOLD_ROOM &&
-           least < fminf(see_group(f, group, bare), STRAIN_FOLD_ROOM) - lips_rounding;
-}
-
-/* Whether the bounds of what pulls and seal add allow that. */
-static bool may_lips_harm(face *f, uint32_t i)
-{
-    const face_lips *l = &f->lips;
-    limit_group *g = &f->limit.group[l->group[i]];
-    bool is_bounded =
-        f->origin == &f->base && (f->control_count == 0 || !(f->settings.stretch_most < 0.0));
-    float steepness = is_shaped(f) && isfinite(g->steepness) ? shaped_steepness : g->steepness;
-    float most = (f->limit.pull_bound[l->group[i]] + l->steepness[i]) * steepness;
-    if (!is_bounded || !(most < 1.0f))
-        return true;
-    if (isinf(g->room))
-        g->room = room_of_pose(f, g);
-    return !(most < g->room);
-}
-
-/* Applies that much of the seal. */
-static bool lips_harm(face *f, double strength)
-{
-    const face_lips *l = &f->lips;
-    face_lips_meet(f, strength);
-    face_lips_bound(f);
-    find_sealed_lips(f);
-    for (uint32_t i = 0; l->is_meeting && i < l->group_count; ++i)
-        if (may_lips_harm(f, i) && is_harmed_by_lips(f, i))
-            return true;
-    return false;
-}
-
-/* lips.near: how near each station is to skin that the seal harms, 0..1. */
-static void find_harmed_stations(face *f)
-{
-    face_lips *l = &f->lips;
-    const double reach_mm = yield_reach * f->binding.lips.width_mm;
-    memset(l->near, 0, l->count * sizeof *l->near);
-    for (uint32_t i = 0; i < l->group_count; ++i) {
-        const uint32_t *corner = f->skin + (size_t)3 * GROUP * l->group[i];
-        if (!is_harmed_by_lips(f, i))
-            continue;
-        for (uint32_t k = 0; k < l->count; ++k) {
-            vec3 way = vec3_sub(points_position(&f->rest, *corner), vec3_row(l->rest, k));
-            double q = vec3_dot(way, way) / (reach_mm * reach_mm);
-            l->near[k] = fmax(l->near[k], q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0);
-        }
-    }
-}
-
-/* limit.harmed: the groups that lips which only touch harm. */
-static void list_harmed_by_lips(face *f)
-{
-    f->limit.harmed_count = 0;
-    for (uint32_t i = 0; i < f->lips.group_count; ++i)
-        if (is_harmed_by_lips(f, i))
-            f->limit.harmed[f->limit.harmed_count++] = f->lips.group[i];
-}
-
-static bool touching_lips_harm(face *f)
-{
-    find_bare_lips(f);
-    return lips_harm(f, 0.0);
-}
-
-/* The greatest value of *share with which the seal harms nothing; 0 where there is none. */
-static bool find_share(face *f, double *share)
-{
-    double low = 0.0, high = 1.0;
-    for (int i = 0; i < HALVINGS; ++i) {
-        *share = 0.5 * (low + high);
-        if (lips_harm(f, 1.0))
-            high = *share;
-        else
-            low = *share;
-    }
-    *share = low;
-    return !lips_harm(f, 1.0);
-}
-
-static void limit_lips(face *f)
-{
-    face_lips *l = &f->lips;
-    l->share = l->share_near = 1.0;
-    face_lips_meet(f, 1.0);
-    if (!l->is_meeting)
-        return;
-    begin_pose(f);
-    find_bare_lips(f);
-    if (!lips_harm(f, 1.0))
-        return;
-    if (f->control_count > 0 && !(f->settings.stretch_most < 0.0) && f->origin == &f->base &&
-        lips_harm(f, 0.0)) {
-        list_harmed_by_lips(f);
-        (void)yield_to(f, touching_lips_harm);
-    }
-    if (!lips_harm(f, 1.0))
-        return;
-    find_harmed_stations(f);
-    if (!find_share(f, &l->share_near))
-        (void)find_share(f, &l->share);
 }
 
 static void limit_pulls(face *f)
@@ -1666,7 +1312,7 @@ static void limit_pulls(face *f)
     memcpy(f->limit.g, f->limit.asked, (size_t)3 * f->control_count * sizeof *f->limit.g);
     if (!moves || (f->control_count > 0 && f->settings.stretch_most < 0.0))
         return;
-    begin_pose(f);
+    limit_begin_pose(f);
     double strain = measure_strain(f, AT_TURNS), part = 1.0;
     f->is_held = strain > 1.0;
     if (strain > 1.0)
@@ -1675,114 +1321,16 @@ static void limit_pulls(face *f)
         part = unbend(f, part);
     if (part < 1.0)
         give_part(f, part);
-    if (part < 1.0 && is_shaped(f))
+    if (part < 1.0 && limit_is_shaped(f))
         part_shaped(f);
     f->is_held = memcmp(f->limit.g, f->limit.asked,
                         (size_t)3 * f->control_count * sizeof *f->limit.g) != 0 ||
                  face_shapes_are_held(f);
     if (f->is_held)
-        give_fields(f);
+        limit_give_fields(f);
     unfold(f);
     if (f->is_held)
-        note_held_back(f);
-}
-
-/* ---- skin that slides over what lies under it ---- */
-
-static const float slid_least = 0.02f; /* of its area at rest, that a triangle keeps */
-
-/* limit.slid: where these vertices are shown; once in a frame. */
-static void take_slid_block(face *f, uint32_t block)
-{
-    const size_t first = (size_t)block * POINTS_BLOCK;
-    if (f->limit.is_slid[block])
-        return;
-    f->limit.is_slid[block] = 1;
-    for (size_t slot = first; slot < first + POINTS_BLOCK; ++slot) {
-        float *row = f->limit.slid[slot];
-        row[0] = f->shown.x[slot];
-        row[1] = f->shown.y[slot];
-        row[2] = f->shown.z[slot];
-    }
-}
-
-/* Folded, or bent too far against what the bones alone do. */
-static bool is_harmed_as_shown(face *f, size_t group)
-{
-    face_limit *l = &f->limit;
-    const limit_group *g = &l->group[group];
-    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        take_slid_block(f, l->block[i]);
-    if (see_group(f, group, (const float(*)[4])l->slid) < slid_least)
-        return true;
-    if (l->candidate_count == 0 || is_shaped(f))
-        return false;
-    columns_weigh(&f->columns, l->pose_weight, f->columns.count);
-    for (uint32_t i = 0; i < l->candidate_count; ++i) {
-        uint32_t around[6];
-        if (!surface_meter_around(f->surface_meter, l->candidate[i], around))
-            continue;
-        for (int k = 0; k < 6; ++k) {
-            take_slid_block(f, around[k] / POINTS_BLOCK);
-            pose_block(f, around[k] / POINTS_BLOCK);
-        }
-    }
-    columns_weigh(&f->columns, f->given, f->columns.count);
-    return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
-}
-
-/* pushed: of each vertex; limit.is_pushed: of each block. */
-static bool is_group_pushed(const face *f, const uint8_t *pushed, size_t group)
-{
-    const face_limit *l = &f->limit;
-    const limit_group *g = &l->group[group];
-    const uint32_t *corner = f->skin + 3 * GROUP * group;
-    uint32_t any = 0;
-    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        any |= l->is_pushed[l->block[i]];
-    if (!any)
-        return false;
-    any = 0;
-    for (size_t i = 0; i < 3 * group_size(f, group); ++i)
-        any |= pushed[corner[i]];
-    return any != 0;
-}
-
-/* limit.harmed: of the groups that have been pushed aside, those that are folded or bent too far as
- * shown. */
-static bool slid_skin_is_harmed(face *f)
-{
-    face_limit *l = &f->limit;
-    const uint8_t *pushed = projection_pushed(&f->projection);
-    l->harmed_count = 0;
-    memset(l->is_slid, 0, f->rest.block_count);
-    for (uint32_t block = 0; pushed && block < f->rest.block_count; ++block)
-        l->is_pushed[block] =
-            memchr(pushed + (size_t)block * POINTS_BLOCK, 1, POINTS_BLOCK) != NULL;
-    for (uint32_t group = 0; pushed && group < group_count(f); ++group)
-        if (is_group_pushed(f, pushed, group) && is_harmed_as_shown(f, group))
-            l->harmed[l->harmed_count++] = group;
-    return l->harmed_count > 0;
-}
-
-static bool sliding_harms(face *f)
-{
-    face_lips_meet(f, 1.0);
-    if (f->lips.is_meeting) {
-        find_bare_lips(f);
-        find_sealed_lips(f);
-    }
-    face_write(f);
-    return slid_skin_is_harmed(f);
-}
-
-void face_limit_slide(face *f)
-{
-    if (f->control_count == 0 || f->origin != &f->base || f->settings.stretch_most < 0.0)
-        return;
-    begin_pose(f);
-    if (slid_skin_is_harmed(f))
-        (void)yield_to(f, sliding_harms);
+        limit_note_held_back(f);
 }
 
 void face_limit_pull(face *f)
@@ -1790,7 +1338,7 @@ void face_limit_pull(face *f)
     f->limit.is_added_given = false;
     if (f->is_given)
         return;
-    f->limit.is_begun = false;
+    f->limit.is_begun = f->limit.gives_less = false;
     projection_pose(&f->projection, f->pose, f->blocks.is_stale);
     limit_pulls(f);
     limit_lips(f);

@@ -23,7 +23,8 @@ static const double reach_of_width = 0.36;
 static const float free_from = 0.6f, response_least = 2e-4f;
 /* Of half the slit: how long the front is that closes. */
 static const double zip_width = 1.0;
-/* Teeth push rims that are kept apart: how often that is gone through, until they cross by less. */
+/* Teeth push rims after they are kept apart. Repeats both, until the rims cross by less than this.
+ */
 enum { PARTINGS = 6 };
 static const double crossed_most_mm = 0.02, pushed_least_mm = 1e-6;
 enum { FACING = 4 }; /* stations to either side among which the facing one is looked for */
@@ -292,8 +293,8 @@ static void place_rims(face *f)
     }
 }
 
-/* The rims: where these places are once the corrections, and then what lies under the skin, have
- * moved them. True: what lies under the skin has. */
+/* l->upper, l->lower: the rims, moved by the corrections and then by skull and teeth. Returns
+ * whether skull or teeth moved them. */
 static bool find_rims(face *f)
 {
     face_lips *l = &f->lips;

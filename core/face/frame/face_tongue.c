@@ -1,8 +1,7 @@
-/* The tongue stays behind closed lips: how far its turn may put it out follows from how far the
- * rims of the mouth are apart in the middle, once bones, pulls and the seal have moved them. Up to
- * free_rad the tip is behind the lips whatever they do; from there its way out is let go in
- * proportion to the gap, all of it where that is as high as what would be outside. The degree of
- * freedom that is shown is the one that is left, so that a recording and an export have it too. */
+/* Keeps the tongue behind closed lips. Bones, pulls and the seal leave a gap between the rims in the
+ * middle of the mouth. Up to free_rad the tip of the tongue is behind the lips in any case. Beyond,
+ * the tongue may turn out in proportion to the gap, and wholly where the gap is as high as the part
+ * of the tongue that is outside. meter.dof has the reduced turn, so recordings and exports do too. */
 #include "face/frame/frame.h"
 
 #include <math.h>
@@ -13,8 +12,8 @@ static const double behind_mm = 2.0; /* of the edge of the lips */
 static const float of_tongue = 0.99f;
 
 typedef struct tongue_reach {
-    double before_mm;       /* how far the foremost point is before the lips */
-    double low_mm, high_mm; /* of what is before them, along `up` */
+    double before_mm;       /* from the lips forward to its foremost point */
+    double low_mm, high_mm; /* of the part in front of the lips, along `up` */
 } tongue_reach;
 
 static tongue_reach reach_of(const face *f, double angle_rad)
@@ -57,7 +56,7 @@ void face_tongue_create(face *f)
         t->free_rad = angle_rad;
     }
     const tongue_reach out = reach_of(f, turn->max_rad);
-    t->height_mm = fmax(out.high_mm - out.low_mm, 1.0); /* of nothing: never reached */
+    t->height_mm = fmax(out.high_mm - out.low_mm, 1.0);
 }
 
 void face_tongue_hold(face *f)

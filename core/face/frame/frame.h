@@ -69,7 +69,8 @@ typedef struct face_limit {
     uint32_t *wanted;  /* scratch: groups */
     uint32_t *candidate,
         candidate_count;            /* triangles that may be bent too far against neighbours */
-    uint32_t *harmed, harmed_count; /* groups that what comes after the pulls has harmed */
+    uint32_t *harmed, harmed_count; /* groups that the seal, the skull or teeth fold or bend */
+    bool gives_less;                /* pulls gave way to that: pull_bound is not of f->given */
     float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
     uint8_t *is_slid;
     uint8_t *is_pushed; /* scratch: blocks */
@@ -309,7 +310,7 @@ void face_lips_sum(const face *f, float sum[3][POINTS_BLOCK], uint32_t block);
 /* Whether the corrections differ from those shown last; they are those from now on. */
 bool face_lips_show(face *f);
 
-/* How far apart the rims are in the middle of the slit, as they are shown. */
+/* The gap between the rims in the middle of the slit, in the current shape. */
 double face_lips_open_mm(face *f);
 
 /* ---- face_tongue.c ---- */

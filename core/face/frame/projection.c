@@ -180,7 +180,7 @@ static void move_from_core(float *restrict x, const float *restrict part,
     }
 }
 
-/* is_pushed |= whether a vertex is moved far enough to fold skin. */
+/* Sets is_pushed where a vertex is moved far enough to fold skin. */
 static void note_pushed(uint8_t *restrict is_pushed, const proxy_frame *f,
                         const float *restrict part, const points *shown, size_t first)
 {

@@ -14,8 +14,8 @@
  *   (B^8 + |q_y|^8)^(1/8),  B = max(R - k, 0) / w,  R^2 = q_x^2 + q_z^2,
  * so that the edge is met from below and the front from before. Each vertex has a w of its own, by
  * R at rest, R0. Before the row w is 1 - k + 0.3 (R0 - 1): a lip that is pressed against the teeth
- * keeps the order of its layers, and yet touches their edge from below. What is in the row at rest,
- * as lips that touch their teeth, is 0.5 mm outside of its own: it goes no deeper. Deep in the row
+ * keeps the order of its layers, and yet touches their edge from below. Lips that touch their teeth
+ * at rest are 0.5 mm outside of a row of their own: they go no deeper. Deep in the row
  * w fades to 0, and so it does behind the middle of the arch. The floor is c = 0, its band at most
  * 4 mm. One row is one shape: ellipsoids along the arch would leave dents
  * between them, and lips would catch at the last one.
@@ -84,8 +84,8 @@ void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
 bool projection_apply(projection *p, points *shown, uint32_t block);
 /* Where it brings a vertex that is at `at`, but for what two proxies do to each other. */
 vec3 projection_at(const projection *p, uint32_t slot, vec3 at);
-/* Of each vertex: whether it was moved far enough to fold skin when it was written last. NULL:
- * there is nothing under the skin. */
+/* Of each vertex: 1 where it was moved far enough to fold skin, when it was written last. NULL: the
+ * rig has no skull and no teeth. */
 const uint8_t *projection_pushed(const projection *p);
 /* Projects all blocks with the bones at rest, whatever the frame is; it is not reported. */
 void projection_apply_still(const projection *p, points *at);

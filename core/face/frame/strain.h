@@ -46,8 +46,7 @@ typedef struct strain_folds {
 } strain_folds;
 
 typedef struct strain_seen {
-    float
-        area[STRAIN_GROUP]; /* seen along a normal, over the area at rest; 1 where there is none */
+    float area[STRAIN_GROUP];   /* seen along a normal, over the area at rest; 1: not a triangle */
     float turned[STRAIN_GROUP]; /* above 0: turned from that normal by more than may be */
 } strain_seen;
 

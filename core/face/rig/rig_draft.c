@@ -964,8 +964,8 @@ static void add_follows(rig *r, drafting *d)
 
 /* ---- teeth ---- */
 
-/* Of the height of a row: so much further it goes on the side of the gums, where the inside of the
- * mouth is in front of them and skin would pass through it. */
+/* Added to the height of a row, on the side of the gums: the inside of the mouth covers them there,
+ * and skin must stop in front of it. */
 static const double beside_gums = 0.45;
 
 static uint32_t list_teeth(vec3 *out, const mesh *m, const rig_anatomy *a, piece_kind kind)

@@ -25,8 +25,8 @@ enum { COLUMNS_MAX = 256, WAY_MAX = 3000, BISECTIONS = 8 };
 static const double steep[] = {6.0, 3.0};
 static const double column_step = 0.012; /* of the half width of the face */
 /* Of the reach, from the nose down to the chin: */
-static const double way_step = 0.006;     /* points of a way are at most so far apart */
-static const double lip_height = 0.05;    /* so far beyond the lips' crests a column begins */
+static const double way_step = 0.006;     /* the greatest distance of two points of a way */
+static const double lip_height = 0.05;    /* where a column begins, beyond the crests of the lips */
 static const double hole_way = 0.3;       /* the way across a hole */
 static const double pocket_least = 0.06;  /* the greatest pocket of a slit is at least that */
 static const double corner_pocket = 0.01; /* a pocket ends where it is less */

@@ -3,7 +3,7 @@
 #include <math.h>
 
 enum { TEETH_LEAST = 12 };
-static const double reach_part = 0.8; /* of the depth of a row: so far back lips get */
+static const double reach_part = 0.8; /* of the depth of a row: lips reach no further back */
 static const double flattest_mm = 0.5;
 
 static double to_8(double x)

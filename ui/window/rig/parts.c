@@ -860,7 +860,7 @@ static void set_mouth(panel *self, const rig_mouth *mouth, const char *words)
         (void)rig_panel_finish(self, rig_edit_set_mouth(r, mouth, &self->err), words);
 }
 
-/* What is said of sealing stays. */
+/* Keeps the settings of the seal. */
 static void find_rims(panel *self)
 {
     char why_not[BIND_FAULT], words[sizeof(error) + 64];
@@ -869,7 +869,7 @@ static void find_rims(panel *self)
     mrt_result result = rig_draft_rims(&found, why_not, rig_model_mesh(self->model),
                                        rig_model_topology(self->model), &err);
     if (result < 0 || !found.upper) {
-        (void)snprintf(words, sizeof words, "No rims are found: %s.",
+        (void)snprintf(words, sizeof words, "The rims are not found: %s.",
                        result < 0 ? err.text : why_not);
         rig_panel_say(self, words);
         return;
