@@ -19,8 +19,8 @@ CHECKED mrt_result rig_draft_mouth(uint32_t **out_chain, uint32_t *out_count, co
 CHECKED mrt_result rig_draft_make(rig *out, char **out_confirm, const mesh *m, const topology *t,
                                   const char *mesh_path, const uint32_t *cut_mouth,
                                   uint32_t cut_count, error *err);
-/* Replaces the rig's rows of teeth with rows fitted to the upper and lower teeth of the mesh. Adds no
- * row where the mesh has no such teeth, or the rig no skull or jaw. */
+/* Replaces the rig's rows of teeth with rows fitted to the upper and lower teeth of the mesh. Adds
+ * no row where the mesh has no such teeth, or the rig no skull or jaw. */
 CHECKED mrt_result rig_draft_teeth(rig *r, const mesh *m, const topology *t, error *err);
 /* Finds the rims of the slit between the lips, for an existing rig. The caller frees the arrays of
  * `out`. A mesh without a slit leaves them NULL and sets why_not to a message. */

@@ -1,7 +1,8 @@
-/* Keeps the tongue behind closed lips. Bones, pulls and the seal leave a gap between the rims in the
- * middle of the mouth. Up to free_rad the tip of the tongue is behind the lips in any case. Beyond,
- * the tongue may turn out in proportion to the gap, and wholly where the gap is as high as the part
- * of the tongue that is outside. meter.dof has the reduced turn, so recordings and exports do too. */
+/* Keeps the tongue behind closed lips. Bones, pulls and the seal leave a gap between the rims in
+ * the middle of the mouth. Up to free_rad the tip of the tongue is behind the lips in any case.
+ * Beyond, the tongue may turn out in proportion to the gap, and wholly where the gap is as high as
+ * the part of the tongue that is outside. meter.dof has the reduced turn, so recordings and exports
+ * do too. */
 #include "face/frame/frame.h"
 
 #include <math.h>

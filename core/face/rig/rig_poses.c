@@ -802,27 +802,71 @@ mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *
     return MRT_OK;
 }
 
-static void shorten(rig_pose *pose, double part)
+static void scale_pulls(rig_pose *pose, double by)
 {
     for (uint32_t k = 0; k < pose->pull_count + pose->follow_count; ++k)
-        pose->pull_mm[k] = vec3_scale(pose->pull_mm[k], part);
+        pose->pull_mm[k] = vec3_scale(pose->pull_mm[k], by);
+}
+
+static void scale_jaw(rig_pose *pose, double by)
+{
+    for (uint32_t k = 0; k < pose->dof_count; ++k)
+        if (starts(pose->dof_name[k], "jaw."))
+            pose->dof_value[k] *= by;
+}
+
+/* Whether the pose folds no skin, and is not held back when it is performed. */
+static mrt_result is_eased(rig_poses_stage *stage, uint32_t pose, bool *out, error *err)
+{
+    static const double least = 0.05, held_most_mm = 0.3;
+    const double portrait = stage->solver.stretch_most;
+    mrt_result result = rig_poses_show(stage, pose, err);
+    *out = result >= 0 && face_min_determinant(stage->face) > least;
+    stage->solver.stretch_most = stage->rig.solver.stretch_most;
+    if (*out)
+        result = rig_poses_show(stage, pose, err);
+    stage->solver.stretch_most = portrait;
+    *out = *out && result >= 0 && face_metered(stage->face)->held_back_mm <= held_most_mm;
+    return result;
+}
+
+/* Scales both copies of a pose until it is eased: its pulls, and with_jaw also how far the jaw
+ * goes. False: nothing was enough, and the pose is unchanged. */
+static mrt_result ease(rig_poses_stage *stage, rig_pose *pose, uint32_t index, bool with_jaw,
+                       bool *out, error *err)
+{
+    enum { ROUNDS = 12 };
+    static const double part = 0.8;
+    rig_pose *const copy[] = {pose, &stage->rig.pose[index]};
+    double whole = 1.0;
+    mrt_result result = is_eased(stage, index, out, err);
+    for (int round = 0; round < ROUNDS && result >= 0 && !*out; ++round) {
+        whole *= part;
+        for (int i = 0; i < 2; ++i) {
+            scale_pulls(copy[i], part);
+            scale_jaw(copy[i], with_jaw ? part : 1.0);
+        }
+        result = is_eased(stage, index, out, err);
+    }
+    for (int i = 0; i < 2 && !*out; ++i) {
+        scale_pulls(copy[i], 1.0 / whole);
+        scale_jaw(copy[i], with_jaw ? 1.0 / whole : 1.0);
+    }
+    return result;
 }
 
 mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t, error *err)
 {
-    static const double least = 0.05, part = 0.8;
     rig_poses_stage stage;
     mrt_result result = rig_poses_stage_init(&stage, r, m, t, err);
     if (result < 0)
         return result;
-    for (uint32_t i = first; i < r->pose_count && result >= 0; ++i)
-        for (int round = 0; round < 12 && result >= 0; ++round) {
-            result = rig_poses_show(&stage, i, err);
-            if (result < 0 || face_min_determinant(stage.face) > least)
-                break;
-            shorten(&r->pose[i], part);
-            shorten(&stage.rig.pose[i], part);
-        }
+    for (uint32_t i = first; i < r->pose_count && result >= 0; ++i) {
+        bool is_done = false;
+        result = ease(&stage, &r->pose[i], i, false, &is_done, err);
+        if (result >= 0 && !is_done)
+            result = ease(&stage, &r->pose[i], i, true, &is_done, err);
+    }
     rig_poses_stage_finish(&stage);
     return result;
 }

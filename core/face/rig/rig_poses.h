@@ -68,13 +68,14 @@ CHECKED mrt_result rig_poses_show_on(face *f, const rig *r, uint32_t pose,
 CHECKED mrt_result rig_poses_of(rig_pose *out, const char *name, face *f, uint32_t room,
                                 const rig *r, const csrbf_settings *solver, const vec3 *at,
                                 const float *dof, error *err);
-/* Adds the model's poses with the names of ARKit's shapes, visemes and the twelve expressions that r
- * and m's shapes lack. Copies what contacts and degrees of freedom of the same names do, and scales
- * pulls by the size of that part of the head. Leaves out pulls that only level a model's smile at
- * rest, and lids that r does not have. */
+/* Adds the model's poses with the names of ARKit's shapes, visemes and the twelve expressions that
+ * r and m's shapes lack. Copies what contacts and degrees of freedom of the same names do, and
+ * scales pulls by the size of that part of the head. Leaves out pulls that only level a model's
+ * smile at rest, and lids that r does not have. */
 CHECKED mrt_result rig_poses_carry(rig *r, const mesh *m, const rig *model, const mesh *model_mesh,
                                    error *err);
-/* Pulls of the poses from `first` on are made shorter where they fold the skin. */
+/* Shortens the pulls of the poses from `first` on that fold the skin, or are held back by more than
+ * 0.3 mm when they are performed; where that is not enough, the jaw opens less, too. */
 CHECKED mrt_result rig_poses_ease(rig *r, uint32_t first, const mesh *m, const topology *t,
                                   error *err);
 
