@@ -62,17 +62,14 @@ static void close_actor(actor *a)
 
 static vec3 shown(const actor *a, uint32_t vertex)
 {
-    return points_position(face_shown(a->face), face_order(a->face)->slot_of_file[vertex]);
+    return slit_shown(a->face, vertex);
 }
 
 static uint32_t dof_named(const actor *a, const char *name)
 {
-    const bones *b = face_bones(a->face);
-    for (uint32_t i = 0; i < b->dof_count; ++i)
-        if (strcmp(b->dof[i].name, name) == 0)
-            return i;
-    fail_msg("there is no degree of freedom %s", name);
-    return 0;
+    const uint32_t dof = slit_dof(a->face, name);
+    assert_true(dof != RIG_NONE);
+    return dof;
 }
 
 static const rig_pose *pose_named(const actor *a, const char *name)

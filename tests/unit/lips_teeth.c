@@ -177,8 +177,7 @@ typedef struct upright {
 static vec3 upright_place(const void *of, uint32_t vertex)
 {
     const upright *u = of;
-    const uint32_t slot = face_order(u->face)->slot_of_file[vertex];
-    return rigid_apply(&u->into_skull, points_position(face_shown(u->face), slot));
+    return rigid_apply(&u->into_skull, slit_shown(u->face, vertex));
 }
 
 /* The deepest lip of a face as it is shown. */
@@ -191,8 +190,7 @@ static void note_deepest(depth *deepest, const stand *s, const face *f)
     for (uint32_t k = 0; k < ROWS; ++k) {
         rigid into = rigid_inverse(&pose[s->row[k].bone]);
         for (uint32_t i = 0; i < s->lip_count; ++i) {
-            uint32_t slot = face_order(f)->slot_of_file[s->lip[i]];
-            vec3 at = rigid_apply(&into, points_position(face_shown(f), slot));
+            vec3 at = rigid_apply(&into, slit_shown(f, s->lip[i]));
             double mm = s->skipped[k][i] ? 0.0 : behind(&s->row[k], &s->file.mesh, at);
             if (mm > deepest->mm)
                 *deepest = (depth){mm, deepest->overlap_mm, s->lip[i], k};
@@ -305,50 +303,33 @@ static void pull_randomly(face *f, const stand *s, uint64_t random, double most_
     scene_must(face_pull(f, end, dof, &err), &err);
 }
 
-/* And the teeth fold no skin that would be whole without them. */
 static void lips_are_before_the_teeth_in_random_hands(void **state)
 {
     (void)state;
-    enum { HANDS = 30, STRENGTHS = 3 };
+    enum { HANDS = 40, STRENGTHS = 3 };
     static const double pull_mm[STRENGTHS] = {4.0, 8.0, 14.0}; /* no hand pulls as the last */
     static stand s;
-    face *f, *toothless;
+    face *f;
     error err = {""};
     set_up(&s);
-    const rig *r = s.file.rig;
-    rig without = *r;
-    without.proxy_count = 0;
-    while (without.proxy_count < r->proxy_count &&
-           r->proxy[without.proxy_count].kind != PROXY_TEETH)
-        without.proxy_count += 1;
-    assert_int_equal(without.proxy_count + ROWS, r->proxy_count);
-    scene_must(face_create(&f, r, &s.file.mesh, &s.file.topology, MRT_MAX_VECTORS, &err), &err);
-    scene_must(
-        face_create(&toothless, &without, &s.file.mesh, &s.file.topology, MRT_MAX_VECTORS, &err),
-        &err);
+    scene_must(face_create(&f, s.file.rig, &s.file.mesh, &s.file.topology, MRT_MAX_VECTORS, &err),
+               &err);
     for (int strength = 0; strength < STRENGTHS; ++strength) {
-        depth deepest = {0}, before = {0};
-        uint32_t folded = 0, folded_before = 0;
+        depth deepest = {0};
+        double least = 1.0;
         char of[48];
         for (uint64_t hand = 0; hand < HANDS; ++hand) {
             pull_randomly(f, &s, 11 + hand, pull_mm[strength]);
-            pull_randomly(toothless, &s, 11 + hand, pull_mm[strength]);
             note_deepest(&deepest, &s, f);
-            note_deepest(&before, &s, toothless);
-            double now = face_min_determinant(f), was = face_min_determinant(toothless);
-            folded += now <= 0.0;
-            folded_before += was <= 0.0;
+            least = fmin(least, face_min_determinant(f));
         }
         (void)snprintf(of, sizeof of, "random, up to %.0f mm", pull_mm[strength]);
         print_depth(of, &deepest);
-        print_message("%-24s %5.2f mm without the rows; %u folded, %u without\n", "", before.mm,
-                      folded, folded_before);
+        print_message("%-24s least determinant %.3f\n", "", least);
         assert_true(deepest.mm <= behind_most_mm && deepest.overlap_mm <= overlap_most_mm);
-        if (strength < STRENGTHS - 1)
-            assert_true(folded <= folded_before);
+        assert_true(least > 0.0);
     }
     face_destroy(f);
-    face_destroy(toothless);
     tear_down(&s);
 }
 
@@ -378,7 +359,7 @@ static void a_lower_lip_touches_the_edge_of_the_upper_teeth(void **state)
         note_deepest(&deepest, &s, f);
         assert_true(deepest.mm <= behind_most_mm);
         for (uint32_t i = 0; i < s.lip_count; ++i) {
-            vec3 p = points_position(face_shown(f), face_order(f)->slot_of_file[s.lip[i]]);
+            vec3 p = slit_shown(f, s.lip[i]);
             bool is_lower = b->weight[(size_t)s.row[1].bone * b->vertex_count + s.lip[i]] > 0.9f;
             if (is_lower && fabs(p.x) < 10.0 && p.z < s.row[0].front_z - 4.0)
                 gap = fmin(gap, s.row[0].low_y - p.y);
@@ -412,7 +393,7 @@ static void lips_that_touch_the_teeth_at_rest_go_no_deeper(void **state)
     const double end[3] = {at.x, at.y, at.z - 8.0};
     scene_must(face_engage(f, &r->solver, &control, 1, &err), &err);
     scene_must(face_pull(f, end, NULL, &err), &err);
-    vec3 now = points_position(face_shown(f), face_order(f)->slot_of_file[vertex]);
+    vec3 now = slit_shown(f, vertex);
     print_message("pulled back by 8 mm it goes %.2f mm\n", at.z - now.z);
     assert_true(at.z - now.z < 0.5);
     face_destroy(f);

@@ -1,10 +1,11 @@
 /* tests/unit/slit.h - how far the lips of a face are apart, or inside each other, in columns along
- * the slit, whatever the rims are read from. */
+ * the slit, whatever the rims are read from; and what tests of lips ask of a face. */
 #ifndef MAROTTE_TESTS_SLIT_H
 #define MAROTTE_TESTS_SLIT_H
-#include "face/rig.h"
+#include "face/face.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { SLIT_COLUMNS = 25 };
 
@@ -52,6 +53,22 @@ static inline bool slit_measure(slit *out, const rig_mouth *mouth, slit_place *p
         out->overlap = fmax(out->overlap, lower.y - upper.y);
     }
     return true;
+}
+
+/* Where a vertex of the file is shown. */
+static inline vec3 slit_shown(const face *f, uint32_t vertex)
+{
+    return points_position(face_shown(f), face_order(f)->slot_of_file[vertex]);
+}
+
+/* RIG_NONE: there is none of that name. */
+static inline uint32_t slit_dof(const face *f, const char *name)
+{
+    const bones *b = face_bones(f);
+    for (uint32_t i = 0; i < b->dof_count; ++i)
+        if (strcmp(b->dof[i].name, name) == 0)
+            return i;
+    return RIG_NONE;
 }
 
 #endif
