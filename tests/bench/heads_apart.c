@@ -59,10 +59,10 @@ static vec3 row_at(const float *at, uint32_t vertex)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-static skull find_skull(const face_file *face, const bind_marks *marks)
+static skull find_skull(const face_file *head, const bind_marks *marks)
 {
-    const mesh *m = &face->mesh;
-    const uint32_t bone = rig_find_bone(face->rig, "skull");
+    const mesh *m = &head->mesh;
+    const uint32_t bone = rig_find_bone(head->rig, "skull");
     skull out = {{0, 0, 0}, false};
     uint32_t first = 0;
     double longest = 0.0, widest = 0.0;
@@ -114,28 +114,28 @@ static vec3 upright_place(const void *of, uint32_t vertex)
 }
 
 /* False: a rim does not reach from corner to corner. */
-static bool measure_lips(slit *out, const face_file *face, const skull *s, const float *at)
+static bool measure_lips(slit *out, const face_file *head, const skull *s, const float *at)
 {
     upright place = {.at = at};
     axes_of(place.now, s, at);
-    axes_of(place.rest, s, face->mesh.position);
-    return slit_measure(out, &face->rig->mouth, upright_place, &place);
+    axes_of(place.rest, s, head->mesh.position);
+    return slit_measure(out, &head->rig->mouth, upright_place, &place);
 }
 
 int main(int argc, char **argv)
 {
     enum { PAIRS = 4000 };
-    face_file face;
+    face_file head;
     bind_marks marks;
     frames f;
     error err = {""};
-    if (argc != 3 || face_file_read(&face, argv[1], NULL, FACE_FILE_USABLE, &err) < 0 ||
-        !face.rig || bind_marks_create(&marks, face.rig, &face.mesh, &face.topology, &err) < 0 ||
-        !open_frames(&f, argv[2], face.mesh.vertex_count)) {
+    if (argc != 3 || face_file_read(&head, argv[1], NULL, FACE_FILE_USABLE, &err) < 0 ||
+        !head.rig || bind_marks_create(&marks, head.rig, &head.mesh, &head.topology, &err) < 0 ||
+        !open_frames(&f, argv[2], head.mesh.vertex_count)) {
         fprintf(stderr, "heads_apart FACE FRAMES.pc2: %s\n", err.text);
         return 2;
     }
-    const mesh *m = &face.mesh;
+    const mesh *m = &head.mesh;
     uint32_t last[RIG_BONES_MAX], pair_count = 0;
     static uint32_t pair[PAIRS][2];
     memset(last, 0xff, sizeof last);
@@ -150,11 +150,11 @@ int main(int argc, char **argv)
         }
         last[bone] = v;
     }
-    const skull on_skull = find_skull(&face, &marks);
-    const bool has_mouth = on_skull.is_known && face.rig->mouth.upper && !face.rig->mouth.fault;
+    const skull on_skull = find_skull(&head, &marks);
+    const bool has_mouth = on_skull.is_known && head.rig->mouth.upper && !head.rig->mouth.fault;
     double parted_mm = 0.0, bent_mm = 0.0, overlap_mm = 0.0;
     slit rest = {0.0, 0.0}, lips;
-    bool is_measured = !has_mouth || measure_lips(&rest, &face, &on_skull, m->position);
+    bool is_measured = !has_mouth || measure_lips(&rest, &head, &on_skull, m->position);
     for (uint32_t i = 0; i < f.count; ++i) {
         if (fread(f.at, 3 * sizeof(float), f.vertex_count, f.file) != f.vertex_count)
             break;
@@ -165,13 +165,13 @@ int main(int argc, char **argv)
                                          distance(m->position, pair[k][0], pair[k][1])));
         if (!has_mouth)
             continue;
-        is_measured = is_measured && measure_lips(&lips, &face, &on_skull, f.at);
+        is_measured = is_measured && measure_lips(&lips, &head, &on_skull, f.at);
         overlap_mm = is_measured ? fmax(overlap_mm, lips.overlap - rest.overlap) : 1e3;
     }
     printf("%.4f %.4f %.4f\n", parted_mm, bent_mm, overlap_mm);
     fclose(f.file);
     free(f.at);
     bind_marks_destroy(&marks);
-    face_file_destroy(&face);
+    face_file_destroy(&head);
     return 0;
 }
