@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "face/rig/rig_poses.h"
+#include "face/rig_draft.h"
 #include "mesh/position.h"
 #include "stage/perform/face_file.h"
 
@@ -19,6 +20,7 @@
 
 static const double apart_most_mm = 0.5;
 static char shared[1024];
+static face_file puppet;
 
 static void must(mrt_result result, const char *of, const error *err)
 {
@@ -78,8 +80,11 @@ static void check_head(const char *name)
     must(face_file_read(&file, path, NULL, FACE_FILE_ANY, &err), name, &err);
     file.rig = calloc(1, sizeof *file.rig);
     assert_non_null(file.rig);
-    must(face_file_draft(file.rig, &confirm, &file.mesh, &file.topology, path, NULL, 0, &err), name,
+    must(rig_draft_make(file.rig, &confirm, &file.mesh, &file.topology, path, NULL, 0, &err), name,
          &err);
+    const uint32_t first = file.rig->pose_count;
+    must(rig_poses_carry(file.rig, &file.mesh, puppet.rig, &puppet.mesh, &err), name, &err);
+    must(rig_poses_ease(file.rig, first, &file.mesh, &file.topology, &err), name, &err);
     must(rig_poses_stage_init(&stage, file.rig, &file.mesh, &file.topology, &err), name, &err);
     const uint32_t count = file.mesh.vertex_count;
     float *portrait = calloc((size_t)6 * count, sizeof *portrait);
@@ -113,8 +118,13 @@ static void a_pose_is_performed_as_it_is_drawn(void **state)
         "heads/suzanne.glb",    "faces/ict_face.glb",  "heads2/brunette_t.glb",
         "heads2/makehuman.obj",
     };
+    error err = {""};
+    must(face_file_read(&puppet, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
+                        &err),
+         "the puppet", &err);
     for (size_t i = 0; i < sizeof heads / sizeof *heads; ++i)
         check_head(heads[i]);
+    face_file_destroy(&puppet);
 }
 
 int main(void)
