@@ -313,7 +313,7 @@ mrt_result perform_mapping_watch(perform_mapping *self, performer *of, log_queue
 {
     const reload_settings settings = {.library = self->library,
                                       .mapping = &self->instance,
-                                      .about = composer_about(performer_composer(of)),
+                                      .mapped = composer_mapped(performer_composer(of)),
                                       .log = log,
                                       .clock = self->settings.clock,
                                       .isolate = self->isolate ? &self->settings : NULL};

@@ -72,7 +72,7 @@ static double scale_of(const fitting *self, const mrt_face *face)
 
 static bool is_lid(int dof)
 {
-    return dof >= DOF_LID_UPPER;
+    return dof >= DOF_LID_UPPER && dof < DOF_SEAL;
 }
 
 static bool is_length(int dof)
@@ -85,18 +85,21 @@ static bool is_length(int dof)
 static void limit_dofs(fitting *self, const mrt_face *face)
 {
     for (int i = 0; i < DOF_COUNT; ++i) {
-        double most = is_lid(i) ? 1.0 : is_length(i) ? 30.0 : 1.5;
-        self->low[i] = is_lid(i) || i == DOF_JAW_OPEN ? 0.0 : -most;
+        double most = is_lid(i) || i == DOF_SEAL ? 1.0 : is_length(i) ? 30.0 : 1.5;
+        self->low[i] =
+            is_lid(i) || i == DOF_JAW_OPEN || i == DOF_SEAL || i == DOF_TONGUE ? 0.0 : -most;
         self->high[i] = most;
+        self->lowest[i] = self->low[i];
         if (self->dof[i] == FITTING_NONE)
             continue;
         const mrt_dof *dof = &face->dofs[self->dof[i]];
         double min = fmin((double)dof->min, 0.0), max = fmax((double)dof->max, 0.0);
         if (is_lid(i)) {
             self->closed[i] = isfinite(max) ? max : 0.0;
+            self->lowest[i] = self->closed[i] > 0.0 ? fmax(-1.0, min / self->closed[i]) : 0.0;
         } else {
             double unit = is_length(i) ? self->scale : 1.0;
-            self->low[i] = fmax(self->low[i], min / unit);
+            self->low[i] = self->lowest[i] = fmax(self->low[i], min / unit);
             self->high[i] = fmin(self->high[i], max / unit);
         }
     }
@@ -207,9 +210,9 @@ static const struct carried {
                {LANDMARK_JAW_ANGLE, 0.5},
                {LANDMARK_JAW_ANGLE + 1, 0.5}};
 
-static double dof_value(const fitting *self, const pose *p, int dof)
+static double dof_value(const fitting *self, const pose *p, const double *low, int dof)
 {
-    return clamp(p->value[POSE_DOFS + dof], self->low[dof], self->high[dof]);
+    return clamp(p->value[POSE_DOFS + dof], low[dof], self->high[dof]);
 }
 
 static void carry(pose *p, int axis, double mm)
@@ -222,11 +225,12 @@ static void carry(pose *p, int axis, double mm)
 static void stand_in(const fitting *self, pose *p, double lever_mm)
 {
     if (self->dof[DOF_JAW_OPEN] == FITTING_NONE)
-        pose_add(p, drop_parts, COUNT_OF(drop_parts), lever_mm * dof_value(self, p, DOF_JAW_OPEN));
+        pose_add(p, drop_parts, COUNT_OF(drop_parts),
+                 lever_mm * dof_value(self, p, self->low, DOF_JAW_OPEN));
     if (self->dof[DOF_JAW_LATERAL] == FITTING_NONE)
-        carry(p, 0, dof_value(self, p, DOF_JAW_LATERAL));
+        carry(p, 0, dof_value(self, p, self->low, DOF_JAW_LATERAL));
     if (self->dof[DOF_JAW_FORWARD] == FITTING_NONE)
-        carry(p, 2, dof_value(self, p, DOF_JAW_FORWARD));
+        carry(p, 2, dof_value(self, p, self->low, DOF_JAW_FORWARD));
 }
 
 static void limit_pulls(pose *p, double reach_mm)
@@ -241,43 +245,91 @@ static void limit_pulls(pose *p, double reach_mm)
     }
 }
 
-static void write_dofs(const fitting *self, const pose *p, double closure, double size,
-                       const double *params, mrt_pull *pull)
+/* What a face is written with: the classic modes never widen the eyes, and drive neither the seal
+ * of the lips nor the tongue. */
+typedef struct writing {
+    const double *low;
+    int dof_count;
+    double size; /* mm of this face per mm of a pose */
+    double closure, lower_share;
+} writing;
+
+static void write_dofs(const fitting *self, const pose *p, const writing *how, mrt_pull *pull)
 {
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         pull->dof[i] = NAN;
-    for (int i = 0; i < DOF_COUNT; ++i) {
+    for (int i = 0; i < how->dof_count; ++i) {
         if (self->dof[i] == FITTING_NONE)
             continue;
-        double value = dof_value(self, p, i);
+        double value = dof_value(self, p, how->low, i);
         if (is_lid(i)) {
-            double share = i >= DOF_LID_LOWER ? 0.01 * params[SET_LOWER_LID] : 1.0;
-            value = (1.0 - (1.0 - value) * (1.0 - share * closure)) * self->closed[i];
+            double share = i >= DOF_LID_LOWER ? how->lower_share : 1.0;
+            value = (1.0 - (1.0 - value) * (1.0 - share * how->closure)) * self->closed[i];
         } else if (is_length(i)) {
-            value = clamp(value * size, self->low[i] * self->scale, self->high[i] * self->scale);
+            value =
+                clamp(value * how->size, self->low[i] * self->scale, self->high[i] * self->scale);
         }
         pull->dof[self->dof[i]] = (float)(value + 0.0); /* never -0 */
     }
+}
+
+static void write_pull(const fitting *self, const pose *p, const writing *how, mrt_pull *pull)
+{
+    mrt_vector vector[LANDMARK_COUNT];
+    uint32_t count = 0;
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
+        if (self->contact[landmark] == FITTING_NONE)
+            continue;
+        const double *v = p->value + 3 * landmark;
+        mrt_vec3 start = self->start[landmark];
+        mrt_vec3 end = {start.x + (float)(how->size * v[0]), start.y + (float)(how->size * v[1]),
+                        start.z + (float)(how->size * v[2])};
+        vector[count++] = (mrt_vector){start, end, 1 + self->contact[landmark]};
+    }
+    write_dofs(self, p, how, pull);
+    mapping_pull(pull, vector, count, 0.0f);
+}
+
+static double size_of(const fitting *self, const double *params)
+{
+    return self->scale * 0.01 * params[SET_SIZE];
 }
 
 void fitting_write(const fitting *self, const pose *shown, double closure, const double *params,
                    mrt_pull *pull)
 {
     pose p = *shown;
-    double size = self->scale * 0.01 * params[SET_SIZE];
+    const writing how = {self->lowest, DOF_COUNT, size_of(self, params), closure, 1.0};
+    stand_in(self, &p, params[SET_LEVER]);
+    write_pull(self, &p, &how, pull);
+}
+
+void fitting_write_classic(const fitting *self, const pose *shown, double closure,
+                           const double *params, mrt_pull *pull)
+{
+    pose p = *shown;
+    const writing how = {self->low, DOF_SEAL, size_of(self, params), closure,
+                         0.01 * params[SET_LOWER_LID]};
     limit_pulls(&p, params[SET_REACH]);
     stand_in(self, &p, params[SET_LEVER]);
-    mrt_vector vector[LANDMARK_COUNT];
-    uint32_t count = 0;
-    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
-        if (self->contact[landmark] == FITTING_NONE)
+    write_pull(self, &p, &how, pull);
+}
+
+void fitting_add(pose *out, const fitting *self, const mrt_rig_pose *from, double share)
+{
+    for (int i = 0; i < LANDMARK_COUNT; ++i) {
+        if (self->contact[i] == FITTING_NONE)
             continue;
-        const double *v = p.value + 3 * landmark;
-        mrt_vec3 start = self->start[landmark];
-        mrt_vec3 end = {start.x + (float)(size * v[0]), start.y + (float)(size * v[1]),
-                        start.z + (float)(size * v[2])};
-        vector[count++] = (mrt_vector){start, end, 1 + self->contact[landmark]};
+        const mrt_vec3 mm = from->pulls[self->contact[i]];
+        out->value[3 * i] += share * (double)mm.x / self->scale;
+        out->value[3 * i + 1] += share * (double)mm.y / self->scale;
+        out->value[3 * i + 2] += share * (double)mm.z / self->scale;
     }
-    write_dofs(self, &p, closure, size, params, pull);
-    mapping_pull(pull, vector, count, 0.0f);
+    for (int i = 0; i < DOF_COUNT; ++i) {
+        if (self->dof[i] == FITTING_NONE)
+            continue;
+        double unit = is_length(i) ? self->scale : is_lid(i) ? self->closed[i] : 1.0;
+        if (unit > 0.0)
+            out->value[POSE_DOFS + i] += share * (double)from->dofs[self->dof[i]] / unit;
+    }
 }

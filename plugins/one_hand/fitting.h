@@ -12,6 +12,7 @@ typedef struct fitting {
     uint32_t dof[DOF_COUNT];
     mrt_vec3 start[LANDMARK_COUNT];
     double low[DOF_COUNT], high[DOF_COUNT]; /* of a pose's values: what the face can show */
+    double lowest[DOF_COUNT];               /* low, but lids may open wide */
     double closed[DOF_COUNT];               /* lids: the dof's value when closed */
     double scale;                           /* mm of this face per mm of a pose */
     uint32_t contact_count, dof_count;      /* found */
@@ -25,5 +26,10 @@ void fitting_report(const fitting *self, const mrt_host *host);
  * vectors of `pull` were not these contacts' before. */
 void fitting_write(const fitting *self, const pose *shown, double closure, const double *params,
                    mrt_pull *pull);
+/* As the classic modes write it. */
+void fitting_write_classic(const fitting *self, const pose *shown, double closure,
+                           const double *params, mrt_pull *pull);
+/* Adds a share of a rig's pose: of the contacts and degrees of freedom found. */
+void fitting_add(pose *out, const fitting *self, const mrt_rig_pose *from, double share);
 
 #endif

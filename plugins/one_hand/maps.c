@@ -17,8 +17,7 @@ static double with_sign(double magnitude, double sign)
     return sign < 0.0 ? -magnitude : magnitude;
 }
 
-/* Exactly 0 within +-dead, odd, C1: a parabola as wide as the dead zone leads to slope 1. */
-static double dead_zone(double x, double dead)
+double curve_dead_zone(double x, double dead)
 {
     double beyond = fabs(x) - dead;
     if (!(beyond > 0.0))
@@ -275,7 +274,7 @@ const char *const pose_dof_names[DOF_COUNT] = {
     "jaw.open",          "jaw.lateral",       "jaw.forward",       "skull.nod",
     "skull.turn",        "eye.l.yaw",         "eye.r.yaw",         "eye.l.pitch",
     "eye.r.pitch",       "lid_upper.l.close", "lid_upper.r.close", "lid_lower.l.close",
-    "lid_lower.r.close",
+    "lid_lower.r.close", "lips.seal",         "tongue.out",
 };
 
 int pose_layer(int index)
@@ -286,7 +285,7 @@ int pose_layer(int index)
                                                                               : LAYER_MOUTH;
     }
     int dof = index - POSE_DOFS;
-    if (dof <= DOF_JAW_FORWARD)
+    if (dof <= DOF_JAW_FORWARD || dof >= DOF_SEAL)
         return LAYER_MOUTH;
     return dof <= DOF_TURN ? LAYER_HEAD : LAYER_BROWS;
 }
@@ -308,7 +307,7 @@ void pose_mirror(pose *p)
     for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark)
         p->value[3 * landmark] = -p->value[3 * landmark];
     double *dof = p->value + POSE_DOFS;
-    for (int pair = DOF_EYE_YAW; pair < DOF_COUNT; pair += 2)
+    for (int pair = DOF_EYE_YAW; pair < DOF_SEAL; pair += 2)
         swap(&dof[pair], &dof[pair + 1]);
     static const int aside[] = {DOF_JAW_LATERAL, DOF_TURN, DOF_EYE_YAW, DOF_EYE_YAW + 1};
     for (int i = 0; i < COUNT_OF(aside); ++i)
@@ -465,7 +464,7 @@ static void from_axes(pose *out, const pose_axes *axes, const double *params)
 static double channel(double signal, const double *params, int first)
 {
     double range = params[first + 2];
-    return curve_limit(params[first] * dead_zone(signal, params[first + 1]), range, range);
+    return curve_limit(params[first] * curve_dead_zone(signal, params[first + 1]), range, range);
 }
 
 /* Channels that expression only one way: the dead zone's other side stays at rest. */
@@ -477,33 +476,33 @@ static double upward(double x)
 static double jaw_open(double drop, const double *params)
 {
     double range = params[SET_JAW_RANGE];
-    double travel = params[SET_JAW_GAIN] * dead_zone(drop, params[SET_JAW_DEAD]) / range;
+    double travel = params[SET_JAW_GAIN] * curve_dead_zone(drop, params[SET_JAW_DEAD]) / range;
     double knee_x = 0.01 * params[SET_JAW_KNEE_TRAVEL], knee_y = 0.01 * params[SET_JAW_KNEE_GAPE];
     return rad_per_deg * range * knee(travel, knee_x, knee_y);
 }
 
 static double brow(double lift, const double *params)
 {
-    return curve_limit(params[SET_BROW_GAIN] * dead_zone(lift, params[SET_BROW_DEAD]),
+    return curve_limit(params[SET_BROW_GAIN] * curve_dead_zone(lift, params[SET_BROW_DEAD]),
                        params[SET_BROW_UP], params[SET_BROW_DOWN]);
 }
 
 static double corner(double lift, const double *params)
 {
-    return curve_limit(params[SET_CORNER_GAIN] * dead_zone(lift, params[SET_CORNER_DEAD]),
+    return curve_limit(params[SET_CORNER_GAIN] * curve_dead_zone(lift, params[SET_CORNER_DEAD]),
                        params[SET_CORNER_SMILE], params[SET_CORNER_FROWN]);
 }
 
 static double width(double spread, const double *params)
 {
-    double moved = dead_zone(spread, params[SET_WIDTH_DEAD]);
+    double moved = curve_dead_zone(spread, params[SET_WIDTH_DEAD]);
     double gain = moved < 0.0 ? params[SET_NARROW_GAIN] : params[SET_WIDE_GAIN];
     return curve_limit(gain * moved, params[SET_WIDE_RANGE], params[SET_NARROW_RANGE]);
 }
 
 static double head(double wrist, double range_deg, const double *params)
 {
-    double turned = params[SET_HEAD_GAIN] * dead_zone(wrist, params[SET_HEAD_DEAD]);
+    double turned = params[SET_HEAD_GAIN] * curve_dead_zone(wrist, params[SET_HEAD_DEAD]);
     return curve_limit(turned, range_deg, range_deg);
 }
 
@@ -511,8 +510,8 @@ double maps_droop(const reading *difference, double intensity, const double *par
 {
     double bend = difference->value[READING_MIDDLE_KNUCKLE];
     double range = params[SET_DROOP_RANGE];
-    double percent =
-        curve_limit(params[SET_DROOP_GAIN] * dead_zone(bend, params[SET_DROOP_DEAD]), range, range);
+    double percent = curve_limit(
+        params[SET_DROOP_GAIN] * curve_dead_zone(bend, params[SET_DROOP_DEAD]), range, range);
     return intensity * 0.01 * percent;
 }
 
@@ -520,7 +519,7 @@ void maps_muppet(pose *out, const reading *difference, double intensity, double 
                  const double *params)
 {
     signals s = signals_of(difference, params);
-    double head_up = params[SET_LIP_HEAD] * upward(dead_zone(s.reach, params[SET_LIP_DEAD]));
+    double head_up = params[SET_LIP_HEAD] * upward(curve_dead_zone(s.reach, params[SET_LIP_DEAD]));
     double nod_deg = head(s.wrist_pitch, params[SET_HEAD_NOD], params);
     double turn_deg = head(s.wrist_yaw, params[SET_HEAD_TURN], params);
     nod_deg = clamp(nod_deg - head_up, -params[SET_HEAD_NOD], params[SET_HEAD_NOD]);
@@ -574,7 +573,8 @@ static void scaled(double out[3], const double *moved, double gain, double most_
                    const double *params)
 {
     double length = sqrt(moved[0] * moved[0] + moved[1] * moved[1] + moved[2] * moved[2]);
-    double pulled = curve_limit(gain * dead_zone(length, params[SET_MASK_DEAD]), most_mm, most_mm);
+    double pulled =
+        curve_limit(gain * curve_dead_zone(length, params[SET_MASK_DEAD]), most_mm, most_mm);
     for (int axis = 0; axis < 3; ++axis)
         out[axis] = length > 0.0 ? pulled * (moved[axis] / length) : 0.0;
 }
@@ -628,7 +628,7 @@ void maps_mask(pose *out, const reading *difference, const double *params)
 /* -1 .. 1 over the arc. */
 static double along_arc(double signal, int arc, const double *params)
 {
-    return curve_limit(dead_zone(signal, params[SET_ARC_DEAD]) / params[arc], 1.0, 1.0);
+    return curve_limit(curve_dead_zone(signal, params[SET_ARC_DEAD]) / params[arc], 1.0, 1.0);
 }
 
 /* -1 .. 1 to -down .. up. */

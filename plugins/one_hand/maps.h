@@ -9,6 +9,8 @@
 
 /* Exactly x for the nearer half, C1, stops at up from 1.5 up on; likewise down for x < 0. */
 double curve_limit(double x, double up, double down);
+/* Exactly 0 within +-dead, odd, C1: a parabola as wide as the dead zone leads to slope 1. */
+double curve_dead_zone(double x, double dead);
 
 /* ---- what a hand says ---- */
 
@@ -63,9 +65,11 @@ enum {
     DOF_TURN,                          /* rad, to the subject's left */
     DOF_EYE_YAW,                       /* pairs: rad, to the subject's left */
     DOF_EYE_PITCH = DOF_EYE_YAW + 2,   /* rad, up */
-    DOF_LID_UPPER = DOF_EYE_PITCH + 2, /* 0 rest .. 1 closed */
-    DOF_LID_LOWER = DOF_LID_UPPER + 2, /* 0 rest .. 1 closed */
-    DOF_COUNT = DOF_LID_LOWER + 2
+    DOF_LID_UPPER = DOF_EYE_PITCH + 2, /* 0 rest .. 1 closed; wide below 0 */
+    DOF_LID_LOWER = DOF_LID_UPPER + 2,
+    DOF_SEAL = DOF_LID_LOWER + 2, /* 0 rest .. 1 the lips are closed */
+    DOF_TONGUE,                   /* rad, out */
+    DOF_COUNT
 };
 enum { POSE_DOFS = 3 * LANDMARK_COUNT, POSE_COUNT = POSE_DOFS + DOF_COUNT };
 extern const char *const pose_landmark_names[LANDMARK_COUNT];

@@ -2,9 +2,9 @@
  * the rig's contacts and degrees of freedom. A vector's start is the contact's rest; end = start
  * says that the contact only rides along with the bones that carry it. Everything in time depends
  * on dt_s alone. */
-#include "fitting.h"
+#include "faces.h"
 #include "mapping.h"
-#include "maps.h"
+#include "speak.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -288,6 +288,28 @@ static void blink_step(blink *self, double droop, double dt_s, const double *par
         self->droop = droop;
 }
 
+/* ---- lips that the thumb closes: pressed or not, with a way back that is longer than the
+ * device's noise; the face follows in time, so that nothing jumps ---- */
+
+typedef struct seal {
+    bool is_pressed;
+    double closure; /* 0 .. 1 */
+} seal;
+
+/* For a memory_list. */
+#define SEAL_MEMORY(seal) MEMORY_BOOLS((seal).is_pressed), MEMORY_DOUBLES((seal).closure)
+
+static const double seal_time_s = 0.06; /* a closure of /p/ */
+
+/* press_deg: bend of the thumb beyond neutral. */
+static void seal_step(seal *self, double press_deg, double dt_s, const double *params)
+{
+    const double at = params[SET_PRESS];
+    self->is_pressed = press_deg > (self->is_pressed ? 0.5 * at : at);
+    const double way = dt_s / seal_time_s;
+    self->closure = clamp(self->closure + (self->is_pressed ? way : -way), 0.0, 1.0);
+}
+
 /* ---- the face shown, hanging on the hand: live, held, or easing from one to the other. No change
  * of what it hangs on makes it jump: the difference at that moment fades away ---- */
 
@@ -454,8 +476,13 @@ typedef struct anchor { /* what an anchor replaces, for the second tap */
 struct mrt_plugin {
     const mrt_host *host;
     fitting fitting;
-    neutral stored[2];  /* loaded */
-    bool is_stored_new; /* loaded since the last frame */
+    const mrt_rig_pose *rig_poses; /* of the face, until deactivate */
+    uint32_t rig_pose_count;
+    bool can_speak; /* the rig has poses that this mapping knows */
+    speak_half speak[DEVICE_KINDS][HALF_COUNT];
+    double furthest_deg[DEVICE_KINDS][JOINT_COUNT]; /* of any hand pose, either way */
+    neutral stored[2];                              /* loaded */
+    bool is_stored_new;                             /* loaded since the last frame */
 
     /* ---- since reset ---- */
     bool has_performed, has_told_no_neutral;
@@ -466,9 +493,11 @@ struct mrt_plugin {
     anchor before;
     pedals pedals;
     blink blink;
+    seal seal;
     attach attach;
-    int mode, layer; /* of the frame before */
-    int layer_shift; /* by locks */
+    device_kind device; /* of the frame before */
+    int mode, layer;    /* of the frame before */
+    int layer_shift;    /* by locks */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -477,6 +506,18 @@ static mrt_plugin *create(const mrt_host *host)
     if (self)
         self->host = host;
     return self;
+}
+
+/* A rig without poses is performed in the classic mode. */
+static int mode_of(const mrt_plugin *self, const double *params)
+{
+    const int mode = (int)params[SET_MODE];
+    return mode == MODE_SPEAKING && !self->can_speak ? MODE_CLASSIC : mode;
+}
+
+static bool speaks(const mrt_plugin *self, const double *params)
+{
+    return mode_of(self, params) == MODE_SPEAKING;
 }
 
 /* ---- whose hand, and what is neutral for it ---- */
@@ -543,13 +584,55 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
     attach_change(&self->attach, params[SET_REATTACH]);
 }
 
+/* ---- what measures the hand ---- */
+
+static bool starts(const char *name, const char *with)
+{
+    return strncmp(name, with, strlen(with)) == 0;
+}
+
+/* By the first input that has angles of that hand: who has middle joints of the fingers measures
+ * every joint; points are told from a glove by the name of the input alone. */
+static device_kind device_of(const mrt_frame *frame, uint32_t side)
+{
+    static const uint32_t index_middle_joint = 5, little_middle_joint = 16;
+    const int chosen = (int)frame->params[SET_DEVICE];
+    if (chosen != DEVICE_AUTOMATIC)
+        return (device_kind)(chosen - 1);
+    for (uint32_t i = 0; i < frame->input_count; ++i) {
+        const mrt_channels *input = &frame->inputs[i];
+        bool has_angles = false, has_middle_joints = false;
+        for (uint32_t c = 0; c < input->count; ++c) {
+            const uint32_t sensor = input->channel[c].semantic - MRT_CH_ANGLE;
+            const bool is_angle = input->channel[c].hand == side && sensor < MRT_ANGLES;
+            has_angles = has_angles || is_angle;
+            has_middle_joints = has_middle_joints || (is_angle && sensor >= index_middle_joint &&
+                                                      sensor <= little_middle_joint &&
+                                                      sensor != 7 && sensor != 11 && sensor != 15);
+        }
+        if (!has_angles)
+            continue;
+        if (!has_middle_joints || starts(input->name, "virtual"))
+            return DEVICE_CURLS;
+        return starts(input->name, "camera") || starts(input->name, "openxr") ? DEVICE_POINTS
+                                                                              : DEVICE_JOINTS;
+    }
+    return DEVICE_JOINTS;
+}
+
 /* ---- what the feet ask for ---- */
+
+/* Further than any pull of a speaking face. */
+static const double spoken_reach_mm = 60.0;
 
 static void set_anchor(mrt_plugin *self, const reading *now, const double *params)
 {
     const neutral *own = &self->neutral[self->side];
     self->before = (anchor){own->is_known, self->side, own->pose, self->attach.offset};
-    attach_keep(&self->attach, 1.5 * params[SET_REACH], self->fitting.low, self->fitting.high);
+    if (speaks(self, params))
+        attach_keep(&self->attach, spoken_reach_mm, self->fitting.lowest, self->fitting.high);
+    else
+        attach_keep(&self->attach, 1.5 * params[SET_REACH], self->fitting.low, self->fitting.high);
     attach_change(&self->attach, params[SET_REATTACH]);
     set_neutral(self, now);
 }
@@ -574,7 +657,7 @@ static void ease_to_neutral(mrt_plugin *self, const reading *now, const double *
 static void apply_events(mrt_plugin *self, const pedals_events *events, const reading *now,
                          const double *params)
 {
-    int mode = (int)params[SET_MODE], layer = (int)params[SET_LAYER];
+    int mode = mode_of(self, params), layer = (int)params[SET_LAYER];
     if (events->to_neutral)
         ease_to_neutral(self, now, params);
     else if (events->revert)
@@ -599,6 +682,8 @@ enum { LAYER_ALL = -1 };
 static int live_layer(const mrt_plugin *self, const pedals_events *events, const double *params)
 {
     int shift = self->layer_shift + events->other_layer;
+    if (self->mode == MODE_SPEAKING)
+        return LAYER_ALL;
     if (self->mode == MODE_WALDO)
         return (self->layer + shift) % LAYER_COUNT;
     return shift % 2 ? (int)params[SET_OTHER_LAYER] : LAYER_ALL;
@@ -624,8 +709,8 @@ static void step_lids(mrt_plugin *self, const reading *now, double droop, unsign
     bool is_frozen = held_by & (HELD_BY_PEDAL | HELD_BY_ABSENCE);
     bool is_struck =
         blink_is_struck(&self->blink, now->value[READING_MIDDLE_KNUCKLE], dt_s, params);
-    bool has_reason =
-        params[SET_BLINK] > 0.5 || (is_struck && held_by == 0 && self->mode != MODE_MASK);
+    const bool strikes = self->mode == MODE_CLASSIC || self->mode == MODE_WALDO;
+    bool has_reason = params[SET_BLINK] > 0.5 || (is_struck && held_by == 0 && strikes);
     if (is_frozen)
         return;
     if (has_reason)
@@ -633,15 +718,76 @@ static void step_lids(mrt_plugin *self, const reading *now, double droop, unsign
     blink_step(&self->blink, droop, dt_s, params);
 }
 
+/* A joint's way times its axis' gain, and limited: exact to twice the way of the furthest hand pose
+ * in range. */
+static double scaled(const mrt_plugin *self, device_kind device, int joint, double deg,
+                     const double *params)
+{
+    static const int axis_of[JOINT_COUNT] = {
+        [JOINT_THUMB_ROLL] = AXIS_JAW,       [JOINT_THUMB_MIDDLE] = AXIS_JAW,
+        [JOINT_THUMB_TIP] = AXIS_LOWER_LIP,  [JOINT_INDEX_CURL] = AXIS_ROUND,
+        [JOINT_MIDDLE_CURL] = AXIS_ROUND,    [JOINT_SPREAD] = AXIS_WIDTH,
+        [JOINT_RING_KNUCKLE] = AXIS_SMILE,   [JOINT_RING_CURL] = AXIS_TONGUE,
+        [JOINT_LITTLE_KNUCKLE] = AXIS_SMILE, [JOINT_LITTLE_CURL] = AXIS_TONGUE,
+        [JOINT_INDEX_KNUCKLE] = AXIS_BROWS,  [JOINT_MIDDLE_KNUCKLE] = AXIS_LIDS,
+        [JOINT_THUMB_ASIDE] = AXIS_GAZE,     [JOINT_ARCH] = AXIS_TILT};
+    const double gain = 0.01 * params[SET_GAIN + axis_of[joint]];
+    const double range = 0.01 * params[SET_RANGE + axis_of[joint]];
+    const double most = 2.0 * range * self->furthest_deg[device][joint];
+    return curve_limit(gain * deg, most, most);
+}
+
+static void add_head(pose *out, const reading *difference, const double *params)
+{
+    static const double rad_per_deg = 0.017453292519943295;
+    static const double per_deg = 0.8, dead_deg = 3.0, nod_deg = 20.0, turn_deg = 30.0;
+    const double gain = 0.01 * params[SET_GAIN + AXIS_HEAD] * per_deg;
+    const double range = 0.01 * params[SET_RANGE + AXIS_HEAD];
+    const double *angle = difference->value + READING_ANGLES;
+    double *dof = out->value + POSE_DOFS;
+    dof[DOF_NOD] = rad_per_deg * curve_limit(gain * curve_dead_zone(angle[20], dead_deg),
+                                             range * nod_deg, range * nod_deg);
+    dof[DOF_TURN] = rad_per_deg * curve_limit(gain * curve_dead_zone(angle[21], dead_deg),
+                                              range * turn_deg, range * turn_deg);
+}
+
+static bool is_expression(int value)
+{
+    const int dof = value - POSE_DOFS;
+    return dof < 0 || (dof >= DOF_LID_UPPER && dof < DOF_SEAL);
+}
+
+static void speak(const mrt_plugin *self, const double deg[JOINT_COUNT], const reading *difference,
+                  double intensity, const double *params, pose *out)
+{
+    double at[JOINT_COUNT];
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < JOINT_COUNT; ++i)
+        at[i] = scaled(self, self->device, i, deg[i], params);
+    for (int which = 0; which < HALF_COUNT; ++which)
+        speak_value(&self->speak[self->device][which], at, out);
+    for (int v = 0; v < POSE_COUNT; ++v)
+        if (is_expression(v))
+            out->value[v] *= intensity;
+    add_head(out, difference, params);
+    double *dof = out->value + POSE_DOFS;
+    dof[DOF_SEAL] = fmax(dof[DOF_SEAL], self->seal.closure);
+}
+
 static void find_target(const mrt_plugin *self, const reading *difference, int live,
                         double intensity, const double *params, pose *out)
 {
-    if (live != LAYER_ALL)
+    double deg[JOINT_COUNT];
+    if (live != LAYER_ALL) {
         maps_waldo(out, difference, live, params);
-    else if (self->mode == MODE_MASK)
+    } else if (self->mode == MODE_SPEAKING) {
+        joints_of(deg, difference);
+        speak(self, deg, difference, intensity, params, out);
+    } else if (self->mode == MODE_MASK) {
         maps_mask(out, difference, params);
-    else
+    } else {
         maps_muppet(out, difference, intensity, self->blink.droop, params);
+    }
     if (self->side == MRT_LEFT)
         pose_mirror(out);
 }
@@ -653,11 +799,60 @@ static void follow(mrt_plugin *self, const reading *now, int live, unsigned lids
     const neutral *own = &self->neutral[self->side];
     reading difference = reading_difference(now, own->is_known ? &own->pose : now);
     double intensity = 0.01 * params[SET_INTENSITY] * self->pedals.intensity;
-    step_lids(self, now, maps_droop(&difference, intensity, params), lids_held_by, dt_s, params);
+    const bool is_speaking = self->mode == MODE_SPEAKING;
+    double droop = is_speaking ? 0.0 : maps_droop(&difference, intensity, params);
+    step_lids(self, now, droop, lids_held_by, dt_s, params);
+    if (is_speaking) {
+        const double press_deg = difference.value[READING_ANGLES + 1];
+        seal_step(&self->seal, 0.01 * params[SET_GAIN + AXIS_JAW] * press_deg, dt_s, params);
+    }
     find_target(self, &difference, live, intensity, params, out);
 }
 
 /* ---- the mapping ---- */
+
+static void set_rig_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
+                          uint32_t count)
+{
+    (void)face;
+    self->rig_poses = poses;
+    self->rig_pose_count = count;
+}
+
+/* The faces that this device tells apart, at their hand poses. */
+static bool learn_half(mrt_plugin *self, device_kind device, half which)
+{
+    speak_face faces[SPEAK_FACES_MAX];
+    int count = 0;
+    for (int f = 0; f < FACE_COUNT && count < SPEAK_FACES_MAX; ++f) {
+        const posed_hand *hand = &posed_hands[device][f];
+        if (face_recipes[f].half != which || hand->same_as != FACE_IS_ITSELF ||
+            !face_find(&faces[count].pose, &face_recipes[f], &self->fitting, self->rig_poses,
+                       self->rig_pose_count))
+            continue;
+        for (int i = 0; i < JOINT_COUNT; ++i) {
+            faces[count].deg[i] = (double)hand->deg[i];
+            self->furthest_deg[device][i] =
+                fmax(self->furthest_deg[device][i], fabs(faces[count].deg[i]));
+        }
+        count += 1;
+    }
+    return speak_find(&self->speak[device][which], which, device, faces, count) && count > 0;
+}
+
+static void learn_faces(mrt_plugin *self)
+{
+    self->can_speak = false;
+    memset(self->furthest_deg, 0, sizeof self->furthest_deg);
+    for (int device = 0; device < DEVICE_KINDS; ++device)
+        for (int which = 0; which < HALF_COUNT; ++which)
+            self->can_speak |= learn_half(self, (device_kind)device, (half)which);
+    if (!self->can_speak)
+        self->host->log(
+            self->host, MRT_LOG_WARNING,
+            "This rig has no poses for the hand to meet. one_hand performs as it did in "
+            "earlier versions. Draft the rig anew with \"marotte rig new\" to add poses.");
+}
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
@@ -669,6 +864,7 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
         return MRT_ERR_UNSUPPORTED;
     }
     fitting_report(&self->fitting, self->host);
+    learn_faces(self);
     return MRT_OK;
 }
 
@@ -684,6 +880,7 @@ static void reset(mrt_plugin *self)
     }
     pedals_reset(&self->pedals);
     blink_reset(&self->blink);
+    self->seal = (seal){.closure = 0.0};
     attach_reset(&self->attach);
 }
 
@@ -700,8 +897,10 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     pose target = {{0}};
     unsigned held_by[LAYER_COUNT];
     if (is_present) {
-        if (side != self->side)
+        const device_kind device = device_of(frame, side);
+        if (side != self->side || device != self->device)
             change_hand(self, side, params);
+        self->device = device;
         apply_events(self, &events, &now, params);
         find_neutral(self, &now, params);
     } else {
@@ -714,7 +913,11 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     if (is_present)
         follow(self, &now, live, held_by[LAYER_BROWS], dt_s, params, &target);
     attach_step(&self->attach, &target, held_by, params[SET_REATTACH], dt_s);
-    fitting_write(&self->fitting, &self->attach.shown, self->blink.closure, params, pull);
+    if (self->mode == MODE_SPEAKING)
+        fitting_write(&self->fitting, &self->attach.shown, self->blink.closure, params, pull);
+    else
+        fitting_write_classic(&self->fitting, &self->attach.shown, self->blink.closure, params,
+                              pull);
     return MRT_OK;
 }
 
@@ -741,7 +944,7 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 
 /* ---- resume ---- */
 
-enum { MEMORY_VERSION = 1, NEUTRAL_SAMPLES_MOST = 1000000 };
+enum { MEMORY_VERSION = 2, NEUTRAL_SAMPLES_MOST = 1000000 };
 
 #define NEUTRAL_MEMORY(neutral) MEMORY_BOOLS((neutral).is_known), MEMORY_DOUBLES((neutral).pose)
 #define ANCHOR_MEMORY(anchor)                                                                      \
@@ -766,7 +969,9 @@ static memory_list memory_of(mrt_plugin *self)
                              ANCHOR_MEMORY(self->before),
                              PEDALS_MEMORY(self->pedals),
                              BLINK_MEMORY(self->blink),
+                             SEAL_MEMORY(self->seal),
                              ATTACH_MEMORY(self->attach),
+                             MEMORY_WHOLES(self->device, DEVICE_KINDS - 1),
                              MEMORY_WHOLES(self->mode, MODE_COUNT - 1),
                              MEMORY_WHOLES(self->layer, LAYER_COUNT - 1),
                              MEMORY_WHOLES(self->layer_shift, LAYER_COUNT - 1),
@@ -777,8 +982,12 @@ MEMORY_RESUME(memory_of);
 
 static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_state state = {save, load};
-static const mrt_interface interfaces[] = {
-    {MRT_MAPPING, &mapping}, {MRT_STATE, &state}, {MRT_RESUME, &resume}, {NULL, NULL}};
+static const mrt_rig_poses rig_poses = {set_rig_poses};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
+                                           {MRT_RIG_POSES, &rig_poses},
+                                           {MRT_STATE, &state},
+                                           {MRT_RESUME, &resume},
+                                           {NULL, NULL}};
 static const mrt_plugin_type one_hand = {
     MRT_ABI,
     SET_COUNT,
@@ -786,7 +995,7 @@ static const mrt_plugin_type one_hand = {
     interfaces,
     "org.marotte.one_hand",
     "One hand",
-    "1.0",
+    "2.0",
     "One hand performs a whole face: jaw, brows, lids, mouth and head.",
     create,
     mapping_destroy,

@@ -4,15 +4,38 @@
 #define MAROTTE_PLUGINS_ONE_HAND_SETTINGS_H
 #include <marotte/plugin.h>
 
-enum { MODE_MUPPET = 0, MODE_MASK, MODE_WALDO, MODE_COUNT };
+/* All but the last are of earlier versions, whose takes need them. */
+enum { MODE_CLASSIC = 0, MODE_MASK, MODE_WALDO, MODE_SPEAKING, MODE_COUNT };
+enum { DEVICE_AUTOMATIC = 0 }; /* then 1 + device_kind */
 enum { HAND_EITHER = 0, HAND_LEFT, HAND_RIGHT };
 enum { NEUTRAL_AT_ENGAGE = 0, NEUTRAL_STORED };
 enum { LAYER_MOUTH = 0, LAYER_BROWS, LAYER_HEAD, LAYER_COUNT };
+
+/* What the joints do, in the performer's words; each has one gain and one range. */
+enum {
+    AXIS_JAW = 0,
+    AXIS_LOWER_LIP,
+    AXIS_ROUND,
+    AXIS_WIDTH,
+    AXIS_SMILE,
+    AXIS_TONGUE,
+    AXIS_BROWS,
+    AXIS_LIDS,
+    AXIS_GAZE,
+    AXIS_TILT,
+    AXIS_HEAD,
+    AXIS_COUNT
+};
 
 /* In table order. mm are mm on a face whose pupils are 63 mm apart. */
 enum {
     SET_MODE = 0,
     SET_HAND,
+    SET_DEVICE,
+    SET_PRESS,
+    SET_GAIN,
+    SET_RANGE = SET_GAIN + AXIS_COUNT,
+    SET_AXES_END = SET_RANGE + AXIS_COUNT - 1,
     SET_INTENSITY,
     SET_SIZE,
     SET_REACH,

@@ -50,8 +50,8 @@ static void begin(watched *w, const char *params, const isolate_settings *apart)
     stand_up(&w->other, EARLY, params, NULL);
     const reload_settings settings = {.library = library,
                                       .mapping = &w->stand.mapping,
-                                      .about =
-                                          composer_about(performer_composer(w->stand.performer)),
+                                      .mapped =
+                                          composer_mapped(performer_composer(w->stand.performer)),
                                       .log = w->stand.log,
                                       .clock = CLOCK_REAL,
                                       .isolate = apart};

@@ -8,7 +8,7 @@
 
 #include "one_hand_bench.h"
 
-static const char *const modes[] = {"mode=muppet+", "mode=mask", "mode=layered_waldo"};
+static const char *const modes[] = {"mode=classic", "mode=mask", "mode=layered_waldo"};
 
 static void neutral_hand_gives_exactly_the_rest_face(void **state)
 {

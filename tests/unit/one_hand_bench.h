@@ -114,7 +114,8 @@ static inline void bench_create(bench *b, const char *params)
     assert_int_equal(plugin_list_add(&b->plugins, BUILD_DIR "/plugins/one_hand.so", &err), MRT_OK);
     assert_int_equal(plugin_list_find(&b->plugins, "one_hand", MRT_MAPPING, &type, &err), MRT_OK);
     assert_int_equal(instance_create(&b->plugin, type, CLOCK_VIRTUAL, b->log, &err), MRT_OK);
-    if (instance_set_list(&b->plugin, params, &err) < 0)
+    if (instance_set_list(&b->plugin, "mode=classic", &err) < 0 ||
+        instance_set_list(&b->plugin, params, &err) < 0)
         fail_msg("%s", err.text);
     b->functions = plugin_interface(type, MRT_MAPPING);
     b->state = plugin_interface(type, MRT_STATE);

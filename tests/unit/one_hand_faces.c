@@ -8,7 +8,7 @@
 
 #include "one_hand_bench.h"
 
-static const char *const modes[] = {"mode=muppet+", "mode=mask", "mode=layered_waldo"};
+static const char *const modes[] = {"mode=classic", "mode=mask", "mode=layered_waldo"};
 
 /* ---- hands ---- */
 
@@ -51,7 +51,7 @@ static void left_hand_mirrors_the_right(void **state)
 {
     (void)state;
     static const char *const maps[] = {
-        "mode=muppet+,eyes=50", "mode=mask", "mode=layered_waldo,layer=mouth",
+        "mode=classic,eyes=50", "mode=mask", "mode=layered_waldo,layer=mouth",
         "mode=layered_waldo,layer=brows_and_lids", "mode=layered_waldo,layer=head"};
     for (size_t m = 0; m < COUNT_OF(maps); ++m) {
         bench b[2];

@@ -326,7 +326,7 @@ static void a_layer_left_behind_keeps_its_face(void **state)
 static void a_change_of_mode_does_not_jump(void **state)
 {
     (void)state;
-    static const char *const modes[] = {"mode=mask", "mode=layered_waldo", "mode=muppet+"};
+    static const char *const modes[] = {"mode=mask", "mode=layered_waldo", "mode=classic"};
     bench b;
     bench_set_up_talking(&b, "");
     for (size_t m = 0; m < COUNT_OF(modes); ++m) {

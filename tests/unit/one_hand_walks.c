@@ -12,7 +12,7 @@
 #include "one_hand_bench.h"
 #include "unit/allocation_count.h"
 
-static const char *const modes[] = {"mode=muppet+,eyes=40", "mode=mask", "mode=layered_waldo"};
+static const char *const modes[] = {"mode=classic,eyes=40", "mode=mask", "mode=layered_waldo"};
 
 /* ---- what every frame must be ---- */
 

@@ -306,6 +306,21 @@ typedef struct mrt_mapping {
     mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
 } mrt_mapping;
 
+/* ---- the poses that a rig names ("viseme_PP", "joy"), for a mapping that performs them ---- */
+#define MRT_RIG_POSES "marotte.rig_poses/1"
+enum { MRT_POSE_WHOLE = 0, MRT_POSE_MOUTH = 1, MRT_POSE_UPPER = 2 };
+typedef struct mrt_rig_pose {
+    const char *name;
+    const mrt_vec3 *pulls; /* mm, one per contact: end - start of its vector */
+    const float *dofs;     /* one per degree of freedom, in its unit */
+    uint32_t part;         /* MRT_POSE_*: a pose of one half leaves the other half at rest */
+} mrt_rig_pose;
+typedef struct mrt_rig_poses {
+    /* [main] Called before each activate, with the poses of that face. The poses stay valid until
+     * deactivate. A mesh without a rig has none. */
+    void (*set)(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses, uint32_t count);
+} mrt_rig_poses;
+
 /* ---- face output: the face itself, for other programs, while it is performed or played ---- */
 #define MRT_FACE_OUTPUT "marotte.face_output/1"
 typedef struct mrt_face_names { /* valid from begin until the next begin, or close */
@@ -421,6 +436,8 @@ MRT_LAYOUT(mrt_face, 48, high, 36);
 MRT_LAYOUT(mrt_vector, 28, contact, 24);
 MRT_LAYOUT(mrt_pull, 1956, dof, 1828);
 MRT_LAYOUT(mrt_mapping, 32, process, 24);
+MRT_LAYOUT(mrt_rig_pose, 32, part, 24);
+MRT_LAYOUT(mrt_rig_poses, 8, set, 0);
 MRT_LAYOUT(mrt_face_names, 64, vertex_count, 60);
 MRT_LAYOUT(mrt_bone_pose, 28, shift, 16);
 MRT_LAYOUT(mrt_face_sample, 72, vertices, 64);

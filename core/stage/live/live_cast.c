@@ -460,8 +460,8 @@ static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
 static mrt_result activate(live *self, live_mapping_role *role, error *err)
 {
     const mrt_mapping *functions = plugin_interface(role->instance.type, MRT_MAPPING);
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
-    mrt_result result = instance_activate(&role->instance, about, err);
+    const mapped_face *mapped = composer_mapped(performer_composer(self->scene->performer));
+    mrt_result result = instance_activate(&role->instance, mapped, err);
     if (result < 0)
         return result;
     functions->reset(role->instance.self);
@@ -484,7 +484,7 @@ static void watch(live *self)
     const reload_settings settings = {
         .library = role->library,
         .mapping = &role->instance,
-        .about = composer_about(performer_composer(self->scene->performer)),
+        .mapped = composer_mapped(performer_composer(self->scene->performer)),
         .log = self->settings.log,
         .clock = CLOCK_REAL,
         .isolate = role->isolate ? &role->isolation : NULL,
@@ -680,13 +680,13 @@ mrt_result live_check_mapping(const live_settings *settings, const char *text, e
 }
 
 /* A process of its own for one that did not come with the program, as on the stage. */
-static bool takes(live *self, const char *id, const mrt_face *about)
+static bool takes(live *self, const char *id, const mapped_face *mapped)
 {
     error ignored = {""};
     live_mapping_role *role;
     if (create_mapping(&role, id, self->settings.plugins, NULL, &ignored) < 0)
         return false;
-    bool is_taken = instance_activate(&role->instance, about, &ignored) >= 0;
+    bool is_taken = instance_activate(&role->instance, mapped, &ignored) >= 0;
     if (is_taken)
         instance_deactivate(&role->instance);
     destroy_mapping(role);
@@ -696,14 +696,14 @@ static bool takes(live *self, const char *id, const mrt_face *about)
 void live_list_fitting(live *self, char *out, size_t capacity)
 {
     const plugin_list *plugins = self->settings.plugins;
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    const mapped_face *mapped = composer_mapped(performer_composer(self->scene->performer));
     size_t used = 0;
     out[0] = '\0';
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
         const char *name = plugin_short_name(type);
         if (!plugin_interface(type, MRT_MAPPING) || used + strlen(name) + 3 > capacity ||
-            !takes(self, type->id, about))
+            !takes(self, type->id, mapped))
             continue;
         used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", name);
     }

@@ -347,12 +347,15 @@ void instance_listen_end(instance *self)
     self->already_logged = NULL;
 }
 
-mrt_result instance_activate(instance *self, const mrt_face *about, error *err)
+mrt_result instance_activate(instance *self, const mapped_face *mapped, error *err)
 {
     const mrt_mapping *functions = plugin_interface(self->type, MRT_MAPPING);
+    const mrt_rig_poses *poses = plugin_interface(self->type, MRT_RIG_POSES);
     error why = {""};
     instance_listen(self, &why, NULL);
-    mrt_result result = functions->activate(self->self, about);
+    if (poses)
+        poses->set(self->self, &mapped->about, mapped->pose, mapped->pose_count);
+    mrt_result result = functions->activate(self->self, &mapped->about);
     instance_listen_end(self);
     if (result < 0)
         return error_set(err, result, "mapping %s cannot be used on this face%s%s", self->type->id,

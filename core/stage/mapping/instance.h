@@ -73,8 +73,15 @@ void instance_latch(instance *self);
 void instance_listen(instance *self, error *out_heard, log_once *already_logged);
 void instance_listen_end(instance *self);
 
-/* [main] Of a mapping: on this face, and from it. An error has the plugin's words. */
-CHECKED mrt_result instance_activate(instance *self, const mrt_face *about, error *err);
+/* The face as a mapping sees it. */
+typedef struct mapped_face {
+    mrt_face about;
+    const mrt_rig_pose *pose; /* of the rig, complete */
+    uint32_t pose_count;
+} mapped_face;
+/* [main] Activates a mapping on this face, which must outlive the activation. An error quotes the
+ * plugin. */
+CHECKED mrt_result instance_activate(instance *self, const mapped_face *mapped, error *err);
 void instance_deactivate(instance *self);
 
 /* [the thread that calls the plugin] Whether it asked to be closed and opened since the last call.

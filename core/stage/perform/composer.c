@@ -1,4 +1,5 @@
 #include "stage/perform/composer.h"
+#include "base/arrays.h"
 #include "base/bytes.h"
 #include "face/rig/rig_poses.h"
 
@@ -42,8 +43,9 @@ typedef struct joined_control {
 struct composer {
     face *face;
     rig rig; /* the face file's, with poses that are complete */
-    mrt_face about;
+    mapped_face mapped;
     mrt_dof dof[MRT_MAX_DOFS];
+    arrays poses; /* what mapped.pose points to */
     csrbf_settings solver;
     double reach_mm;
     vec3 centre;
@@ -212,8 +214,8 @@ static void composer_blend_dofs(const composer *self, float *out)
             const mrt_pull *pull =
                 v->part.pull->mode == MRT_UNANCHORED ? v->part.pull : &v->last_pull;
             bool speaks = v->has_pull || v->part.pull->mode == MRT_UNANCHORED;
-            if (!speaks || isnan(pull->dof[d]) || d >= self->about.dof_count ||
-                (v->part.owns && !v->part.owns[self->about.contact_count + d]))
+            if (!speaks || isnan(pull->dof[d]) || d >= self->mapped.about.dof_count ||
+                (v->part.owns && !v->part.owns[self->mapped.about.contact_count + d]))
                 continue;
             const double added[3] = {composer_share(v) * (double)pull->dof[d], 0, 0};
             add_part(&at, v, v->part.weight, added);
@@ -227,7 +229,7 @@ static void composer_blend_dofs(const composer *self, float *out)
 /* The head's own shapes as all parts together want them, from the next frame on. */
 static void ask_shapes(composer *self)
 {
-    uint32_t free_points = self->about.contact_count + self->about.dof_count;
+    uint32_t free_points = self->mapped.about.contact_count + self->mapped.about.dof_count;
     uint32_t count = face_shape_count(self->face);
     float asked[FACE_SHAPES_MAX];
     for (uint32_t s = 0; s < count; ++s) {
@@ -252,7 +254,7 @@ static bool owns(const composer *self, const part_state *v, uint32_t contact)
 {
     if (!v->part.owns)
         return true;
-    uint32_t free_points = self->about.contact_count + self->about.dof_count;
+    uint32_t free_points = self->mapped.about.contact_count + self->mapped.about.dof_count;
     return v->part.owns[contact > 0 ? contact - 1 : free_points] != 0;
 }
 
@@ -749,8 +751,8 @@ static void measure_face(composer *self, const face_file *file, const csrbf_sett
 {
     float low[3], high[3];
     mesh_focus(&file->mesh, low, high);
-    self->about.low = (mrt_vec3){low[0], low[1], low[2]};
-    self->about.high = (mrt_vec3){high[0], high[1], high[2]};
+    self->mapped.about.low = (mrt_vec3){low[0], low[1], low[2]};
+    self->mapped.about.high = (mrt_vec3){high[0], high[1], high[2]};
     double size = 0;
     for (int axis = 0; axis < 3; ++axis)
         size = fmax(size, to_double(high[axis]) - to_double(low[axis]));
@@ -770,9 +772,38 @@ static void describe_face(composer *self)
     const bones *b = face_bones(self->face);
     for (uint32_t i = 0; i < b->dof_count; ++i)
         self->dof[i] = (mrt_dof){b->dof[i].name, b->dof[i].unit, b->dof[i].min, b->dof[i].max};
-    self->about.contacts = face_contacts(self->face, &self->about.contact_count);
-    self->about.dofs = self->dof;
-    self->about.dof_count = b->dof_count;
+    self->mapped.about.contacts = face_contacts(self->face, &self->mapped.about.contact_count);
+    self->mapped.about.dofs = self->dof;
+    self->mapped.about.dof_count = b->dof_count;
+}
+
+/* The rig's poses, with a value for every contact and degree of freedom. */
+static mrt_result describe_poses(composer *self, error *err)
+{
+    const mrt_face *about = &self->mapped.about;
+    const size_t pose_count = self->rig.pose_count;
+    mrt_rig_pose *pose = arrays_add(&self->poses, pose_count, sizeof *pose);
+    mrt_vec3 *pulls = arrays_add(&self->poses, pose_count * about->contact_count, sizeof *pulls);
+    float *dofs = arrays_add(&self->poses, pose_count * about->dof_count, sizeof *dofs);
+    if (self->poses.failed)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the poses of the rig");
+    for (size_t i = 0; i < pose_count; ++i) {
+        const rig_pose *from = &self->rig.pose[i];
+        mrt_vec3 *pull = pulls + i * about->contact_count;
+        float *dof = dofs + i * about->dof_count;
+        pose[i] = (mrt_rig_pose){from->name, pull, dof, (uint32_t)from->part};
+        for (uint32_t k = 0; k < from->pull_count + from->follow_count; ++k) {
+            const vec3 mm = from->pull_mm[k];
+            pull[from->pull_contact[k]] = (mrt_vec3){(float)mm.x, (float)mm.y, (float)mm.z};
+        }
+        for (uint32_t k = 0; k < from->dof_count; ++k)
+            for (uint32_t d = 0; d < about->dof_count; ++d)
+                if (strcmp(about->dofs[d].name, from->dof_name[k]) == 0)
+                    dof[d] = (float)from->dof_value[k];
+    }
+    self->mapped.pose = pose;
+    self->mapped.pose_count = (uint32_t)pose_count;
+    return MRT_OK;
 }
 
 mrt_result composer_create(composer **out, const face_file *file, const csrbf_settings *solver,
@@ -787,11 +818,14 @@ mrt_result composer_create(composer **out, const face_file *file, const csrbf_se
     mrt_result result = create_face(self, file, err);
     if (result >= 0)
         result = create_shading(self, &file->mesh, err);
+    if (result >= 0) {
+        describe_face(self);
+        result = describe_poses(self, err);
+    }
     if (result < 0) {
         composer_destroy(self);
         return result;
     }
-    describe_face(self);
     composer_draw(self);
     *out = self;
     return MRT_OK;
@@ -802,6 +836,7 @@ void composer_destroy(composer *self)
     if (!self)
         return;
     face_destroy(self->face);
+    arrays_free(&self->poses);
     rig_destroy(&self->rig);
     shading_destroy(self->shading);
     free(self);
@@ -905,7 +940,7 @@ static bool is_behind(const part_state *v, const double *to)
 
 static bool drives_bones(const composer *self, const mrt_pull *pull)
 {
-    for (uint32_t i = 0; i < self->about.dof_count; ++i)
+    for (uint32_t i = 0; i < self->mapped.about.dof_count; ++i)
         if (!isnan(pull->dof[i]))
             return true;
     return false;
@@ -1127,9 +1162,14 @@ void composer_draw(composer *self)
 
 /* ---- what others see ---- */
 
+const mapped_face *composer_mapped(const composer *self)
+{
+    return &self->mapped;
+}
+
 const mrt_face *composer_about(const composer *self)
 {
-    return &self->about;
+    return &self->mapped.about;
 }
 
 const rig *composer_rig(const composer *self)
@@ -1227,7 +1267,7 @@ static void take_pull(bytes_in *in, const composer *self, mrt_pull *out)
     bytes_take(in, out->dof, sizeof out->dof);
     for (uint32_t i = 0; i < out->count; ++i)
         in->failed |= !is_point(out->vector[i].start) || !is_point(out->vector[i].end) ||
-                      out->vector[i].contact > self->about.contact_count;
+                      out->vector[i].contact > self->mapped.about.contact_count;
     for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
         in->failed |= isinf(out->dof[i]);
 }
@@ -1348,8 +1388,8 @@ static void take_controls(bytes_in *in, composer *self)
         c->slot = bytes_take_u32(in);
         c->vector = bytes_take_u32(in);
         c->start = bytes_take_vec3(in);
-        in->failed |= c->contact > self->about.contact_count || c->slot >= COMPOSER_PARTS_MAX ||
-                      c->vector >= MRT_MAX_VECTORS;
+        in->failed |= c->contact > self->mapped.about.contact_count ||
+                      c->slot >= COMPOSER_PARTS_MAX || c->vector >= MRT_MAX_VECTORS;
     }
     self->joined_count = bytes_take_u32(in);
     if (self->joined_count > COMPOSER_PARTS_MAX) {

@@ -16,6 +16,7 @@
 #define MAROTTE_STAGE_COMPOSER_H
 #include "face/face.h"
 #include "mesh/shading.h"
+#include "stage/mapping/instance.h"
 #include "stage/perform/face_file.h"
 
 enum { COMPOSER_PARTS_MAX = 128 };
@@ -28,7 +29,9 @@ CHECKED mrt_result composer_create(composer **out, const face_file *file,
                                    const csrbf_settings *solver, error *err);
 void composer_destroy(composer *self); /* NULL is fine */
 
-/* The face as mappings see it; until destroy. And the guard's reach around its centre. */
+/* The face as mappings see it, and that without the poses; until destroy. And the guard's reach
+ * around its centre. */
+const mapped_face *composer_mapped(const composer *self);
 const mrt_face *composer_about(const composer *self);
 /* The face file's, with poses that are complete (rig_poses_complete); NULL: a mesh alone. */
 const rig *composer_rig(const composer *self);

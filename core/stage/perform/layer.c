@@ -161,16 +161,16 @@ static void use_mapping(layer *self, instance *mapping)
     self->takeover = plugin_interface(mapping->type, ISOLATE_TAKEOVER);
 }
 
-mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
+mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mapped,
                         const layer_settings *settings, error *err)
 {
     *out = NULL;
     layer *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for a layer");
-    self->about = about;
+    self->about = &mapped->about;
     self->settings = *settings;
-    self->guard = (guard){.contact_count = about->contact_count,
+    self->guard = (guard){.contact_count = mapped->about.contact_count,
                           .centre = settings->centre,
                           .reach_mm = settings->reach_mm};
     patch_bay_init(&self->bay, &self->guard);
@@ -183,7 +183,7 @@ mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
     if (result < 0)
         goto fail;
     use_mapping(self, mapping);
-    result = instance_activate(mapping, about, err);
+    result = instance_activate(mapping, mapped, err);
     if (result < 0) {
         self->mapping = NULL; /* nothing to deactivate */
         goto fail;

@@ -21,8 +21,8 @@ typedef struct layer_settings {
     bool keeps_taught;
 } layer_settings;
 
-/* [main] The mapping and `about` must outlive it; the mapping is activated and reset. */
-CHECKED mrt_result layer_create(layer **out, instance *mapping, const mrt_face *about,
+/* [main] The mapping and the face must outlive it; the mapping is activated and reset. */
+CHECKED mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mapped,
                                 const layer_settings *settings, error *err);
 void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine */
 

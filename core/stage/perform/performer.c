@@ -36,7 +36,7 @@ mrt_result performer_make_layer(const performer *self, instance *mapping,
         settings.hands.length_mm[side] =
             as->hand_length_mm > 0 ? as->hand_length_mm : as->side_length_mm[side];
     settings.reach_mm = composer_reach_mm(self->composer, &settings.centre);
-    mrt_result result = layer_create(out, mapping, composer_about(self->composer), &settings, err);
+    mrt_result result = layer_create(out, mapping, composer_mapped(self->composer), &settings, err);
     if (result < 0 || !as->patch)
         return result;
     patch_plan *plan, *none;

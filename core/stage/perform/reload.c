@@ -210,7 +210,7 @@ static mrt_result take_state(reload *self, version *v)
 static mrt_result hear_answer(reload *self, version *v, error *err)
 {
     const mrt_mapping *mapping = plugin_interface(v->instance.type, MRT_MAPPING);
-    const mrt_face *about = self->settings.about;
+    const mrt_face *about = &self->settings.mapped->about;
     vec3 low = {(double)about->low.x, (double)about->low.y, (double)about->low.z};
     vec3 high = {(double)about->high.x, (double)about->high.y, (double)about->high.z};
     const guard g = {.contact_count = about->contact_count,
@@ -245,13 +245,9 @@ static mrt_result prepare(reload *self, version *v, error *err)
     if (result != MRT_OK)
         return result;
     const mrt_mapping *mapping = plugin_interface(v->instance.type, MRT_MAPPING);
-    error why = {""};
-    instance_listen(&v->instance, &why, NULL);
-    result = mapping->activate(v->instance.self, self->settings.about);
-    instance_listen_end(&v->instance);
+    result = instance_activate(&v->instance, self->settings.mapped, err);
     if (result < 0)
-        return error_set(err, result, "it cannot be used on this face%s%s", why.text[0] ? ": " : "",
-                         why.text);
+        return result;
     v->is_active = true;
     mapping->reset(v->instance.self);
     return hear_answer(self, v, err);

@@ -12,7 +12,7 @@ typedef struct reload reload;
 typedef struct reload_settings {
     const char *library; /* the file that is watched */
     instance *mapping;   /* what performs now; active; stays the caller's */
-    const mrt_face *about;
+    const mapped_face *mapped;
     log_queue *log;
     instance_clock clock;
     const isolate_settings *isolate; /* new versions run in processes of their own; NULL: here */
@@ -20,7 +20,7 @@ typedef struct reload_settings {
         is_asked; /* [main] looks at what pulls: no version goes before reload_current was called */
 } reload_settings;
 
-/* [main] `about` and the log must outlive it. */
+/* [main] The face and the log must outlive it. */
 CHECKED mrt_result reload_start(reload **out, const reload_settings *settings, error *err);
 /* [main] After the layer is destroyed; NULL is fine. */
 void reload_stop(reload *self);

@@ -381,7 +381,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
             p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
     const composer *shown = performer_composer(world->scratch);
     settings.reach_mm = composer_reach_mm(shown, &settings.centre);
-    result = layer_create(&self->layer, &self->mapping, composer_about(shown), &settings, err);
+    result = layer_create(&self->layer, &self->mapping, composer_mapped(shown), &settings, err);
     if (result >= 0)
         result = set_patch(self, err);
     if (result >= 0)

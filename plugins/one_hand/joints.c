@@ -1,0 +1,62 @@
+#include "joints.h"
+
+const int half_first_joint[HALF_COUNT + 1] = {JOINT_THUMB_ROLL, JOINT_INDEX_KNUCKLE, JOINT_COUNT};
+
+half half_of_value(int pose_index)
+{
+    const int layer = pose_layer(pose_index);
+    return layer == LAYER_MOUTH ? HALF_MOUTH : layer == LAYER_BROWS ? HALF_UPPER : HALF_COUNT;
+}
+
+void joints_of(double out_deg[JOINT_COUNT], const reading *difference)
+{
+    /* in the order of the sensors, plugin.h */
+    static const int sensor[JOINT_COUNT] = {
+        [JOINT_THUMB_ROLL] = 0,    [JOINT_THUMB_MIDDLE] = 1,    [JOINT_THUMB_TIP] = 2,
+        [JOINT_INDEX_CURL] = 5,    [JOINT_MIDDLE_CURL] = 8,     [JOINT_RING_KNUCKLE] = 11,
+        [JOINT_RING_CURL] = 12,    [JOINT_LITTLE_KNUCKLE] = 15, [JOINT_LITTLE_CURL] = 16,
+        [JOINT_INDEX_KNUCKLE] = 4, [JOINT_MIDDLE_KNUCKLE] = 7,  [JOINT_THUMB_ASIDE] = 3,
+        [JOINT_ARCH] = 19};
+    const double *angle = difference->value + READING_ANGLES;
+    for (int i = 0; i < JOINT_COUNT; ++i)
+        out_deg[i] = angle[sensor[i]];
+    out_deg[JOINT_SPREAD] = (angle[10] + angle[14] + angle[18]) * (1.0 / 3.0);
+}
+
+/* Noise: a glove's sensors follow a joint within 1.4 degrees; points of 2 mm read back to angles
+ * are off by what is listed here. Comfort: from a relaxed hand with a little spread and curl. */
+#define SPREAD_NOISE(deg) (0.6 * (deg)) /* a mean of three */
+const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
+    [DEVICE_JOINTS] = {[JOINT_THUMB_ROLL] = {1.4, -20, 22},
+                       [JOINT_THUMB_MIDDLE] = {1.4, -20, 26},
+                       [JOINT_THUMB_TIP] = {1.4, -26, 42},
+                       [JOINT_INDEX_CURL] = {1.4, -24, 52},
+                       [JOINT_MIDDLE_CURL] = {1.4, -24, 52},
+                       [JOINT_SPREAD] = {SPREAD_NOISE(1.4), -4, 12},
+                       [JOINT_RING_KNUCKLE] = {1.4, -28, 28},
+                       [JOINT_RING_CURL] = {1.4, -26, 48},
+                       [JOINT_LITTLE_KNUCKLE] = {1.4, -28, 28},
+                       [JOINT_LITTLE_CURL] = {1.4, -26, 48},
+                       [JOINT_INDEX_KNUCKLE] = {1.4, -32, 32},
+                       [JOINT_MIDDLE_KNUCKLE] = {1.4, -22, 32},
+                       [JOINT_THUMB_ASIDE] = {1.4, -16, 20},
+                       [JOINT_ARCH] = {1.4, -5, 13}},
+    [DEVICE_POINTS] = {[JOINT_THUMB_ROLL] = {4.0, -20, 22},
+                       [JOINT_THUMB_MIDDLE] = {3.0, -20, 26},
+                       [JOINT_THUMB_TIP] = {3.0, -26, 42},
+                       [JOINT_INDEX_CURL] = {3.0, -24, 52},
+                       [JOINT_MIDDLE_CURL] = {3.0, -24, 52},
+                       [JOINT_SPREAD] = {SPREAD_NOISE(3.0), -4, 12},
+                       [JOINT_RING_KNUCKLE] = {2.5, -28, 28},
+                       [JOINT_RING_CURL] = {3.0, -26, 48},
+                       [JOINT_LITTLE_KNUCKLE] = {2.5, -28, 28},
+                       [JOINT_LITTLE_CURL] = {3.0, -26, 48},
+                       [JOINT_INDEX_KNUCKLE] = {2.5, -32, 32},
+                       [JOINT_MIDDLE_KNUCKLE] = {2.5, -22, 32},
+                       [JOINT_THUMB_ASIDE] = {4.0, -16, 20}},
+    [DEVICE_CURLS] = {[JOINT_THUMB_MIDDLE] = {1.4, -40, 40},
+                      [JOINT_RING_KNUCKLE] = {1.4, -35, 45},
+                      [JOINT_LITTLE_KNUCKLE] = {1.4, -35, 45},
+                      [JOINT_INDEX_KNUCKLE] = {1.4, -35, 40},
+                      [JOINT_MIDDLE_KNUCKLE] = {1.4, -30, 40}},
+};

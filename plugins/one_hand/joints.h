@@ -1,0 +1,51 @@
+/* one_hand/joints.h - which joints of a hand move which half of the face, and what each kind of
+ * device measures of them. The two halves share no joint, so that a mouth and an upper half add
+ * without touching each other. Hands are right hands, and angles are degrees away from the neutral
+ * pose. Pure; any thread. */
+#ifndef MAROTTE_PLUGINS_ONE_HAND_JOINTS_H
+#define MAROTTE_PLUGINS_ONE_HAND_JOINTS_H
+#include "maps.h"
+
+/* Mouth first, then the upper half. */
+enum {
+    JOINT_THUMB_ROLL = 0, /* across the palm */
+    JOINT_THUMB_MIDDLE,   /* MPJ, bent */
+    JOINT_THUMB_TIP,      /* IJ, bent */
+    JOINT_INDEX_CURL,     /* PIJ, bent */
+    JOINT_MIDDLE_CURL,
+    JOINT_SPREAD,       /* mean of the three spreads */
+    JOINT_RING_KNUCKLE, /* MPJ, bent */
+    JOINT_RING_CURL,
+    JOINT_LITTLE_KNUCKLE,
+    JOINT_LITTLE_CURL,
+
+    JOINT_INDEX_KNUCKLE,
+    JOINT_MIDDLE_KNUCKLE,
+    JOINT_THUMB_ASIDE, /* abduction */
+    JOINT_ARCH,
+    JOINT_COUNT
+};
+
+typedef enum half { HALF_MOUTH = 0, HALF_UPPER, HALF_COUNT } half;
+extern const int half_first_joint[HALF_COUNT + 1];
+/* Half that a value of a pose belongs to; HALF_COUNT: neither, the turns of the head. */
+half half_of_value(int pose_index);
+
+/* From the difference of two readings of a hand. */
+void joints_of(double out_deg[JOINT_COUNT], const reading *difference);
+
+/* What kind of hand a device measures. */
+typedef enum device_kind {
+    DEVICE_JOINTS = 0, /* every joint: gloves of 18 and 22 sensors, recordings */
+    DEVICE_POINTS,     /* points of a bare hand: cameras, headsets */
+    DEVICE_CURLS,      /* one bend a finger, and the wrist */
+    DEVICE_KINDS
+} device_kind;
+
+typedef struct joint_traits {
+    double noise_deg;           /* of the device; 0: it does not measure this joint */
+    double least_deg, most_deg; /* comfortable, from the neutral pose */
+} joint_traits;
+extern const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT];
+
+#endif

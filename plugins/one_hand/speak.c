@@ -1,0 +1,221 @@
+#include "speak.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A joint counts by how well the device measures it. */
+static const double noise_of_weight_1_deg = 1.4;
+
+const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT] = {
+    [DEVICE_JOINTS] = {{6.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
+    [DEVICE_POINTS] = {{5.0, 30.0, 9.0}, {3.5, 30.0, 9.0}},
+    [DEVICE_CURLS] = {{4.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
+};
+
+/* Wendland's C2 function that is positive definite in n dimensions: l = floor(n/2) + 2,
+ * (1 - r)^(l + 1) ((l + 1) r + 1). */
+static double wendland(double r, int dimension)
+{
+    if (r >= 1.0)
+        return 0.0;
+    const int power = dimension / 2 + 3;
+    double out = (double)power * r + 1.0;
+    for (int i = 0; i < power; ++i)
+        out *= 1.0 - r;
+    return out;
+}
+
+static double length(const double *v, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i)
+        sum += v[i] * v[i];
+    return sqrt(sum);
+}
+
+static double distance(const double *a, const double *b, int count)
+{
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return sqrt(sum);
+}
+
+/* Weighted, and with the well taken out: 0 within it, and shorter by 1.5 of it beyond 2 of it. */
+static bool place(double *out, const speak_half *self, const double deg[JOINT_COUNT])
+{
+    for (int i = 0; i < self->joint_count; ++i)
+        out[i] = self->per_deg[i] * deg[self->first + i];
+    const double far = length(out, self->joint_count), beyond = far - self->well;
+    if (!(beyond > 0.0)) {
+        memset(out, 0, SPEAK_JOINTS_MAX * sizeof *out);
+        return false;
+    }
+    const double left =
+        beyond < self->well ? 0.5 * beyond * beyond / self->well : far - 1.5 * self->well;
+    for (int i = 0; i < self->joint_count; ++i)
+        out[i] *= left / far;
+    return true;
+}
+
+/* ---- linear systems: symmetric, positive definite, small ---- */
+
+enum { ROWS_MAX = SPEAK_FACES_MAX + 1 };
+typedef double matrix[ROWS_MAX][ROWS_MAX];
+
+/* Cholesky, in place. False: not positive definite. */
+static bool factor(matrix m, int count)
+{
+    for (int i = 0; i < count; ++i)
+        for (int j = 0; j <= i; ++j) {
+            double sum = m[i][j];
+            for (int k = 0; k < j; ++k)
+                sum -= m[i][k] * m[j][k];
+            if (i != j)
+                m[i][j] = sum / m[j][j];
+            else if (sum > 1e-12)
+                m[i][i] = sqrt(sum);
+            else
+                return false;
+        }
+    return true;
+}
+
+static void solve(matrix m, int count, double *x)
+{
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < i; ++k)
+            x[i] -= m[i][k] * x[k];
+        x[i] /= m[i][i];
+    }
+    for (int i = count - 1; i >= 0; --i) {
+        for (int k = i + 1; k < count; ++k)
+            x[i] -= m[k][i] * x[k];
+        x[i] /= m[i][i];
+    }
+}
+
+/* ---- the fit ---- */
+
+/* Lips seal and the tongue comes out near their faces alone. */
+static bool is_linear(int value)
+{
+    return value != POSE_DOFS + DOF_SEAL && value != POSE_DOFS + DOF_TONGUE;
+}
+
+static void list_values(speak_half *out, const speak_face *faces, int count)
+{
+    for (int v = 0; v < POSE_COUNT; ++v) {
+        bool is_moved = false;
+        for (int i = 0; i < count && half_of_value(v) == out->half; ++i)
+            is_moved = is_moved || faces[i].pose.value[v] < 0.0 || faces[i].pose.value[v] > 0.0;
+        if (is_moved)
+            out->value[out->value_count++] = v;
+    }
+}
+
+static double mean_nearest(const speak_half *self)
+{
+    double sum = 0.0;
+    for (int i = 0; i <= self->face_count; ++i) {
+        double nearest = 1e9;
+        for (int j = 0; j <= self->face_count; ++j)
+            if (i != j)
+                nearest =
+                    fmin(nearest, distance(self->centre[i], self->centre[j], self->joint_count));
+        sum += nearest;
+    }
+    return sum / (self->face_count + 1);
+}
+
+/* Ridge regression without a constant: the rest stays the rest. */
+static void find_linear(speak_half *out, const speak_face *faces, int count, double ridge)
+{
+    matrix m = {{0}};
+    const int joints = out->joint_count;
+    for (int a = 0; a < joints; ++a)
+        for (int b = 0; b <= a; ++b) {
+            m[a][b] = a == b ? ridge * count : 0.0;
+            for (int i = 1; i <= count; ++i)
+                m[a][b] += out->centre[i][a] * out->centre[i][b];
+        }
+    (void)factor(m, joints); /* the ridge makes it positive definite */
+    for (int v = 0; v < out->value_count; ++v) {
+        double column[ROWS_MAX] = {0.0};
+        if (!is_linear(out->value[v]))
+            continue;
+        for (int a = 0; a < joints; ++a)
+            for (int i = 1; i <= count; ++i)
+                column[a] += out->centre[i][a] * faces[i - 1].pose.value[out->value[v]];
+        solve(m, joints, column);
+        memcpy(out->linear[v], column, sizeof out->linear[v]);
+    }
+}
+
+static double linear_value(const speak_half *self, int v, const double *at)
+{
+    double sum = 0.0;
+    for (int a = 0; a < self->joint_count; ++a)
+        sum += self->linear[v][a] * at[a];
+    return sum;
+}
+
+static bool find_residual(speak_half *out, const speak_face *faces, int count)
+{
+    matrix m;
+    for (int i = 0; i <= count; ++i)
+        for (int j = 0; j <= i; ++j)
+            m[i][j] =
+                wendland(distance(out->centre[i], out->centre[j], out->joint_count) / out->radius,
+                         out->joint_count);
+    if (!factor(m, count + 1))
+        return false;
+    for (int v = 0; v < out->value_count; ++v) {
+        double column[ROWS_MAX] = {0.0};
+        for (int i = 1; i <= count; ++i)
+            column[i] =
+                faces[i - 1].pose.value[out->value[v]] - linear_value(out, v, out->centre[i]);
+        solve(m, count + 1, column);
+        for (int i = 0; i <= count; ++i)
+            out->residual[i][v] = column[i];
+    }
+    return true;
+}
+
+bool speak_find(speak_half *out, half which, device_kind device, const speak_face *faces, int count)
+{
+    const speak_settings *with = &speak_settings_of[device][which];
+    memset(out, 0, sizeof *out);
+    out->half = which;
+    out->first = half_first_joint[which];
+    out->joint_count = half_first_joint[which + 1] - out->first;
+    out->well = with->well;
+    for (int i = 0; i < out->joint_count; ++i) {
+        const double noise = joint_traits_of[device][out->first + i].noise_deg;
+        out->per_deg[i] = noise > 0.0 ? noise_of_weight_1_deg / noise : 0.0;
+    }
+    if (count > SPEAK_FACES_MAX)
+        count = SPEAK_FACES_MAX;
+    out->face_count = count;
+    list_values(out, faces, count);
+    for (int i = 1; i <= count; ++i)
+        (void)place(out->centre[i], out, faces[i - 1].deg);
+    out->radius = with->radius * mean_nearest(out);
+    find_linear(out, faces, count, with->ridge);
+    return find_residual(out, faces, count);
+}
+
+void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *out)
+{
+    double at[SPEAK_JOINTS_MAX], felt[SPEAK_FACES_MAX + 1];
+    const bool is_moved = place(at, self, deg);
+    for (int i = 0; i <= self->face_count && is_moved; ++i)
+        felt[i] = wendland(distance(at, self->centre[i], self->joint_count) / self->radius,
+                           self->joint_count);
+    for (int v = 0; v < self->value_count; ++v) {
+        double sum = is_moved ? linear_value(self, v, at) : 0.0;
+        for (int i = 0; i <= self->face_count && is_moved; ++i)
+            sum += felt[i] * self->residual[i][v];
+        out->value[self->value[v]] = sum;
+    }
+}

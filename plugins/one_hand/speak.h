@@ -1,0 +1,43 @@
+/* one_hand/speak.h - one half of a face as a function of the joints that move it: linear in the
+ * joints, plus the engine's radial functions (Wendland C2) over them, so that the faces given are
+ * met exactly at their hand poses. Around the neutral pose lies a well in which nothing moves.
+ * + - * / and sqrt only: the same bits everywhere. Pure; any thread. */
+#ifndef MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
+#define MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
+#include "joints.h"
+
+enum { SPEAK_FACES_MAX = 64, SPEAK_JOINTS_MAX = JOINT_INDEX_KNUCKLE };
+
+/* A face at its hand pose. */
+typedef struct speak_face {
+    double deg[JOINT_COUNT];
+    pose pose; /* values of the other half are ignored */
+} speak_face;
+
+typedef struct speak_half {
+    half half;
+    int first, joint_count;             /* joints: first .. first + joint_count - 1 */
+    double per_deg[SPEAK_JOINTS_MAX];   /* weight of each joint; 0: not measured */
+    double well;                        /* weighted degrees */
+    int value_count, value[POSE_COUNT]; /* indices of the pose's values that some face moves */
+    double linear[POSE_COUNT][SPEAK_JOINTS_MAX];
+    int face_count; /* and the rest at 0 */
+    double centre[SPEAK_FACES_MAX + 1][SPEAK_JOINTS_MAX];
+    double residual[SPEAK_FACES_MAX + 1][POSE_COUNT];
+    double radius;
+} speak_half;
+
+typedef struct speak_settings {
+    double well;   /* weighted degrees within which the face is at rest */
+    double ridge;  /* of the linear part, in squared weighted degrees per face */
+    double radius; /* of the radial functions, in mean distances of a face to the next */
+} speak_settings;
+extern const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT];
+
+/* False: two faces have one hand pose. */
+bool speak_find(speak_half *out, half which, device_kind device, const speak_face *faces,
+                int count);
+/* Writes the half's values of the pose; leaves the other values as they are. */
+void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *out);
+
+#endif
