@@ -2,7 +2,7 @@
 
 const int half_first_joint[HALF_COUNT + 1] = {JOINT_THUMB_ROLL, JOINT_INDEX_KNUCKLE, JOINT_COUNT};
 
-half half_of_value(int pose_index)
+face_half half_of_value(int pose_index)
 {
     const int layer = pose_layer(pose_index);
     return layer == LAYER_MOUTH ? HALF_MOUTH : layer == LAYER_BROWS ? HALF_UPPER : HALF_COUNT;

@@ -26,10 +26,10 @@ enum {
     JOINT_COUNT
 };
 
-typedef enum half { HALF_MOUTH = 0, HALF_UPPER, HALF_COUNT } half;
+typedef enum face_half { HALF_MOUTH = 0, HALF_UPPER, HALF_COUNT } face_half;
 extern const int half_first_joint[HALF_COUNT + 1];
 /* Half that a value of a pose belongs to; HALF_COUNT: neither, the turns of the head. */
-half half_of_value(int pose_index);
+face_half half_of_value(int pose_index);
 
 /* From the difference of two readings of a hand. */
 void joints_of(double out_deg[JOINT_COUNT], const reading *difference);

@@ -15,7 +15,7 @@ typedef struct speak_face {
 } speak_face;
 
 typedef struct speak_half {
-    half half;
+    face_half half;
     int first, joint_count;             /* joints: first .. first + joint_count - 1 */
     double per_deg[SPEAK_JOINTS_MAX];   /* weight of each joint; 0: not measured */
     double well;                        /* weighted degrees */
@@ -35,7 +35,7 @@ typedef struct speak_settings {
 extern const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT];
 
 /* False: two faces have one hand pose. */
-bool speak_find(speak_half *out, half which, device_kind device, const speak_face *faces,
+bool speak_find(speak_half *out, face_half which, device_kind device, const speak_face *faces,
                 int count);
 /* Writes the half's values of the pose; leaves the other values as they are. */
 void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *out);
