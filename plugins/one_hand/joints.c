@@ -1,5 +1,7 @@
 #include "joints.h"
 
+#include <string.h>
+
 const int half_first_joint[HALF_COUNT + 1] = {JOINT_THUMB_ROLL, JOINT_INDEX_KNUCKLE, JOINT_COUNT};
 
 face_half half_of_value(int pose_index)
@@ -60,3 +62,43 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                       [JOINT_INDEX_KNUCKLE] = {1.4, -35, 40},
                       [JOINT_MIDDLE_KNUCKLE] = {1.4, -30, 40}},
 };
+
+static bool is_angle_of(const mrt_channel *channel, uint32_t side)
+{
+    return channel->hand == side && channel->semantic - MRT_CH_ANGLE < MRT_ANGLES;
+}
+
+bool device_measures(const mrt_channels *input, uint32_t side)
+{
+    for (uint32_t i = 0; i < input->count; ++i)
+        if (is_angle_of(&input->channel[i], side))
+            return true;
+    return false;
+}
+
+static bool starts(const char *name, const char *with)
+{
+    return strncmp(name, with, strlen(with)) == 0;
+}
+
+/* Who measures the middle joints of the fingers measures every joint. Points are told from a glove
+ * by the name of the input alone, and so are keys, which bend whole fingers. */
+device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side)
+{
+    static const uint32_t middle_joints[] = {5, 8, 12, 16}; /* sensors: index to little */
+    const int chosen = (int)params[SET_DEVICE];
+    if (chosen != DEVICE_AUTOMATIC)
+        return (device_kind)(chosen - 1);
+    if (!input)
+        return DEVICE_JOINTS;
+    bool has_middle_joints = false;
+    for (uint32_t i = 0; i < input->count; ++i)
+        for (int k = 0; k < 4; ++k)
+            has_middle_joints = has_middle_joints ||
+                                (is_angle_of(&input->channel[i], side) &&
+                                 input->channel[i].semantic - MRT_CH_ANGLE == middle_joints[k]);
+    if (!has_middle_joints || starts(input->name, "virtual"))
+        return DEVICE_CURLS;
+    return starts(input->name, "camera") || starts(input->name, "openxr") ? DEVICE_POINTS
+                                                                          : DEVICE_JOINTS;
+}

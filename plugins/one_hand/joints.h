@@ -42,6 +42,11 @@ typedef enum device_kind {
     DEVICE_KINDS
 } device_kind;
 
+/* What the parameter chooses, or the channels of the input say; input NULL: every joint. */
+device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side);
+/* False: the input does not measure that hand. */
+bool device_measures(const mrt_channels *input, uint32_t side);
+
 typedef struct joint_traits {
     double noise_deg;           /* of the device; 0: it does not measure this joint */
     double least_deg, most_deg; /* comfortable, from the neutral pose */

@@ -2,6 +2,7 @@
  * the rig's contacts and degrees of freedom. A vector's start is the contact's rest; end = start
  * says that the contact only rides along with the bones that carry it. Everything in time depends
  * on dt_s alone. */
+#include "card.h"
 #include "own_hands.h"
 #include "mapping.h"
 #include "speak.h"
@@ -572,38 +573,13 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
 
 /* ---- what measures the hand ---- */
 
-static bool starts(const char *name, const char *with)
-{
-    return strncmp(name, with, strlen(with)) == 0;
-}
-
-/* By the first input that has angles of that hand: who has middle joints of the fingers measures
- * every joint; points are told from a glove by the name of the input alone. */
 static device_kind device_of(const mrt_frame *frame, uint32_t side)
 {
-    static const uint32_t index_middle_joint = 5, little_middle_joint = 16;
-    const int chosen = (int)frame->params[SET_DEVICE];
-    if (chosen != DEVICE_AUTOMATIC)
-        return (device_kind)(chosen - 1);
-    for (uint32_t i = 0; i < frame->input_count; ++i) {
-        const mrt_channels *input = &frame->inputs[i];
-        bool has_angles = false, has_middle_joints = false;
-        for (uint32_t c = 0; c < input->count; ++c) {
-            const uint32_t sensor = input->channel[c].semantic - MRT_CH_ANGLE;
-            const bool is_angle = input->channel[c].hand == side && sensor < MRT_ANGLES;
-            has_angles = has_angles || is_angle;
-            has_middle_joints = has_middle_joints || (is_angle && sensor >= index_middle_joint &&
-                                                      sensor <= little_middle_joint &&
-                                                      sensor != 7 && sensor != 11 && sensor != 15);
-        }
-        if (!has_angles)
-            continue;
-        if (!has_middle_joints || starts(input->name, "virtual"))
-            return DEVICE_CURLS;
-        return starts(input->name, "camera") || starts(input->name, "openxr") ? DEVICE_POINTS
-                                                                              : DEVICE_JOINTS;
-    }
-    return DEVICE_JOINTS;
+    const mrt_channels *input = NULL;
+    for (uint32_t i = 0; i < frame->input_count && !input; ++i)
+        if (device_measures(&frame->inputs[i], side))
+            input = &frame->inputs[i];
+    return device_of_input(frame->params, input, side);
 }
 
 /* ---- what the feet ask for ---- */
@@ -1088,11 +1064,10 @@ static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process
 static const mrt_state state = {save, load};
 static const mrt_resume resume = {resume_save, resume_load};
 static const mrt_rig_poses rig_poses = {set_rig_poses};
-static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
-                                           {MRT_RIG_POSES, &rig_poses},
-                                           {MRT_STATE, &state},
-                                           {MRT_RESUME, &resume},
-                                           {NULL, NULL}};
+static const mrt_hand_card hand_card = {card_lines};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},     {MRT_HAND_CARD, &hand_card},
+                                           {MRT_RIG_POSES, &rig_poses}, {MRT_STATE, &state},
+                                           {MRT_RESUME, &resume},       {NULL, NULL}};
 static const mrt_plugin_type one_hand = {
     MRT_ABI,
     SET_COUNT,
