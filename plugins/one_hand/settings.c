@@ -25,8 +25,8 @@ static const char *const region_labels[] = {"Whole face", "Mouth", "Brows and li
 #define HIDDEN_CHOICE(set, id, group, name, max, initial, labels, help) \
     [set] = {id, MRT_PARAM_STEPPED | MRT_PARAM_HIDDEN, name, group, "", help, 0, max, initial, labels}
 #define AXIS(axis, id, name, what) \
-    NUMBER(SET_GAIN + AXIS_##axis, id, "Gain", name, "%", 20, 300, 100, "Strength of " what "."), \
-    NUMBER(SET_RANGE + AXIS_##axis, (id) + 1, "Range", name, "%", 0, 150, 100, "Limit of " what ".")
+    NUMBER(SET_GAIN + AXIS_##axis, id, "Movement", name " gain", "%", 20, 300, 100, "Strength of " what "."), \
+    NUMBER(SET_RANGE + AXIS_##axis, (id) + 1, "Movement", name " range", "%", 0, 150, 100, "Limit of " what ".")
 #define BUTTON(set, id, group, name, help) \
     [set] = {id, MRT_PARAM_TRIGGER, name, group, "", help, 0, 1, 0, NULL}
 #define PEDAL(set, id, name, initial, help) \
