@@ -1,0 +1,1965 @@
+/* What one hand can say: coverage [--map NAME[,key=value...]] [--face NAME.rig.json]
+ *                                 [--device NAME] [--neutral DEG,...] [--json FILE] [--sheet
+ * FILE.png] [--quick] A mapping is measured as a black box. For each device and each target face
+ * (visemes, closed lips, expressions, sums of both) a search over hands that a person can hold
+ * finds the nearest face that the mapping gives. The program prints how near it is, what noise does
+ * to it and what the way to it is like. Faces are compared in the skull's frame, mm. It gates
+ * nothing. Deterministic: the same build gives the same numbers.
+ *
+ * The search runs on a linear model of the face: how each contact and each degree of freedom moves
+ * the points that count, from the engine once. Its residuals are corrected by the engine's. */
+#include "bare_hand.h"
+#include "hand/hand.h"
+#include "human_hand.h"
+#include "rigpicture.h"
+
+#include "draw/offscreen.h"
+#include "face/rig/rig_poses.h"
+#include "mesh/position.h"
+#include "stage/mapping/plugins.h"
+#include "stage/perform/performer.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define COUNT_OF(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
+
+enum {
+    PARAMS_MAX = 3 * MRT_MAX_VECTORS + MRT_MAX_DOFS,
+    TARGETS_MAX = 256,
+    HANDS_MAX = 16000,
+    STARTS = 4,
+    DEVICES = 4,
+    TITLE = 64
+};
+
+static void must(mrt_result result, const error *err)
+{
+    if (result >= 0)
+        return;
+    (void)fprintf(stderr, "coverage: %s\n", err->text);
+    exit(1);
+}
+
+static void *allocate(size_t count, size_t size)
+{
+    void *out = calloc(count + 1, size);
+    if (!out) {
+        (void)fprintf(stderr, "coverage: no memory\n");
+        exit(1);
+    }
+    return out;
+}
+
+static double to_double(float v)
+{
+    return (double)v;
+}
+
+/* ---- random numbers ---- */
+
+typedef struct random_source {
+    uint64_t state;
+} random_source;
+
+static double random_uniform(random_source *self) /* 0..1; splitmix64 */
+{
+    uint64_t z = (self->state += UINT64_C(0x9e3779b97f4a7c15));
+    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+static double random_normal(random_source *self) /* Box and Muller */
+{
+    const double u = random_uniform(self), v = random_uniform(self);
+    return sqrt(-2.0 * log(1.0 - u)) * cos(6.283185307179586 * v);
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Sorts; share 0.5: the median. NaN: there is none. */
+static double percentile(double *value, uint32_t count, double share)
+{
+    if (count == 0)
+        return (double)NAN;
+    qsort(value, count, sizeof *value, by_size);
+    return value[(uint32_t)(share * (double)(count - 1) + 0.5)];
+}
+
+/* ---- devices ---- */
+
+typedef enum device_kind { SENSORS22 = 0, SENSORS18, POINTS21, CURLS5 } device_kind;
+
+typedef struct device_facts {
+    const char *name, *about;
+    const char *input; /* as the stage calls it: what it is filtered as */
+    double rate_hz;
+} device_facts;
+static const device_facts device_table[DEVICES] = {
+    [SENSORS22] = {"sensors22", "22 sensors", "glove", 100.0},
+    [SENSORS18] = {"sensors18", "18 sensors", "glove", 100.0},
+    [POINTS21] = {"points21", "21 points", "camera", 30.0},
+    [CURLS5] = {"curls5", "5 curls", "curls", 100.0},
+};
+static const double noise_deg = 1.4;      /* standard deviation, of each angle */
+static const double noise_point_mm = 2.0; /* along each axis, of each point */
+
+typedef struct device {
+    device_kind kind;
+    mrt_channel channel[MRT_ANGLES];
+    uint32_t count;
+    channel_route route; /* calibrated as the stage does it: absent channels, estimated joints */
+    hand_skeleton *skeleton;
+    bare_hand camera; /* the neutral hand's turn */
+    hand_reading neutral;
+} device;
+
+static bool device_has(device_kind kind, int sensor)
+{
+    static const int curls[] = {SENSOR_THUMB_MPJ, SENSOR_INDEX_MPJ,  SENSOR_MIDDLE_MPJ,
+                                SENSOR_RING_MPJ,  SENSOR_LITTLE_MPJ, SENSOR_WRIST_PITCH,
+                                SENSOR_WRIST_YAW};
+    if (kind == CURLS5) {
+        for (uint32_t i = 0; i < COUNT_OF(curls); ++i)
+            if (curls[i] == sensor)
+                return true;
+        return false;
+    }
+    for (int i = 0; kind == SENSORS18 && i < SENSOR_DISTAL_COUNT; ++i)
+        if (sensor_distal[i] == sensor)
+            return false;
+    return true;
+}
+
+/* What a camera makes of a hand. noise NULL: of exact points. reading: the one before, or zeros. */
+static void device_look(device *self, const float *angle_rad, random_source *noise,
+                        hand_reading *reading)
+{
+    hand_landmarks seen = {.doubtful = 0};
+    mrt_vec3 palm[MRT_PALM];
+    const rigid still = rigid_identity();
+    hand_pose(self->skeleton, angle_rad, &still, seen.at, palm);
+    for (int i = 0; noise && i < MRT_JOINTS; ++i) {
+        seen.at[i].x += (float)(noise_point_mm * random_normal(noise));
+        seen.at[i].y += (float)(noise_point_mm * random_normal(noise));
+        seen.at[i].z += (float)(noise_point_mm * random_normal(noise));
+    }
+    hand_read(self->skeleton, &seen, reading);
+}
+
+static void device_read_points(device *self, hand_reading *reading, float *out_value)
+{
+    mrt_hand_reading now = {.size = 1.0f};
+    double xyzw[4];
+    memcpy(now.angle, reading->angle_rad, sizeof now.angle);
+    rigid_to_quaternion(&reading->wrist, xyzw);
+    for (int i = 0; i < 4; ++i)
+        now.wrist[3 + i] = (float)xyzw[i];
+    bare_hand_turn(&self->camera, MRT_RIGHT, &now);
+    memcpy(out_value, now.angle, sizeof now.angle);
+}
+
+/* The values of its channels while the hand is held so. noise NULL: none. */
+static void device_measure(device *self, const float *angle_rad, random_source *noise,
+                           float *out_value)
+{
+    if (self->kind == POINTS21) {
+        hand_reading reading = self->neutral;
+        device_look(self, angle_rad, noise, &reading);
+        device_read_points(self, &reading, out_value);
+        return;
+    }
+    for (uint32_t i = 0; i < self->count; ++i) {
+        out_value[i] = angle_rad[self->channel[i].semantic - MRT_CH_ANGLE];
+        if (noise)
+            out_value[i] += human_rad((float)(noise_deg * random_normal(noise)));
+    }
+}
+
+/* As core/stage/perform/hands.c, without its filter. */
+static void device_angles(const device *self, const float *value, float *out_angle_rad)
+{
+    float raw[MRT_ANGLES];
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        raw[i] = NAN;
+    for (uint32_t i = 0; i < self->count; ++i)
+        raw[self->channel[i].semantic - MRT_CH_ANGLE] = value[i];
+    hand_calibrate(&self->route.calibration[MRT_RIGHT], raw, out_angle_rad);
+}
+
+static void device_init(device *out, device_kind kind, const float *neutral_rad)
+{
+    *out = (device){.kind = kind, .skeleton = hand_skeleton_create(MRT_RIGHT, HAND_LENGTH_MM)};
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        if (device_has(kind, i))
+            out->channel[out->count++] = (mrt_channel){
+                sensor_table[i].name, "rad", MRT_CH_ANGLE + (uint32_t)i, MRT_RIGHT, -0.7f, 2.2f};
+    channel_route_init(&out->route, out->channel, out->count);
+    channel_route_call(&out->route, device_table[kind].input);
+    if (!out->skeleton)
+        must(MRT_ERR_MEMORY, &(error){"no memory for the hand"});
+    if (kind == POINTS21) {
+        float ignored[MRT_ANGLES];
+        out->camera.follows_wrist = true;
+        device_look(out, neutral_rad, NULL, &out->neutral);
+        device_read_points(out, &out->neutral, ignored); /* from here on wrists count */
+    }
+}
+
+static void device_finish(device *self)
+{
+    hand_skeleton_destroy(self->skeleton);
+}
+
+/* ---- the face: which points count ---- */
+
+typedef enum region { LIPS = 0, BROWS, LIDS, IRIS, TONGUE, HEAD, REGIONS } region;
+/* BROWS, LIDS and IRIS are the upper half. */
+static const double lips_radius_mm = 12.0, brows_radius_mm = 12.0, iris_radius_mm = 12.0;
+
+typedef struct scene {
+    face_file file;
+    plugin_list plugins;
+    log_queue *log;
+    instance mapping, live_mapping;
+    performer *still, *live; /* still: only its face and its active mapping are used */
+    const mrt_mapping *functions;
+    const mrt_resume *resume; /* NULL: the mapping has none */
+    float neutral_rad[MRT_ANGLES];
+
+    uint32_t *vertex;            /* of the file, region by region */
+    uint32_t first[REGIONS + 1]; /* points of each region, iris and head without vertices */
+    uint32_t skull, eye[2], eye_count;
+    uint32_t contact_count, dof_count, param_count;
+    const mrt_contact *contact;
+
+    /* of the mapping at rest, on the device of now */
+    device device;
+    mrt_frame frame;
+    mrt_channels input;
+    float value[MRT_ANGLES];
+    mrt_pull neutral_pull;
+    int64_t neutral_ns;
+    unsigned char *state;
+    size_t state_size;
+    mrt_pull last_performed;
+    uint64_t evaluations, performances;
+} scene;
+
+static bool starts(const char *name, const char *with)
+{
+    return strncmp(name, with, strlen(with)) == 0;
+}
+
+static bool is_near(const mesh *m, vec3 at, const uint32_t *vertex, uint32_t count,
+                    double radius_mm)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (vec3_length(vec3_sub(at, mesh_position(m, vertex[i]))) <= radius_mm)
+            return true;
+    return false;
+}
+
+static bool is_near_brow(const scene *s, vec3 at)
+{
+    const rig *r = s->file.rig;
+    for (uint32_t i = 0; i < r->contact_count; ++i)
+        if (starts(r->contact[i].name, "brow") &&
+            is_near(&s->file.mesh, at, &r->contact[i].vertex, 1, brows_radius_mm))
+            return true;
+    return false;
+}
+
+static uint32_t find_bone(const rig *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->bone_count; ++i)
+        if (strcmp(r->bone[i].name, name) == 0)
+            return i;
+    return RIG_NONE;
+}
+
+static bool belongs(const scene *s, region of, uint32_t v, bool is_skin, bool is_lid)
+{
+    const rig *r = s->file.rig;
+    const mesh *m = &s->file.mesh;
+    const binding *b = face_binding(performer_face(s->still));
+    const bool is_free = is_skin && b->mobility[v] > 0.0f;
+    const vec3 at = mesh_position(m, v);
+    const uint32_t tongue = find_bone(r, "tongue");
+    switch (of) {
+    case LIPS:
+        return is_free && (is_near(m, at, r->mouth.upper, r->mouth.upper_count, lips_radius_mm) ||
+                           is_near(m, at, r->mouth.lower, r->mouth.lower_count, lips_radius_mm));
+    case BROWS:
+        return is_free && is_near_brow(s, at);
+    case LIDS:
+        return is_lid;
+    case TONGUE:
+        return tongue != RIG_NONE && b->weight[(size_t)tongue * b->vertex_count + v] > 0.5f;
+    default:
+        return false;
+    }
+}
+
+static void mark_regions(scene *s)
+{
+    const mesh *m = &s->file.mesh;
+    const rig *r = s->file.rig;
+    bool *is_skin = allocate(m->vertex_count, sizeof *is_skin);
+    bool *is_lid = allocate(m->vertex_count, sizeof *is_lid);
+    uint32_t count = 0;
+    s->vertex = allocate((size_t)m->vertex_count * 2 + 16, sizeof *s->vertex);
+    for (uint32_t p = 0; p < m->part_count; ++p)
+        for (size_t i = 0; i < (size_t)3 * m->part[p].triangle_count; ++i) {
+            const uint32_t v = m->triangle[(size_t)3 * m->part[p].first_triangle + i];
+            is_skin[v] = is_skin[v] || !starts(m->part[p].name, "mouth");
+            is_lid[v] = is_lid[v] || starts(m->part[p].name, "lid_");
+        }
+    s->skull = find_bone(r, "skull");
+    for (uint32_t i = 0; i < r->bone_count && s->eye_count < 2; ++i)
+        if (starts(r->bone[i].name, "eye."))
+            s->eye[s->eye_count++] = i;
+    for (region of = 0; of < REGIONS; ++of) {
+        s->first[of] = count;
+        for (uint32_t v = 0; v < m->vertex_count; ++v)
+            if (belongs(s, of, v, is_skin[v], is_lid[v]))
+                s->vertex[count++] = v;
+        if (of == IRIS)
+            count += s->eye_count;
+        if (of == HEAD)
+            count += s->skull != RIG_NONE;
+    }
+    s->first[REGIONS] = count;
+    free(is_skin);
+    free(is_lid);
+    if (s->first[LIPS] == s->first[LIPS + 1])
+        must(MRT_ERR_FORMAT, &(error){"the face has no lips: a rig with \"mouth\" is needed"});
+}
+
+static void set_row(double *rows, uint32_t i, vec3 at)
+{
+    rows[3 * (size_t)i] = at.x;
+    rows[3 * (size_t)i + 1] = at.y;
+    rows[3 * (size_t)i + 2] = at.z;
+}
+
+/* Where the points are in the face shown: in the skull's frame, but for the head itself. out: by 3.
+ */
+static void measure_points(const scene *s, const face *f, double *out)
+{
+    rigid pose[RIG_BONES_MAX], back = rigid_identity();
+    const bones *b = face_bones(f);
+    const points_order *order = face_order(f);
+    bones_pose(pose, b, face_metered(f)->dof);
+    if (s->skull != RIG_NONE)
+        back = rigid_inverse(&pose[s->skull]);
+    for (uint32_t i = 0; i < s->first[REGIONS]; ++i) {
+        const bool is_iris = i >= s->first[IRIS] && i < s->first[IRIS + 1];
+        const vec3 ahead = {0.0, 0.0, iris_radius_mm};
+        if (i >= s->first[HEAD]) {
+            set_row(out, i, rigid_rotate(&pose[s->skull], ahead));
+        } else if (is_iris) {
+            const uint32_t bone = s->eye[i - s->first[IRIS]];
+            const vec3 at = vec3_add(b->rig->bone[bone].centre, ahead);
+            set_row(out, i, rigid_apply(&back, rigid_apply(&pose[bone], at)));
+        } else {
+            double at[3];
+            points_at(at, face_shown(f), order->slot_of_file[s->vertex[i]]);
+            set_row(out, i, rigid_apply(&back, (vec3){at[0], at[1], at[2]}));
+        }
+    }
+}
+
+/* Root mean square and greatest distance of the points of a region, mm; 0 of a region without. */
+static double region_rms(const scene *s, region of, const double *a, const double *b)
+{
+    double sum = 0.0;
+    const size_t begin = 3 * (size_t)s->first[of], end = 3 * (size_t)s->first[of + 1];
+    for (size_t i = begin; i < end; ++i)
+        sum += (a[i] - b[i]) * (a[i] - b[i]);
+    return end > begin ? sqrt(3.0 * sum / (double)(end - begin)) : 0.0;
+}
+
+static double region_most(const scene *s, region of, const double *a, const double *b)
+{
+    double most = 0.0;
+    for (size_t i = s->first[of]; i < s->first[of + 1]; ++i) {
+        const double x = a[3 * i] - b[3 * i], y = a[3 * i + 1] - b[3 * i + 1],
+                     z = a[3 * i + 2] - b[3 * i + 2];
+        most = fmax(most, sqrt(x * x + y * y + z * z));
+    }
+    return most;
+}
+
+static double upper_most(const scene *s, const double *a, const double *b)
+{
+    double most = 0.0;
+    for (region of = BROWS; of < TONGUE; ++of)
+        most = fmax(most, region_most(s, of, a, b));
+    return most;
+}
+
+static size_t point_numbers(const scene *s)
+{
+    return 3 * (size_t)s->first[REGIONS];
+}
+
+/* ---- performing ---- */
+
+static bool holds_the_same(const mrt_pull *a, const mrt_pull *b)
+{
+    if (a->anchor != b->anchor || a->count != b->count || a->commit != b->commit)
+        return false;
+    for (uint32_t i = 0; i < a->count; ++i)
+        if (a->vector[i].contact != b->vector[i].contact ||
+            memcmp(&a->vector[i].start, &b->vector[i].start, sizeof a->vector[i].start) != 0)
+            return false;
+    return true;
+}
+
+/* By the engine, with its fold guard; out: points by 3, or NULL. */
+static face *perform(scene *s, const mrt_pull *pull, double *out)
+{
+    composer *c = performer_composer(s->still);
+    const composer_part part = {.is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = pull};
+    if (!holds_the_same(pull, &s->last_performed))
+        composer_reset(c);
+    s->last_performed = *pull;
+    composer_move(c, &part, 1, 0.01);
+    composer_draw(c);
+    s->performances += 1;
+    if (out)
+        measure_points(s, composer_face(c), out);
+    return composer_face(c);
+}
+
+/* ---- a mapping with a hand that is held ---- */
+
+static const double hold_dt_s =
+    0.1; /* the longest step of a mrt_frame: time constants settle soon */
+enum { HOLD_LEAST = 3, HOLD_MOST = 25, NEUTRAL_FRAMES = 100 };
+static const float settled_mm = 1e-3f;
+
+/* The difference that a frame makes: mm, rad counted as 100 mm. */
+static float pull_change(const scene *s, const mrt_pull *a, const mrt_pull *b)
+{
+    float most = a->count == b->count ? 0.0f : INFINITY;
+    for (uint32_t i = 0; i < a->count && i < b->count; ++i) {
+        const mrt_vec3 p = a->vector[i].end, q = b->vector[i].end;
+        most = fmaxf(most, fmaxf(fabsf(p.x - q.x), fmaxf(fabsf(p.y - q.y), fabsf(p.z - q.z))));
+    }
+    for (uint32_t i = 0; i < s->dof_count; ++i)
+        if (!isnan(a->dof[i]) && !isnan(b->dof[i]))
+            most = fmaxf(most, 100.0f * fabsf(a->dof[i] - b->dof[i]));
+    return most;
+}
+
+static void map_frame(scene *s, double dt_s, mrt_pull *pull)
+{
+    s->frame.dt_s = s->frame.time_ns == 0 ? 0.0 : dt_s;
+    s->frame.time_ns += (int64_t)(dt_s * 1e9);
+    s->frame.hand[MRT_RIGHT].time_ns = s->input.time_ns = s->frame.time_ns;
+    instance_latch(&s->mapping);
+    s->frame.params = s->mapping.params;
+    const mrt_pull before = *pull;
+    const mrt_result result = s->functions->process(s->mapping.self, &s->frame, pull);
+    if (result == MRT_HOLD)
+        *pull = before;
+    if (result < 0)
+        must(result, &(error){"the mapping's process() failed"});
+}
+
+static void hold_out(scene *s, const float *angle_rad)
+{
+    mrt_hand *hand = &s->frame.hand[MRT_RIGHT];
+    const rigid still = rigid_identity();
+    device_measure(&s->device, angle_rad, NULL, s->value);
+    device_angles(&s->device, s->value, hand->angle);
+    hand_pose(s->device.skeleton, hand->angle, &still, hand->joint, hand->palm);
+    hand->present = true;
+}
+
+static void settle(scene *s, mrt_pull *pull)
+{
+    for (int i = 0; i < HOLD_MOST; ++i) {
+        const mrt_pull before = *pull;
+        map_frame(s, hold_dt_s, pull);
+        if (i + 1 >= HOLD_LEAST && pull_change(s, &before, pull) < settled_mm)
+            break;
+    }
+    s->evaluations += 1;
+}
+
+static void begin_at_neutral(scene *s, mrt_pull *pull)
+{
+    s->functions->reset(s->mapping.self);
+    *pull = (mrt_pull){0};
+    for (int i = 0; i < MRT_MAX_DOFS; ++i)
+        pull->dof[i] = NAN;
+    s->frame.time_ns = 0;
+    hold_out(s, s->neutral_rad);
+    for (int i = 0; i < NEUTRAL_FRAMES; ++i)
+        map_frame(s, 0.01, pull);
+    settle(s, pull);
+}
+
+/* The device performs from now on: its neutral hand comes first, and is remembered. */
+static void use_device(scene *s, device_kind kind)
+{
+    device_finish(&s->device);
+    device_init(&s->device, kind, s->neutral_rad);
+    s->input = (mrt_channels){.name = device_table[kind].input,
+                              .channel = s->device.route.table.channel,
+                              .value = s->value,
+                              .count = s->device.count};
+    s->frame = (mrt_frame){.near = true, .inputs = &s->input, .input_count = 1};
+    begin_at_neutral(s, &s->neutral_pull);
+    s->neutral_ns = s->frame.time_ns;
+    s->state_size = s->resume ? s->resume->save(s->mapping.self, NULL, 0) : 0;
+    free(s->state);
+    s->state = allocate(s->state_size, 1);
+    if (s->state_size > 0)
+        (void)s->resume->save(s->mapping.self, s->state, s->state_size);
+}
+
+/* From the neutral pose at once to this one, which is held until the pull settles. */
+static void map_hand(scene *s, const float *angle_rad, mrt_pull *out)
+{
+    if (s->state_size > 0 && s->resume->load(s->mapping.self, s->state, s->state_size) >= 0) {
+        *out = s->neutral_pull;
+        s->frame.time_ns = s->neutral_ns;
+    } else {
+        begin_at_neutral(s, out);
+    }
+    hold_out(s, angle_rad);
+    settle(s, out);
+}
+
+/* The same from the hand of before. */
+static void map_on(scene *s, const float *angle_rad, mrt_pull *pull)
+{
+    hold_out(s, angle_rad);
+    settle(s, pull);
+}
+
+/* ---- the linear model of the face ---- */
+
+/* Contact offsets (contact by 3, mm) and degrees of freedom, those not driven as 0. */
+static void read_params(const scene *s, const mrt_pull *pull, double *out)
+{
+    memset(out, 0, s->param_count * sizeof *out);
+    for (uint32_t i = 0; i < pull->count; ++i) {
+        const mrt_vector *v = &pull->vector[i];
+        if (v->contact == 0 || v->contact > s->contact_count)
+            continue;
+        double *at = out + 3 * (size_t)(v->contact - 1);
+        at[0] = to_double(v->end.x) - to_double(v->start.x);
+        at[1] = to_double(v->end.y) - to_double(v->start.y);
+        at[2] = to_double(v->end.z) - to_double(v->start.z);
+    }
+    for (uint32_t i = 0; i < s->dof_count; ++i)
+        if (!isnan(pull->dof[i]))
+            out[3 * s->contact_count + i] = to_double(pull->dof[i]);
+}
+
+/* All contacts held, as far as the neutral pull of the mapping holds them in its order. */
+static mrt_pull pull_of_params(const scene *s, const double *param)
+{
+    mrt_pull out = {.mode = MRT_ANCHORED, .count = s->contact_count};
+    for (uint32_t i = 0; i < s->contact_count; ++i) {
+        const mrt_vec3 rest = s->contact[i].rest;
+        out.vector[i] =
+            (mrt_vector){rest,
+                         {rest.x + (float)param[3 * i], rest.y + (float)param[3 * i + 1],
+                          rest.z + (float)param[3 * i + 2]},
+                         1 + i};
+    }
+    for (int i = 0; i < MRT_MAX_DOFS; ++i)
+        out.dof[i] =
+            (uint32_t)i < s->dof_count ? (float)param[3 * s->contact_count + (uint32_t)i] : NAN;
+    return out;
+}
+
+/* Features of a region: numbers whose sum of squared differences is the mean squared distance of
+ * the region's points, mm^2, as far as the face is linear. */
+typedef struct features {
+    uint32_t count, pivot[PARAMS_MAX];
+    double *of;            /* count by param_count: features of parameters */
+    double *triangle;      /* count by count, lower: of the pivots */
+    double *direction;     /* count by (3 * points): responses of the pivots */
+    size_t first, numbers; /* of the points' numbers */
+} features;
+
+typedef struct model {
+    features region[REGIONS];
+    uint32_t first[REGIONS + 1]; /* in a row of all features */
+    double *rest;                /* points by 3 */
+} model;
+
+static double model_amount(const scene *s, uint32_t param)
+{
+    if (param < 3 * s->contact_count)
+        return 2.0;
+    const bones_dof *d = &face_bones(performer_face(s->still))->dof[param - 3 * s->contact_count];
+    const double furthest = to_double(-d->min > d->max ? d->min : d->max);
+    return d->unit[0] ? 0.4 * furthest : furthest;
+}
+
+/* Pivoted Cholesky of the Gram matrix of the responses. response: param_count by numbers of all. */
+static void model_region(features *out, const scene *s, region of, const double *response)
+{
+    const uint32_t n = s->param_count;
+    const size_t all = point_numbers(s);
+    double *gram = allocate((size_t)n * n, sizeof *gram), *column = allocate(n, sizeof *column);
+    double trace = 0.0;
+    out->first = 3 * (size_t)s->first[of];
+    out->numbers = 3 * (size_t)(s->first[of + 1] - s->first[of]);
+    out->of = allocate((size_t)n * n, sizeof *out->of);
+    for (uint32_t i = 0; i < n; ++i)
+        for (uint32_t k = 0; k <= i; ++k) {
+            double sum = 0.0;
+            for (size_t j = 0; j < out->numbers; ++j)
+                sum += response[i * all + out->first + j] * response[k * all + out->first + j];
+            gram[i * n + k] = gram[k * n + i] =
+                out->numbers ? 3.0 * sum / (double)out->numbers : 0.0;
+        }
+    for (uint32_t i = 0; i < n; ++i)
+        trace = fmax(trace, gram[i * n + i]);
+    for (out->count = 0; out->count < n; ++out->count) {
+        uint32_t best = 0;
+        for (uint32_t i = 1; i < n; ++i)
+            best = gram[i * n + i] > gram[best * n + best] ? i : best;
+        const double diagonal = gram[best * n + best];
+        if (!(diagonal > 1e-6 * trace) || !(diagonal > 1e-12))
+            break;
+        for (uint32_t i = 0; i < n; ++i)
+            column[i] = gram[i * n + best] / sqrt(diagonal);
+        for (uint32_t i = 0; i < n; ++i)
+            for (uint32_t k = 0; k < n; ++k)
+                gram[i * n + k] -= column[i] * column[k];
+        memcpy(out->of + (size_t)out->count * n, column, n * sizeof *column);
+        out->pivot[out->count] = best;
+    }
+    out->triangle = allocate((size_t)out->count * out->count, sizeof *out->triangle);
+    out->direction = allocate(out->count * out->numbers, sizeof *out->direction);
+    for (uint32_t i = 0; i < out->count; ++i) {
+        for (uint32_t k = 0; k <= i; ++k)
+            out->triangle[i * out->count + k] = out->of[(size_t)k * n + out->pivot[i]];
+        memcpy(out->direction + i * out->numbers, response + out->pivot[i] * all + out->first,
+               out->numbers * sizeof *response);
+    }
+    free(gram);
+    free(column);
+}
+
+static void model_init(model *out, scene *s)
+{
+    const size_t all = point_numbers(s);
+    double param[PARAMS_MAX] = {0},
+           *response = allocate((size_t)s->param_count * all, sizeof *response);
+    *out = (model){.rest = allocate(all, sizeof *out->rest)};
+    mrt_pull pull = pull_of_params(s, param);
+    (void)perform(s, &pull, out->rest);
+    for (uint32_t i = 0; i < s->param_count; ++i) {
+        double *row = response + i * all;
+        param[i] = model_amount(s, i);
+        pull = pull_of_params(s, param);
+        (void)perform(s, &pull, row);
+        for (size_t j = 0; j < all; ++j)
+            row[j] = (row[j] - out->rest[j]) / param[i];
+        param[i] = 0.0;
+    }
+    for (region of = 0; of < REGIONS; ++of) {
+        model_region(&out->region[of], s, of, response);
+        out->first[of + 1] = out->first[of] + out->region[of].count;
+    }
+    free(response);
+}
+
+static void model_finish(model *m)
+{
+    for (region of = 0; of < REGIONS; ++of) {
+        free(m->region[of].of);
+        free(m->region[of].triangle);
+        free(m->region[of].direction);
+    }
+    free(m->rest);
+}
+
+/* All features, of parameters. */
+static void model_of_params(const model *m, const scene *s, const double *param, float *out)
+{
+    for (region of = 0; of < REGIONS; ++of)
+        for (uint32_t i = 0; i < m->region[of].count; ++i) {
+            const double *row = m->region[of].of + (size_t)i * s->param_count;
+            double sum = 0.0;
+            for (uint32_t k = 0; k < s->param_count; ++k)
+                sum += row[k] * param[k];
+            *out++ = (float)sum;
+        }
+}
+
+/* All features, of points that the engine has shown: what the responses explain of them. */
+static void model_of_points(const model *m, const double *point, float *out)
+{
+    for (region of = 0; of < REGIONS; ++of) {
+        const features *f = &m->region[of];
+        for (uint32_t i = 0; i < f->count; ++i) {
+            const double *along = f->direction + i * f->numbers;
+            double sum = 0.0;
+            for (size_t j = 0; j < f->numbers; ++j)
+                sum += along[j] * (point[f->first + j] - m->rest[f->first + j]);
+            sum *= 3.0 / (double)f->numbers;
+            for (uint32_t k = 0; k < i; ++k)
+                sum -= f->triangle[i * f->count + k] * to_double(out[k]);
+            out[i] = (float)(sum / f->triangle[i * f->count + i]);
+        }
+        out += f->count;
+    }
+}
+
+/* ---- targets ---- */
+
+typedef enum target_kind {
+    VISEME = 0,
+    CLOSURE,
+    EXPRESSION,
+    LOOK,
+    TONGUE_OUT,
+    UPPER,
+    SUM,
+    KINDS
+} target_kind;
+
+/* The squared distance of each region counts so much in the search. */
+static const double kind_weight[KINDS][REGIONS] = {
+    [VISEME] = {1, 0.01, 0.01, 0.01, 0.005, 0.001},
+    [CLOSURE] = {1, 0.01, 0.01, 0.01, 0.001, 0.001},
+    [EXPRESSION] = {1, 1, 1, 1, 0, 0.001},
+    [LOOK] = {1, 1, 1, 1, 0, 1},
+    [TONGUE_OUT] = {0.5, 0.01, 0.01, 0.01, 0.5, 0.001},
+    [UPPER] = {1, 1, 1, 1, 0, 0.001},
+    [SUM] = {1, 1, 1, 1, 0, 0.001},
+};
+/* By which regions a face is judged; a bit each. */
+static const unsigned kind_judged[KINDS] = {
+    [VISEME] = 1u << LIPS,
+    [CLOSURE] = 1u << LIPS,
+    [EXPRESSION] = 1u << LIPS | 1u << BROWS | 1u << LIDS | 1u << IRIS,
+    [LOOK] = 1u << LIPS | 1u << BROWS | 1u << LIDS | 1u << IRIS | 1u << HEAD,
+    [TONGUE_OUT] = 1u << LIPS | 1u << TONGUE,
+    [UPPER] = 1u << LIPS | 1u << BROWS | 1u << LIDS | 1u << IRIS,
+    [SUM] = 1u << LIPS | 1u << BROWS | 1u << LIDS | 1u << IRIS,
+};
+
+typedef struct target {
+    char name[TITLE];
+    target_kind kind;
+    uint32_t part[2]; /* SUM: the targets that it is a sum of */
+    double param[PARAMS_MAX];
+    double *point;  /* as the engine shows it */
+    float *feature; /* of those */
+} target;
+
+typedef struct targets {
+    target of[TARGETS_MAX];
+    uint32_t count, viseme_count, shown_count; /* shown: all before UPPER and SUM */
+} targets;
+
+static const char *const viseme_names[] = {
+    "viseme_PP", "viseme_FF", "viseme_TH",  "viseme_DD",      "viseme_kk", "viseme_CH",
+    "viseme_SS", "viseme_nn", "viseme_RR",  "viseme_aa",      "viseme_E",  "viseme_I",
+    "viseme_O",  "viseme_U",  "viseme_sil", "viseme_laughter"};
+static const char *const expression_names[] = {"joy",  "sadness",   "anger",      "surprise",
+                                               "fear", "disgust",   "contempt",   "sleepy",
+                                               "smug", "wink_left", "wink_right", "brow_up"};
+static const double look_aside_deg = 25.0, open_jaw_deg = 8.0;
+
+static const rig_pose *find_pose(const rig *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        if (strcmp(r->pose[i].name, name) == 0)
+            return &r->pose[i];
+    return NULL;
+}
+
+static void set_dof(const scene *s, double *param, const char *name, double value)
+{
+    const bones *b = face_bones(performer_face(s->still));
+    for (uint32_t i = 0; i < b->dof_count; ++i)
+        if (strcmp(b->dof[i].name, name) == 0)
+            param[3 * s->contact_count + i] = value;
+}
+
+/* What the pose does, or only its upper half. False: the face has no such pose. */
+static bool read_pose(const scene *s, const char *name, const rig_pose_part *only_upper,
+                      double *out)
+{
+    const rig_pose *pose = find_pose(composer_rig(performer_composer(s->still)), name);
+    memset(out, 0, s->param_count * sizeof *out);
+    if (!pose)
+        return false;
+    for (uint32_t i = 0; i < pose->pull_count + pose->follow_count; ++i) {
+        const uint32_t contact = pose->pull_contact[i];
+        if (only_upper && only_upper[contact] != POSE_UPPER)
+            continue;
+        set_row(out, contact, pose->pull_mm[i]);
+    }
+    for (uint32_t i = 0; i < pose->dof_count; ++i)
+        if (!only_upper || rig_poses_dof_part(pose->dof_name[i]) == POSE_UPPER)
+            set_dof(s, out, pose->dof_name[i], pose->dof_value[i]);
+    return true;
+}
+
+static target *add_target(targets *out, const char *name, target_kind kind)
+{
+    target *t = &out->of[out->count++];
+    *t = (target){.kind = kind};
+    (void)snprintf(t->name, sizeof t->name, "%s", name);
+    return t;
+}
+
+static void add_posed(targets *out, const scene *s, const char *name,
+                      const rig_pose_part *only_upper, target_kind kind)
+{
+    char title[TITLE];
+    double param[PARAMS_MAX];
+    if (!read_pose(s, name, only_upper, param))
+        return;
+    (void)snprintf(title, sizeof title, "%s%s", starts(name, "viseme_") ? name + 7 : name,
+                   only_upper ? " (upper half)" : "");
+    memcpy(add_target(out, title, kind)->param, param, sizeof param);
+}
+
+static void add_sums(targets *out, const scene *s)
+{
+    const uint32_t first = out->shown_count, end = out->count;
+    for (uint32_t v = 0; v < out->viseme_count; ++v)
+        for (uint32_t u = first; u < end; ++u) {
+            char title[TITLE];
+            (void)snprintf(title, sizeof title, "%.20s + %.20s", out->of[v].name, out->of[u].name);
+            target *t = add_target(out, title, SUM);
+            t->part[0] = v;
+            t->part[1] = u;
+            for (uint32_t i = 0; i < s->param_count; ++i)
+                t->param[i] = out->of[v].param[i] + out->of[u].param[i];
+        }
+}
+
+static void targets_init(targets *out, scene *s, const model *m, bool is_quick)
+{
+    const rig *r = composer_rig(performer_composer(s->still));
+    vec3 *at = allocate(s->contact_count, sizeof *at);
+    rig_pose_part *half = allocate(s->contact_count, sizeof *half);
+    *out = (targets){.count = 0};
+    for (uint32_t i = 0; i < s->contact_count; ++i) {
+        const mrt_vec3 rest = s->contact[i].rest;
+        at[i] = (vec3){to_double(rest.x), to_double(rest.y), to_double(rest.z)};
+    }
+    rig_poses_contact_parts(half, r, at);
+    for (uint32_t i = 0; i < COUNT_OF(viseme_names); ++i)
+        add_posed(out, s, viseme_names[i], NULL, VISEME);
+    out->viseme_count = out->count;
+    add_posed(out, s, "mouthClose", NULL, CLOSURE);
+    target *m_open = add_target(out, "m over an open jaw", CLOSURE);
+    set_dof(s, m_open->param, "jaw.open", open_jaw_deg / 57.29577951308232);
+    set_dof(s, m_open->param, RIG_LIPS_SEAL, 1.0);
+    for (uint32_t i = 0; i < COUNT_OF(expression_names); ++i)
+        add_posed(out, s, expression_names[i], NULL, EXPRESSION);
+    target *look = add_target(out, "look aside", LOOK);
+    set_dof(s, look->param, "eye.l.yaw", look_aside_deg / 57.29577951308232);
+    set_dof(s, look->param, "eye.r.yaw", look_aside_deg / 57.29577951308232);
+    add_posed(out, s, "tongueOut", NULL, TONGUE_OUT);
+    out->shown_count = out->count;
+    for (uint32_t i = 0; i < COUNT_OF(expression_names) && (!is_quick || i < 1); ++i)
+        add_posed(out, s, expression_names[i], half, UPPER);
+    add_sums(out, s);
+    free(at);
+    free(half);
+    for (uint32_t i = 0; i < out->count; ++i) {
+        target *t = &out->of[i];
+        const mrt_pull pull = pull_of_params(s, t->param);
+        t->point = allocate(point_numbers(s), sizeof *t->point);
+        t->feature = allocate(m->first[REGIONS], sizeof *t->feature);
+        (void)perform(s, &pull, t->point);
+        model_of_points(m, t->point, t->feature);
+    }
+}
+
+static void targets_finish(targets *self)
+{
+    for (uint32_t i = 0; i < self->count; ++i) {
+        free(self->of[i].point);
+        free(self->of[i].feature);
+    }
+}
+
+/* How far a face is from a target: of the regions by which it is judged the worst, mm rms. */
+static double judge(const scene *s, const target *t, const double *point)
+{
+    double worst = 0.0;
+    for (region of = 0; of < REGIONS; ++of)
+        if (kind_judged[t->kind] >> of & 1u)
+            worst = fmax(worst, region_rms(s, of, point, t->point));
+    return worst;
+}
+
+/* ---- the search ---- */
+
+typedef struct hand {
+    float angle_rad[MRT_ANGLES];
+} hand;
+
+typedef struct reach { /* the nearest face that was found */
+    hand hand;
+    mrt_pull pull;
+    double *point;
+    double judged_mm; /* the worst region by which the target is judged, rms */
+} reach;
+
+typedef struct search {
+    scene *s;
+    const model *m;
+    const targets *targets;
+    hand *hand; /* hand_count: random ones, the neutral one first */
+    float *feature;
+    uint32_t hand_count;
+    int sensor[MRT_ANGLES]; /* that the device sees */
+    uint32_t sensor_count;
+    reach reach[TARGETS_MAX];
+} search;
+
+static void evaluate(search *q, const hand *h, float *out_feature)
+{
+    mrt_pull pull;
+    double param[PARAMS_MAX];
+    map_hand(q->s, h->angle_rad, &pull);
+    read_params(q->s, &pull, param);
+    model_of_params(q->m, q->s, param, out_feature);
+}
+
+static float random_angle(random_source *random, int sensor)
+{
+    const human_joint *j = &human_joints[sensor];
+    return human_rad(j->low_deg + (j->high_deg - j->low_deg) * (float)random_uniform(random));
+}
+
+/* Of three, one bends all joints and two bend a few of them. End joints follow. */
+static void draw_hand(const search *q, random_source *random, uint32_t number, hand *out)
+{
+    const bool is_whole = number % 3 == 0;
+    const uint32_t moved = 1 + (uint32_t)(random_uniform(random) * 8.0);
+    memcpy(out->angle_rad, q->s->neutral_rad, sizeof out->angle_rad);
+    for (uint32_t i = 0; i < (is_whole ? q->sensor_count : moved); ++i) {
+        uint32_t at = is_whole ? i : (uint32_t)(random_uniform(random) * q->sensor_count);
+        out->angle_rad[q->sensor[at]] = random_angle(random, q->sensor[at]);
+    }
+    human_hand_limit(out->angle_rad);
+}
+
+static void search_init(search *out, scene *s, const model *m, const targets *t,
+                        uint32_t hand_count)
+{
+    random_source random = {7};
+    *out = (search){.s = s, .m = m, .targets = t, .hand_count = hand_count};
+    out->hand = allocate(hand_count, sizeof *out->hand);
+    out->feature = allocate((size_t)hand_count * m->first[REGIONS], sizeof *out->feature);
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        if (device_has(s->device.kind, i))
+            out->sensor[out->sensor_count++] = i;
+    memcpy(out->hand[0].angle_rad, s->neutral_rad, sizeof s->neutral_rad);
+    for (uint32_t i = 1; i < hand_count; ++i)
+        draw_hand(out, &random, i, &out->hand[i]);
+    for (uint32_t i = 0; i < hand_count; ++i)
+        evaluate(out, &out->hand[i], out->feature + (size_t)i * m->first[REGIONS]);
+    for (uint32_t i = 0; i < t->count; ++i)
+        out->reach[i] =
+            (reach){.point = allocate(point_numbers(s), sizeof(double)), .judged_mm = INFINITY};
+}
+
+static void search_finish(search *q)
+{
+    for (uint32_t i = 0; i < q->targets->count; ++i)
+        free(q->reach[i].point);
+    free(q->hand);
+    free(q->feature);
+}
+
+/* What is left between features and wanted ones, each weighted by its region. */
+static void residual_of(const search *q, const target *t, const float *feature, const float *wanted,
+                        float *out)
+{
+    for (region of = 0; of < REGIONS; ++of) {
+        const float weight = (float)sqrt(kind_weight[t->kind][of]);
+        for (uint32_t i = q->m->first[of]; i < q->m->first[of + 1]; ++i)
+            out[i] = weight * (feature[i] - wanted[i]);
+    }
+}
+
+static double squares(const float *value, uint32_t count)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < count; ++i)
+        sum += to_double(value[i]) * to_double(value[i]);
+    return sum;
+}
+
+/* Comfort: of two hands with one face the one nearer to neutral; mm^2 for a rad^2. */
+static const double comfort = 0.03;
+
+static double discomfort(const search *q, const hand *h)
+{
+    double sum = 0.0;
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const double bent = to_double(h->angle_rad[i] - q->s->neutral_rad[i]);
+        sum += bent * bent;
+    }
+    return comfort * sum;
+}
+
+typedef struct climb { /* a hand on its way to a target */
+    search *q;
+    const target *t;
+    const float *wanted; /* features */
+    hand hand;
+    float residual[REGIONS * PARAMS_MAX];
+    double cost;
+} climb;
+
+static double climb_try(const climb *c, const hand *h, float *out_residual)
+{
+    float feature[REGIONS * PARAMS_MAX];
+    evaluate(c->q, h, feature);
+    residual_of(c->q, c->t, feature, c->wanted, out_residual);
+    return squares(out_residual, c->q->m->first[REGIONS]) + discomfort(c->q, h);
+}
+
+static void climb_begin(climb *c, search *q, const target *t, const float *wanted, const hand *h)
+{
+    c->q = q;
+    c->t = t;
+    c->wanted = wanted;
+    c->hand = *h;
+    c->cost = climb_try(c, h, c->residual);
+}
+
+static bool climb_take(climb *c, const hand *h)
+{
+    float residual[REGIONS * PARAMS_MAX];
+    const double cost = climb_try(c, h, residual);
+    if (!(cost < c->cost))
+        return false;
+    c->hand = *h;
+    c->cost = cost;
+    memcpy(c->residual, residual, sizeof residual);
+    return true;
+}
+
+/* a x = b, symmetric and positive; a and b are overwritten, b becomes x. */
+static void solve_symmetric(double *a, double *b, uint32_t n)
+{
+    for (uint32_t i = 0; i < n; ++i) {
+        for (uint32_t k = 0; k <= i; ++k) {
+            double sum = a[i * n + k];
+            for (uint32_t j = 0; j < k; ++j)
+                sum -= a[i * n + j] * a[k * n + j];
+            a[i * n + k] = i == k ? sqrt(fmax(sum, 1e-12)) : sum / a[k * n + k];
+        }
+        for (uint32_t k = 0; k < i; ++k)
+            b[i] -= a[i * n + k] * b[k];
+        b[i] /= a[i * n + i];
+    }
+    for (uint32_t i = n; i-- > 0;) {
+        for (uint32_t k = i + 1; k < n; ++k)
+            b[i] -= a[k * n + i] * b[k];
+        b[i] /= a[i * n + i];
+    }
+}
+
+/* Levenberg and Marquardt over the joints that the device sees, with differences of some degrees:
+ * dead zones are flat. */
+static void climb_newton(climb *c, int iterations)
+{
+    const search *q = c->q;
+    const uint32_t n = q->sensor_count, rows = q->m->first[REGIONS];
+    const float step = human_rad(1.5f);
+    float *slope = allocate((size_t)n * rows, sizeof *slope);
+    double damping = 0.1;
+    for (int k = 0; k < iterations && damping < 1e4; ++k) {
+        double normal[MRT_ANGLES * MRT_ANGLES], right[MRT_ANGLES];
+        for (uint32_t i = 0; i < n; ++i) {
+            hand h = c->hand;
+            float *at = &h.angle_rad[q->sensor[i]], *row = slope + i * rows;
+            const float before = *at;
+            *at += before + step <= human_rad(human_joints[q->sensor[i]].high_deg) ? step : -step;
+            const float by = *at - before;
+            (void)climb_try(c, &h, row);
+            for (uint32_t j = 0; j < rows; ++j)
+                row[j] = (row[j] - c->residual[j]) / by;
+        }
+        for (uint32_t i = 0; i < n; ++i) {
+            for (uint32_t j = 0; j <= i; ++j) {
+                double sum = 0.0;
+                for (uint32_t r = 0; r < rows; ++r)
+                    sum += to_double(slope[i * rows + r]) * to_double(slope[j * rows + r]);
+                normal[i * n + j] = normal[j * n + i] = sum;
+            }
+            right[i] = -comfort *
+                       to_double(c->hand.angle_rad[q->sensor[i]] - q->s->neutral_rad[q->sensor[i]]);
+            for (uint32_t r = 0; r < rows; ++r)
+                right[i] -= to_double(slope[i * rows + r]) * to_double(c->residual[r]);
+        }
+        bool is_better = false;
+        for (int attempt = 0; attempt < 4 && !is_better; ++attempt) {
+            double a[MRT_ANGLES * MRT_ANGLES], b[MRT_ANGLES];
+            memcpy(a, normal, sizeof a);
+            memcpy(b, right, sizeof b);
+            for (uint32_t i = 0; i < n; ++i)
+                a[i * n + i] += comfort + damping * (a[i * n + i] + 1.0);
+            solve_symmetric(a, b, n);
+            hand h = c->hand;
+            for (uint32_t i = 0; i < n; ++i)
+                h.angle_rad[q->sensor[i]] += (float)fmin(fmax(b[i], -0.5), 0.5);
+            human_hand_limit(h.angle_rad);
+            const double before = c->cost;
+            is_better = climb_take(c, &h);
+            damping = is_better ? fmax(0.2 * damping, 1e-6) : 6.0 * damping;
+            if (is_better && before - c->cost < 1e-4 * (before + 1e-3))
+                damping = 1e9; /* it has arrived */
+        }
+        if (!is_better)
+            break;
+    }
+    free(slope);
+}
+
+/* Joint by joint, by steps that halve: gets over edges where slopes say nothing. */
+static void climb_pattern(climb *c, float from_deg, int rounds)
+{
+    for (int round = 0; round < rounds; ++round, from_deg *= 0.4f)
+        for (uint32_t i = 0; i < c->q->sensor_count; ++i)
+            for (int way = -1; way <= 1; way += 2) {
+                hand h = c->hand;
+                h.angle_rad[c->q->sensor[i]] += (float)way * human_rad(from_deg);
+                human_hand_limit(h.angle_rad);
+                if (climb_take(c, &h))
+                    break;
+            }
+}
+
+static double hands_apart_rad(const hand *a, const hand *b)
+{
+    double most = 0.0;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        most = fmax(most, fabs(to_double(a->angle_rad[i] - b->angle_rad[i])));
+    return most;
+}
+
+/* The nearest random hands, no two of them alike. */
+static uint32_t find_starts(search *q, const target *t, hand *out, uint32_t most)
+{
+    const uint32_t rows = q->m->first[REGIONS];
+    double *cost = allocate(q->hand_count, sizeof *cost);
+    float residual[REGIONS * PARAMS_MAX];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < q->hand_count; ++i) {
+        residual_of(q, t, q->feature + (size_t)i * rows, t->feature, residual);
+        cost[i] = squares(residual, rows) + discomfort(q, &q->hand[i]);
+    }
+    for (uint32_t tries = 0; tries < 40 * most && count < most; ++tries) {
+        uint32_t best = 0;
+        for (uint32_t i = 1; i < q->hand_count; ++i)
+            best = cost[i] < cost[best] ? i : best;
+        cost[best] = INFINITY;
+        bool is_new = true;
+        for (uint32_t k = 0; k < count; ++k)
+            is_new = is_new && hands_apart_rad(&out[k], &q->hand[best]) > 0.3;
+        if (is_new)
+            out[count++] = q->hand[best];
+    }
+    free(cost);
+    return count;
+}
+
+/* Performs that hand; keeps it if it is nearer than what was reached. */
+static void consider(search *q, uint32_t number, const hand *h, double *point)
+{
+    reach *r = &q->reach[number];
+    mrt_pull pull;
+    map_hand(q->s, h->angle_rad, &pull);
+    (void)perform(q->s, &pull, point);
+    const double mm = judge(q->s, &q->targets->of[number], point);
+    if (!(mm < r->judged_mm))
+        return;
+    r->hand = *h;
+    r->pull = pull;
+    r->judged_mm = mm;
+    memcpy(r->point, point, point_numbers(q->s) * sizeof *point);
+}
+
+/* The engine says by how much the model was wrong; then from there on again. */
+static void correct(search *q, uint32_t number, hand *h, double *point)
+{
+    const target *t = &q->targets->of[number];
+    float shown[REGIONS * PARAMS_MAX], expected[REGIONS * PARAMS_MAX], wanted[REGIONS * PARAMS_MAX];
+    climb c;
+    model_of_points(q->m, point, shown);
+    evaluate(q, h, expected);
+    for (uint32_t i = 0; i < q->m->first[REGIONS]; ++i)
+        wanted[i] = t->feature[i] - shown[i] + expected[i];
+    climb_begin(&c, q, t, wanted, h);
+    climb_newton(&c, 6);
+    climb_pattern(&c, 2.0f, 1);
+    *h = c.hand;
+    consider(q, number, h, point);
+}
+
+static hand sum_of_hands(const search *q, const hand *a, const hand *b)
+{
+    hand out;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out.angle_rad[i] = a->angle_rad[i] + b->angle_rad[i] - q->s->neutral_rad[i];
+    human_hand_limit(out.angle_rad);
+    return out;
+}
+
+static void search_target(search *q, uint32_t number, uint32_t start_most, int corrections)
+{
+    const target *t = &q->targets->of[number];
+    hand start[STARTS + 1];
+    uint32_t count = find_starts(q, t, start, start_most);
+    double *point = allocate(point_numbers(q->s), sizeof *point);
+    if (t->kind == SUM)
+        start[count++] = sum_of_hands(q, &q->reach[t->part[0]].hand, &q->reach[t->part[1]].hand);
+    consider(q, number, &q->hand[0], point);
+    for (uint32_t i = 0; i < count; ++i) {
+        climb c;
+        climb_begin(&c, q, t, t->feature, &start[i]);
+        climb_newton(&c, 10);
+        climb_pattern(&c, 6.0f, 3);
+        climb_newton(&c, 4);
+        consider(q, number, &c.hand, point);
+        hand h = c.hand;
+        for (int k = 0; k < corrections; ++k)
+            correct(q, number, &h, point);
+    }
+    free(point);
+}
+
+/* ---- figures ---- */
+
+enum {
+    STATIC_DRAWS = 6,
+    WHITE_FRAMES = 40,
+    REST_FRAMES = 150,
+    FOLD_HANDS = 300,
+    NOISES_MAX = 8192
+};
+static const double tight_rms_mm = 1.5, tight_most_mm = 4.0, near_mm = 2.5, rough_mm = 4.0;
+static const double told_apart_mm = 1.5, may_fall_mm = 0.3;
+
+typedef struct cross_talk {
+    double most_mm;
+    int sensor; /* SENSOR_NONE: none */
+} cross_talk;
+
+typedef struct figures {
+    double judged_mm[TARGETS_MAX], lips_most_mm[TARGETS_MAX];
+    uint32_t visemes_tight, visemes_near, told_by_lips, told_with_tongue;
+    double viseme_mean_mm;
+    uint32_t expressions, expressions_near, expressions_rough; /* the look aside is one */
+    uint32_t sums, sums_near;
+    double sum_mean_mm;
+    double rest_noise_mm;                   /* median */
+    double static_noise_mm, static_most_mm; /* median, greatest */
+    double white_noise_mm, white_most_mm;
+    double viseme_noise_mm[TARGETS_MAX]; /* white, median */
+    double steepest_lips, steepest_face; /* mm for a degree */
+    uint32_t ways, ways_monotone;
+    double fall_mm;
+    cross_talk to_upper, to_lips; /* of mouth joints, of joints of the upper half */
+    double least_determinant, held_back_mm;
+    uint64_t evaluations, performances;
+} figures;
+
+static void count_residuals(figures *out, const search *q)
+{
+    const scene *s = q->s;
+    for (uint32_t i = 0; i < q->targets->count; ++i) {
+        const target *t = &q->targets->of[i];
+        const double mm = q->reach[i].judged_mm;
+        const double most = region_most(s, LIPS, q->reach[i].point, t->point);
+        out->judged_mm[i] = mm;
+        out->lips_most_mm[i] = most;
+        if (t->kind == VISEME) {
+            out->visemes_tight += mm <= tight_rms_mm && most <= tight_most_mm;
+            out->visemes_near += mm <= near_mm;
+            out->viseme_mean_mm += mm / q->targets->viseme_count;
+        } else if (t->kind == EXPRESSION || t->kind == LOOK) {
+            out->expressions += 1;
+            out->expressions_near += mm <= near_mm;
+            out->expressions_rough += mm <= rough_mm;
+        } else if (t->kind == SUM) {
+            out->sums += 1;
+            out->sums_near += mm <= near_mm;
+            out->sum_mean_mm += mm;
+        }
+    }
+    out->sum_mean_mm /= out->sums ? out->sums : 1;
+}
+
+/* How many faces differ from each other beyond the noise: taken in order, each that differs from
+ * all that were taken. */
+static uint32_t count_told_apart(const search *q, const double *noise_mm, bool by_tongue)
+{
+    uint32_t taken[TARGETS_MAX], count = 0;
+    for (uint32_t i = 0; i < q->targets->viseme_count; ++i) {
+        bool is_new = true;
+        for (uint32_t k = 0; k < count; ++k) {
+            const double *a = q->reach[i].point, *b = q->reach[taken[k]].point;
+            double apart = region_rms(q->s, LIPS, a, b);
+            if (by_tongue)
+                apart = fmax(apart, region_rms(q->s, TONGUE, a, b));
+            is_new = is_new && apart > told_apart_mm + fmax(noise_mm[i], noise_mm[taken[k]]);
+        }
+        if (is_new)
+            taken[count++] = i;
+    }
+    return count;
+}
+
+/* Each angle that the device measures is off by the same amount, one way or the other. */
+static void measure_static_noise(figures *out, const search *q)
+{
+    random_source random = {11};
+    scene *s = q->s;
+    double *point = allocate(point_numbers(s), sizeof *point);
+    double *mm = allocate(NOISES_MAX, sizeof *mm);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < q->targets->viseme_count; ++i)
+        for (int n = 0; n < STATIC_DRAWS; ++n) {
+            hand h = q->reach[i].hand;
+            mrt_pull pull;
+            for (uint32_t k = 0; k < q->sensor_count; ++k)
+                h.angle_rad[q->sensor[k]] +=
+                    human_rad((float)(random_uniform(&random) < 0.5 ? -noise_deg : noise_deg));
+            map_hand(s, h.angle_rad, &pull);
+            (void)perform(s, &pull, point);
+            mm[count++] = region_rms(s, LIPS, point, q->reach[i].point);
+        }
+    out->static_noise_mm = percentile(mm, count, 0.5);
+    out->static_most_mm = count ? mm[count - 1] : (double)NAN;
+    free(point);
+    free(mm);
+}
+
+/* ---- live: samples at the device's rate through the stage's own hands ---- */
+
+typedef struct live {
+    scene *s;
+    int64_t time_ns;
+    uint32_t sequence;
+} live;
+
+static void live_step(live *l, const float *angle_rad, random_source *noise)
+{
+    device *d = &l->s->device;
+    mrt_sample sample = {.time_ns = l->time_ns, .sequence = l->sequence++, .count = d->count};
+    device_measure(d, angle_rad, noise, sample.value);
+    const sample_step step = sample_step_of(&d->route, &sample);
+    performer_step(l->s->live, &step);
+    l->time_ns += (int64_t)(1e9 / device_table[d->kind].rate_hz);
+}
+
+static void live_go(live *l, const float *from_rad, const float *to_rad, double for_s)
+{
+    const uint32_t steps = (uint32_t)(for_s * device_table[l->s->device.kind].rate_hz);
+    for (uint32_t n = 1; n <= steps; ++n) {
+        float angle_rad[MRT_ANGLES];
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            angle_rad[i] = from_rad[i] + (to_rad[i] - from_rad[i]) * (float)n / (float)steps;
+        live_step(l, angle_rad, NULL);
+    }
+}
+
+static void live_look(const live *l, double *out)
+{
+    performer_draw(l->s->live);
+    measure_points(l->s, performer_face(l->s->live), out);
+}
+
+/* On the lips, root mean square: of `count` frames that begin a fifth of a second after the noise.
+ * The hand comes to rest first. */
+static void live_noise(double *out_mm, uint32_t count, scene *s, const float *angle_rad,
+                       random_source *noise)
+{
+    live l = {.s = s, .time_ns = 1000000000};
+    double *still = allocate(point_numbers(s), sizeof *still),
+           *now = allocate(point_numbers(s), sizeof *now);
+    layer_reset(performer_layer(s->live));
+    composer_reset(performer_composer(s->live));
+    live_go(&l, s->neutral_rad, s->neutral_rad, 1.0);
+    live_go(&l, s->neutral_rad, angle_rad, 0.5);
+    live_go(&l, angle_rad, angle_rad, 0.7);
+    live_look(&l, still);
+    for (uint32_t n = (uint32_t)(0.2 * device_table[s->device.kind].rate_hz); n-- > 0;)
+        live_step(&l, angle_rad, noise);
+    for (uint32_t n = 0; n < count; ++n) {
+        live_step(&l, angle_rad, noise);
+        live_look(&l, now);
+        out_mm[n] = region_rms(s, LIPS, still, now);
+    }
+    free(still);
+    free(now);
+}
+
+static void measure_white_noise(figures *out, const search *q)
+{
+    random_source random = {13};
+    double *mm = allocate(NOISES_MAX, sizeof *mm);
+    uint32_t count = 0;
+    live_noise(mm, REST_FRAMES, q->s, q->s->neutral_rad, &random);
+    out->rest_noise_mm = percentile(mm, REST_FRAMES, 0.5);
+    for (uint32_t i = 0; i < q->targets->viseme_count; ++i, count += WHITE_FRAMES) {
+        live_noise(mm + count, WHITE_FRAMES, q->s, q->reach[i].hand.angle_rad, &random);
+        out->viseme_noise_mm[i] = percentile(mm + count, WHITE_FRAMES, 0.5);
+    }
+    out->white_noise_mm = percentile(mm, count, 0.5);
+    out->white_most_mm = count ? mm[count - 1] : (double)NAN;
+    free(mm);
+}
+
+/* ---- ways ---- */
+
+static void blend_hands(float *out_rad, const float *from_rad, const float *to_rad, float share)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out_rad[i] = from_rad[i] + share * (to_rad[i] - from_rad[i]);
+}
+
+/* In steps of a degree of the joint that goes furthest. */
+static void measure_way(figures *out, const search *q, const hand *to)
+{
+    scene *s = q->s;
+    const hand from = q->hand[0];
+    const double way_deg = hands_apart_rad(&from, to) * 57.29577951308232;
+    const uint32_t steps = (uint32_t)ceil(way_deg);
+    double *rest = allocate(point_numbers(s), sizeof *rest),
+           *last = allocate(point_numbers(s), sizeof *last);
+    double *now = allocate(point_numbers(s), sizeof *now);
+    double furthest = 0.0, fall = 0.0;
+    mrt_pull pull;
+    map_hand(s, from.angle_rad, &pull);
+    (void)perform(s, &pull, rest);
+    memcpy(last, rest, point_numbers(s) * sizeof *rest);
+    for (uint32_t n = 1; n <= steps; ++n) {
+        float angle_rad[MRT_ANGLES];
+        blend_hands(angle_rad, from.angle_rad, to->angle_rad, (float)n / (float)steps);
+        map_on(s, angle_rad, &pull);
+        (void)perform(s, &pull, now);
+        const double step_deg = way_deg / steps;
+        for (region of = LIPS; of < TONGUE; ++of) {
+            const double slope = region_rms(s, of, now, last) / step_deg;
+            out->steepest_face = fmax(out->steepest_face, slope);
+            if (of == LIPS)
+                out->steepest_lips = fmax(out->steepest_lips, slope);
+        }
+        const double away = region_rms(s, LIPS, now, rest);
+        furthest = fmax(furthest, away);
+        fall = fmax(fall, furthest - away);
+        double *spare = last;
+        last = now;
+        now = spare;
+    }
+    out->ways += 1;
+    out->ways_monotone += fall <= may_fall_mm;
+    out->fall_mm = fmax(out->fall_mm, fall);
+    free(rest);
+    free(last);
+    free(now);
+}
+
+/* ---- cross-talk ---- */
+
+static const float cross_talk_deg = 20.0f;
+
+/* One sensor at a time, both ways, its joint within its limits. A joint that moves the lips further
+ * than the upper half is one of the mouth. The wrist turns the head and counts for neither. */
+static void measure_cross_talk(figures *out, const search *q)
+{
+    scene *s = q->s;
+    double *rest = allocate(point_numbers(s), sizeof *rest),
+           *now = allocate(point_numbers(s), sizeof *now);
+    mrt_pull pull;
+    map_hand(s, s->neutral_rad, &pull);
+    (void)perform(s, &pull, rest);
+    out->to_upper.sensor = out->to_lips.sensor = SENSOR_NONE;
+    for (uint32_t k = 0; k < q->sensor_count; ++k) {
+        const int sensor = q->sensor[k];
+        const human_joint *j = &human_joints[sensor];
+        double lips = 0.0, upper = 0.0;
+        for (int way = -1; way <= 1 && sensor_table[sensor].kind != SENSOR_WRIST; way += 2) {
+            hand h = q->hand[0];
+            float *at = &h.angle_rad[sensor];
+            *at = human_clamp(*at + (float)way * human_rad(cross_talk_deg), human_rad(j->low_deg),
+                              human_rad(j->high_deg));
+            map_hand(s, h.angle_rad, &pull);
+            (void)perform(s, &pull, now);
+            lips = fmax(lips, region_most(s, LIPS, now, rest));
+            upper = fmax(upper, upper_most(s, now, rest));
+        }
+        cross_talk *to = lips > upper ? &out->to_upper : &out->to_lips;
+        const double mm = fmin(lips, upper);
+        if (mm > to->most_mm)
+            *to = (cross_talk){mm, sensor};
+    }
+    free(rest);
+    free(now);
+}
+
+static void measure_folds(figures *out, const search *q)
+{
+    scene *s = q->s;
+    out->least_determinant = 1.0;
+    for (uint32_t i = 0; i < FOLD_HANDS && i < q->hand_count; ++i) {
+        mrt_pull pull;
+        map_hand(s, q->hand[i].angle_rad, &pull);
+        const face *f = perform(s, &pull, NULL);
+        out->least_determinant = fmin(out->least_determinant, face_min_determinant(f));
+        out->held_back_mm = fmax(out->held_back_mm, face_metered(f)->held_back_mm);
+    }
+}
+
+static void figures_measure(figures *out, search *q)
+{
+    *out = (figures){.ways = 0};
+    count_residuals(out, q);
+    measure_static_noise(out, q);
+    measure_white_noise(out, q);
+    out->told_by_lips = count_told_apart(q, out->viseme_noise_mm, false);
+    out->told_with_tongue = count_told_apart(q, out->viseme_noise_mm, true);
+    for (uint32_t i = 0; i < q->targets->shown_count; ++i)
+        measure_way(out, q, &q->reach[i].hand);
+    measure_cross_talk(out, q);
+    measure_folds(out, q);
+    out->evaluations = q->s->evaluations;
+    out->performances = q->s->performances;
+}
+
+/* ---- the run ---- */
+
+typedef struct options {
+    const char *map, *face, *json, *sheet;
+    float neutral_deg[MRT_ANGLES];
+    bool has_neutral, is_quick, uses[DEVICES];
+} options;
+
+typedef struct run { /* of one device */
+    device_kind kind;
+    figures figures;
+    hand hand[TARGETS_MAX];
+    float *surface[TARGETS_MAX]; /* of the targets that are shown; NULL: no sheet is asked for */
+} run;
+
+static float *copy_surface(const face *f, uint32_t vertex_count)
+{
+    float *out = allocate((size_t)3 * vertex_count, sizeof *out);
+    points_to_rows(out, face_shown(f), face_order(f));
+    return out;
+}
+
+static void run_device(run *out, scene *s, const model *m, const targets *t, const options *o)
+{
+    search *q = allocate(1, sizeof *q);
+    *out = (run){.kind = out->kind};
+    s->evaluations = s->performances = 0;
+    use_device(s, out->kind);
+    search_init(q, s, m, t, o->is_quick ? 1500 : 13000);
+    for (uint32_t i = 0; i < t->count; ++i) {
+        const bool is_sum = t->of[i].kind == SUM;
+        search_target(q, i, o->is_quick ? 1 : is_sum ? 1 : STARTS, o->is_quick || is_sum ? 1 : 2);
+    }
+    figures_measure(&out->figures, q);
+    for (uint32_t i = 0; i < t->count; ++i) {
+        out->hand[i] = q->reach[i].hand;
+        if (o->sheet && i < t->shown_count)
+            out->surface[i] =
+                copy_surface(perform(s, &q->reach[i].pull, NULL), s->file.mesh.vertex_count);
+    }
+    search_finish(q);
+    free(q);
+}
+
+/* ---- printed ---- */
+
+typedef struct row {
+    const char *words;
+    int decimals;
+    double value[DEVICES];
+} row;
+
+static void print_row(const row *r, uint32_t run_count)
+{
+    printf("%-58s", r->words);
+    for (uint32_t i = 0; i < run_count; ++i)
+        printf(" %12.*f", r->decimals, r->value[i]);
+    printf("\n");
+}
+
+static void add_rows(row *out, uint32_t *count, const char *words, int decimals, const run *runs,
+                     uint32_t run_count, double (*figure)(const figures *f))
+{
+    row *r = &out[(*count)++];
+    *r = (row){.words = words, .decimals = decimals};
+    for (uint32_t i = 0; i < run_count; ++i)
+        r->value[i] = figure(&runs[i].figures);
+}
+
+#define FIGURE(name, expression)                                                                   \
+    static double figure_##name(const figures *f)                                                  \
+    {                                                                                              \
+        return (double)(expression);                                                               \
+    }
+FIGURE(visemes_tight, f->visemes_tight)
+FIGURE(visemes_near, f->visemes_near)
+FIGURE(told_by_lips, f->told_by_lips)
+FIGURE(told_with_tongue, f->told_with_tongue)
+FIGURE(viseme_mean, f->viseme_mean_mm)
+FIGURE(expressions_near, f->expressions_near)
+FIGURE(expressions_rough, f->expressions_rough)
+FIGURE(sums_near, f->sums ? 100.0 * f->sums_near / f->sums : 0.0)
+FIGURE(sum_mean, f->sum_mean_mm)
+FIGURE(rest_noise, f->rest_noise_mm)
+FIGURE(static_noise, f->static_noise_mm)
+FIGURE(static_most, f->static_most_mm)
+FIGURE(white_noise, f->white_noise_mm)
+FIGURE(white_most, f->white_most_mm)
+FIGURE(steepest_lips, f->steepest_lips)
+FIGURE(steepest_face, f->steepest_face)
+FIGURE(ways_monotone, f->ways_monotone)
+FIGURE(fall, f->fall_mm)
+FIGURE(to_upper, f->to_upper.most_mm)
+FIGURE(to_lips, f->to_lips.most_mm)
+FIGURE(determinant, f->least_determinant)
+FIGURE(held_back, f->held_back_mm)
+
+typedef struct figure_column {
+    const char *key, *words;
+    int decimals;
+    double (*of)(const figures *f);
+} figure_column;
+static const figure_column figure_table[] = {
+    {"visemes_tight", "visemes within 1.5 mm rms and 4 mm on the lips", 0, figure_visemes_tight},
+    {"visemes_near", "visemes within 2.5 mm rms on the lips", 0, figure_visemes_near},
+    {"told_by_lips", "visemes told apart by the lips", 0, figure_told_by_lips},
+    {"told_with_tongue", "visemes told apart by lips and tongue", 0, figure_told_with_tongue},
+    {"viseme_mean_mm", "mean residual of visemes on the lips, mm", 2, figure_viseme_mean},
+    {"expressions_near", "expressions within 2.5 mm", 0, figure_expressions_near},
+    {"expressions_rough", "expressions within 4 mm", 0, figure_expressions_rough},
+    {"sums_near_percent", "sums within 2.5 mm, percent", 0, figure_sums_near},
+    {"sum_mean_mm", "mean residual of sums, worst region, mm", 2, figure_sum_mean},
+    {"rest_noise_mm", "lips at rest under the device's noise, median, mm", 2, figure_rest_noise},
+    {"static_noise_mm", "lips in visemes, all joints 1.4 degrees off, median, mm", 2,
+     figure_static_noise},
+    {"static_most_mm", "  greatest, mm", 2, figure_static_most},
+    {"white_noise_mm", "lips in visemes under the device's noise, median, mm", 2,
+     figure_white_noise},
+    {"white_most_mm", "  greatest, mm", 2, figure_white_most},
+    {"steepest_lips", "greatest mm of lips for a degree on a way", 2, figure_steepest_lips},
+    {"steepest_face", "  of lips, brows, lids or iris", 2, figure_steepest_face},
+    {"ways_monotone", "ways on which the lips never come back", 0, figure_ways_monotone},
+    {"fall_mm", "  furthest that they come back, mm", 2, figure_fall},
+    {"to_upper_mm", "cross-talk: a mouth joint moves the upper half, mm", 2, figure_to_upper},
+    {"to_lips_mm", "cross-talk: a joint of the upper half moves the lips, mm", 2, figure_to_lips},
+    {"least_determinant", "least determinant of 300 random hands", 3, figure_determinant},
+    {"held_back_mm", "  held back by the fold guard at most, mm", 1, figure_held_back},
+};
+
+static void print_figures(const run *runs, uint32_t run_count, const targets *t)
+{
+    const figures *f = &runs[0].figures;
+    row rows[COUNT_OF(figure_table)];
+    uint32_t count = 0;
+    printf("%u visemes, %u expressions with a look aside, %u sums, %u ways\n\n%-58s",
+           t->viseme_count, f->expressions, f->sums, f->ways, "");
+    for (uint32_t i = 0; i < run_count; ++i)
+        printf(" %12s", device_table[runs[i].kind].about);
+    printf("\n");
+    for (uint32_t i = 0; i < COUNT_OF(figure_table); ++i)
+        add_rows(rows, &count, figure_table[i].words, figure_table[i].decimals, runs, run_count,
+                 figure_table[i].of);
+    for (uint32_t i = 0; i < count; ++i)
+        print_row(&rows[i], run_count);
+    for (uint32_t i = 0; i < run_count; ++i) {
+        const cross_talk *up = &runs[i].figures.to_upper, *down = &runs[i].figures.to_lips;
+        printf("cross-talk of %s: to the upper half by %s, to the lips by %s\n",
+               device_table[runs[i].kind].about,
+               up->sensor == SENSOR_NONE ? "no joint" : sensor_table[up->sensor].label,
+               down->sensor == SENSOR_NONE ? "no joint" : sensor_table[down->sensor].label);
+    }
+    printf("\n%-58s\n",
+           "residual of each face, mm rms in its worst region (visemes: lips, and greatest)");
+    for (uint32_t n = 0; n < t->shown_count; ++n) {
+        printf("%-30s", t->of[n].name);
+        for (uint32_t i = 0; i < run_count; ++i)
+            printf("   %6.2f (%5.1f)", runs[i].figures.judged_mm[n],
+                   runs[i].figures.lips_most_mm[n]);
+        printf("\n");
+    }
+}
+
+static void add_json(json_t *object, const char *key, json_t *value)
+{
+    if (json_object_set_new(object, key, value) != 0)
+        must(MRT_ERR_MEMORY, &(error){"no memory for the JSON"});
+}
+
+static json_t *json_of_run(const run *r, const targets *t)
+{
+    json_t *out = json_object(), *faces = json_array();
+    add_json(out, "device", json_string(device_table[r->kind].name));
+    for (uint32_t i = 0; i < COUNT_OF(figure_table); ++i)
+        add_json(out, figure_table[i].key, json_real(figure_table[i].of(&r->figures)));
+    for (uint32_t n = 0; n < t->count; ++n) {
+        json_t *one = json_object(), *angles = json_array();
+        add_json(one, "name", json_string(t->of[n].name));
+        add_json(one, "rms_mm", json_real(r->figures.judged_mm[n]));
+        add_json(one, "lips_most_mm", json_real(r->figures.lips_most_mm[n]));
+        for (int k = 0; k < MRT_ANGLES; ++k)
+            (void)json_array_append_new(angles, json_real(to_double(r->hand[n].angle_rad[k])));
+        add_json(one, "hand_rad", angles);
+        (void)json_array_append_new(faces, one);
+    }
+    add_json(out, "faces", faces);
+    return out;
+}
+
+static void write_json(const options *o, const run *runs, uint32_t run_count, const targets *t)
+{
+    json_t *all = json_object(), *list = json_array();
+    add_json(all, "map", json_string(o->map));
+    add_json(all, "visemes", json_integer(t->viseme_count));
+    for (uint32_t i = 0; i < run_count; ++i)
+        (void)json_array_append_new(list, json_of_run(&runs[i], t));
+    add_json(all, "devices", list);
+    const int failed = json_dump_file(all, o->json, JSON_INDENT(1) | JSON_REAL_PRECISION(6));
+    json_decref(all);
+    if (failed) {
+        (void)fprintf(stderr, "coverage: cannot write %s\n", o->json);
+        exit(1);
+    }
+}
+
+/* ---- the sheet ---- */
+
+enum { PANEL_WIDTH = 150, PANEL_HEIGHT = 180, CAPTION = 22, GAP = 24, HEADER = 40, BLOCKS = 3 };
+static const float sheet_ink[4] = {0.92f, 0.93f, 0.95f, 1.0f};
+
+static void draw_panel(offscreen *e, const float *surface, const draw_camera *camera,
+                       const char *caption, uint32_t x, uint32_t y)
+{
+    draw_face_update(e->face, surface, NULL);
+    draw_render(e->renderer, e->target, e->face, camera, x, y, PANEL_WIDTH, PANEL_HEIGHT);
+    offscreen_words(e, caption, (float)x + 4.0f, (float)(y + PANEL_HEIGHT) + 1.0f, 15.0f,
+                    PANEL_WIDTH - 8.0f, sheet_ink);
+}
+
+/* A row for each face: the target, then the nearest reached with each device. Rows stand in three
+ * blocks side by side. */
+static void write_sheet(const options *o, scene *s, const run *runs, uint32_t run_count,
+                        const targets *t)
+{
+    const uint32_t rows = (t->shown_count + BLOCKS - 1) / BLOCKS, panels = 1 + run_count;
+    const uint32_t block = panels * PANEL_WIDTH + GAP;
+    rigportraits_frame frame = rigportraits_frame_empty((rigpicture_view){0.25f, 0.03f});
+    float *surface[TARGETS_MAX];
+    error err = {""};
+    offscreen e;
+    char words[160];
+    for (uint32_t n = 0; n < t->shown_count; ++n) {
+        const mrt_pull pull = pull_of_params(s, t->of[n].param);
+        surface[n] = copy_surface(perform(s, &pull, NULL), s->file.mesh.vertex_count);
+    }
+    rigportraits_frame_add(&frame, s->file.mesh.position, s->file.mesh.vertex_count);
+    const draw_camera camera = rigportraits_frame_camera(&frame);
+    must(offscreen_init(&e, &s->file.mesh, BLOCKS * block, HEADER + rows * (PANEL_HEIGHT + CAPTION),
+                        &err),
+         &err);
+    (void)snprintf(words, sizeof words, "%s: target, then the nearest face with", o->map);
+    for (uint32_t i = 0; i < run_count; ++i)
+        (void)snprintf(words + strlen(words), sizeof words - strlen(words), "%s %s", i ? "," : "",
+                       device_table[runs[i].kind].about);
+    offscreen_words(&e, words, 8.0f, 6.0f, 22.0f, (float)(BLOCKS * block) - 16.0f, sheet_ink);
+    for (uint32_t n = 0; n < t->shown_count; ++n) {
+        const uint32_t x = n / rows * block, y = HEADER + n % rows * (PANEL_HEIGHT + CAPTION);
+        draw_panel(&e, surface[n], &camera, t->of[n].name, x, y);
+        for (uint32_t i = 0; i < run_count; ++i) {
+            (void)snprintf(words, sizeof words, "%.1f mm", runs[i].figures.judged_mm[n]);
+            draw_panel(&e, runs[i].surface[n], &camera, words, x + (1 + i) * PANEL_WIDTH, y);
+        }
+        free(surface[n]);
+    }
+    must(offscreen_save(&e, o->sheet, &err), &err);
+    offscreen_finish(&e);
+}
+
+/* ---- from the command line ---- */
+
+static void create_mapping(scene *s, instance *out, performer **out_performer,
+                           const mrt_plugin_type *type, const char *params)
+{
+    error err = {""};
+    const performer_settings settings = {.rezero_pedal = 0};
+    must(instance_create(out, type, CLOCK_VIRTUAL, s->log, &err), &err);
+    must(instance_set_list(out, params, &err), &err);
+    must(performer_create(out_performer, &s->file, out, &settings, &err), &err);
+}
+
+static void scene_init(scene *s, const options *o)
+{
+    error err = {""};
+    char name[TITLE], path[1024];
+    const size_t length = strcspn(o->map, ",");
+    const mrt_plugin_type *type = NULL;
+    (void)snprintf(name, sizeof name, "%.*s", (int)length, o->map);
+    (void)snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, name);
+    must(face_file_read(&s->file, o->face, NULL, FACE_FILE_USABLE, &err), &err);
+    if (!s->file.rig)
+        must(MRT_ERR_ARGUMENT, &(error){"the face has no rig"});
+    s->log = log_queue_create();
+    must(plugin_list_add(&s->plugins, path, &err), &err);
+    must(plugin_list_find(&s->plugins, name, MRT_MAPPING, &type, &err), &err);
+    const char *params = o->map[length] == ',' ? o->map + length + 1 : "";
+    create_mapping(s, &s->mapping, &s->still, type, params);
+    create_mapping(s, &s->live_mapping, &s->live, type, params);
+    s->functions = plugin_interface(type, MRT_MAPPING);
+    s->resume = plugin_interface(type, MRT_RESUME);
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        s->neutral_rad[i] = o->has_neutral ? human_rad(o->neutral_deg[i]) : human_neutral_rad[i];
+    s->contact = face_contacts(performer_face(s->still), &s->contact_count);
+    s->dof_count = face_bones(performer_face(s->still))->dof_count;
+    s->param_count = 3 * s->contact_count + s->dof_count;
+    if (s->contact_count > MRT_MAX_VECTORS)
+        must(MRT_ERR_ARGUMENT, &(error){"the face has more contacts than can be held at once"});
+    mark_regions(s);
+}
+
+static void scene_finish(scene *s)
+{
+    log_record record;
+    while (log_pop(s->log, &record))
+        if (record.level >= MRT_LOG_WARNING)
+            (void)fprintf(stderr, "coverage: %s: %s\n", record.source, record.text);
+    performer_destroy(s->still);
+    performer_destroy(s->live);
+    instance_destroy(&s->mapping);
+    instance_destroy(&s->live_mapping);
+    plugin_list_destroy(&s->plugins);
+    log_queue_destroy(s->log);
+    device_finish(&s->device);
+    face_file_destroy(&s->file);
+    free(s->vertex);
+    free(s->state);
+}
+
+static bool read_neutral(options *out, const char *words)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        char *end;
+        out->neutral_deg[i] = strtof(words, &end);
+        if (end == words || (*end != ',' && *end != '\0') ||
+            (*end == '\0') != (i + 1 == MRT_ANGLES))
+            return false;
+        words = end + 1;
+    }
+    return out->has_neutral = true;
+}
+
+static bool read_device(options *out, const char *name)
+{
+    for (int i = 0; i < DEVICES; ++i)
+        if (strcmp(device_table[i].name, name) == 0)
+            return out->uses[i] = true;
+    return false;
+}
+
+static bool read_options(options *out, int argc, char **argv)
+{
+    *out = (options){.map = "one_hand", .face = SOURCE_DIR "/rigs/puppet/puppet.rig.json"};
+    for (int i = 1; i < argc; ++i) {
+        const char *value = i + 1 < argc ? argv[i + 1] : NULL;
+        if (strcmp(argv[i], "--quick") == 0) {
+            out->is_quick = true;
+            continue;
+        }
+        if (!value)
+            return false;
+        if (strcmp(argv[i], "--map") == 0)
+            out->map = value;
+        else if (strcmp(argv[i], "--face") == 0)
+            out->face = value;
+        else if (strcmp(argv[i], "--json") == 0)
+            out->json = value;
+        else if (strcmp(argv[i], "--sheet") == 0)
+            out->sheet = value;
+        else if (strcmp(argv[i], "--device") == 0 && read_device(out, value))
+            out->uses[DEVICES - 1] = out->uses[DEVICES - 1];
+        else if (strcmp(argv[i], "--neutral") == 0 && read_neutral(out, value))
+            out->has_neutral = true;
+        else
+            return false;
+        ++i;
+    }
+    bool uses_any = false;
+    for (int i = 0; i < DEVICES; ++i)
+        uses_any = uses_any || out->uses[i];
+    for (int i = 0; i < DEVICES && !uses_any; ++i)
+        out->uses[i] = true;
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    static scene s;
+    static model m;
+    static targets t;
+    static run runs[DEVICES];
+    options o;
+    uint32_t run_count = 0;
+    if (!read_options(&o, argc, argv)) {
+        (void)fprintf(
+            stderr,
+            "usage: coverage [--map NAME[,key=value...]] [--face NAME.rig.json]\n"
+            "                [--device sensors22|sensors18|points21|curls5]... [--quick]\n"
+            "                [--neutral 22 DEGREES,...] [--json FILE] [--sheet FILE.png]\n");
+        return 2;
+    }
+    scene_init(&s, &o);
+    model_init(&m, &s);
+    targets_init(&t, &s, &m, o.is_quick);
+    for (int i = 0; i < DEVICES; ++i)
+        if (o.uses[i]) {
+            runs[run_count].kind = (device_kind)i;
+            run_device(&runs[run_count++], &s, &m, &t, &o);
+        }
+    print_figures(runs, run_count, &t);
+    if (o.json)
+        write_json(&o, runs, run_count, &t);
+    if (o.sheet)
+        write_sheet(&o, &s, runs, run_count, &t);
+    for (uint32_t i = 0; i < run_count; ++i)
+        for (uint32_t n = 0; n < t.shown_count; ++n)
+            free(runs[i].surface[n]);
+    targets_finish(&t);
+    model_finish(&m);
+    scene_finish(&s);
+    return 0;
+}
