@@ -1,23 +1,19 @@
-/* What one hand can say: coverage [--map NAME[,key=value...]] [--face NAME.rig.json]
- *                                 [--device NAME] [--neutral DEG,...] [--json FILE] [--sheet
- * FILE.png] [--quick] A mapping is measured as a black box. For each device and each target face
+/* What one hand can say, with a mapping as a black box. For each device and each target face
  * (visemes, closed lips, expressions, sums of both) a search over hands that a person can hold
- * finds the nearest face that the mapping gives. The program prints how near it is, what noise does
- * to it and what the way to it is like. Faces are compared in the skull's frame, mm. It gates
- * nothing. Deterministic: the same build gives the same numbers.
+ * finds the nearest face that the mapping gives. Prints how near it is, what noise does to it and
+ * what the way to it is like; gates nothing. Faces are compared in the skull's frame, mm.
+ * Deterministic: the same build gives the same numbers.
+ *
+ * coverage [--map NAME[,key=value...]] [--face NAME.rig.json] [--device NAME]... [--quick]
+ *          [--neutral DEG,...] [--json FILE] [--sheet FILE.png]
  *
  * The search runs on a linear model of the face: how each contact and each degree of freedom moves
- * the points that count, from the engine once. Its residuals are corrected by the engine's. */
-#include "bare_hand.h"
-#include "hand/hand.h"
-#include "human_hand.h"
+ * the points that count, from the engine once. What the model misses the engine corrects. */
+#include "coverage_face.h"
 #include "rigpicture.h"
 
 #include "draw/offscreen.h"
 #include "face/rig/rig_poses.h"
-#include "mesh/position.h"
-#include "stage/mapping/plugins.h"
-#include "stage/perform/performer.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -27,57 +23,7 @@
 
 #define COUNT_OF(array) ((uint32_t)(sizeof(array) / sizeof *(array)))
 
-enum {
-    PARAMS_MAX = 3 * MRT_MAX_VECTORS + MRT_MAX_DOFS,
-    TARGETS_MAX = 256,
-    HANDS_MAX = 16000,
-    STARTS = 4,
-    DEVICES = 4,
-    TITLE = 64
-};
-
-static void must(mrt_result result, const error *err)
-{
-    if (result >= 0)
-        return;
-    (void)fprintf(stderr, "coverage: %s\n", err->text);
-    exit(1);
-}
-
-static void *allocate(size_t count, size_t size)
-{
-    void *out = calloc(count + 1, size);
-    if (!out) {
-        (void)fprintf(stderr, "coverage: no memory\n");
-        exit(1);
-    }
-    return out;
-}
-
-static double to_double(float v)
-{
-    return (double)v;
-}
-
-/* ---- random numbers ---- */
-
-typedef struct random_source {
-    uint64_t state;
-} random_source;
-
-static double random_uniform(random_source *self) /* 0..1; splitmix64 */
-{
-    uint64_t z = (self->state += UINT64_C(0x9e3779b97f4a7c15));
-    z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
-    z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
-    return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
-static double random_normal(random_source *self) /* Box and Muller */
-{
-    const double u = random_uniform(self), v = random_uniform(self);
-    return sqrt(-2.0 * log(1.0 - u)) * cos(6.283185307179586 * v);
-}
+enum { TARGETS_MAX = 256, STARTS = 6, TITLE = 64 };
 
 static int by_size(const void *a, const void *b)
 {
@@ -92,638 +38,6 @@ static double percentile(double *value, uint32_t count, double share)
         return (double)NAN;
     qsort(value, count, sizeof *value, by_size);
     return value[(uint32_t)(share * (double)(count - 1) + 0.5)];
-}
-
-/* ---- devices ---- */
-
-typedef enum device_kind { SENSORS22 = 0, SENSORS18, POINTS21, CURLS5 } device_kind;
-
-typedef struct device_facts {
-    const char *name, *about;
-    const char *input; /* as the stage calls it: what it is filtered as */
-    double rate_hz;
-} device_facts;
-static const device_facts device_table[DEVICES] = {
-    [SENSORS22] = {"sensors22", "22 sensors", "glove", 100.0},
-    [SENSORS18] = {"sensors18", "18 sensors", "glove", 100.0},
-    [POINTS21] = {"points21", "21 points", "camera", 30.0},
-    [CURLS5] = {"curls5", "5 curls", "curls", 100.0},
-};
-static const double noise_deg = 1.4;      /* standard deviation, of each angle */
-static const double noise_point_mm = 2.0; /* along each axis, of each point */
-
-typedef struct device {
-    device_kind kind;
-    mrt_channel channel[MRT_ANGLES];
-    uint32_t count;
-    channel_route route; /* calibrated as the stage does it: absent channels, estimated joints */
-    hand_skeleton *skeleton;
-    bare_hand camera; /* the neutral hand's turn */
-    hand_reading neutral;
-} device;
-
-static bool device_has(device_kind kind, int sensor)
-{
-    static const int curls[] = {SENSOR_THUMB_MPJ, SENSOR_INDEX_MPJ,  SENSOR_MIDDLE_MPJ,
-                                SENSOR_RING_MPJ,  SENSOR_LITTLE_MPJ, SENSOR_WRIST_PITCH,
-                                SENSOR_WRIST_YAW};
-    if (kind == CURLS5) {
-        for (uint32_t i = 0; i < COUNT_OF(curls); ++i)
-            if (curls[i] == sensor)
-                return true;
-        return false;
-    }
-    for (int i = 0; kind == SENSORS18 && i < SENSOR_DISTAL_COUNT; ++i)
-        if (sensor_distal[i] == sensor)
-            return false;
-    return true;
-}
-
-/* What a camera makes of a hand. noise NULL: of exact points. reading: the one before, or zeros. */
-static void device_look(device *self, const float *angle_rad, random_source *noise,
-                        hand_reading *reading)
-{
-    hand_landmarks seen = {.doubtful = 0};
-    mrt_vec3 palm[MRT_PALM];
-    const rigid still = rigid_identity();
-    hand_pose(self->skeleton, angle_rad, &still, seen.at, palm);
-    for (int i = 0; noise && i < MRT_JOINTS; ++i) {
-        seen.at[i].x += (float)(noise_point_mm * random_normal(noise));
-        seen.at[i].y += (float)(noise_point_mm * random_normal(noise));
-        seen.at[i].z += (float)(noise_point_mm * random_normal(noise));
-    }
-    hand_read(self->skeleton, &seen, reading);
-}
-
-static void device_read_points(device *self, hand_reading *reading, float *out_value)
-{
-    mrt_hand_reading now = {.size = 1.0f};
-    double xyzw[4];
-    memcpy(now.angle, reading->angle_rad, sizeof now.angle);
-    rigid_to_quaternion(&reading->wrist, xyzw);
-    for (int i = 0; i < 4; ++i)
-        now.wrist[3 + i] = (float)xyzw[i];
-    bare_hand_turn(&self->camera, MRT_RIGHT, &now);
-    memcpy(out_value, now.angle, sizeof now.angle);
-}
-
-/* The values of its channels while the hand is held so. noise NULL: none. */
-static void device_measure(device *self, const float *angle_rad, random_source *noise,
-                           float *out_value)
-{
-    if (self->kind == POINTS21) {
-        hand_reading reading = self->neutral;
-        device_look(self, angle_rad, noise, &reading);
-        device_read_points(self, &reading, out_value);
-        return;
-    }
-    for (uint32_t i = 0; i < self->count; ++i) {
-        out_value[i] = angle_rad[self->channel[i].semantic - MRT_CH_ANGLE];
-        if (noise)
-            out_value[i] += human_rad((float)(noise_deg * random_normal(noise)));
-    }
-}
-
-/* As core/stage/perform/hands.c, without its filter. */
-static void device_angles(const device *self, const float *value, float *out_angle_rad)
-{
-    float raw[MRT_ANGLES];
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        raw[i] = NAN;
-    for (uint32_t i = 0; i < self->count; ++i)
-        raw[self->channel[i].semantic - MRT_CH_ANGLE] = value[i];
-    hand_calibrate(&self->route.calibration[MRT_RIGHT], raw, out_angle_rad);
-}
-
-static void device_init(device *out, device_kind kind, const float *neutral_rad)
-{
-    *out = (device){.kind = kind, .skeleton = hand_skeleton_create(MRT_RIGHT, HAND_LENGTH_MM)};
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        if (device_has(kind, i))
-            out->channel[out->count++] = (mrt_channel){
-                sensor_table[i].name, "rad", MRT_CH_ANGLE + (uint32_t)i, MRT_RIGHT, -0.7f, 2.2f};
-    channel_route_init(&out->route, out->channel, out->count);
-    channel_route_call(&out->route, device_table[kind].input);
-    if (!out->skeleton)
-        must(MRT_ERR_MEMORY, &(error){"no memory for the hand"});
-    if (kind == POINTS21) {
-        float ignored[MRT_ANGLES];
-        out->camera.follows_wrist = true;
-        device_look(out, neutral_rad, NULL, &out->neutral);
-        device_read_points(out, &out->neutral, ignored); /* from here on wrists count */
-    }
-}
-
-static void device_finish(device *self)
-{
-    hand_skeleton_destroy(self->skeleton);
-}
-
-/* ---- the face: which points count ---- */
-
-typedef enum region { LIPS = 0, BROWS, LIDS, IRIS, TONGUE, HEAD, REGIONS } region;
-/* BROWS, LIDS and IRIS are the upper half. */
-static const double lips_radius_mm = 12.0, brows_radius_mm = 12.0, iris_radius_mm = 12.0;
-
-typedef struct scene {
-    face_file file;
-    plugin_list plugins;
-    log_queue *log;
-    instance mapping, live_mapping;
-    performer *still, *live; /* still: only its face and its active mapping are used */
-    const mrt_mapping *functions;
-    const mrt_resume *resume; /* NULL: the mapping has none */
-    float neutral_rad[MRT_ANGLES];
-
-    uint32_t *vertex;            /* of the file, region by region */
-    uint32_t first[REGIONS + 1]; /* points of each region, iris and head without vertices */
-    uint32_t skull, eye[2], eye_count;
-    uint32_t contact_count, dof_count, param_count;
-    const mrt_contact *contact;
-
-    /* of the mapping at rest, on the device of now */
-    device device;
-    mrt_frame frame;
-    mrt_channels input;
-    float value[MRT_ANGLES];
-    mrt_pull neutral_pull;
-    int64_t neutral_ns;
-    unsigned char *state;
-    size_t state_size;
-    mrt_pull last_performed;
-    uint64_t evaluations, performances;
-} scene;
-
-static bool starts(const char *name, const char *with)
-{
-    return strncmp(name, with, strlen(with)) == 0;
-}
-
-static bool is_near(const mesh *m, vec3 at, const uint32_t *vertex, uint32_t count,
-                    double radius_mm)
-{
-    for (uint32_t i = 0; i < count; ++i)
-        if (vec3_length(vec3_sub(at, mesh_position(m, vertex[i]))) <= radius_mm)
-            return true;
-    return false;
-}
-
-static bool is_near_brow(const scene *s, vec3 at)
-{
-    const rig *r = s->file.rig;
-    for (uint32_t i = 0; i < r->contact_count; ++i)
-        if (starts(r->contact[i].name, "brow") &&
-            is_near(&s->file.mesh, at, &r->contact[i].vertex, 1, brows_radius_mm))
-            return true;
-    return false;
-}
-
-static uint32_t find_bone(const rig *r, const char *name)
-{
-    for (uint32_t i = 0; i < r->bone_count; ++i)
-        if (strcmp(r->bone[i].name, name) == 0)
-            return i;
-    return RIG_NONE;
-}
-
-static bool belongs(const scene *s, region of, uint32_t v, bool is_skin, bool is_lid)
-{
-    const rig *r = s->file.rig;
-    const mesh *m = &s->file.mesh;
-    const binding *b = face_binding(performer_face(s->still));
-    const bool is_free = is_skin && b->mobility[v] > 0.0f;
-    const vec3 at = mesh_position(m, v);
-    const uint32_t tongue = find_bone(r, "tongue");
-    switch (of) {
-    case LIPS:
-        return is_free && (is_near(m, at, r->mouth.upper, r->mouth.upper_count, lips_radius_mm) ||
-                           is_near(m, at, r->mouth.lower, r->mouth.lower_count, lips_radius_mm));
-    case BROWS:
-        return is_free && is_near_brow(s, at);
-    case LIDS:
-        return is_lid;
-    case TONGUE:
-        return tongue != RIG_NONE && b->weight[(size_t)tongue * b->vertex_count + v] > 0.5f;
-    default:
-        return false;
-    }
-}
-
-static void mark_regions(scene *s)
-{
-    const mesh *m = &s->file.mesh;
-    const rig *r = s->file.rig;
-    bool *is_skin = allocate(m->vertex_count, sizeof *is_skin);
-    bool *is_lid = allocate(m->vertex_count, sizeof *is_lid);
-    uint32_t count = 0;
-    s->vertex = allocate((size_t)m->vertex_count * 2 + 16, sizeof *s->vertex);
-    for (uint32_t p = 0; p < m->part_count; ++p)
-        for (size_t i = 0; i < (size_t)3 * m->part[p].triangle_count; ++i) {
-            const uint32_t v = m->triangle[(size_t)3 * m->part[p].first_triangle + i];
-            is_skin[v] = is_skin[v] || !starts(m->part[p].name, "mouth");
-            is_lid[v] = is_lid[v] || starts(m->part[p].name, "lid_");
-        }
-    s->skull = find_bone(r, "skull");
-    for (uint32_t i = 0; i < r->bone_count && s->eye_count < 2; ++i)
-        if (starts(r->bone[i].name, "eye."))
-            s->eye[s->eye_count++] = i;
-    for (region of = 0; of < REGIONS; ++of) {
-        s->first[of] = count;
-        for (uint32_t v = 0; v < m->vertex_count; ++v)
-            if (belongs(s, of, v, is_skin[v], is_lid[v]))
-                s->vertex[count++] = v;
-        if (of == IRIS)
-            count += s->eye_count;
-        if (of == HEAD)
-            count += s->skull != RIG_NONE;
-    }
-    s->first[REGIONS] = count;
-    free(is_skin);
-    free(is_lid);
-    if (s->first[LIPS] == s->first[LIPS + 1])
-        must(MRT_ERR_FORMAT, &(error){"the face has no lips: a rig with \"mouth\" is needed"});
-}
-
-static void set_row(double *rows, uint32_t i, vec3 at)
-{
-    rows[3 * (size_t)i] = at.x;
-    rows[3 * (size_t)i + 1] = at.y;
-    rows[3 * (size_t)i + 2] = at.z;
-}
-
-/* Where the points are in the face shown: in the skull's frame, but for the head itself. out: by 3.
- */
-static void measure_points(const scene *s, const face *f, double *out)
-{
-    rigid pose[RIG_BONES_MAX], back = rigid_identity();
-    const bones *b = face_bones(f);
-    const points_order *order = face_order(f);
-    bones_pose(pose, b, face_metered(f)->dof);
-    if (s->skull != RIG_NONE)
-        back = rigid_inverse(&pose[s->skull]);
-    for (uint32_t i = 0; i < s->first[REGIONS]; ++i) {
-        const bool is_iris = i >= s->first[IRIS] && i < s->first[IRIS + 1];
-        const vec3 ahead = {0.0, 0.0, iris_radius_mm};
-        if (i >= s->first[HEAD]) {
-            set_row(out, i, rigid_rotate(&pose[s->skull], ahead));
-        } else if (is_iris) {
-            const uint32_t bone = s->eye[i - s->first[IRIS]];
-            const vec3 at = vec3_add(b->rig->bone[bone].centre, ahead);
-            set_row(out, i, rigid_apply(&back, rigid_apply(&pose[bone], at)));
-        } else {
-            double at[3];
-            points_at(at, face_shown(f), order->slot_of_file[s->vertex[i]]);
-            set_row(out, i, rigid_apply(&back, (vec3){at[0], at[1], at[2]}));
-        }
-    }
-}
-
-/* Root mean square and greatest distance of the points of a region, mm; 0 of a region without. */
-static double region_rms(const scene *s, region of, const double *a, const double *b)
-{
-    double sum = 0.0;
-    const size_t begin = 3 * (size_t)s->first[of], end = 3 * (size_t)s->first[of + 1];
-    for (size_t i = begin; i < end; ++i)
-        sum += (a[i] - b[i]) * (a[i] - b[i]);
-    return end > begin ? sqrt(3.0 * sum / (double)(end - begin)) : 0.0;
-}
-
-static double region_most(const scene *s, region of, const double *a, const double *b)
-{
-    double most = 0.0;
-    for (size_t i = s->first[of]; i < s->first[of + 1]; ++i) {
-        const double x = a[3 * i] - b[3 * i], y = a[3 * i + 1] - b[3 * i + 1],
-                     z = a[3 * i + 2] - b[3 * i + 2];
-        most = fmax(most, sqrt(x * x + y * y + z * z));
-    }
-    return most;
-}
-
-static double upper_most(const scene *s, const double *a, const double *b)
-{
-    double most = 0.0;
-    for (region of = BROWS; of < TONGUE; ++of)
-        most = fmax(most, region_most(s, of, a, b));
-    return most;
-}
-
-static size_t point_numbers(const scene *s)
-{
-    return 3 * (size_t)s->first[REGIONS];
-}
-
-/* ---- performing ---- */
-
-static bool holds_the_same(const mrt_pull *a, const mrt_pull *b)
-{
-    if (a->anchor != b->anchor || a->count != b->count || a->commit != b->commit)
-        return false;
-    for (uint32_t i = 0; i < a->count; ++i)
-        if (a->vector[i].contact != b->vector[i].contact ||
-            memcmp(&a->vector[i].start, &b->vector[i].start, sizeof a->vector[i].start) != 0)
-            return false;
-    return true;
-}
-
-/* By the engine, with its fold guard; out: points by 3, or NULL. */
-static face *perform(scene *s, const mrt_pull *pull, double *out)
-{
-    composer *c = performer_composer(s->still);
-    const composer_part part = {.is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = pull};
-    if (!holds_the_same(pull, &s->last_performed))
-        composer_reset(c);
-    s->last_performed = *pull;
-    composer_move(c, &part, 1, 0.01);
-    composer_draw(c);
-    s->performances += 1;
-    if (out)
-        measure_points(s, composer_face(c), out);
-    return composer_face(c);
-}
-
-/* ---- a mapping with a hand that is held ---- */
-
-static const double hold_dt_s =
-    0.1; /* the longest step of a mrt_frame: time constants settle soon */
-enum { HOLD_LEAST = 3, HOLD_MOST = 25, NEUTRAL_FRAMES = 100 };
-static const float settled_mm = 1e-3f;
-
-/* The difference that a frame makes: mm, rad counted as 100 mm. */
-static float pull_change(const scene *s, const mrt_pull *a, const mrt_pull *b)
-{
-    float most = a->count == b->count ? 0.0f : INFINITY;
-    for (uint32_t i = 0; i < a->count && i < b->count; ++i) {
-        const mrt_vec3 p = a->vector[i].end, q = b->vector[i].end;
-        most = fmaxf(most, fmaxf(fabsf(p.x - q.x), fmaxf(fabsf(p.y - q.y), fabsf(p.z - q.z))));
-    }
-    for (uint32_t i = 0; i < s->dof_count; ++i)
-        if (!isnan(a->dof[i]) && !isnan(b->dof[i]))
-            most = fmaxf(most, 100.0f * fabsf(a->dof[i] - b->dof[i]));
-    return most;
-}
-
-static void map_frame(scene *s, double dt_s, mrt_pull *pull)
-{
-    s->frame.dt_s = s->frame.time_ns == 0 ? 0.0 : dt_s;
-    s->frame.time_ns += (int64_t)(dt_s * 1e9);
-    s->frame.hand[MRT_RIGHT].time_ns = s->input.time_ns = s->frame.time_ns;
-    instance_latch(&s->mapping);
-    s->frame.params = s->mapping.params;
-    const mrt_pull before = *pull;
-    const mrt_result result = s->functions->process(s->mapping.self, &s->frame, pull);
-    if (result == MRT_HOLD)
-        *pull = before;
-    if (result < 0)
-        must(result, &(error){"the mapping's process() failed"});
-}
-
-static void hold_out(scene *s, const float *angle_rad)
-{
-    mrt_hand *hand = &s->frame.hand[MRT_RIGHT];
-    const rigid still = rigid_identity();
-    device_measure(&s->device, angle_rad, NULL, s->value);
-    device_angles(&s->device, s->value, hand->angle);
-    hand_pose(s->device.skeleton, hand->angle, &still, hand->joint, hand->palm);
-    hand->present = true;
-}
-
-static void settle(scene *s, mrt_pull *pull)
-{
-    for (int i = 0; i < HOLD_MOST; ++i) {
-        const mrt_pull before = *pull;
-        map_frame(s, hold_dt_s, pull);
-        if (i + 1 >= HOLD_LEAST && pull_change(s, &before, pull) < settled_mm)
-            break;
-    }
-    s->evaluations += 1;
-}
-
-static void begin_at_neutral(scene *s, mrt_pull *pull)
-{
-    s->functions->reset(s->mapping.self);
-    *pull = (mrt_pull){0};
-    for (int i = 0; i < MRT_MAX_DOFS; ++i)
-        pull->dof[i] = NAN;
-    s->frame.time_ns = 0;
-    hold_out(s, s->neutral_rad);
-    for (int i = 0; i < NEUTRAL_FRAMES; ++i)
-        map_frame(s, 0.01, pull);
-    settle(s, pull);
-}
-
-/* The device performs from now on: its neutral hand comes first, and is remembered. */
-static void use_device(scene *s, device_kind kind)
-{
-    device_finish(&s->device);
-    device_init(&s->device, kind, s->neutral_rad);
-    s->input = (mrt_channels){.name = device_table[kind].input,
-                              .channel = s->device.route.table.channel,
-                              .value = s->value,
-                              .count = s->device.count};
-    s->frame = (mrt_frame){.near = true, .inputs = &s->input, .input_count = 1};
-    begin_at_neutral(s, &s->neutral_pull);
-    s->neutral_ns = s->frame.time_ns;
-    s->state_size = s->resume ? s->resume->save(s->mapping.self, NULL, 0) : 0;
-    free(s->state);
-    s->state = allocate(s->state_size, 1);
-    if (s->state_size > 0)
-        (void)s->resume->save(s->mapping.self, s->state, s->state_size);
-}
-
-/* From the neutral pose at once to this one, which is held until the pull settles. */
-static void map_hand(scene *s, const float *angle_rad, mrt_pull *out)
-{
-    if (s->state_size > 0 && s->resume->load(s->mapping.self, s->state, s->state_size) >= 0) {
-        *out = s->neutral_pull;
-        s->frame.time_ns = s->neutral_ns;
-    } else {
-        begin_at_neutral(s, out);
-    }
-    hold_out(s, angle_rad);
-    settle(s, out);
-}
-
-/* The same from the hand of before. */
-static void map_on(scene *s, const float *angle_rad, mrt_pull *pull)
-{
-    hold_out(s, angle_rad);
-    settle(s, pull);
-}
-
-/* ---- the linear model of the face ---- */
-
-/* Contact offsets (contact by 3, mm) and degrees of freedom, those not driven as 0. */
-static void read_params(const scene *s, const mrt_pull *pull, double *out)
-{
-    memset(out, 0, s->param_count * sizeof *out);
-    for (uint32_t i = 0; i < pull->count; ++i) {
-        const mrt_vector *v = &pull->vector[i];
-        if (v->contact == 0 || v->contact > s->contact_count)
-            continue;
-        double *at = out + 3 * (size_t)(v->contact - 1);
-        at[0] = to_double(v->end.x) - to_double(v->start.x);
-        at[1] = to_double(v->end.y) - to_double(v->start.y);
-        at[2] = to_double(v->end.z) - to_double(v->start.z);
-    }
-    for (uint32_t i = 0; i < s->dof_count; ++i)
-        if (!isnan(pull->dof[i]))
-            out[3 * s->contact_count + i] = to_double(pull->dof[i]);
-}
-
-/* All contacts held, as far as the neutral pull of the mapping holds them in its order. */
-static mrt_pull pull_of_params(const scene *s, const double *param)
-{
-    mrt_pull out = {.mode = MRT_ANCHORED, .count = s->contact_count};
-    for (uint32_t i = 0; i < s->contact_count; ++i) {
-        const mrt_vec3 rest = s->contact[i].rest;
-        out.vector[i] =
-            (mrt_vector){rest,
-                         {rest.x + (float)param[3 * i], rest.y + (float)param[3 * i + 1],
-                          rest.z + (float)param[3 * i + 2]},
-                         1 + i};
-    }
-    for (int i = 0; i < MRT_MAX_DOFS; ++i)
-        out.dof[i] =
-            (uint32_t)i < s->dof_count ? (float)param[3 * s->contact_count + (uint32_t)i] : NAN;
-    return out;
-}
-
-/* Features of a region: numbers whose sum of squared differences is the mean squared distance of
- * the region's points, mm^2, as far as the face is linear. */
-typedef struct features {
-    uint32_t count, pivot[PARAMS_MAX];
-    double *of;            /* count by param_count: features of parameters */
-    double *triangle;      /* count by count, lower: of the pivots */
-    double *direction;     /* count by (3 * points): responses of the pivots */
-    size_t first, numbers; /* of the points' numbers */
-} features;
-
-typedef struct model {
-    features region[REGIONS];
-    uint32_t first[REGIONS + 1]; /* in a row of all features */
-    double *rest;                /* points by 3 */
-} model;
-
-static double model_amount(const scene *s, uint32_t param)
-{
-    if (param < 3 * s->contact_count)
-        return 2.0;
-    const bones_dof *d = &face_bones(performer_face(s->still))->dof[param - 3 * s->contact_count];
-    const double furthest = to_double(-d->min > d->max ? d->min : d->max);
-    return d->unit[0] ? 0.4 * furthest : furthest;
-}
-
-/* Pivoted Cholesky of the Gram matrix of the responses. response: param_count by numbers of all. */
-static void model_region(features *out, const scene *s, region of, const double *response)
-{
-    const uint32_t n = s->param_count;
-    const size_t all = point_numbers(s);
-    double *gram = allocate((size_t)n * n, sizeof *gram), *column = allocate(n, sizeof *column);
-    double trace = 0.0;
-    out->first = 3 * (size_t)s->first[of];
-    out->numbers = 3 * (size_t)(s->first[of + 1] - s->first[of]);
-    out->of = allocate((size_t)n * n, sizeof *out->of);
-    for (uint32_t i = 0; i < n; ++i)
-        for (uint32_t k = 0; k <= i; ++k) {
-            double sum = 0.0;
-            for (size_t j = 0; j < out->numbers; ++j)
-                sum += response[i * all + out->first + j] * response[k * all + out->first + j];
-            gram[i * n + k] = gram[k * n + i] =
-                out->numbers ? 3.0 * sum / (double)out->numbers : 0.0;
-        }
-    for (uint32_t i = 0; i < n; ++i)
-        trace = fmax(trace, gram[i * n + i]);
-    for (out->count = 0; out->count < n; ++out->count) {
-        uint32_t best = 0;
-        for (uint32_t i = 1; i < n; ++i)
-            best = gram[i * n + i] > gram[best * n + best] ? i : best;
-        const double diagonal = gram[best * n + best];
-        if (!(diagonal > 1e-6 * trace) || !(diagonal > 1e-12))
-            break;
-        for (uint32_t i = 0; i < n; ++i)
-            column[i] = gram[i * n + best] / sqrt(diagonal);
-        for (uint32_t i = 0; i < n; ++i)
-            for (uint32_t k = 0; k < n; ++k)
-                gram[i * n + k] -= column[i] * column[k];
-        memcpy(out->of + (size_t)out->count * n, column, n * sizeof *column);
-        out->pivot[out->count] = best;
-    }
-    out->triangle = allocate((size_t)out->count * out->count, sizeof *out->triangle);
-    out->direction = allocate(out->count * out->numbers, sizeof *out->direction);
-    for (uint32_t i = 0; i < out->count; ++i) {
-        for (uint32_t k = 0; k <= i; ++k)
-            out->triangle[i * out->count + k] = out->of[(size_t)k * n + out->pivot[i]];
-        memcpy(out->direction + i * out->numbers, response + out->pivot[i] * all + out->first,
-               out->numbers * sizeof *response);
-    }
-    free(gram);
-    free(column);
-}
-
-static void model_init(model *out, scene *s)
-{
-    const size_t all = point_numbers(s);
-    double param[PARAMS_MAX] = {0},
-           *response = allocate((size_t)s->param_count * all, sizeof *response);
-    *out = (model){.rest = allocate(all, sizeof *out->rest)};
-    mrt_pull pull = pull_of_params(s, param);
-    (void)perform(s, &pull, out->rest);
-    for (uint32_t i = 0; i < s->param_count; ++i) {
-        double *row = response + i * all;
-        param[i] = model_amount(s, i);
-        pull = pull_of_params(s, param);
-        (void)perform(s, &pull, row);
-        for (size_t j = 0; j < all; ++j)
-            row[j] = (row[j] - out->rest[j]) / param[i];
-        param[i] = 0.0;
-    }
-    for (region of = 0; of < REGIONS; ++of) {
-        model_region(&out->region[of], s, of, response);
-        out->first[of + 1] = out->first[of] + out->region[of].count;
-    }
-    free(response);
-}
-
-static void model_finish(model *m)
-{
-    for (region of = 0; of < REGIONS; ++of) {
-        free(m->region[of].of);
-        free(m->region[of].triangle);
-        free(m->region[of].direction);
-    }
-    free(m->rest);
-}
-
-/* All features, of parameters. */
-static void model_of_params(const model *m, const scene *s, const double *param, float *out)
-{
-    for (region of = 0; of < REGIONS; ++of)
-        for (uint32_t i = 0; i < m->region[of].count; ++i) {
-            const double *row = m->region[of].of + (size_t)i * s->param_count;
-            double sum = 0.0;
-            for (uint32_t k = 0; k < s->param_count; ++k)
-                sum += row[k] * param[k];
-            *out++ = (float)sum;
-        }
-}
-
-/* All features, of points that the engine has shown: what the responses explain of them. */
-static void model_of_points(const model *m, const double *point, float *out)
-{
-    for (region of = 0; of < REGIONS; ++of) {
-        const features *f = &m->region[of];
-        for (uint32_t i = 0; i < f->count; ++i) {
-            const double *along = f->direction + i * f->numbers;
-            double sum = 0.0;
-            for (size_t j = 0; j < f->numbers; ++j)
-                sum += along[j] * (point[f->first + j] - m->rest[f->first + j]);
-            sum *= 3.0 / (double)f->numbers;
-            for (uint32_t k = 0; k < i; ++k)
-                sum -= f->triangle[i * f->count + k] * to_double(out[k]);
-            out[i] = (float)(sum / f->triangle[i * f->count + i]);
-        }
-        out += f->count;
-    }
 }
 
 /* ---- targets ---- */
@@ -952,14 +266,42 @@ static float random_angle(random_source *random, int sensor)
     return human_rad(j->low_deg + (j->high_deg - j->low_deg) * (float)random_uniform(random));
 }
 
-/* Of three, one bends all joints and two bend a few of them. End joints follow. */
+/* Joints that a hand moves together. */
+enum { GROUPS = 6, GROUP_MOST = 5 };
+static const int group_sensor[GROUPS][GROUP_MOST] = {
+    {SENSOR_THUMB_MPJ, SENSOR_THUMB_MPJ + 1, SENSOR_NONE},
+    {SENSOR_INDEX_MPJ, SENSOR_MIDDLE_MPJ, SENSOR_RING_MPJ, SENSOR_LITTLE_MPJ, SENSOR_NONE},
+    {SENSOR_RING_MPJ, SENSOR_LITTLE_MPJ, SENSOR_NONE},
+    {SENSOR_INDEX_MPJ, SENSOR_MIDDLE_MPJ, SENSOR_NONE},
+    {SENSOR_INDEX_MPJ + 1, SENSOR_MIDDLE_MPJ + 1, SENSOR_RING_MPJ + 1, SENSOR_LITTLE_MPJ + 1,
+     SENSOR_NONE},
+    {SENSOR_MIDDLE_INDEX_SPREAD, SENSOR_RING_MIDDLE_SPREAD, SENSOR_LITTLE_RING_SPREAD, SENSOR_NONE},
+};
+
+static void draw_groups(random_source *random, hand *out)
+{
+    for (int g = 0; g < GROUPS; ++g) {
+        const bool moves = random_uniform(random) < 0.5;
+        const float share = (float)random_uniform(random);
+        for (int i = 0; moves && group_sensor[g][i] != SENSOR_NONE; ++i) {
+            const human_joint *j = &human_joints[group_sensor[g][i]];
+            out->angle_rad[group_sensor[g][i]] =
+                human_rad(j->low_deg + (j->high_deg - j->low_deg) * share);
+        }
+    }
+}
+
+/* Of three hands one bends all joints, one joints that go together, one a few joints. */
 static void draw_hand(const search *q, random_source *random, uint32_t number, hand *out)
 {
-    const bool is_whole = number % 3 == 0;
-    const uint32_t moved = 1 + (uint32_t)(random_uniform(random) * 8.0);
+    const uint32_t few = 1 + (uint32_t)(random_uniform(random) * 8.0);
     memcpy(out->angle_rad, q->s->neutral_rad, sizeof out->angle_rad);
-    for (uint32_t i = 0; i < (is_whole ? q->sensor_count : moved); ++i) {
-        uint32_t at = is_whole ? i : (uint32_t)(random_uniform(random) * q->sensor_count);
+    if (number % 3 == 1)
+        draw_groups(random, out);
+    for (uint32_t i = 0; number % 3 == 0 && i < q->sensor_count; ++i)
+        out->angle_rad[q->sensor[i]] = random_angle(random, q->sensor[i]);
+    for (uint32_t i = 0; number % 3 == 2 && i < few; ++i) {
+        const uint32_t at = (uint32_t)(random_uniform(random) * q->sensor_count);
         out->angle_rad[q->sensor[at]] = random_angle(random, q->sensor[at]);
     }
     human_hand_limit(out->angle_rad);
@@ -994,11 +336,11 @@ static void search_finish(search *q)
 }
 
 /* What is left between features and wanted ones, each weighted by its region. */
-static void residual_of(const search *q, const target *t, const float *feature, const float *wanted,
-                        float *out)
+static void residual_of(const search *q, const double *weight_of, const float *feature,
+                        const float *wanted, float *out)
 {
     for (region of = 0; of < REGIONS; ++of) {
-        const float weight = (float)sqrt(kind_weight[t->kind][of]);
+        const float weight = (float)sqrt(weight_of[of]);
         for (uint32_t i = q->m->first[of]; i < q->m->first[of + 1]; ++i)
             out[i] = weight * (feature[i] - wanted[i]);
     }
@@ -1027,8 +369,8 @@ static double discomfort(const search *q, const hand *h)
 
 typedef struct climb { /* a hand on its way to a target */
     search *q;
-    const target *t;
-    const float *wanted; /* features */
+    const float *wanted;  /* features */
+    const double *weight; /* of each region */
     hand hand;
     float residual[REGIONS * PARAMS_MAX];
     double cost;
@@ -1038,14 +380,15 @@ static double climb_try(const climb *c, const hand *h, float *out_residual)
 {
     float feature[REGIONS * PARAMS_MAX];
     evaluate(c->q, h, feature);
-    residual_of(c->q, c->t, feature, c->wanted, out_residual);
+    residual_of(c->q, c->weight, feature, c->wanted, out_residual);
     return squares(out_residual, c->q->m->first[REGIONS]) + discomfort(c->q, h);
 }
 
-static void climb_begin(climb *c, search *q, const target *t, const float *wanted, const hand *h)
+static void climb_begin(climb *c, search *q, const double *weight, const float *wanted,
+                        const hand *h)
 {
     c->q = q;
-    c->t = t;
+    c->weight = weight;
     c->wanted = wanted;
     c->hand = *h;
     c->cost = climb_try(c, h, c->residual);
@@ -1141,18 +484,47 @@ static void climb_newton(climb *c, int iterations)
     free(slope);
 }
 
-/* Joint by joint, by steps that halve: gets over edges where slopes say nothing. */
+static bool climb_turn(climb *c, const int *sensor, float by_deg)
+{
+    hand h = c->hand;
+    for (; *sensor != SENSOR_NONE; ++sensor)
+        h.angle_rad[*sensor] += human_rad(by_deg);
+    human_hand_limit(h.angle_rad);
+    return climb_take(c, &h);
+}
+
+/* Joint by joint and group by group, by steps that become smaller: gets over edges where slopes say
+ * nothing. */
 static void climb_pattern(climb *c, float from_deg, int rounds)
 {
-    for (int round = 0; round < rounds; ++round, from_deg *= 0.4f)
-        for (uint32_t i = 0; i < c->q->sensor_count; ++i)
-            for (int way = -1; way <= 1; way += 2) {
-                hand h = c->hand;
-                h.angle_rad[c->q->sensor[i]] += (float)way * human_rad(from_deg);
-                human_hand_limit(h.angle_rad);
-                if (climb_take(c, &h))
-                    break;
-            }
+    for (int round = 0; round < rounds; ++round, from_deg *= 0.4f) {
+        for (uint32_t i = 0; i < c->q->sensor_count; ++i) {
+            const int sensor[2] = {c->q->sensor[i], SENSOR_NONE};
+            if (!climb_turn(c, sensor, from_deg))
+                (void)climb_turn(c, sensor, -from_deg);
+        }
+        for (int g = 0; g < GROUPS; ++g)
+            if (!climb_turn(c, group_sensor[g], from_deg))
+                (void)climb_turn(c, group_sensor[g], -from_deg);
+    }
+}
+
+/* Takes some joints of random hands: gets out of valleys. */
+static void climb_mix(climb *c, random_source *random, uint32_t tries)
+{
+    const search *q = c->q;
+    for (uint32_t n = 0; n < tries; ++n) {
+        const hand *from = &q->hand[(uint32_t)(random_uniform(random) * q->hand_count)];
+        const uint32_t count = 1 + (uint32_t)(random_uniform(random) * 6.0);
+        const float share = n % 2 ? 1.0f : (float)random_uniform(random);
+        hand h = c->hand;
+        for (uint32_t i = 0; i < count; ++i) {
+            const int sensor = q->sensor[(uint32_t)(random_uniform(random) * q->sensor_count)];
+            h.angle_rad[sensor] += share * (from->angle_rad[sensor] - h.angle_rad[sensor]);
+        }
+        human_hand_limit(h.angle_rad);
+        (void)climb_take(c, &h);
+    }
 }
 
 static double hands_apart_rad(const hand *a, const hand *b)
@@ -1171,7 +543,7 @@ static uint32_t find_starts(search *q, const target *t, hand *out, uint32_t most
     float residual[REGIONS * PARAMS_MAX];
     uint32_t count = 0;
     for (uint32_t i = 0; i < q->hand_count; ++i) {
-        residual_of(q, t, q->feature + (size_t)i * rows, t->feature, residual);
+        residual_of(q, kind_weight[t->kind], q->feature + (size_t)i * rows, t->feature, residual);
         cost[i] = squares(residual, rows) + discomfort(q, &q->hand[i]);
     }
     for (uint32_t tries = 0; tries < 40 * most && count < most; ++tries) {
@@ -1205,19 +577,26 @@ static void consider(search *q, uint32_t number, const hand *h, double *point)
     memcpy(r->point, point, point_numbers(q->s) * sizeof *point);
 }
 
-/* The engine says by how much the model was wrong; then from there on again. */
-static void correct(search *q, uint32_t number, hand *h, double *point)
+/* The engine says by how much the model was wrong; then from there on again. The worst region of
+ * those that judge counts more from now on. */
+static void correct(search *q, uint32_t number, hand *h, double *weight, double *point)
 {
     const target *t = &q->targets->of[number];
     float shown[REGIONS * PARAMS_MAX], expected[REGIONS * PARAMS_MAX], wanted[REGIONS * PARAMS_MAX];
+    region worst = LIPS;
     climb c;
     model_of_points(q->m, point, shown);
     evaluate(q, h, expected);
     for (uint32_t i = 0; i < q->m->first[REGIONS]; ++i)
         wanted[i] = t->feature[i] - shown[i] + expected[i];
-    climb_begin(&c, q, t, wanted, h);
+    for (region of = LIPS; of < REGIONS; ++of)
+        if (kind_judged[t->kind] >> of & 1u &&
+            region_rms(q->s, of, point, t->point) > region_rms(q->s, worst, point, t->point))
+            worst = of;
+    weight[worst] *= 1.6;
+    climb_begin(&c, q, weight, wanted, h);
     climb_newton(&c, 6);
-    climb_pattern(&c, 2.0f, 1);
+    climb_pattern(&c, 3.0f, 2);
     *h = c.hand;
     consider(q, number, h, point);
 }
@@ -1231,25 +610,34 @@ static hand sum_of_hands(const search *q, const hand *a, const hand *b)
     return out;
 }
 
-static void search_target(search *q, uint32_t number, uint32_t start_most, int corrections)
+typedef struct effort {
+    uint32_t starts, tries; /* tries: of climb_mix, for each start */
+    int corrections;
+} effort;
+
+static void search_target(search *q, uint32_t number, const effort *e)
 {
     const target *t = &q->targets->of[number];
+    random_source random = {17 + number};
     hand start[STARTS + 1];
-    uint32_t count = find_starts(q, t, start, start_most);
+    uint32_t count = find_starts(q, t, start, e->starts);
     double *point = allocate(point_numbers(q->s), sizeof *point);
     if (t->kind == SUM)
         start[count++] = sum_of_hands(q, &q->reach[t->part[0]].hand, &q->reach[t->part[1]].hand);
     consider(q, number, &q->hand[0], point);
     for (uint32_t i = 0; i < count; ++i) {
+        double weight[REGIONS];
         climb c;
-        climb_begin(&c, q, t, t->feature, &start[i]);
-        climb_newton(&c, 10);
-        climb_pattern(&c, 6.0f, 3);
-        climb_newton(&c, 4);
-        consider(q, number, &c.hand, point);
+        memcpy(weight, kind_weight[t->kind], sizeof weight);
+        climb_begin(&c, q, weight, t->feature, &start[i]);
+        climb_newton(&c, 8);
+        climb_mix(&c, &random, e->tries);
+        climb_pattern(&c, 10.0f, 3);
+        climb_newton(&c, 8);
         hand h = c.hand;
-        for (int k = 0; k < corrections; ++k)
-            correct(q, number, &h, point);
+        consider(q, number, &h, point);
+        for (int k = 0; k < e->corrections; ++k)
+            correct(q, number, &h, weight, point);
     }
     free(point);
 }
@@ -1349,8 +737,8 @@ static void measure_static_noise(figures *out, const search *q)
             hand h = q->reach[i].hand;
             mrt_pull pull;
             for (uint32_t k = 0; k < q->sensor_count; ++k)
-                h.angle_rad[q->sensor[k]] +=
-                    human_rad((float)(random_uniform(&random) < 0.5 ? -noise_deg : noise_deg));
+                h.angle_rad[q->sensor[k]] += human_rad(
+                    (float)(random_uniform(&random) < 0.5 ? -device_noise_deg : device_noise_deg));
             map_hand(s, h.angle_rad, &pull);
             (void)perform(s, &pull, point);
             mm[count++] = region_rms(s, LIPS, point, q->reach[i].point);
@@ -1367,13 +755,14 @@ typedef struct live {
     scene *s;
     int64_t time_ns;
     uint32_t sequence;
+    hand_reading reading; /* of points: the one before */
 } live;
 
 static void live_step(live *l, const float *angle_rad, random_source *noise)
 {
     device *d = &l->s->device;
     mrt_sample sample = {.time_ns = l->time_ns, .sequence = l->sequence++, .count = d->count};
-    device_measure(d, angle_rad, noise, sample.value);
+    device_measure(d, angle_rad, noise, &l->reading, sample.value);
     const sample_step step = sample_step_of(&d->route, &sample);
     performer_step(l->s->live, &step);
     l->time_ns += (int64_t)(1e9 / device_table[d->kind].rate_hz);
@@ -1401,7 +790,7 @@ static void live_look(const live *l, double *out)
 static void live_noise(double *out_mm, uint32_t count, scene *s, const float *angle_rad,
                        random_source *noise)
 {
-    live l = {.s = s, .time_ns = 1000000000};
+    live l = {.s = s, .time_ns = 1000000000, .reading = s->device.neutral};
     double *still = allocate(point_numbers(s), sizeof *still),
            *now = allocate(point_numbers(s), sizeof *now);
     layer_reset(performer_layer(s->live));
@@ -1445,12 +834,24 @@ static void blend_hands(float *out_rad, const float *from_rad, const float *to_r
         out_rad[i] = from_rad[i] + share * (to_rad[i] - from_rad[i]);
 }
 
-/* In steps of a degree of the joint that goes furthest. */
+/* How far it is from hand to hand: the root of the sum of squares of the joints that the device
+ * measures, degrees. */
+static double way_of_hands_deg(const search *q, const hand *a, const hand *b)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < q->sensor_count; ++i) {
+        const double bent = to_double(a->angle_rad[q->sensor[i]] - b->angle_rad[q->sensor[i]]);
+        sum += bent * bent;
+    }
+    return sqrt(sum) * 57.29577951308232;
+}
+
+/* In steps of a degree. */
 static void measure_way(figures *out, const search *q, const hand *to)
 {
     scene *s = q->s;
     const hand from = q->hand[0];
-    const double way_deg = hands_apart_rad(&from, to) * 57.29577951308232;
+    const double way_deg = way_of_hands_deg(q, &from, to);
     const uint32_t steps = (uint32_t)ceil(way_deg);
     double *rest = allocate(point_numbers(s), sizeof *rest),
            *last = allocate(point_numbers(s), sizeof *last);
@@ -1558,8 +959,8 @@ static void figures_measure(figures *out, search *q)
 
 typedef struct options {
     const char *map, *face, *json, *sheet;
-    float neutral_deg[MRT_ANGLES];
-    bool has_neutral, is_quick, uses[DEVICES];
+    float neutral_rad[MRT_ANGLES];
+    bool is_quick, uses[DEVICES];
 } options;
 
 typedef struct run { /* of one device */
@@ -1578,15 +979,14 @@ static float *copy_surface(const face *f, uint32_t vertex_count)
 
 static void run_device(run *out, scene *s, const model *m, const targets *t, const options *o)
 {
+    static const effort quick = {1, 60, 1}, of_sums = {1, 150, 2}, of_others = {STARTS, 500, 4};
     search *q = allocate(1, sizeof *q);
     *out = (run){.kind = out->kind};
     s->evaluations = s->performances = 0;
     use_device(s, out->kind);
     search_init(q, s, m, t, o->is_quick ? 1500 : 13000);
-    for (uint32_t i = 0; i < t->count; ++i) {
-        const bool is_sum = t->of[i].kind == SUM;
-        search_target(q, i, o->is_quick ? 1 : is_sum ? 1 : STARTS, o->is_quick || is_sum ? 1 : 2);
-    }
+    for (uint32_t i = 0; i < t->count; ++i)
+        search_target(q, i, o->is_quick ? &quick : t->of[i].kind == SUM ? &of_sums : &of_others);
     figures_measure(&out->figures, q);
     for (uint32_t i = 0; i < t->count; ++i) {
         out->hand[i] = q->reach[i].hand;
@@ -1673,7 +1073,7 @@ static const figure_column figure_table[] = {
     {"white_noise_mm", "lips in visemes under the device's noise, median, mm", 2,
      figure_white_noise},
     {"white_most_mm", "  greatest, mm", 2, figure_white_most},
-    {"steepest_lips", "greatest mm of lips for a degree on a way", 2, figure_steepest_lips},
+    {"steepest_lips", "greatest mm of lips for a degree of hand on a way", 2, figure_steepest_lips},
     {"steepest_face", "  of lips, brows, lids or iris", 2, figure_steepest_face},
     {"ways_monotone", "ways on which the lips never come back", 0, figure_ways_monotone},
     {"fall_mm", "  furthest that they come back, mm", 2, figure_fall},
@@ -1705,8 +1105,12 @@ static void print_figures(const run *runs, uint32_t run_count, const targets *t)
                up->sensor == SENSOR_NONE ? "no joint" : sensor_table[up->sensor].label,
                down->sensor == SENSOR_NONE ? "no joint" : sensor_table[down->sensor].label);
     }
-    printf("\n%-58s\n",
-           "residual of each face, mm rms in its worst region (visemes: lips, and greatest)");
+    for (uint32_t i = 0; i < run_count; ++i)
+        printf("search with %s: %.0f thousand hands, %.0f thousand faces performed\n",
+               device_table[runs[i].kind].about, 1e-3 * (double)runs[i].figures.evaluations,
+               1e-3 * (double)runs[i].figures.performances);
+    printf("\nresidual of each face, mm rms in its worst region; in brackets: greatest, on the "
+           "lips\n");
     for (uint32_t n = 0; n < t->shown_count; ++n) {
         printf("%-30s", t->of[n].name);
         for (uint32_t i = 0; i < run_count; ++i)
@@ -1813,74 +1217,17 @@ static void write_sheet(const options *o, scene *s, const run *runs, uint32_t ru
 
 /* ---- from the command line ---- */
 
-static void create_mapping(scene *s, instance *out, performer **out_performer,
-                           const mrt_plugin_type *type, const char *params)
-{
-    error err = {""};
-    const performer_settings settings = {.rezero_pedal = 0};
-    must(instance_create(out, type, CLOCK_VIRTUAL, s->log, &err), &err);
-    must(instance_set_list(out, params, &err), &err);
-    must(performer_create(out_performer, &s->file, out, &settings, &err), &err);
-}
-
-static void scene_init(scene *s, const options *o)
-{
-    error err = {""};
-    char name[TITLE], path[1024];
-    const size_t length = strcspn(o->map, ",");
-    const mrt_plugin_type *type = NULL;
-    (void)snprintf(name, sizeof name, "%.*s", (int)length, o->map);
-    (void)snprintf(path, sizeof path, "%s/plugins/%s.so", BUILD_DIR, name);
-    must(face_file_read(&s->file, o->face, NULL, FACE_FILE_USABLE, &err), &err);
-    if (!s->file.rig)
-        must(MRT_ERR_ARGUMENT, &(error){"the face has no rig"});
-    s->log = log_queue_create();
-    must(plugin_list_add(&s->plugins, path, &err), &err);
-    must(plugin_list_find(&s->plugins, name, MRT_MAPPING, &type, &err), &err);
-    const char *params = o->map[length] == ',' ? o->map + length + 1 : "";
-    create_mapping(s, &s->mapping, &s->still, type, params);
-    create_mapping(s, &s->live_mapping, &s->live, type, params);
-    s->functions = plugin_interface(type, MRT_MAPPING);
-    s->resume = plugin_interface(type, MRT_RESUME);
-    for (int i = 0; i < MRT_ANGLES; ++i)
-        s->neutral_rad[i] = o->has_neutral ? human_rad(o->neutral_deg[i]) : human_neutral_rad[i];
-    s->contact = face_contacts(performer_face(s->still), &s->contact_count);
-    s->dof_count = face_bones(performer_face(s->still))->dof_count;
-    s->param_count = 3 * s->contact_count + s->dof_count;
-    if (s->contact_count > MRT_MAX_VECTORS)
-        must(MRT_ERR_ARGUMENT, &(error){"the face has more contacts than can be held at once"});
-    mark_regions(s);
-}
-
-static void scene_finish(scene *s)
-{
-    log_record record;
-    while (log_pop(s->log, &record))
-        if (record.level >= MRT_LOG_WARNING)
-            (void)fprintf(stderr, "coverage: %s: %s\n", record.source, record.text);
-    performer_destroy(s->still);
-    performer_destroy(s->live);
-    instance_destroy(&s->mapping);
-    instance_destroy(&s->live_mapping);
-    plugin_list_destroy(&s->plugins);
-    log_queue_destroy(s->log);
-    device_finish(&s->device);
-    face_file_destroy(&s->file);
-    free(s->vertex);
-    free(s->state);
-}
-
 static bool read_neutral(options *out, const char *words)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
         char *end;
-        out->neutral_deg[i] = strtof(words, &end);
+        out->neutral_rad[i] = human_rad(strtof(words, &end));
         if (end == words || (*end != ',' && *end != '\0') ||
             (*end == '\0') != (i + 1 == MRT_ANGLES))
             return false;
         words = end + 1;
     }
-    return out->has_neutral = true;
+    return true;
 }
 
 static bool read_device(options *out, const char *name)
@@ -1894,6 +1241,7 @@ static bool read_device(options *out, const char *name)
 static bool read_options(options *out, int argc, char **argv)
 {
     *out = (options){.map = "one_hand", .face = SOURCE_DIR "/rigs/puppet/puppet.rig.json"};
+    memcpy(out->neutral_rad, human_neutral_rad, sizeof out->neutral_rad);
     for (int i = 1; i < argc; ++i) {
         const char *value = i + 1 < argc ? argv[i + 1] : NULL;
         if (strcmp(argv[i], "--quick") == 0) {
@@ -1910,11 +1258,8 @@ static bool read_options(options *out, int argc, char **argv)
             out->json = value;
         else if (strcmp(argv[i], "--sheet") == 0)
             out->sheet = value;
-        else if (strcmp(argv[i], "--device") == 0 && read_device(out, value))
-            out->uses[DEVICES - 1] = out->uses[DEVICES - 1];
-        else if (strcmp(argv[i], "--neutral") == 0 && read_neutral(out, value))
-            out->has_neutral = true;
-        else
+        else if (!(strcmp(argv[i], "--device") == 0 && read_device(out, value)) &&
+                 !(strcmp(argv[i], "--neutral") == 0 && read_neutral(out, value)))
             return false;
         ++i;
     }
@@ -1942,7 +1287,7 @@ int main(int argc, char **argv)
             "                [--neutral 22 DEGREES,...] [--json FILE] [--sheet FILE.png]\n");
         return 2;
     }
-    scene_init(&s, &o);
+    scene_init(&s, o.face, o.map, o.neutral_rad);
     model_init(&m, &s);
     targets_init(&t, &s, &m, o.is_quick);
     for (int i = 0; i < DEVICES; ++i)
