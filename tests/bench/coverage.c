@@ -95,7 +95,7 @@ static const char *const viseme_names[] = {
 static const char *const expression_names[] = {"joy",  "sadness",   "anger",      "surprise",
                                                "fear", "disgust",   "contempt",   "sleepy",
                                                "smug", "wink_left", "wink_right", "brow_up"};
-static const double look_aside_deg = 25.0, open_jaw_deg = 8.0;
+static const double aside_rad = 25.0 / 57.29577951308232, open_rad = 8.0 / 57.29577951308232;
 
 static const rig_pose *find_pose(const rig *r, const char *name)
 {
@@ -105,12 +105,16 @@ static const rig_pose *find_pose(const rig *r, const char *name)
     return NULL;
 }
 
-static void set_dof(const scene *s, double *param, const char *name, double value)
+/* False: the face has no such degree of freedom. */
+static bool set_dof(const scene *s, double *param, const char *name, double value)
 {
     const bones *b = face_bones(performer_face(s->still));
     for (uint32_t i = 0; i < b->dof_count; ++i)
-        if (strcmp(b->dof[i].name, name) == 0)
+        if (strcmp(b->dof[i].name, name) == 0) {
             param[3 * s->contact_count + i] = value;
+            return true;
+        }
+    return false;
 }
 
 /* What the pose does, or only its upper half. False: the face has no such pose. */
@@ -129,7 +133,7 @@ static bool read_pose(const scene *s, const char *name, const rig_pose_part *onl
     }
     for (uint32_t i = 0; i < pose->dof_count; ++i)
         if (!only_upper || rig_poses_dof_part(pose->dof_name[i]) == POSE_UPPER)
-            set_dof(s, out, pose->dof_name[i], pose->dof_value[i]);
+            (void)set_dof(s, out, pose->dof_name[i], pose->dof_value[i]);
     return true;
 }
 
@@ -151,6 +155,15 @@ static void add_posed(targets *out, const scene *s, const char *name,
     (void)snprintf(title, sizeof title, "%s%s", starts(name, "viseme_") ? name + 7 : name,
                    only_upper ? " (upper half)" : "");
     memcpy(add_target(out, title, kind)->param, param, sizeof param);
+}
+
+/* Of two degrees of freedom. A face that lacks one has no such target. */
+static void add_driven(targets *out, const scene *s, const char *name, target_kind kind,
+                       const char *const dof[2], const double value[2])
+{
+    double param[PARAMS_MAX] = {0};
+    if (set_dof(s, param, dof[0], value[0]) && set_dof(s, param, dof[1], value[1]))
+        memcpy(add_target(out, name, kind)->param, param, sizeof param);
 }
 
 static void add_sums(targets *out, const scene *s)
@@ -183,14 +196,12 @@ static void targets_init(targets *out, scene *s, const model *m, bool is_quick)
         add_posed(out, s, viseme_names[i], NULL, VISEME);
     out->viseme_count = out->count;
     add_posed(out, s, "mouthClose", NULL, CLOSURE);
-    target *m_open = add_target(out, "m over an open jaw", CLOSURE);
-    set_dof(s, m_open->param, "jaw.open", open_jaw_deg / 57.29577951308232);
-    set_dof(s, m_open->param, RIG_LIPS_SEAL, 1.0);
+    add_driven(out, s, "m over an open jaw", CLOSURE,
+               (const char *const[2]){"jaw.open", RIG_LIPS_SEAL}, (const double[2]){open_rad, 1.0});
     for (uint32_t i = 0; i < COUNT_OF(expression_names); ++i)
         add_posed(out, s, expression_names[i], NULL, EXPRESSION);
-    target *look = add_target(out, "look aside", LOOK);
-    set_dof(s, look->param, "eye.l.yaw", look_aside_deg / 57.29577951308232);
-    set_dof(s, look->param, "eye.r.yaw", look_aside_deg / 57.29577951308232);
+    add_driven(out, s, "look aside", LOOK, (const char *const[2]){"eye.l.yaw", "eye.r.yaw"},
+               (const double[2]){aside_rad, aside_rad});
     add_posed(out, s, "tongueOut", NULL, TONGUE_OUT);
     out->shown_count = out->count;
     for (uint32_t i = 0; i < COUNT_OF(expression_names) && (!is_quick || i < 1); ++i)
@@ -660,7 +671,7 @@ typedef struct cross_talk {
 } cross_talk;
 
 typedef struct figures {
-    double judged_mm[TARGETS_MAX], lips_most_mm[TARGETS_MAX];
+    double judged_mm[TARGETS_MAX], lips_most_mm[TARGETS_MAX], rms_mm[TARGETS_MAX][REGIONS];
     uint32_t visemes_tight, visemes_near, told_by_lips, told_with_tongue;
     double viseme_mean_mm;
     uint32_t expressions, expressions_near, expressions_rough; /* the look aside is one */
@@ -686,6 +697,8 @@ static void count_residuals(figures *out, const search *q)
         const double mm = q->reach[i].judged_mm;
         const double most = region_most(s, LIPS, q->reach[i].point, t->point);
         out->judged_mm[i] = mm;
+        for (region of = LIPS; of < REGIONS; ++of)
+            out->rms_mm[i][of] = region_rms(s, of, q->reach[i].point, t->point);
         out->lips_most_mm[i] = most;
         if (t->kind == VISEME) {
             out->visemes_tight += mm <= tight_rms_mm && most <= tight_most_mm;
@@ -1120,6 +1133,8 @@ static void print_figures(const run *runs, uint32_t run_count, const targets *t)
     }
 }
 
+static const char *const region_name[REGIONS] = {"lips", "brows", "lids", "iris", "tongue", "head"};
+
 static void add_json(json_t *object, const char *key, json_t *value)
 {
     if (json_object_set_new(object, key, value) != 0)
@@ -1133,9 +1148,12 @@ static json_t *json_of_run(const run *r, const targets *t)
     for (uint32_t i = 0; i < COUNT_OF(figure_table); ++i)
         add_json(out, figure_table[i].key, json_real(figure_table[i].of(&r->figures)));
     for (uint32_t n = 0; n < t->count; ++n) {
-        json_t *one = json_object(), *angles = json_array();
+        json_t *one = json_object(), *regions = json_object(), *angles = json_array();
         add_json(one, "name", json_string(t->of[n].name));
-        add_json(one, "rms_mm", json_real(r->figures.judged_mm[n]));
+        add_json(one, "judged_mm", json_real(r->figures.judged_mm[n]));
+        for (region of = LIPS; of < REGIONS; ++of)
+            add_json(regions, region_name[of], json_real(r->figures.rms_mm[n][of]));
+        add_json(one, "rms_mm", regions);
         add_json(one, "lips_most_mm", json_real(r->figures.lips_most_mm[n]));
         for (int k = 0; k < MRT_ANGLES; ++k)
             (void)json_array_append_new(angles, json_real(to_double(r->hand[n].angle_rad[k])));
