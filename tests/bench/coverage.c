@@ -172,7 +172,8 @@ static void add_sums(targets *out, const scene *s)
     for (uint32_t v = 0; v < out->viseme_count; ++v)
         for (uint32_t u = first; u < end; ++u) {
             char title[TITLE];
-            (void)snprintf(title, sizeof title, "%.20s + %.20s", out->of[v].name, out->of[u].name);
+            (void)snprintf(title, sizeof title, "%.20s + %.*s", out->of[v].name,
+                           (int)strcspn(out->of[u].name, " "), out->of[u].name);
             target *t = add_target(out, title, SUM);
             t->part[0] = v;
             t->part[1] = u;
@@ -684,7 +685,8 @@ typedef struct figures {
     double steepest_lips, steepest_face; /* mm for a degree */
     uint32_t ways, ways_monotone;
     double fall_mm;
-    cross_talk to_upper, to_lips; /* of mouth joints, of joints of the upper half */
+    cross_talk to_upper, to_lips; /* of mouth joints, of joints of the upper half, each alone */
+    cross_talk pulled_to_upper, pulled_to_lips; /* and with the fingers that follow */
     double least_determinant, held_back_mm;
     uint64_t evaluations, performances;
 } figures;
@@ -905,38 +907,66 @@ static void measure_way(figures *out, const search *q, const hand *to)
 
 static const float cross_talk_deg = 20.0f;
 
-/* One sensor at a time, both ways, its joint within its limits. A joint that moves the lips further
- * than the upper half is one of the mouth. The wrist turns the head and counts for neither. */
+/* How far a bend of one sensor, both ways, moves lips and upper half, mm at most. */
+typedef struct moved {
+    double lips_mm, upper_mm;
+} moved;
+
+static moved measure_bend(const search *q, int sensor, bool with_neighbours, const double *rest,
+                          double *scratch)
+{
+    const human_joint *j = &human_joints[sensor];
+    moved out = {0.0, 0.0};
+    for (int way = -1; way <= 1; way += 2) {
+        const float by_rad = (float)way * human_rad(cross_talk_deg);
+        hand h = q->hand[0];
+        mrt_pull pull;
+        if (with_neighbours)
+            human_hand_bend(h.angle_rad, sensor, by_rad);
+        else
+            h.angle_rad[sensor] = human_clamp(h.angle_rad[sensor] + by_rad, human_rad(j->low_deg),
+                                              human_rad(j->high_deg));
+        map_hand(q->s, h.angle_rad, &pull);
+        (void)perform(q->s, &pull, scratch);
+        out.lips_mm = fmax(out.lips_mm, region_most(q->s, LIPS, scratch, rest));
+        out.upper_mm = fmax(out.upper_mm, upper_most(q->s, scratch, rest));
+    }
+    return out;
+}
+
+static void note_cross_talk(cross_talk *out, double mm, int sensor)
+{
+    if (mm > out->most_mm && mm > 0.005)
+        *out = (cross_talk){mm, sensor};
+}
+
+/* A joint that moves the lips further than the upper half is one of the mouth. The wrist turns the
+ * head and counts for neither. */
 static void measure_cross_talk(figures *out, const search *q)
 {
-    scene *s = q->s;
-    double *rest = allocate(point_numbers(s), sizeof *rest),
-           *now = allocate(point_numbers(s), sizeof *now);
+    const size_t numbers = point_numbers(q->s);
+    double *rest = allocate(numbers, sizeof *rest), *scratch = allocate(numbers, sizeof *scratch);
     mrt_pull pull;
-    map_hand(s, s->neutral_rad, &pull);
-    (void)perform(s, &pull, rest);
-    out->to_upper.sensor = out->to_lips.sensor = SENSOR_NONE;
+    map_hand(q->s, q->s->neutral_rad, &pull);
+    (void)perform(q->s, &pull, rest);
+    out->to_upper = out->to_lips = (cross_talk){0.0, SENSOR_NONE};
+    out->pulled_to_upper = out->pulled_to_lips = out->to_upper;
     for (uint32_t k = 0; k < q->sensor_count; ++k) {
         const int sensor = q->sensor[k];
-        const human_joint *j = &human_joints[sensor];
-        double lips = 0.0, upper = 0.0;
-        for (int way = -1; way <= 1 && sensor_table[sensor].kind != SENSOR_WRIST; way += 2) {
-            hand h = q->hand[0];
-            float *at = &h.angle_rad[sensor];
-            *at = human_clamp(*at + (float)way * human_rad(cross_talk_deg), human_rad(j->low_deg),
-                              human_rad(j->high_deg));
-            map_hand(s, h.angle_rad, &pull);
-            (void)perform(s, &pull, now);
-            lips = fmax(lips, region_most(s, LIPS, now, rest));
-            upper = fmax(upper, upper_most(s, now, rest));
+        if (sensor_table[sensor].kind == SENSOR_WRIST)
+            continue;
+        const moved alone = measure_bend(q, sensor, false, rest, scratch);
+        const moved pulled = measure_bend(q, sensor, true, rest, scratch);
+        if (alone.lips_mm > alone.upper_mm) {
+            note_cross_talk(&out->to_upper, alone.upper_mm, sensor);
+            note_cross_talk(&out->pulled_to_upper, pulled.upper_mm, sensor);
+        } else if (alone.upper_mm > alone.lips_mm) {
+            note_cross_talk(&out->to_lips, alone.lips_mm, sensor);
+            note_cross_talk(&out->pulled_to_lips, pulled.lips_mm, sensor);
         }
-        cross_talk *to = lips > upper ? &out->to_upper : &out->to_lips;
-        const double mm = fmin(lips, upper);
-        if (mm > to->most_mm)
-            *to = (cross_talk){mm, sensor};
     }
     free(rest);
-    free(now);
+    free(scratch);
 }
 
 static void measure_folds(figures *out, const search *q)
@@ -1061,6 +1091,8 @@ FIGURE(ways_monotone, f->ways_monotone)
 FIGURE(fall, f->fall_mm)
 FIGURE(to_upper, f->to_upper.most_mm)
 FIGURE(to_lips, f->to_lips.most_mm)
+FIGURE(pulled_to_upper, f->pulled_to_upper.most_mm)
+FIGURE(pulled_to_lips, f->pulled_to_lips.most_mm)
 FIGURE(determinant, f->least_determinant)
 FIGURE(held_back, f->held_back_mm)
 
@@ -1091,10 +1123,18 @@ static const figure_column figure_table[] = {
     {"ways_monotone", "ways on which the lips never come back", 0, figure_ways_monotone},
     {"fall_mm", "  furthest that they come back, mm", 2, figure_fall},
     {"to_upper_mm", "cross-talk: a mouth joint moves the upper half, mm", 2, figure_to_upper},
+    {"pulled_to_upper_mm", "  and its neighbours follow: the upper half, mm", 2,
+     figure_pulled_to_upper},
     {"to_lips_mm", "cross-talk: a joint of the upper half moves the lips, mm", 2, figure_to_lips},
+    {"pulled_to_lips_mm", "  and its neighbours follow: the lips, mm", 2, figure_pulled_to_lips},
     {"least_determinant", "least determinant of 300 random hands", 3, figure_determinant},
     {"held_back_mm", "  held back by the fold guard at most, mm", 1, figure_held_back},
 };
+
+static const char *joint_label(const cross_talk *of)
+{
+    return of->sensor == SENSOR_NONE ? "no joint" : sensor_table[of->sensor].label;
+}
 
 static void print_figures(const run *runs, uint32_t run_count, const targets *t)
 {
@@ -1111,13 +1151,12 @@ static void print_figures(const run *runs, uint32_t run_count, const targets *t)
                  figure_table[i].of);
     for (uint32_t i = 0; i < count; ++i)
         print_row(&rows[i], run_count);
-    for (uint32_t i = 0; i < run_count; ++i) {
-        const cross_talk *up = &runs[i].figures.to_upper, *down = &runs[i].figures.to_lips;
-        printf("cross-talk of %s: to the upper half by %s, to the lips by %s\n",
-               device_table[runs[i].kind].about,
-               up->sensor == SENSOR_NONE ? "no joint" : sensor_table[up->sensor].label,
-               down->sensor == SENSOR_NONE ? "no joint" : sensor_table[down->sensor].label);
-    }
+    for (uint32_t i = 0; i < run_count; ++i)
+        printf("cross-talk with %s: to the upper half by %s (alone: %s), to the lips by %s (alone: "
+               "%s)\n",
+               device_table[runs[i].kind].about, joint_label(&runs[i].figures.pulled_to_upper),
+               joint_label(&runs[i].figures.to_upper), joint_label(&runs[i].figures.pulled_to_lips),
+               joint_label(&runs[i].figures.to_lips));
     for (uint32_t i = 0; i < run_count; ++i)
         printf("search with %s: %.0f thousand hands, %.0f thousand faces performed\n",
                device_table[runs[i].kind].about, 1e-3 * (double)runs[i].figures.evaluations,
@@ -1305,6 +1344,8 @@ int main(int argc, char **argv)
             "                [--neutral 22 DEGREES,...] [--json FILE] [--sheet FILE.png]\n");
         return 2;
     }
+    if (!human_hand_can(o.neutral_rad))
+        must(MRT_ERR_ARGUMENT, &(error){"--neutral: not a hand that a person can hold"});
     scene_init(&s, o.face, o.map, o.neutral_rad);
     model_init(&m, &s);
     targets_init(&t, &s, &m, o.is_quick);

@@ -102,6 +102,42 @@ static inline void human_hand_limit(float *angle_rad)
     }
 }
 
+/* The share of a bend by which the other fingers follow one that bends alone: row by row which
+ * finger bends, index to little. Round numbers. */
+static const float human_follows[HUMAN_FINGERS][HUMAN_FINGERS] = {
+    {1.0f, 0.15f, 0.05f, 0.0f},
+    {0.15f, 1.0f, 0.3f, 0.1f},
+    {0.05f, 0.25f, 1.0f, 0.35f},
+    {0.0f, 0.1f, 0.3f, 1.0f},
+};
+
+static inline void human_bend_row(float *angle_rad, const int *sensor, int bent, float by_rad)
+{
+    for (int finger = 0; finger < HUMAN_FINGERS; ++finger)
+        angle_rad[sensor[finger]] += human_follows[bent][finger] * by_rad;
+}
+
+/* Bends one joint as a person does who thinks of no other: neighbours follow, and end joints follow
+ * middle joints. To a hand that a person can hold. */
+static inline void human_hand_bend(float *angle_rad, int sensor, float by_rad)
+{
+    for (int finger = 0; finger < HUMAN_FINGERS; ++finger) {
+        if (sensor == human_knuckle[finger]) {
+            human_bend_row(angle_rad, human_knuckle, finger, by_rad);
+            human_hand_limit(angle_rad);
+            return;
+        }
+        if (sensor == sensor_middle[finger]) {
+            human_bend_row(angle_rad, sensor_middle, finger, by_rad);
+            human_bend_row(angle_rad, sensor_distal, finger, human_end_joint_share * by_rad);
+            human_hand_limit(angle_rad);
+            return;
+        }
+    }
+    angle_rad[sensor] += by_rad;
+    human_hand_limit(angle_rad);
+}
+
 /* Whether a person can hold that hand (MRT_ANGLES), within a hundredth of a degree. */
 static inline bool human_hand_can(const float *angle_rad)
 {
