@@ -102,14 +102,23 @@ static double lips_apart(const float *a, const float *b, const bool *is_lip, uin
     return sum;
 }
 
-static uint32_t pose_named(const rig *r, const char *viseme)
+/* By the rig's pose, or by the head's own shape. */
+static void draw_viseme(float *out, rig_poses_stage *stage, const mesh *m, const char *viseme)
 {
     char name[32];
     (void)snprintf(name, sizeof name, "viseme_%s", viseme);
-    for (uint32_t i = 0; i < r->pose_count; ++i)
-        if (strcmp(r->pose[i].name, name) == 0)
-            return i;
-    return r->pose_count;
+    for (uint32_t i = 0; i < stage->rig.pose_count; ++i)
+        if (strcmp(stage->rig.pose[i].name, name) == 0) {
+            show(stage, out, i, -1.0, m->vertex_count);
+            return;
+        }
+    for (uint32_t t = 0; t < m->target_count; ++t)
+        if (strcmp(m->target[t].name, name) == 0) {
+            for (size_t i = 0; i < (size_t)3 * m->vertex_count; ++i)
+                out[i] = m->position[i] + m->target[t].offset[i];
+            return;
+        }
+    fail_msg("neither pose nor shape is called %s", name);
 }
 
 /* How many of the visemes are nearest to their own portrait. */
@@ -124,11 +133,9 @@ static int count_said(const face_file *file, rig_poses_stage *stage, const bool 
     int right = 0;
     assert_non_null(said);
     for (int i = 0; i < VISEMES; ++i) {
-        const uint32_t index = pose_named(&stage->rig, face_recipes[i].name);
         portrait[i] = calloc((size_t)3 * count, sizeof *portrait[i]);
         assert_non_null(portrait[i]);
-        assert_true(index < stage->rig.pose_count);
-        show(stage, portrait[i], index, -1.0, count);
+        draw_viseme(portrait[i], stage, &file->mesh, face_recipes[i].name);
     }
     must(composer_create(&of, file, &of_rig, &err), "composer", &err);
     bench_create(&b, "mode=speaking,device=every_joint,samples=1");

@@ -306,7 +306,8 @@ typedef struct mrt_mapping {
     mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
 } mrt_mapping;
 
-/* ---- the poses that a rig names ("viseme_PP", "joy"), for a mapping that performs them ---- */
+/* ---- the poses that a rig names ("viseme_PP", "joy"), and those of ARKit's and the visemes' names
+ * that the head's own shapes make, for a mapping that performs them ---- */
 #define MRT_RIG_POSES "marotte.rig_poses/1"
 enum { MRT_POSE_WHOLE = 0, MRT_POSE_MOUTH = 1, MRT_POSE_UPPER = 2 };
 typedef struct mrt_rig_pose {
