@@ -60,6 +60,7 @@ enum {
     BROKEN_RIG_POSES_SET,
     BROKEN_RIG_POSES_VALID,
     BROKEN_RIG_POSES_CHANGE,
+    BROKEN_POSES_WRITTEN,
     BROKEN_FRAME_ALLOCATION,
     BROKEN_STATE_ALLOCATION,
     BROKEN_FRAME_LOCK,
@@ -259,6 +260,8 @@ static void reset(mrt_plugin *self)
 static void break_pull(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     mrt_vector *v = &pull->vector[0];
+    if (BREAKS(POSES_WRITTEN) && self->share != 0.0f)
+        ((mrt_vec3 *)(uintptr_t)self->poses[0].pulls)->x += 1.0f;
     if (BREAKS(RIG_POSES_VALID) && self->pose_count > 0)
         burnt = (double)self->first_poses[0].pulls[0].z;
     bool is_late = self->memory.frames > 3;

@@ -196,14 +196,18 @@ static void vectors_beyond_the_limit_are_counted(void **state)
 
 /* ---- what mappings are given ---- */
 
-static void check_mapped_pose(const composer *c, uint32_t at)
+/* Whether it moves anything: viseme_sil does not. */
+static bool check_mapped_pose(const composer *c, uint32_t at)
 {
+    static const uint32_t parts[] = {[POSE_WHOLE] = MRT_POSE_WHOLE,
+                                     [POSE_MOUTH] = MRT_POSE_MOUTH,
+                                     [POSE_UPPER] = MRT_POSE_UPPER};
     const mapped_face *mapped = composer_mapped(c);
     const rig_pose *ought = &composer_rig(c)->pose[at];
     const mrt_rig_pose *pose = &mapped->pose[at];
     uint32_t moved = 0, driven = 0;
     assert_string_equal(pose->name, ought->name);
-    assert_string_equal(rig_pose_part_name[pose->part], rig_pose_part_name[ought->part]);
+    assert_int_equal(pose->part, parts[ought->part]);
     for (uint32_t k = 0; k < ought->pull_count + ought->follow_count; ++k) {
         const mrt_vec3 pull = pose->pulls[ought->pull_contact[k]];
         assert_float_equal(pull.x, ought->pull_mm[k].x, 1e-5);
@@ -223,8 +227,7 @@ static void check_mapped_pose(const composer *c, uint32_t at)
         assert_float_equal(pose->dofs[d], value, 1e-6);
         driven += fabs(value) > 0.0;
     }
-    if (moved + driven == 0)
-        fail_msg("%s moves nothing", pose->name);
+    return moved + driven > 0;
 }
 
 static void mappings_are_given_every_pose_of_the_rig(void **state)
@@ -233,13 +236,14 @@ static void mappings_are_given_every_pose_of_the_rig(void **state)
     static const char *const faces[] = {"puppet", "moai"};
     for (size_t i = 0; i < sizeof faces / sizeof *faces; ++i) {
         fixture d;
+        uint32_t moving = 0;
         fixture_set_up(&d, faces[i]);
         const mapped_face *mapped = composer_mapped(d.composer);
         assert_ptr_equal(&mapped->about, composer_about(d.composer));
-        assert_true(mapped->pose_count > 10);
         assert_int_equal(mapped->pose_count, composer_rig(d.composer)->pose_count);
         for (uint32_t p = 0; p < mapped->pose_count; ++p)
-            check_mapped_pose(d.composer, p);
+            moving += check_mapped_pose(d.composer, p);
+        assert_true(moving > 10);
         fixture_tear_down(&d);
     }
     fixture bare;
