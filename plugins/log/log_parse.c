@@ -396,6 +396,10 @@ static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, l
         table->scale[i] = RADIANS_PER_DEGREE;
         return MRT_OK;
     }
+    if (text_is(unit, MRT_UNIT_LANDMARKS)) {
+        strcpy(data->unit[i], MRT_UNIT_LANDMARKS);
+        return MRT_OK;
+    }
     if (!text_is(unit, "count"))
         return log_refuse(out_reason, "the unit of \"%s\" is not rad, deg or count", data->name[i]);
     table->limit[i] = COUNT_MAX;
