@@ -16,7 +16,7 @@ static const double NOISE_TIME_CONSTANT_S = 2.0;
  * is the cutoff of a moving hand. */
 static const double RISE_FROM = 2.2, RISE_TO = 5.0;
 /* Noise that is never undercut: the still hand of a real camera has 1.4 degrees, not all white. */
-static const double LEAST_NOISE_RAD = 0.7 * ANGLE_PI / 180.0;
+static const double LEAST_NOISE_RAD = 0.85 * ANGLE_PI / 180.0;
 /* Before any is measured, worth so many measurements. */
 static const double FIRST_NOISE_RAD = 3.0 * ANGLE_PI / 180.0;
 enum { FIRST_NOISE_WEIGHT = 3 };
@@ -52,19 +52,36 @@ static int group_of(int sensor)
     return finger < 0 ? FINGERS : finger;
 }
 
+/* hand_read repeats an angle that is not seen, the spread of a bent finger for one. Such a value
+ * says nothing about noise or motion, unless nothing else of its finger changes either. */
+static void find_repeated(const landmark_filter *self, const float *x, bool *out_is_repeated)
+{
+    bool has_news[GROUPS] = {false};
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        out_is_repeated[i] = x[i] == self->channel[i].measured[0];
+        has_news[group_of(i)] |= !out_is_repeated[i];
+    }
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        out_is_repeated[i] &= has_news[group_of(i)];
+}
+
 /* Brings noise and deviation of all channels up to date. out_motion: GROUPS, the mean square of the
  * deviations of a group and, weighted, of the hand: 1 at rest. */
 static void measure(landmark_filter *self, const float *x, double dt_s, double *out_motion)
 {
+    bool is_repeated[MRT_ANGLES];
+    find_repeated(self, x, is_repeated);
     const double follow = share_of(dt_s, DEVIATION_TIME_CONSTANT_S);
     /* Of an exponential average of white noise of variance 1. */
     const double white = follow / (2.0 - follow);
     const double learn = fmax(share_of(dt_s, NOISE_TIME_CONSTANT_S),
                               1.0 / ((double)self->count + FIRST_NOISE_WEIGHT - 1.0));
     double sum[GROUPS] = {0.0}, all = 0.0;
-    int size[GROUPS] = {0};
+    int size[GROUPS] = {0}, count = 0;
     for (int i = 0; i < MRT_ANGLES; ++i) {
         landmark_channel *c = &self->channel[i];
+        if (is_repeated[i])
+            continue;
         double variance = (double)c->variance, deviation = (double)c->deviation;
         if (self->count >= 2)
             variance += learn * (noise_seen(c, (double)x[i], dt_s, self->last_dt_s) - variance);
@@ -73,10 +90,13 @@ static void measure(landmark_filter *self, const float *x, double dt_s, double *
         c->variance = (float)variance;
         c->deviation = (float)deviation;
         sum[group_of(i)] += deviation * deviation / white;
+        c->measured[1] = c->measured[0];
+        c->measured[0] = x[i];
         size[group_of(i)] += 1;
+        all += deviation * deviation / white;
+        ++count;
     }
-    for (int g = 0; g < GROUPS; ++g)
-        all += sum[g] / MRT_ANGLES;
+    all /= count; /* a group always has one that counts */
     for (int g = 0; g < GROUPS; ++g)
         out_motion[g] = (sum[g] + HAND_WEIGHT * all) / (size[g] + HAND_WEIGHT);
 }
@@ -94,8 +114,6 @@ static void step(landmark_filter *self, float *x, double dt_s)
         const double risen = (motion[group_of(i)] - RISE_FROM) / (RISE_TO - RISE_FROM);
         const double share = rest + (moving - rest) * fmin(fmax(risen, 0.0), 1.0);
         const double value = (double)c->value;
-        c->measured[1] = c->measured[0];
-        c->measured[0] = x[i];
         c->value = (float)(value + share * ((double)x[i] - value));
         x[i] = c->value;
     }

@@ -401,7 +401,9 @@ static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, l
         return MRT_OK;
     }
     if (!text_is(unit, "count"))
-        return log_refuse(out_reason, "the unit of \"%s\" is not rad, deg or count", data->name[i]);
+        return log_refuse(out_reason,
+                          "the unit of \"%s\" is not rad, deg, count or " MRT_UNIT_LANDMARKS,
+                          data->name[i]);
     table->limit[i] = COUNT_MAX;
     strcpy(data->unit[i], "count");
     data->channel[i].min = 0.0f;

@@ -231,7 +231,7 @@ static const departure departures[] = {
      "sorting along an octree narrows the envelope, hardly the band"},
     {"Centres at one place", NULL, NULL, NULL, "merged below R / 1000", "not in our notes",
      "two fingertips that meet must not tear the face"},
-    {"Angles", NULL, NULL, NULL, "smoothed by a One-Euro filter", "not in our notes",
+    {"Angles", NULL, NULL, NULL, "smoothed by a One-Euro filter, a camera's by its own", "not in our notes",
      "a glove's noise shows on a face that holds still"},
     {"Where the hand is laid", "anchored", "Placement", "Posture", NULL, "not in our notes",
      "a hand without a tracker has to stand somewhere; the placement is the performer's to change"},
