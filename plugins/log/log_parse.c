@@ -456,7 +456,8 @@ static mrt_result check_hands(const log_data *data, char *out_reason)
                 continue;
             if (unit && strcmp(unit, data->unit[i]) != 0)
                 return log_refuse(out_reason,
-                                  "the sensors of one hand are partly in counts, partly in angles");
+                                  "the sensors of one hand are partly in %s, partly in %s", unit,
+                                  data->unit[i]);
             unit = data->unit[i];
         }
     }
