@@ -81,8 +81,8 @@ static bool starts(const char *name, const char *with)
     return strncmp(name, with, strlen(with)) == 0;
 }
 
-/* Who measures the middle joints of the fingers measures every joint. Points are told from a glove
- * by the name of the input alone, and so are keys, which bend whole fingers. */
+/* A device that measures the middle joints of the fingers measures every joint. Keys bend whole
+ * fingers, which only the name of their input says. */
 device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side)
 {
     static const uint32_t middle_joints[] = {5, 8, 12, 16}; /* sensors: index to little */
@@ -91,14 +91,17 @@ device_kind device_of_input(const double *params, const mrt_channels *input, uin
         return (device_kind)(chosen - 1);
     if (!input)
         return DEVICE_JOINTS;
-    bool has_middle_joints = false;
-    for (uint32_t i = 0; i < input->count; ++i)
+    bool has_middle_joints = false, is_of_points = false;
+    for (uint32_t i = 0; i < input->count; ++i) {
+        const mrt_channel *channel = &input->channel[i];
+        if (!is_angle_of(channel, side))
+            continue;
+        is_of_points = is_of_points || strcmp(channel->unit, MRT_UNIT_LANDMARKS) == 0;
         for (int k = 0; k < 4; ++k)
-            has_middle_joints = has_middle_joints ||
-                                (is_angle_of(&input->channel[i], side) &&
-                                 input->channel[i].semantic - MRT_CH_ANGLE == middle_joints[k]);
+            has_middle_joints =
+                has_middle_joints || channel->semantic - MRT_CH_ANGLE == middle_joints[k];
+    }
     if (!has_middle_joints || starts(input->name, "virtual"))
         return DEVICE_CURLS;
-    return starts(input->name, "camera") || starts(input->name, "openxr") ? DEVICE_POINTS
-                                                                          : DEVICE_JOINTS;
+    return is_of_points ? DEVICE_POINTS : DEVICE_JOINTS;
 }
