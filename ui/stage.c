@@ -384,7 +384,7 @@ static int print_help(int argc, char **argv)
         "or a new one in $XDG_DOCUMENTS_DIR/marotte. Press ? in the window for its keys.\n"
         "\n"
         "  --face FILE      a rig, a head, or puppet, moai (the show's, or the last one)\n"
-        "  --map SPEC       the mapping: one_hand,smile=8 (the last one)\n"
+        "  --map SPEC       the mapping: one_hand,smile_gain=130 (the last one)\n"
         "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
         "                   (the last ones, or all connected devices)\n"
         "  --remote [HOST:]PORT  let a phone, a Stream Deck or a script record, mark and pose,\n"

@@ -578,7 +578,7 @@ static const take_verb play_verbs[] = {
      "The old take stays as it is. Prints how much the two differ.\n",
      "perform a take again with other settings, as a new take",
      "map patch face calibration hand-length filter scene shot", TAKE_WRITES, .run = take_remap_run,
-     .examples = "take remap show.marotte last --map one_hand,smile=8\n"
+     .examples = "take remap show.marotte last --map one_hand,smile_gain=130\n"
                  "take remap show.marotte last --face moai --map one_hand\n"
                  "take remap show.marotte last --filter min_cutoff=0.5,beta=0.01\n"},
     {"diff", "SHOW TAKE TAKE",

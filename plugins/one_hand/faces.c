@@ -66,7 +66,72 @@ const face_recipe face_recipes[FACE_COUNT] = {
 };
 /* clang-format on */
 
+const char *const face_names[FACE_NAMES + 1] = {
+    "PP",
+    "FF",
+    "TH",
+    "DD",
+    "kk",
+    "CH",
+    "SS",
+    "nn",
+    "RR",
+    "aa",
+    "E",
+    "I",
+    "O",
+    "U",
+    "laughter",
+    "jaw open",
+    "lips closed over an open jaw",
+    "lips closed",
+    "tongue",
+    "smile left",
+    "smile right",
+    "smile",
+    "frown left",
+    "frown right",
+    "frown",
+    "wide",
+    "sneer",
+    "cheeks puffed",
+    "joy",
+    "sadness",
+    "anger",
+    "surprise",
+    "fear",
+    "disgust",
+    "contempt",
+    "sleepy",
+    "smug",
+    "wink left",
+    "wink right",
+    "one brow up",
+    "eyes closed",
+    "left eye closed",
+    "right eye closed",
+    "eyes wide",
+    "look left",
+    "look right",
+    "look up",
+    "look down",
+    "brows up",
+    "inner brows up",
+    "brows down",
+    "left brow up",
+    "right brow up",
+    NULL,
+};
+
 static const double least_change = 1e-3;
+
+int face_name_of(int face)
+{
+    int name = 0;
+    while (face_names[name] && strcmp(face_names[name], face_recipes[face].name) != 0)
+        name += 1;
+    return name;
+}
 
 static const mrt_rig_pose *pose_named(const char *name, const mrt_rig_pose *poses, uint32_t count)
 {

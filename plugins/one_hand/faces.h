@@ -13,12 +13,15 @@ typedef struct face_part {
 } face_part;
 typedef struct face_recipe {
     const char *name; /* in the performer's words */
-    half half;        /* of the poses: the other half is left out */
+    face_half half;   /* of the poses: the other half is left out */
     face_part part[FACE_PARTS_MAX];
 } face_recipe;
 
-enum { FACE_COUNT = 65 };
+enum { FACE_COUNT = 65, FACE_NAMES = 53 };
 extern const face_recipe face_recipes[FACE_COUNT];
+/* Each name once, NULL-ended: an expression is both a mouth and an upper half. */
+extern const char *const face_names[FACE_NAMES + 1];
+int face_name_of(int face); /* index into face_names */
 
 enum { FACE_IS_ITSELF = -1, FACE_IS_MISSING = -2 };
 typedef struct posed_hand {

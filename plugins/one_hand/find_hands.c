@@ -64,13 +64,14 @@ static double upper_apart(const pose *a, const pose *b)
     const double *x = a->value + POSE_DOFS, *y = b->value + POSE_DOFS;
     for (int side = 0; side < 2; ++side) {
         sum += sq(24.0 * (x[DOF_LID_UPPER + side] - y[DOF_LID_UPPER + side]));
+        sum += sq(9.0 * (x[DOF_LID_LOWER + side] - y[DOF_LID_LOWER + side]));
         sum += sq(25.0 * (x[DOF_EYE_YAW + side] - y[DOF_EYE_YAW + side]));
         sum += sq(25.0 * (x[DOF_EYE_PITCH + side] - y[DOF_EYE_PITCH + side]));
     }
-    return sqrt(sum / 10.0);
+    return sqrt(sum / 12.0);
 }
 
-static double apart(half which, const pose *a, const pose *b)
+static double apart(face_half which, const pose *a, const pose *b)
 {
     return which == HALF_MOUTH ? mouth_apart(a, b) : upper_apart(a, b);
 }
@@ -114,14 +115,14 @@ static void mean_mouth(double deg[JOINT_COUNT], const pose *p, device_kind devic
     const double hook = (1.0 - seal) * positive(-pull(p, LANDMARK_LIP_LOWER_MID, 2) - 4.0) / 6.0;
     const double round = 0.9 * positive(-width) + 0.6 * forward;
     if (device == DEVICE_CURLS) {
-        deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 20.0 - 6.0 * jaw : -36.0 * jaw + 4.0 * hook;
+        deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 20.0 - 6.0 * jaw : -23.0 * jaw + 4.0 * hook;
         deg[JOINT_RING_KNUCKLE] = round - 1.5 * positive(width) + 6.0 * hook;
         deg[JOINT_LITTLE_KNUCKLE] = -0.8 * (left + right) + 40.0 * tongue + 18.0 * hook;
         return;
     }
-    deg[JOINT_THUMB_ROLL] = seal > 0.0 ? 60.0 * jaw - 4.0 : 14.0 * jaw;
-    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : -17.0 * jaw;
-    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : -24.0 * jaw) + 30.0 * hook;
+    deg[JOINT_THUMB_ROLL] = seal > 0.0 ? 60.0 * jaw - 4.0 : 18.0 * jaw;
+    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : -20.0 * jaw;
+    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : -28.0 * jaw) + 30.0 * hook;
     deg[JOINT_SPREAD] = positive(width) - 0.12 * positive(-width);
     deg[JOINT_INDEX_CURL] = round - 0.8 * positive(width) - 1.5 * raised;
     deg[JOINT_MIDDLE_CURL] = round - 0.8 * positive(width) + 1.5 * raised;
@@ -143,12 +144,13 @@ static void mean_upper(double deg[JOINT_COUNT], const pose *p, device_kind devic
     const double tilt =
         0.5 * (pull(p, LANDMARK_BROW_INNER, 1) + pull(p, LANDMARK_BROW_INNER + 1, 1) -
                pull(p, LANDMARK_BROW_OUTER, 1) - pull(p, LANDMARK_BROW_OUTER + 1, 1));
-    const double lid = 0.5 * (dof[DOF_LID_UPPER] + dof[DOF_LID_UPPER + 1]);
+    const double lid = 0.5 * (dof[DOF_LID_UPPER] + dof[DOF_LID_UPPER + 1]) +
+                       0.2 * (dof[DOF_LID_LOWER] + dof[DOF_LID_LOWER + 1]);
     const double lid_aside = dof[DOF_LID_UPPER] - dof[DOF_LID_UPPER + 1];
     const double look = 0.5 * (dof[DOF_EYE_YAW] + dof[DOF_EYE_YAW + 1]) / 0.506;
     const double look_up = 0.5 * (dof[DOF_EYE_PITCH] + dof[DOF_EYE_PITCH + 1]) / 0.3665;
     deg[JOINT_INDEX_KNUCKLE] = -1.1 * (brow[0] + brow[1]) - 5.0 * look_up;
-    deg[JOINT_MIDDLE_KNUCKLE] = 24.0 * lid - 10.0 * look_up;
+    deg[JOINT_MIDDLE_KNUCKLE] = 20.0 * lid - 10.0 * look_up;
     if (device == DEVICE_CURLS)
         return;
     deg[JOINT_THUMB_ASIDE] = 16.0 * look + 10.0 * lid_aside - 0.6 * (brow[0] - brow[1]);
@@ -195,7 +197,7 @@ static void make_comfortable(double deg[JOINT_COUNT], int f, device_kind device)
 
 typedef struct search {
     device_kind device;
-    half half;
+    face_half half;
     int count, face[FACE_COUNT]; /* that are themselves */
     double mean[FACE_COUNT][JOINT_COUNT], deg[FACE_COUNT][JOINT_COUNT];
     double weight[JOINT_COUNT]; /* of a degree: by the device's noise */
@@ -210,7 +212,7 @@ static double hands_apart(const search *s, const double *a, const double *b)
 }
 
 static const double least_apart[DEVICE_KINDS][HALF_COUNT] = {{15.0, 9.0}, {12.0, 7.0}, {9.0, 9.0}};
-static const double degrees_per_mm = 2.2;
+static const double degrees_per_mm = 2.4;
 
 static double wanted_apart(const search *s, const pose *a, const pose *b)
 {
@@ -233,7 +235,7 @@ static void push(search *s, double *move_a, double *move_b, const double *a, con
 }
 
 /* A little aside, each face elsewhere: two that begin at one place part. */
-static void nudge(double deg[JOINT_COUNT], int f, half which)
+static void nudge(double deg[JOINT_COUNT], int f, face_half which)
 {
     uint32_t random = 2654435761u * (uint32_t)(f + 1);
     for (int i = half_first_joint[which]; i < half_first_joint[which + 1]; ++i) {
@@ -364,7 +366,7 @@ static void find_all(posed_hand out[FACE_COUNT], device_kind device)
     for (int f = 0; f < FACE_COUNT; ++f)
         out[f].same_as = FACE_IS_MISSING;
     for (int which = 0; which < HALF_COUNT; ++which) {
-        search s = {.device = device, .half = (half)which};
+        search s = {.device = device, .half = (face_half)which};
         for (int i = 0; i < JOINT_COUNT; ++i)
             if (joint_traits_of[device][i].noise_deg > 0.0)
                 s.weight[i] = 1.4 / joint_traits_of[device][i].noise_deg;

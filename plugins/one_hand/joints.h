@@ -26,10 +26,10 @@ enum {
     JOINT_COUNT
 };
 
-typedef enum half { HALF_MOUTH = 0, HALF_UPPER, HALF_COUNT } half;
+typedef enum face_half { HALF_MOUTH = 0, HALF_UPPER, HALF_COUNT } face_half;
 extern const int half_first_joint[HALF_COUNT + 1];
 /* Half that a value of a pose belongs to; HALF_COUNT: neither, the turns of the head. */
-half half_of_value(int pose_index);
+face_half half_of_value(int pose_index);
 
 /* From the difference of two readings of a hand. */
 void joints_of(double out_deg[JOINT_COUNT], const reading *difference);
@@ -41,6 +41,11 @@ typedef enum device_kind {
     DEVICE_CURLS,      /* one bend a finger, and the wrist */
     DEVICE_KINDS
 } device_kind;
+
+/* What the parameter chooses, or the channels of the input say; input NULL: every joint. */
+device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side);
+/* False: the input does not measure that hand. */
+bool device_measures(const mrt_channels *input, uint32_t side);
 
 typedef struct joint_traits {
     double noise_deg;           /* of the device; 0: it does not measure this joint */

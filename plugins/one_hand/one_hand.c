@@ -2,7 +2,8 @@
  * the rig's contacts and degrees of freedom. A vector's start is the contact's rest; end = start
  * says that the contact only rides along with the bones that carry it. Everything in time depends
  * on dt_s alone. */
-#include "faces.h"
+#include "card.h"
+#include "own_hands.h"
 #include "mapping.h"
 #include "speak.h"
 
@@ -412,8 +413,7 @@ static void attach_step(attach *self, const pose *target, const unsigned held_by
     self->has_changed = false;
 }
 
-/* ---- neutral poses as bytes, for presets and takes: little-endian, with a sum; whatever else
- * comes is refused ---- */
+/* ---- neutral poses as earlier versions stored them: little-endian, with a sum ---- */
 
 typedef struct neutral {
     bool is_known;
@@ -428,32 +428,15 @@ typedef struct stored_neutrals {
 } stored_neutrals;
 _Static_assert(sizeof(stored_neutrals) == 24 + 2 * sizeof(reading), "stored so");
 
-static const stored_neutrals stored_head = {{'M', 'R', 'T', '1', 'H', 'A', 'N', 'D'}, .version = 1};
-
-/* out may be NULL: the size it takes. Writes nothing when capacity is less. */
-static size_t stored_write(void *out, size_t capacity, const neutral hands[2])
-{
-    stored_neutrals now = stored_head;
-    for (int side = 0; side < 2; ++side)
-        if (hands[side].is_known) {
-            now.known |= 1u << side;
-            now.pose[side] = hands[side].pose;
-        }
-    now.sum = memory_sum(MEMORY_SUM_START, &now, offsetof(stored_neutrals, sum));
-    if (out && capacity >= sizeof now)
-        memcpy(out, &now, sizeof now);
-    return sizeof now;
-}
-
-/* False: not bytes of stored_write; hands are untouched. */
+/* False: not such bytes; hands are untouched. */
 static bool stored_read(neutral hands[2], const void *in, size_t size)
 {
+    static const char magic[8] = {'M', 'R', 'T', '1', 'H', 'A', 'N', 'D'};
     stored_neutrals then;
     if (!in || size != sizeof then)
         return false;
     memcpy(&then, in, sizeof then);
-    if (memcmp(then.magic, stored_head.magic, sizeof then.magic) != 0 ||
-        then.version != stored_head.version || then.known > 3 ||
+    if (memcmp(then.magic, magic, sizeof magic) != 0 || then.version != 1 || then.known > 3 ||
         then.sum != memory_sum(MEMORY_SUM_START, &then, offsetof(stored_neutrals, sum)) ||
         !reading_is_plausible(&then.pose[0]) || !reading_is_plausible(&then.pose[1]))
         return false;
@@ -476,7 +459,11 @@ typedef struct anchor { /* what an anchor replaces, for the second tap */
 struct mrt_plugin {
     const mrt_host *host;
     fitting fitting;
-    const mrt_rig_pose *rig_poses; /* of the face, until deactivate */
+    own_hands stored_answers; /* loaded: what a reset returns to */
+    own_hands answers;
+    own_hands before_change;        /* what an undo returns to */
+    double steady_deg[JOINT_COUNT]; /* the hand of the last moments: what an answer is */
+    const mrt_rig_pose *rig_poses;  /* of the face, until deactivate */
     uint32_t rig_pose_count;
     bool can_speak; /* the rig has poses that this mapping knows */
     speak_half speak[DEVICE_KINDS][HALF_COUNT];
@@ -586,38 +573,13 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
 
 /* ---- what measures the hand ---- */
 
-static bool starts(const char *name, const char *with)
-{
-    return strncmp(name, with, strlen(with)) == 0;
-}
-
-/* By the first input that has angles of that hand: who has middle joints of the fingers measures
- * every joint; points are told from a glove by the name of the input alone. */
 static device_kind device_of(const mrt_frame *frame, uint32_t side)
 {
-    static const uint32_t index_middle_joint = 5, little_middle_joint = 16;
-    const int chosen = (int)frame->params[SET_DEVICE];
-    if (chosen != DEVICE_AUTOMATIC)
-        return (device_kind)(chosen - 1);
-    for (uint32_t i = 0; i < frame->input_count; ++i) {
-        const mrt_channels *input = &frame->inputs[i];
-        bool has_angles = false, has_middle_joints = false;
-        for (uint32_t c = 0; c < input->count; ++c) {
-            const uint32_t sensor = input->channel[c].semantic - MRT_CH_ANGLE;
-            const bool is_angle = input->channel[c].hand == side && sensor < MRT_ANGLES;
-            has_angles = has_angles || is_angle;
-            has_middle_joints = has_middle_joints || (is_angle && sensor >= index_middle_joint &&
-                                                      sensor <= little_middle_joint &&
-                                                      sensor != 7 && sensor != 11 && sensor != 15);
-        }
-        if (!has_angles)
-            continue;
-        if (!has_middle_joints || starts(input->name, "virtual"))
-            return DEVICE_CURLS;
-        return starts(input->name, "camera") || starts(input->name, "openxr") ? DEVICE_POINTS
-                                                                              : DEVICE_JOINTS;
-    }
-    return DEVICE_JOINTS;
+    const mrt_channels *input = NULL;
+    for (uint32_t i = 0; i < frame->input_count && !input; ++i)
+        if (device_measures(&frame->inputs[i], side))
+            input = &frame->inputs[i];
+    return device_of_input(frame->params, input, side);
 }
 
 /* ---- what the feet ask for ---- */
@@ -811,6 +773,8 @@ static void follow(mrt_plugin *self, const reading *now, int live, unsigned lids
 
 /* ---- the mapping ---- */
 
+/* ---- the faces of the rig ---- */
+
 static void set_rig_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
                           uint32_t count)
 {
@@ -820,21 +784,20 @@ static void set_rig_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_
 }
 
 /* The faces that this device tells apart, at their hand poses. */
-static bool learn_half(mrt_plugin *self, device_kind device, half which)
+static bool learn_half(mrt_plugin *self, device_kind device, face_half which)
 {
+    double deg[FACE_COUNT][JOINT_COUNT];
     speak_face faces[SPEAK_FACES_MAX];
     int count = 0;
+    (void)own_hands_bend(deg, &self->answers, device, which);
     for (int f = 0; f < FACE_COUNT && count < SPEAK_FACES_MAX; ++f) {
-        const posed_hand *hand = &posed_hands[device][f];
-        if (face_recipes[f].half != which || hand->same_as != FACE_IS_ITSELF ||
+        if (face_recipes[f].half != which || posed_hands[device][f].same_as != FACE_IS_ITSELF ||
             !face_find(&faces[count].pose, &face_recipes[f], &self->fitting, self->rig_poses,
                        self->rig_pose_count))
             continue;
-        for (int i = 0; i < JOINT_COUNT; ++i) {
-            faces[count].deg[i] = (double)hand->deg[i];
-            self->furthest_deg[device][i] =
-                fmax(self->furthest_deg[device][i], fabs(faces[count].deg[i]));
-        }
+        memcpy(faces[count].deg, deg[f], sizeof deg[f]);
+        for (int i = 0; i < JOINT_COUNT; ++i)
+            self->furthest_deg[device][i] = fmax(self->furthest_deg[device][i], fabs(deg[f][i]));
         count += 1;
     }
     return speak_find(&self->speak[device][which], which, device, faces, count) && count > 0;
@@ -846,12 +809,70 @@ static void learn_faces(mrt_plugin *self)
     memset(self->furthest_deg, 0, sizeof self->furthest_deg);
     for (int device = 0; device < DEVICE_KINDS; ++device)
         for (int which = 0; which < HALF_COUNT; ++which)
-            self->can_speak |= learn_half(self, (device_kind)device, (half)which);
+            self->can_speak |= learn_half(self, (device_kind)device, (face_half)which);
     if (!self->can_speak)
         self->host->log(
             self->host, MRT_LOG_WARNING,
             "This rig has no poses for the hand to meet. one_hand performs as it did in "
             "earlier versions. Draft the rig anew with \"marotte rig new\" to add poses.");
+}
+
+/* ---- answers ---- */
+
+static const char *const verdict_words[] = {
+    [OWN_HANDS_NONE] = "The hand poses are the default ones.",
+    [OWN_HANDS_TAKEN] = "Your hand poses are in use.",
+    [OWN_HANDS_NONSENSE] = "Your hand poses do not follow the faces: the default ones stay in use. "
+                           "Undo, or answer the same face again."};
+
+/* [frame] A half of a millisecond. */
+static void follow_answers(mrt_plugin *self, device_kind device)
+{
+    double ignored[FACE_COUNT][JOINT_COUNT];
+    const own_hands_verdict verdict[HALF_COUNT] = {
+        own_hands_bend(ignored, &self->answers, device, HALF_MOUTH),
+        own_hands_bend(ignored, &self->answers, device, HALF_UPPER)};
+    learn_faces(self);
+    attach_change(&self->attach, 0.25);
+    self->host->log(self->host, MRT_LOG_INFO,
+                    verdict_words[verdict[0] > verdict[1] ? verdict[0] : verdict[1]]);
+}
+
+/* The second undo is a redo. */
+static void undo_answer(mrt_plugin *self)
+{
+    const own_hands now = self->answers;
+    self->answers = self->before_change;
+    self->before_change = now;
+}
+
+static void attend(mrt_plugin *self, const reading *now, const double *params, double dt_s)
+{
+    static const double steady_time_s = 0.15;
+    const neutral *own = &self->neutral[self->side];
+    const int name = (int)params[SET_ANSWERED_FACE];
+    const bool is_undo = params[SET_UNDO_ANSWER] > 0.5, is_answer = params[SET_ANSWER] > 0.5,
+               is_forget = params[SET_FORGET_ANSWER] > 0.5,
+               is_forget_all = params[SET_FORGET_ANSWERS] > 0.5;
+    reading difference = reading_difference(now, own->is_known ? &own->pose : now);
+    double deg[JOINT_COUNT];
+    joints_of(deg, &difference);
+    for (int i = 0; i < JOINT_COUNT; ++i)
+        self->steady_deg[i] +=
+            smoothing_share(dt_s, steady_time_s) * (deg[i] - self->steady_deg[i]);
+    if (!is_undo && !is_answer && !is_forget && !is_forget_all)
+        return;
+    if (is_undo)
+        undo_answer(self);
+    else
+        self->before_change = self->answers;
+    if (is_answer)
+        own_hands_add(&self->answers, self->device, name, self->steady_deg);
+    if (is_forget)
+        own_hands_forget(&self->answers, name);
+    if (is_forget_all)
+        memset(&self->answers, 0, sizeof self->answers);
+    follow_answers(self, self->device);
 }
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
@@ -881,6 +902,11 @@ static void reset(mrt_plugin *self)
     pedals_reset(&self->pedals);
     blink_reset(&self->blink);
     self->seal = (seal){.closure = 0.0};
+    memset(self->steady_deg, 0, sizeof self->steady_deg);
+    if (memcmp(&self->answers, &self->stored_answers, sizeof self->answers) != 0) {
+        self->answers = self->before_change = self->stored_answers;
+        learn_faces(self);
+    }
     attach_reset(&self->attach);
 }
 
@@ -903,6 +929,7 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         self->device = device;
         apply_events(self, &events, &now, params);
         find_neutral(self, &now, params);
+        attend(self, &now, params, dt_s);
     } else {
         blink_forget_hand(&self->blink);
         if (events.to_neutral)
@@ -921,24 +948,59 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return MRT_OK;
 }
 
-/* ---- the neutral pose, kept ---- */
+/* ---- the neutral poses and the answers, kept ---- */
+
+#define NEUTRAL_MEMORY(neutral) MEMORY_BOOLS((neutral).is_known), MEMORY_DOUBLES((neutral).pose)
+#define ANSWERS_MEMORY(answers)                                                                    \
+    MEMORY_WHOLES((answers).device, DEVICE_KINDS - 1),                                             \
+        MEMORY_WHOLES((answers).rounds, OWN_HANDS_ROUNDS_MAX), MEMORY_FLOATS((answers).deg)
+
+typedef struct taught {
+    neutral hand[2];
+    own_hands answers;
+} taught;
+
+static memory_list memory_of_taught(taught *self)
+{
+    return (memory_list){.type = "org.marotte.one_hand/taught",
+                         .version = 2,
+                         .parts = {NEUTRAL_MEMORY(self->hand[0]), NEUTRAL_MEMORY(self->hand[1]),
+                                   ANSWERS_MEMORY(self->answers)}};
+}
 
 static size_t save(mrt_plugin *self, void *out, size_t capacity)
 {
-    neutral hands[2];
+    taught now = {.answers = self->answers};
     for (int side = 0; side < 2; ++side)
-        hands[side] = self->neutral[side].is_known ? self->neutral[side] : self->stored[side];
-    return stored_write(out, capacity, hands);
+        now.hand[side] = self->neutral[side].is_known ? self->neutral[side] : self->stored[side];
+    const memory_list list = memory_of_taught(&now);
+    return memory_save(&list, out, capacity);
+}
+
+static bool read_taught(taught *out, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of_taught(out);
+    if (stored_read(out->hand, bytes, size)) {
+        memset(&out->answers, 0, sizeof out->answers);
+        return true;
+    }
+    return memory_load(&list, bytes, size) && reading_is_plausible(&out->hand[0].pose) &&
+           reading_is_plausible(&out->hand[1].pose) && own_hands_are_plausible(&out->answers);
 }
 
 static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 {
-    if (!stored_read(self->stored, bytes, size)) {
+    taught then;
+    if (!read_taught(&then, bytes, size)) {
         self->host->log(self->host, MRT_LOG_ERROR,
-                        "what was stored is no neutral pose of one_hand: store it again");
+                        "Cannot load the stored hand: these are not bytes of one_hand. The hand "
+                        "poses stay as they are. Store the neutral pose again.");
         return MRT_ERR_FORMAT;
     }
+    memcpy(self->stored, then.hand, sizeof self->stored);
+    self->stored_answers = self->answers = self->before_change = then.answers;
     self->is_stored_new = true;
+    learn_faces(self);
     return MRT_OK;
 }
 
@@ -946,7 +1008,6 @@ static mrt_result load(mrt_plugin *self, const void *bytes, size_t size)
 
 enum { MEMORY_VERSION = 2, NEUTRAL_SAMPLES_MOST = 1000000 };
 
-#define NEUTRAL_MEMORY(neutral) MEMORY_BOOLS((neutral).is_known), MEMORY_DOUBLES((neutral).pose)
 #define ANCHOR_MEMORY(anchor)                                                                      \
     MEMORY_BOOLS((anchor).is_known), MEMORY_WHOLES((anchor).side, MRT_NO_HAND),                    \
         MEMORY_DOUBLES((anchor).neutral), MEMORY_DOUBLES((anchor).offset)
@@ -970,6 +1031,10 @@ static memory_list memory_of(mrt_plugin *self)
                              PEDALS_MEMORY(self->pedals),
                              BLINK_MEMORY(self->blink),
                              SEAL_MEMORY(self->seal),
+                             ANSWERS_MEMORY(self->stored_answers),
+                             ANSWERS_MEMORY(self->answers),
+                             ANSWERS_MEMORY(self->before_change),
+                             MEMORY_DOUBLES(self->steady_deg),
                              ATTACH_MEMORY(self->attach),
                              MEMORY_WHOLES(self->device, DEVICE_KINDS - 1),
                              MEMORY_WHOLES(self->mode, MODE_COUNT - 1),
@@ -978,16 +1043,31 @@ static memory_list memory_of(mrt_plugin *self)
                          }};
 }
 
-MEMORY_RESUME(memory_of);
+static size_t resume_save(mrt_plugin *self, void *out, size_t capacity)
+{
+    const memory_list list = memory_of(self);
+    return memory_save(&list, out, capacity);
+}
+
+static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
+{
+    const memory_list list = memory_of(self);
+    const own_hands before = self->answers;
+    if (!memory_load(&list, bytes, size))
+        return MRT_ERR_FORMAT;
+    if (memcmp(&before, &self->answers, sizeof before) != 0)
+        learn_faces(self);
+    return MRT_OK;
+}
 
 static const mrt_mapping mapping = {activate, mapping_deactivate, reset, process};
 static const mrt_state state = {save, load};
+static const mrt_resume resume = {resume_save, resume_load};
 static const mrt_rig_poses rig_poses = {set_rig_poses};
-static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},
-                                           {MRT_RIG_POSES, &rig_poses},
-                                           {MRT_STATE, &state},
-                                           {MRT_RESUME, &resume},
-                                           {NULL, NULL}};
+static const mrt_hand_card hand_card = {card_lines};
+static const mrt_interface interfaces[] = {{MRT_MAPPING, &mapping},     {MRT_HAND_CARD, &hand_card},
+                                           {MRT_RIG_POSES, &rig_poses}, {MRT_STATE, &state},
+                                           {MRT_RESUME, &resume},       {NULL, NULL}};
 static const mrt_plugin_type one_hand = {
     MRT_ABI,
     SET_COUNT,

@@ -1,5 +1,6 @@
 #include "settings.h"
 
+#include "faces.h"
 #include "mapping.h"
 #include "placement.h"
 
@@ -24,8 +25,8 @@ static const char *const region_labels[] = {"Whole face", "Mouth", "Brows and li
 #define HIDDEN_CHOICE(set, id, group, name, max, initial, labels, help) \
     [set] = {id, MRT_PARAM_STEPPED | MRT_PARAM_HIDDEN, name, group, "", help, 0, max, initial, labels}
 #define AXIS(axis, id, name, what) \
-    NUMBER(SET_GAIN + AXIS_##axis, id, "Gain", name, "%", 20, 300, 100, "Strength of " what "."), \
-    NUMBER(SET_RANGE + AXIS_##axis, (id) + 1, "Range", name, "%", 0, 150, 100, "Limit of " what ".")
+    NUMBER(SET_GAIN + AXIS_##axis, id, "Movement", name " gain", "%", 20, 300, 100, "Strength of " what "."), \
+    NUMBER(SET_RANGE + AXIS_##axis, (id) + 1, "Movement", name " range", "%", 0, 150, 100, "Limit of " what ".")
 #define BUTTON(set, id, group, name, help) \
     [set] = {id, MRT_PARAM_TRIGGER, name, group, "", help, 0, 1, 0, NULL}
 #define PEDAL(set, id, name, initial, help) \
@@ -51,6 +52,15 @@ const mrt_param settings[SET_COUNT] = {
     AXIS(GAZE, 166, "Gaze", "gaze and single lids for a movement of the thumb aside"),
     AXIS(TILT, 168, "Brow tilt", "the tilt of the brows for an arch of the palm"),
     AXIS(HEAD, 170, "Head", "the head for a movement of the wrist"),
+    CHOICE(SET_ANSWERED_FACE, 180, "Your hand", "Face", FACE_NAMES - 1, 0, face_names,
+           "Face that your hand pose stands for."),
+    BUTTON(SET_ANSWER, 181, "Your hand", "Answer",
+           "Add the current hand pose to your hand poses for this face."),
+    BUTTON(SET_UNDO_ANSWER, 182, "Your hand", "Undo", "Undo the last change of your hand poses."),
+    BUTTON(SET_FORGET_ANSWER, 183, "Your hand", "Forget",
+           "Use the default hand pose for this face."),
+    BUTTON(SET_FORGET_ANSWERS, 184, "Your hand", "Forget all",
+           "Use the default hand poses for all faces."),
     NUMBER(SET_INTENSITY, 3, "Map", "Intensity", "%", 0, 150, 100,
            "Size of expressions and mouths, but not of jaw, seal, gaze and head."),
     NUMBER(SET_SIZE, 4, "Map", "Size", "%", 10, 400, 100,

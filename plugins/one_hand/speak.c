@@ -1,5 +1,7 @@
 #include "speak.h"
 
+#include "cholesky.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -7,7 +9,7 @@
 static const double noise_of_weight_1_deg = 1.4;
 
 const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT] = {
-    [DEVICE_JOINTS] = {{6.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
+    [DEVICE_JOINTS] = {{5.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
     [DEVICE_POINTS] = {{5.0, 30.0, 9.0}, {3.5, 30.0, 9.0}},
     [DEVICE_CURLS] = {{4.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
 };
@@ -58,43 +60,6 @@ static bool place(double *out, const speak_half *self, const double deg[JOINT_CO
     return true;
 }
 
-/* ---- linear systems: symmetric, positive definite, small ---- */
-
-enum { ROWS_MAX = SPEAK_FACES_MAX + 1 };
-typedef double matrix[ROWS_MAX][ROWS_MAX];
-
-/* Cholesky, in place. False: not positive definite. */
-static bool factor(matrix m, int count)
-{
-    for (int i = 0; i < count; ++i)
-        for (int j = 0; j <= i; ++j) {
-            double sum = m[i][j];
-            for (int k = 0; k < j; ++k)
-                sum -= m[i][k] * m[j][k];
-            if (i != j)
-                m[i][j] = sum / m[j][j];
-            else if (sum > 1e-12)
-                m[i][i] = sqrt(sum);
-            else
-                return false;
-        }
-    return true;
-}
-
-static void solve(matrix m, int count, double *x)
-{
-    for (int i = 0; i < count; ++i) {
-        for (int k = 0; k < i; ++k)
-            x[i] -= m[i][k] * x[k];
-        x[i] /= m[i][i];
-    }
-    for (int i = count - 1; i >= 0; --i) {
-        for (int k = i + 1; k < count; ++k)
-            x[i] -= m[k][i] * x[k];
-        x[i] /= m[i][i];
-    }
-}
-
 /* ---- the fit ---- */
 
 /* Lips seal and the tongue comes out near their faces alone. */
@@ -111,6 +76,32 @@ static void list_values(speak_half *out, const speak_face *faces, int count)
             is_moved = is_moved || faces[i].pose.value[v] < 0.0 || faces[i].pose.value[v] > 0.0;
         if (is_moved)
             out->value[out->value_count++] = v;
+    }
+}
+
+static double pull_length(const pose *p, int landmark)
+{
+    return length(p->value + 3 * landmark, 3);
+}
+
+static void find_longest(speak_half *out, const speak_face *faces, int count)
+{
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark)
+        for (int i = 0; i < count; ++i)
+            out->longest[landmark] =
+                fmax(out->longest[landmark], pull_length(&faces[i].pose, landmark));
+}
+
+/* Exact to the longest pull of a face, and never longer than 1.3 times that. */
+static void limit_pulls(const speak_half *self, pose *p)
+{
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
+        const double most = self->longest[landmark], now = pull_length(p, landmark);
+        if (half_of_value(3 * landmark) != self->half || !(now > most))
+            continue;
+        const double shown = most + curve_limit(now - most, 0.3 * most, 0.3 * most);
+        for (int axis = 0; axis < 3; ++axis)
+            p->value[3 * landmark + axis] *= shown / now;
     }
 }
 
@@ -131,23 +122,23 @@ static double mean_nearest(const speak_half *self)
 /* Ridge regression without a constant: the rest stays the rest. */
 static void find_linear(speak_half *out, const speak_face *faces, int count, double ridge)
 {
-    matrix m = {{0}};
+    cholesky m;
     const int joints = out->joint_count;
     for (int a = 0; a < joints; ++a)
         for (int b = 0; b <= a; ++b) {
-            m[a][b] = a == b ? ridge * count : 0.0;
+            m.at[a][b] = a == b ? ridge * count : 0.0;
             for (int i = 1; i <= count; ++i)
-                m[a][b] += out->centre[i][a] * out->centre[i][b];
+                m.at[a][b] += out->centre[i][a] * out->centre[i][b];
         }
-    (void)factor(m, joints); /* the ridge makes it positive definite */
+    (void)cholesky_factor(&m, joints); /* the ridge makes it positive definite */
     for (int v = 0; v < out->value_count; ++v) {
-        double column[ROWS_MAX] = {0.0};
+        double column[CHOLESKY_MAX] = {0.0};
         if (!is_linear(out->value[v]))
             continue;
         for (int a = 0; a < joints; ++a)
             for (int i = 1; i <= count; ++i)
                 column[a] += out->centre[i][a] * faces[i - 1].pose.value[out->value[v]];
-        solve(m, joints, column);
+        cholesky_solve(&m, joints, column);
         memcpy(out->linear[v], column, sizeof out->linear[v]);
     }
 }
@@ -162,27 +153,28 @@ static double linear_value(const speak_half *self, int v, const double *at)
 
 static bool find_residual(speak_half *out, const speak_face *faces, int count)
 {
-    matrix m;
+    cholesky m;
     for (int i = 0; i <= count; ++i)
         for (int j = 0; j <= i; ++j)
-            m[i][j] =
+            m.at[i][j] =
                 wendland(distance(out->centre[i], out->centre[j], out->joint_count) / out->radius,
                          out->joint_count);
-    if (!factor(m, count + 1))
+    if (!cholesky_factor(&m, count + 1))
         return false;
     for (int v = 0; v < out->value_count; ++v) {
-        double column[ROWS_MAX] = {0.0};
+        double column[CHOLESKY_MAX] = {0.0};
         for (int i = 1; i <= count; ++i)
             column[i] =
                 faces[i - 1].pose.value[out->value[v]] - linear_value(out, v, out->centre[i]);
-        solve(m, count + 1, column);
+        cholesky_solve(&m, count + 1, column);
         for (int i = 0; i <= count; ++i)
             out->residual[i][v] = column[i];
     }
     return true;
 }
 
-bool speak_find(speak_half *out, half which, device_kind device, const speak_face *faces, int count)
+bool speak_find(speak_half *out, face_half which, device_kind device, const speak_face *faces,
+                int count)
 {
     const speak_settings *with = &speak_settings_of[device][which];
     memset(out, 0, sizeof *out);
@@ -198,6 +190,7 @@ bool speak_find(speak_half *out, half which, device_kind device, const speak_fac
         count = SPEAK_FACES_MAX;
     out->face_count = count;
     list_values(out, faces, count);
+    find_longest(out, faces, count);
     for (int i = 1; i <= count; ++i)
         (void)place(out->centre[i], out, faces[i - 1].deg);
     out->radius = with->radius * mean_nearest(out);
@@ -218,4 +211,5 @@ void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *ou
             sum += felt[i] * self->residual[i][v];
         out->value[self->value[v]] = sum;
     }
+    limit_pulls(self, out);
 }

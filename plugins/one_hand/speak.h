@@ -1,6 +1,7 @@
 /* one_hand/speak.h - one half of a face as a function of the joints that move it: linear in the
  * joints, plus the engine's radial functions (Wendland C2) over them, so that the faces given are
- * met exactly at their hand poses. Around the neutral pose lies a well in which nothing moves.
+ * met exactly at their hand poses. Around the neutral pose lies a well in which nothing moves, and
+ * no pull becomes much longer than in any of the faces.
  * + - * / and sqrt only: the same bits everywhere. Pure; any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
 #define MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
@@ -15,7 +16,7 @@ typedef struct speak_face {
 } speak_face;
 
 typedef struct speak_half {
-    half half;
+    face_half half;
     int first, joint_count;             /* joints: first .. first + joint_count - 1 */
     double per_deg[SPEAK_JOINTS_MAX];   /* weight of each joint; 0: not measured */
     double well;                        /* weighted degrees */
@@ -25,6 +26,7 @@ typedef struct speak_half {
     double centre[SPEAK_FACES_MAX + 1][SPEAK_JOINTS_MAX];
     double residual[SPEAK_FACES_MAX + 1][POSE_COUNT];
     double radius;
+    double longest[LANDMARK_COUNT]; /* mm of a pose: of any face's pull there */
 } speak_half;
 
 typedef struct speak_settings {
@@ -35,7 +37,7 @@ typedef struct speak_settings {
 extern const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT];
 
 /* False: two faces have one hand pose. */
-bool speak_find(speak_half *out, half which, device_kind device, const speak_face *faces,
+bool speak_find(speak_half *out, face_half which, device_kind device, const speak_face *faces,
                 int count);
 /* Writes the half's values of the pose; leaves the other values as they are. */
 void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *out);

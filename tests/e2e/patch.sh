@@ -18,7 +18,7 @@ patch_of() { # file connections
 jaw='{"from": {"channel": "cc.0"}, "to": {"dof": "jaw.open"}, "smooth_s": 0.05}'
 brows='{"from": {"input": "log", "channel": "cc.1"}, "to": {"contact": "brow.mid.*"}, "out": [0, 8], "mode": "add"}'
 joy='{"from": {"channel": "lefty"}, "to": {"pose": "joy"}, "mode": "add", "bend": 0.3}'
-smile='{"from": {"channel": "cc.1"}, "to": {"param": "smile"}, "out": [4, 20], "pickup": true}'
+smile='{"from": {"channel": "cc.1"}, "to": {"param": "smile_gain"}, "out": [50, 200], "pickup": true}'
 gaze='{"from": {"input": "performer", "channel": "right.wrist.yaw"}, "to": {"dof": "eye.*.yaw"}}'
 mark='{"from": {"channel": "button.mark"}, "to": {"action": "mark"}}'
 patch_of all.json "$jaw, $brows, $joy, $smile, $gaze, $mark"

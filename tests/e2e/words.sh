@@ -20,8 +20,8 @@ refused 1 'there is no input plugin "one_hand": the plugin of this name is anoth
 refused 1 'there is no mapping plugin "onehand". Did you mean "one_hand"?' \
     "$MAROTTE" perform --face puppet --input log:demo_hand.csv --map onehand
 refused 1 'there is no face output plugin "vmcc". Did you mean "vmc"?' "$MAROTTE" perform "${one_second[@]}" --output vmcc
-refused 1 'has no parameter "smil". Did you mean "smile"?' \
-    "$MAROTTE" perform --face puppet --input log:demo_hand.csv --map one_hand,smil=3
+refused 1 'has no parameter "smile_gian". Did you mean "smile_gain"?' \
+    "$MAROTTE" perform --face puppet --input log:demo_hand.csv --map one_hand,smile_gian=3
 refused 1 'has no parameter "zzzz". Its parameters: marotte plugin list --params' \
     "$MAROTTE" perform --face puppet --input log:demo_hand.csv --map one_hand,zzzz=3
 refused 1 'there is no patch "fader". Did you mean "faders"?' "$MAROTTE" perform "${one_second[@]}" --patch fader

@@ -101,7 +101,7 @@ static void a_mapping_that_does_not_fit_leaves_the_face_at_rest(void **state)
     make_room(&r);
     const app_options with = {.show_path = r.show,
                               .face_path = SOURCE_DIR "/rigs/moai/moai.glb",
-                              .mapping = "one_hand,smile=8"};
+                              .mapping = "one_hand,smile_gain=130"};
     if (open_with(&r, &with, &err) < 0)
         fail_msg("%s", err.text);
     assert_true(was_said(r.app, "This face has no rig yet"));
@@ -113,9 +113,9 @@ static void a_mapping_that_does_not_fit_leaves_the_face_at_rest(void **state)
     app_destroy(r.app);
     const app_options misspelt = {.show_path = r.show,
                                   .face_path = SOURCE_DIR "/rigs/moai/moai.glb",
-                                  .mapping = "one_hand,smile=999"};
+                                  .mapping = "one_hand,smile_gain=999"};
     assert_true(open_with(&r, &misspelt, &err) < 0);
-    assert_non_null(strstr(err.text, "smile=999"));
+    assert_non_null(strstr(err.text, "smile_gain=999"));
     r.app = NULL;
     close_room(&r);
 }
@@ -129,7 +129,7 @@ static void what_rests_performs_again_on_a_face_that_it_fits_after_a_restart_too
     app_options with = {.show_path = r.show,
                         .settings_path = r.settings,
                         .face_path = SOURCE_DIR "/rigs/moai/moai.glb",
-                        .mapping = "one_hand,smile=8"};
+                        .mapping = "one_hand,smile_gain=130"};
     for (int run = 0; run < 2; ++run) {
         if (open_with(&r, &with, &err) < 0)
             fail_msg("%s", err.text);
@@ -252,7 +252,7 @@ static void looks_and_inputs_are_kept_between_runs(void **state)
     make_room(&r);
     const app_options with = {.show_path = r.show,
                               .face_path = puppet,
-                              .mapping = "one_hand,smile=8",
+                              .mapping = "one_hand,smile_gain=130",
                               .inputs = demo_inputs,
                               .input_count = 1,
                               .settings_path = r.settings};
@@ -276,7 +276,7 @@ static void looks_and_inputs_are_kept_between_runs(void **state)
     assert_int_not_equal(app_looks_of(r.app)->is_mirrored, was_mirrored);
     assert_string_equal(show_path(app_show(r.app)), r.show);
     assert_string_equal(app_face_path(r.app), puppet);
-    assert_non_null(strstr(settings_text(app_settings(r.app), "last.mapping", ""), "smile=8"));
+    assert_non_null(strstr(settings_text(app_settings(r.app), "last.mapping", ""), "smile_gain=130"));
     close_room(&r);
 }
 

@@ -127,7 +127,7 @@ static void mapping_changes_without_a_jump(void **state)
     hold(&d, &hand);
     assert_true(hand.moved_mm > 3.0);
     change_mapping(&d, &hand, "one_hand", "");
-    change_mapping(&d, &hand, "one_hand", "one_hand,smile=8");
+    change_mapping(&d, &hand, "one_hand", "one_hand,smile_gain=130");
     change_mapping(&d, &hand, "one_hand", "anchored");
     change_mapping(&d, &hand, "anchored", "one_hand");
     end(&d, &hand);

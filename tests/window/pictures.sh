@@ -37,7 +37,7 @@ window() {
 }
 
 held 6.27 hand.csv
-window stage_live.png live.marotte --face "$puppet" --map one_hand,smile=8 --input log:hand.csv <<END
+window stage_live.png live.marotte --face "$puppet" --map one_hand,smile_gain=120 --input log:hand.csv <<END
 do panel_mapping
 do view_three_quarter
 do record
@@ -48,11 +48,11 @@ END
 for shot in a a; do
     work perform --face "$puppet" --input "log:$demo,end=9" --map one_hand --record night.marotte --scene 2 --shot $shot
 done
-work perform --face "$puppet" --input "log:$demo" --map one_hand,smile=8 --record night.marotte --scene 2 --shot b
+work perform --face "$puppet" --input "log:$demo" --map one_hand,smile_gain=120 --record night.marotte --scene 2 --shot b
 work take rate night.marotte 1 2
 work take rate night.marotte 3 5
 work take timecode night.marotte 3 --fps 25 --start 10:21:00:00
-work take record night.marotte 3 --input "log:$demo,start=9,end=17" --map one_hand,smile=12 --own brows --name brows --in 4 --out 12
+work take record night.marotte 3 --input "log:$demo,start=9,end=17" --map one_hand,smile_gain=150 --own brows --name brows --in 4 --out 12
 work take mark night.marotte 3 'looks up' --at 2.2
 work take mark night.marotte 3 'big laugh' --at 6.2
 work take mark night.marotte 3 'sigh' --at 13.3

@@ -321,6 +321,20 @@ typedef struct mrt_rig_poses {
     void (*set)(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses, uint32_t count);
 } mrt_rig_poses;
 
+/* ---- the card of a mapping: what each part of the hand does, for a person who learns it ---- */
+#define MRT_HAND_CARD "marotte.hand_card/1"
+typedef struct mrt_card_line {
+    const char *hand, *face;   /* "Thumb down", "jaw opens" */
+    uint32_t joint;            /* of MRT_JOINTS: the place on the hand */
+    float per_rad[MRT_ANGLES]; /* how much of it a change of each angle does; 1: all of it */
+} mrt_card_line;
+typedef struct mrt_hand_card {
+    /* [any] The lines for a hand that this input measures; input NULL: any input. The lines live as
+     * long as the process. */
+    const mrt_card_line *(*lines)(const double *params, const mrt_channels *input, uint32_t side,
+                                  uint32_t *out_count);
+} mrt_hand_card;
+
 /* ---- face output: the face itself, for other programs, while it is performed or played ---- */
 #define MRT_FACE_OUTPUT "marotte.face_output/1"
 typedef struct mrt_face_names { /* valid from begin until the next begin, or close */
@@ -438,6 +452,8 @@ MRT_LAYOUT(mrt_pull, 1956, dof, 1828);
 MRT_LAYOUT(mrt_mapping, 32, process, 24);
 MRT_LAYOUT(mrt_rig_pose, 32, part, 24);
 MRT_LAYOUT(mrt_rig_poses, 8, set, 0);
+MRT_LAYOUT(mrt_card_line, 112, per_rad, 20);
+MRT_LAYOUT(mrt_hand_card, 8, lines, 0);
 MRT_LAYOUT(mrt_face_names, 64, vertex_count, 60);
 MRT_LAYOUT(mrt_bone_pose, 28, shift, 16);
 MRT_LAYOUT(mrt_face_sample, 72, vertices, 64);
