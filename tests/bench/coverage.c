@@ -1,14 +1,14 @@
-/* What one hand can say, with a mapping as a black box. For each device and each target face
- * (visemes, closed lips, expressions, sums of both) a search over hands that a person can hold
- * finds the nearest face that the mapping gives. Prints how near it is, what noise does to it and
- * what the way to it is like; gates nothing. Faces are compared in the skull's frame, mm.
- * Deterministic: the same build gives the same numbers.
+/* Measures which faces one hand reaches through a mapping, which is a black box here. For each
+ * device and each target face (visemes, closed lips, expressions, sums of both), a search over
+ * hands that a person can hold finds the nearest face that the mapping gives. The program prints
+ * the distance to that face, the effect of noise, and properties of the way to it. It gates
+ * nothing. Faces are compared in the skull's frame, mm. The same build gives the same numbers.
  *
  * coverage [--map NAME[,key=value...]] [--face NAME.rig.json] [--device NAME]... [--quick]
  *          [--neutral DEG,...] [--json FILE] [--sheet FILE.png]
  *
  * The search runs on a linear model of the face: how each contact and each degree of freedom moves
- * the points that count, from the engine once. What the model misses the engine corrects. */
+ * the points of the regions, measured with the engine once. The engine then corrects the result. */
 #include "coverage_face.h"
 #include "rigpicture.h"
 
@@ -31,7 +31,7 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Sorts; share 0.5: the median. NaN: there is none. */
+/* Sorts `value`. share 0.5: the median. Returns NaN if count is 0. */
 static double percentile(double *value, uint32_t count, double share)
 {
     if (count == 0)
@@ -53,7 +53,7 @@ typedef enum target_kind {
     KINDS
 } target_kind;
 
-/* The squared distance of each region counts so much in the search. */
+/* Weight of the squared distance of each region in the search. */
 static const double kind_weight[KINDS][REGIONS] = {
     [VISEME] = {1, 0.01, 0.01, 0.01, 0.005, 0.001},
     [CLOSURE] = {1, 0.01, 0.01, 0.01, 0.001, 0.001},
@@ -63,7 +63,7 @@ static const double kind_weight[KINDS][REGIONS] = {
     [UPPER] = {1, 1, 1, 1, 0, 0.001},
     [SUM] = {1, 1, 1, 1, 0, 0.001},
 };
-/* By which regions a face is judged; a bit each. */
+/* Bit set of the regions that judge a face. */
 static const unsigned kind_judged[KINDS] = {
     [VISEME] = 1u << LIPS,
     [CLOSURE] = 1u << LIPS,
@@ -105,7 +105,7 @@ static const rig_pose *find_pose(const rig *r, const char *name)
     return NULL;
 }
 
-/* False: the face has no such degree of freedom. */
+/* Returns false if the face has no such degree of freedom. */
 static bool set_dof(const scene *s, double *param, const char *name, double value)
 {
     const bones *b = face_bones(performer_face(s->still));
@@ -117,7 +117,8 @@ static bool set_dof(const scene *s, double *param, const char *name, double valu
     return false;
 }
 
-/* What the pose does, or only its upper half. False: the face has no such pose. */
+/* Writes the parameters of a pose. only_upper: part of each contact; then only the upper half is
+ * written. NULL: all of it. Returns false if the face has no such pose. */
 static bool read_pose(const scene *s, const char *name, const rig_pose_part *only_upper,
                       double *out)
 {
@@ -157,7 +158,7 @@ static void add_posed(targets *out, const scene *s, const char *name,
     memcpy(add_target(out, title, kind)->param, param, sizeof param);
 }
 
-/* Of two degrees of freedom. A face that lacks one has no such target. */
+/* A target made of two degrees of freedom. A face that lacks one gets no such target. */
 static void add_driven(targets *out, const scene *s, const char *name, target_kind kind,
                        const char *const dof[2], const double value[2])
 {
@@ -228,7 +229,7 @@ static void targets_finish(targets *self)
     }
 }
 
-/* How far a face is from a target: of the regions by which it is judged the worst, mm rms. */
+/* Distance of a face from a target: root mean square of the worst judging region, mm. */
 static double judge(const scene *s, const target *t, const double *point)
 {
     double worst = 0.0;
@@ -278,7 +279,7 @@ static float random_angle(random_source *random, int sensor)
     return human_rad(j->low_deg + (j->high_deg - j->low_deg) * (float)random_uniform(random));
 }
 
-/* Joints that a hand moves together. */
+/* Groups of joints that a hand usually moves together. */
 enum { GROUPS = 6, GROUP_MOST = 5 };
 static const int group_sensor[GROUPS][GROUP_MOST] = {
     {SENSOR_THUMB_MPJ, SENSOR_THUMB_MPJ + 1, SENSOR_NONE},
@@ -303,7 +304,7 @@ static void draw_groups(random_source *random, hand *out)
     }
 }
 
-/* Of three hands one bends all joints, one joints that go together, one a few joints. */
+/* One hand of three bends all joints, one bends groups of joints, one bends a few joints. */
 static void draw_hand(const search *q, random_source *random, uint32_t number, hand *out)
 {
     const uint32_t few = 1 + (uint32_t)(random_uniform(random) * 8.0);
@@ -347,7 +348,7 @@ static void search_finish(search *q)
     free(q->feature);
 }
 
-/* What is left between features and wanted ones, each weighted by its region. */
+/* Differences between features and wanted ones, weighted by region. */
 static void residual_of(const search *q, const double *weight_of, const float *feature,
                         const float *wanted, float *out)
 {
@@ -366,7 +367,8 @@ static double squares(const float *value, uint32_t count)
     return sum;
 }
 
-/* Comfort: of two hands with one face the one nearer to neutral; mm^2 for a rad^2. */
+/* Cost of a bend away from neutral, mm^2 per rad^2: of two hands with one face the search prefers
+ * the one nearer to neutral. */
 static const double comfort = 0.03;
 
 static double discomfort(const search *q, const hand *h)
@@ -418,7 +420,7 @@ static bool climb_take(climb *c, const hand *h)
     return true;
 }
 
-/* a x = b, symmetric and positive; a and b are overwritten, b becomes x. */
+/* Solves a x = b by Cholesky; a: n by n, symmetric, positive. Overwrites a; b becomes x. */
 static void solve_symmetric(double *a, double *b, uint32_t n)
 {
     for (uint32_t i = 0; i < n; ++i) {
@@ -439,8 +441,8 @@ static void solve_symmetric(double *a, double *b, uint32_t n)
     }
 }
 
-/* Levenberg and Marquardt over the joints that the device sees, with differences of some degrees:
- * dead zones are flat. */
+/* Levenberg-Marquardt over the joints that the device measures. Slopes are differences over 1.5
+ * degrees, because smaller ones vanish in dead zones. */
 static void climb_newton(climb *c, int iterations)
 {
     const search *q = c->q;
@@ -505,8 +507,7 @@ static bool climb_turn(climb *c, const int *sensor, float by_deg)
     return climb_take(c, &h);
 }
 
-/* Joint by joint and group by group, by steps that become smaller: gets over edges where slopes say
- * nothing. */
+/* Pattern search over joints and groups with shrinking steps, for places where all slopes are 0. */
 static void climb_pattern(climb *c, float from_deg, int rounds)
 {
     for (int round = 0; round < rounds; ++round, from_deg *= 0.4f) {
@@ -521,7 +522,7 @@ static void climb_pattern(climb *c, float from_deg, int rounds)
     }
 }
 
-/* Takes some joints of random hands: gets out of valleys. */
+/* Copies some joints of random hands: leaves local minima. */
 static void climb_mix(climb *c, random_source *random, uint32_t tries)
 {
     const search *q = c->q;
@@ -547,7 +548,7 @@ static double hands_apart_rad(const hand *a, const hand *b)
     return most;
 }
 
-/* The nearest random hands, no two of them alike. */
+/* The nearest random hands. Any two differ by more than 0.3 rad in some joint. */
 static uint32_t find_starts(search *q, const target *t, hand *out, uint32_t most)
 {
     const uint32_t rows = q->m->first[REGIONS];
@@ -573,7 +574,7 @@ static uint32_t find_starts(search *q, const target *t, hand *out, uint32_t most
     return count;
 }
 
-/* Performs that hand; keeps it if it is nearer than what was reached. */
+/* Performs that hand. Keeps it if its face is nearer than the one reached before. */
 static void consider(search *q, uint32_t number, const hand *h, double *point)
 {
     reach *r = &q->reach[number];
@@ -589,8 +590,8 @@ static void consider(search *q, uint32_t number, const hand *h, double *point)
     memcpy(r->point, point, point_numbers(q->s) * sizeof *point);
 }
 
-/* The engine says by how much the model was wrong; then from there on again. The worst region of
- * those that judge counts more from now on. */
+/* Adds the difference between engine and model to the target, then searches again from `h`. The
+ * weight of the worst judging region grows. */
 static void correct(search *q, uint32_t number, hand *h, double *weight, double *point)
 {
     const target *t = &q->targets->of[number];
@@ -719,8 +720,8 @@ static void count_residuals(figures *out, const search *q)
     out->sum_mean_mm /= out->sums ? out->sums : 1;
 }
 
-/* How many faces differ from each other beyond the noise: taken in order, each that differs from
- * all that were taken. */
+/* Size of a set of visemes that all differ from each other beyond the noise. The set is greedy: a
+ * viseme joins in order if it differs from all members. */
 static uint32_t count_told_apart(const search *q, const double *noise_mm, bool by_tongue)
 {
     uint32_t taken[TARGETS_MAX], count = 0;
@@ -739,7 +740,7 @@ static uint32_t count_told_apart(const search *q, const double *noise_mm, bool b
     return count;
 }
 
-/* Each angle that the device measures is off by the same amount, one way or the other. */
+/* Each measured angle is off by device_noise_deg, with a random sign. */
 static void measure_static_noise(figures *out, const search *q)
 {
     random_source random = {11};
@@ -800,8 +801,8 @@ static void live_look(const live *l, double *out)
     measure_points(l->s, performer_face(l->s->live), out);
 }
 
-/* On the lips, root mean square: of `count` frames that begin a fifth of a second after the noise.
- * The hand comes to rest first. */
+/* The hand comes to rest at the pose, then noise begins. Writes, for `count` frames from 0.2 s on,
+ * how far the lips are from where they were without noise: root mean square, mm. */
 static void live_noise(double *out_mm, uint32_t count, scene *s, const float *angle_rad,
                        random_source *noise)
 {
@@ -849,8 +850,8 @@ static void blend_hands(float *out_rad, const float *from_rad, const float *to_r
         out_rad[i] = from_rad[i] + share * (to_rad[i] - from_rad[i]);
 }
 
-/* How far it is from hand to hand: the root of the sum of squares of the joints that the device
- * measures, degrees. */
+/* Distance of two hands: root of the sum of squares over the joints that the device measures,
+ * degrees. */
 static double way_of_hands_deg(const search *q, const hand *a, const hand *b)
 {
     double sum = 0.0;
@@ -861,7 +862,7 @@ static double way_of_hands_deg(const search *q, const hand *a, const hand *b)
     return sqrt(sum) * 57.29577951308232;
 }
 
-/* In steps of a degree. */
+/* Follows the straight way from the neutral hand in steps of a degree. */
 static void measure_way(figures *out, const search *q, const hand *to)
 {
     scene *s = q->s;
@@ -907,7 +908,7 @@ static void measure_way(figures *out, const search *q, const hand *to)
 
 static const float cross_talk_deg = 20.0f;
 
-/* How far a bend of one sensor, both ways, moves lips and upper half, mm at most. */
+/* Greatest distances that lips and upper half move when one joint bends both ways, mm. */
 typedef struct moved {
     double lips_mm, upper_mm;
 } moved;
@@ -940,8 +941,8 @@ static void note_cross_talk(cross_talk *out, double mm, int sensor)
         *out = (cross_talk){mm, sensor};
 }
 
-/* A joint that moves the lips further than the upper half is one of the mouth. The wrist turns the
- * head and counts for neither. */
+/* A joint that moves the lips further than the upper half is a mouth joint. The wrist turns the
+ * head and belongs to neither half. */
 static void measure_cross_talk(figures *out, const search *q)
 {
     const size_t numbers = point_numbers(q->s);

@@ -44,8 +44,8 @@ bool device_has(device_kind kind, int sensor)
     return true;
 }
 
-/* What a camera makes of a hand. noise NULL: of exact points. reading: the one before, or zeros;
- * it stays where a camera's input would not believe the new one. */
+/* Reads the hand from its points. noise NULL: exact points. A reading with low confidence leaves
+ * `reading` as it is, as in the camera's input. */
 static void device_look(device *self, const float *angle_rad, random_source *noise,
                         hand_reading *reading)
 {

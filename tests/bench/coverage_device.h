@@ -1,6 +1,6 @@
-/* coverage_device.h - hands before a device, for coverage.c: which channels each kind of device
- * has, what it measures of a hand, with its noise or without, and what the stage makes of that.
- * Leaves out the stage's filter. Random numbers with a seed. One thread. */
+/* coverage_device.h - simulated devices for coverage.c: their channels, the values they measure of
+ * a hand with and without noise, and the angles that the stage finds in these values. Leaves out
+ * the stage's filter. Random numbers come from a seed. One thread. */
 #ifndef MAROTTE_TESTS_BENCH_COVERAGE_DEVICE_H
 #define MAROTTE_TESTS_BENCH_COVERAGE_DEVICE_H
 #include "bare_hand.h"

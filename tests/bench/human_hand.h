@@ -1,4 +1,4 @@
-/* What an adult's hand can do without a device: limits of each joint, and how joints pull each
+/* human_hand.h - the hands that an adult can hold: limits of each joint, and how joints pull each
  * other. Leaves out time, strength and the thumb's reach to the fingers. Pure; any thread.
  *
  * Angles are in the sensor order of hand/hand.h, rad. Limits are of movements that a hand does by
