@@ -366,7 +366,8 @@ static const double spread_most_rad = 0.9;
 static const double roll_from = 0.1, roll_full = 0.3;
 /* Misfit of a palm that is still sure, and of one that is none. */
 static const double misfit_sure = 0.22, misfit_none = 0.40;
-static const float beyond_deg = 8.0f; /* the clinical range: some joints go further */
+/* The clinical range: some joints go further, and many thumbs do by far. */
+static const float beyond_deg = 8.0f, thumb_beyond_deg = 20.0f;
 static const double bent_from_rad = 0.25, bent_full_rad = 0.7;
 static const double backwards_most_rad = 0.6; /* in sum; beyond: a hand of the other side */
 
@@ -637,8 +638,9 @@ static double read_fingers(const hand_skeleton *skeleton, const hand_landmarks *
 static void limit_to_joints(float *angle_rad)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {
-        const float least = (sensor_table[i].low_deg - beyond_deg) * (float)(ANGLE_PI / 180.0);
-        const float most = (sensor_table[i].high_deg + beyond_deg) * (float)(ANGLE_PI / 180.0);
+        const float beyond = i <= SENSOR_THUMB_IJ ? thumb_beyond_deg : beyond_deg;
+        const float least = (sensor_table[i].low_deg - beyond) * (float)(ANGLE_PI / 180.0);
+        const float most = (sensor_table[i].high_deg + beyond) * (float)(ANGLE_PI / 180.0);
         angle_rad[i] = fminf(fmaxf(angle_rad[i], least), most);
     }
 }

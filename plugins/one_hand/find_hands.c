@@ -115,9 +115,9 @@ static void mean_mouth(double deg[JOINT_COUNT], const pose *p, device_kind devic
     const double hook = (1.0 - seal) * positive(-pull(p, LANDMARK_LIP_LOWER_MID, 2) - 4.0) / 6.0;
     const double round = 0.9 * positive(-width) + 0.6 * forward;
     if (device == DEVICE_CURLS) {
-        deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 20.0 - 6.0 * jaw : -23.0 * jaw + 4.0 * hook;
-        deg[JOINT_RING_KNUCKLE] = round - 1.5 * positive(width) + 6.0 * hook;
-        deg[JOINT_LITTLE_KNUCKLE] = -0.8 * (left + right) + 40.0 * tongue + 18.0 * hook;
+        deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 20.0 - 6.0 * jaw : -23.0 * jaw + 8.0 * hook;
+        deg[JOINT_RING_KNUCKLE] = round - 1.5 * positive(width) + 4.0 * hook;
+        deg[JOINT_LITTLE_KNUCKLE] = -0.8 * (left + right) + 40.0 * tongue + 14.0 * hook;
         return;
     }
     deg[JOINT_THUMB_ROLL] = seal > 0.0 ? 60.0 * jaw - 4.0 : 18.0 * jaw;
@@ -189,7 +189,9 @@ static void make_comfortable(double deg[JOINT_COUNT], int f, device_kind device)
     }
     if (is_mouth) {
         double *press = &deg[JOINT_THUMB_MIDDLE];
-        *press = sealed ? fmin(fmax(*press, 16.0), 22.0) : fmin(*press, 3.0);
+        const bool is_half_sealed = face_of[f].value[POSE_DOFS + DOF_SEAL] > 0.3;
+        const double most = is_half_sealed && device == DEVICE_CURLS ? 8.0 : 3.0;
+        *press = sealed ? fmin(fmax(*press, 16.0), 22.0) : fmin(*press, most);
     }
 }
 
@@ -211,13 +213,14 @@ static double hands_apart(const search *s, const double *a, const double *b)
     return sqrt(sum);
 }
 
-static const double least_apart[DEVICE_KINDS][HALF_COUNT] = {{15.0, 9.0}, {12.0, 7.0}, {9.0, 9.0}};
-static const double degrees_per_mm = 2.4;
+/* Weighted degrees: a degree of a device that is twice as noisy counts half. */
+static const double least_apart[DEVICE_KINDS][HALF_COUNT] = {{15.0, 9.0}, {7.0, 5.0}, {9.0, 9.0}};
+static const double degrees_per_mm[DEVICE_KINDS] = {2.4, 1.2, 2.4};
 
 static double wanted_apart(const search *s, const pose *a, const pose *b)
 {
     const double least = least_apart[s->device][s->half];
-    return fmin(fmax(degrees_per_mm * apart(s->half, a, b), least), 4.0 * least);
+    return fmin(fmax(degrees_per_mm[s->device] * apart(s->half, a, b), least), 4.0 * least);
 }
 
 static void push(search *s, double *move_a, double *move_b, const double *a, const double *b,

@@ -43,7 +43,7 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                        [JOINT_MIDDLE_KNUCKLE] = {1.4, -22, 32},
                        [JOINT_THUMB_ASIDE] = {1.4, -16, 20},
                        [JOINT_ARCH] = {1.4, -5, 13}},
-    [DEVICE_POINTS] = {[JOINT_THUMB_ROLL] = {4.0, -20, 22},
+    [DEVICE_POINTS] = {[JOINT_THUMB_ROLL] = {4.0, -20, 14},
                        [JOINT_THUMB_MIDDLE] = {3.0, -23, 26},
                        [JOINT_THUMB_TIP] = {3.0, -30, 42},
                        [JOINT_INDEX_CURL] = {3.0, -24, 52},

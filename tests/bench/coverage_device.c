@@ -107,7 +107,8 @@ void device_init(device *out, device_kind kind, const float *neutral_rad)
     for (int i = 0; i < MRT_ANGLES; ++i)
         if (device_has(kind, i))
             out->channel[out->count++] = (mrt_channel){
-                sensor_table[i].name, "rad", MRT_CH_ANGLE + (uint32_t)i, MRT_RIGHT, -0.7f, 2.2f};
+                sensor_table[i].name, kind == POINTS21 ? MRT_UNIT_LANDMARKS : "rad",
+                MRT_CH_ANGLE + (uint32_t)i, MRT_RIGHT, -0.7f, 2.2f};
     channel_route_init(&out->route, out->channel, out->count);
     channel_route_call(&out->route, device_table[kind].input);
     if (!out->skeleton) {
