@@ -1,6 +1,6 @@
 /* one_hand/faces.h - the faces that a hand can say: which of the rig's poses each is made of, and
  * how the hand is held for it, for each kind of device. hands.c has the hand poses; the program
- * find_hands writes it. Pure; any thread. */
+ * tests/bench/find_hands writes it. Pure; any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_FACES_H
 #define MAROTTE_PLUGINS_ONE_HAND_FACES_H
 #include "fitting.h"
@@ -17,10 +17,8 @@ typedef struct face_recipe {
     face_part part[FACE_PARTS_MAX];
 } face_recipe;
 
-enum { FACE_COUNT = 65, FACE_NAMES = 53 };
+enum { FACE_COUNT = 65 };
 extern const face_recipe face_recipes[FACE_COUNT];
-/* Each name once, NULL-ended: an expression is both a mouth and an upper half. */
-extern const char *const face_names[FACE_NAMES + 1];
 int face_name_of(int face); /* index into face_names */
 
 enum { FACE_IS_ITSELF = -1, FACE_IS_MISSING = -2 };

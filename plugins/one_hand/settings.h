@@ -27,6 +27,10 @@ enum {
     AXIS_COUNT
 };
 
+/* Faces that a hand can say, NULL-ended: an expression is both a mouth and an upper half. */
+enum { FACE_NAMES = 53 };
+extern const char *const face_names[FACE_NAMES + 1];
+
 /* In table order. mm are mm on a face whose pupils are 63 mm apart. */
 enum {
     SET_MODE = 0,
