@@ -686,7 +686,7 @@ static double scaled(const mrt_plugin *self, device_kind device, int joint, doub
                      const double *params)
 {
     static const int axis_of[JOINT_COUNT] = {
-        [JOINT_THUMB_ROLL] = AXIS_JAW,       [JOINT_THUMB_MIDDLE] = AXIS_JAW,
+        [JOINT_THUMB_BASE] = AXIS_JAW,       [JOINT_THUMB_MIDDLE] = AXIS_JAW,
         [JOINT_THUMB_TIP] = AXIS_LOWER_LIP,  [JOINT_INDEX_CURL] = AXIS_ROUND,
         [JOINT_MIDDLE_CURL] = AXIS_ROUND,    [JOINT_SPREAD] = AXIS_WIDTH,
         [JOINT_RING_KNUCKLE] = AXIS_SMILE,   [JOINT_RING_CURL] = AXIS_TONGUE,
@@ -743,7 +743,7 @@ static void find_target(const mrt_plugin *self, const reading *difference, int l
     if (live != LAYER_ALL) {
         maps_waldo(out, difference, live, params);
     } else if (self->mode == MODE_SPEAKING) {
-        joints_of(deg, difference);
+        joints_of(deg, difference, self->device);
         speak(self, deg, difference, intensity, params, out);
     } else if (self->mode == MODE_MASK) {
         maps_mask(out, difference, params);
@@ -856,7 +856,7 @@ static void attend(mrt_plugin *self, const reading *now, const double *params, d
                is_forget_all = params[SET_FORGET_ANSWERS] > 0.5;
     reading difference = reading_difference(now, own->is_known ? &own->pose : now);
     double deg[JOINT_COUNT];
-    joints_of(deg, &difference);
+    joints_of(deg, &difference, self->device);
     for (int i = 0; i < JOINT_COUNT; ++i)
         self->steady_deg[i] +=
             smoothing_share(dt_s, steady_time_s) * (deg[i] - self->steady_deg[i]);

@@ -10,7 +10,7 @@ static const double noise_of_weight_1_deg = 1.4;
 
 const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT] = {
     [DEVICE_JOINTS] = {{5.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
-    [DEVICE_POINTS] = {{4.0, 15.0, 9.0}, {3.0, 15.0, 9.0}},
+    [DEVICE_POINTS] = {{4.5, 20.0, 9.0}, {3.5, 20.0, 9.0}},
     [DEVICE_CURLS] = {{4.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
 };
 

@@ -784,15 +784,28 @@ static void live_step(live *l, const float *angle_rad, random_source *noise)
     l->time_ns += (int64_t)(1e9 / device_table[d->kind].rate_hz);
 }
 
-static void live_go(live *l, const float *from_rad, const float *to_rad, double for_s)
+static void live_go(live *l, const float *from_rad, const float *to_rad, double for_s,
+                    random_source *noise)
 {
     const uint32_t steps = (uint32_t)(for_s * device_table[l->s->device.kind].rate_hz);
     for (uint32_t n = 1; n <= steps; ++n) {
         float angle_rad[MRT_ANGLES];
         for (int i = 0; i < MRT_ANGLES; ++i)
             angle_rad[i] = from_rad[i] + (to_rad[i] - from_rad[i]) * (float)n / (float)steps;
-        live_step(l, angle_rad, NULL);
+        live_step(l, angle_rad, noise);
     }
+}
+
+/* From neutral to the pose, and rests there. */
+static live live_hold(scene *s, const float *angle_rad, random_source *noise)
+{
+    live l = {.s = s, .time_ns = 1000000000, .reading = s->device.neutral};
+    layer_reset(performer_layer(s->live));
+    composer_reset(performer_composer(s->live));
+    live_go(&l, s->neutral_rad, s->neutral_rad, 1.0, noise);
+    live_go(&l, s->neutral_rad, angle_rad, 0.5, noise);
+    live_go(&l, angle_rad, angle_rad, 0.9, noise);
+    return l;
 }
 
 static void live_look(const live *l, double *out)
@@ -801,22 +814,17 @@ static void live_look(const live *l, double *out)
     measure_points(l->s, performer_face(l->s->live), out);
 }
 
-/* The hand comes to rest at the pose, then noise begins. Writes, for `count` frames from 0.2 s on,
- * how far the lips are from where they were without noise: root mean square, mm. */
+/* Writes, for `count` frames in which the hand rests at the pose, how far noise moves the lips from
+ * where they are without it: root mean square, mm. The noise is there from the start, as in life.
+ */
 static void live_noise(double *out_mm, uint32_t count, scene *s, const float *angle_rad,
                        random_source *noise)
 {
-    live l = {.s = s, .time_ns = 1000000000, .reading = s->device.neutral};
     double *still = allocate(point_numbers(s), sizeof *still),
            *now = allocate(point_numbers(s), sizeof *now);
-    layer_reset(performer_layer(s->live));
-    composer_reset(performer_composer(s->live));
-    live_go(&l, s->neutral_rad, s->neutral_rad, 1.0);
-    live_go(&l, s->neutral_rad, angle_rad, 0.5);
-    live_go(&l, angle_rad, angle_rad, 0.7);
+    live l = live_hold(s, angle_rad, NULL);
     live_look(&l, still);
-    for (uint32_t n = (uint32_t)(0.2 * device_table[s->device.kind].rate_hz); n-- > 0;)
-        live_step(&l, angle_rad, noise);
+    l = live_hold(s, angle_rad, noise);
     for (uint32_t n = 0; n < count; ++n) {
         live_step(&l, angle_rad, noise);
         live_look(&l, now);

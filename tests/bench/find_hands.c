@@ -120,9 +120,10 @@ static void mean_mouth(double deg[JOINT_COUNT], const pose *p, device_kind devic
         deg[JOINT_LITTLE_KNUCKLE] = -0.8 * (left + right) + 40.0 * tongue + 14.0 * hook;
         return;
     }
-    deg[JOINT_THUMB_ROLL] = seal > 0.0 ? 60.0 * jaw - 4.0 : 18.0 * jaw;
-    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : -20.0 * jaw;
-    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : -28.0 * jaw) + 30.0 * hook;
+    const bool is_of_points = device == DEVICE_POINTS;
+    deg[JOINT_THUMB_BASE] = seal > 0.0 ? 60.0 * jaw - 4.0 : (is_of_points ? 30.0 : 18.0) * jaw;
+    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : (is_of_points ? -6.0 : -20.0) * jaw;
+    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : (is_of_points ? -6.0 : -28.0) * jaw) + 30.0 * hook;
     deg[JOINT_SPREAD] = positive(width) - 0.12 * positive(-width);
     deg[JOINT_INDEX_CURL] = round - 0.8 * positive(width) - 1.5 * raised;
     deg[JOINT_MIDDLE_CURL] = round - 0.8 * positive(width) + 1.5 * raised;
@@ -190,7 +191,7 @@ static void make_comfortable(double deg[JOINT_COUNT], int f, device_kind device)
     if (is_mouth) {
         double *press = &deg[JOINT_THUMB_MIDDLE];
         const bool is_half_sealed = face_of[f].value[POSE_DOFS + DOF_SEAL] > 0.3;
-        const double most = is_half_sealed && device == DEVICE_CURLS ? 8.0 : 3.0;
+        const double most = is_half_sealed && device == DEVICE_CURLS ? 5.0 : 3.0;
         *press = sealed ? fmin(fmax(*press, 16.0), 22.0) : fmin(*press, most);
     }
 }
@@ -214,8 +215,8 @@ static double hands_apart(const search *s, const double *a, const double *b)
 }
 
 /* Weighted degrees: a degree of a device that is twice as noisy counts half. */
-static const double least_apart[DEVICE_KINDS][HALF_COUNT] = {{15.0, 9.0}, {7.0, 5.0}, {9.0, 9.0}};
-static const double degrees_per_mm[DEVICE_KINDS] = {2.4, 1.2, 2.4};
+static const double least_apart[DEVICE_KINDS][HALF_COUNT] = {{15.0, 9.0}, {12.0, 8.0}, {9.0, 9.0}};
+static const double degrees_per_mm[DEVICE_KINDS] = {2.4, 2.8, 2.4};
 
 static double wanted_apart(const search *s, const pose *a, const pose *b)
 {

@@ -65,24 +65,29 @@ static void set_up(bench *b, const char *params)
 
 static const int sensor_of[JOINT_COUNT] = {0, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 3, 19};
 
-static void bend_by(float angle[MRT_ANGLES], const double deg[JOINT_COUNT])
+static void bend_by(float angle[MRT_ANGLES], const double deg[JOINT_COUNT], device_kind device)
 {
     static const int spreads[] = {10, 14, 18};
+    const bool is_swapped = device == DEVICE_POINTS;
     memcpy(angle, bench_talk, MRT_ANGLES * sizeof *angle);
-    for (int i = 0; i < JOINT_COUNT; ++i)
+    for (int i = 0; i < JOINT_COUNT; ++i) {
+        int sensor = sensor_of[i];
+        if (is_swapped && (i == JOINT_THUMB_BASE || i == JOINT_THUMB_ASIDE))
+            sensor = sensor_of[JOINT_THUMB_BASE + JOINT_THUMB_ASIDE - i];
         for (int k = 0; k < 3; ++k)
             if (i == JOINT_SPREAD)
                 angle[spreads[k]] += RAD((float)deg[i]);
             else if (k == 0)
-                angle[sensor_of[i]] += RAD((float)deg[i]);
+                angle[sensor] += RAD((float)deg[i]);
+    }
 }
 
 /* Goes there in small steps and stays until all that takes time has come to rest. */
-static void hold(bench *b, const double deg[JOINT_COUNT])
+static void hold(bench *b, const double deg[JOINT_COUNT], device_kind device)
 {
     float from[MRT_ANGLES], to[MRT_ANGLES], angle[MRT_ANGLES];
     memcpy(from, b->frame.hand[MRT_RIGHT].angle, sizeof from);
-    bend_by(to, deg);
+    bend_by(to, deg, device);
     for (int n = 1; n <= 60; ++n) {
         for (int i = 0; i < MRT_ANGLES; ++i)
             angle[i] = from[i] + (to[i] - from[i]) * fminf((float)n / 20.0f, 1.0f);
@@ -160,7 +165,7 @@ static void every_face_is_met_at_its_hand_pose(void **state)
                 continue;
             assert_true(face_of(&wanted, f, &fit));
             hand_of(deg, (device_kind)device, f);
-            hold(&b, deg);
+            hold(&b, deg, (device_kind)device);
             pose_of_pull(&found, &b, &fit);
             const double off = apart(&wanted, &found, face_recipes[f].half).worst_mm;
             if (!(off < 0.05))
@@ -192,12 +197,12 @@ static void mouth_and_upper_half_do_not_touch_each_other(void **state)
                 hand_of(deg[0], (device_kind)device, mouth);
                 hand_of(deg[1], (device_kind)device, upper);
                 for (int which = 0; which < HALF_COUNT; ++which) {
-                    hold(&b, deg[which]);
+                    hold(&b, deg[which], (device_kind)device);
                     pose_of_pull(&alone[which], &b, &fit);
                 }
                 for (int i = 0; i < JOINT_COUNT; ++i)
                     sum[i] = deg[0][i] + deg[1][i];
-                hold(&b, sum);
+                hold(&b, sum, (device_kind)device);
                 pose_of_pull(&both, &b, &fit);
                 for (int which = 0; which < HALF_COUNT; ++which)
                     assert_true(apart(&alone[which], &both, (face_half)which).worst_mm < 1e-4);
@@ -222,7 +227,7 @@ static void nothing_moves_within_the_well(void **state)
             random = random * 1664525u + 1013904223u;
             deg[i] = 1.4 * ((double)(random >> 8) / 8388608.0 - 1.0);
         }
-        bend_by(angle, deg);
+        bend_by(angle, deg, DEVICE_JOINTS);
         bench_step(&b, MRT_RIGHT, angle);
         pose_of_pull(&found, &b, &fit);
         assert_true(memcmp(&found, &rest, sizeof rest) == 0);
@@ -232,8 +237,8 @@ static void nothing_moves_within_the_well(void **state)
 
 static double seal_of(bench *b, double press_deg, double jaw_deg)
 {
-    double deg[JOINT_COUNT] = {[JOINT_THUMB_MIDDLE] = press_deg, [JOINT_THUMB_ROLL] = jaw_deg};
-    hold(b, deg);
+    double deg[JOINT_COUNT] = {[JOINT_THUMB_MIDDLE] = press_deg, [JOINT_THUMB_BASE] = jaw_deg};
+    hold(b, deg, DEVICE_JOINTS);
     return (double)bench_dof(b, "lips.seal");
 }
 
@@ -275,14 +280,14 @@ static void ways_to_faces_are_monotone(void **state)
             for (int i = 0; i < JOINT_COUNT; ++i)
                 way += deg[i] * deg[i];
             const double zero[JOINT_COUNT] = {0.0};
-            hold(&b, zero);
+            hold(&b, zero, (device_kind)device);
             for (int n = 1; n <= STEPS; ++n) {
                 double at[JOINT_COUNT];
                 pose now;
                 for (int i = 0; i < JOINT_COUNT; ++i)
                     at[i] = deg[i] * n / STEPS;
                 float angle[MRT_ANGLES];
-                bend_by(angle, at);
+                bend_by(angle, at, (device_kind)device);
                 for (int k = 0; k < 12; ++k)
                     bench_step(&b, MRT_RIGHT, angle);
                 pose_of_pull(&now, &b, &fit);
@@ -368,7 +373,7 @@ static void a_rig_with_few_poses_meets_those(void **state)
         if (strcmp(face_recipes[f].name, "U") != 0 && strcmp(face_recipes[f].name, "aa") != 0)
             continue;
         hand_of(deg, DEVICE_JOINTS, f);
-        hold(&b, deg);
+        hold(&b, deg, DEVICE_JOINTS);
         pose_of_pull(&found, &b, &fit);
         assert_true(face_of(&wanted, f, &fit));
         assert_true(apart(&wanted, &found, HALF_MOUTH).worst_mm < 0.05);
