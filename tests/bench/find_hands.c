@@ -248,6 +248,18 @@ static void nudge(double deg[JOINT_COUNT], int f, face_half which)
     }
 }
 
+/* Faces that show what one joint does stay nearly where its meaning puts them. */
+static double stiffness(device_kind device, int f)
+{
+    static const char *const clear[] = {"jaw open",   "aa",         "lips closed", "smile",
+                                        "frown",      "wide",       "tongue",      "brows up",
+                                        "brows down", "eyes closed"};
+    for (size_t i = 0; i < sizeof clear / sizeof *clear; ++i)
+        if (strcmp(face_recipes[f].name, clear[i]) == 0)
+            return device == DEVICE_CURLS ? 0.6 : 0.15;
+    return 0.03;
+}
+
 static void find(search *s)
 {
     enum { ROUNDS = 6000 };
@@ -268,7 +280,7 @@ static void find(search *s)
                 push(s, move[k], move[other], s->deg[k], s->deg[other],
                      wanted_apart(s, p, &face_of[s->face[other]]));
             for (int i = 0; i < JOINT_COUNT; ++i)
-                move[k][i] += 0.03 * (s->mean[k][i] - s->deg[k][i]);
+                move[k][i] += stiffness(s->device, s->face[k]) * (s->mean[k][i] - s->deg[k][i]);
         }
         for (int k = 0; k < s->count; ++k) {
             for (int i = 0; i < JOINT_COUNT; ++i)
