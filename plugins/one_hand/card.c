@@ -21,13 +21,13 @@ enum {
 #define WAY 2.3f
 
 static const mrt_card_line joints[] = {
-    {"Thumb down", "jaw opens", AT_THUMB_TIP, {[0] = 1.0f, [1] = -WAY, [2] = -1.5f}},
+    {"Thumb down", "jaw opens", AT_THUMB_TIP, {[1] = -1.5f, [2] = -1.0f, [3] = WAY}},
     {"Thumb pressed up", "lips close, then press (m, b, p)", AT_THUMB_MIDDLE, {[1] = 3.0f}},
     {"Thumb tip hooked", "lower lip under the teeth (f, v)", AT_THUMB_TIP, {[2] = 2.0f}},
-    {"Thumb aside",
+    {"Thumb rolled across the palm, back",
      "eyes look aside; with the middle finger bent: wink",
      AT_THUMB_BASE,
-     {[3] = 3.5f}},
+     {[0] = 3.5f}},
     {"Fingers spread", "lips wide (s, ee)", AT_MIDDLE_TIP, {[10] = 1.6f, [14] = 1.6f, [18] = 1.6f}},
     {"Index and middle finger curled",
      "lips round (o, oo)",

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-const int half_first_joint[HALF_COUNT + 1] = {JOINT_THUMB_BASE, JOINT_INDEX_KNUCKLE, JOINT_COUNT};
+const int half_first_joint[HALF_COUNT + 1] = {JOINT_THUMB_DROP, JOINT_INDEX_KNUCKLE, JOINT_COUNT};
 
 face_half half_of_value(int pose_index)
 {
@@ -10,22 +10,18 @@ face_half half_of_value(int pose_index)
     return layer == LAYER_MOUTH ? HALF_MOUTH : layer == LAYER_BROWS ? HALF_UPPER : HALF_COUNT;
 }
 
-void joints_of(double out_deg[JOINT_COUNT], const reading *difference, device_kind device)
+void joints_of(double out_deg[JOINT_COUNT], const reading *difference)
 {
     /* in the order of the sensors, plugin.h */
     static const int sensor[JOINT_COUNT] = {
-        [JOINT_THUMB_BASE] = 0,    [JOINT_THUMB_MIDDLE] = 1,    [JOINT_THUMB_TIP] = 2,
+        [JOINT_THUMB_DROP] = 3,    [JOINT_THUMB_MIDDLE] = 1,    [JOINT_THUMB_TIP] = 2,
         [JOINT_INDEX_CURL] = 5,    [JOINT_MIDDLE_CURL] = 8,     [JOINT_RING_KNUCKLE] = 11,
         [JOINT_RING_CURL] = 12,    [JOINT_LITTLE_KNUCKLE] = 15, [JOINT_LITTLE_CURL] = 16,
-        [JOINT_INDEX_KNUCKLE] = 4, [JOINT_MIDDLE_KNUCKLE] = 7,  [JOINT_THUMB_ASIDE] = 3,
+        [JOINT_INDEX_KNUCKLE] = 4, [JOINT_MIDDLE_KNUCKLE] = 7,  [JOINT_THUMB_ROLL] = 0,
         [JOINT_ARCH] = 19};
     const double *angle = difference->value + READING_ANGLES;
     for (int i = 0; i < JOINT_COUNT; ++i)
         out_deg[i] = angle[sensor[i]];
-    if (device == DEVICE_POINTS) {
-        out_deg[JOINT_THUMB_BASE] = angle[3];
-        out_deg[JOINT_THUMB_ASIDE] = angle[0];
-    }
     out_deg[JOINT_SPREAD] = (angle[10] + angle[14] + angle[18]) * (1.0 / 3.0);
 }
 
@@ -33,7 +29,7 @@ void joints_of(double out_deg[JOINT_COUNT], const reading *difference, device_ki
  * these, filtered at 30 Hz. Comfort: from a relaxed hand with a little spread and curl. */
 #define SPREAD_NOISE(deg) (0.6 * (deg)) /* a mean of three */
 const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
-    [DEVICE_JOINTS] = {[JOINT_THUMB_BASE] = {1.4, -20, 22},
+    [DEVICE_JOINTS] = {[JOINT_THUMB_DROP] = {1.4, -14, 32},
                        [JOINT_THUMB_MIDDLE] = {1.4, -23, 26},
                        [JOINT_THUMB_TIP] = {1.4, -30, 42},
                        [JOINT_INDEX_CURL] = {1.4, -24, 52},
@@ -45,9 +41,9 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                        [JOINT_LITTLE_CURL] = {1.4, -26, 48},
                        [JOINT_INDEX_KNUCKLE] = {1.4, -32, 32},
                        [JOINT_MIDDLE_KNUCKLE] = {1.4, -22, 32},
-                       [JOINT_THUMB_ASIDE] = {1.4, -16, 20},
+                       [JOINT_THUMB_ROLL] = {1.4, -22, 20},
                        [JOINT_ARCH] = {1.4, -5, 13}},
-    [DEVICE_POINTS] = {[JOINT_THUMB_BASE] = {1.0, -14, 32},
+    [DEVICE_POINTS] = {[JOINT_THUMB_DROP] = {1.0, -14, 32},
                        [JOINT_THUMB_MIDDLE] = {2.2, -6, 26},
                        [JOINT_THUMB_TIP] = {2.6, -6, 42},
                        [JOINT_INDEX_CURL] = {2.3, -24, 52},
@@ -59,7 +55,7 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                        [JOINT_LITTLE_CURL] = {3.0, -26, 48},
                        [JOINT_INDEX_KNUCKLE] = {1.2, -32, 32},
                        [JOINT_MIDDLE_KNUCKLE] = {1.2, -22, 32},
-                       [JOINT_THUMB_ASIDE] = {2.4, -24, 12}},
+                       [JOINT_THUMB_ROLL] = {2.4, -24, 12}},
     [DEVICE_CURLS] = {[JOINT_THUMB_MIDDLE] = {1.4, -23, 30},
                       [JOINT_RING_KNUCKLE] = {1.4, -35, 45},
                       [JOINT_LITTLE_KNUCKLE] = {1.4, -35, 45},

@@ -8,7 +8,7 @@
 
 /* Mouth first, then the upper half. */
 enum {
-    JOINT_THUMB_BASE = 0, /* roll across the palm; of points: abduction */
+    JOINT_THUMB_DROP = 0, /* abduction: thumbs that drop go away from the palm */
     JOINT_THUMB_MIDDLE,   /* MPJ, bent */
     JOINT_THUMB_TIP,      /* IJ, bent */
     JOINT_INDEX_CURL,     /* PIJ, bent */
@@ -21,7 +21,7 @@ enum {
 
     JOINT_INDEX_KNUCKLE,
     JOINT_MIDDLE_KNUCKLE,
-    JOINT_THUMB_ASIDE, /* abduction; of points: roll */
+    JOINT_THUMB_ROLL, /* across the palm */
     JOINT_ARCH,
     JOINT_COUNT
 };
@@ -44,9 +44,8 @@ device_kind device_of_input(const double *params, const mrt_channels *input, uin
 /* False: the input does not measure that hand. */
 bool device_measures(const mrt_channels *input, uint32_t side);
 
-/* From the difference of two readings of a hand. A thumb that bends backwards is badly told from
- * points, so there its abduction moves the jaw, and its roll the gaze. */
-void joints_of(double out_deg[JOINT_COUNT], const reading *difference, device_kind device);
+/* From the difference of two readings of a hand. */
+void joints_of(double out_deg[JOINT_COUNT], const reading *difference);
 
 typedef struct joint_traits {
     double noise_deg;           /* of the device; 0: it does not measure this joint */

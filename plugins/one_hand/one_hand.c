@@ -686,13 +686,13 @@ static double scaled(const mrt_plugin *self, device_kind device, int joint, doub
                      const double *params)
 {
     static const int axis_of[JOINT_COUNT] = {
-        [JOINT_THUMB_BASE] = AXIS_JAW,       [JOINT_THUMB_MIDDLE] = AXIS_JAW,
+        [JOINT_THUMB_DROP] = AXIS_JAW,       [JOINT_THUMB_MIDDLE] = AXIS_JAW,
         [JOINT_THUMB_TIP] = AXIS_LOWER_LIP,  [JOINT_INDEX_CURL] = AXIS_ROUND,
         [JOINT_MIDDLE_CURL] = AXIS_ROUND,    [JOINT_SPREAD] = AXIS_WIDTH,
         [JOINT_RING_KNUCKLE] = AXIS_SMILE,   [JOINT_RING_CURL] = AXIS_TONGUE,
         [JOINT_LITTLE_KNUCKLE] = AXIS_SMILE, [JOINT_LITTLE_CURL] = AXIS_TONGUE,
         [JOINT_INDEX_KNUCKLE] = AXIS_BROWS,  [JOINT_MIDDLE_KNUCKLE] = AXIS_LIDS,
-        [JOINT_THUMB_ASIDE] = AXIS_GAZE,     [JOINT_ARCH] = AXIS_TILT};
+        [JOINT_THUMB_ROLL] = AXIS_GAZE,      [JOINT_ARCH] = AXIS_TILT};
     const double gain = 0.01 * params[SET_GAIN + axis_of[joint]];
     const double range = 0.01 * params[SET_RANGE + axis_of[joint]];
     const double most = 2.0 * range * self->furthest_deg[device][joint];
@@ -743,7 +743,7 @@ static void find_target(const mrt_plugin *self, const reading *difference, int l
     if (live != LAYER_ALL) {
         maps_waldo(out, difference, live, params);
     } else if (self->mode == MODE_SPEAKING) {
-        joints_of(deg, difference, self->device);
+        joints_of(deg, difference);
         speak(self, deg, difference, intensity, params, out);
     } else if (self->mode == MODE_MASK) {
         maps_mask(out, difference, params);
@@ -810,11 +810,6 @@ static void learn_faces(mrt_plugin *self)
     for (int device = 0; device < DEVICE_KINDS; ++device)
         for (int which = 0; which < HALF_COUNT; ++which)
             self->can_speak |= learn_half(self, (device_kind)device, (face_half)which);
-    if (!self->can_speak)
-        self->host->log(
-            self->host, MRT_LOG_WARNING,
-            "This rig has no poses for the hand to meet. one_hand performs as it did in "
-            "earlier versions. Draft the rig anew with \"marotte rig new\" to add poses.");
 }
 
 /* ---- answers ---- */
@@ -856,7 +851,7 @@ static void attend(mrt_plugin *self, const reading *now, const double *params, d
                is_forget_all = params[SET_FORGET_ANSWERS] > 0.5;
     reading difference = reading_difference(now, own->is_known ? &own->pose : now);
     double deg[JOINT_COUNT];
-    joints_of(deg, &difference, self->device);
+    joints_of(deg, &difference);
     for (int i = 0; i < JOINT_COUNT; ++i)
         self->steady_deg[i] +=
             smoothing_share(dt_s, steady_time_s) * (deg[i] - self->steady_deg[i]);
@@ -886,6 +881,11 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     }
     fitting_report(&self->fitting, self->host);
     learn_faces(self);
+    if (!self->can_speak)
+        self->host->log(
+            self->host, MRT_LOG_WARNING,
+            "This rig has no poses for the hand to meet. one_hand performs as it did in "
+            "earlier versions. Draft the rig anew with \"marotte rig new\" to add poses.");
     return MRT_OK;
 }
 

@@ -105,7 +105,7 @@ const mrt_param settings[SET_COUNT] = {
     AXIS(TONGUE, 160, "Tongue", "the tongue for a curl of ring and little finger"),
     AXIS(BROWS, 162, "Brows", "the brows for a movement of the index finger's knuckle"),
     AXIS(LIDS, 164, "Lids", "the lids for a movement of the middle finger's knuckle"),
-    AXIS(GAZE, 166, "Gaze", "gaze and single lids for a movement of the thumb aside"),
+    AXIS(GAZE, 166, "Gaze", "gaze and single lids for a roll of the thumb"),
     AXIS(TILT, 168, "Brow tilt", "the tilt of the brows for an arch of the palm"),
     AXIS(HEAD, 170, "Head", "the head for a movement of the wrist"),
     CHOICE(SET_ANSWERED_FACE, 180, "Your hand", "Face", FACE_NAMES - 1, 0, face_names,

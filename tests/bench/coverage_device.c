@@ -106,9 +106,13 @@ void device_init(device *out, device_kind kind, const float *neutral_rad)
     *out = (device){.kind = kind, .skeleton = hand_skeleton_create(MRT_RIGHT, HAND_LENGTH_MM)};
     for (int i = 0; i < MRT_ANGLES; ++i)
         if (device_has(kind, i))
-            out->channel[out->count++] = (mrt_channel){
-                sensor_table[i].name, kind == POINTS21 ? MRT_UNIT_LANDMARKS : "rad",
-                MRT_CH_ANGLE + (uint32_t)i, MRT_RIGHT, -0.7f, 2.2f};
+            out->channel[out->count++] =
+                (mrt_channel){sensor_table[i].name,
+                              kind == POINTS21 ? MRT_UNIT_LANDMARKS : "rad",
+                              MRT_CH_ANGLE + (uint32_t)i,
+                              MRT_RIGHT,
+                              -0.7f,
+                              2.2f};
     channel_route_init(&out->route, out->channel, out->count);
     channel_route_call(&out->route, device_table[kind].input);
     if (!out->skeleton) {

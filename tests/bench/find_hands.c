@@ -120,10 +120,11 @@ static void mean_mouth(double deg[JOINT_COUNT], const pose *p, device_kind devic
         deg[JOINT_LITTLE_KNUCKLE] = -0.8 * (left + right) + 40.0 * tongue + 14.0 * hook;
         return;
     }
-    const bool is_of_points = device == DEVICE_POINTS;
-    deg[JOINT_THUMB_BASE] = seal > 0.0 ? 60.0 * jaw - 4.0 : (is_of_points ? 30.0 : 18.0) * jaw;
-    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : (is_of_points ? -6.0 : -20.0) * jaw;
-    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : (is_of_points ? -6.0 : -28.0) * jaw) + 30.0 * hook;
+    /* a thumb that bends backwards is badly told from points */
+    const bool bends_back = device != DEVICE_POINTS;
+    deg[JOINT_THUMB_DROP] = seal > 0.0 ? 60.0 * jaw - 4.0 : 30.0 * jaw;
+    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : (bends_back ? -20.0 : -6.0) * jaw;
+    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : (bends_back ? -14.0 : -6.0) * jaw) + 30.0 * hook;
     deg[JOINT_SPREAD] = positive(width) - 0.12 * positive(-width);
     deg[JOINT_INDEX_CURL] = round - 0.8 * positive(width) - 1.5 * raised;
     deg[JOINT_MIDDLE_CURL] = round - 0.8 * positive(width) + 1.5 * raised;
@@ -154,7 +155,7 @@ static void mean_upper(double deg[JOINT_COUNT], const pose *p, device_kind devic
     deg[JOINT_MIDDLE_KNUCKLE] = 20.0 * lid - 10.0 * look_up;
     if (device == DEVICE_CURLS)
         return;
-    deg[JOINT_THUMB_ASIDE] = 16.0 * look + 10.0 * lid_aside - 0.6 * (brow[0] - brow[1]);
+    deg[JOINT_THUMB_ROLL] = 16.0 * look + 10.0 * lid_aside - 0.6 * (brow[0] - brow[1]);
     if (device == DEVICE_JOINTS)
         deg[JOINT_ARCH] = 0.5 * tilt;
 }

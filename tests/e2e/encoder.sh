@@ -4,9 +4,9 @@
 source "$(dirname "$0")/lib.sh"
 cd "$scratch" || exit 1
 export=("$MAROTTE" take export s.marotte 1 --size 160x90 --export)
-large=("$MAROTTE" take export s.marotte 1 --size 640x360 --export) # 40 KB
+large=("$MAROTTE" take export s.marotte 1 --size 640x360 --export) # 50 KB
 
-"$MAROTTE" perform --face moai --input "log:$demo,start=1.2,end=3.2" --map one_hand --record s.marotte >said 2>&1 ||
+"$MAROTTE" perform --face moai --input "log:$demo,start=1.2,end=4" --map anchored --record s.marotte >said 2>&1 ||
     fail "record: $(cat said)"
 if ! "${export[@]}" probe/ >said 2>&1; then
     grep -q EGL said && echo "SKIPPED: $(cat said)" && exit 77

@@ -78,7 +78,7 @@ static const int visemes_least = 12;
 
 static void hold_hand(bench *b, const posed_hand *hand)
 {
-    static const int sensor[JOINT_COUNT] = {0, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 3, 19};
+    static const int sensor[JOINT_COUNT] = {3, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 0, 19};
     float angle[MRT_ANGLES];
     memcpy(angle, bench_talk, sizeof angle);
     for (int i = 0; i < JOINT_COUNT; ++i)

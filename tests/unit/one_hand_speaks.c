@@ -63,31 +63,26 @@ static void set_up(bench *b, const char *params)
     set_up_with(b, puppet_face, params);
 }
 
-static const int sensor_of[JOINT_COUNT] = {0, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 3, 19};
+static const int sensor_of[JOINT_COUNT] = {3, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 0, 19};
 
-static void bend_by(float angle[MRT_ANGLES], const double deg[JOINT_COUNT], device_kind device)
+static void bend_by(float angle[MRT_ANGLES], const double deg[JOINT_COUNT])
 {
     static const int spreads[] = {10, 14, 18};
-    const bool is_swapped = device == DEVICE_POINTS;
     memcpy(angle, bench_talk, MRT_ANGLES * sizeof *angle);
-    for (int i = 0; i < JOINT_COUNT; ++i) {
-        int sensor = sensor_of[i];
-        if (is_swapped && (i == JOINT_THUMB_BASE || i == JOINT_THUMB_ASIDE))
-            sensor = sensor_of[JOINT_THUMB_BASE + JOINT_THUMB_ASIDE - i];
+    for (int i = 0; i < JOINT_COUNT; ++i)
         for (int k = 0; k < 3; ++k)
             if (i == JOINT_SPREAD)
                 angle[spreads[k]] += RAD((float)deg[i]);
             else if (k == 0)
-                angle[sensor] += RAD((float)deg[i]);
-    }
+                angle[sensor_of[i]] += RAD((float)deg[i]);
 }
 
 /* Goes there in small steps and stays until all that takes time has come to rest. */
-static void hold(bench *b, const double deg[JOINT_COUNT], device_kind device)
+static void hold(bench *b, const double deg[JOINT_COUNT])
 {
     float from[MRT_ANGLES], to[MRT_ANGLES], angle[MRT_ANGLES];
     memcpy(from, b->frame.hand[MRT_RIGHT].angle, sizeof from);
-    bend_by(to, deg, device);
+    bend_by(to, deg);
     for (int n = 1; n <= 60; ++n) {
         for (int i = 0; i < MRT_ANGLES; ++i)
             angle[i] = from[i] + (to[i] - from[i]) * fminf((float)n / 20.0f, 1.0f);
@@ -165,7 +160,7 @@ static void every_face_is_met_at_its_hand_pose(void **state)
                 continue;
             assert_true(face_of(&wanted, f, &fit));
             hand_of(deg, (device_kind)device, f);
-            hold(&b, deg, (device_kind)device);
+            hold(&b, deg);
             pose_of_pull(&found, &b, &fit);
             const double off = apart(&wanted, &found, face_recipes[f].half).worst_mm;
             if (!(off < 0.05))
@@ -197,12 +192,12 @@ static void mouth_and_upper_half_do_not_touch_each_other(void **state)
                 hand_of(deg[0], (device_kind)device, mouth);
                 hand_of(deg[1], (device_kind)device, upper);
                 for (int which = 0; which < HALF_COUNT; ++which) {
-                    hold(&b, deg[which], (device_kind)device);
+                    hold(&b, deg[which]);
                     pose_of_pull(&alone[which], &b, &fit);
                 }
                 for (int i = 0; i < JOINT_COUNT; ++i)
                     sum[i] = deg[0][i] + deg[1][i];
-                hold(&b, sum, (device_kind)device);
+                hold(&b, sum);
                 pose_of_pull(&both, &b, &fit);
                 for (int which = 0; which < HALF_COUNT; ++which)
                     assert_true(apart(&alone[which], &both, (face_half)which).worst_mm < 1e-4);
@@ -227,7 +222,7 @@ static void nothing_moves_within_the_well(void **state)
             random = random * 1664525u + 1013904223u;
             deg[i] = 1.4 * ((double)(random >> 8) / 8388608.0 - 1.0);
         }
-        bend_by(angle, deg, DEVICE_JOINTS);
+        bend_by(angle, deg);
         bench_step(&b, MRT_RIGHT, angle);
         pose_of_pull(&found, &b, &fit);
         assert_true(memcmp(&found, &rest, sizeof rest) == 0);
@@ -237,8 +232,8 @@ static void nothing_moves_within_the_well(void **state)
 
 static double seal_of(bench *b, double press_deg, double jaw_deg)
 {
-    double deg[JOINT_COUNT] = {[JOINT_THUMB_MIDDLE] = press_deg, [JOINT_THUMB_BASE] = jaw_deg};
-    hold(b, deg, DEVICE_JOINTS);
+    double deg[JOINT_COUNT] = {[JOINT_THUMB_MIDDLE] = press_deg, [JOINT_THUMB_DROP] = jaw_deg};
+    hold(b, deg);
     return (double)bench_dof(b, "lips.seal");
 }
 
@@ -256,6 +251,24 @@ static void a_pressed_thumb_closes_the_lips(void **state)
     print_message("  pressed over an open jaw: %.1f degrees\n",
                   57.3 * (double)bench_dof(&b, "jaw.open"));
     assert_true(bench_dof(&b, "jaw.open") > RAD(5.0f));
+    bench_tear_down(&b);
+}
+
+/* As recorded hands talk: the thumb goes 14 degrees away from the palm while its joints stretch by
+ * 11 and 5. */
+static void a_talking_thumb_opens_the_jaw_and_nothing_else(void **state)
+{
+    (void)state;
+    const double talk[JOINT_COUNT] = {
+        [JOINT_THUMB_DROP] = 14.0, [JOINT_THUMB_MIDDLE] = -11.0, [JOINT_THUMB_TIP] = -5.0};
+    bench b;
+    set_up(&b, device_params[DEVICE_JOINTS]);
+    hold(&b, talk);
+    const double open_deg = 57.3 * (double)bench_dof(&b, "jaw.open");
+    print_message("  a talking thumb: jaw %.1f degrees\n", open_deg);
+    assert_true(open_deg > 6.0 && open_deg < 20.0);
+    assert_true(fabsf(bench_dof(&b, "eye.l.yaw")) < 1e-6f);
+    assert_true(fabsf(bench_dof(&b, "lid_upper.l.close")) < 1e-6f);
     bench_tear_down(&b);
 }
 
@@ -280,14 +293,14 @@ static void ways_to_faces_are_monotone(void **state)
             for (int i = 0; i < JOINT_COUNT; ++i)
                 way += deg[i] * deg[i];
             const double zero[JOINT_COUNT] = {0.0};
-            hold(&b, zero, (device_kind)device);
+            hold(&b, zero);
             for (int n = 1; n <= STEPS; ++n) {
                 double at[JOINT_COUNT];
                 pose now;
                 for (int i = 0; i < JOINT_COUNT; ++i)
                     at[i] = deg[i] * n / STEPS;
                 float angle[MRT_ANGLES];
-                bend_by(angle, at, (device_kind)device);
+                bend_by(angle, at);
                 for (int k = 0; k < 12; ++k)
                     bench_step(&b, MRT_RIGHT, angle);
                 pose_of_pull(&now, &b, &fit);
@@ -373,7 +386,7 @@ static void a_rig_with_few_poses_meets_those(void **state)
         if (strcmp(face_recipes[f].name, "U") != 0 && strcmp(face_recipes[f].name, "aa") != 0)
             continue;
         hand_of(deg, DEVICE_JOINTS, f);
-        hold(&b, deg, DEVICE_JOINTS);
+        hold(&b, deg);
         pose_of_pull(&found, &b, &fit);
         assert_true(face_of(&wanted, f, &fit));
         assert_true(apart(&wanted, &found, HALF_MOUTH).worst_mm < 0.05);
@@ -580,6 +593,7 @@ int main(void)
         cmocka_unit_test(mouth_and_upper_half_do_not_touch_each_other),
         cmocka_unit_test(nothing_moves_within_the_well),
         cmocka_unit_test(a_pressed_thumb_closes_the_lips),
+        cmocka_unit_test(a_talking_thumb_opens_the_jaw_and_nothing_else),
         cmocka_unit_test(ways_to_faces_are_monotone),
         cmocka_unit_test(a_rig_without_poses_is_performed_as_before),
         cmocka_unit_test(a_rig_with_few_poses_meets_those),

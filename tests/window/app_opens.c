@@ -276,7 +276,8 @@ static void looks_and_inputs_are_kept_between_runs(void **state)
     assert_int_not_equal(app_looks_of(r.app)->is_mirrored, was_mirrored);
     assert_string_equal(show_path(app_show(r.app)), r.show);
     assert_string_equal(app_face_path(r.app), puppet);
-    assert_non_null(strstr(settings_text(app_settings(r.app), "last.mapping", ""), "smile_gain=130"));
+    assert_non_null(
+        strstr(settings_text(app_settings(r.app), "last.mapping", ""), "smile_gain=130"));
     close_room(&r);
 }
 

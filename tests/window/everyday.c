@@ -111,18 +111,18 @@ static void a_parameter_is_what_it_was_at_the_next_start(void **state)
     const scene_options with = {.settings_path = kept, .mapping = ""};
     scene_open_again(&s, &with);
     scene_do(&s, ACTION_PANEL_MAPPING);
-    const double before = value_of("Gain");
+    const double before = value_of("Jaw gain");
     scene_click_word(&s, "Find a parameter");
-    scene_type(&s, "gain");
+    scene_type(&s, "jaw gain");
     scene_key(&s, UI_KEY_ENTER, 0);
-    const ui_word *label = scene_word(&s, "Gain");
+    const ui_word *label = scene_word(&s, "Jaw gain");
     assert_non_null(label);
     const float x = label->where.x + 160.0f, y = label->where.y + 6.0f;
     scene_drag(&s, x, y, x + 50.0f, y, 4);
-    const double after = value_of("Gain");
+    const double after = value_of("Jaw gain");
     assert_true(after != before);
     scene_open_again(&s, &with);
-    assert_float_equal(value_of("Gain"), after, 1e-9);
+    assert_float_equal(value_of("Jaw gain"), after, 1e-9);
     scene_close(&s);
 }
 

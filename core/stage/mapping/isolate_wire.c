@@ -138,7 +138,16 @@ static mrt_result make_room(isolate_face *out, uint32_t contact_count, uint32_t 
     return MRT_OK;
 }
 
-mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size)
+/* Zeroed is fine. */
+static void isolate_face_finish(isolate_face *f)
+{
+    free(f->contact);
+    free(f->dof);
+    free(f->name);
+    *f = (isolate_face){0};
+}
+
+static mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     *out = (isolate_face){0};
@@ -166,14 +175,6 @@ mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size)
     if (result < 0)
         isolate_face_finish(out);
     return result;
-}
-
-void isolate_face_finish(isolate_face *f)
-{
-    free(f->contact);
-    free(f->dof);
-    free(f->name);
-    *f = (isolate_face){0};
 }
 
 /* ---- a face with the poses of its rig, as bytes: the poses come first, since a face ends them

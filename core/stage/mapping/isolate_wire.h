@@ -95,8 +95,6 @@ typedef struct isolate_face {
     mrt_dof *dof;
     char (*name)[ISOLATE_NAME];
 } isolate_face;
-CHECKED mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size);
-void isolate_face_finish(isolate_face *f); /* zeroed is fine */
 
 /* ---- a face with the poses of its rig, as bytes ---- */
 
