@@ -3,6 +3,7 @@
 #include "window/gui/theme.h"
 #include "window/help.h"
 #include "window/offers.h"
+#include "window/panels/hand.h"
 #include "window/panels/panels.h"
 #include "window/streams.h"
 #include "window/timeline/record_menu.h"
@@ -128,11 +129,13 @@ static void escape(workspace *self)
         looks->is_face_only = false;
 }
 
-/* The brush of the rig panel has these while it is on. */
-static bool is_of_brush(workspace *self, key_chord chord)
+/* The brush of the rig panel has these while it is on, the panel Hand has Space while it waits. */
+static bool is_of_panel(workspace *self, key_chord chord)
 {
-    return app_looks_of(self->app)->is_painting && chord.modifiers == 0 &&
-           (chord.key == '[' || chord.key == ']');
+    const app_looks *looks = app_looks_of(self->app);
+    return chord.modifiers == 0 &&
+           ((looks->is_painting && (chord.key == '[' || chord.key == ']')) ||
+            (looks->is_answering && chord.key == ' '));
 }
 
 static void workspace_dispatch_keys(workspace *self)
@@ -147,7 +150,7 @@ static void workspace_dispatch_keys(workspace *self)
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
         const key_chord chord = key_map_of(&app_looks_of(self->app)->keys, (action)i);
         if (chord.key == UI_KEY_NONE || (is_hand && !is_beside_hand(chord)) ||
-            is_of_brush(self, chord))
+            is_of_panel(self, chord))
             continue;
         if (is_wanted(self, (action)i, chord))
             app_do(self->app, (action)i);
@@ -718,10 +721,10 @@ static void bar_draw_alone(workspace *self, ui_rectangle over)
 static const panel_type *const dock_types[APP_PANELS] = {
     [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
     [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
-    [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,
+    [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,     [APP_HAND] = &panel_hand,
 };
-static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",  "Engine",
-                                                   "Log",     "Patch",   "Send", "Scene"};
+static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",   "Engine", "Log",
+                                                   "Patch",   "Send",    "Scene", "Hand"};
 
 /* ---- life ---- */
 
@@ -930,6 +933,7 @@ static void draw_panels(workspace *self, const workspace_layout *at)
     ui_rectangle above_news = at->face;
     above_news.height -= self->news[0] ? 68.0f : 0.0f;
     draw_lead_in(self, at->face);
+    hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->face);
     if (at->has_bar)
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
     workspace_draw_news(self, at->face);
