@@ -798,7 +798,7 @@ float workspace_scale(const workspace *self)
 /* ---- where things are ---- */
 
 typedef struct workspace_layout {
-    ui_rectangle bar, face, dock, timeline;
+    ui_rectangle bar, card, face, dock, timeline; /* card: width 0: none */
     bool has_bar, has_dock, has_timeline;
 } workspace_layout;
 
@@ -832,6 +832,15 @@ static workspace_layout lay_out(const workspace *self)
     out.timeline =
         (ui_rectangle){0.0f, height - timeline, is_narrow ? width : width - dock, timeline};
     return out;
+}
+
+/* At the left of the face, which has the rest of the stage. */
+static void make_room_for_card(const workspace *self, workspace_layout *at)
+{
+    at->card = at->face;
+    at->card.width = hand_panel_card_width(self->dock[APP_HAND], self->ui, at->face);
+    at->face.x += at->card.width;
+    at->face.width -= at->card.width;
 }
 
 /* The edge between two parts: returns how far it was dragged. */
@@ -933,7 +942,8 @@ static void draw_panels(workspace *self, const workspace_layout *at)
     ui_rectangle above_news = at->face;
     above_news.height -= self->news[0] ? 68.0f : 0.0f;
     draw_lead_in(self, at->face);
-    hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->face);
+    if (at->card.width > 0.0f)
+        hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->card);
     if (at->has_bar)
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
     workspace_draw_news(self, at->face);
@@ -1105,7 +1115,8 @@ void workspace_counted(const workspace *self, workspace_counts *out)
 
 static void draw(workspace *self)
 {
-    const workspace_layout at = lay_out(self);
+    workspace_layout at = lay_out(self);
+    make_room_for_card(self, &at);
     const int64_t began_ns = cpu_now_ns();
     update_panels(self, self->screen.dt_s);
     const int64_t updated_ns = cpu_now_ns();

@@ -113,7 +113,7 @@ static const action_entry entries[ACTION_COUNT] = {
     [ACTION_SHOW_JAW] = {ACTION_VIEW, "show_jaw", "Jaw axis",
                          "Shows the axis about which the jaw opens.", 'J', 0},
     [ACTION_SHOW_CARD] = {ACTION_VIEW, "show_card", "Hand card",
-                          "Shows over the face what each part of the hand does.", 'H', UI_SHIFT},
+                          "Shows beside the face what each part of the hand does.", 'H', UI_SHIFT},
     [ACTION_HEAT_NEXT] = {ACTION_VIEW, "heat_next", "Heat map",
                           "The next colouring: none, bone weights, mobility, strain, penetration.",
                           'W', 0},

@@ -9,7 +9,6 @@
 #include "window/panels/simon.h"
 #include "window/viewport/posed_shape.h"
 #include "window/viewport/viewport.h"
-#include "window/viewport/virtual_hand.h"
 
 #include "stage/mapping/taught.h"
 
@@ -17,6 +16,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* A relaxed hand, in sensor order: where none is there, and to order the lines of the card. */
+static const float relaxed_rad[MRT_ANGLES] = {0.8f,  0.15f, 0.2f,  0.4f, 0.3f,  0.35f, 0.2f,  0.3f,
+                                              0.35f, 0.2f,  0.05f, 0.3f, 0.35f, 0.2f,  0.05f, 0.3f,
+                                              0.35f, 0.2f,  0.08f, 0.1f, 0.0f,  0.0f};
 
 enum { VALUES_MAX = 256 };
 enum { TAB_CARD = 0, TAB_SAY_IT, TAB_SIMON, TABS };
@@ -430,21 +434,33 @@ static void draw_absence(panel *self, ui *on)
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
 }
 
+/* Dense where it does not fit otherwise. False: it does not fit at all. */
+static bool fit_card(const ui *on, hand_card *card, float width, float height)
+{
+    for (int dense = 0; dense < 2; ++dense) {
+        card->is_dense = dense == 1;
+        const float high = hand_card_height(on, card, width);
+        if (high > 0.0f && high <= height)
+            return true;
+    }
+    return false;
+}
+
 static void draw_card(panel *self, ui *on)
 {
-    const hand_card card = card_of(self);
+    hand_card card = card_of(self);
     app_looks *looks = app_looks_of(self->app);
     char words[200];
     (void)ui_check(on, "On the stage", &looks->shows_card);
-    ui_hint(on, "Shows the card over the face, also while the panels are away.");
-    draw_absence(self, on);
+    ui_hint(on, "Shows the card beside the face, also while the panels are away.");
     if (self->is_present && self->device[0]) {
         (void)snprintf(words, sizeof words, "%s hand, %.120s",
                        self->side == MRT_LEFT ? "Left" : "Right", self->device);
         ui_text(on, UI_STYLE_DIM, words);
     }
-    const float high = hand_card_height(on, &card, ui_available_width(on));
-    if (high <= 0.0f || high > ui_available_height(on)) {
+    draw_absence(self, on);
+    if (!fit_card(on, &card, ui_available_width(on), ui_available_height(on))) {
+        card.is_dense = false;
         ui_scroll_begin(on, "list", 0.0f, 0.0f);
         hand_card_list(on, &card);
         ui_scroll_end(on);
@@ -493,7 +509,7 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     ui_canvas at;
     ui_canvas_begin(on, "goal", 0.0f, size, &at);
     const float x = at.where.x + 0.5f * at.where.width, y = at.where.y + 0.5f * size;
-    const float radius = 0.5f * size - 5.0f, half = 0.69f * radius;
+    const float radius = 0.5f * size - 5.0f, half = 0.9f * radius;
     const float *position = posed_shape_of(self->shapes, step->pose, &vertex_count);
     viewport *view = app_viewport(self->app);
     ground_of(self, ground);
@@ -509,11 +525,14 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     ui_canvas_end(on);
 }
 
-static void draw_centred(ui *on, ui_style style, const char *text)
+static void draw_centred(ui *on, const char *id, ui_style style, const char *text)
 {
-    const float room = ui_available_width(on) - ui_text_width(on, style, text);
-    ui_at(on, fmaxf(0.5f * room, 0.0f));
-    ui_text(on, style, text);
+    ui_canvas at;
+    ui_canvas_begin(on, id, 0.0f, ui_text_height(on, style) + 2.0f, &at);
+    const float room = at.where.width - ui_text_width(on, style, text);
+    ui_draw_text(on, at.where.x + fmaxf(0.5f * room, 0.0f), at.where.y, style, THEME_TEXT,
+                 at.where.width, text);
+    ui_canvas_end(on);
 }
 
 /* Space belongs to the panel while it waits for it: Enter does the same, for the keyboard as a
@@ -583,13 +602,13 @@ static void draw_saying(panel *self, ui *on)
     draw_progress(self, on);
     draw_absence(self, on);
     draw_goal(self, on, step, closed, ui_available_height(on) - 170.0f);
-    draw_centred(on, UI_STYLE_LARGE, of->name);
+    draw_centred(on, "name", UI_STYLE_LARGE, of->name);
     if (goal_step_count(of) > 1) {
         write_word(of, self->say.step, words, sizeof words);
-        draw_centred(on, UI_STYLE_STRONG, words);
+        draw_centred(on, "word", UI_STYLE_STRONG, words);
     }
     (void)snprintf(words, sizeof words, "%.0f %%, %.1f mm off", 100.0 * closed, self->how.off_mm);
-    draw_centred(on, UI_STYLE_NUMBER, self->is_measured && self->is_present ? words : " ");
+    draw_centred(on, "how", UI_STYLE_NUMBER, self->is_measured && self->is_present ? words : "");
     ui_space(on, 4.0f);
     if (ui_button(on, "Previous", UI_PLAIN) || ui_pressed(on, UI_KEY_BACKSPACE, 0))
         say_it_back(&self->say);
@@ -729,7 +748,7 @@ static void draw_question(panel *self, ui *on, instance *mapping)
     draw_goal(self, on, &of->step[0],
               self->is_measured && self->is_present ? self->how.closed : 0.0,
               ui_available_height(on) - 220.0f);
-    draw_centred(on, UI_STYLE_LARGE, of->name);
+    draw_centred(on, "name", UI_STYLE_LARGE, of->name);
     write_keys(self, keys, sizeof keys, "answers");
     (void)snprintf(words, sizeof words, "Hold your hand as this face. %s", keys);
     ui_text_wrapped(on, UI_STYLE_BODY, words);
@@ -841,22 +860,29 @@ static void update(panel *self, double dt_s)
     follow_lesson(self, dt_s);
 }
 
-void hand_panel_draw_card(panel *self, ui *on, ui_rectangle over)
+static const float card_margin = 12.0f;
+
+float hand_panel_card_width(panel *self, const ui *on, ui_rectangle stage)
 {
-    static const float wide = 360.0f, margin = 12.0f;
+    static const float widths[] = {360.0f, 480.0f}, face_least = 320.0f;
+    hand_card card = card_of(self);
     if (!app_looks_of(self->app)->shows_card || self->line_count == 0)
-        return;
-    const hand_card card = card_of(self);
-    const float width = fminf(wide, 0.5f * over.width);
-    const float high = hand_card_height(on, &card, width - 2.0f * margin) + 2.0f * margin;
-    const ui_rectangle box = {over.x + margin, over.y + margin, width,
-                              fminf(high + 40.0f, over.height - 2.0f * margin)};
-    const ui_rectangle inside = {box.x + margin, box.y + margin, box.width - 2.0f * margin,
-                                 box.height - 2.0f * margin};
-    if (high <= 2.0f * margin || high > box.height)
-        return; /* the panel has the list */
-    ui_panel_begin(on, "hand_card", box, UI_GROUND_NONE);
-    ui_draw_box(on, box, (THEME_PANEL & 0xffffff00u) | 0xe8u, 6.0f);
+        return 0.0f;
+    for (size_t i = 0; i < sizeof widths / sizeof *widths; ++i)
+        if (stage.width - widths[i] >= face_least &&
+            fit_card(on, &card, widths[i] - 2.0f * card_margin, stage.height - 2.0f * card_margin))
+            return widths[i];
+    return 0.0f; /* the panel has the list */
+}
+
+void hand_panel_draw_card(panel *self, ui *on, ui_rectangle where)
+{
+    hand_card card = card_of(self);
+    const ui_rectangle inside = {where.x + card_margin, where.y + card_margin,
+                                 where.width - 2.0f * card_margin,
+                                 where.height - 2.0f * card_margin};
+    (void)fit_card(on, &card, inside.width, inside.height);
+    ui_panel_begin(on, "hand_card", where, UI_GROUND_PANEL);
     hand_card_draw(on, inside, &card);
     ui_panel_end(on);
 }
@@ -881,7 +907,7 @@ static panel *create(app *of)
     self->app = of;
     self->side = MRT_RIGHT;
     self->cheer_s = 1.0;
-    virtual_hand_rest(self->rest_rad);
+    memcpy(self->rest_rad, relaxed_rad, sizeof self->rest_rad);
     memcpy(self->angle_rad, self->rest_rad, sizeof self->angle_rad);
     memcpy(self->steady_rad, self->rest_rad, sizeof self->steady_rad);
     self->shapes = posed_shape_create();

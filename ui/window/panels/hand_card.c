@@ -8,9 +8,10 @@
 #include <string.h>
 
 static const float hand_least = 96.0f, hand_most = 230.0f; /* width of the hand */
-static const float text_least = 190.0f, text_most = 290.0f;
+static const float text_least = 190.0f, text_most = 340.0f;
+static const float text_share = 0.6f;   /* of the width; the hand has the rest */
 static const float leader_room = 16.0f; /* between hand and text */
-static const float gap_least = 3.0f, row_gap = 0.0f;
+static const float gap_least = 3.0f, row_gap = 0.0f, word_gap = 9.0f;
 static const float light_radius = 4.5f, dot_radius = 2.5f;
 
 /* ---- text in as many rows as it takes ---- */
@@ -83,8 +84,19 @@ typedef struct layout {
     float high;       /* of the higher column, without gaps */
 } layout;
 
-static float block_height(const ui *on, const mrt_card_line *line, float width)
+/* What the face does stands behind what the hand does. */
+static bool is_one_row(const ui *on, const hand_card *card, const mrt_card_line *line, float width)
 {
+    return card->is_dense && ui_text_width(on, UI_STYLE_STRONG, line->hand) + word_gap +
+                                     ui_text_width(on, UI_STYLE_BODY, line->face) <=
+                                 width;
+}
+
+static float block_height(const ui *on, const hand_card *card, const mrt_card_line *line,
+                          float width)
+{
+    if (is_one_row(on, card, line, width))
+        return ui_text_height(on, UI_STYLE_STRONG) + row_gap;
     return text_rows(on, UI_STYLE_STRONG, line->hand, width) +
            text_rows(on, UI_STYLE_BODY, line->face, width);
 }
@@ -93,7 +105,7 @@ static float column_height(const ui *on, const hand_card *card, const column *of
 {
     float high = 0.0f;
     for (uint32_t i = 0; i < of->count; ++i)
-        high += block_height(on, &card->line[of->line[i]], of->width);
+        high += block_height(on, card, &card->line[of->line[i]], of->width);
     return high;
 }
 
@@ -138,9 +150,9 @@ static bool lay_out(layout *out, const ui *on, const hand_card *card, ui_rectang
     float xy[MRT_JOINTS][2];
     memset(out, 0, sizeof *out);
     const float sides = (float)columns;
-    const float text = fminf(
-        (where.width - hand_least * (columns == 2 ? 1.6f : 1.0f)) / sides - leader_room, text_most);
-    if (text < text_least)
+    const float room = where.width / sides - leader_room;
+    const float text = fminf(fmaxf(text_share * room, text_least), text_most);
+    if (where.width - sides * (text + leader_room) < hand_least)
         return false;
     const float hand = fminf(where.width - sides * (text + leader_room), hand_most);
     const float used = hand + sides * (text + leader_room);
@@ -174,6 +186,20 @@ float hand_card_height(const ui *on, const hand_card *card, float width)
 
 /* ---- drawing ---- */
 
+/* Returns where it ends. */
+static float draw_block(ui *on, const hand_card *card, uint32_t index, float x, float y,
+                        float width)
+{
+    const mrt_card_line *line = &card->line[index];
+    const uint32_t strong = between(THEME_TEXT, THEME_ACCENT, card->level[index]);
+    const uint32_t body = between(THEME_DIM, THEME_ACCENT, card->level[index]);
+    const bool is_short = is_one_row(on, card, line, width);
+    const float behind = ui_text_width(on, UI_STYLE_STRONG, line->hand) + word_gap;
+    const float second = draw_rows(on, x, y, UI_STYLE_STRONG, strong, line->hand, width);
+    return is_short ? draw_rows(on, x + behind, y, UI_STYLE_BODY, body, line->face, width - behind)
+                    : draw_rows(on, x, second, UI_STYLE_BODY, body, line->face, width);
+}
+
 static void draw_leader(ui *on, const column *of, float y, const float joint[2], float level)
 {
     const uint32_t ink = between(THEME_OFF, THEME_ACCENT, level);
@@ -196,16 +222,13 @@ static void draw_column(ui *on, ui_rectangle where, const hand_card *card, const
         const float first = y + 0.5f * ui_text_height(on, UI_STYLE_STRONG);
         float x = of->x;
         if (of->is_left) { /* close to the hand */
-            const float own = fmaxf(ui_text_width(on, UI_STYLE_STRONG, line->hand),
-                                    ui_text_width(on, UI_STYLE_BODY, line->face));
+            const float strong = ui_text_width(on, UI_STYLE_STRONG, line->hand);
+            const float body = ui_text_width(on, UI_STYLE_BODY, line->face);
+            const float own = is_one_row(on, card, line, of->width) ? strong + word_gap + body
+                                                                    : fmaxf(strong, body);
             x += fmaxf(of->width - own, 0.0f);
         }
-        const float width = of->x + of->width - x;
-        y = draw_rows(on, x, y, UI_STYLE_STRONG, between(THEME_TEXT, THEME_ACCENT, level),
-                      line->hand, width);
-        y = draw_rows(on, x, y, UI_STYLE_BODY, between(THEME_DIM, THEME_ACCENT, level), line->face,
-                      width) +
-            gap;
+        y = draw_block(on, card, of->line[i], x, y, of->x + of->width - x) + gap;
         draw_leader(on, of, first, xy[joint_of(line)], level);
     }
 }
@@ -230,15 +253,11 @@ void hand_card_list(ui *on, const hand_card *card)
         char id[24];
         ui_canvas at;
         (void)snprintf(id, sizeof id, "card%u", i);
-        ui_canvas_begin(on, id, 0.0f, block_height(on, line, width) + gap_least, &at);
+        ui_canvas_begin(on, id, 0.0f, block_height(on, card, line, width) + gap_least, &at);
         ui_draw_disc(on, at.where.x + 7.0f,
                      at.where.y + 0.5f * ui_text_height(on, UI_STYLE_STRONG) + 1.0f, light_radius,
                      between(THEME_RAISED, THEME_ACCENT, card->level[i]));
-        const float y =
-            draw_rows(on, at.where.x + 20.0f, at.where.y, UI_STYLE_STRONG,
-                      between(THEME_TEXT, THEME_ACCENT, card->level[i]), line->hand, width);
-        (void)draw_rows(on, at.where.x + 20.0f, y, UI_STYLE_BODY,
-                        between(THEME_DIM, THEME_ACCENT, card->level[i]), line->face, width);
+        (void)draw_block(on, card, i, at.where.x + 20.0f, at.where.y, width);
         ui_canvas_end(on);
     }
 }

@@ -15,6 +15,7 @@ typedef struct hand_card {
     const float *rest_rad;  /* MRT_ANGLES: orders the lines, which do not change places */
     const float *angle_rad; /* MRT_ANGLES: the hand as it is now */
     uint32_t colour;        /* of the hand */
+    bool is_dense;          /* one row where what the hand and the face do fit in it */
 } hand_card;
 
 /* How high the drawn card is at that width; 0: no room for the hand beside the lines. */
