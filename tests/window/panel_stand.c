@@ -132,7 +132,20 @@ app_patch_aim *app_patch_aimed(app *self)
 const face_file *app_face(const app *self)
 {
     (void)self;
-    return NULL;
+    return here->file;
+}
+
+bool app_has_hand_keys(const app *self)
+{
+    (void)self;
+    return false;
+}
+
+uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
+                           const float ground[4], uint32_t width, uint32_t height)
+{
+    (void)self, (void)position, (void)vertex_count, (void)ground, (void)width, (void)height;
+    return 0;
 }
 
 const char *live_patch_note(const live *self)

@@ -38,6 +38,7 @@ typedef struct stand {
     /* mapping */
     instance mapping;
     bool has_mapping;
+    const face_file *file; /* NULL: none */
     csrbf_settings solver;
     bool has_solver;
     uint32_t solver_count;

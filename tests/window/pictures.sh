@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # pictures.sh [FOLDER]: the README's pictures of the real window, into .github/ (or FOLDER): a live
-# performance, the timeline, a rig that is painted. Real recordings perform; the window is on an X server
+# performance, the timeline, a rig that is painted, the card of the hand. Real recordings perform; the window is on an X server
 # of its own. Not a test: looked at, then committed.
 #   ninja -C build/release marotte-program && MAROTTE=build/release/marotte tests/window/pictures.sh
 here=$(cd "$(dirname "$0")/../.." && pwd)
@@ -42,6 +42,12 @@ do panel_mapping
 do view_three_quarter
 do record
 wait 14
+END
+
+window one_hand_card.png card.marotte --face "$puppet" --map one_hand --input log:hand.csv <<END
+do show_card
+do face_only
+wait 8
 END
 
 # Three takes of a scene: the third with a voice, a second layer, marks.

@@ -3,6 +3,7 @@
 #include "window/gui/theme.h"
 #include "window/help.h"
 #include "window/offers.h"
+#include "window/panels/hand.h"
 #include "window/panels/panels.h"
 #include "window/streams.h"
 #include "window/timeline/record_menu.h"
@@ -128,11 +129,13 @@ static void escape(workspace *self)
         looks->is_face_only = false;
 }
 
-/* The brush of the rig panel has these while it is on. */
-static bool is_of_brush(workspace *self, key_chord chord)
+/* The brush of the rig panel has these while it is on, the panel Hand has Space while it waits. */
+static bool is_of_panel(workspace *self, key_chord chord)
 {
-    return app_looks_of(self->app)->is_painting && chord.modifiers == 0 &&
-           (chord.key == '[' || chord.key == ']');
+    const app_looks *looks = app_looks_of(self->app);
+    return chord.modifiers == 0 &&
+           ((looks->is_painting && (chord.key == '[' || chord.key == ']')) ||
+            (looks->is_answering && chord.key == ' '));
 }
 
 static void workspace_dispatch_keys(workspace *self)
@@ -147,7 +150,7 @@ static void workspace_dispatch_keys(workspace *self)
     for (uint32_t i = 1; i < ACTION_COUNT; ++i) {
         const key_chord chord = key_map_of(&app_looks_of(self->app)->keys, (action)i);
         if (chord.key == UI_KEY_NONE || (is_hand && !is_beside_hand(chord)) ||
-            is_of_brush(self, chord))
+            is_of_panel(self, chord))
             continue;
         if (is_wanted(self, (action)i, chord))
             app_do(self->app, (action)i);
@@ -718,10 +721,10 @@ static void bar_draw_alone(workspace *self, ui_rectangle over)
 static const panel_type *const dock_types[APP_PANELS] = {
     [APP_DEVICES] = &panel_devices, [APP_MAPPING] = &panel_mapping, [APP_RIG] = &panel_rig,
     [APP_ENGINE] = &panel_engine,   [APP_LOG] = &panel_log,         [APP_PATCH] = &panel_patch,
-    [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,
+    [APP_OUTPUT] = &panel_output,   [APP_SCENE] = &panel_scene,     [APP_HAND] = &panel_hand,
 };
-static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",  "Engine",
-                                                   "Log",     "Patch",   "Send", "Scene"};
+static const char *const dock_names[APP_PANELS] = {"Devices", "Mapping", "Rig",   "Engine", "Log",
+                                                   "Patch",   "Send",    "Scene", "Hand"};
 
 /* ---- life ---- */
 
@@ -795,7 +798,7 @@ float workspace_scale(const workspace *self)
 /* ---- where things are ---- */
 
 typedef struct workspace_layout {
-    ui_rectangle bar, face, dock, timeline;
+    ui_rectangle bar, card, face, dock, timeline; /* card: width 0: none */
     bool has_bar, has_dock, has_timeline;
 } workspace_layout;
 
@@ -829,6 +832,15 @@ static workspace_layout lay_out(const workspace *self)
     out.timeline =
         (ui_rectangle){0.0f, height - timeline, is_narrow ? width : width - dock, timeline};
     return out;
+}
+
+/* At the left of the face, which has the rest of the stage. */
+static void make_room_for_card(const workspace *self, workspace_layout *at)
+{
+    at->card = at->face;
+    at->card.width = hand_panel_card_width(self->dock[APP_HAND], self->ui, at->face);
+    at->face.x += at->card.width;
+    at->face.width -= at->card.width;
 }
 
 /* The edge between two parts: returns how far it was dragged. */
@@ -930,6 +942,8 @@ static void draw_panels(workspace *self, const workspace_layout *at)
     ui_rectangle above_news = at->face;
     above_news.height -= self->news[0] ? 68.0f : 0.0f;
     draw_lead_in(self, at->face);
+    if (at->card.width > 0.0f)
+        hand_panel_draw_card(self->dock[APP_HAND], self->ui, at->card);
     if (at->has_bar)
         offers_draw(self->app, self->ui, above_news, &self->is_offered);
     workspace_draw_news(self, at->face);
@@ -1101,7 +1115,8 @@ void workspace_counted(const workspace *self, workspace_counts *out)
 
 static void draw(workspace *self)
 {
-    const workspace_layout at = lay_out(self);
+    workspace_layout at = lay_out(self);
+    make_room_for_card(self, &at);
     const int64_t began_ns = cpu_now_ns();
     update_panels(self, self->screen.dt_s);
     const int64_t updated_ns = cpu_now_ns();

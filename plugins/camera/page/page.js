@@ -146,6 +146,57 @@ function lights(hands) {
     light(id, hands.some((hand) => hand.side === side) ? 'good' : 'off');
 }
 
+/* ---- the card: what each part of the hand does, lit as it moves ---- */
+
+/* Roughly the angles of plugin.h, rad, from the 21 points: only their change is used. */
+function anglesOf(world) {
+  const point = (n) => [world[3 * n], world[3 * n + 1], world[3 * n + 2]];
+  const way = (a, b) => point(b).map((value, k) => value - point(a)[k]);
+  const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+  const unit = (a) => a.map((value) => value / (Math.sqrt(dot(a, a)) || 1));
+  const between = (a, b) => Math.acos(Math.min(Math.max(dot(unit(a), unit(b)), -1), 1));
+  const angle = new Array(22).fill(0);
+  const palm = unit(cross(way(0, 5), way(0, 17))), thumb = unit(way(1, 2));
+  angle[0] = Math.asin(dot(thumb, palm));
+  angle[1] = between(way(1, 2), way(2, 3));
+  angle[2] = between(way(2, 3), way(3, 4));
+  angle[3] = between(way(1, 2), way(0, 5));
+  [[4, 5], [7, 9], [11, 13], [15, 17]].forEach(([at, knuckle]) => {
+    const towards = Math.sign(dot(unit(way(knuckle, knuckle + 1)), palm)) || 1;
+    angle[at] = towards * between(way(0, knuckle), way(knuckle, knuckle + 1));
+    angle[at + 1] = between(way(knuckle, knuckle + 1), way(knuckle + 1, knuckle + 2));
+  });
+  angle[10] = between(way(5, 6), way(9, 10));
+  angle[14] = between(way(9, 10), way(13, 14));
+  angle[18] = between(way(13, 14), way(17, 18));
+  const along = unit(way(0, 9));
+  angle[20] = Math.asin(along[1]);
+  angle[21] = Math.atan2(along[0], along[2] || 1e-6);
+  return angle;
+}
+
+const seen = []; // of the last quarter of a second
+const items = typeof CARD === 'undefined' ? [] : CARD.map((line) => {
+  const item = document.createElement('li'), name = document.createElement('b');
+  name.textContent = line.hand;
+  item.append(name, ` ${line.face}`);
+  at('card').append(item);
+  return item;
+});
+
+function lightCard(hand) {
+  const now = performance.now();
+  if (!hand) seen.length = 0;
+  else seen.push({now, angle: anglesOf(hand.world)});
+  while (seen.length && seen[0].now < now - 250) seen.shift();
+  const strength = items.map((_, i) => !seen.length ? 0 :
+    Math.abs(CARD[i].perRad.reduce((sum, by, k) =>
+      sum + by * (seen[seen.length - 1].angle[k] - seen[0].angle[k]), 0)));
+  const most = Math.max(0.3, ...strength);
+  items.forEach((item, i) => item.classList.toggle('lit', strength[i] > 0.7 * most));
+}
+
 function show(hands, captured) {
   const now = performance.now();
   recent.push({now, late: now - captured});
@@ -155,6 +206,7 @@ function show(hands, captured) {
     `${lates[lates.length >> 1].toFixed(0)} ms from picture to hand` +
     (trip >= 0 ? `, ${trip.toFixed(0)} ms to marotte and back` : '');
   lights(hands);
+  lightCard(hands.find((hand) => hand.side === 1) || hands[0]);
   draw(hands);
 }
 

@@ -62,6 +62,7 @@ typedef enum action {
     ACTION_SHOW_SUPPORTS,      /* Shift+V */
     ACTION_SHOW_CONTACTS,      /* C */
     ACTION_SHOW_JAW,           /* J: the jaw's axis */
+    ACTION_SHOW_CARD,          /* Shift+H: what each part of the hand does */
     ACTION_HEAT_NEXT,          /* W: no heat map, weights, mobility, strain, penetration */
     ACTION_OUTPUT,             /* F11: the face alone on the second monitor */
     ACTION_OUTPUT_MIRROR,      /* Shift+F11 */
@@ -75,6 +76,7 @@ typedef enum action {
     ACTION_PANEL_PATCH,   /* Shift+F3 */
     ACTION_PANEL_OUTPUT,  /* Shift+F2 */
     ACTION_PANEL_SCENE,   /* Shift+F4 */
+    ACTION_PANEL_HAND,    /* Shift+F5 */
     ACTION_TIMELINE,      /* F7: shown or not */
     ACTION_TIMELINE_FIT,  /* Shift+Z */
     ACTION_OPEN,          /* Ctrl+O: a show or a face */

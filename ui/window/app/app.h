@@ -317,13 +317,15 @@ typedef enum app_panel {
     APP_PATCH,
     APP_OUTPUT,
     APP_SCENE,
+    APP_HAND,
     APP_PANELS
 } app_panel;
 typedef struct app_looks { /* how it is shown; kept between runs */
-    bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw;
+    bool shows_hands, shows_vectors, shows_supports, shows_contacts, shows_jaw, shows_card;
     bool is_mirrored, is_turning, is_face_only, has_timeline, is_helping;
     bool has_output, is_output_mirrored;
-    bool is_painting; /* not kept: the brush is on, [ and ] are its size */
+    bool is_painting;  /* not kept: the brush is on, [ and ] are its size */
+    bool is_answering; /* not kept: Space belongs to the panel Hand */
     app_heat heat;
     app_panel panel;
     float timeline_height, dock_width;

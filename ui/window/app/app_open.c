@@ -38,6 +38,7 @@ static const struct look_switch {
     {ACTION_SHOW_SUPPORTS, offsetof(app_looks, shows_supports), "looks.supports", false},
     {ACTION_SHOW_CONTACTS, offsetof(app_looks, shows_contacts), "looks.contacts", false},
     {ACTION_SHOW_JAW, offsetof(app_looks, shows_jaw), "looks.jaw", false},
+    {ACTION_SHOW_CARD, offsetof(app_looks, shows_card), "looks.card", false},
     {ACTION_VIEW_MIRROR, offsetof(app_looks, is_mirrored), "looks.mirrored", true},
     {ACTION_VIEW_TURNTABLE, offsetof(app_looks, is_turning), "looks.turning", false},
     {ACTION_FACE_ONLY, offsetof(app_looks, is_face_only), "looks.face_only", false},

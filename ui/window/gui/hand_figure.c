@@ -11,6 +11,11 @@ enum { FINGERS = 5, JOINTS_A_FINGER = 4, BONES = FINGERS * JOINTS_A_FINGER };
 #define TILT_RAD  0.30  /* towards the eye, that bent fingers are seen */
 #define REACH_MM  130.0 /* from the middle of the hand to what may be farthest from it */
 #define MIDDLE_MM 88.0  /* of a flat hand, from the wrist */
+/* A hand that stands still: turned a little, so that bent fingers are seen; room for spread ones.
+ */
+#define STILL_YAW_RAD 0.25
+#define STILL_WIDE_MM 165.0f
+#define STILL_HIGH_MM 210.0f
 
 typedef struct bone {
     float from[2], to[2]; /* points on the screen */
@@ -56,19 +61,26 @@ static void draw_bone(ui *on, const bone *b, uint32_t ground, uint32_t colour)
     ui_draw_disc(on, b->to[0], b->to[1], 0.5f * b->width + 0.5f, colour);
 }
 
-void hand_figure_draw(ui *on, ui_rectangle where, const hand_skeleton *of, const float *angle_rad,
-                      double at_s, uint32_t colour)
+typedef struct figure { /* where a hand is drawn */
+    float x, y;         /* of the middle of a flat hand, points */
+    float scale;
+    double yaw_rad;
+} figure;
+
+static void find_joints(const figure *of, const hand_skeleton *skeleton, const float *angle_rad,
+                        projected out[MRT_JOINTS])
 {
     mrt_vec3 joint[MRT_JOINTS], palm[MRT_PALM];
-    bone all[BONES];
-    projected at[MRT_JOINTS];
     const rigid still = rigid_identity();
-    const double yaw_rad = TURN_RAD * sin(2.0 * 3.14159265358979 * at_s / TURN_S);
-    const float scale = 0.5f * fminf(where.width, where.height) / (float)REACH_MM;
-    const float x = where.x + 0.5f * where.width, y = where.y + 0.5f * where.height;
-    hand_pose(of, angle_rad, &still, joint, palm);
+    hand_pose(skeleton, angle_rad, &still, joint, palm);
     for (int i = 0; i < MRT_JOINTS; ++i)
-        at[i] = turned(joint[i], yaw_rad);
+        out[i] = turned(joint[i], of->yaw_rad);
+}
+
+static void draw_figure(ui *on, const figure *of, const projected at[MRT_JOINTS], uint32_t colour)
+{
+    bone all[BONES];
+    const float scale = of->scale, x = of->x, y = of->y;
     for (int i = 0; i < BONES; ++i) {
         const int to = i + 1, from = i % JOINTS_A_FINGER ? to - 1 : 0;
         all[i] = (bone){
@@ -88,4 +100,47 @@ void hand_figure_draw(ui *on, ui_rectangle where, const hand_skeleton *of, const
     }
     for (int i = 0; i < BONES; ++i)
         draw_bone(on, &all[i], THEME_PANEL, colour);
+}
+
+void hand_figure_draw(ui *on, ui_rectangle where, const hand_skeleton *of, const float *angle_rad,
+                      double at_s, uint32_t colour)
+{
+    projected at[MRT_JOINTS];
+    const figure turning = {
+        .x = where.x + 0.5f * where.width,
+        .y = where.y + 0.5f * where.height,
+        .scale = 0.5f * fminf(where.width, where.height) / (float)REACH_MM,
+        .yaw_rad = TURN_RAD * sin(2.0 * 3.14159265358979 * at_s / TURN_S),
+    };
+    find_joints(&turning, of, angle_rad, at);
+    draw_figure(on, &turning, at, colour);
+}
+
+static figure still_figure(ui_rectangle where)
+{
+    return (figure){.x = where.x + 0.5f * where.width,
+                    .y = where.y + 0.5f * where.height,
+                    .scale = fminf(where.width / STILL_WIDE_MM, where.height / STILL_HIGH_MM),
+                    .yaw_rad = STILL_YAW_RAD};
+}
+
+void hand_figure_draw_still(ui *on, ui_rectangle where, const hand_skeleton *of,
+                            const float *angle_rad, uint32_t colour)
+{
+    projected at[MRT_JOINTS];
+    const figure still = still_figure(where);
+    find_joints(&still, of, angle_rad, at);
+    draw_figure(on, &still, at, colour);
+}
+
+void hand_figure_joints(ui_rectangle where, const hand_skeleton *of, const float *angle_rad,
+                        float out_xy[MRT_JOINTS][2])
+{
+    projected at[MRT_JOINTS];
+    const figure still = still_figure(where);
+    find_joints(&still, of, angle_rad, at);
+    for (int i = 0; i < MRT_JOINTS; ++i) {
+        out_xy[i][0] = still.x + still.scale * at[i].x;
+        out_xy[i][1] = still.y - still.scale * at[i].y;
+    }
 }

@@ -9,5 +9,10 @@
 /* angle_rad: MRT_ANGLES; at_s: when, for the turning. On the canvas that is open. */
 void hand_figure_draw(ui *on, ui_rectangle where, const hand_skeleton *of, const float *angle_rad,
                       double at_s, uint32_t colour);
+/* The same without turning, as large as fits; and where its joints are then, on the screen. */
+void hand_figure_draw_still(ui *on, ui_rectangle where, const hand_skeleton *of,
+                            const float *angle_rad, uint32_t colour);
+void hand_figure_joints(ui_rectangle where, const hand_skeleton *of, const float *angle_rad,
+                        float out_xy[MRT_JOINTS][2]);
 
 #endif

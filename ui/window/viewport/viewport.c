@@ -1438,3 +1438,22 @@ uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint
                                   .camera = output_camera(self, (float)width / (float)height)};
     return viewport_picture_draw(self->output[to], &look, &err);
 }
+
+uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
+                           const float ground[4], uint32_t width, uint32_t height)
+{
+    static const float closer = 0.86f; /* than the camera that has air around the head */
+    error err = {{0}};
+    if (!self->has_face || vertex_count != self->face.vertex_count || width == 0 || height == 0 ||
+        !has_output(self, VIEWPORT_PORTRAIT, &err))
+        return 0;
+    viewport_picture_shape(self->output[VIEWPORT_PORTRAIT], position, NULL);
+    viewport_picture_look look = {
+        .width = width,
+        .height = height,
+        .ground = ground,
+        .scenery = kept_scenery_now(app_scenery(self->of)),
+        .camera = draw_camera_framing(self->low, self->high, (float)width / (float)height)};
+    look.camera.distance_mm *= closer;
+    return viewport_picture_draw(self->output[VIEWPORT_PORTRAIT], &look, &err);
+}

@@ -51,10 +51,15 @@ void viewport_add(viewport *self, const struct overlay_item *item, uint32_t coun
 typedef enum viewport_taker {
     VIEWPORT_WINDOW = 0,
     VIEWPORT_STREAM,
+    VIEWPORT_PORTRAIT,
     VIEWPORT_TAKERS
 } viewport_taker;
 uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint32_t height);
-/* What is behind it there: as draw_ground. Copied. */
+/* The face in another shape, from the front, before one colour (as draw_ground). position:
+ * vertex_count by 3, mm. 0: it cannot be drawn. Until the next call. */
+uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
+                           const float ground[4], uint32_t width, uint32_t height);
+/* What is behind the output: as draw_ground. Copied. */
 void viewport_set_ground(viewport *self, const float rgba[4]);
 /* How many times the face was drawn: not while nothing changes. For tests. */
 uint64_t viewport_drawn(const viewport *self);

@@ -1,0 +1,272 @@
+/* The panel Hand, as a performer uses it: the card, the exercise, and two rounds of "Simon says"
+ * that teach the real plugin a hand which differs from its table. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+/* The window has settings too. */
+#define settings one_hand_settings
+#include "faces.h"
+#undef settings
+#include "panel_stand.h"
+#include "stage/mapping/taught.h"
+#include "stage/perform/composer.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The relaxed talk pose, rad, in sensor order. */
+static const float talk[MRT_ANGLES] = {1.45f, 0.15f, 0.20f,  0.34f, 0.62f,  0.52f, 0.25f,  0.68f,
+                                       0.60f, 0.3f,  -0.04f, 0.72f, 0.64f,  0.3f,  -0.05f, 0.70f,
+                                       0.60f, 0.3f,  -0.04f, 0.12f, -0.08f, 0.0f};
+
+typedef struct performer {
+    stand stand;
+    face_file file;
+    composer *composer;
+    const mrt_mapping *functions;
+    mrt_frame frame;
+} performer;
+
+static void must(mrt_result result, const error *err)
+{
+    if (result < 0)
+        fail_msg("%s", err->text);
+}
+
+/* Time of the mapping goes on with the hand as it is; the stage shows what comes of it. */
+static void perform(performer *p, int frames)
+{
+    stand *s = &p->stand;
+    for (int i = 0; i < frames; ++i) {
+        p->frame.dt_s = p->frame.time_ns ? 0.01 : 0.0;
+        p->frame.time_ns += 10 * 1000 * 1000;
+        instance_latch(&s->mapping);
+        p->frame.params = s->mapping.params;
+        assert_true(p->functions->process(s->mapping.self, &p->frame, &s->view.pull) >= 0);
+    }
+    memcpy(s->view.hand, p->frame.hand, sizeof s->view.hand);
+}
+
+static void open_performer(performer *p, const char *mapping)
+{
+    error err = {""};
+    const csrbf_settings of_rig = {0};
+    stand *s = &p->stand;
+    *p = (performer){.frame = {.time_ns = 0}};
+    must(face_file_read(&p->file, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
+                        &err),
+         &err);
+    must(composer_create(&p->composer, &p->file, &of_rig, &err), &err);
+    stand_open(s, &panel_hand, 1.0f);
+    stand_plugin(s, "plugins/anchored");
+    stand_plugin(s, "plugins/one_hand");
+    s->file = &p->file;
+    stand_face(s, &composer_mapped(p->composer)->about);
+    stand_mapping(s, mapping);
+    for (int i = 0; i < MRT_MAX_DOFS; ++i)
+        s->view.pull.dof[i] = NAN;
+    p->functions = plugin_interface(s->mapping.type, MRT_MAPPING);
+    must(instance_activate(&s->mapping, composer_mapped(p->composer), &err), &err);
+    p->functions->reset(s->mapping.self);
+}
+
+static void show_hand(performer *p)
+{
+    mrt_hand *hand = &p->frame.hand[MRT_RIGHT];
+    hand->present = true;
+    memcpy(hand->angle, talk, sizeof talk);
+    perform(p, 30); /* neutral */
+    stand_settle(&p->stand);
+}
+
+static void close_performer(performer *p)
+{
+    instance_deactivate(&p->stand.mapping);
+    stand_close(&p->stand);
+    composer_destroy(p->composer);
+    face_file_destroy(&p->file);
+}
+
+/* The hand that this performer holds as a face: the table's, but a quarter further and three
+ * degrees beside it in every joint. `off_deg`: of this answer. */
+static void hold(performer *p, const char *name, float off_deg)
+{
+    static const int sensor[JOINT_COUNT] = {0, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 3, 19};
+    static const int spreads[] = {10, 14, 18};
+    mrt_hand *hand = &p->frame.hand[MRT_RIGHT];
+    float from[MRT_ANGLES], to[MRT_ANGLES];
+    memcpy(from, hand->angle, sizeof from);
+    memcpy(to, talk, sizeof to);
+    for (int f = 0; f < FACE_COUNT; ++f) {
+        if (strcmp(face_recipes[f].name, name) != 0)
+            continue;
+        const int first = half_first_joint[face_recipes[f].half],
+                  end = half_first_joint[face_recipes[f].half + 1];
+        for (int i = first; i < end; ++i) {
+            const float deg = 1.25f * (float)posed_hands[DEVICE_JOINTS][f].deg[i] + 3.0f + off_deg;
+            for (int k = 0; k < 3; ++k)
+                if (i == JOINT_SPREAD)
+                    to[spreads[k]] += 0.01745329f * deg;
+                else if (k == 0)
+                    to[sensor[i]] += 0.01745329f * deg;
+        }
+    }
+    for (int n = 1; n <= 20; ++n) {
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            hand->angle[i] = from[i] + (to[i] - from[i]) * (float)n / 20.0f;
+        perform(p, 1);
+    }
+    perform(p, 100); /* all that takes time has come to rest */
+    for (int i = 0; i < 60; ++i)
+        stand_frame(&p->stand);
+}
+
+/* ---- the card ---- */
+
+static void the_card_says_what_each_part_does_and_lights_what_moves(void **state)
+{
+    (void)state;
+    performer p;
+    stand *s = &p.stand;
+    open_performer(&p, "one_hand");
+    stand_settle(s);
+    assert_true(stand_shows(s, "No hand is there"));
+    show_hand(&p);
+    assert_false(stand_shows(s, "No hand is there"));
+    assert_true(stand_shows(s, "Thumb down"));
+    assert_true(stand_shows(s, "jaw opens"));
+    stand_check_words(s, NULL);
+    stand_picture(s, "panel_hand_card");
+    const uint32_t dark = stand_word(s, "Thumb down")->colour;
+    for (int i = 0; i < 12; ++i) {
+        p.frame.hand[MRT_RIGHT].angle[1] -= 0.04f;
+        perform(&p, 1);
+        stand_frame(s);
+    }
+    assert_int_not_equal(stand_word(s, "Thumb down")->colour, dark);
+    assert_int_equal(stand_word(s, "Fingers spread")->colour, dark);
+    stand_picture(s, "panel_hand_lit");
+    stand_click(s, "On the stage");
+    assert_true(s->looks.shows_card);
+    close_performer(&p);
+}
+
+static void a_mapping_without_a_card_says_so(void **state)
+{
+    (void)state;
+    performer p;
+    open_performer(&p, "anchored");
+    stand_settle(&p.stand);
+    assert_true(stand_shows(&p.stand, "Anchored has no card of the hand"));
+    stand_check_words(&p.stand, NULL);
+    close_performer(&p);
+}
+
+/* ---- Simon says ---- */
+
+/* The face that is asked for, as its name stands below the picture. */
+static const char *asked_face(const stand *s)
+{
+    for (int i = 0; i < FACE_NAMES; ++i)
+        if (stand_word(s, face_names[i]))
+            return face_names[i];
+    fail_msg("no face is asked for");
+    return "";
+}
+
+static void answer(performer *p, float off_deg)
+{
+    stand *s = &p->stand;
+    const char *name = asked_face(s);
+    hold(p, name, off_deg);
+    const uint32_t before = s->step_count;
+    stand_key(s, ' ');
+    perform(p, 3);
+    for (int i = 0; i < 30; ++i)
+        stand_frame(s);
+    if (s->step_count != before + 1)
+        fail_msg("%s was not learned", name);
+}
+
+static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
+{
+    (void)state;
+    static const char *const faces[] = {"PP",      "FF",    "aa",       "I",
+                                        "O",       "U",     "smile",    "joy",
+                                        "sadness", "anger", "surprise", "wink left"};
+    static unsigned char first[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
+    performer p;
+    stand *s = &p.stand;
+    open_performer(&p, "one_hand");
+    show_hand(&p);
+    stand_click(s, "Simon says");
+    stand_wait_for(s, "twelve faces");
+    stand_key(s, ' ');
+    assert_true(s->looks.is_answering);
+    assert_true(stand_shows(s, "Round 1, face 1 of 12"));
+    assert_true(stand_shows(s, "Hold your hand as this face."));
+    stand_check_words(s, NULL);
+    stand_picture(s, "panel_hand_simon");
+    (void)taught_save(&s->mapping, first, sizeof first);
+    answer(&p, 0.0f);
+    assert_true(stand_shows(s, "Round 1, face 2 of 12"));
+    /* Undo asks for the same face again, redo does not. */
+    const app_step step = s->step[s->step_count - 1];
+    assert_string_equal(step.words, "hand pose for PP");
+    const size_t size = taught_save(&s->mapping, now, sizeof now);
+    assert_memory_not_equal(now, first, size);
+    step.undo(step.owner, step.data);
+    stand_settle(s);
+    assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
+    assert_memory_equal(now, first, size);
+    assert_true(stand_shows(s, "Round 1, face 1 of 12"));
+    step.redo(step.owner, step.data);
+    stand_settle(s);
+    assert_true(stand_shows(s, "Round 1, face 2 of 12"));
+    for (int i = 1; i < 12; ++i)
+        answer(&p, 0.0f);
+    assert_true(stand_shows(s, "Round 1 is over"));
+    stand_picture(s, "panel_hand_round");
+    stand_key(s, ' ');
+    for (int i = 0; i < 12; ++i)
+        answer(&p, i % 2 ? 1.0f : -1.0f);
+    assert_true(stand_shows(s, "Your hand is learned."));
+    stand_picture(s, "panel_hand_learned");
+    stand_key(s, ' '); /* Try it */
+    stand_settle(s);
+    stand_key(s, ' ');
+    for (int i = 0; i < 12; ++i) {
+        assert_non_null(stand_word(s, faces[i]));
+        stand_picture(s, "panel_hand_say_it");
+        hold(&p, faces[i], 0.0f);
+        if (stand_word(s, faces[i])) {
+            print_message("%s is not met\n", faces[i]);
+            stand_key(s, ' ');
+        }
+    }
+    stand_check_words(s, NULL);
+    const char *met = NULL;
+    const ui_word *words;
+    for (uint32_t i = 0; i < ui_words(s->ui, &words); ++i)
+        if (strstr(words[i].text, " of 22 met"))
+            met = words[i].text;
+    assert_non_null(met);
+    print_message("%s\n", met);
+    assert_true(atoi(met) >= 10);
+    close_performer(&p);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_card_says_what_each_part_does_and_lights_what_moves),
+        cmocka_unit_test(a_mapping_without_a_card_says_so),
+        cmocka_unit_test(two_rounds_teach_the_mapping_and_faces_are_met),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
