@@ -573,7 +573,7 @@ static const take_verb play_verbs[] = {
      "  --face FILE       another face\n"
      "  --calibration FILE   another calibration, one per hand\n"
      "  --hand-length MM  wrist to middle fingertip\n"
-     "  --filter min_cutoff=HZ,beta=N   another One-Euro filter of the angles\n"
+     "  --filter min_cutoff=HZ,beta=N   a One-Euro filter of the angles, of a camera too\n"
      "  --scene S, --shot S   the slate of the new take (that of the old one)\n"
      "The old take stays as it is. Prints how much the two differ.\n",
      "perform a take again with other settings, as a new take",

@@ -412,11 +412,17 @@ static void put_column(FILE *stream, const take_channel *c, uint32_t i)
         fprintf(stream, ",channel.%u", i + 1);
 }
 
+/* Of an angle, as the input `log` reads them. */
+static bool is_log_unit(const char *unit)
+{
+    return strcmp(unit, "count") == 0 || strcmp(unit, MRT_UNIT_LANDMARKS) == 0;
+}
+
 /* What has no meaning but its name has a range instead. */
 static void put_unit(FILE *stream, const take_channel *c)
 {
     if (c->semantic >= MRT_CH_ANGLE && c->semantic < MRT_CH_ANGLE + MRT_ANGLES)
-        fprintf(stream, ",%s", strcmp(c->unit, "count") == 0 ? "count" : "rad");
+        fprintf(stream, ",%s", is_log_unit(c->unit) ? c->unit : "rad");
     else if (c->semantic == MRT_CH_OTHER && c->min < c->max)
         fprintf(stream, ",%.9g..%.9g", (double)c->min, (double)c->max);
     else

@@ -18,7 +18,8 @@ enum {
     CONCERNS_RESUME = 256,
     CONCERNS_DEVICES = 512,
     CONCERNS_FACE_OUTPUT = 1024,
-    CONCERNS_TAUGHT_POSES = 2048
+    CONCERNS_TAUGHT_POSES = 2048,
+    CONCERNS_RIG_POSES = 4096
 };
 
 /* RULE(name, id, concerns, what plugin.h says) */
@@ -89,7 +90,7 @@ enum {
     RULE(MAPPING_OVERRUN, "mapping.overrun", CONCERNS_MAPPING,                                     \
          "process() fills the pull that it was given, and no memory beside it.")                   \
     RULE(MAPPING_CONST, "mapping.const", CONCERNS_MAPPING,                                         \
-         "The frame, the parameters and the face are const: the host owns them.")                  \
+         "The frame, the parameters, the face and its poses are const: the host owns them.")       \
     RULE(MAPPING_HOLD, "mapping.hold", CONCERNS_MAPPING,                                           \
          "MRT_HOLD: nothing to say, keep the last offsets: the pull stays as it was on entry.")    \
     RULE(                                                                                          \
@@ -97,6 +98,12 @@ enum {
         "anchor: changes when the starts of anchored vectors change; starts stay while it stays.") \
     RULE(MAPPING_JUMP, "mapping.jump", CONCERNS_MAPPING,                                           \
          "A new hold of the face begins without a jump: end == start, or as the last one went.")   \
+    RULE(RIG_POSES_SET, "rig_poses.set", CONCERNS_RIG_POSES,                                       \
+         "set() takes the poses of any rig; a mesh without a rig has none.")                       \
+    RULE(RIG_POSES_VALID, "rig_poses.valid", CONCERNS_RIG_POSES,                                   \
+         "The poses stay valid until deactivate: afterwards nothing reads them.")                  \
+    RULE(RIG_POSES_CHANGE, "rig_poses.change", CONCERNS_RIG_POSES,                                 \
+         "set() is called before each activate: nothing of the poses before is left.")             \
     RULE(FRAME_ALLOCATION, "frame.allocation", CONCERNS_MAPPING, "[frame]: no allocation.")        \
     RULE(FRAME_LOCK, "frame.lock", CONCERNS_MAPPING, "[frame]: no lock.")                          \
     RULE(FRAME_FILE, "frame.file", CONCERNS_MAPPING, "[frame]: no I/O.")                           \

@@ -23,6 +23,7 @@
 #define CASE_SUM          "sum"
 #define CASE_STATE        "state"
 #define CASE_RESUME       "resume"
+#define CASE_RIG_POSES    "rig_poses"
 #define CASE_ABSENT       "absent"
 #define CASE_INPUT        "input"
 #define CASE_RECORDED     "recorded"

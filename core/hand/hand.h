@@ -1,5 +1,5 @@
 /* hand/hand.h - from what a glove measures to where the fingertips are: calibrate (raw -> rad),
- * filter (filter.h), pose (rad -> mm by forward kinematics).
+ * filter (filter.h, landmark_filter.h), pose (rad -> mm by forward kinematics).
  * Angles are in the sensor order of plugin.h (MRT_CH_ANGLE), rad:
  *   flexion positive towards the palm; abduction positive = fingers spread; thumb roll positive =
  *   across the palm; wrist pitch positive = flexion (palm side), wrist yaw positive = radial side.

@@ -63,7 +63,7 @@ typedef struct take_again { /* how tracks are performed anew, in place of what w
     int64_t of;             /* the performance whose tracks they are; 0: this one was live */
     bool ignores_params;    /* the parameter changes of then were another mapping's */
     char *calibration[2];   /* left, right: JSON; NULL: as the tracks say */
-    double min_cutoff_hz;   /* of the filter of all angles; 0: the usual ones */
+    double min_cutoff_hz;   /* of a One-Euro filter of all angles; 0: the usual filters */
     bool has_beta;
     double beta; /* Hz per deg/s */
 } take_again;

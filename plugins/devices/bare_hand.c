@@ -50,7 +50,8 @@ void bare_hand_begin(bare_hand *self, const double *params)
     for (uint32_t i = 0; i < MRT_ANGLES; ++i) {
         (void)snprintf(self->name[i], sizeof self->name[i], "%s.%s",
                        side == MRT_LEFT ? "left" : "right", device_sensor_name[i]);
-        self->channel[i] = (mrt_channel){self->name[i], "rad", MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
+        self->channel[i] =
+            (mrt_channel){self->name[i], MRT_UNIT_LANDMARKS, MRT_CH_ANGLE + i, side, -0.7f, 2.2f};
     }
 }
 

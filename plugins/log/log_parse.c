@@ -396,8 +396,14 @@ static mrt_result set_angle_unit(log_table *table, log_data *data, uint32_t i, l
         table->scale[i] = RADIANS_PER_DEGREE;
         return MRT_OK;
     }
+    if (text_is(unit, MRT_UNIT_LANDMARKS)) {
+        strcpy(data->unit[i], MRT_UNIT_LANDMARKS);
+        return MRT_OK;
+    }
     if (!text_is(unit, "count"))
-        return log_refuse(out_reason, "the unit of \"%s\" is not rad, deg or count", data->name[i]);
+        return log_refuse(out_reason,
+                          "the unit of \"%s\" is not rad, deg, count or " MRT_UNIT_LANDMARKS,
+                          data->name[i]);
     table->limit[i] = COUNT_MAX;
     strcpy(data->unit[i], "count");
     data->channel[i].min = 0.0f;
@@ -450,7 +456,8 @@ static mrt_result check_hands(const log_data *data, char *out_reason)
                 continue;
             if (unit && strcmp(unit, data->unit[i]) != 0)
                 return log_refuse(out_reason,
-                                  "the sensors of one hand are partly in counts, partly in angles");
+                                  "the sensors of one hand are partly in %s, partly in %s", unit,
+                                  data->unit[i]);
             unit = data->unit[i];
         }
     }

@@ -115,14 +115,14 @@ static void mean_mouth(double deg[JOINT_COUNT], const pose *p, device_kind devic
     const double hook = (1.0 - seal) * positive(-pull(p, LANDMARK_LIP_LOWER_MID, 2) - 4.0) / 6.0;
     const double round = 0.9 * positive(-width) + 0.6 * forward;
     if (device == DEVICE_CURLS) {
-        deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 20.0 - 6.0 * jaw : -36.0 * jaw + 4.0 * hook;
+        deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 20.0 - 6.0 * jaw : -23.0 * jaw + 4.0 * hook;
         deg[JOINT_RING_KNUCKLE] = round - 1.5 * positive(width) + 6.0 * hook;
         deg[JOINT_LITTLE_KNUCKLE] = -0.8 * (left + right) + 40.0 * tongue + 18.0 * hook;
         return;
     }
-    deg[JOINT_THUMB_ROLL] = seal > 0.0 ? 60.0 * jaw - 4.0 : 14.0 * jaw;
-    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : -17.0 * jaw;
-    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : -24.0 * jaw) + 30.0 * hook;
+    deg[JOINT_THUMB_ROLL] = seal > 0.0 ? 60.0 * jaw - 4.0 : 18.0 * jaw;
+    deg[JOINT_THUMB_MIDDLE] = seal > 0.0 ? 18.0 : -20.0 * jaw;
+    deg[JOINT_THUMB_TIP] = (seal > 0.0 ? 0.0 : -28.0 * jaw) + 30.0 * hook;
     deg[JOINT_SPREAD] = positive(width) - 0.12 * positive(-width);
     deg[JOINT_INDEX_CURL] = round - 0.8 * positive(width) - 1.5 * raised;
     deg[JOINT_MIDDLE_CURL] = round - 0.8 * positive(width) + 1.5 * raised;
@@ -212,7 +212,7 @@ static double hands_apart(const search *s, const double *a, const double *b)
 }
 
 static const double least_apart[DEVICE_KINDS][HALF_COUNT] = {{15.0, 9.0}, {12.0, 7.0}, {9.0, 9.0}};
-static const double degrees_per_mm = 2.2;
+static const double degrees_per_mm = 2.4;
 
 static double wanted_apart(const search *s, const pose *a, const pose *b)
 {

@@ -30,8 +30,8 @@ void joints_of(double out_deg[JOINT_COUNT], const reading *difference)
 #define SPREAD_NOISE(deg) (0.6 * (deg)) /* a mean of three */
 const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
     [DEVICE_JOINTS] = {[JOINT_THUMB_ROLL] = {1.4, -20, 22},
-                       [JOINT_THUMB_MIDDLE] = {1.4, -20, 26},
-                       [JOINT_THUMB_TIP] = {1.4, -26, 42},
+                       [JOINT_THUMB_MIDDLE] = {1.4, -23, 26},
+                       [JOINT_THUMB_TIP] = {1.4, -30, 42},
                        [JOINT_INDEX_CURL] = {1.4, -24, 52},
                        [JOINT_MIDDLE_CURL] = {1.4, -24, 52},
                        [JOINT_SPREAD] = {SPREAD_NOISE(1.4), -4, 12},
@@ -44,8 +44,8 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                        [JOINT_THUMB_ASIDE] = {1.4, -16, 20},
                        [JOINT_ARCH] = {1.4, -5, 13}},
     [DEVICE_POINTS] = {[JOINT_THUMB_ROLL] = {4.0, -20, 22},
-                       [JOINT_THUMB_MIDDLE] = {3.0, -20, 26},
-                       [JOINT_THUMB_TIP] = {3.0, -26, 42},
+                       [JOINT_THUMB_MIDDLE] = {3.0, -23, 26},
+                       [JOINT_THUMB_TIP] = {3.0, -30, 42},
                        [JOINT_INDEX_CURL] = {3.0, -24, 52},
                        [JOINT_MIDDLE_CURL] = {3.0, -24, 52},
                        [JOINT_SPREAD] = {SPREAD_NOISE(3.0), -4, 12},
@@ -56,7 +56,7 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                        [JOINT_INDEX_KNUCKLE] = {2.5, -32, 32},
                        [JOINT_MIDDLE_KNUCKLE] = {2.5, -22, 32},
                        [JOINT_THUMB_ASIDE] = {4.0, -16, 20}},
-    [DEVICE_CURLS] = {[JOINT_THUMB_MIDDLE] = {1.4, -40, 40},
+    [DEVICE_CURLS] = {[JOINT_THUMB_MIDDLE] = {1.4, -23, 30},
                       [JOINT_RING_KNUCKLE] = {1.4, -35, 45},
                       [JOINT_LITTLE_KNUCKLE] = {1.4, -35, 45},
                       [JOINT_INDEX_KNUCKLE] = {1.4, -35, 40},
@@ -81,8 +81,8 @@ static bool starts(const char *name, const char *with)
     return strncmp(name, with, strlen(with)) == 0;
 }
 
-/* Who measures the middle joints of the fingers measures every joint. Points are told from a glove
- * by the name of the input alone, and so are keys, which bend whole fingers. */
+/* A device that measures the middle joints of the fingers measures every joint. Keys bend whole
+ * fingers, which only the name of their input says. */
 device_kind device_of_input(const double *params, const mrt_channels *input, uint32_t side)
 {
     static const uint32_t middle_joints[] = {5, 8, 12, 16}; /* sensors: index to little */
@@ -91,14 +91,17 @@ device_kind device_of_input(const double *params, const mrt_channels *input, uin
         return (device_kind)(chosen - 1);
     if (!input)
         return DEVICE_JOINTS;
-    bool has_middle_joints = false;
-    for (uint32_t i = 0; i < input->count; ++i)
+    bool has_middle_joints = false, is_of_points = false;
+    for (uint32_t i = 0; i < input->count; ++i) {
+        const mrt_channel *channel = &input->channel[i];
+        if (!is_angle_of(channel, side))
+            continue;
+        is_of_points = is_of_points || strcmp(channel->unit, MRT_UNIT_LANDMARKS) == 0;
         for (int k = 0; k < 4; ++k)
-            has_middle_joints = has_middle_joints ||
-                                (is_angle_of(&input->channel[i], side) &&
-                                 input->channel[i].semantic - MRT_CH_ANGLE == middle_joints[k]);
+            has_middle_joints =
+                has_middle_joints || channel->semantic - MRT_CH_ANGLE == middle_joints[k];
+    }
     if (!has_middle_joints || starts(input->name, "virtual"))
         return DEVICE_CURLS;
-    return starts(input->name, "camera") || starts(input->name, "openxr") ? DEVICE_POINTS
-                                                                          : DEVICE_JOINTS;
+    return is_of_points ? DEVICE_POINTS : DEVICE_JOINTS;
 }

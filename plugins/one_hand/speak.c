@@ -9,7 +9,7 @@
 static const double noise_of_weight_1_deg = 1.4;
 
 const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT] = {
-    [DEVICE_JOINTS] = {{6.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
+    [DEVICE_JOINTS] = {{5.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
     [DEVICE_POINTS] = {{5.0, 30.0, 9.0}, {3.5, 30.0, 9.0}},
     [DEVICE_CURLS] = {{4.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
 };
@@ -76,6 +76,32 @@ static void list_values(speak_half *out, const speak_face *faces, int count)
             is_moved = is_moved || faces[i].pose.value[v] < 0.0 || faces[i].pose.value[v] > 0.0;
         if (is_moved)
             out->value[out->value_count++] = v;
+    }
+}
+
+static double pull_length(const pose *p, int landmark)
+{
+    return length(p->value + 3 * landmark, 3);
+}
+
+static void find_longest(speak_half *out, const speak_face *faces, int count)
+{
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark)
+        for (int i = 0; i < count; ++i)
+            out->longest[landmark] =
+                fmax(out->longest[landmark], pull_length(&faces[i].pose, landmark));
+}
+
+/* Exact to the longest pull of a face, and never longer than 1.3 times that. */
+static void limit_pulls(const speak_half *self, pose *p)
+{
+    for (int landmark = 0; landmark < LANDMARK_COUNT; ++landmark) {
+        const double most = self->longest[landmark], now = pull_length(p, landmark);
+        if (half_of_value(3 * landmark) != self->half || !(now > most))
+            continue;
+        const double shown = most + curve_limit(now - most, 0.3 * most, 0.3 * most);
+        for (int axis = 0; axis < 3; ++axis)
+            p->value[3 * landmark + axis] *= shown / now;
     }
 }
 
@@ -164,6 +190,7 @@ bool speak_find(speak_half *out, face_half which, device_kind device, const spea
         count = SPEAK_FACES_MAX;
     out->face_count = count;
     list_values(out, faces, count);
+    find_longest(out, faces, count);
     for (int i = 1; i <= count; ++i)
         (void)place(out->centre[i], out, faces[i - 1].deg);
     out->radius = with->radius * mean_nearest(out);
@@ -184,4 +211,5 @@ void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *ou
             sum += felt[i] * self->residual[i][v];
         out->value[self->value[v]] = sum;
     }
+    limit_pulls(self, out);
 }

@@ -1,6 +1,7 @@
 /* one_hand/speak.h - one half of a face as a function of the joints that move it: linear in the
  * joints, plus the engine's radial functions (Wendland C2) over them, so that the faces given are
- * met exactly at their hand poses. Around the neutral pose lies a well in which nothing moves.
+ * met exactly at their hand poses. Around the neutral pose lies a well in which nothing moves, and
+ * no pull becomes much longer than in any of the faces.
  * + - * / and sqrt only: the same bits everywhere. Pure; any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
 #define MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
@@ -25,6 +26,7 @@ typedef struct speak_half {
     double centre[SPEAK_FACES_MAX + 1][SPEAK_JOINTS_MAX];
     double residual[SPEAK_FACES_MAX + 1][POSE_COUNT];
     double radius;
+    double longest[LANDMARK_COUNT]; /* mm of a pose: of any face's pull there */
 } speak_half;
 
 typedef struct speak_settings {

@@ -41,11 +41,12 @@ static void move(mrt_frame *frame, int n)
 
 static double measure(instance *of, int64_t period_ns, const char *what)
 {
-    static const mrt_face face = {.low = {-75, 0, -75}, .high = {75, 300, 75}};
+    static const mapped_face face = {.about = {.low = {-75, 0, -75}, .high = {75, 300, 75}}};
     const mrt_mapping *mapping = plugin_interface(of->type, MRT_MAPPING);
     mrt_frame frame = {.params = of->params};
     mrt_pull pull = {0};
-    if (mapping->activate(of->self, &face) < 0)
+    error err = {""};
+    if (instance_activate(of, &face, &err) < 0)
         return NAN;
     mapping->reset(of->self);
     for (int i = 0; i < MRT_MAX_DOFS; ++i)
@@ -59,7 +60,7 @@ static double measure(instance *of, int64_t period_ns, const char *what)
             return NAN;
         took_us[n] = (double)(clock_now_ns() - start_ns) * 1e-3;
     }
-    mapping->deactivate(of->self);
+    instance_deactivate(of);
     return tell(what);
 }
 

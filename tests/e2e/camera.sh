@@ -62,6 +62,8 @@ for i in 1 2; do
     "$MAROTTE" take export "$scratch/hand.marotte" last --export "$scratch/$i.pc2" >/dev/null 2>&1 || fail "export"
 done
 cmp "$scratch/1.pc2" "$scratch/2.pc2" || fail "a take of the camera does not perform again bit for bit"
+"$MAROTTE" take log "$scratch/hand.marotte" last --out "$scratch/hand.csv" >/dev/null || fail "take log"
+grep -q '^unit,rad landmarks,' "$scratch/hand.csv" || fail "the track does not name the filter of landmarks"
 
 # ---- a newcomer at a stage that was never opened before: one click, and the browser's own "Allow" ----
 cat >"$scratch/bin/browser" <<BROWSER

@@ -57,6 +57,10 @@ enum {
     BROKEN_MAPPING_HOLD,
     BROKEN_MAPPING_ANCHOR,
     BROKEN_MAPPING_JUMP,
+    BROKEN_RIG_POSES_SET,
+    BROKEN_RIG_POSES_VALID,
+    BROKEN_RIG_POSES_CHANGE,
+    BROKEN_POSES_WRITTEN,
     BROKEN_FRAME_ALLOCATION,
     BROKEN_STATE_ALLOCATION,
     BROKEN_FRAME_LOCK,
@@ -122,6 +126,9 @@ struct mrt_plugin {
     float size_mm; /* of the face */
     uint32_t contact_count;
     float most_contacts; /* of all faces that it ever had */
+    const mrt_rig_pose *poses, *first_poses;
+    uint32_t pose_count;
+    float share; /* of the last pose; of the way */
     memory memory;
     float stored;
     void *more; /* a growing one's */
@@ -199,6 +206,25 @@ static void destroy(mrt_plugin *self)
     free(self);
 }
 
+static void set_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
+                      uint32_t count)
+{
+    (void)face;
+    self->poses = poses;
+    self->pose_count = count;
+    if (!self->first_poses)
+        self->first_poses = poses;
+    if (BREAKS(RIG_POSES_SET))
+        burnt = (double)poses[0].name[0];
+}
+
+static float share_of(const mrt_plugin *self)
+{
+    return self->pose_count > 0 && self->contact_count > 0
+               ? self->poses[self->pose_count - 1].pulls[0].z / self->size_mm
+               : 0.0f;
+}
+
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     if (BREAKS(MAPPING_ACTIVATE))
@@ -206,6 +232,8 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     self->size_mm = face->high.y - face->low.y;
     self->contact_count = face->contact_count;
     self->most_contacts = fmaxf(self->most_contacts, (float)face->contact_count);
+    if (!BREAKS(RIG_POSES_CHANGE) || self->pose_count > 0)
+        self->share = share_of(self);
     if (BREAKS(MAPPING_GROWTH))
         self->more = malloc(64);
     return MRT_OK;
@@ -232,6 +260,10 @@ static void reset(mrt_plugin *self)
 static void break_pull(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
     mrt_vector *v = &pull->vector[0];
+    if (BREAKS(POSES_WRITTEN) && self->share != 0.0f)
+        ((mrt_vec3 *)(uintptr_t)self->poses[0].pulls)->x += 1.0f;
+    if (BREAKS(RIG_POSES_VALID) && self->pose_count > 0)
+        burnt = (double)self->first_poses[0].pulls[0].z;
     bool is_late = self->memory.frames > 3;
     if (BREAKS(MAPPING_FACES))
         pull->radius_mm = self->most_contacts;
@@ -296,7 +328,8 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
         BREAKS(MAPPING_JUMP) && m->wants_hold && pull->anchor > 1 ? 0.1f * self->size_mm : 0.0f;
     pull->mode = MRT_ANCHORED;
     pull->count = 1;
-    pull->vector[0] = (mrt_vector){{0, 0, 0}, {0, 0, *smooth_mm + jump_mm}, 0};
+    const float share = BREAKS(RIG_POSES_CHANGE) ? self->share : share_of(self);
+    pull->vector[0] = (mrt_vector){{0, 0, 0}, {0, share * *smooth_mm, *smooth_mm + jump_mm}, 0};
     m->wants_hold = 0;
     m->is_holding = 1;
     break_pull(self, frame, pull);
@@ -408,11 +441,13 @@ static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
 
 static const mrt_mapping mapping = {activate, deactivate, BREAKS(TYPE_FUNCTIONS) ? NULL : reset,
                                     process};
+static const mrt_rig_poses rig_poses = {set_poses};
 static const mrt_state state = {state_save, state_load};
 static const mrt_taught_poses taught_poses = {taught_pose};
 static const mrt_resume resume = {resume_save, resume_load};
 static const mrt_interface interfaces[] = {{MRT_RESUME, &resume},
                                            {MRT_MAPPING, &mapping},
+                                           {MRT_RIG_POSES, &rig_poses},
                                            {MRT_STATE, &state},
                                            {MRT_TAUGHT_POSES, &taught_poses},
                                            {MRT_INPUT, &input},
@@ -422,7 +457,7 @@ static const mrt_interface interfaces[] = {{MRT_RESUME, &resume},
                                            {BREAKS(TYPE_INTERFACES) ? "devices" : NULL, &devices},
                                            {NULL, NULL}};
 enum {
-    MAPPING_INTERFACES = 4,
+    MAPPING_INTERFACES = 5,
     IS_OF_DEVICES = BROKEN >= BROKEN_INPUT_ABSENT,
     IS_OF_RESUME = BREAKS(SOUND) || BREAKS(REPLAY_SAME) || BREAKS(REPLAY_INSTANCES) ||
                    (BROKEN >= BROKEN_RESUME_SIZE && BROKEN <= BROKEN_RESUME_ALL_OR_NONE),

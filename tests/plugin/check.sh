@@ -31,14 +31,18 @@ explains() { # PLUGIN WORDS
     grep -qE "FAILED +$2" "$scratch/$1.said" || fail "$1: does not say $2"
 }
 "$MAROTTE" plugin check "$broken/state_allocation.so" --seed "$seed" >"$scratch/state_allocation.said"
+"$MAROTTE" plugin check "$broken/poses_written.so" --seed "$seed" >"$scratch/poses_written.said"
 explains frame_allocation 'process\(\) called malloc\(\) in .*\(frame_allocation.so\+0x'
 explains state_allocation 'save\(\) called malloc\(\) in .*\(state_allocation.so\+0x'
+explains poses_written '.*: it wrote to the poses of the rig'
+explains rig_poses_set 'Segmentation fault in set_poses.*, in set\(\) with 0 poses'
+explains rig_poses_valid 'Segmentation fault in process.*, with 2 poses after 0 others'
 explains run_crash '(Segmentation fault|Aborted) in .*\(run_crash.so\+0x.*in a random walk'
 explains nan 'frame 3 of a random walk: the end of vector 0 is \(nan, '
 
 # ---- a sound one ----
 "$MAROTTE" plugin check "$sound" --seed "$seed" >"$scratch/said" || { fail "sound.so"; cat "$scratch/said"; }
-grep -q '^0 failed, [78][0-9] ok, 0 skipped; .* seed '"$seed"'$' "$scratch/said" || fail "$(tail -1 "$scratch/said")"
+grep -q '^0 failed, [89][0-9] ok, 0 skipped; .* seed '"$seed"'$' "$scratch/said" || fail "$(tail -1 "$scratch/said")"
 "$MAROTTE" plugin check "$sound" --repeat 2 --seed 5 >"$scratch/said" || fail "--repeat"
 [ "$(grep -c 'nothing found; .* seed [56]$' "$scratch/said")" -eq 2 ] || fail "--repeat: $(cat "$scratch/said")"
 

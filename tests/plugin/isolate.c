@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #define TROUBLED BUILD_DIR "/tests/plugin/troubled.so"
+#define POSER    BUILD_DIR "/tests/plugin/poser.so"
 
 static bool is_long;
 static char reports[] = "/tmp/marotte-isolate-XXXXXX";
@@ -141,6 +142,100 @@ static void its_words_and_its_parameters_come_through(void **state)
     }
     assert_true(furthest > 0.5f);
     stand_lie_down(&s);
+}
+
+/* ---- poses of the rig ---- */
+
+static void check_same_pull(stand *s, stand *other, uint32_t n)
+{
+    const mrt_pull *a = performer_pull(s->performer), *b = performer_pull(other->performer);
+    if (a->count == 0 || memcmp(a, b, sizeof *a) != 0)
+        fail_msg("the pull of sample %u differs", n);
+}
+
+/* Beside one in this process; the child is killed in between, and the new one has the poses too. */
+static void a_pose_of_the_rig_is_the_same_in_a_process_of_its_own(void **state)
+{
+    (void)state;
+    stand s, other;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = NS_PER_S};
+    stand_up_on(&s, "puppet", POSER, "pose=2", &settings);
+    stand_up_on(&other, "puppet", POSER, "pose=2", NULL);
+    uint32_t n = 0;
+    for (; n < 40; ++n) {
+        if (n == 20) {
+            stand_set(&s, "pose=5");
+            stand_set(&other, "pose=5");
+        }
+        stand_step(&s, n);
+        stand_step(&other, n);
+        check_same_pull(&s, &other, n);
+    }
+    assert_int_equal(kill(isolate_pid(s.mapping.self), SIGKILL), 0);
+    int64_t end_ns = clock_now_ns() + stand_patience_ns;
+    for (; stand_counts(&s).failed == 0 && clock_now_ns() < end_ns; ++n) {
+        stand_step(&s, n);
+        stand_step(&other, n);
+    }
+    stand_wait_for(&s, 1);
+    for (uint32_t end = n + 60; n < end; ++n) {
+        stand_step(&s, n);
+        stand_step(&other, n);
+    }
+    for (uint32_t end = n + 20; n < end; ++n) {
+        stand_step(&s, n);
+        stand_step(&other, n);
+        check_same_pull(&s, &other, n);
+    }
+    stand_lie_down(&s);
+    stand_lie_down(&other);
+}
+
+static void a_mesh_without_a_rig_has_no_poses_there_either(void **state)
+{
+    (void)state;
+    stand s;
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = NS_PER_S};
+    stand_up_on(&s, "plane", POSER, "", &settings);
+    for (uint32_t n = 0; n < 5; ++n)
+        stand_step(&s, n);
+    assert_int_equal(performer_pull(s.performer)->count, 0);
+    assert_int_equal(stand_counts(&s).failed, 0);
+    stand_lie_down(&s);
+}
+
+static void more_poses_than_the_block_holds_are_refused_in_words(void **state)
+{
+    (void)state;
+    enum { CONTACTS = 64, POSES = 2000 };
+    static const mrt_vec3 pulls[CONTACTS];
+    static mrt_contact contacts[CONTACTS];
+    static mrt_rig_pose poses[POSES];
+    stand s = {.log = log_queue_create()};
+    error err = {""};
+    const isolate_settings settings = {.clock = CLOCK_REAL, .deadline_ns = NS_PER_S};
+    for (int i = 0; i < CONTACTS; ++i)
+        contacts[i] = (mrt_contact){"contact", "skull", {0, (float)i, 0}, {0, 0, 1}};
+    for (int i = 0; i < POSES; ++i)
+        poses[i] = (mrt_rig_pose){"pose", pulls, NULL, MRT_POSE_WHOLE};
+    mapped_face mapped = {.about = {.contacts = contacts,
+                                    .contact_count = CONTACTS,
+                                    .low = {-80, 0, -80},
+                                    .high = {80, 200, 80}},
+                          .pose = poses,
+                          .pose_count = POSES};
+    const mrt_plugin_type *type = stand_load(&s, POSER);
+    scene_must(isolate_create_mapping(&s.isolate, type, POSER, &settings, &err), &err);
+    scene_must(instance_create(&s.mapping, isolate_type(s.isolate), CLOCK_REAL, s.log, &err), &err);
+    assert_true(instance_activate(&s.mapping, &mapped, &err) < 0);
+    assert_non_null(strstr(err.text, "the rig has too many poses for a process of its own"));
+    mapped.pose_count = 100;
+    scene_must(instance_activate(&s.mapping, &mapped, &err), &err);
+    instance_deactivate(&s.mapping);
+    instance_destroy(&s.mapping);
+    isolate_destroy(s.isolate);
+    plugin_list_destroy(&s.plugins);
+    log_queue_destroy(s.log);
 }
 
 static void a_plugin_that_cannot_be_created_says_why(void **state)
@@ -503,6 +598,9 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_shipped_mapping_gives_the_same_bits),
         cmocka_unit_test(its_words_and_its_parameters_come_through),
+        cmocka_unit_test(a_pose_of_the_rig_is_the_same_in_a_process_of_its_own),
+        cmocka_unit_test(a_mesh_without_a_rig_has_no_poses_there_either),
+        cmocka_unit_test(more_poses_than_the_block_holds_are_refused_in_words),
         cmocka_unit_test(a_plugin_that_cannot_be_created_says_why),
         cmocka_unit_test(a_crash_is_held_and_restarted),
         cmocka_unit_test(a_hang_is_held_and_restarted),

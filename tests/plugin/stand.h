@@ -26,13 +26,13 @@ static inline const mrt_plugin_type *stand_load(stand *s, const char *path)
 }
 
 /* settings NULL: in this process. */
-static inline void stand_up(stand *out, const char *library, const char *params,
-                            const isolate_settings *settings)
+static inline void stand_up_on(stand *out, const char *face_name, const char *library,
+                               const char *params, const isolate_settings *settings)
 {
     error err = {""};
     mrt_channel channel[MRT_MAX_CHANNELS];
     *out = (stand){.log = log_queue_create()};
-    scene_face(&out->face, "plane");
+    scene_face(&out->face, face_name);
     const mrt_plugin_type *type = stand_load(out, library);
     if (settings) {
         scene_must(isolate_create_mapping(&out->isolate, type, library, settings, &err), &err);
@@ -43,6 +43,12 @@ static inline void stand_up(stand *out, const char *library, const char *params,
     const performer_settings as = {.hand_length_mm = 190};
     scene_must(performer_create(&out->performer, &out->face, &out->mapping, &as, &err), &err);
     channel_route_init(&out->route, channel, scene_channels(channel, 0));
+}
+
+static inline void stand_up(stand *out, const char *library, const char *params,
+                            const isolate_settings *settings)
+{
+    stand_up_on(out, "plane", library, params, settings);
 }
 
 static inline void stand_lie_down(stand *s)

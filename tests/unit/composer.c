@@ -194,6 +194,64 @@ static void vectors_beyond_the_limit_are_counted(void **state)
     fixture_tear_down(&d);
 }
 
+/* ---- what mappings are given ---- */
+
+/* Whether it moves anything: viseme_sil does not. */
+static bool check_mapped_pose(const composer *c, uint32_t at)
+{
+    static const uint32_t parts[] = {[POSE_WHOLE] = MRT_POSE_WHOLE,
+                                     [POSE_MOUTH] = MRT_POSE_MOUTH,
+                                     [POSE_UPPER] = MRT_POSE_UPPER};
+    const mapped_face *mapped = composer_mapped(c);
+    const rig_pose *ought = &composer_rig(c)->pose[at];
+    const mrt_rig_pose *pose = &mapped->pose[at];
+    uint32_t moved = 0, driven = 0;
+    assert_string_equal(pose->name, ought->name);
+    assert_int_equal(pose->part, parts[ought->part]);
+    for (uint32_t k = 0; k < ought->pull_count + ought->follow_count; ++k) {
+        const mrt_vec3 pull = pose->pulls[ought->pull_contact[k]];
+        assert_float_equal(pull.x, ought->pull_mm[k].x, 1e-5);
+        assert_float_equal(pull.y, ought->pull_mm[k].y, 1e-5);
+        assert_float_equal(pull.z, ought->pull_mm[k].z, 1e-5);
+    }
+    for (uint32_t i = 0; i < mapped->about.contact_count; ++i) {
+        const mrt_vec3 p = pose->pulls[i];
+        moved += fabsf(p.x) + fabsf(p.y) + fabsf(p.z) > 0.0f;
+    }
+    assert_true(moved <= ought->pull_count + ought->follow_count); /* the others are at rest */
+    for (uint32_t d = 0; d < mapped->about.dof_count; ++d) {
+        double value = 0.0;
+        for (uint32_t k = 0; k < ought->dof_count; ++k)
+            if (strcmp(ought->dof_name[k], mapped->about.dofs[d].name) == 0)
+                value = ought->dof_value[k];
+        assert_float_equal(pose->dofs[d], value, 1e-6);
+        driven += fabs(value) > 0.0;
+    }
+    return moved + driven > 0;
+}
+
+static void mappings_are_given_every_pose_of_the_rig(void **state)
+{
+    (void)state;
+    static const char *const faces[] = {"puppet", "moai"};
+    for (size_t i = 0; i < sizeof faces / sizeof *faces; ++i) {
+        fixture d;
+        uint32_t moving = 0;
+        fixture_set_up(&d, faces[i]);
+        const mapped_face *mapped = composer_mapped(d.composer);
+        assert_ptr_equal(&mapped->about, composer_about(d.composer));
+        assert_int_equal(mapped->pose_count, composer_rig(d.composer)->pose_count);
+        for (uint32_t p = 0; p < mapped->pose_count; ++p)
+            moving += check_mapped_pose(d.composer, p);
+        assert_true(moving > 10);
+        fixture_tear_down(&d);
+    }
+    fixture bare;
+    fixture_set_up(&bare, "plane");
+    assert_int_equal(composer_mapped(bare.composer)->pose_count, 0);
+    fixture_tear_down(&bare);
+}
+
 static void nothing_allocates_while_layers_come_and_go(void **state)
 {
     (void)state;
@@ -240,6 +298,7 @@ int main(void)
         cmocka_unit_test(parts_of_one_layer_share_it),
         cmocka_unit_test(degrees_of_freedom_are_laid_over_each_other_too),
         cmocka_unit_test(vectors_beyond_the_limit_are_counted),
+        cmocka_unit_test(mappings_are_given_every_pose_of_the_rig),
         cmocka_unit_test(nothing_allocates_while_layers_come_and_go),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

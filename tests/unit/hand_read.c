@@ -11,8 +11,8 @@
 #include "base/clock.h"
 #include "hand/hand.h"
 #include "hand/sensor.h"
+#include "unit/hand_recordings.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -259,8 +259,6 @@ static void what_is_no_palm_changes_nothing(void **state)
 
 /* ---- a real one ---- */
 
-enum { FRAMES_MAX = 1000 };
-
 static vec3 way_of(const hand_landmarks *seen, int from, int to)
 {
     mrt_vec3 a = seen->at[from], b = seen->at[to];
@@ -284,37 +282,12 @@ static double turned_deg(const hand_landmarks *a, const rigid *a_wrist, const ha
     return acos(fmax(least, -1.0)) / DEG;
 }
 
-static uint32_t read_landmarks(hand_landmarks *out)
-{
-    const char *shared = getenv("MAROTTE_SHARED");
-    char path[1024];
-    (void)snprintf(path, sizeof path, "%s/data/camera/asl_hand_3d.full.json",
-                   shared ? shared : SOURCE_DIR "/../shared");
-    json_t *frames = json_load_file(path, 0, NULL);
-    uint32_t count = 0;
-    for (size_t f = 0; f < json_array_size(frames) && count < FRAMES_MAX; ++f) {
-        const json_t *points = json_array_get(frames, f);
-        if (json_array_size(points) != MRT_JOINTS)
-            continue;
-        out[count] = (hand_landmarks){.doubtful = 0};
-        for (size_t i = 0; i < MRT_JOINTS; ++i) {
-            const json_t *p = json_array_get(points, i);
-            out[count].at[i] = (mrt_vec3){(float)json_number_value(json_array_get(p, 0)),
-                                          -(float)json_number_value(json_array_get(p, 1)),
-                                          -(float)json_number_value(json_array_get(p, 2))};
-        }
-        ++count;
-    }
-    json_decref(frames);
-    return count;
-}
-
 /* At 25 frames a second a letter follows the other; where an angle leaps, so did a bone. */
 static void a_real_hand_leaps_nowhere_by_itself(void **state)
 {
     (void)state;
-    static hand_landmarks seen[FRAMES_MAX];
-    uint32_t count = read_landmarks(seen), doubted = 0;
+    static hand_landmarks seen[CAMERA_FRAMES_MAX];
+    uint32_t count = read_camera(seen), doubted = 0;
     if (count == 0) {
         print_message("SKIPPED: no shared/data/camera (set MAROTTE_SHARED)\n");
         skip();

@@ -6,6 +6,7 @@
 
 #include <cmocka.h>
 
+#include "hand/landmark_filter.h"
 #include "hand/sensor.h"
 #include "stage/perform/hands.h"
 
@@ -333,9 +334,142 @@ static void a_rezero_leads_to_the_calibration_s_neutral_pose(void **state)
     hands_destroy(s.hands);
 }
 
+/* ---- filters ---- */
+
+/* A hand that trembles at rest and moves: by +-0.05 rad, and at `n` = 100 by 0.5. */
+static float trembling(int n, int sensor)
+{
+    return (n < 100 ? 0.2f : 0.7f) + ((n * 7 + sensor * 3) % 5 < 2 ? 0.05f : -0.05f);
+}
+
+static void give_trembling(scene *s, int n)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        s->value[i] = trembling(n, i);
+    give(s);
+}
+
+typedef enum expected_filter { EXPECT_ONE_EURO = 0, EXPECT_LANDMARKS } expected_filter;
+
+static void assert_filtered_by(scene *s, const hand_filter *settings, expected_filter expected)
+{
+    hand_filter one_euro = *settings;
+    landmark_filter landmarks = {.count = 0};
+    for (int n = 0; n < 200; ++n) {
+        float angle_rad[MRT_ANGLES];
+        const int64_t time_ns = s->sample.time_ns;
+        give_trembling(s, n);
+        for (int i = 0; i < MRT_ANGLES; ++i)
+            angle_rad[i] = trembling(n, i);
+        if (expected == EXPECT_LANDMARKS)
+            landmark_filter_apply(&landmarks, angle_rad, time_ns);
+        else
+            hand_filter_apply(&one_euro, angle_rad, time_ns);
+        assert_memory_equal(angle_rad, angles(s), sizeof angle_rad);
+    }
+}
+
+/* Those in rad to the bit as ever: tracks of cameras that earlier versions recorded say "rad". */
+static void the_unit_of_angles_chooses_their_filter(void **state)
+{
+    (void)state;
+    scene s;
+    hand_filter settings;
+    hand_filter_init(&settings);
+    begin(&s, "rad", true, 0);
+    assert_false(s.route.is_of_landmarks[MRT_RIGHT]);
+    assert_filtered_by(&s, &settings, EXPECT_ONE_EURO);
+    hands_destroy(s.hands);
+    begin(&s, MRT_UNIT_LANDMARKS, true, 0);
+    assert_true(s.route.is_of_landmarks[MRT_RIGHT]);
+    assert_false(s.route.is_of_landmarks[MRT_LEFT]);
+    assert_false(s.route.in_counts[MRT_RIGHT]);
+    assert_filtered_by(&s, &settings, EXPECT_LANDMARKS);
+    hands_reset(s.hands);
+    assert_filtered_by(&s, &settings, EXPECT_LANDMARKS);
+    hands_destroy(s.hands);
+}
+
+static void a_one_euro_filter_that_is_asked_for_filters_landmarks_too(void **state)
+{
+    (void)state;
+    scene s;
+    hand_filter settings;
+    const hands_settings asked = {.min_cutoff_hz = 0.5, .has_beta = true, .beta = 0.0};
+    error err = {""};
+    begin(&s, MRT_UNIT_LANDMARKS, true, 0);
+    hands_destroy(s.hands);
+    assert_int_equal(hands_create(&s.hands, &asked, &err), MRT_OK);
+    hand_filter_init(&settings);
+    settings.jaw.min_cutoff_hz = settings.finger.min_cutoff_hz = 0.5f;
+    settings.wrist.min_cutoff_hz = 0.5f;
+    settings.jaw.beta = settings.finger.beta = settings.wrist.beta = 0.0f;
+    assert_filtered_by(&s, &settings, EXPECT_ONE_EURO);
+    hands_destroy(s.hands);
+}
+
+/* ---- state ---- */
+
+/* In the middle of a movement. Bytes that are cut or damaged are refused. */
+static void state_goes_on_to_the_bit(void **state)
+{
+    (void)state;
+    static const char *const unit[] = {"rad", MRT_UNIT_LANDMARKS};
+    static unsigned char bytes[200000];
+    for (int u = 0; u < 2; ++u) {
+        scene whole, resumed;
+        begin(&whole, unit[u], true, 0);
+        begin(&resumed, unit[u], true, 0);
+        for (int n = 0; n < 102; ++n)
+            give_trembling(&whole, n);
+        const size_t size = hands_save(whole.hands, bytes, sizeof bytes);
+        assert_true(size < sizeof bytes);
+        assert_int_equal(bytes[0], u == 0 ? 1 : 2); /* the format: 1 is what older versions read */
+        assert_true(hands_load(resumed.hands, bytes, size));
+        resumed.frame = whole.frame;
+        resumed.sample = whole.sample;
+        for (int n = 102; n < 160; ++n) {
+            give_trembling(&whole, n);
+            give_trembling(&resumed, n);
+            assert_memory_equal(angles(&whole), angles(&resumed), MRT_ANGLES * sizeof(float));
+        }
+        assert_false(hands_load(resumed.hands, bytes, size - 1));
+        memset(bytes + size - 8, 0xff, 8); /* of the last hand's filter: no number */
+        assert_true(u == 0 || !hands_load(resumed.hands, bytes, size));
+        bytes[0] = 3;
+        assert_false(hands_load(resumed.hands, bytes, size));
+        hands_destroy(whole.hands);
+        hands_destroy(resumed.hands);
+    }
+}
+
+/* As when a replay begins elsewhere on its clock. */
+static void another_clock_changes_no_angle(void **state)
+{
+    (void)state;
+    scene here, there;
+    begin(&here, MRT_UNIT_LANDMARKS, true, 0);
+    begin(&there, MRT_UNIT_LANDMARKS, true, 0);
+    for (int n = 0; n < 150; ++n) {
+        if (n == 50) {
+            hands_shift_time(there.hands, 7000000000);
+            there.sample.time_ns += 7000000000;
+        }
+        give_trembling(&here, n);
+        give_trembling(&there, n);
+        assert_memory_equal(angles(&here), angles(&there), MRT_ANGLES * sizeof(float));
+    }
+    hands_destroy(here.hands);
+    hands_destroy(there.hands);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_unit_of_angles_chooses_their_filter),
+        cmocka_unit_test(a_one_euro_filter_that_is_asked_for_filters_landmarks_too),
+        cmocka_unit_test(state_goes_on_to_the_bit),
+        cmocka_unit_test(another_clock_changes_no_angle),
         cmocka_unit_test(a_calibration_counts_for_counts_and_not_for_rad),
         cmocka_unit_test(end_joints_that_the_glove_or_the_calibration_lacks_are_estimated),
         cmocka_unit_test(another_input_with_a_tracker_does_not_undo_the_calibration),

@@ -139,6 +139,20 @@ static void units_are_turned_into_ours(void **state)
     log_data_finish(d);
 }
 
+/* A camera's track that `marotte take log` wrote is filtered as the camera's. */
+static void landmarks_keep_their_unit(void **state)
+{
+    (void)state;
+    log_data *d = parsed("time_s,right.index.mpj,right.index.pij\n"
+                         "unit,rad landmarks,rad landmarks\n"
+                         "0,0.5,0.25\n");
+    assert_string_equal(d->channel[0].unit, MRT_UNIT_LANDMARKS);
+    assert_float_equal(d->value[0], 0.5f, 0.0f);
+    log_data_finish(d);
+    assert_refused("time_s,right.index.mpj,right.index.pij\nunit,rad,rad landmarks\n0,0,0\n",
+                   "partly in rad, partly in rad landmarks");
+}
+
 static void line_ends_and_a_byte_order_mark_make_no_difference(void **state)
 {
     (void)state;
@@ -260,7 +274,8 @@ static void headers_that_make_no_sense_are_refused(void **state)
 static void units_that_make_no_sense_are_refused(void **state)
 {
     (void)state;
-    assert_refused("time_s,right.index.mpj\nunit,furlong\n0,0\n", "rad, deg or count");
+    assert_refused("time_s,right.index.mpj\nunit,furlong\n0,0\n",
+                   "rad, deg, count or rad landmarks");
     assert_refused("time_s,right.index.mpj\nunit\n0,0\n", "0 units for 1 columns");
     assert_refused("time_s,right.index.mpj\nunit,rad,rad\n0,0\n", "more units than columns");
     assert_refused("time_s,right.wrist.x\nunit,inch\n0,0\n", "right.wrist.x");
@@ -418,6 +433,7 @@ int main(void)
         cmocka_unit_test(all_sensors_have_their_place),
         cmocka_unit_test(faders_and_buttons_say_where_they_end),
         cmocka_unit_test(units_are_turned_into_ours),
+        cmocka_unit_test(landmarks_keep_their_unit),
         cmocka_unit_test(line_ends_and_a_byte_order_mark_make_no_difference),
         cmocka_unit_test(damaged_lines_are_left_out_and_counted),
         cmocka_unit_test(huge_numbers_are_damage),

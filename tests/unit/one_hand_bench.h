@@ -125,11 +125,11 @@ static inline void bench_create(bench *b, const char *params)
         b->pull.dof[i] = NAN;
 }
 
-static inline void bench_set_up_on(bench *b, const mrt_face *face, const char *params)
+static inline void bench_set_up_on(bench *b, const mrt_face *about, const char *params)
 {
     bench_create(b, params);
-    b->face = face;
-    assert_int_equal(b->functions->activate(b->plugin.self, face), MRT_OK);
+    b->face = about;
+    assert_int_equal(b->functions->activate(b->plugin.self, about), MRT_OK);
     b->functions->reset(b->plugin.self);
 }
 

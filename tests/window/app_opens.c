@@ -145,9 +145,9 @@ static void what_rests_performs_again_on_a_face_that_it_fits_after_a_restart_too
     assert_non_null(mapping);
     double smile = 0.0;
     for (uint32_t i = 0; i < mapping->type->param_count; ++i)
-        if (strcmp(mapping->type->params[i].name, "Smile") == 0)
+        if (strcmp(mapping->type->params[i].name, "Smile gain") == 0)
             smile = instance_value(mapping, i);
-    assert_true(smile == 8.0);
+    assert_true(smile == 130.0);
     close_room(&r);
 }
 

@@ -3,6 +3,7 @@
 #include "base/hash.h"
 #include "check/child/tell.h"
 #include "check/child/trap.h"
+#include "check/wire.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -270,12 +271,39 @@ void actor_frame_leave(const char *function)
 
 /* ---- made and activated ---- */
 
-static bool activate(actor *self, const mrt_face *face, bool *out_refused)
+static uint64_t sum_poses(face_poses poses, const mrt_face *face)
+{
+    uint64_t sum = hash_bytes(HASH_START, poses.pose, poses.count * sizeof *poses.pose);
+    for (uint32_t i = 0; i < poses.count; ++i) {
+        const mrt_rig_pose *p = &poses.pose[i];
+        sum = hash_bytes(sum, p->name, strlen(p->name));
+        sum = hash_bytes(sum, p->pulls, face->contact_count * sizeof *p->pulls);
+        sum = hash_bytes(sum, p->dofs, face->dof_count * sizeof *p->dofs);
+    }
+    return sum;
+}
+
+static void set_poses(actor *self, const mrt_face *face)
+{
+    char doing[WIRE_TEXT];
+    const check_rule blamed = tell_blamed();
+    self->poses_sum = sum_poses(self->poses, face);
+    (void)snprintf(doing, sizeof doing, "%s", tell_what());
+    tell_doing(RULE_RIG_POSES_SET, "set() with %u poses", self->poses.count);
+    watch_next();
+    self->rig_poses->set(self->self, face, self->poses.pose, self->poses.count);
+    tell_doing(blamed, "%s", doing);
+}
+
+static bool activate(actor *self, const mrt_face *face, face_poses poses, bool *out_refused)
 {
     mrt_face copy = *face;
     uint32_t errors_before = self->host.error_count;
     self->face = face;
+    self->poses = poses;
     self->reach_mm = faces_reach_mm(face, self->centre);
+    if (self->rig_poses)
+        set_poses(self, face);
     watch_next();
     mrt_result result = self->functions->activate(self->self, face);
     if (memcmp(&copy, face, sizeof copy) != 0)
@@ -288,10 +316,13 @@ static bool activate(actor *self, const mrt_face *face, bool *out_refused)
     return false;
 }
 
-bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, bool *out_refused)
+bool actor_open_posed(actor *out, const mrt_plugin_type *type, const mrt_face *face,
+                      face_poses poses, bool *out_refused)
 {
     *out_refused = false;
-    *out = (actor){.type = type, .functions = types_interface(type, MRT_MAPPING)};
+    *out = (actor){.type = type,
+                   .functions = types_interface(type, MRT_MAPPING),
+                   .rig_poses = types_interface(type, MRT_RIG_POSES)};
     memset(out->room.before, CANARY, sizeof out->room.before);
     memset(out->room.after, CANARY, sizeof out->room.after);
     host_init(&out->host, HOST_REAL, 0);
@@ -301,7 +332,7 @@ bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, b
         tell_failed(RULE_LIFE_CREATE, "create() returned NULL");
         return false;
     }
-    if (!activate(out, face, out_refused)) {
+    if (!activate(out, face, poses, out_refused)) {
         watch_next();
         type->destroy(out->self);
         out->self = NULL;
@@ -311,25 +342,42 @@ bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, b
     return true;
 }
 
+bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, bool *out_refused)
+{
+    return actor_open_posed(out, type, face, faces_poses(face), out_refused);
+}
+
 void actor_close(actor *self)
 {
     if (!self->self)
         return;
-    watch_next();
-    if (self->face)
-        self->functions->deactivate(self->self);
+    actor_deactivate(self);
     watch_next();
     self->type->destroy(self->self);
     self->self = NULL;
 }
 
+void actor_deactivate(actor *self)
+{
+    if (!self->face)
+        return;
+    if (self->rig_poses && sum_poses(self->poses, self->face) != self->poses_sum)
+        tell_failed(RULE_MAPPING_CONST, "%s: it wrote to the poses of the rig", tell_what());
+    watch_next();
+    self->functions->deactivate(self->self);
+    self->face = NULL;
+}
+
 bool actor_move(actor *self, const mrt_face *face, bool *out_refused)
 {
+    actor_deactivate(self);
+    return actor_activate(self, face, faces_poses(face), out_refused);
+}
+
+bool actor_activate(actor *self, const mrt_face *face, face_poses poses, bool *out_refused)
+{
     *out_refused = false;
-    watch_next();
-    if (self->face)
-        self->functions->deactivate(self->self);
-    if (!activate(self, face, out_refused)) {
+    if (!activate(self, face, poses, out_refused)) {
         self->face = NULL;
         return false;
     }

@@ -10,9 +10,12 @@ enum { ACTOR_CANARIES = 64 };
 typedef struct actor {
     const mrt_plugin_type *type;
     const mrt_mapping *functions;
+    const mrt_rig_poses *rig_poses; /* NULL: it has no such functions */
     mrt_plugin *self;
     host host;
-    const mrt_face *face;
+    const mrt_face *face; /* NULL: not active */
+    face_poses poses;     /* of the rig, until it is deactivated */
+    uint64_t poses_sum;
     double centre[3], reach_mm;
     double max_jump_mm; /* at a new hold; 0: not judged */
     mrt_frame frame;
@@ -33,10 +36,16 @@ typedef struct actor {
 /* Made, activated on the face, reset. False: it is not, and the rule that this breaks was told
  * (life.create, run.explained; for a refused face: *out_refused). */
 bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, bool *out_refused);
+/* With these poses instead of the face's own, if the type asks for any. */
+bool actor_open_posed(actor *out, const mrt_plugin_type *type, const mrt_face *face,
+                      face_poses poses, bool *out_refused);
 void actor_close(actor *self);
 
 /* Deactivates, and activates on another face. As actor_open. */
 bool actor_move(actor *self, const mrt_face *face, bool *out_refused);
+/* Both halves of it; the second one also resets. A false one is not active. */
+void actor_deactivate(actor *self);
+bool actor_activate(actor *self, const mrt_face *face, face_poses poses, bool *out_refused);
 
 void actor_reset(actor *self);
 /* process() for self->frame. */

@@ -45,6 +45,7 @@ void cases_replay(const examination *e);
 void cases_sum(const examination *e);
 void cases_state(const examination *e);
 void cases_resume(const examination *e);
+void cases_rig_poses(const examination *e);
 void cases_absent(const examination *e);
 void cases_input(const examination *e);
 void cases_recorded(const examination *e);

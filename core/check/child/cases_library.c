@@ -82,11 +82,11 @@ static uint32_t types_concerns(const mrt_plugin_type *type)
     static const struct {
         const char *id;
         uint32_t concerns;
-    } known[] = {
-        {MRT_MAPPING, CONCERNS_MAPPING},         {MRT_INPUT, CONCERNS_INPUT},
-        {MRT_OUTPUT, CONCERNS_OUTPUT},           {MRT_STATE, CONCERNS_STATE},
-        {MRT_RESUME, CONCERNS_RESUME},           {MRT_DEVICES, CONCERNS_DEVICES},
-        {MRT_FACE_OUTPUT, CONCERNS_FACE_OUTPUT}, {MRT_TAUGHT_POSES, CONCERNS_TAUGHT_POSES}};
+    } known[] = {{MRT_MAPPING, CONCERNS_MAPPING},         {MRT_INPUT, CONCERNS_INPUT},
+                 {MRT_OUTPUT, CONCERNS_OUTPUT},           {MRT_STATE, CONCERNS_STATE},
+                 {MRT_RESUME, CONCERNS_RESUME},           {MRT_DEVICES, CONCERNS_DEVICES},
+                 {MRT_FACE_OUTPUT, CONCERNS_FACE_OUTPUT}, {MRT_TAUGHT_POSES, CONCERNS_TAUGHT_POSES},
+                 {MRT_RIG_POSES, CONCERNS_RIG_POSES}};
     uint32_t concerns = CONCERNS_TYPE;
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i)
         if (types_interface(type, known[i].id))
@@ -209,9 +209,9 @@ static bool is_known(const char *id, size_t *out_functions)
     static const struct {
         const char *id;
         size_t functions;
-    } known[] = {{MRT_INPUT, 4},       {MRT_DEVICES, 2},      {MRT_OUTPUT, 3},
-                 {MRT_MAPPING, 4},     {MRT_STATE, 2},        {MRT_RESUME, 2},
-                 {MRT_FACE_OUTPUT, 4}, {MRT_TAUGHT_POSES, 1}, {MRT_DURATION, 1}};
+    } known[] = {{MRT_INPUT, 4},    {MRT_DEVICES, 2},  {MRT_OUTPUT, 3},      {MRT_MAPPING, 4},
+                 {MRT_STATE, 2},    {MRT_RESUME, 2},   {MRT_FACE_OUTPUT, 4}, {MRT_TAUGHT_POSES, 1},
+                 {MRT_DURATION, 1}, {MRT_RIG_POSES, 1}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
         *out_functions = known[i].functions;
         if (strcmp(known[i].id, id) == 0)

@@ -246,6 +246,80 @@ void cases_faces(const examination *e)
     actor_close(&tried_fresh);
 }
 
+/* ---- poses of the rig ---- */
+
+/* What a mapping is given, one after the other: all, none, others, all at another address, and a
+ * null pointer. */
+typedef struct posed_turn {
+    uint32_t count;
+    float scale;
+    bool is_null;
+} posed_turn;
+static const posed_turn posed_turns[] = {
+    {3, 1.0f, false}, {0, 1.0f, false}, {2, -0.5f, false}, {3, 1.0f, false}, {0, 1.0f, true}};
+enum { POSED_TURNS = sizeof posed_turns / sizeof *posed_turns };
+
+/* A new instance that never had other poses. False: it refuses them. */
+static bool open_posed(const examination *e, face_poses poses)
+{
+    bool is_refused;
+    tell_doing(RULE_RIG_POSES_SET, "activate() with %u poses", poses.count);
+    actor_close(&tried_fresh);
+    if (!actor_open_posed(&tried_fresh, e->type, faces_of(FACE_USUAL), poses, &is_refused))
+        return false;
+    tell_doing(RULE_RIG_POSES_SET, "%s, with %u poses", stream_name(STREAM_RESTLESS), poses.count);
+    if (stream_begin(&tried_fresh_hands, STREAM_RESTLESS, e->seed, e->type))
+        play_frames(&tried_fresh, &tried_fresh_hands, PLAY_SPAN);
+    actor_reset(&tried_fresh);
+    return true;
+}
+
+/* `before` is gone, and `now` is there. */
+static void judge_posed_turn(const examination *e, posed_pages *before, face_poses now)
+{
+    bool is_refused;
+    const bool takes = open_posed(e, now);
+    tell_doing(RULE_RIG_POSES_VALID, "deactivate()");
+    actor_deactivate(&tried);
+    if (before->poses.count > 0)
+        posed_pages_forbid(before);
+    tell_doing(RULE_RIG_POSES_VALID, "%s, with %u poses after %u others",
+               stream_name(STREAM_RESTLESS), now.count, before->poses.count);
+    if (actor_activate(&tried, faces_of(FACE_USUAL), now, &is_refused) != takes)
+        tell_failed(RULE_RIG_POSES_CHANGE, "it %s %u poses after %u others, a new one does not",
+                    takes ? "refuses" : "takes", now.count, before->poses.count);
+    else if (takes && stream_begin(&tried_hands, STREAM_RESTLESS, e->seed, e->type) &&
+             stream_begin(&tried_fresh_hands, STREAM_RESTLESS, e->seed, e->type))
+        (void)play_same(&tried, &tried_hands, &tried_fresh, &tried_fresh_hands, PLAY_SPAN,
+                        RULE_RIG_POSES_CHANGE, "something of the poses before is left");
+}
+
+void cases_rig_poses(const examination *e)
+{
+    posed_pages pages[POSED_TURNS];
+    bool is_refused;
+    for (int i = 0; i < POSED_TURNS; ++i)
+        if (!posed_pages_create(&pages[i], faces_of(FACE_USUAL), posed_turns[i].count,
+                                posed_turns[i].scale))
+            return;
+    tell_doing(RULE_RIG_POSES_SET, "activate() with %u poses", pages[0].poses.count);
+    if (!actor_open_posed(&tried, e->type, faces_of(FACE_USUAL), pages[0].poses, &is_refused))
+        return;
+    tell_doing(RULE_RIG_POSES_SET, "%s", stream_name(STREAM_RESTLESS));
+    if (!stream_begin(&tried_hands, STREAM_RESTLESS, e->seed, e->type))
+        return;
+    play_frames(&tried, &tried_hands, PLAY_SPAN);
+    for (int i = 1; i < POSED_TURNS && tried.self; ++i) {
+        const face_poses none = {NULL, 0};
+        judge_posed_turn(e, &pages[i - 1], posed_turns[i].is_null ? none : pages[i].poses);
+    }
+    tell_ok(RULE_RIG_POSES_SET, "%s", "");
+    tell_ok(RULE_RIG_POSES_VALID, "%s", "");
+    tell_ok(RULE_RIG_POSES_CHANGE, "%d times", POSED_TURNS - 1);
+    actor_close(&tried);
+    actor_close(&tried_fresh);
+}
+
 /* ---- hands ---- */
 
 /* A mapping that is far too slow is told so by frame.deadline: it need not walk to the end. */

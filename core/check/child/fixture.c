@@ -7,7 +7,10 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 /* ---- random numbers ---- */
 
@@ -151,7 +154,7 @@ const char *host_words(const host *self, char out[300])
 
 /* ---- faces ---- */
 
-enum { CONTACTS_MAX = 64, USUAL_CONTACTS = 27, USUAL_DOFS = 13 };
+enum { CONTACTS_MAX = 64, POSES = 3, USUAL_CONTACTS = 27, USUAL_DOFS = 13 };
 
 /* As a puppet's: 270 mm high. */
 static const mrt_contact usual_contact[USUAL_CONTACTS] = {
@@ -205,6 +208,9 @@ typedef struct face_room {
     mrt_contact contact[CONTACTS_MAX];
     mrt_dof dof[MRT_MAX_DOFS];
     char contact_name[CONTACTS_MAX][24], dof_name[MRT_MAX_DOFS][24];
+    mrt_rig_pose pose[POSES];
+    mrt_vec3 pose_pull[POSES][CONTACTS_MAX];
+    float pose_dof[POSES][MRT_MAX_DOFS];
 } face_room;
 
 static face_room rooms[FACE_KINDS];
@@ -290,6 +296,86 @@ static void shape(face_room *out, face_kind kind)
         place_all(out, (mrt_vec3){1, 1, 1}, (mrt_vec3){2000, -500, 100});
 }
 
+/* ---- poses of a rig ---- */
+
+static const char *const pose_names[POSES] = {"viseme_aa", "eyeBlinkLeft", "joy"};
+static const uint32_t pose_parts[POSES] = {MRT_POSE_MOUTH, MRT_POSE_UPPER, MRT_POSE_WHOLE};
+
+/* A pose of one half leaves the other half at rest. */
+static bool has_part(uint32_t part, bool is_upper)
+{
+    return part == MRT_POSE_WHOLE || (part == MRT_POSE_UPPER) == is_upper;
+}
+
+static void shape_poses(face_room *out)
+{
+    const mrt_face *face = &out->face;
+    const float scale = (face->high.y - face->low.y) / 270.0f;
+    const float middle = 0.5f * (face->high.y + face->low.y);
+    for (uint32_t p = 0; p < POSES; ++p) {
+        for (uint32_t i = 0; i < face->contact_count; ++i) {
+            const float way_mm = scale * (1.0f + (float)((i + p) % 4));
+            if (has_part(pose_parts[p], out->contact[i].rest.y > middle))
+                out->pose_pull[p][i] = (mrt_vec3){0.5f * way_mm, -way_mm, way_mm};
+        }
+        for (uint32_t i = 0; i < face->dof_count; ++i) {
+            const mrt_dof *d = &out->dof[i];
+            const bool is_upper = d->name[0] == 'e' || d->name[0] == 'l';
+            if (has_part(pose_parts[p], is_upper))
+                out->pose_dof[p][i] = (0.3f + 0.1f * (float)p) * d->max;
+        }
+        out->pose[p] =
+            (mrt_rig_pose){pose_names[p], out->pose_pull[p], out->pose_dof[p], pose_parts[p]};
+    }
+}
+
+face_poses faces_poses(const mrt_face *face)
+{
+    for (int kind = 0; kind < FACE_KINDS; ++kind)
+        if (face == &rooms[kind].face && kind != FACE_BARE)
+            return (face_poses){rooms[kind].pose, POSES};
+    return (face_poses){NULL, 0};
+}
+
+bool posed_pages_create(posed_pages *out, const mrt_face *face, uint32_t count, float scale)
+{
+    const face_poses from = faces_poses(face);
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    const size_t wanted = POSES * (sizeof(mrt_rig_pose) + sizeof(mrt_vec3[CONTACTS_MAX]) +
+                                   sizeof(float[MRT_MAX_DOFS]) + 32);
+    *out = (posed_pages){.size = (wanted + page - 1) / page * page};
+    out->pages = mmap(NULL, out->size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (out->pages == MAP_FAILED)
+        return false;
+    mrt_rig_pose *pose = out->pages;
+    mrt_vec3 *pull = (mrt_vec3 *)(pose + POSES);
+    float *dof = (float *)(pull + (size_t)POSES * CONTACTS_MAX);
+    char(*name)[32] = (char(*)[32])(dof + (size_t)POSES * MRT_MAX_DOFS);
+    for (uint32_t p = 0; p < count && p < from.count; ++p) {
+        const mrt_rig_pose *of = &from.pose[p];
+        for (uint32_t i = 0; i < face->contact_count; ++i)
+            pull[i] =
+                (mrt_vec3){scale * of->pulls[i].x, scale * of->pulls[i].y, scale * of->pulls[i].z};
+        for (uint32_t i = 0; i < face->dof_count; ++i)
+            dof[i] = scale * of->dofs[i];
+        (void)snprintf(*name, sizeof *name, "%s", of->name);
+        pose[p] = (mrt_rig_pose){*name, pull, dof, of->part};
+        pull += CONTACTS_MAX;
+        dof += MRT_MAX_DOFS;
+        name += 1;
+    }
+    out->poses = (face_poses){pose, count < from.count ? count : from.count};
+    if (out->poses.count == 0)
+        posed_pages_forbid(out);
+    return true;
+}
+
+void posed_pages_forbid(posed_pages *self)
+{
+    if (mprotect(self->pages, self->size, PROT_NONE) != 0)
+        abort(); /* a test that sees nothing must not pass */
+}
+
 const mrt_face *faces_of(face_kind kind)
 {
     face_room *room = &rooms[kind];
@@ -297,6 +383,7 @@ const mrt_face *faces_of(face_kind kind)
         shape(room, kind);
         room->face.contacts = room->contact;
         room->face.dofs = room->dof;
+        shape_poses(room);
     }
     return &room->face;
 }

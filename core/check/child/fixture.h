@@ -56,6 +56,28 @@ typedef enum face_kind {
 const mrt_face *faces_of(face_kind kind);
 const char *faces_name(face_kind kind); /* "a flat face" */
 
+/* ---- poses of a rig ---- */
+
+typedef struct face_poses {
+    const mrt_rig_pose *pose;
+    uint32_t count;
+} face_poses;
+
+/* Of one of these faces: of the mouth, of the upper half, of both; a mesh without a rig has none.
+ * Static data: stays. */
+face_poses faces_poses(const mrt_face *face);
+
+/* A copy in pages of its own, that can be made unreadable. */
+typedef struct posed_pages {
+    void *pages; /* stay mapped */
+    size_t size;
+    face_poses poses;
+} posed_pages;
+/* The first `count` of them, with pulls and degrees of freedom times `scale`. Without any the
+ * pointer is one that cannot be read. False: no memory. */
+bool posed_pages_create(posed_pages *out, const mrt_face *face, uint32_t count, float scale);
+void posed_pages_forbid(posed_pages *self); /* a read crashes */
+
 /* The host's guard: nothing is pulled further from the face's centre than this, mm. */
 double faces_reach_mm(const mrt_face *face, double out_centre[3]);
 

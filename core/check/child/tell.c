@@ -53,6 +53,11 @@ const char *tell_what(void)
     return doing;
 }
 
+check_rule tell_blamed(void)
+{
+    return blamed_rule;
+}
+
 void tell_failed(check_rule rule, const char *format, ...)
 {
     if (has_failed[rule])

@@ -11,6 +11,7 @@ void tell_to(int fd);
  * rule that is broken if it does not come back; RULE_COUNT: run.crash, run.hang or run.exit. */
 __attribute__((format(printf, 2, 3))) void tell_doing(check_rule blamed, const char *format, ...);
 const char *tell_what(void);
+check_rule tell_blamed(void);
 
 __attribute__((format(printf, 2, 3))) void tell_failed(check_rule rule, const char *format, ...);
 bool tell_has_failed(check_rule rule);

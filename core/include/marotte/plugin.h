@@ -130,8 +130,10 @@ enum {
                             negative for drop-frame. 96 and above are the host's own */
 };
 enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
+#define MRT_UNIT_LANDMARKS "rad landmarks" /* noisier than a glove: the host filters it harder */
 typedef struct mrt_channel {
-    const char *name, *unit; /* "index MCP flexion"; "count" wants calibration, "rad" has it */
+    const char *name, *unit; /* "index MCP flexion"; of angles: "count" wants calibration, "rad" has
+                                it, MRT_UNIT_LANDMARKS is rad that was read from landmarks */
     uint32_t semantic, hand; /* MRT_CH_* + n; MRT_LEFT, MRT_RIGHT or MRT_NO_HAND */
     float min, max;          /* of the raw value */
 } mrt_channel;
@@ -181,7 +183,8 @@ typedef struct mrt_landmarks {
     uint32_t side;     /* MRT_LEFT, MRT_RIGHT */
 } mrt_landmarks;
 typedef struct mrt_hand_reading {
-    float angle[MRT_ANGLES]; /* as channels of MRT_CH_ANGLE; the wrist's two are 0 */
+    float angle[MRT_ANGLES]; /* as channels of MRT_CH_ANGLE in MRT_UNIT_LANDMARKS; the wrist's two
+                                are 0 */
     float wrist[7];          /* from the hand frame to the landmarks': position in their unit,
                                 orientation as a quaternion x y z w */
     float size;              /* of the palm in their unit, over that of a hand of 190 mm */
@@ -306,7 +309,8 @@ typedef struct mrt_mapping {
     mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
 } mrt_mapping;
 
-/* ---- the poses that a rig names ("viseme_PP", "joy"), for a mapping that performs them ---- */
+/* ---- the poses that a rig names ("viseme_PP", "joy"), and those of ARKit's and the visemes' names
+ * that the head's own shapes make, for a mapping that performs them ---- */
 #define MRT_RIG_POSES "marotte.rig_poses/1"
 enum { MRT_POSE_WHOLE = 0, MRT_POSE_MOUTH = 1, MRT_POSE_UPPER = 2 };
 typedef struct mrt_rig_pose {

@@ -81,3 +81,8 @@ bool channel_is_angle(const mrt_channel *channel)
     return channel->hand <= MRT_RIGHT && channel->semantic >= MRT_CH_ANGLE &&
            channel->semantic < MRT_CH_ANGLE + MRT_ANGLES;
 }
+
+bool channel_is_of_landmarks(const mrt_channel *channel)
+{
+    return channel_is_angle(channel) && strcmp(channel->unit, MRT_UNIT_LANDMARKS) == 0;
+}

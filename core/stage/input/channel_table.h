@@ -22,5 +22,8 @@ void channel_table_copy(channel_table *out, const mrt_channel *channels, uint32_
 bool channel_table_equal(const channel_table *a, const channel_table *b, error *out_why);
 bool channel_is_pedal(const mrt_channel *channel);
 bool channel_is_angle(const mrt_channel *channel); /* of a joint of one hand */
+/* Of an angle: it was read from landmarks (MRT_UNIT_LANDMARKS). The unit is recorded with a track,
+ * so a take is replayed through the filter that it was performed with. */
+bool channel_is_of_landmarks(const mrt_channel *channel);
 
 #endif

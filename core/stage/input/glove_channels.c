@@ -5,20 +5,30 @@
 #include <stdio.h>
 #include <string.h>
 
-static bool has_side(const mrt_channel *channel, uint32_t count, uint32_t side, const char *unit)
+static glove_channels_kind kind_of(const mrt_channel *channel)
+{
+    if (strcmp(channel->unit, "count") == 0)
+        return GLOVE_CHANNELS_COUNT;
+    const bool is_rad = strcmp(channel->unit, "rad") == 0 || channel_is_of_landmarks(channel);
+    return is_rad ? GLOVE_CHANNELS_RAD : GLOVE_CHANNELS_NONE;
+}
+
+static bool has_side(const mrt_channel *channel, uint32_t count, uint32_t side,
+                     glove_channels_kind kind)
 {
     for (uint32_t i = 0; i < count; ++i)
         if (channel_is_angle(&channel[i]) && channel[i].hand == side &&
-            strcmp(channel[i].unit, unit) == 0)
+            kind_of(&channel[i]) == kind)
             return true;
     return false;
 }
 
 glove_channels_kind glove_channels_of(const mrt_channel *channel, uint32_t count, uint32_t side)
 {
-    if (has_side(channel, count, side, "count"))
+    if (has_side(channel, count, side, GLOVE_CHANNELS_COUNT))
         return GLOVE_CHANNELS_COUNT;
-    return has_side(channel, count, side, "rad") ? GLOVE_CHANNELS_RAD : GLOVE_CHANNELS_NONE;
+    return has_side(channel, count, side, GLOVE_CHANNELS_RAD) ? GLOVE_CHANNELS_RAD
+                                                              : GLOVE_CHANNELS_NONE;
 }
 
 void glove_channels_input(char out[HAND_INPUT], const char *name)
@@ -51,14 +61,14 @@ mrt_result glove_channels_find(glove_channels *out, const mrt_channel *channel, 
     mrt_result result = choose_side(&out->side, channel, count, side, name, err);
     if (result < 0)
         return result;
-    const bool is_bare = glove_channels_of(channel, count, out->side) == GLOVE_CHANNELS_RAD;
-    if (is_bare)
+    const glove_channels_kind kind = glove_channels_of(channel, count, out->side);
+    if (kind == GLOVE_CHANNELS_RAD)
         glove_channels_input(out->input, name);
     for (int i = 0; i < MRT_ANGLES; ++i)
         out->channel_of[i] = -1;
     for (uint32_t i = 0; i < count; ++i) {
         if (!channel_is_angle(&channel[i]) || channel[i].hand != out->side ||
-            strcmp(channel[i].unit, is_bare ? "rad" : "count") != 0)
+            kind_of(&channel[i]) != kind)
             continue;
         out->low = out->sensors ? fminf(out->low, channel[i].min) : channel[i].min;
         out->high = out->sensors ? fmaxf(out->high, channel[i].max) : channel[i].max;

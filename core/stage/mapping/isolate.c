@@ -77,6 +77,8 @@ struct mrt_plugin {
 
     pthread_mutex_t busy; /* held by [main] functions, and by the supervisor while it recovers */
     const mrt_face *face; /* under busy; NULL: not active */
+    const mrt_rig_pose *poses; /* under busy: of that face, or of the one that is activated next */
+    uint32_t pose_count;
     unsigned char *state; /* under busy: MRT_STATE as loaded last; ISOLATE_BYTES of room */
     size_t state_size;    /* 0: none */
 
@@ -158,6 +160,16 @@ static mrt_result start(mrt_plugin *self, error *err)
     return error_set(err, MRT_ERR_FORMAT, "its library has changed: its parameters are others");
 }
 
+/* The face and its poses into the block. Returns the size, which must be below ISOLATE_BYTES. */
+static size_t put_mapped(mrt_plugin *self, const mrt_face *face)
+{
+    isolate_block *block = self->link.block;
+    size_t size =
+        isolate_mapped_put(block->bytes, ISOLATE_BYTES, face, self->poses, self->pose_count);
+    block->size = size < ISOLATE_BYTES ? (uint32_t)size : 0;
+    return size;
+}
+
 /* As the one that has failed was a second ago at most. */
 static mrt_result bring_up(mrt_plugin *self)
 {
@@ -171,8 +183,7 @@ static mrt_result bring_up(mrt_plugin *self)
     if (self->state_size > 0)
         result = ask_with(link, ISOLATE_STATE_LOAD, self->state, self->state_size);
     if (result >= 0) {
-        size_t size = isolate_face_put(link->block->bytes, ISOLATE_BYTES, self->face);
-        link->block->size = (uint32_t)size;
+        (void)put_mapped(self, self->face); /* it fitted when it was activated */
         result = isolate_process_call(link, ISOLATE_ACTIVATE, start_patience_ns);
     }
     if (result >= 0)
@@ -621,6 +632,32 @@ static void reset(mrt_plugin *self)
 
 /* ---- [main] ---- */
 
+static void set_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
+                      uint32_t count)
+{
+    (void)face; /* activate, which follows, has it too */
+    pthread_mutex_lock(&self->busy);
+    self->poses = poses;
+    self->pose_count = count;
+    pthread_mutex_unlock(&self->busy);
+}
+
+static void forget_face(mrt_plugin *self)
+{
+    self->face = NULL;
+    self->poses = NULL;
+    self->pose_count = 0;
+}
+
+static const char *why_not_active(bool is_free, const mrt_face *face)
+{
+    if (!is_free)
+        return "its process does not answer: start it anew";
+    if (isolate_face_put(NULL, 0, face) >= ISOLATE_BYTES)
+        return "the face has too many contacts for a process of its own";
+    return "the rig has too many poses for a process of its own";
+}
+
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 {
     pthread_mutex_lock(&self->busy);
@@ -635,17 +672,14 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
                           .reach_mm = 10.0 * size};
     mrt_result result = MRT_ERR_UNSUPPORTED;
     bool is_free = runs(self) && settle(self, clock_now_ns() + main_patience_ns) == MRT_OK;
-    size_t bytes =
-        is_free ? isolate_face_put(self->link.block->bytes, ISOLATE_BYTES, face) : ISOLATE_BYTES;
-    if (bytes < ISOLATE_BYTES) {
-        self->link.block->size = (uint32_t)bytes;
+    if (is_free && put_mapped(self, face) < ISOLATE_BYTES)
         result = ask_child(self, ISOLATE_ACTIVATE, main_patience_ns);
-    } else {
-        self->host->log(self->host, MRT_LOG_ERROR,
-                        is_free ? "the face has too many contacts for a process of its own"
-                                : "its process does not answer: start it anew");
-    }
-    self->face = result < 0 ? NULL : face;
+    else
+        say(self, MRT_LOG_ERROR, why_not_active(is_free, face));
+    if (result < 0)
+        forget_face(self);
+    else
+        self->face = face;
     pthread_mutex_unlock(&self->busy);
     return result;
 }
@@ -653,7 +687,7 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
 static void deactivate(mrt_plugin *self)
 {
     pthread_mutex_lock(&self->busy);
-    self->face = NULL;
+    forget_face(self);
     if (runs(self))
         (void)ask_child(self, ISOLATE_DEACTIVATE, main_patience_ns);
     pthread_mutex_unlock(&self->busy);
@@ -822,6 +856,7 @@ static const mrt_plugin_type *inner_of(const mrt_plugin_type *outer)
 }
 
 static const mrt_mapping mapping = {activate, deactivate, reset, process};
+static const mrt_rig_poses rig_poses = {set_poses};
 static const mrt_state state = {state_save, state_load};
 static const mrt_resume resume = {resume_save, resume_load};
 static const isolate_takeover takeover = {take_over, inner_of};
@@ -870,6 +905,8 @@ mrt_result isolate_create_mapping(isolate **out, const mrt_plugin_type *inner, c
     mrt_interface *next = self->outer.interfaces;
     *next++ = (mrt_interface){MRT_MAPPING, &mapping};
     *next++ = (mrt_interface){ISOLATE_TAKEOVER, &takeover};
+    if (plugin_interface(inner, MRT_RIG_POSES))
+        *next++ = (mrt_interface){MRT_RIG_POSES, &rig_poses};
     if (plugin_interface(inner, MRT_STATE))
         *next++ = (mrt_interface){MRT_STATE, &state};
     if (plugin_interface(inner, MRT_RESUME))

@@ -27,12 +27,13 @@ typedef struct child {
     const mrt_plugin_type *type; /* first: services.h */
     isolate_block *block;
     const mrt_mapping *mapping;
+    const mrt_rig_poses *rig_poses;
     const mrt_state *state;
     const mrt_resume *resume;
     const mrt_face_output *output;
     mrt_plugin *self;
     mrt_host host;
-    isolate_face face;
+    isolate_mapped mapped;
     isolate_names names; /* of the face that the output was told last */
     float *value;        /* of a sample of it */
     bool is_active;
@@ -106,6 +107,7 @@ static bool find_type(child *self, const char *path, const char *id)
 static mrt_result create(child *self)
 {
     self->mapping = interface_of(self->type, MRT_MAPPING);
+    self->rig_poses = interface_of(self->type, MRT_RIG_POSES);
     self->state = interface_of(self->type, MRT_STATE);
     self->resume = interface_of(self->type, MRT_RESUME);
     self->output = interface_of(self->type, MRT_FACE_OUTPUT);
@@ -122,15 +124,19 @@ static void deactivate(child *self)
     if (self->is_active)
         self->mapping->deactivate(self->self);
     self->is_active = false;
-    isolate_face_finish(&self->face);
+    isolate_mapped_finish(&self->mapped);
 }
 
 static mrt_result activate(child *self)
 {
     deactivate(self);
-    mrt_result result = isolate_face_take(&self->face, self->block->bytes, self->block->size);
+    isolate_mapped *mapped = &self->mapped;
+    mrt_result result = isolate_mapped_take(mapped, self->block->bytes, self->block->size);
+    const mrt_face *face = &mapped->face.face;
+    if (result >= 0 && self->rig_poses)
+        self->rig_poses->set(self->self, face, mapped->pose, mapped->pose_count);
     if (result >= 0)
-        result = self->mapping->activate(self->self, &self->face.face);
+        result = self->mapping->activate(self->self, face);
     self->is_active = result >= 0;
     return result;
 }

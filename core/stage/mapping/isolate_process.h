@@ -13,7 +13,7 @@ typedef struct isolate_outer {
     mrt_plugin_type type; /* first: types are found by it */
     const mrt_plugin_type *inner;
     char *library;
-    mrt_interface interfaces[5];
+    mrt_interface interfaces[6];
 } isolate_outer;
 
 typedef struct isolate_process {

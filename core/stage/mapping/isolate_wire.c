@@ -176,6 +176,86 @@ void isolate_face_finish(isolate_face *f)
     *f = (isolate_face){0};
 }
 
+/* ---- a face with the poses of its rig, as bytes: the poses come first, since a face ends them
+ * ----
+ */
+
+static size_t pose_bytes(uint32_t contact_count, uint32_t dof_count)
+{
+    return sizeof(uint32_t) + ISOLATE_NAME + (size_t)contact_count * sizeof(mrt_vec3) +
+           (size_t)dof_count * sizeof(float);
+}
+
+size_t isolate_mapped_put(void *bytes, size_t capacity, const mrt_face *face,
+                          const mrt_rig_pose *poses, uint32_t pose_count)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put_u32(&out, pose_count);
+    bytes_put_u32(&out, face->contact_count);
+    bytes_put_u32(&out, face->dof_count);
+    for (uint32_t i = 0; i < pose_count; ++i) {
+        bytes_put_u32(&out, poses[i].part);
+        put_name(&out, poses[i].name);
+        bytes_put(&out, poses[i].pulls, (size_t)face->contact_count * sizeof *poses[i].pulls);
+        bytes_put(&out, poses[i].dofs, (size_t)face->dof_count * sizeof *poses[i].dofs);
+    }
+    void *rest = bytes && out.size < capacity ? (unsigned char *)bytes + out.size : NULL;
+    return out.size + isolate_face_put(rest, rest ? capacity - out.size : 0, face);
+}
+
+/* Allocates for what `left` bytes can hold, whatever the counts are. */
+static mrt_result make_poses(isolate_mapped *out, uint32_t contact_count, uint32_t dof_count,
+                             size_t left)
+{
+    if (contact_count > FACE_THINGS_MAX || dof_count > MRT_MAX_DOFS ||
+        out->pose_count > left / pose_bytes(contact_count, dof_count))
+        return MRT_ERR_FORMAT;
+    const size_t count = out->pose_count;
+    out->pose = calloc(count + 1, sizeof *out->pose);
+    out->pull = calloc(count * contact_count + 1, sizeof *out->pull);
+    out->dof = calloc(count * dof_count + 1, sizeof *out->dof);
+    out->name = calloc(count + 1, sizeof *out->name);
+    return out->pose && out->pull && out->dof && out->name ? MRT_OK : MRT_ERR_MEMORY;
+}
+
+mrt_result isolate_mapped_take(isolate_mapped *out, const void *bytes, size_t size)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    *out = (isolate_mapped){.pose_count = bytes_take_u32(&in)};
+    const uint32_t contact_count = bytes_take_u32(&in), dof_count = bytes_take_u32(&in);
+    mrt_result result = in.failed
+                            ? MRT_ERR_FORMAT
+                            : make_poses(out, contact_count, dof_count, (size_t)(in.end - in.at));
+    for (uint32_t i = 0; i < out->pose_count && result >= 0; ++i) {
+        mrt_vec3 *pulls = out->pull + (size_t)i * contact_count;
+        float *dofs = out->dof + (size_t)i * dof_count;
+        const uint32_t part = bytes_take_u32(&in);
+        out->pose[i] = (mrt_rig_pose){take_name(&in, out->name[i]), pulls, dofs, part};
+        bytes_take(&in, pulls, contact_count * sizeof *pulls);
+        bytes_take(&in, dofs, dof_count * sizeof *dofs);
+        if (part > MRT_POSE_UPPER)
+            result = MRT_ERR_FORMAT;
+    }
+    if (result >= 0)
+        result = isolate_face_take(&out->face, in.at, (size_t)(in.end - in.at));
+    if (result >= 0 &&
+        (out->face.face.contact_count != contact_count || out->face.face.dof_count != dof_count))
+        result = MRT_ERR_FORMAT;
+    if (result < 0)
+        isolate_mapped_finish(out);
+    return result;
+}
+
+void isolate_mapped_finish(isolate_mapped *m)
+{
+    isolate_face_finish(&m->face);
+    free(m->pose);
+    free(m->pull);
+    free(m->dof);
+    free(m->name);
+    *m = (isolate_mapped){0};
+}
+
 /* ---- what a face output is told ---- */
 
 static uint32_t name_count(const mrt_face_names *n)

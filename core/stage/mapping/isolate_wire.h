@@ -8,14 +8,14 @@
 
 #include <stdatomic.h>
 
-enum { ISOLATE_FD = 3, ISOLATE_VERSION = 3 };
+enum { ISOLATE_FD = 3, ISOLATE_VERSION = 4 };
 enum { ISOLATE_PARAMS_MAX = 1024, ISOLATE_LOGS = 32, ISOLATE_LOG_TEXT = 240 };
 enum { ISOLATE_NAME = 64, ISOLATE_INPUT_NAME = 96, ISOLATE_BYTES = 1 << 20 };
 
 enum {
     ISOLATE_CREATE = 1,
     ISOLATE_DESTROY,
-    ISOLATE_ACTIVATE, /* bytes: the face, isolate_face_put */
+    ISOLATE_ACTIVATE, /* bytes: the face and its poses, isolate_mapped_put */
     ISOLATE_DEACTIVATE,
     ISOLATE_RESET,
     ISOLATE_PROCESS,
@@ -97,6 +97,23 @@ typedef struct isolate_face {
 } isolate_face;
 CHECKED mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t size);
 void isolate_face_finish(isolate_face *f); /* zeroed is fine */
+
+/* ---- a face with the poses of its rig, as bytes ---- */
+
+/* Returns the size; at most `capacity` are written. */
+size_t isolate_mapped_put(void *bytes, size_t capacity, const mrt_face *face,
+                          const mrt_rig_pose *poses, uint32_t pose_count);
+/* What both point to; isolate_mapped_finish frees it. */
+typedef struct isolate_mapped {
+    isolate_face face;
+    mrt_rig_pose *pose; /* pose_count of them */
+    mrt_vec3 *pull;
+    float *dof;
+    char (*name)[ISOLATE_NAME];
+    uint32_t pose_count;
+} isolate_mapped;
+CHECKED mrt_result isolate_mapped_take(isolate_mapped *out, const void *bytes, size_t size);
+void isolate_mapped_finish(isolate_mapped *m); /* zeroed is fine */
 
 /* ---- what a face output is told, as bytes ---- */
 

@@ -1,10 +1,14 @@
 #include "stage/perform/composer.h"
 #include "base/arrays.h"
 #include "base/bytes.h"
+#include "face/face_weights.h"
 #include "face/rig/rig_poses.h"
+#include "mesh/arkit.h"
 
+#include <ctype.h>
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -777,32 +781,102 @@ static void describe_face(composer *self)
     self->mapped.about.dof_count = b->dof_count;
 }
 
-/* The rig's poses, with a value for every contact and degree of freedom. */
-static mrt_result describe_poses(composer *self, error *err)
+/* ---- the poses that mappings get ---- */
+
+/* "eyeBlinkLeft", "viseme_PP": the names that other programs know. */
+enum { KNOWN_POSES = ARKIT_SHAPES + FACE_VISEMES };
+static void known_pose(char out[32], uint32_t i)
+{
+    if (i < ARKIT_SHAPES)
+        (void)snprintf(out, 32, "%c%s", tolower((unsigned char)arkit_name[i][0]),
+                       arkit_name[i] + 1);
+    else
+        (void)snprintf(out, 32, "viseme_%s", face_viseme_name[i - ARKIT_SHAPES]);
+}
+
+static bool rig_has_pose(const rig *r, const char *name)
+{
+    for (uint32_t i = 0; i < r->pose_count; ++i)
+        if (arkit_is_same_name(r->pose[i].name, name))
+            return true;
+    return false;
+}
+
+static void describe_rig_pose(mrt_vec3 *pull, float *dof, const rig_pose *from,
+                              const mrt_face *about)
+{
+    for (uint32_t k = 0; k < from->pull_count + from->follow_count; ++k) {
+        const vec3 mm = from->pull_mm[k];
+        pull[from->pull_contact[k]] = (mrt_vec3){(float)mm.x, (float)mm.y, (float)mm.z};
+    }
+    for (uint32_t k = 0; k < from->dof_count; ++k)
+        for (uint32_t d = 0; d < about->dof_count; ++d)
+            if (strcmp(about->dofs[d].name, from->dof_name[k]) == 0)
+                dof[d] = (float)from->dof_value[k];
+}
+
+/* What the head's own shapes of that name do at the contacts and with the bones. False: none. */
+static bool describe_shape(mrt_vec3 *pull, float *dof, const char *name, const composer *self,
+                           float *offset)
 {
     const mrt_face *about = &self->mapped.about;
-    const size_t pose_count = self->rig.pose_count;
-    mrt_rig_pose *pose = arrays_add(&self->poses, pose_count, sizeof *pose);
-    mrt_vec3 *pulls = arrays_add(&self->poses, pose_count * about->contact_count, sizeof *pulls);
-    float *dofs = arrays_add(&self->poses, pose_count * about->dof_count, sizeof *dofs);
-    if (self->poses.failed)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the poses of the rig");
-    for (size_t i = 0; i < pose_count; ++i) {
-        const rig_pose *from = &self->rig.pose[i];
-        mrt_vec3 *pull = pulls + i * about->contact_count;
-        float *dof = dofs + i * about->dof_count;
-        pose[i] = (mrt_rig_pose){from->name, pull, dof, (uint32_t)from->part};
-        for (uint32_t k = 0; k < from->pull_count + from->follow_count; ++k) {
-            const vec3 mm = from->pull_mm[k];
-            pull[from->pull_contact[k]] = (mrt_vec3){(float)mm.x, (float)mm.y, (float)mm.z};
+    float part[FACE_SHAPES_MAX];
+    if (!face_shape_parts(self->face, name, part))
+        return false;
+    for (uint32_t s = 0; s < face_shape_count(self->face); ++s) {
+        if (!(part[s] > 0.0f))
+            continue;
+        const float *of_bones = face_shape_dofs(self->face, s);
+        face_shape_offset(self->face, s, offset);
+        for (uint32_t c = 0; c < about->contact_count; ++c) {
+            const float *mm = offset + (size_t)3 * self->rig.contact[c].vertex;
+            pull[c].x += part[s] * mm[0];
+            pull[c].y += part[s] * mm[1];
+            pull[c].z += part[s] * mm[2];
         }
-        for (uint32_t k = 0; k < from->dof_count; ++k)
-            for (uint32_t d = 0; d < about->dof_count; ++d)
-                if (strcmp(about->dofs[d].name, from->dof_name[k]) == 0)
-                    dof[d] = (float)from->dof_value[k];
+        for (uint32_t d = 0; d < about->dof_count; ++d)
+            dof[d] += part[s] * of_bones[d];
     }
+    return true;
+}
+
+/* The rig's poses, with a value for every contact and degree of freedom, and those of known names
+ * that the rig leaves to the head's own shapes. */
+static mrt_result describe_poses(composer *self, uint32_t vertex_count, error *err)
+{
+    const mrt_face *about = &self->mapped.about;
+    const size_t room = self->rig.pose_count + (size_t)KNOWN_POSES;
+    mrt_rig_pose *pose = arrays_add(&self->poses, room, sizeof *pose);
+    mrt_vec3 *pulls = arrays_add(&self->poses, room * about->contact_count, sizeof *pulls);
+    float *dofs = arrays_add(&self->poses, room * about->dof_count, sizeof *dofs);
+    char(*names)[32] = arrays_add(&self->poses, KNOWN_POSES, sizeof *names);
+    float *offset = calloc((size_t)3 * vertex_count + 1, sizeof *offset);
+    size_t count = 0;
+    if (self->poses.failed || !offset) {
+        free(offset);
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the poses of the rig");
+    }
+    for (; count < self->rig.pose_count; ++count) {
+        const rig_pose *from = &self->rig.pose[count];
+        mrt_vec3 *pull = pulls + count * about->contact_count;
+        float *dof = dofs + count * about->dof_count;
+        pose[count] = (mrt_rig_pose){from->name, pull, dof, (uint32_t)from->part};
+        describe_rig_pose(pull, dof, from, about);
+    }
+    for (uint32_t i = 0; i < KNOWN_POSES && self->rig.contact_count > 0; ++i) {
+        mrt_vec3 *pull = pulls + count * about->contact_count;
+        float *dof = dofs + count * about->dof_count;
+        known_pose(names[i], i);
+        if (rig_has_pose(&self->rig, names[i]) ||
+            !describe_shape(pull, dof, names[i], self, offset))
+            continue;
+        const uint32_t part =
+            i < ARKIT_SHAPES ? (uint32_t)rig_poses_dof_part(names[i]) : MRT_POSE_MOUTH;
+        pose[count++] = (mrt_rig_pose){names[i], pull, dof, part};
+    }
+    free(offset);
     self->mapped.pose = pose;
-    self->mapped.pose_count = (uint32_t)pose_count;
+    self->mapped.pose_count = (uint32_t)count;
     return MRT_OK;
 }
 
@@ -820,7 +894,7 @@ mrt_result composer_create(composer **out, const face_file *file, const csrbf_se
         result = create_shading(self, &file->mesh, err);
     if (result >= 0) {
         describe_face(self);
-        result = describe_poses(self, err);
+        result = describe_poses(self, file->mesh.vertex_count, err);
     }
     if (result < 0) {
         composer_destroy(self);

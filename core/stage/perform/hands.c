@@ -2,6 +2,7 @@
 #include "base/angle.h"
 #include "base/bytes.h"
 #include "hand/ease.h"
+#include "hand/landmark_filter.h"
 #include "hand/sensor.h"
 #include "hand/still.h"
 
@@ -13,6 +14,7 @@
 typedef struct one_hand {
     hand_skeleton *skeleton;
     hand_filter filter;
+    landmark_filter landmarks;
     float raw[MRT_ANGLES];
     float wrist_raw[EASE_WRIST];
     bool has_wrist;
@@ -117,12 +119,15 @@ static bool is_wrist(uint32_t semantic)
     return semantic >= MRT_CH_WRIST && semantic < MRT_CH_WRIST + EASE_WRIST;
 }
 
-static void note_sensor(channel_route *route, uint32_t side, uint32_t semantic, const char *unit)
+static void note_sensor(channel_route *route, const mrt_channel *channel)
 {
-    if (strcmp(unit, "count") == 0)
+    const uint32_t side = channel->hand;
+    if (strcmp(channel->unit, "count") == 0)
         route->in_counts[side] = true;
+    if (channel_is_of_landmarks(channel))
+        route->is_of_landmarks[side] = true;
     for (int finger = 0; finger < SENSOR_DISTAL_COUNT; ++finger)
-        if (semantic - MRT_CH_ANGLE == (uint32_t)sensor_distal[finger])
+        if (channel->semantic - MRT_CH_ANGLE == (uint32_t)sensor_distal[finger])
             route->has_distal[side][finger] = true;
 }
 
@@ -132,7 +137,7 @@ void channel_route_init(channel_route *out, const mrt_channel *channel, uint32_t
     channel_table_copy(&out->table, channel, count);
     for (uint32_t i = 0; i < count; ++i)
         if (channel_is_angle(&channel[i]))
-            note_sensor(out, channel[i].hand, channel[i].semantic, channel[i].unit);
+            note_sensor(out, &channel[i]);
     for (int side = 0; side < 2; ++side) {
         hand_calibration *calibration = &out->calibration[side];
         if (out->in_counts[side])
@@ -268,11 +273,21 @@ static void follow_rezero_pedal(hands *self, int64_t time_ns)
 
 /* ---- samples ---- */
 
-static void read_angles(one_hand *hand, const hand_calibration *calibration, int64_t time_ns)
+static bool has_filter(const hands_settings *settings)
 {
+    return settings->min_cutoff_hz > 0.0 || settings->has_beta;
+}
+
+static void read_angles(hands *self, const channel_route *route, int side, int64_t time_ns)
+{
+    one_hand *hand = &self->hand[side];
+    const hand_calibration *calibration = &route->calibration[side];
     float *angle_rad = hand->angle_rad;
     hand_calibrate(calibration, hand->raw, angle_rad);
-    hand_filter_apply(&hand->filter, angle_rad, time_ns);
+    if (route->is_of_landmarks[side] && !has_filter(&self->settings))
+        landmark_filter_apply(&hand->landmarks, angle_rad, time_ns);
+    else
+        hand_filter_apply(&hand->filter, angle_rad, time_ns);
     still_add(&hand->window, angle_rad, time_ns);
     memcpy(hand->neutral_rad, calibration->neutral_rad, sizeof hand->neutral_rad);
     ease_offset_add(&hand->offset, angle_rad, time_ns);
@@ -334,7 +349,7 @@ static void read_sample(hands *self, const channel_route *route, const mrt_sampl
     for (int side = 0; side < 2; ++side) {
         one_hand *hand = &self->hand[side];
         if (has_angles[side])
-            read_angles(hand, &route->calibration[side], frame->time_ns);
+            read_angles(self, route, side, frame->time_ns);
         if (has_wrist[side])
             read_wrist(hand, frame->time_ns);
         if (has_angles[side] || has_wrist[side])
@@ -351,7 +366,8 @@ void hands_read(hands *self, const sample_step *s, mrt_frame *frame)
 
 /* ---- the state of the hands as bytes ---- */
 
-enum { STORE_VERSION = 1 };
+/* Without landmarks the format is STORE_VERSION, which older versions read. */
+enum { STORE_VERSION = 1, STORE_WITH_LANDMARKS = 2 };
 
 static void take_finite(bytes_in *in, float *out, size_t count)
 {
@@ -382,6 +398,37 @@ static void take_filter(bytes_in *in, hand_filter *filter)
     }
     bytes_take(in, &filter->last_ns, sizeof filter->last_ns);
     filter->running = bytes_take_u32(in) != 0;
+}
+
+static void put_landmarks(bytes_out *out, const landmark_filter *filter)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        const landmark_channel *c = &filter->channel[i];
+        bytes_put(out, &c->value, sizeof c->value);
+        bytes_put(out, &c->deviation, sizeof c->deviation);
+        bytes_put(out, &c->variance, sizeof c->variance);
+        bytes_put(out, c->measured, sizeof c->measured);
+    }
+    bytes_put_u32(out, filter->count);
+    bytes_put(out, &filter->last_ns, sizeof filter->last_ns);
+    bytes_put(out, &filter->last_dt_s, sizeof filter->last_dt_s);
+}
+
+static void take_landmarks(bytes_in *in, landmark_filter *filter)
+{
+    for (int i = 0; i < MRT_ANGLES; ++i) {
+        landmark_channel *c = &filter->channel[i];
+        take_finite(in, &c->value, 1);
+        take_finite(in, &c->deviation, 1);
+        take_finite(in, &c->variance, 1);
+        take_finite(in, c->measured, 2);
+        in->failed |= c->variance < 0.0f;
+    }
+    filter->count = bytes_take_u32(in);
+    bytes_take(in, &filter->last_ns, sizeof filter->last_ns);
+    bytes_take(in, &filter->last_dt_s, sizeof filter->last_dt_s);
+    in->failed |= filter->count > LANDMARK_FILTER_SETTLED ||
+                  !(filter->last_dt_s >= 0.0 && filter->last_dt_s < 1.0);
 }
 
 /* The rows in use, oldest first. */
@@ -470,13 +517,20 @@ static void take_hand(bytes_in *in, one_hand *hand)
     take_finite(in, hand->angle_rad, MRT_ANGLES);
 }
 
+static bool has_landmarks(const hands *self)
+{
+    return self->hand[MRT_LEFT].landmarks.count > 0 || self->hand[MRT_RIGHT].landmarks.count > 0;
+}
+
 size_t hands_save(const hands *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
-    bytes_put_u32(&out, STORE_VERSION);
+    bytes_put_u32(&out, has_landmarks(self) ? STORE_WITH_LANDMARKS : STORE_VERSION);
     bytes_put_u32(&out, self->is_rezero_down);
     for (int side = 0; side < 2; ++side)
         put_hand(&out, &self->hand[side]);
+    for (int side = 0; side < 2 && has_landmarks(self); ++side)
+        put_landmarks(&out, &self->hand[side].landmarks);
     return out.size;
 }
 
@@ -484,10 +538,13 @@ bool hands_load(hands *self, const void *bytes, size_t size)
 {
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     hands_reset(self);
-    in.failed |= bytes_take_u32(&in) != STORE_VERSION;
+    const uint32_t version = bytes_take_u32(&in);
+    in.failed |= version != STORE_VERSION && version != STORE_WITH_LANDMARKS;
     self->is_rezero_down = bytes_take_u32(&in) != 0;
     for (int side = 0; side < 2; ++side)
         take_hand(&in, &self->hand[side]);
+    for (int side = 0; side < 2 && version == STORE_WITH_LANDMARKS; ++side)
+        take_landmarks(&in, &self->hand[side].landmarks);
     if (!in.failed && in.at == in.end)
         return true;
     hands_reset(self);
@@ -512,6 +569,7 @@ void hands_shift_time(hands *self, int64_t by_ns)
     for (int side = 0; side < 2; ++side) {
         one_hand *hand = &self->hand[side];
         shift(&hand->filter.last_ns, by_ns);
+        shift(&hand->landmarks.last_ns, by_ns);
         for (int row = 0; row < STILL_SAMPLES; ++row)
             shift(&hand->window.time_ns[row], by_ns);
         shift(&hand->offset.start_ns, by_ns);

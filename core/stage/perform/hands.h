@@ -1,6 +1,8 @@
 /* stage/perform/hands.h - phase 3 of the frame: what the inputs' channels measured becomes two
  * posed hands and the pedals of a mrt_frame. Calibrated, filtered, re-zeroed, eased back after a
  * gap, carried from the wrist outwards. A function of the samples (and of re-zeros by hand) alone.
+ * Angles in MRT_UNIT_LANDMARKS go through the landmark_filter, all others through the One-Euro
+ * filter: tracks of versions without that unit are in "rad" and are performed as they were then.
  * [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_HANDS_H
 #define MAROTTE_STAGE_HANDS_H
@@ -11,8 +13,9 @@
 typedef struct hands hands;
 
 typedef struct hands_settings {
-    double length_mm[2];  /* left, right; 0: HAND_LENGTH_MM */
-    double min_cutoff_hz; /* of the filter of all angles; 0: the usual ones */
+    double length_mm[2]; /* left, right; 0: HAND_LENGTH_MM */
+    /* Of the One-Euro filter, which then filters landmarks too; 0 and false: the usual filters. */
+    double min_cutoff_hz;
     bool has_beta;
     double beta;           /* Hz per deg/s */
     uint32_t rezero_pedal; /* 1..MRT_MAX_PEDALS: a press re-zeroes the hands that are there, and
@@ -30,6 +33,7 @@ typedef struct channel_route {
     char name[ROUTE_NAME]; /* of the input; "": none was given */
     channel_table table;
     bool in_counts[2];               /* left, right: these need a calibration */
+    bool is_of_landmarks[2];         /* left, right: which filter smooths the angles */
     bool has_distal[2][4];           /* of the fingers index .. little */
     hand_calibration calibration[2]; /* left, right */
 } channel_route;
@@ -85,7 +89,7 @@ void hands_set_rezero_pedal(hands *self, uint32_t pedal);
 /* All that frames to come depend on, as bytes (at most `capacity` are written; NULL: none); returns
  * the size that it takes. */
 size_t hands_save(const hands *self, void *bytes, size_t capacity);
-/* False: not such bytes; the hands are then reset. */
+/* Reads the bytes of earlier versions too. False: not such bytes; the hands are then reset. */
 bool hands_load(hands *self, const void *bytes, size_t size);
 /* As if all samples so far had been so much later. */
 void hands_shift_time(hands *self, int64_t by_ns);

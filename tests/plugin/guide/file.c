@@ -8,6 +8,7 @@
 struct mrt_plugin {
     const mrt_host *host;
     const mrt_face *face;
+    const mrt_rig_pose *joy;
     float bend, neutral, loaded;
 };
 
