@@ -476,21 +476,21 @@ static const emotion emotions[] = {
     {"sleepy", "brows up", 0.60, 0.30, 0.16, 17.0, 6.0},
 };
 enum { EMOTIONS = sizeof emotions / sizeof *emotions };
-static const double emotion_s = 1.6, first_emotion_s = 0.85;
+static const double emotion_s = 1.7, first_emotion_s = 0.6, held_until_s = 1.08;
 
 /* First a small way against it, then the upper half, then the mouth; past the face and back to
  * it; the mouth goes first. */
 static void author_emotions(performance *p)
 {
     p->random = 20261126;
-    p->length_s = first_emotion_s + EMOTIONS * emotion_s + 0.1;
+    p->length_s = first_emotion_s + EMOTIONS * emotion_s - 0.35;
     (void)add_key(p, NULL, 0.0, 1.0, 0.0, p->length_s);
     add_wrist(p, 0.0, 0.0, 0.0);
     add_wrist(p, 0.5, 0.0, 0.0);
     for (int i = 0; i < EMOTIONS; ++i) {
         const emotion *e = &emotions[i];
         const double start_s = first_emotion_s + emotion_s * i;
-        const double end_s = start_s + emotion_s - 0.42;
+        const double end_s = start_s + held_until_s;
         const double upper_s = start_s + e->rise_s, mouth_s = start_s + e->mouth_late_s;
         add_stroke(p, e->before, HALF_UPPER, 0.8, (timing){start_s - 0.16, 0.14, 0.02, e->rise_s});
         add_stroke(p, e->face, HALF_UPPER, 1.0,
@@ -596,14 +596,26 @@ static void write_angle(FILE *out, double deg)
     fprintf(out, ",%s%d.%02d", whole < 0 ? "-" : "", size / 100, size % 100);
 }
 
+/* Where strokes cross, a joint goes on no faster than it can. */
+static void keep_pace(double deg[JOINT_COUNT], double before_deg[JOINT_COUNT])
+{
+    const double most_deg = 1.02 * speed_most / RATE_HZ;
+    for (int i = 0; i < JOINT_COUNT; ++i) {
+        const double way = smaller(larger(deg[i] - before_deg[i], -most_deg), most_deg);
+        deg[i] = before_deg[i] += way;
+    }
+}
+
 static void write_records(FILE *out, performance *p)
 {
+    double before_deg[JOINT_COUNT] = {0};
     wander drift[SENSORS] = {{0}}, tremor[SENSORS] = {{0}};
     const int count = (int)(p->length_s * RATE_HZ + 0.5);
     for (int k = 0; k < count; ++k) {
         const double time_s = (double)k / RATE_HZ;
         double deg[JOINT_COUNT + 2];
         joints_at(p, time_s, deg);
+        keep_pace(deg, before_deg);
         wrist_at(p, time_s, deg + JOINT_COUNT);
         fprintf(out, "%d.%02d", k / RATE_HZ, k % RATE_HZ);
         for (int i = 0; i < SENSORS; ++i) {
