@@ -551,6 +551,20 @@ mrt_result exports_video_sound(char **out_path, show *s, const take *t, int64_t 
     return result;
 }
 
+mrt_result exports_video_sound_file(char **out_path, const char *sound, double start_s,
+                                    double length_s, const char *beside, error *err)
+{
+    *out_path = name_beside(beside, err);
+    if (!*out_path)
+        return MRT_ERR_IO;
+    const mrt_result result = sound_file_cut(*out_path, sound, start_s, length_s, err);
+    if (result >= 0)
+        return MRT_OK;
+    exports_video_sound_remove(*out_path);
+    *out_path = NULL;
+    return result;
+}
+
 void exports_video_sound_remove(char *path)
 {
     if (path)

@@ -100,6 +100,9 @@ CHECKED mrt_result exports_sound(const char *path, show *s, const sound_file_exp
 CHECKED mrt_result exports_video_sound(char **out_path, show *s, const take *t, int64_t from_ns,
                                        int64_t to_ns, const char *beside, progress *shown,
                                        error *err);
+/* Likewise of a sound file. */
+CHECKED mrt_result exports_video_sound_file(char **out_path, const char *sound, double start_s,
+                                            double length_s, const char *beside, error *err);
 void exports_video_sound_remove(char *path); /* NULL is fine */
 /* Into the .mp4 files that are there already. */
 CHECKED mrt_result exports_video_add_sound(const exports_video *self, const char *sound,

@@ -826,7 +826,27 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
                          &settings, &self->progress, told, err);
 }
 
-/* What was recorded of the microphone, into the .mp4. */
+/* The sound of the first recording that has one, into the .mp4. A damaged one is left out. */
+static mrt_result add_sound_of_input(performance *self, const char *mp4, double length_s, error *err)
+{
+    input_sound found;
+    char *wav = NULL;
+    error why = {""};
+    uint32_t i = 0;
+    while (i < self->inputs.count && !input_find_sound(self->inputs.input[i], &found))
+        i += 1;
+    if (i == self->inputs.count)
+        return MRT_OK;
+    if (exports_video_sound_file(&wav, found.path, found.start_s, length_s, mp4, &why) < 0) {
+        fprintf(stderr, "warning: the video has no sound: %s\n", why.text);
+        return MRT_OK;
+    }
+    const mrt_result result = exports_video_add_sound(&self->videos, wav, err);
+    exports_video_sound_remove(wav);
+    return result;
+}
+
+/* What was recorded of the microphone, or what a recording sounds, into the .mp4. */
 static mrt_result add_sound(performance *self, error *err)
 {
     char *wav = NULL;
@@ -834,8 +854,10 @@ static mrt_result add_sound(performance *self, error *err)
     show *from = self->record.show;
     const char *mp4 = exports_video_mp4(&self->videos);
     double length_s = (double)self->report.frame_count / self->options->fps;
-    if (!mp4 || !self->record.sound)
+    if (!mp4)
         return MRT_OK;
+    if (!self->record.sound)
+        return add_sound_of_input(self, mp4, length_s, err);
     mrt_result result = edit_store_take(&t, from, self->record.take, err);
     if (result >= 0 && t.audio.audio != 0)
         result = exports_video_sound(&wav, from, &t, 0, (int64_t)(length_s * 1e9), mp4,

@@ -86,8 +86,11 @@ static bool find_named(char out[INSTALLED_LENGTH], installed_kind kind, const ch
     case INSTALLED_PATCH:
         length = snprintf(file, sizeof file, "patches/%s.json", name);
         break;
-    case INSTALLED_RECORDING:
+    case INSTALLED_RECORDING: /* the file's own name, as in earlier versions, or without ending */
         length = snprintf(file, sizeof file, "%s", name);
+        if (length > 0 && length < INSTALLED_LENGTH && find(out, data, file) && is_file(out))
+            return true;
+        length = snprintf(file, sizeof file, "%s.csv", name);
         break;
     case INSTALLED_KINDS:
         break;
@@ -116,7 +119,7 @@ static void list_names(char *out, size_t capacity, installed_kind kind, suggest 
     for (int i = 0; i < count; ++i) {
         char *name = entry[i]->d_name, *dot = strrchr(name, '.');
         const bool is_ending = !ending[0] || (dot && strcmp(dot, ending) == 0);
-        if (is_ending && kind == INSTALLED_PATCH)
+        if (is_ending && ending[0])
             *dot = '\0';
         if (is_ending && is_name(name) && find_named(path, kind, name) && used < capacity) {
             suggest_consider(near, name);
@@ -138,7 +141,12 @@ suggest_text installed_suggest(installed_kind kind, const char *given)
     suggest_begin(&near, given);
     list_names(names, sizeof names, kind, &near);
     suggest_folder(&near, "");
-    return suggest_question(&near);
+    suggest_text out = suggest_question(&near);
+    const size_t used = strlen(out.text);
+    if (names[0])
+        (void)snprintf(out.text + used, sizeof out.text - used, "%s Installed: %s",
+                       used ? "" : ".", names);
+    return out;
 }
 
 mrt_result installed_check(installed_kind kind, const char *given, error *err)

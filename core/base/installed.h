@@ -19,7 +19,7 @@ bool installed_prefix(char out[INSTALLED_LENGTH]);
 typedef enum installed_kind {
     INSTALLED_FACE = 0,  /* --face puppet */
     INSTALLED_PATCH,     /* --patch faders */
-    INSTALLED_RECORDING, /* --input log:demo_hand.csv */
+    INSTALLED_RECORDING, /* --input log:demo */
     INSTALLED_KINDS
 } installed_kind;
 
@@ -31,7 +31,7 @@ char *installed_path(installed_kind kind, const char *given);
  * the installed ones, and the nearest name. */
 CHECKED mrt_result installed_check(installed_kind kind, const char *given, error *err);
 /* For a message about a file that is missing: the nearest installed name or file, as a question
- * (base/suggest.h). */
+ * (base/suggest.h), and the installed names. */
 suggest_text installed_suggest(installed_kind kind, const char *given);
 /* A file that comes with marotte beside its rigs: "demo_hand.csv". False: it is not there. */
 bool installed_data(char out[INSTALLED_LENGTH], const char *file);

@@ -6,6 +6,7 @@
 #include "take/sound_render.h"
 #include "base/timecode.h"
 
+#include <assert.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -602,5 +603,68 @@ mrt_result sound_file_write(sound_file_report *out, show *s, const sound_file_ex
     if (result == MRT_OK)
         result = close_output(&self, path, err);
     output_finish(&self);
+    return result;
+}
+
+/* ---- a range of a file ---- */
+
+/* Frames of the file from `first` on, then silence. */
+static mrt_result write_range(sound_input *in, SNDFILE *out, const char *path, int64_t first,
+                              int64_t count, error *err)
+{
+    const size_t channels = (size_t)in->info.channels;
+    int64_t written = 0;
+    size_t frames = 1;
+    while (written < count) {
+        if (frames > 0) {
+            const mrt_result result = input_next(in, &frames, err);
+            if (result < 0)
+                return result;
+        }
+        if (frames == 0)
+            memset(in->block, 0, in->block_frames * channels * sizeof *in->block);
+        const int64_t at = in->frame - (int64_t)frames;
+        const int64_t skip = frames > 0 && first > at ? first - at : 0;
+        int64_t here = (int64_t)(frames > 0 ? frames : in->block_frames) - skip;
+        if (here > count - written)
+            here = count - written;
+        if (here <= 0)
+            continue;
+        if (sf_writef_double(out, in->block + (size_t)skip * channels, (sf_count_t)here) != here)
+            return error_set(err, MRT_ERR_IO, "%s: cannot write: %s", path,
+                             errno ? strerror(errno) : "write error");
+        written += here;
+    }
+    return MRT_OK;
+}
+
+mrt_result sound_file_cut(const char *out_path, const char *path, double start_s, double length_s,
+                          error *err)
+{
+    sound_input in = {.fd = -1};
+    sound_output out = {0};
+    assert(start_s >= 0.0 && start_s < DAY_S && length_s >= 0.0 && length_s < 10.0 * DAY_S);
+    mrt_result result = input_open(&in, path, err);
+    if (result >= 0)
+        result = file_writer_open(&out.writer, out_path, err);
+    if (result < 0)
+        goto done;
+    SF_INFO info = {.samplerate = in.info.samplerate,
+                    .channels = in.info.channels,
+                    .format = SF_FORMAT_RF64 | SF_FORMAT_PCM_24};
+    out.file = sf_open_fd(fileno(out.writer.stream), SFM_WRITE, &info, SF_FALSE);
+    if (!out.file) {
+        result = error_set(err, MRT_ERR_IO, "%s: cannot write: %s", out_path, sf_strerror(NULL));
+        goto done;
+    }
+    (void)sf_command(out.file, SFC_RF64_AUTO_DOWNGRADE, NULL, SF_TRUE);
+    (void)sf_command(out.file, SFC_SET_CLIPPING, NULL, SF_TRUE);
+    result = write_range(&in, out.file, out_path, llround(start_s * in.info.samplerate),
+                         llround(length_s * in.info.samplerate), err);
+    if (result >= 0)
+        result = close_output(&out, out_path, err);
+done:
+    output_finish(&out);
+    input_finish(&in);
     return result;
 }

@@ -41,4 +41,9 @@ typedef struct sound_file_report {
 CHECKED mrt_result sound_file_write(sound_file_report *out, show *s, const sound_file_export *what,
                                     const char *path, const sound_file_watch *watch, error *err);
 
+/* A range of a sound file as a WAV of 24 bits at the same rate, in which the sound is followed by
+ * silence where it ends earlier. */
+CHECKED mrt_result sound_file_cut(const char *out_path, const char *path, double start_s,
+                                  double length_s, error *err);
+
 #endif

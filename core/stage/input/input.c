@@ -713,6 +713,34 @@ double input_duration_s(input *self)
     return 1e-9 * (double)duration->get_ns(self->plugin.self, self->plugin.params);
 }
 
+/* Parameters of a recorded input that has them, by their names; else `otherwise`. */
+static double value_named(const input *self, const char *name, double otherwise)
+{
+    const mrt_plugin_type *type = self->plugin.type;
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (strcmp(type->params[i].name, name) == 0)
+            return instance_value(&self->plugin, i);
+    return otherwise;
+}
+
+bool input_find_sound(const input *self, input_sound *out)
+{
+    static const char *const endings[] = {".flac", ".ogg", ".wav"};
+    const char *slash = strrchr(self->address, '/'), *dot = strrchr(self->address, '.');
+    const bool is_in_time =
+        value_named(self, "speed", 1.0) == 1.0 && value_named(self, "loop", 0.0) < 0.5;
+    *out = (input_sound){.start_s = value_named(self, "start", 0.0)};
+    if (!(self->functions->flags & MRT_INPUT_RECORDED) || !is_in_time || !dot || dot < slash)
+        return false;
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; ++i) {
+        const int length = snprintf(out->path, sizeof out->path, "%.*s%s",
+                                    (int)(dot - self->address), self->address, endings[i]);
+        if (length > 0 && (size_t)length < sizeof out->path && access(out->path, F_OK) == 0)
+            return true;
+    }
+    return false;
+}
+
 mrt_result input_start(input *self, error *err)
 {
     if (self->plugin.clock == CLOCK_VIRTUAL || self->has_thread)

@@ -83,6 +83,15 @@ double input_value(const input *self, uint32_t index);
  * plugin does not say. */
 double input_duration_s(input *self);
 
+/* The sound that belongs to a recording: a file beside it of the same name that ends with .flac, .ogg
+ * or .wav. Both begin at the same moment. */
+typedef struct input_sound {
+    char path[4096];
+    double start_s; /* of the sound, at the first sample: the recording's parameter "start" */
+} input_sound;
+/* [main] False: it is no recording, has no sound, or plays at another speed or in a loop. */
+bool input_find_sound(const input *self, input_sound *out);
+
 /* CLOCK_REAL: starts the thread. CLOCK_VIRTUAL: nothing to do. */
 CHECKED mrt_result input_start(input *self, error *err);
 /* For good. Takes at most 0.1 s, even while a device is being opened, as far as the plugin keeps to
