@@ -289,9 +289,9 @@ static void coarticulate(performance *p)
         const double w = to_s > from_s ? (middle_s - from_s) / (to_s - from_s) : 0.5;
         const double way = smaller(larger(w, 0.0), 1.0);
         for (int i = 0; i < JOINT_COUNT; ++i)
-            now->deg[i] = now->firmness * own[k][i] +
-                          (1.0 - now->firmness) *
-                              (own[before][i] + way * (own[after][i] - own[before][i]));
+            now->deg[i] =
+                now->firmness * own[k][i] +
+                (1.0 - now->firmness) * (own[before][i] + way * (own[after][i] - own[before][i]));
     }
 }
 
@@ -315,13 +315,13 @@ static void keep_speed(performance *p)
                 continue;
             const double hold_a = a->firmness >= 1.0 ? hold_of_closure_s : 0.0;
             const double hold_b = b->firmness >= 1.0 ? hold_of_closure_s : 0.0;
-            const double from_a = smaller(
-                lacks_s * 0.5, larger(a->left_s - a->reached_s - hold_a, 0.0));
+            const double from_a =
+                smaller(lacks_s * 0.5, larger(a->left_s - a->reached_s - hold_a, 0.0));
             a->left_s -= from_a;
-            const double from_b = b->firmness >= 1.0
-                                      ? 0.0
-                                      : smaller(lacks_s - from_a,
-                                                larger(b->left_s - b->reached_s - hold_b, 0.0));
+            const double from_b =
+                b->firmness >= 1.0
+                    ? 0.0
+                    : smaller(lacks_s - from_a, larger(b->left_s - b->reached_s - hold_b, 0.0));
             b->reached_s += from_b;
             lacks_s -= from_a + from_b;
             if (lacks_s <= 1e-6)
@@ -401,9 +401,8 @@ static void author_upper(performance *p, const speech *said)
         if (!said->phones[i].is_stressed)
             continue;
         double end_s = said->phones[i].end_s;
-        for (int k = i + 1; k < said->count && !said->phones[k].word[0] &&
-                            !said->phones[k].is_pause;
-             ++k)
+        for (int k = i + 1;
+             k < said->count && !said->phones[k].word[0] && !said->phones[k].is_pause; ++k)
             end_s = said->phones[k].end_s;
         add_stroke(p, "surprise", HALF_UPPER, 0.9,
                    (timing){said->phones[i].start_s - 0.12, 0.18,
@@ -541,8 +540,7 @@ static void wrist_at(const performance *p, double time_s, double out_deg[2])
     while (k + 1 < p->wrist_count && time_s >= p->wrist[k + 1].time_s)
         k += 1;
     const wrist_key *a = &p->wrist[k], *b = k + 1 < p->wrist_count ? a + 1 : a;
-    const double way =
-        b == a ? 0.0 : minimum_jerk((time_s - a->time_s) / (b->time_s - a->time_s));
+    const double way = b == a ? 0.0 : minimum_jerk((time_s - a->time_s) / (b->time_s - a->time_s));
     out_deg[0] = a->pitch_deg + way * (b->pitch_deg - a->pitch_deg);
     out_deg[1] = a->yaw_deg + way * (b->yaw_deg - a->yaw_deg);
 }
@@ -555,15 +553,15 @@ static const struct sensor {
     double neutral_deg;
     int joint; /* that it follows; JOINT_COUNT and one more: wrist */
 } sensors[] = {
-    {"thumb.roll", 66, JOINT_THUMB_ROLL},       {"thumb.mpj", 12, JOINT_THUMB_MIDDLE},
-    {"thumb.ij", 26, JOINT_THUMB_TIP},          {"thumb.abd", 24, JOINT_THUMB_ASIDE},
-    {"index.mpj", 34, JOINT_INDEX_KNUCKLE},     {"index.pij", 36, JOINT_INDEX_CURL},
-    {"middle.mpj", 36, JOINT_MIDDLE_KNUCKLE},   {"middle.pij", 38, JOINT_MIDDLE_CURL},
-    {"middle.abd", 5, JOINT_SPREAD},            {"ring.mpj", 36, JOINT_RING_KNUCKLE},
-    {"ring.pij", 38, JOINT_RING_CURL},          {"ring.abd", 5, JOINT_SPREAD},
-    {"little.mpj", 34, JOINT_LITTLE_KNUCKLE},   {"little.pij", 36, JOINT_LITTLE_CURL},
-    {"little.abd", 6, JOINT_SPREAD},            {"palm.arch", 8, JOINT_ARCH},
-    {"wrist.pitch", -5, JOINT_COUNT},           {"wrist.yaw", 0, JOINT_COUNT + 1},
+    {"thumb.roll", 66, JOINT_THUMB_ROLL},     {"thumb.mpj", 12, JOINT_THUMB_MIDDLE},
+    {"thumb.ij", 26, JOINT_THUMB_TIP},        {"thumb.abd", 20, JOINT_THUMB_DROP},
+    {"index.mpj", 34, JOINT_INDEX_KNUCKLE},   {"index.pij", 36, JOINT_INDEX_CURL},
+    {"middle.mpj", 36, JOINT_MIDDLE_KNUCKLE}, {"middle.pij", 38, JOINT_MIDDLE_CURL},
+    {"middle.abd", 5, JOINT_SPREAD},          {"ring.mpj", 36, JOINT_RING_KNUCKLE},
+    {"ring.pij", 38, JOINT_RING_CURL},        {"ring.abd", 5, JOINT_SPREAD},
+    {"little.mpj", 34, JOINT_LITTLE_KNUCKLE}, {"little.pij", 36, JOINT_LITTLE_CURL},
+    {"little.abd", 6, JOINT_SPREAD},          {"palm.arch", 8, JOINT_ARCH},
+    {"wrist.pitch", -5, JOINT_COUNT},         {"wrist.yaw", 0, JOINT_COUNT + 1},
 };
 enum { SENSORS = sizeof sensors / sizeof *sensors };
 
@@ -630,8 +628,9 @@ static void write_records(FILE *out, performance *p)
 
 static void write_header(FILE *out, const char *about)
 {
-    fprintf(out, "# marotte log: %s\n# Written by plugins/log/demo_face.c. The neutral pose first. "
-                 "Distal joints are not measured: they are estimated.\ntime_s",
+    fprintf(out,
+            "# marotte log: %s\n# Written by plugins/log/demo_face.c. The neutral pose first. "
+            "Distal joints are not measured: they are estimated.\ntime_s",
             about);
     for (int i = 0; i < SENSORS; ++i)
         fprintf(out, ",right.%s", sensors[i].name);

@@ -72,8 +72,8 @@ static void note_word(int position)
 static void write_phoneme(const espeak_EVENT *event)
 {
     const char *name = event->id.string;
-    const bool is_sound = isalpha((unsigned char)name[0]) || name[0] == '@' || name[0] == '0' ||
-                          name[0] == '3';
+    const bool is_sound =
+        isalpha((unsigned char)name[0]) || name[0] == '@' || name[0] == '0' || name[0] == '3';
     const int time_ms = event->audio_position + (int)(1000.0 * lead_s);
     fprintf(out.phonemes, "%d.%03d,%.8s,%s\n", time_ms / 1000, time_ms % 1000,
             is_sound ? name : "_", is_sound ? out.word : "");
@@ -89,15 +89,16 @@ static int on_sound(short *sound, int count, espeak_EVENT *events)
         if (events->type == espeakEVENT_PHONEME)
             write_phoneme(events);
     }
-    for (int i = 0; sound && i < count && out.frame_count < sizeof out.sound / sizeof *out.sound; ++i)
+    for (int i = 0; sound && i < count && out.frame_count < sizeof out.sound / sizeof *out.sound;
+         ++i)
         out.sound[out.frame_count++] = sound[i];
     return 0;
 }
 
 static bool write_voice(const char *path, int rate_hz)
 {
-    SF_INFO info = {.samplerate = rate_hz, .channels = 1,
-                    .format = SF_FORMAT_OGG | SF_FORMAT_VORBIS};
+    SF_INFO info = {
+        .samplerate = rate_hz, .channels = 1, .format = SF_FORMAT_OGG | SF_FORMAT_VORBIS};
     double quality = vorbis_quality, most = 1.0;
     SNDFILE *file = sf_open(path, SFM_WRITE, &info);
     if (!file)
@@ -126,9 +127,9 @@ int main(int argument_count, char **arguments)
         fprintf(stderr, "demo_voice: cannot read %s, or it is too long\n", arguments[1]);
         return 1;
     }
-    const int rate_hz = espeak_Initialize(AUDIO_OUTPUT_SYNCHRONOUS, 0, NULL,
-                                          espeakINITIALIZE_PHONEME_EVENTS |
-                                              espeakINITIALIZE_DONT_EXIT);
+    const int rate_hz =
+        espeak_Initialize(AUDIO_OUTPUT_SYNCHRONOUS, 0, NULL,
+                          espeakINITIALIZE_PHONEME_EVENTS | espeakINITIALIZE_DONT_EXIT);
     if (rate_hz <= 0 || espeak_SetVoiceByName(voice_name) != EE_OK) {
         fprintf(stderr, "demo_voice: espeak-ng has no voice %s\n", voice_name);
         return 1;
