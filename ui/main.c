@@ -296,7 +296,7 @@ static void print_help(void)
     command_print_examples(
         "\n"
         "girl.glb\n"
-        "perform --face puppet --input log:demo_hand.csv --map one_hand --export "
+        "perform --face puppet --input log:demo --map one_hand --export "
         "out/puppet.glb\n"
         "help take export\n");
 }

@@ -1304,7 +1304,7 @@ const command command_perform = {
         "\n"
         "The performance:\n"
         "  --input SPEC       an input plugin, its address and parameters; up to 8 times:\n"
-        "                     log:demo_hand.csv,speed=2\n"
+        "                     log:demo,speed=2\n"
         "  --map SPEC         a mapping plugin and its parameters: anchored,radius=30,gain=0.8\n"
         "  --curves FILE.csv  instead of --input and --map: a table as --export FILE.csv writes,\n"
         "                     a row for each frame, columns by name (jaw.open)\n"
@@ -1354,9 +1354,9 @@ const command command_perform = {
         "Formats, by the end of the name:\n",
     .more_help = EXPORTS_HELP,
     .examples =
-        "perform --face puppet --input log:demo_hand.csv --map one_hand --export out/puppet.glb\n"
+        "perform --face puppet --input log:demo --map one_hand --export out/puppet.glb\n"
         "perform --face moai --input log:demo_hand.csv,end=8 --map anchored --export out/moai.png\n"
-        "perform --face puppet --input log:demo_hand.csv --map one_hand --record show.marotte\n"
+        "perform --face puppet --input log:demo --map one_hand --record show.marotte\n"
         "perform --face puppet --curves curves.csv --export out/again.glb\n",
     .run = run,
 };

@@ -385,7 +385,7 @@ static int print_help(int argc, char **argv)
         "\n"
         "  --face FILE      a rig, a head, or puppet, moai (the show's, or the last one)\n"
         "  --map SPEC       the mapping: one_hand,smile_gain=130 (the last one)\n"
-        "  --input SPEC     a device or a recording, once for each: log:demo_hand.csv,loop=1\n"
+        "  --input SPEC     a device or a recording, once for each: log:demo,loop=1\n"
         "                   (the last ones, or all connected devices)\n"
         "  --remote [HOST:]PORT  let a phone, a Stream Deck or a script record, mark and pose,\n"
         "                   by OSC and WebSocket (as last time; first off). 0.0.0.0:9110\n"
