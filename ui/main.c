@@ -293,12 +293,11 @@ static void print_help(void)
     for (int i = 0; i < COMMAND_COUNT; ++i)
         printf("  %-10s %s\n", commands[i]->name, commands[i]->summary);
     fputs("\nExit codes: 0 done, 1 failed, 2 wrong usage.\n", stdout);
-    command_print_examples(
-        "\n"
-        "girl.glb\n"
-        "perform --face puppet --input log:demo --map one_hand --export "
-        "out/puppet.glb\n"
-        "help take export\n");
+    command_print_examples("\n"
+                           "girl.glb\n"
+                           "perform --face puppet --input log:demo --map one_hand --export "
+                           "out/puppet.glb\n"
+                           "help take export\n");
 }
 
 static bool asks_for_help(int argc, char **argv)

@@ -827,7 +827,8 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
 }
 
 /* The sound of the first recording that has one, into the .mp4. A damaged one is left out. */
-static mrt_result add_sound_of_input(performance *self, const char *mp4, double length_s, error *err)
+static mrt_result add_sound_of_input(performance *self, const char *mp4, double length_s,
+                                     error *err)
 {
     input_sound found;
     char *wav = NULL;

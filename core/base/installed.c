@@ -144,8 +144,8 @@ suggest_text installed_suggest(installed_kind kind, const char *given)
     suggest_text out = suggest_question(&near);
     const size_t used = strlen(out.text);
     if (names[0])
-        (void)snprintf(out.text + used, sizeof out.text - used, "%s Installed: %s",
-                       used ? "" : ".", names);
+        (void)snprintf(out.text + used, sizeof out.text - used, "%s Installed: %s", used ? "" : ".",
+                       names);
     return out;
 }
 

@@ -61,7 +61,7 @@ static void change_show(const film *f, const char *sql)
 }
 
 /* The library's type without the interface by which it is taken up. */
-static mrt_interface plain_interfaces[2];
+static mrt_interface plain_interfaces[8];
 static mrt_plugin_type plain_type;
 
 static void forget_resume(film *f)
@@ -72,8 +72,11 @@ static void forget_resume(film *f)
             strlen(strrchr(entry->type->id, '.') + 1) != strlen(f->play->mapping))
             continue;
         plain_type = *entry->type;
-        plain_interfaces[0] =
-            (mrt_interface){MRT_MAPPING, plugin_interface(entry->type, MRT_MAPPING)};
+        size_t count = 0;
+        for (const mrt_interface *one = entry->type->interfaces; one->id; ++one)
+            if (strcmp(one->id, MRT_RESUME) != 0 && count + 1 < sizeof plain_interfaces / sizeof *plain_interfaces)
+                plain_interfaces[count++] = *one;
+        plain_interfaces[count] = (mrt_interface){NULL, NULL};
         plain_type.interfaces = plain_interfaces;
         entry->type = &plain_type;
     }

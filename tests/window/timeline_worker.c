@@ -114,7 +114,6 @@ static void parts_of_the_face_have_curves_of_their_own(void **state)
         for (uint32_t i = 0; i < 200; ++i)
             sum[k] += fmaxf(result->bin[i].greatest, 0.0f);
     }
-    print_message("jaw %.3f, nose %.3f\n", (double)sum[0], (double)sum[1]);
     assert_true(sum[0] > 1.0f);
     assert_true(sum[1] < 0.01f * sum[0]);
     timeline_worker_destroy(worker);

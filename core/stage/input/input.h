@@ -83,8 +83,8 @@ double input_value(const input *self, uint32_t index);
  * plugin does not say. */
 double input_duration_s(input *self);
 
-/* The sound that belongs to a recording: a file beside it of the same name that ends with .flac, .ogg
- * or .wav. Both begin at the same moment. */
+/* The sound that belongs to a recording: a file beside it of the same name that ends with .flac,
+ * .ogg or .wav. Both begin at the same moment. */
 typedef struct input_sound {
     char path[4096];
     double start_s; /* of the sound, at the first sample: the recording's parameter "start" */
