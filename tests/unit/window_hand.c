@@ -157,8 +157,8 @@ static void the_ring_is_open_at_rest_and_closed_when_near(void **state)
     assert_true(how.off_mm < how.limit_mm);
     assert_near(how.closed, 1.0, 1e-9);
     how = goal_measure(&wanted, &(goal_face){.contact_count = 3, .dof_count = 2});
-    assert_near(how.off_mm, 10.0, 1e-9); /* the other half does not count */
-    beside.pull_mm[1] = (vec3){5.0, 0.0, 0.0};  /* what the goal leaves at rest does */
+    assert_near(how.off_mm, 10.0, 1e-9);       /* the other half does not count */
+    beside.pull_mm[1] = (vec3){5.0, 0.0, 0.0}; /* what the goal leaves at rest does */
     how = goal_measure(&wanted, &beside);
     assert_near(how.off_mm, 5.0 / sqrt(2.0), 1e-9);
 }
