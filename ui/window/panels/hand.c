@@ -864,7 +864,7 @@ static const float card_margin = 12.0f;
 
 float hand_panel_card_width(panel *self, const ui *on, ui_rectangle stage)
 {
-    static const float widths[] = {360.0f, 480.0f}, face_least = 320.0f;
+    static const float widths[] = {400.0f, 480.0f}, face_least = 320.0f;
     hand_card card = card_of(self);
     if (!app_looks_of(self->app)->shows_card || self->line_count == 0)
         return 0.0f;
