@@ -21,7 +21,7 @@ enum {
 #define WAY 2.3f
 
 static const mrt_card_line joints[] = {
-    {"Thumb down", "jaw opens", AT_THUMB_TIP, {[1] = -1.5f, [2] = -1.0f, [3] = WAY}},
+    {"Thumb down", "jaw opens", AT_THUMB_TIP, {[3] = WAY}},
     {"Thumb pressed up", "lips close, then press (m, b, p)", AT_THUMB_MIDDLE, {[1] = 3.0f}},
     {"Thumb tip hooked", "lower lip under the teeth (f, v)", AT_THUMB_TIP, {[2] = 2.0f}},
     {"Thumb rolled across the palm, back",

@@ -7,13 +7,13 @@ log=$SOURCE_DIR/plugins/log
     fail "log:demo: $(cat stderr)"
 [ "$(fact folds said)" -eq 0 ] || fail "the face folds"
 column() { head -1 demo.csv | tr , '\n' | grep -n "^$1\$" | cut -d: -f1; }
-seal=$(column lips.seal) jaw=$(column jaw.open) yaw=$(column eye.l.yaw)
+seal=$(column lips.seal) jaw=$(column jaw.open) yaw=$(column eye.l.yaw) time=$(column time_s)
 [ -n "$seal" ] && [ -n "$jaw" ] && [ -n "$yaw" ] || fail "columns: $(head -1 demo.csv)"
 # Of each phoneme (demo_phonemes.csv: when it begins, its name) the greatest value from 50 ms before it
 # until the next begins.
-awk -F, -v seal="$seal" -v jaw="$jaw" '
+awk -F, -v seal="$seal" -v jaw="$jaw" -v time="$time" '
     FNR == NR { if ($1 ~ /^[0-9]/) { to[n - 1] = $1; from[n] = $1; to[n] = $1 + 0.1; name[n] = $2; n += 1 }; next }
-    FNR > 1 { for (i = 0; i < n; ++i) if ($1 >= from[i] - 0.05 && $1 <= to[i]) {
+    FNR > 1 { for (i = 0; i < n; ++i) if ($time >= from[i] - 0.05 && $time <= to[i]) {
         if ($seal > sealed[i]) sealed[i] = $seal
         if ($jaw > open[i]) open[i] = $jaw } }
     END { for (i = 0; i < n; ++i) {
@@ -22,7 +22,7 @@ awk -F, -v seal="$seal" -v jaw="$jaw" '
         print lips " closures, jaw " widest
         exit bad > 0 || lips < 4 || widest < 0.15 }' "$log/demo_phonemes.csv" demo.csv >closures || fail "$(cat closures)"
 cat closures
-awk -F, -v yaw="$yaw" '$1 >= 4.0 { exit !($yaw < 0.1 && $yaw > -0.1) }' demo.csv || fail "4 s in it looks aside"
+awk -F, -v yaw="$yaw" -v time="$time" 'FNR > 1 && $time >= 4.0 { exit !($yaw < 0.1 && $yaw > -0.1) }' demo.csv || fail "4 s in it looks aside"
 "$MAROTTE" perform --verbose --face puppet --input log:emotions --map one_hand >said 2>stderr || fail "log:emotions: $(cat stderr)"
 [ "$(fact folds said)" -eq 0 ] || fail "log:emotions: the face folds"
 refused=$("$MAROTTE" perform --face puppet --input log:dmeo --map one_hand 2>&1) && fail "log:dmeo performs"

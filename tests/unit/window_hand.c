@@ -61,13 +61,13 @@ static void a_line_is_lit_while_its_angle_moves_and_alone(void **state)
         const char *hand;
         int angle;
         float by_rad;
-    } moves[] = {{"Thumb down", 1, -0.4f},
+    } moves[] = {{"Thumb down", 3, 0.4f},
                  {"Thumb pressed up", 1, 0.3f},
                  {"Index knuckle lifted, bent", 4, -0.4f},
                  {"Index knuckle lifted, bent", 4, 0.4f},
                  {"Middle knuckle bent, lifted", 7, 0.4f},
                  {"Ring finger lifted, bent", 11, -0.4f},
-                 {"Thumb aside", 3, 0.3f},
+                 {"Thumb rolled across the palm, back", 0, 0.3f},
                  {"Wrist", 20, 0.4f},
                  {"Wrist", 21, -0.4f}};
     uint32_t count;

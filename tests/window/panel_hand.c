@@ -96,7 +96,7 @@ static void close_performer(performer *p)
  * degrees beside it in every joint. `off_deg`: of this answer. */
 static void hold(performer *p, const char *name, float off_deg)
 {
-    static const int sensor[JOINT_COUNT] = {0, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 3, 19};
+    static const int sensor[JOINT_COUNT] = {3, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 0, 19};
     static const int spreads[] = {10, 14, 18};
     mrt_hand *hand = &p->frame.hand[MRT_RIGHT];
     float from[MRT_ANGLES], to[MRT_ANGLES];
