@@ -629,7 +629,7 @@ static void write_records(FILE *out, performance *p)
 static void write_header(FILE *out, const char *about)
 {
     fprintf(out,
-            "# marotte log: %s\n# Written by plugins/log/demo_face.c. The neutral pose first. "
+            "# marotte log: %s\n# Written by plugins/one_hand/demo_face.c. The neutral pose first. "
             "Distal joints are not measured: they are estimated.\ntime_s",
             about);
     for (int i = 0; i < SENSORS; ++i)

@@ -74,7 +74,8 @@ static void forget_resume(film *f)
         plain_type = *entry->type;
         size_t count = 0;
         for (const mrt_interface *one = entry->type->interfaces; one->id; ++one)
-            if (strcmp(one->id, MRT_RESUME) != 0 && count + 1 < sizeof plain_interfaces / sizeof *plain_interfaces)
+            if (strcmp(one->id, MRT_RESUME) != 0 &&
+                count + 1 < sizeof plain_interfaces / sizeof *plain_interfaces)
                 plain_interfaces[count++] = *one;
         plain_interfaces[count] = (mrt_interface){NULL, NULL};
         plain_type.interfaces = plain_interfaces;

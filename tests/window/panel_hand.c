@@ -144,7 +144,7 @@ static void the_card_says_what_each_part_does_and_lights_what_moves(void **state
     stand_picture(s, "panel_hand_card");
     const uint32_t dark = stand_word(s, "Thumb down")->colour;
     for (int i = 0; i < 12; ++i) {
-        p.frame.hand[MRT_RIGHT].angle[1] -= 0.04f;
+        p.frame.hand[MRT_RIGHT].angle[3] += 0.04f;
         perform(&p, 1);
         stand_frame(s);
     }
