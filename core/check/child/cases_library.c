@@ -209,9 +209,9 @@ static bool is_known(const char *id, size_t *out_functions)
     static const struct {
         const char *id;
         size_t functions;
-    } known[] = {{MRT_INPUT, 4},    {MRT_DEVICES, 2},  {MRT_OUTPUT, 3},      {MRT_MAPPING, 4},
-                 {MRT_STATE, 2},    {MRT_RESUME, 2},   {MRT_FACE_OUTPUT, 4}, {MRT_TAUGHT_POSES, 1},
-                 {MRT_DURATION, 1}, {MRT_RIG_POSES, 1}};
+    } known[] = {{MRT_INPUT, 4},    {MRT_DEVICES, 2},   {MRT_OUTPUT, 3},      {MRT_MAPPING, 4},
+                 {MRT_STATE, 2},    {MRT_RESUME, 2},    {MRT_FACE_OUTPUT, 4}, {MRT_TAUGHT_POSES, 1},
+                 {MRT_DURATION, 1}, {MRT_RIG_POSES, 1}, {MRT_HAND_CARD, 1}};
     for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
         *out_functions = known[i].functions;
         if (strcmp(known[i].id, id) == 0)

@@ -87,6 +87,7 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
     const mrt_state *state = plugin_interface(type, MRT_STATE);
     const mrt_taught_poses *poses = plugin_interface(type, MRT_TAUGHT_POSES);
     const mrt_rig_poses *rig_poses = plugin_interface(type, MRT_RIG_POSES);
+    const mrt_hand_card *card = plugin_interface(type, MRT_HAND_CARD);
     const mrt_devices *devices = plugin_interface(type, MRT_DEVICES);
     const mrt_output *output = plugin_interface(type, MRT_OUTPUT);
     const mrt_face_output *face = plugin_interface(type, MRT_FACE_OUTPUT);
@@ -105,6 +106,8 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
         lacking = MRT_TAUGHT_POSES;
     else if (rig_poses && !rig_poses->set)
         lacking = MRT_RIG_POSES;
+    else if (card && !card->lines)
+        lacking = MRT_HAND_CARD;
     else if (devices && (!devices->list || !devices->current))
         lacking = MRT_DEVICES;
     else if (output && (!output->open || !output->write || !output->close))
