@@ -682,6 +682,7 @@ typedef struct figures {
     double rest_noise_mm;                   /* median */
     double static_noise_mm, static_most_mm; /* median, greatest */
     double white_noise_mm, white_most_mm;
+    double process_us;
     double viseme_noise_mm[TARGETS_MAX]; /* white, median */
     double steepest_lips, steepest_face; /* mm for a degree */
     uint32_t ways, ways_monotone;
@@ -846,6 +847,8 @@ static void measure_white_noise(figures *out, const search *q)
         out->viseme_noise_mm[i] = percentile(mm + count, WHITE_FRAMES, 0.5);
     }
     out->white_noise_mm = percentile(mm, count, 0.5);
+    for (uint32_t i = 0; i < q->targets->viseme_count; ++i)
+        out->process_us += process_us(q->s, q->reach[i].hand.angle_rad) / q->targets->viseme_count;
     out->white_most_mm = count ? mm[count - 1] : (double)NAN;
     free(mm);
 }
@@ -1094,6 +1097,7 @@ FIGURE(static_noise, f->static_noise_mm)
 FIGURE(static_most, f->static_most_mm)
 FIGURE(white_noise, f->white_noise_mm)
 FIGURE(white_most, f->white_most_mm)
+FIGURE(process, f->process_us)
 FIGURE(steepest_lips, f->steepest_lips)
 FIGURE(steepest_face, f->steepest_face)
 FIGURE(ways_monotone, f->ways_monotone)
@@ -1127,6 +1131,7 @@ static const figure_column figure_table[] = {
     {"white_noise_mm", "lips in visemes under the device's noise, median, mm", 2,
      figure_white_noise},
     {"white_most_mm", "  greatest, mm", 2, figure_white_most},
+    {"process_us", "mean time of process() in visemes, microseconds", 1, figure_process},
     {"steepest_lips", "greatest mm of lips for a degree of hand on a way", 2, figure_steepest_lips},
     {"steepest_face", "  of lips, brows, lids or iris", 2, figure_steepest_face},
     {"ways_monotone", "ways on which the lips never come back", 0, figure_ways_monotone},

@@ -1,5 +1,6 @@
 #include "coverage_face.h"
 
+#include "base/clock.h"
 #include "mesh/position.h"
 
 #include <math.h>
@@ -292,6 +293,17 @@ void use_device(scene *s, device_kind kind)
     s->state = allocate(s->state_size, 1);
     if (s->state_size > 0)
         (void)s->resume->save(s->mapping.self, s->state, s->state_size);
+}
+
+double process_us(scene *s, const float *angle_rad)
+{
+    enum { CALLS = 20000 };
+    mrt_pull pull;
+    map_hand(s, angle_rad, &pull);
+    const int64_t start_ns = clock_now_ns();
+    for (int i = 0; i < CALLS; ++i)
+        map_frame(s, hold_dt_s, &pull);
+    return 1e-3 * (double)(clock_now_ns() - start_ns) / CALLS;
 }
 
 /* From the neutral pose at once to this one, which is held until the pull settles. */

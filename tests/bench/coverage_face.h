@@ -95,6 +95,8 @@ void use_device(scene *s, device_kind kind);
 void map_hand(scene *s, const float *angle_rad, mrt_pull *out);
 /* The same from the hand of before. */
 void map_on(scene *s, const float *angle_rad, mrt_pull *pull);
+/* Mean time of the mapping's process() while the hand is held, microseconds. */
+double process_us(scene *s, const float *angle_rad);
 
 /* ---- the linear model of the face ---- */
 
