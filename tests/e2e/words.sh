@@ -10,8 +10,8 @@ one_second=(--face puppet --input log:demo_hand.csv,start=12,end=13 --map one_ha
 refused 1 'there is no face "pupet". Did you mean "puppet"? Installed: moai, puppet' \
     "$MAROTTE" perform --face pupet --input log:demo_hand.csv --map one_hand
 refused 1 'Did you mean "girl.glb"?' "$MAROTTE" perform --face gril.glb --input log:demo_hand.csv --map anchored
-refused 1 'demo_hnad.csv: No such file or directory. Did you mean "demo_hand.csv"?' \
-    "$MAROTTE" perform --face puppet --input log:demo_hnad.csv --map one_hand
+refused 1 'demo_hnad: No such file or directory. Did you mean "demo_hand"?' \
+    "$MAROTTE" perform --face puppet --input log:demo_hnad --map one_hand
 mkdir recordings && cp "$demo" recordings/mine.csv
 refused 1 'Did you mean "recordings/mine.csv"?' "$MAROTTE" perform --face puppet --input log:recordings/mien.csv --map one_hand
 refused 1 'there is no input plugin "lgo". Did you mean "log"?' "$MAROTTE" perform --face puppet --input lgo:x --map one_hand
