@@ -539,6 +539,20 @@ static void set_neutral(mrt_plugin *self, const reading *as)
     self->blink.droop = 0.0;
 }
 
+/* A fist leaves no way to curl further. */
+static void judge_neutral(const mrt_plugin *self, const reading *as, const double *params)
+{
+    static const int middle_joints[4] = {5, 8, 12, 16};
+    static const double fist_deg = 75.0;
+    double bend_deg = 0.0;
+    for (int i = 0; i < 4; ++i)
+        bend_deg += 0.25 * as->value[READING_ANGLES + middle_joints[i]];
+    if (speaks(self, params) && bend_deg > fist_deg)
+        self->host->log(self->host, MRT_LOG_WARNING,
+                        "The neutral pose is a fist: the fingers cannot curl further. Relax the "
+                        "hand, then press Anchor.");
+}
+
 /* The stored pose, or the mean of the first samples; until it is known the face rests. */
 static void find_neutral(mrt_plugin *self, const reading *now, const double *params)
 {
@@ -567,6 +581,7 @@ static void find_neutral(mrt_plugin *self, const reading *now, const double *par
         reading_average(&own->pose, now, *count);
     if ((double)*count < params[SET_NEUTRAL_SAMPLES])
         return;
+    judge_neutral(self, &own->pose, params);
     set_neutral(self, &own->pose);
     attach_change(&self->attach, params[SET_REATTACH]);
 }

@@ -394,6 +394,22 @@ static void a_rig_with_few_poses_meets_those(void **state)
     bench_tear_down(&b);
 }
 
+static void a_neutral_fist_is_reported(void **state)
+{
+    (void)state;
+    bench b;
+    float fist[MRT_ANGLES];
+    set_up(&b, device_params[DEVICE_JOINTS]);
+    assert_false(has_logged(&b, "is a fist"));
+    b.functions->reset(b.plugin.self);
+    memcpy(fist, bench_talk, sizeof fist);
+    for (int i = 0; i < 4; ++i)
+        fist[(int[]){5, 8, 12, 16}[i]] = RAD(95.0f);
+    bench_step(&b, MRT_RIGHT, fist);
+    assert_true(has_logged(&b, "is a fist"));
+    bench_tear_down(&b);
+}
+
 /* ---- answers of simulated performers ---- */
 
 /* A performer holds the hand a little otherwise as a whole, moves each joint further or less far,
@@ -597,6 +613,7 @@ int main(void)
         cmocka_unit_test(ways_to_faces_are_monotone),
         cmocka_unit_test(a_rig_without_poses_is_performed_as_before),
         cmocka_unit_test(a_rig_with_few_poses_meets_those),
+        cmocka_unit_test(a_neutral_fist_is_reported),
         cmocka_unit_test(answers_make_a_performers_hands_say_the_faces),
         cmocka_unit_test(nonsense_is_not_learned),
     };
