@@ -173,7 +173,8 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
         const char *label = p->labels ? p->labels[(size_t)(at - p->min + 0.5)] : NULL;
         bool is_off =
             label ? strcmp(label, "Off") == 0 || strcmp(label, "None") == 0 : fabs(at) <= 0.0;
-        if ((p->flags & MRT_PARAM_TRIGGER) || (is_off && at <= p->initial))
+        const bool is_hidden = (p->flags & MRT_PARAM_HIDDEN) && fabs(at - p->initial) <= 0.0;
+        if ((p->flags & MRT_PARAM_TRIGGER) || is_hidden || (is_off && at <= p->initial))
             continue;
         size_t left = capacity - (size_t)used;
         bool is_usual = fabs(at - p->initial) < 0.5;

@@ -123,7 +123,7 @@ const mrt_param settings[SET_COUNT] = {
            "Of all movements in mm; 100: as the face's own size says."),
     HIDDEN_NUMBER(SET_REACH, 5, "Map", "Reach", "mm", 1, 100, 13,
            "Where the pull at a contact is softly stopped, whatever adds up there."),
-    NUMBER(SET_LEVER, 6, "Map", "Lever", "mm", 20, 300, 90,
+    HIDDEN_NUMBER(SET_LEVER, 6, "Map", "Lever", "mm", 20, 300, 90,
            "From the jaw's hinge to the incisors: what turns an opening into mm."),
 
     CHOICE(SET_NEUTRAL_FROM, 10, "Neutral", "Neutral", 1, NEUTRAL_AT_ENGAGE, neutral_labels,
