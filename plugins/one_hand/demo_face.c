@@ -243,7 +243,7 @@ static void add_sound_keys(performance *p, const phone *now)
     switch (is->manner) {
     case CLOSURE:
         (void)add_key(p, is->viseme, is->share, is->firmness, now->start_s - 0.045,
-                      larger(now->end_s - 0.025, now->start_s + 0.02));
+                      larger(now->end_s - 0.01, now->start_s + 0.02));
         return;
     case CONSONANT:
         (void)add_key(p, is->viseme, is->share, is->firmness, s + 0.25 * d, e - 0.25 * d);
@@ -271,6 +271,13 @@ static void add_pause_keys(performance *p, double start_s, double end_s)
     (void)add_key(p, "smile", 0.8, 0.9, smaller(reached_s, left_s), left_s);
 }
 
+/* Lips close by the thumb alone, whatever shape they have meanwhile. */
+static double firmness_of(const key *k, int joint)
+{
+    static const double of_shape = 0.6;
+    return k->firmness >= 1.0 && joint > JOINT_THUMB_TIP ? of_shape : k->firmness;
+}
+
 /* Firm keys before and after, by how near they are in time, colour the weak one. */
 static void coarticulate(performance *p)
 {
@@ -289,9 +296,9 @@ static void coarticulate(performance *p)
         const double w = to_s > from_s ? (middle_s - from_s) / (to_s - from_s) : 0.5;
         const double way = smaller(larger(w, 0.0), 1.0);
         for (int i = 0; i < JOINT_COUNT; ++i)
-            now->deg[i] =
-                now->firmness * own[k][i] +
-                (1.0 - now->firmness) * (own[before][i] + way * (own[after][i] - own[before][i]));
+            now->deg[i] = firmness_of(now, i) * own[k][i] +
+                          (1.0 - firmness_of(now, i)) *
+                              (own[before][i] + way * (own[after][i] - own[before][i]));
     }
 }
 
@@ -306,7 +313,7 @@ static double needed_s(const key *a, const key *b)
 /* Holds are shortened first, then the weaker key of two comes nearer to the other. */
 static void keep_speed(performance *p)
 {
-    static const double gap_least_s = 0.04, hold_of_closure_s = 0.03;
+    static const double gap_least_s = 0.04, hold_of_closure_s = 0.08;
     for (int pass = 0; pass < 200; ++pass)
         for (int k = 0; k + 1 < p->key_count; ++k) {
             key *a = &p->keys[k], *b = &p->keys[k + 1];
@@ -334,9 +341,10 @@ static void keep_speed(performance *p)
                 if (over <= 0.0)
                     continue;
                 const double give = way < 0.0 ? -over : over;
-                if (a->firmness < b->firmness)
+                const double firm_a = firmness_of(a, i), firm_b = firmness_of(b, i);
+                if (firm_a < firm_b)
                     a->deg[i] += give;
-                else if (a->firmness > b->firmness)
+                else if (firm_a > firm_b)
                     b->deg[i] -= give;
                 else {
                     a->deg[i] += 0.5 * give;

@@ -2,6 +2,7 @@
 # The demo speaks: lips close at each m, b and p of its sentence, the jaw opens at its vowels, it looks
 # at you four seconds in, nothing folds, and the video has its voice.
 source "$(dirname "$0")/lib.sh"
+cd "$scratch" || exit 1
 log=$SOURCE_DIR/plugins/log
 "$MAROTTE" perform --verbose --face puppet --input log:demo --map one_hand --fps 100 --export demo.csv >said 2>stderr ||
     fail "log:demo: $(cat stderr)"
@@ -22,6 +23,18 @@ awk -F, -v seal="$seal" -v jaw="$jaw" -v time="$time" '
         print lips " closures, jaw " widest
         exit bad > 0 || lips < 4 || widest < 0.15 }' "$log/demo_phonemes.csv" demo.csv >closures || fail "$(cat closures)"
 cat closures
+# Mouths in the middle of a phoneme that differ from each other by 10 mm and more: sum over lips and corners, and the jaw at 50 mm.
+mouths=$(awk -F, -v time="$time" -v jaw="$jaw" '
+    FNR == NR { if ($1 ~ /^[0-9]/) { at[n - 1] = (at[n - 1] + $1) / 2; at[n++] = $1 } next }
+    FNR == 1 { for (c = 1; c <= NF; ++c) if ($c ~ /^(mouth\.corner|lip)\..*\.[xyz]$/) use[c] = 1; next }
+    i < n - 1 && $time >= at[i] { i += 1; is_new = 1
+        for (k = 0; k < count && is_new; ++k) { sum = (50 * ($jaw - open[k])) ^ 2
+            for (c in use) sum += ($c - was[k, c]) ^ 2
+            is_new = sum > 100 }
+        if (is_new) { open[count] = $jaw; for (c in use) was[count, c] = $c; count += 1 } }
+    END { print count + 0 }' "$log/demo_phonemes.csv" demo.csv)
+[ "$mouths" -ge 10 ] || fail "only $mouths different mouths"
+echo "$mouths different mouths"
 awk -F, -v yaw="$yaw" -v time="$time" 'FNR > 1 && $time >= 4.0 { exit !($yaw < 0.1 && $yaw > -0.1) }' demo.csv || fail "4 s in it looks aside"
 "$MAROTTE" perform --verbose --face puppet --input log:emotions --map one_hand >said 2>stderr || fail "log:emotions: $(cat stderr)"
 [ "$(fact folds said)" -eq 0 ] || fail "log:emotions: the face folds"
