@@ -897,10 +897,9 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
     fitting_report(&self->fitting, self->host);
     learn_faces(self);
     if (!self->can_speak)
-        self->host->log(
-            self->host, MRT_LOG_WARNING,
-            "This rig has no poses for the hand to meet. one_hand performs as it did in "
-            "earlier versions. Draft the rig anew with \"marotte rig new\" to add poses.");
+        self->host->log(self->host, MRT_LOG_WARNING,
+                        "This rig has no poses for the hand to meet. one_hand uses the classic "
+                        "mode. Draft the rig anew with \"marotte rig new\" to add poses.");
     return MRT_OK;
 }
 

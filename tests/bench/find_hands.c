@@ -162,7 +162,7 @@ static void mean_upper(double deg[JOINT_COUNT], const pose *p, device_kind devic
 
 /* ---- comfort: what a human hand can hold ---- */
 
-static double *closer(double *a, double *b, double most)
+static void closer(double *a, double *b, double most)
 {
     const double over = *a - *b;
     if (over > most || over < -most) {
@@ -170,7 +170,6 @@ static double *closer(double *a, double *b, double most)
         *a -= by;
         *b += by;
     }
-    return a;
 }
 
 static void make_comfortable(double deg[JOINT_COUNT], int f, device_kind device)
@@ -178,10 +177,10 @@ static void make_comfortable(double deg[JOINT_COUNT], int f, device_kind device)
     const bool is_mouth = face_recipes[f].half == HALF_MOUTH;
     const bool sealed = is_sealed(&face_of[f]);
     if (device != DEVICE_CURLS && is_mouth) {
-        (void)closer(&deg[JOINT_INDEX_CURL], &deg[JOINT_MIDDLE_CURL], 18.0);
-        (void)closer(&deg[JOINT_RING_CURL], &deg[JOINT_LITTLE_CURL], 26.0);
-        (void)closer(&deg[JOINT_MIDDLE_CURL], &deg[JOINT_RING_CURL], 40.0);
-        (void)closer(&deg[JOINT_RING_KNUCKLE], &deg[JOINT_LITTLE_KNUCKLE], 26.0);
+        closer(&deg[JOINT_INDEX_CURL], &deg[JOINT_MIDDLE_CURL], 18.0);
+        closer(&deg[JOINT_RING_CURL], &deg[JOINT_LITTLE_CURL], 26.0);
+        closer(&deg[JOINT_MIDDLE_CURL], &deg[JOINT_RING_CURL], 40.0);
+        closer(&deg[JOINT_RING_KNUCKLE], &deg[JOINT_LITTLE_KNUCKLE], 26.0);
     }
     for (int i = half_first_joint[face_recipes[f].half];
          i < half_first_joint[face_recipes[f].half + 1]; ++i) {
