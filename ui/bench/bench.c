@@ -186,7 +186,7 @@ void bench_roof_flush(void *roof)
 /* ---- the command ---- */
 
 static const char help[] =
-    "marotte bench [--quick] [--gate] [--json] [--only PART]\n"
+    "marotte bench [--quick] [--gate] [--json] [--only PART] [--face FACE]\n"
     "\n"
     "Measures the engine on this machine, on one thread if not stated otherwise. Each time is\n"
     "compared with a plain copy of memory, with square roots and with naive code, measured in\n"
@@ -196,6 +196,7 @@ static const char help[] =
     "  --quick      under 20 s: fewer rounds, cold caches only where they matter\n"
     "  --gate       exit code 1 if a ratio misses half of its goal\n"
     "  --only PART  grid, bones, factor, threads, frame or stage\n"
+    "  --face FACE  the face that performs the frames; if not given, the puppet\n"
     "  --json       print the results as one JSON object\n"
     "\n"
     "Environment: MAROTTE_ISA=generic|v2|v3|v4 chooses the instruction set, MAROTTE_THREADS=N\n"
@@ -282,6 +283,7 @@ static void bench_memory(bench *self)
 typedef struct bench_options {
     bool is_quick, is_json, is_gate;
     const part *only; /* NULL: all */
+    const char *face;
 } bench_options;
 
 static int read_part(void *to, const command *self, const char *name, const char *text)
@@ -300,6 +302,7 @@ static const command_option option_table[] = {
     {"quick", COMMAND_FLAG, AT(is_quick)},
     {"gate", COMMAND_FLAG, AT(is_gate)},
     {"only", COMMAND_READ, AT(only), .read = read_part},
+    {"face", COMMAND_TEXT, AT(face)},
     {"json", COMMAND_FLAG, AT(is_json)},
     {.name = NULL},
 };
@@ -332,6 +335,7 @@ static int run(int argc, char **argv)
                   .seconds = options.is_quick ? 0.08 : 0.6,
                   .is_quick = options.is_quick,
                   .is_json = options.is_json,
+                  .face = options.face,
                   .told = facts_create(options.is_json ? FACTS_JSON : FACTS_LINES)};
     if (!self.told)
         return command_failed(&command_bench, &(error){"no memory"});

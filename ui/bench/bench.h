@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "csrbf/shape.h"
 #include "facts.h"
+#include "stage/mapping/plugins.h"
+#include "stage/perform/face_file.h"
 #include "terminal.h"
 
 /* Something that is timed: called again and again, it does the same work each time. */
@@ -68,6 +70,7 @@ typedef struct bench {
     facts *told;
     progress shown;
     bool is_quick, is_json;
+    const char *face;    /* that performs the frames; NULL: the puppet */
     bool is_paper_alone; /* of the grid the paper's models, and no cold caches */
     CHECKED mrt_result (*on_cell)(void *data, const bench_cell *cell, error *err); /* NULL: none */
     void *on_cell_data;
@@ -126,12 +129,24 @@ void bench_naive_run(void *naive); /* into plane->moved */
  * further out. */
 void bench_skull_centre(double out[3], uint32_t i, uint32_t count, double scale);
 
+/* ---- a face with what performs it ---- */
+
+typedef struct bench_face {
+    char *path;
+    face_file file;
+    log_queue *log;
+    plugin_list plugins;
+} bench_face;
+/* path NULL: the puppet. To be closed whatever the result. */
+CHECKED mrt_result bench_face_open(bench_face *out, const char *path, error *err);
+void bench_face_close(bench_face *self);
+
 /* ---- the parts, in the order in which they are printed ---- */
 CHECKED mrt_result bench_grid(bench *self, error *err);    /* the paper's Table 1, and larger */
 CHECKED mrt_result bench_bones(bench *self, error *err);   /* fields with constraint centres */
 CHECKED mrt_result bench_factor(bench *self, error *err);  /* factorisation, up to 3 000 centres */
 CHECKED mrt_result bench_threads(bench *self, error *err); /* one and several */
-CHECKED mrt_result bench_frame(bench *self, error *err);   /* the whole frame on the puppet */
+CHECKED mrt_result bench_frame(bench *self, error *err);   /* the whole frame, by phases */
 CHECKED mrt_result bench_stage(bench *self, error *err);   /* from a sample to the face published */
 
 #endif
