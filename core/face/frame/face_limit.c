@@ -49,9 +49,9 @@ static const double softening = 0.02, softening_more = 3.0;
 /* The strain of one triangle is cut off here, so that a sliver does not outweigh the rest. */
 static const double strain_most = 8.0;
 
-/* How far pulls may tilt skin from where the bones turn it: below 87 degrees, so that no triangle
- * is seen from behind. The first 17 degrees by which bones tilt it are not counted against that. */
-static const float inv_tan_seen = 0.0524078f; /* 1 / tan(87 degrees) */
+/* 1 / tan(STRAIN_SEEN_RAD). The first 17 degrees by which bones tilt skin are not counted against
+ * that. */
+static const float inv_tan_seen = 0.0524078f;
 static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 
 /* Several of a head's own shapes at once may stretch an edge by this factor more than each alone.
@@ -193,7 +193,7 @@ mrt_result face_limit_create(face *f, error *err)
     measure_turns(f);
     measure_still(f);
     list_blocks(f);
-    return MRT_OK;
+    return limit_rooms_create(f, err);
 }
 
 /* ---- triangles ---- */
@@ -227,12 +227,8 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
  *
  * What the controls add has a gradient no longer than B over the origin: as long as it was when it
  * was measured last, and since then the sum over the columns of how much their weights have changed
- * by how steep each is. What the bones do to a group, seen from its main bone, is
- *   I + sum_b w_b (R_b - I) + u_b g_b^T,   u_b = M_b x - x, g_b = grad w_b,
- * over the other bones, M_b being their motion relative to that one. It makes no vector shorter
- * than by its least singular value s; so the skin as posed has the gradient G with |G| <= B / s,
- * and is looked at only where that may be too much. B remembers frames; what is found does not
- * depend on it. */
+ * by how steep each is. Bones leave some room for it (face_limit_room.c), and a group is looked at
+ * only where B may be beyond that. B remembers frames; what is found does not depend on it. */
 
 /* Bound of the relative rounding error of a sum of so many columns. */
 static float rounding_of(const face *f)
@@ -259,7 +255,7 @@ static float steepest_in(const float *row, const uint32_t *corner, const strain_
 
 /* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; given likewise.
  */
-static double angle_subtract(double of_angle, angle_sincos less)
+double limit_angle_subtract(double of_angle, angle_sincos less)
 {
     double left = less.cos - of_angle * less.sin;
     return left > 0.0 ? (of_angle * less.cos + less.sin) / left : (double)INFINITY;
@@ -285,14 +281,13 @@ static angle_sincos angle_add(angle_sincos a, angle_sincos b)
 }
 
 /* How much a gradient strains and turns triangles of the group at most, when they have turned from
- * rest by up to `tilt`, and their neighbours another way by up to `apart`. */
-static float steepness_of(const limit_group *g, angle_sincos tilt, angle_sincos apart)
+ * rest by up to `tilt`. */
+static float steepness_of(const limit_group *g, angle_sincos tilt)
 {
     const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
-    const angle_sincos all = angle_add(tilt, apart);
     double inv_tan_tilt =
-        fmax(1.0 / (double)STRAIN_TILT_MOST, angle_subtract((double)inv_tan_seen, tilt));
-    double inv_tan_turn = angle_subtract((double)g->inv_tan_turn, all);
+        fmax(1.0 / (double)STRAIN_TILT_MOST, limit_angle_subtract((double)inv_tan_seen, tilt));
+    double inv_tan_turn = limit_angle_subtract((double)g->inv_tan_turn, tilt);
     double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
     return (float)(sure * fmax(sqrt(squeezed + inv_tan_tilt * inv_tan_tilt),
                                sqrt(1.0 + inv_tan_turn * inv_tan_turn)));
@@ -339,8 +334,8 @@ static void bound_group(face *f, size_t group)
         float without = steepest_in(row, corner, &patch->origin.shape, count, 0.0f);
         rounding += fmaxf(with - without, 0.0f) + rounding_of(f);
     }
-    const angle_sincos tilt = angle_of_cosine((double)g->tilt_cosine), none = {.cos = 1.0};
-    g->steepness = is_squashed ? INFINITY : steepness_of(g, tilt, none);
+    g->steepness =
+        is_squashed ? INFINITY : steepness_of(g, angle_of_cosine((double)g->tilt_cosine));
     g->rounding = rounding;
 }
 
@@ -404,6 +399,16 @@ static void find_gradient(limit_carried *out, const float *row, const uint32_t *
     out->apart = (float)apart;
 }
 
+static float spread_of(const float *row, const uint32_t *corner, size_t count)
+{
+    float spread = 0.0f;
+    for (size_t i = 0; i < 3 * count; ++i) {
+        size_t next = i % 3 == 2 ? i - 2 : i + 1;
+        spread = larger(spread, fabsf(row[corner[next]] - row[corner[i]]));
+    }
+    return spread;
+}
+
 static void find_shares(float *out, const float *row, const uint32_t *corner, size_t count)
 {
     for (size_t i = 0; i < GROUP; ++i, corner += 3)
@@ -436,7 +441,9 @@ static uint32_t carry_group(face *f, size_t group, const strain_frames *frames)
         limit_carried *c = &f->limit.carried[next];
         if (bone == g->main_bone || !(most[bone] > 0.0f))
             continue;
-        *c = (limit_carried){.bone = bone, .weight = most[bone]};
+        *c = (limit_carried){.bone = bone,
+                             .weight = most[bone],
+                             .spread = spread_of(carrier_row(f, bone), corner, count)};
         find_gradient(c, carrier_row(f, bone), corner, frames, count);
         find_shares(c->share, carrier_row(f, bone), corner, count);
         next += 1;
@@ -457,16 +464,6 @@ static void find_bones_around(face *f)
     for (size_t t = 0; t < f->skin_count; ++t)
         for (size_t i = 0; i < 3; ++i)
             l->group[t / GROUP].bones_around |= l->bones_around[f->skin[3 * t + i]];
-}
-
-static void find_rooms_alone(face *f)
-{
-    for (size_t group = 0; group < limit_group_count(f); ++group) {
-        limit_group *g = &f->limit.group[group];
-        bool is_alone = g->first_carried == g[1].first_carried &&
-                        (g->bones_around & ~(1u << g->main_bone)) == 0;
-        g->room_alone = is_alone ? limit_room_of_pose(f, g) : INFINITY;
-    }
 }
 
 void face_limit_engage(face *f)
@@ -512,7 +509,7 @@ void face_limit_engage(face *f)
         }
     }
     find_bones_around(f);
-    find_rooms_alone(f);
+    limit_rooms_engage(f);
 }
 
 void limit_begin_pose(face *f)
@@ -540,50 +537,10 @@ void limit_begin_pose(face *f)
         l->apart[i].rotation = -1.0;
     for (size_t group = 0; group < limit_group_count(f); ++group) {
         limit_group *g = &l->group[group];
-        g->room = l->is_at_rest ? 1.0f - g->rounding : g->room_alone;
         g->strain = g->flip = INFINITY;
         g->is_framed = g->has_along = false;
     }
-}
-
-static rigid motion_of(const face *f, uint32_t bone)
-{
-    return bone == STILL ? rigid_identity() : f->pose[bone];
-}
-
-/* The motion of one bone relative to another; computed once in a frame. */
-static const limit_apart *apart_of(face *f, uint32_t main_bone, uint32_t bone)
-{
-    limit_apart *out = &f->limit.apart[main_bone * CARRIERS + bone];
-    if (out->rotation >= 0.0)
-        return out;
-    const rigid main_motion = motion_of(f, main_bone), motion = motion_of(f, bone);
-    const rigid back = rigid_inverse(&main_motion);
-    double square = 0.0;
-    out->motion = rigid_compose(&back, &motion);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            double off = out->motion.r[i][j] - (i == j ? 1.0 : 0.0);
-            square += off * off;
-        }
-    out->rotation = sqrt(0.5 * square);
-    return out;
-}
-
-/* The least singular value of I + u g^T, of p = u . g at least and n = |u| |g| at most. */
-static double least_scale(double p, double n)
-{
-    return 1.0 + p > 0.0 ? fmin(1.0, 0.5 * (sqrt(4.0 * (1.0 + p) + n * n) - n)) : 0.0;
-}
-
-angle_sincos limit_half_apart(face *f, const limit_group *g)
-{
-    double most = 0.0;
-    for (uint32_t left = g->bones_around & ~(1u << g->main_bone); left != 0; left &= left - 1) {
-        double rotation = apart_of(f, g->main_bone, (uint32_t)__builtin_ctz(left))->rotation;
-        most = 0.5 * rotation > most ? 0.5 * rotation : most;
-    }
-    return angle_of_sine(most);
+    limit_rooms_pose(f);
 }
 
 /* Upper bound of the angle between the rotation of a triangle of the group and the main bone's. */
@@ -592,47 +549,8 @@ static angle_sincos blend_apart(face *f, const limit_group *g)
     double most = 0.0;
     for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
         most += (double)f->limit.carried[i].weight *
-                apart_of(f, g->main_bone, f->limit.carried[i].bone)->rotation;
+                limit_apart_of(f, g->main_bone, f->limit.carried[i].bone)->rotation;
     return angle_of_sine(most);
-}
-
-/* Lower bound of the length that the bones leave of a unit vector of the group; < 0: none is known.
- * And upper bound of how far they tilt a triangle. */
-static float bound_pose(face *f, const limit_group *g, angle_sincos *out_tilt)
-{
-    const vec3 centre = {(double)g->centre[0], (double)g->centre[1], (double)g->centre[2]};
-    double lost = (double)g->rounding, scale = 1.0, most = 0.0, steepest = 0.0;
-    for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i) {
-        const limit_carried *c = &f->limit.carried[i];
-        const limit_apart *apart = apart_of(f, g->main_bone, c->bone);
-        const vec3 way = vec3_sub(rigid_apply(&apart->motion, centre), centre);
-        const vec3 gradient = {(double)c->gradient[0], (double)c->gradient[1],
-                               (double)c->gradient[2]};
-        double round = apart->rotation * (double)g->radius, off = (double)c->apart;
-        double far = sqrt(vec3_dot(way, way)) + round;
-        double steep = sqrt(vec3_dot(gradient, gradient)) + off;
-        double p = vec3_dot(way, gradient) - round * steep - far * off, n = far * steep;
-        lost += (double)c->weight * apart->rotation + fmin(n, most);
-        if (n > most) { /* worst case: all others act against it */
-            most = n;
-            scale = least_scale(p, n);
-            steepest = 1.0 + p > 0.0 ? sqrt(fmax(n * n - p * p, 0.0)) / (1.0 + p) : 1e9;
-        }
-    }
-    const double cosine = 1.0 / sqrt(1.0 + steepest * steepest);
-    const angle_sincos by_one = {.cos = cosine, .sin = steepest * cosine};
-    const angle_sincos by_others = angle_of_sine(scale > 0.0 ? 1.01 * lost / scale : 1.0);
-    *out_tilt = angle_add(by_one, by_others);
-    return (float)(scale - 1.01 * lost);
-}
-
-float limit_room_of_pose(face *f, const limit_group *g)
-{
-    angle_sincos tilt, apart = limit_half_apart(f, g);
-    float scale = bound_pose(f, g, &tilt) - g->rounding;
-    tilt = angle_add(tilt, angle_of_cosine((double)g->tilt_cosine));
-    float steepness = steepness_of(g, tilt, apart);
-    return isfinite(steepness) ? scale * g->steepness / steepness : 0.0f;
 }
 
 /* Upper bound of the norm of the change of a shape's three weights, a 3 x 3 matrix. */
@@ -685,17 +603,13 @@ bool limit_is_shaped(const face *f)
 }
 
 /* Whether the bound of the pulls' gradient in the group allows too much strain. */
-static bool is_too_steep(face *f, size_t group)
+static bool is_too_steep(const face *f, size_t group)
 {
-    limit_group *g = &f->limit.group[group];
+    const limit_group *g = &f->limit.group[group];
     float steepness =
         limit_is_shaped(f) && isfinite(g->steepness) ? limit_shaped_steepness : g->steepness;
     float most = f->limit.pull_bound[group] * steepness;
-    if (!(most > 0.0f))
-        return false;
-    if (isinf(g->room) && most < 1.0f)
-        g->room = limit_room_of_pose(f, g);
-    return !(most < 1.0f && most < g->room);
+    return most > 0.0f && !(most < 1.0f && most < limit_room(f, group));
 }
 
 /* The same, using what was measured in the group before. */
@@ -711,8 +625,8 @@ static bool may_be_strained(face *f, size_t group, limit_looks looks)
     if (limit_is_shaped(f))
         return true;
     if (change > 0.0f) {
-        float more =
-            g->room > 0.0f && isfinite(g->room) ? change * g->steepness / g->room : INFINITY;
+        float room = limit_room(f, group);
+        float more = room > 0.0f ? change * g->steepness / room : INFINITY;
         g->strain += more;
         g->flip += more;
     }
@@ -855,7 +769,7 @@ static void frame_group(face *f, size_t group)
     limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = limit_corners(f, group, l->posed);
-    const rigid motion = motion_of(f, g->main_bone);
+    const rigid motion = limit_motion_of(f, g->main_bone);
     float rotation[9], turn_cosine[GROUP];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)

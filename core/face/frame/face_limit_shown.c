@@ -170,17 +170,13 @@ static bool is_harmed_by_lips(face *f, uint32_t i)
 static bool may_lips_harm(face *f, uint32_t i)
 {
     const face_lips *l = &f->lips;
-    limit_group *g = &f->limit.group[l->group[i]];
+    const limit_group *g = &f->limit.group[l->group[i]];
     bool is_bounded = f->origin == &f->base && !f->limit.gives_less &&
                       (f->control_count == 0 || !(f->settings.stretch_most < 0.0));
     float steepness =
         limit_is_shaped(f) && isfinite(g->steepness) ? limit_shaped_steepness : g->steepness;
     float most = (f->limit.pull_bound[l->group[i]] + l->steepness[i]) * steepness;
-    if (!is_bounded || !(most < 1.0f))
-        return true;
-    if (isinf(g->room))
-        g->room = limit_room_of_pose(f, g);
-    return !(most < g->room);
+    return !is_bounded || !(most < 1.0f) || !(most < limit_room(f, l->group[i]));
 }
 
 /* Whether the seal at that strength harms skin. */

@@ -58,6 +58,7 @@ typedef struct face_limit {
     struct limit_carried *carried;  /* of each group: see limit_group */
     uint32_t *block;                /* likewise: of its vertices */
     struct limit_apart *apart;      /* of each two bones */
+    struct limit_rooms *rooms;      /* face_limit_room.c */
     float turned[RIG_BONES_MAX][9]; /* of each bone: R - I */
     float *still;                   /* of each vertex: the share that no moving bone carries */
     uint32_t *bones_around;         /* of each vertex: bits, the main bones of its groups */

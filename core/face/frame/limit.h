@@ -1,5 +1,6 @@
-/* face/frame/limit.h - what face_limit.c (pulls) and face_limit_shown.c (the seal, and what lies
- * under the skin) share. Inside the room. [frame] */
+/* face/frame/limit.h - what face_limit.c (pulls), face_limit_room.c (what bones leave of the room
+ * for pulls) and face_limit_shown.c (the seal, and what lies under the skin) share. Inside the
+ * room. [frame] */
 #ifndef MAROTTE_FACE_LIMIT_H
 #define MAROTTE_FACE_LIMIT_H
 #include "base/angle.h"
@@ -30,8 +31,7 @@ typedef struct limit_group {
     float inv_tan_turn; /* the greatest of its triangles' */
     float tilt_cosine;  /* cosine of the largest turn of one of them from rest to the origin */
     float rounding;     /* by how much rounding of the origin may turn and stretch a triangle */
-    float room;         /* room_of_pose; INFINITY: not known in this frame */
-    float room_alone;   /* the same for every pose, where no other bone is near; INFINITY: not so */
+
     float strain,
         flip; /* upper bounds (strain: also of the size); INFINITY: not known in this pose */
     uint32_t main_bone;                  /* or STILL */
@@ -46,6 +46,7 @@ typedef struct limit_group {
 typedef struct limit_carried {
     uint32_t bone;
     float weight, gradient[3], apart;
+    float spread;       /* the largest difference of its share between two corners of a triangle */
     float share[GROUP]; /* of each triangle: the mean of its corners */
 } limit_carried;
 
@@ -87,11 +88,8 @@ static inline strain_corners limit_corners(const face *f, size_t group, float (*
 
 /* Starts a frame with another pose: nothing that follows from it has been computed yet. */
 void limit_begin_pose(face *f);
-/* Upper bound of half the angle between the rotations of the group and of a neighbouring one. */
-angle_sincos limit_half_apart(face *f, const limit_group *g);
-/* The length of a gradient (in the origin, times the steepness of the group) below which pulls do
- * not strain a triangle of the posed group too much. */
-float limit_room_of_pose(face *f, const limit_group *g);
+/* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; likewise. */
+double limit_angle_subtract(double of_angle, angle_sincos less);
 /* patch.along: the normals at rest, turned by the bones. Once in a frame. */
 void limit_turn_normals(face *f, size_t group);
 /* The head uses shapes of its own: they may strain skin until it folds. */
@@ -110,6 +108,22 @@ void limit_give(face *f);
 void limit_give_fields(face *f);
 /* meter.held_back_mm: what limit.g has less than limit.asked. */
 void limit_note_held_back(face *f);
+
+/* ---- face_limit_room.c ---- */
+
+CHECKED mrt_result limit_rooms_create(face *f, error *err);
+/* Called when the groups' balls, bones and origins are known, after an engagement. */
+void limit_rooms_engage(face *f);
+/* Called when the pose is another one. */
+void limit_rooms_pose(face *f);
+/* How a bone moves, seen from another one; once in a pose. */
+const limit_apart *limit_apart_of(face *f, uint32_t main_bone, uint32_t bone);
+rigid limit_motion_of(const face *f, uint32_t bone);
+/* Upper bound of half the angle between the rotations of the group and of a neighbouring one. */
+angle_sincos limit_half_apart(face *f, const limit_group *g);
+/* The length of a gradient in the origin, times the group's steepness, below which pulls strain no
+ * triangle of the group too much in this pose. */
+float limit_room(const face *f, size_t group);
 
 /* ---- face_limit_shown.c ---- */
 

@@ -14,6 +14,8 @@
                                                  .strains = STRAIN_OF(strains, variant),           \
                                                  .turn_normals = STRAIN_OF(turn_normals, variant), \
                                                  .seen = STRAIN_OF(seen, variant),                 \
+                                                 .blends = STRAIN_OF(blends, variant),             \
+                                                 .rooms = STRAIN_OF(rooms, variant),               \
                                                  .folds = STRAIN_OF(folds, variant)}
 
 STRAIN_TABLE(generic);

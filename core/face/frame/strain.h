@@ -9,6 +9,10 @@
 
 enum { STRAIN_GROUP = 16 };
 
+/* How far pulls may tilt skin from where the bones turn it: below 87 degrees, so that no triangle
+ * is seen from behind. */
+#define STRAIN_SEEN_RAD 1.51843645f
+
 /* M and T: a gradient G squeezes a triangle by the least eigenvalue of the symmetric part of G in
  * its plane, negated, over M; and tilts it by how steep it is along the normal, over T at most. */
 #define STRAIN_SQUEEZE_MOST 0.85f
@@ -50,6 +54,28 @@ typedef struct strain_seen {
     float turned[STRAIN_GROUP]; /* above 0: turned from that normal by more than may be */
 } strain_seen;
 
+/* How a bone moves, seen from another one that carries groups of triangles too: an entry for each
+ * such group, all of one pair of bones in a row. */
+typedef struct strain_blends {
+    float *centre[3], *radius;   /* of a ball around the group, mm */
+    float *gradient[3], *length; /* the mean gradient of the bone's share of it, 1/mm */
+    float *off;                  /* the largest difference of a triangle's from that */
+    float *along, *steep;        /* out: of u g^T, u being the way of a point of the group and g the
+                                    gradient: the least u . g, and the greatest |u| |g| */
+} strain_blends;
+
+/* By groups. See face_limit_room.c. Angles in radians. */
+typedef struct strain_rooms {
+    float *blended, *unlike; /* how far all bones turn the group at most, seen from its main bone:
+                                sum w d; and 1 - the square of the least length that turning by so
+                                many leaves of a unit vector */
+    float *along, *steep;    /* of the steepest blend */
+    float *lost;             /* lengths that all else takes from a unit vector at most */
+    float *apart;            /* half the angle between its main bone and one of a neighbour */
+    float *rounding, *tilt;  /* limit_group.rounding; the largest turn from rest to the origin */
+    float *turn, *steepness; /* by how much it may turn; limit_group.steepness */
+} strain_rooms;
+
 /* By how much each may turn, less what their neighbours may have turned the other way. */
 typedef struct strain_turns {
     const float *cosine, *sine;
@@ -77,6 +103,11 @@ typedef struct strain_loops {
                          const float *share, const float rotation[9]);
     void (*seen)(strain_seen *out, const strain_corners *at, const float (*normal)[STRAIN_GROUP],
                  const strain_turns *may_turn);
+    /* motion: a row of R - I and what is added, for each axis; turn: the length of R - I. */
+    void (*blends)(const strain_blends *of, const float motion[12], float turn, size_t first,
+                   size_t end);
+    /* limit_group.room */
+    void (*rooms)(float *out, const strain_rooms *of, size_t count);
     /* Of what `added` does to `posed`, seen along `normal`. */
     void (*folds)(strain_folds *out, const strain_corners *posed, const strain_corners *added,
                   const float (*normal)[STRAIN_GROUP]);
@@ -118,6 +149,9 @@ const strain_loops *strain_loops_now(void);
     void STRAIN_OF(seen, variant)(strain_seen * out, const strain_corners *at,                     \
                                   const float(*normal)[STRAIN_GROUP],                              \
                                   const strain_turns *may_turn);                                   \
+    void STRAIN_OF(blends, variant)(const strain_blends *of, const float motion[12], float turn,   \
+                                    size_t first, size_t end);                                     \
+    void STRAIN_OF(rooms, variant)(float *out, const strain_rooms *of, size_t count);              \
     void STRAIN_OF(folds, variant)(strain_folds * out, const strain_corners *posed,                \
                                    const strain_corners *added,                                    \
                                    const float(*normal)[STRAIN_GROUP])

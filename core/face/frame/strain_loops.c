@@ -161,6 +161,75 @@ void STRAIN(seen)(strain_seen *restrict out, const strain_corners *at,
     }
 }
 
+void STRAIN(blends)(const strain_blends *of, const float motion[12], float turn, size_t first,
+                    size_t end)
+{
+    const float *restrict cx = of->centre[0], *restrict cy = of->centre[1],
+                          *restrict cz = of->centre[2], *restrict radius = of->radius;
+    const float *restrict gx = of->gradient[0], *restrict gy = of->gradient[1],
+                          *restrict gz = of->gradient[2], *restrict length = of->length,
+                          *restrict off = of->off;
+    float *restrict along = of->along, *restrict steep = of->steep;
+    for (size_t i = first; i < end; ++i) {
+        float x = motion[0] * cx[i] + motion[1] * cy[i] + motion[2] * cz[i] + motion[3];
+        float y = motion[4] * cx[i] + motion[5] * cy[i] + motion[6] * cz[i] + motion[7];
+        float z = motion[8] * cx[i] + motion[9] * cy[i] + motion[10] * cz[i] + motion[11];
+        float round = turn * radius[i], far = sqrtf(x * x + y * y + z * z) + round;
+        float most = length[i] + off[i];
+        along[i] = x * gx[i] + y * gy[i] + z * gz[i] - round * most - far * off[i];
+        steep[i] = far * most;
+    }
+}
+
+/* Upper bound of the angle whose sine that is. */
+static inline float angle_of(float sine)
+{
+    sine = sine < 1.0f ? sine : 1.0f;
+    return sine + 0.5708f * sine * sine * sine;
+}
+
+/* Upper bound of 1 over the tangent of an angle that is left. */
+static inline float inv_tan_of(float angle)
+{
+    float left = angle > 1e-3f ? angle : 1e-3f;
+    return 1.0f / left - left * (1.0f / 3.0f);
+}
+
+void STRAIN(rooms)(float *restrict out, const strain_rooms *of, size_t count)
+{
+    const float *restrict blended = of->blended, *restrict unlike = of->unlike,
+                          *restrict along = of->along, *restrict steep = of->steep,
+                          *restrict lost_of = of->lost, *restrict apart = of->apart,
+                          *restrict rounding = of->rounding, *restrict tilt = of->tilt,
+                          *restrict turn = of->turn, *restrict steepness = of->steepness;
+    const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
+    for (size_t i = 0; i < count; ++i) {
+        float square = 1.0f - 1.001f * unlike[i] - 1e-5f;
+        float shrunk = sqrtf(square > 1e-4f ? square : 1e-4f), inv = 1.0f / shrunk;
+        float n = steep[i] * inv, p = along[i] - n * blended[i];
+        float left = 1.0f + p, lost = 1.01f * (lost_of[i] + rounding[i]);
+        float pressed = 0.5f * (sqrtf(4.0f * (left > 0.0f ? left : 0.0f) + n * n) - n);
+        pressed = pressed < 1.0f ? pressed : 1.0f;
+        float scale = shrunk * pressed - lost;
+        float worst = p > -n * n ? p : -n * n; /* there it slopes most */
+        float cross = n * n - worst * worst, run = 1.0f + worst;
+        float slope = sqrtf(cross > 0.0f ? cross : 0.0f) / (run > 1e-3f ? run : 1e-3f);
+        float seen = angle_of(slope / sqrtf(1.0f + slope * slope)) * inv +
+                     angle_of((1.0f - square) / (1.0f + square)) +
+                     angle_of(lost / (scale > 1e-3f ? scale : 1e-3f)) + tilt[i];
+        float tilted = inv_tan_of(STRAIN_SEEN_RAD - seen);
+        float turned = inv_tan_of(turn[i] - seen - angle_of(blended[i]) - apart[i]);
+        tilted = tilted > 1.0f / STRAIN_TILT_MOST ? tilted : 1.0f / STRAIN_TILT_MOST;
+        turned = turned > 0.0f ? turned : 0.0f;
+        float by_tilt = 1.0f / (STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST) + tilted * tilted;
+        float by_turn = 1.0f + turned * turned;
+        float now = sure * sqrtf(by_tilt > by_turn ? by_tilt : by_turn);
+        bool is_known = (square > 1e-4f) & (left > 1e-3f) & (scale > 1e-3f);
+        float room = (scale - rounding[i]) * steepness[i] / now;
+        out[i] = is_known & (room > 0.0f) ? room : 0.0f;
+    }
+}
+
 /* The third edges, from the second corner to the third. */
 static void gather_third(float out[3][STRAIN_GROUP], const strain_corners *at)
 {
