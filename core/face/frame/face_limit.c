@@ -9,8 +9,8 @@
  *    At a strain of 1 or less I + s G is positive definite in the plane of the triangle, so that it
  *    does not turn over, and its normal turns by less than atan T. The strain grows in proportion
  *    to s: 1 over the largest strain of all triangles is the part that can be given. Two things
- *    are added: an edge that becomes too long counts as strain too (stretch_strain); and where the
- *    bones have tilted a triangle already less of T is left (leave_tilts), unless its area along
+ *    are added: an edge that becomes too long counts as strain too (measure_stretches); and where
+ * the bones have tilted a triangle already less of T is left (leave_tilts), unless its area along
  *    the way says that it does not turn over (flip_strain).
  * 2. Who gives way (yield_pulls). Where the strain is above 1 the pulls near it give way to each
  *    other first: they are softened by a ridge that grows with the strain (csrbf/soften.h). What
@@ -57,6 +57,9 @@ static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 /* Several of a head's own shapes at once may stretch an edge by this factor more than each alone.
  */
 static const float made_stretch = 1.5f;
+
+/* From so much excess of its bound on a group is measured at once, else its gradient first. */
+static const float surely = 2.0f;
 
 /* Of part_shaped: tries, steps of bisection, and the strain that counts as 1. */
 enum { PARTINGS = 4 };
@@ -123,7 +126,7 @@ static void measure_still(face *f)
             f->limit.still[slot] += f->field[b].weight[slot];
 }
 
-/* The blocks of each group's corners, each once. */
+/* The blocks of each group's corners, each once, and which vertices of them these are. */
 static void list_blocks(face *f)
 {
     face_limit *l = &f->limit;
@@ -136,6 +139,7 @@ static void list_blocks(face *f)
             while (at < count && l->block[at] != block)
                 ++at;
             l->block[at] = block;
+            l->corners[at] |= UINT64_C(1) << corner[i] % POINTS_BLOCK;
             count += at == count;
         }
     }
@@ -174,7 +178,11 @@ mrt_result face_limit_create(face *f, error *err)
     l->shape_share = arrays_add(a, f->shapes.count, sizeof *l->shape_share);
     l->slid = arrays_add(a, vertices, sizeof *l->slid);
     l->is_slid = arrays_add(a, blocks, 1);
-    l->is_pushed = arrays_add(a, blocks, 1);
+    l->pushed = arrays_add(a, blocks, sizeof *l->pushed);
+    l->group_strain = arrays_add(a, groups, sizeof *l->group_strain);
+    l->group_flip = arrays_add(a, groups, sizeof *l->group_flip);
+    l->may_strain = arrays_add(a, groups, sizeof *l->may_strain);
+    l->corners = arrays_add(a, 3 * skin, sizeof *l->corners);
     l->longest = arrays_add(a, skin, sizeof *l->longest);
     l->bounded = arrays_add(a, 3 * weighed, sizeof *l->bounded);
     l->pose_weight = arrays_add(a, 3 * weighed, sizeof *l->pose_weight);
@@ -537,8 +545,8 @@ void limit_begin_pose(face *f)
         l->apart[i].rotation = -1.0;
     for (size_t group = 0; group < limit_group_count(f); ++group) {
         limit_group *g = &l->group[group];
-        g->strain = g->flip = INFINITY;
-        g->is_framed = g->has_along = false;
+        l->group_strain[group] = l->group_flip[group] = INFINITY;
+        g->is_framed = g->has_tilts = g->has_along = false;
     }
     limit_rooms_pose(f);
 }
@@ -602,35 +610,42 @@ bool limit_is_shaped(const face *f)
     return f->shapes.count > 0 && f->shapes.amount > 0.0;
 }
 
-/* Whether the bound of the pulls' gradient in the group allows too much strain. */
-static bool is_too_steep(const face *f, size_t group)
+static strain_bounds bounds_now(face *f)
 {
-    const limit_group *g = &f->limit.group[group];
-    float steepness =
-        limit_is_shaped(f) && isfinite(g->steepness) ? limit_shaped_steepness : g->steepness;
-    float most = f->limit.pull_bound[group] * steepness;
-    return most > 0.0f && !(most < 1.0f && most < limit_room(f, group));
+    face_limit *l = &f->limit;
+    strain_bounds out = {.pull = l->pull_bound,
+                         .change = l->change,
+                         .shaped = limit_is_shaped(f) ? limit_shaped_steepness : 0.0f,
+                         .strain = l->group_strain,
+                         .flip = l->group_flip};
+    limit_rooms_bounds(f, &out);
+    return out;
 }
 
-/* The same, using what was measured in the group before. */
-static bool may_be_strained(face *f, size_t group, limit_looks looks)
+/* By how much the bound of the pulls' gradient in the group goes beyond what it may be: above 1 it
+ * allows too much strain. */
+static float excess_of(const strain_bounds *of, size_t group)
 {
-    limit_group *g = &f->limit.group[group];
-    float change = f->limit.change[group];
-    if (!is_too_steep(f, group)) {
-        if (change > 0.0f)
-            g->strain = g->flip = INFINITY;
-        return false;
-    }
+    const bool is_shaped = of->shaped > 0.0f && isfinite(of->steepness[group]);
+    const float most = of->pull[group] * (is_shaped ? of->shaped : of->steepness[group]);
+    const float left = of->room[group] < 1.0f ? of->room[group] : 1.0f;
+    return most > 0.0f ? most / left : 0.0f;
+}
+
+/* Of a group that the bounds allow too much: whether what was measured in it before does so too. */
+static bool may_be_strained(face *f, const strain_bounds *of, size_t group, limit_looks looks)
+{
+    face_limit *l = &f->limit;
+    const float change = l->change[group], room = of->room[group];
     if (limit_is_shaped(f))
         return true;
     if (change > 0.0f) {
-        float room = limit_room(f, group);
-        float more = room > 0.0f ? change * g->steepness / room : INFINITY;
-        g->strain += more;
-        g->flip += more;
+        float more = room > 0.0f ? change * of->steepness[group] / room : INFINITY;
+        l->group_strain[group] += more;
+        l->group_flip[group] += more;
     }
-    return !(g->strain < 1.0f) || (looks == AT_TURNS && !(g->flip < 1.0f));
+    return !(l->group_strain[group] < 1.0f) ||
+           (looks == AT_TURNS && !(l->group_flip[group] < 1.0f));
 }
 
 void limit_write_block(const face *f, float (*row)[4], const points *origin, uint32_t block)
@@ -672,29 +687,22 @@ static void add_block(face *f, uint32_t block)
 
 /* ---- how much it is strained ---- */
 
-static float length_of(const float *row_a, const float *row_b)
-{
-    float x = row_b[0] - row_a[0], y = row_b[1] - row_a[1], z = row_b[2] - row_a[2];
-    return sqrtf(x * x + y * y + z * z);
-}
-
-/* Of a triangle's edges the largest share of the allowed stretch that the pulls use up. */
-static float stretch_strain(const face *f, size_t t, float stretch)
+/* Of each triangle of the group the largest share of the stretch left to an edge that the pulls use
+ * up. */
+static void measure_stretches(float out[GROUP], const face *f, size_t group, float stretch)
 {
     const face_limit *l = &f->limit;
-    const uint32_t *corner = f->skin + 3 * t;
-    float worst = 0.0f;
-    for (size_t e = 0; e < 3; ++e) {
-        uint32_t a = corner[e], b = corner[e == 2 ? 0 : e + 1];
-        float longest = stretch * l->longest[t][e];
-        if (limit_is_shaped(f)) /* as it is made to be it is not torn */
-            longest = fmaxf(longest, made_stretch * f->shapes.longest[t][e]);
-        float least = room_least * longest;
-        float room = longest - length_of(l->posed[a], l->posed[b]);
-        float strain = length_of(l->added[a], l->added[b]) / (room > least ? room : least);
-        worst = strain > worst ? strain : worst;
-    }
-    return worst;
+    const strain_corners posed = limit_corners(f, group, l->posed);
+    const strain_corners added = limit_corners(f, group, l->added);
+    float longest[GROUP][3];
+    for (size_t i = 0; i < posed.count; ++i)
+        for (size_t e = 0; e < 3; ++e) {
+            size_t t = GROUP * group + i;
+            longest[i][e] = stretch * l->longest[t][e];
+            if (limit_is_shaped(f)) /* as it is made to be it is not torn */
+                longest[i][e] = larger(longest[i][e], made_stretch * f->shapes.longest[t][e]);
+        }
+    l->loops->stretches(out, &posed, &added, (const float(*)[3])longest, room_least);
 }
 
 double limit_near_grip(const face *f, size_t t, uint32_t control)
@@ -712,15 +720,19 @@ static void strain_controls(face *f, size_t t, double strain)
         f->limit.strain[k] = fmax(f->limit.strain[k], (strain - 1.0) * limit_near_grip(f, t, k));
 }
 
-/* patch.inv_tan_tilt_posed, of triangles that the main bone and the origin have turned so far. */
-static void leave_tilts(face *f, size_t group, const float *turn_cosine)
+/* patch.inv_tan_tilt_posed. */
+static void leave_tilts(face *f, size_t group)
 {
-    const limit_group *g = &f->limit.group[group];
+    limit_group *g = &f->limit.group[group];
+    const float *turn_cosine = f->limit.patch[group].turn_cosine_posed;
     limit_patch *patch = &f->limit.patch[group];
     const angle_sincos less = angle_add(blend_apart(f, g), angle_of_cosine((double)g->tilt_cosine));
     const bool is_known = less.sin < tilt_free.sin;
     const double enough = tilt_free.cos * less.cos + tilt_free.sin * less.sin;
     float of_angle[GROUP], cosine[GROUP];
+    if (g->has_tilts)
+        return;
+    g->has_tilts = true;
     for (size_t i = 0; i < GROUP; ++i) {
         of_angle[i] = inv_tan_seen;
         cosine[i] = 1.0f;
@@ -742,9 +754,10 @@ static void leave_tilts(face *f, size_t group, const float *turn_cosine)
 static void leave_turns(face *f, size_t group, const float *turn_cosine)
 {
     limit_patch *patch = &f->limit.patch[group];
+    const float cosine = (float)limit_half_apart(f, &f->limit.group[group]).cos;
     float inv_tan_turn[GROUP], apart[GROUP];
     for (size_t i = 0; i < GROUP; ++i)
-        apart[i] = (float)limit_half_apart(f, &f->limit.group[group]).cos;
+        apart[i] = cosine;
     f->limit.loops->turns(inv_tan_turn, patch->inv_tan_turn, apart);
     f->limit.loops->turns(patch->inv_tan_turn_posed, inv_tan_turn, turn_cosine);
 }
@@ -770,14 +783,13 @@ static void frame_group(face *f, size_t group)
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = limit_corners(f, group, l->posed);
     const rigid motion = limit_motion_of(f, g->main_bone);
-    float rotation[9], turn_cosine[GROUP];
+    float rotation[9];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             rotation[3 * i + j] = (float)motion.r[i][j];
     l->loops->frames(&patch->posed, &posed);
-    l->loops->turned(turn_cosine, &patch->origin, &patch->posed, rotation);
-    leave_tilts(f, group, turn_cosine);
-    leave_turns(f, group, turn_cosine);
+    l->loops->turned(patch->turn_cosine_posed, &patch->origin, &patch->posed, rotation);
+    leave_turns(f, group, patch->turn_cosine_posed);
     g->is_framed = true;
 }
 
@@ -822,13 +834,17 @@ static double measure_shaped(face *f, size_t group, float stretch)
     const strain_corners posed = limit_corners(f, group, l->posed);
     const strain_corners added = limit_corners(f, group, l->added);
     strain_folds found;
-    float greatest = 0.0f;
+    float greatest = 0.0f, drawn = 0.0f, stretched[GROUP];
     limit_turn_normals(f, group);
     l->loops->folds(&found, &posed, &added, (const float(*)[GROUP])l->patch[group].along);
-    for (size_t i = 0; i < limit_group_size(f, group); ++i) {
+    for (size_t i = 0; i < posed.count; ++i)
+        drawn = larger(drawn, found.drawn[i]);
+    if (drawn > 0.0f)
+        measure_stretches(stretched, f, group, stretch);
+    for (size_t i = 0; i < posed.count; ++i) {
         size_t t = GROUP * group + i;
         float strain = found.fold[i];
-        float tears = found.drawn[i] > 0.0f ? stretch_strain(f, t, stretch) : 0.0f;
+        float tears = found.drawn[i] > 0.0f ? stretched[i] : 0.0f;
         strain = tears > strain ? tears : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
@@ -839,35 +855,68 @@ static double measure_shaped(face *f, size_t group, float stretch)
     return (double)greatest;
 }
 
+/* Strains of a posed group. Those of at most 1 are upper bounds. */
+static void find_strains(strain_found *out, face *f, size_t group)
+{
+    face_limit *l = &f->limit;
+    const limit_group *g = &l->group[group];
+    const limit_patch *patch = &l->patch[group];
+    const strain_corners added = limit_corners(f, group, l->added);
+    const float *tilts = patch->inv_tan_tilt_posed;
+    float bound[GROUP], most = 0.0f;
+    if (!g->has_tilts) {
+        const float tilted = limit_tilted(f, group);
+        for (size_t i = 0; i < GROUP; ++i)
+            bound[i] = tilted;
+        tilts = bound;
+    }
+    l->loops->strains(out, &patch->posed, &patch->origin.shape, tilts, patch->inv_tan_turn_posed,
+                      &added);
+    for (size_t i = 0; i < GROUP; ++i)
+        most = larger(most, out->strain[i]);
+    if (g->has_tilts || !(most > 1.0f))
+        return;
+    leave_tilts(f, group);
+    l->loops->strains(out, &patch->posed, &patch->origin.shape, patch->inv_tan_tilt_posed,
+                      patch->inv_tan_turn_posed, &added);
+}
+
 static double measure_group(face *f, size_t group, float stretch)
 {
-    if (limit_is_shaped(f))
-        return measure_shaped(f, group, stretch);
     face_limit *l = &f->limit;
-    limit_group *g = &l->group[group];
-    limit_patch *patch = &l->patch[group];
-    const strain_corners added = limit_corners(f, group, l->added);
+    const size_t count = limit_group_size(f, group);
     strain_found found;
-    float greatest = 0.0f;
-    if (!g->is_framed)
+    float greatest = 0.0f, flips = 0.0f, sizes = 0.0f, stretched[GROUP] = {0.0f};
+    if (!l->group[group].is_framed)
         frame_group(f, group);
-    l->loops->strains(&found, &patch->posed, patch->inv_tan_tilt_posed, patch->inv_tan_turn_posed,
-                      &added);
-    g->strain = g->flip = 0.0f;
-    for (size_t i = 0; i < added.count; ++i) {
-        float strain = found.strain[i], flip = found.flip[i], size = found.size[i];
+    find_strains(&found, f, group);
+    for (size_t i = 0; i < GROUP; ++i) {
+        greatest = larger(greatest, found.strain[i]);
+        flips = larger(flips, found.flip[i]);
+        sizes = larger(sizes, found.size[i]);
+    }
+    if (sizes > 1.0f) {
+        measure_stretches(stretched, f, group, stretch);
+        for (size_t i = 0; i < GROUP; ++i)
+            greatest = larger(greatest, found.size[i] > 1.0f ? stretched[i] : 0.0f);
+    }
+    l->pull_bound[group] = found.steepest;
+    l->group_strain[group] = larger(greatest, sizes);
+    l->group_flip[group] = flips;
+    if (!(greatest > 1.0f) && !(flips > 1.0f))
+        return 0.0;
+    greatest = 0.0f;
+    for (size_t i = 0; i < count; ++i) {
+        float strain = found.strain[i], tears = found.size[i] > 1.0f ? stretched[i] : 0.0f;
         size_t t = GROUP * group + i;
-        float stretched = size > 1.0f ? stretch_strain(f, t, stretch) : 0.0f;
-        g->strain = larger(g->strain, larger(larger(strain, stretched), size));
-        g->flip = flip > g->flip ? flip : g->flip;
         if (strain > 1.0f && strain > found.alone[i]) /* bones have tilted it: is a fold near? */
             strain = fmaxf(found.alone[i], fminf(strain, flip_strain(f, group, i)));
-        strain = stretched > strain ? stretched : strain;
+        strain = tears > strain ? tears : strain;
         if (strain > 1.0f) {
             strain_controls(f, t, fmin((double)strain, strain_most));
             limit_strain_shapes(f, group, fmin((double)strain, strain_most));
         }
-        if (flip > 1.0f)
+        if (found.flip[i] > 1.0f)
             l->candidate[l->candidate_count++] = (uint32_t)t;
         greatest = strain > greatest ? strain : greatest;
     }
@@ -889,17 +938,23 @@ static double measure_strain(face *f, limit_looks looks)
     l->is_added_given = true;
     l->candidate_count = 0;
     follow_pulls(f);
+    const strain_bounds bounds = bounds_now(f);
+    const bool is_shaped = limit_is_shaped(f);
+    l->loops->may_strain(l->may_strain, &bounds, groups);
     columns_weigh(&f->columns, f->given, f->control_column_count);
     for (size_t group = 0; group < groups; ++group) {
-        const strain_corners added = limit_corners(f, group, l->added);
         const limit_group *g = &l->group[group];
-        if (!may_be_strained(f, group, looks))
+        if (!l->may_strain[group] || !may_be_strained(f, &bounds, group, looks))
             continue;
         for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
             add_block(f, l->block[i]);
-        l->pull_bound[group] = l->loops->steepest(&l->patch[group].origin.shape, &added);
-        if (is_too_steep(f, group))
-            l->wanted[wanted++] = (uint32_t)group;
+        if (is_shaped || excess_of(&bounds, group) < surely) {
+            const strain_corners added = limit_corners(f, group, l->added);
+            l->pull_bound[group] = l->loops->steepest(&l->patch[group].origin.shape, &added);
+            if (!(excess_of(&bounds, group) >= 1.0f))
+                continue;
+        }
+        l->wanted[wanted++] = (uint32_t)group;
     }
     columns_weigh(&f->columns, l->pose_weight, f->columns.count);
     for (size_t i = 0; i < wanted; ++i) {
@@ -907,7 +962,8 @@ static double measure_strain(face *f, limit_looks looks)
         const limit_group *g = &l->group[group];
         for (uint32_t k = g->first_block; k < g[1].first_block; ++k)
             limit_pose_block(f, l->block[k]);
-        greatest = fmax(greatest, measure_group(f, group, stretch));
+        greatest = fmax(greatest, is_shaped ? measure_shaped(f, group, stretch)
+                                            : measure_group(f, group, stretch));
     }
     return greatest;
 }

@@ -31,6 +31,7 @@ typedef struct limit_rooms {
     float *shares, *total; /* of each group: sums over its entries, see add_blends */
     limit_pair *pair;
     uint32_t pair_count;
+    bool is_known; /* in this pose */
 } limit_rooms;
 
 mrt_result limit_rooms_create(face *f, error *err)
@@ -48,8 +49,8 @@ mrt_result limit_rooms_create(face *f, error *err)
                                   &r->spread};
     float **const of_groups[] = {&r->of.blended, &r->of.unlike,    &r->of.along,    &r->of.steep,
                                  &r->of.lost,    &r->of.apart,     &r->of.rounding, &r->of.tilt,
-                                 &r->of.turn,    &r->of.steepness, &r->room,        &r->shares,
-                                 &r->total};
+                                 &r->of.turn,    &r->of.steepness, &r->of.tilted,   &r->room,
+                                 &r->shares,     &r->total};
     for (size_t i = 0; i < sizeof of_entries / sizeof *of_entries; ++i)
         *of_entries[i] = arrays_add(a, entries, sizeof(float));
     for (size_t i = 0; i < sizeof of_groups / sizeof *of_groups; ++i)
@@ -108,7 +109,7 @@ void limit_rooms_engage(face *f)
         r->of.rounding[group] = g->rounding;
         r->of.tilt[group] = acosf(g->tilt_cosine);
         r->of.turn[group] = atanf(1.0f / g->inv_tan_turn);
-        r->of.steepness[group] = isfinite(g->steepness) ? g->steepness : 0.0f;
+        r->of.steepness[group] = g->steepness;
     }
     for (uint32_t a = carriers; a != 0; a &= a - 1)
         for (uint32_t b = carriers; b != 0; b &= b - 1) {
@@ -197,7 +198,15 @@ static void add_cross_terms(limit_rooms *r, size_t groups)
 
 void limit_rooms_pose(face *f)
 {
+    f->limit.rooms->is_known = false;
+}
+
+static limit_rooms *find_rooms(face *f)
+{
     limit_rooms *r = f->limit.rooms;
+    if (r->is_known)
+        return r;
+    r->is_known = true;
     const size_t groups = limit_group_count(f);
     float *const sums[] = {r->of.blended, r->of.unlike, r->of.along, r->of.steep,
                            r->of.lost,    r->shares,    r->total};
@@ -223,9 +232,22 @@ void limit_rooms_pose(face *f)
         r->of.apart[group] = sine + 0.5708f * sine * sine * sine;
     }
     f->limit.loops->rooms(r->room, &r->of, groups);
+    return r;
 }
 
-float limit_room(const face *f, size_t group)
+float limit_room(face *f, size_t group)
 {
-    return f->limit.rooms->room[group];
+    return find_rooms(f)->room[group];
+}
+
+float limit_tilted(face *f, size_t group)
+{
+    return find_rooms(f)->of.tilted[group];
+}
+
+void limit_rooms_bounds(face *f, strain_bounds *out)
+{
+    const limit_rooms *r = find_rooms(f);
+    out->steepness = r->of.steepness;
+    out->room = r->room;
 }

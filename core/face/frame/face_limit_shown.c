@@ -310,20 +310,25 @@ static bool is_harmed_as_shown(face *f, size_t group)
     return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
 }
 
-/* Whether skull or teeth have pushed a vertex of the group. pushed: of each vertex. */
-static bool is_group_pushed(const face *f, const uint8_t *pushed, size_t group)
+/* limit.pushed: the vertices of each block that skull or teeth have pushed. */
+static void take_pushed(face *f, const uint8_t *is_pushed)
+{
+    uint64_t *out = f->limit.pushed;
+    for (uint32_t block = 0; block < f->rest.block_count; ++block, is_pushed += POINTS_BLOCK) {
+        out[block] = 0;
+        if (memchr(is_pushed, 1, POINTS_BLOCK))
+            for (uint32_t i = 0; i < POINTS_BLOCK; ++i)
+                out[block] |= (uint64_t)is_pushed[i] << i;
+    }
+}
+
+static bool is_group_pushed(const face *f, size_t group)
 {
     const face_limit *l = &f->limit;
     const limit_group *g = &l->group[group];
-    const uint32_t *corner = f->skin + 3 * GROUP * group;
-    uint32_t any = 0;
+    uint64_t any = 0;
     for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        any |= l->is_pushed[l->block[i]];
-    if (!any)
-        return false;
-    any = 0;
-    for (size_t i = 0; i < 3 * limit_group_size(f, group); ++i)
-        any |= pushed[corner[i]];
+        any |= l->pushed[l->block[i]] & l->corners[i];
     return any != 0;
 }
 
@@ -331,14 +336,14 @@ static bool is_group_pushed(const face *f, const uint8_t *pushed, size_t group)
 static bool slid_skin_is_harmed(face *f)
 {
     face_limit *l = &f->limit;
-    const uint8_t *pushed = projection_pushed(&f->projection);
+    const uint8_t *is_pushed = projection_pushed(&f->projection);
     l->harmed_count = 0;
+    if (!is_pushed || projection_reported(&f->projection).moved_count == 0)
+        return false;
     memset(l->is_slid, 0, f->rest.block_count);
-    for (uint32_t block = 0; pushed && block < f->rest.block_count; ++block)
-        l->is_pushed[block] =
-            memchr(pushed + (size_t)block * POINTS_BLOCK, 1, POINTS_BLOCK) != NULL;
-    for (uint32_t group = 0; pushed && group < limit_group_count(f); ++group)
-        if (is_group_pushed(f, pushed, group) && is_harmed_as_shown(f, group))
+    take_pushed(f, is_pushed);
+    for (uint32_t group = 0; group < limit_group_count(f); ++group)
+        if (is_group_pushed(f, group) && is_harmed_as_shown(f, group))
             l->harmed[l->harmed_count++] = group;
     return l->harmed_count > 0;
 }

@@ -57,6 +57,7 @@ typedef struct face_limit {
     struct limit_patch *patch;      /* of each group */
     struct limit_carried *carried;  /* of each group: see limit_group */
     uint32_t *block;                /* likewise: of its vertices */
+    uint64_t *corners;              /* of each of those: bits, which vertices are the group's */
     struct limit_apart *apart;      /* of each two bones */
     struct limit_rooms *rooms;      /* face_limit_room.c */
     float turned[RIG_BONES_MAX][9]; /* of each bone: R - I */
@@ -66,15 +67,18 @@ typedef struct face_limit {
                           gradient */
     float *pull_bound; /* of each group: upper bound of the length of the gradient of `bounded` */
     float *change;     /* the part of that bound that the last change of `bounded` added */
-    double *bounded;   /* column capacity by 3 */
-    uint32_t *wanted;  /* scratch: groups */
+    float *group_strain, *group_flip; /* of each group: upper bounds (strain: also of the gradient's
+                                         size); INFINITY: not known in this pose */
+    uint8_t *may_strain;              /* scratch: groups */
+    double *bounded;                  /* column capacity by 3 */
+    uint32_t *wanted;                 /* scratch: groups */
     uint32_t *candidate,
         candidate_count;            /* triangles that may be bent too far against neighbours */
     uint32_t *harmed, harmed_count; /* groups that the seal, the skull or teeth fold or bend */
     bool gives_less;                /* pulls gave way to that: pull_bound is not of f->given */
     float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
     uint8_t *is_slid;
-    uint8_t *is_pushed; /* scratch: blocks */
+    uint64_t *pushed; /* scratch: of each block, bits */
     /* Of each of the head's own shapes: as shapes.given, before pulls give way; as tip_share. */
     double *shaped, *shape_share;
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */

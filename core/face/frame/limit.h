@@ -20,6 +20,7 @@ typedef struct limit_patch {
      * posed, before it is seen from behind. */
     float inv_tan_turn[GROUP], inv_tan_turn_posed[GROUP], inv_tan_tilt_posed[GROUP];
     float turn_cosine[GROUP], turn_sine[GROUP]; /* of that angle at rest */
+    float turn_cosine_posed[GROUP]; /* of how far bones have turned it from its main bone's turn */
     float rest_normal[3][GROUP],
         main_share[GROUP]; /* twice the area long; the share that main_bone has */
     float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.has_along */
@@ -32,12 +33,11 @@ typedef struct limit_group {
     float tilt_cosine;  /* cosine of the largest turn of one of them from rest to the origin */
     float rounding;     /* by how much rounding of the origin may turn and stretch a triangle */
 
-    float strain,
-        flip; /* upper bounds (strain: also of the size); INFINITY: not known in this pose */
-    uint32_t main_bone;                  /* or STILL */
-    uint32_t bones_around;               /* bits: the main bones of the groups beside it */
-    uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
-    bool is_framed, has_along;           /* patch.posed and patch.along are those of this pose */
+    uint32_t main_bone;                   /* or STILL */
+    uint32_t bones_around;                /* bits: the main bones of the groups beside it */
+    uint32_t first_carried, first_block;  /* in limit.carried and limit.block, to the next one's */
+    bool is_framed, has_tilts, has_along; /* patch.posed, .inv_tan_tilt_posed and .along are those
+                                           * of this pose */
     float centre[3], radius;
 } limit_group;
 
@@ -123,7 +123,11 @@ rigid limit_motion_of(const face *f, uint32_t bone);
 angle_sincos limit_half_apart(face *f, const limit_group *g);
 /* The length of a gradient in the origin, times the group's steepness, below which pulls strain no
  * triangle of the group too much in this pose. */
-float limit_room(const face *f, size_t group);
+float limit_room(face *f, size_t group);
+/* Of all groups: strain_bounds.steepness and .room. */
+void limit_rooms_bounds(face *f, strain_bounds *out);
+/* Upper bound of 1 over the tangent of how far the group's triangles may still tilt. */
+float limit_tilted(face *f, size_t group);
 
 /* ---- face_limit_shown.c ---- */
 

@@ -12,6 +12,8 @@
                                                  .turns = STRAIN_OF(turns, variant),               \
                                                  .steepest = STRAIN_OF(steepest, variant),         \
                                                  .strains = STRAIN_OF(strains, variant),           \
+                                                 .stretches = STRAIN_OF(stretches, variant),       \
+                                                 .may_strain = STRAIN_OF(may_strain, variant),     \
                                                  .turn_normals = STRAIN_OF(turn_normals, variant), \
                                                  .seen = STRAIN_OF(seen, variant),                 \
                                                  .blends = STRAIN_OF(blends, variant),             \

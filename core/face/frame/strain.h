@@ -42,7 +42,17 @@ typedef struct strain_found {
     float alone[STRAIN_GROUP];  /* the same, if bones had tilted nothing */
     float flip[STRAIN_GROUP];   /* squeezed, and tilted times inv_tan_turn */
     float size[STRAIN_GROUP];   /* of the gradient: the root of its sum of squares */
+    float steepest;             /* of its gradients over the origin */
 } strain_found;
+
+/* What a group was found to be, and what it may be. */
+typedef struct strain_bounds {
+    const float *pull, *change; /* the greatest length of a gradient of the pulls; and by how much
+                                   it can have grown since `strain` and `flip` */
+    const float *steepness, *room; /* strain_rooms */
+    float shaped;                  /* counts instead of a finite steepness; 0: does not */
+    float *strain, *flip;          /* INFINITY where the bound of pulls says nothing any more */
+} strain_bounds;
 
 typedef struct strain_folds {
     float fold[STRAIN_GROUP];  /* strain_fold */
@@ -74,6 +84,7 @@ typedef struct strain_rooms {
     float *apart;            /* half the angle between its main bone and one of a neighbour */
     float *rounding, *tilt;  /* limit_group.rounding; the largest turn from rest to the origin */
     float *turn, *steepness; /* by how much it may turn; limit_group.steepness */
+    float *tilted;           /* out: bound of 1 over the tangent of how far it may still tilt */
 } strain_rooms;
 
 /* By how much each may turn, less what their neighbours may have turned the other way. */
@@ -95,8 +106,15 @@ typedef struct strain_loops {
     void (*turns)(float *out, const float *inv_tan_turn, const float *turn_cosine);
     /* The greatest size of the gradient of a displacement of these corners. */
     float (*steepest)(const strain_shapes *s, const strain_corners *displacement);
-    void (*strains)(strain_found *out, const strain_frames *f, const float *inv_tan_tilt,
-                    const float *inv_tan_turn, const strain_corners *displacement);
+    void (*strains)(strain_found *out, const strain_frames *f, const strain_shapes *origin,
+                    const float *inv_tan_tilt, const float *inv_tan_turn,
+                    const strain_corners *displacement);
+    /* Of each the largest share of the stretch left to an edge that `added` uses up; longest: how
+     * long the edges may be, 3 a triangle. */
+    void (*stretches)(float *out, const strain_corners *posed, const strain_corners *added,
+                      const float (*longest)[3], float room_least);
+    /* out: 1 where the bounds of a group allow too much. */
+    void (*may_strain)(uint8_t *out, const strain_bounds *of, size_t count);
     /* out += share times (rotation applied to rest), of each; rotation: what is added to the
      * identity */
     void (*turn_normals)(float (*out)[STRAIN_GROUP], const float (*rest)[STRAIN_GROUP],
@@ -140,9 +158,13 @@ const strain_loops *strain_loops_now(void);
                                    const float *turn_cosine);                                      \
     float STRAIN_OF(steepest, variant)(const strain_shapes *s,                                     \
                                        const strain_corners *displacement);                        \
-    void STRAIN_OF(strains, variant)(strain_found * out, const strain_frames *f,                   \
-                                     const float *inv_tan_tilt, const float *inv_tan_turn,         \
-                                     const strain_corners *displacement);                          \
+    void STRAIN_OF(strains, variant)(                                                              \
+        strain_found * out, const strain_frames *f, const strain_shapes *origin,                   \
+        const float *inv_tan_tilt, const float *inv_tan_turn, const strain_corners *displacement); \
+    void STRAIN_OF(stretches, variant)(float *out, const strain_corners *posed,                    \
+                                       const strain_corners *added, const float(*longest)[3],      \
+                                       float room_least);                                          \
+    void STRAIN_OF(may_strain, variant)(uint8_t * out, const strain_bounds *of, size_t count);     \
     void STRAIN_OF(turn_normals, variant)(float(*out)[STRAIN_GROUP],                               \
                                           const float(*rest)[STRAIN_GROUP], const float *share,    \
                                           const float rotation[9]);                                \

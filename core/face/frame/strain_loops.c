@@ -24,6 +24,16 @@ static void gather(edges *out, const strain_corners *at)
     }
 }
 
+/* The third edges, from the second corner to the third. */
+static void gather_third(float out[3][STRAIN_GROUP], const strain_corners *at)
+{
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        const uint32_t *c = at->vertex + 3 * (i < at->count ? i : 0);
+        for (size_t axis = 0; axis < 3; ++axis)
+            out[axis][i] = at->row[c[2]][axis] - at->row[c[1]][axis];
+    }
+}
+
 void STRAIN(add)(float *restrict out, const float *restrict row, float by, size_t count)
 {
     for (size_t i = 0; i < count; ++i)
@@ -79,17 +89,15 @@ void STRAIN(turns)(float *restrict out, const float *restrict inv_tan_turn,
     }
 }
 
-float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacement)
+static inline float steepest_of(const strain_shapes *s, const edges *e)
 {
-    edges e;
     float square[STRAIN_GROUP], most = 0.0f;
-    gather(&e, displacement);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        float px = e.a[0][i] * s->inv_first[i], py = e.a[1][i] * s->inv_first[i],
-              pz = e.a[2][i] * s->inv_first[i];
-        float qx = (e.b[0][i] - s->along[i] * px) * s->inv_height[i];
-        float qy = (e.b[1][i] - s->along[i] * py) * s->inv_height[i];
-        float qz = (e.b[2][i] - s->along[i] * pz) * s->inv_height[i];
+        float px = e->a[0][i] * s->inv_first[i], py = e->a[1][i] * s->inv_first[i],
+              pz = e->a[2][i] * s->inv_first[i];
+        float qx = (e->b[0][i] - s->along[i] * px) * s->inv_height[i];
+        float qy = (e->b[1][i] - s->along[i] * py) * s->inv_height[i];
+        float qz = (e->b[2][i] - s->along[i] * pz) * s->inv_height[i];
         square[i] = px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz;
     }
     for (size_t i = 0; i < STRAIN_GROUP; ++i)
@@ -97,14 +105,22 @@ float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacemen
     return sqrtf(most);
 }
 
+float STRAIN(steepest)(const strain_shapes *s, const strain_corners *displacement)
+{
+    edges e;
+    gather(&e, displacement);
+    return steepest_of(s, &e);
+}
+
 void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
-                     const float *restrict inv_tan_tilt, const float *restrict inv_tan_turn,
-                     const strain_corners *displacement)
+                     const strain_shapes *origin, const float *restrict inv_tan_tilt,
+                     const float *restrict inv_tan_turn, const strain_corners *displacement)
 {
     const float of_squeeze = 1.0f / STRAIN_SQUEEZE_MOST;
     const strain_shapes *s = &f->shape;
     edges e;
     gather(&e, displacement);
+    out->steepest = steepest_of(origin, &e);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
         float px = e.a[0][i] * s->inv_first[i], py = e.a[1][i] * s->inv_first[i],
               pz = e.a[2][i] * s->inv_first[i];
@@ -125,6 +141,50 @@ void STRAIN(strains)(strain_found *restrict out, const strain_frames *f,
         out->alone[i] = squeeze * of_squeeze + tilt * (1.0f / STRAIN_TILT_MOST);
         out->flip[i] = squeeze + tilt * inv_tan_turn[i];
         out->size[i] = sqrtf(px * px + py * py + pz * pz + qx * qx + qy * qy + qz * qz);
+    }
+}
+
+static inline float length_at(float by[3][STRAIN_GROUP], size_t i)
+{
+    return sqrtf(by[0][i] * by[0][i] + by[1][i] * by[1][i] + by[2][i] * by[2][i]);
+}
+
+void STRAIN(stretches)(float *restrict out, const strain_corners *posed,
+                       const strain_corners *added, const float (*longest)[3], float room_least)
+{
+    edges e, d;
+    float third[3][STRAIN_GROUP], third_by[3][STRAIN_GROUP];
+    gather(&e, posed);
+    gather(&d, added);
+    gather_third(third, posed);
+    gather_third(third_by, added);
+    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
+        const float *most = longest[i < posed->count ? i : 0];
+        float by[3] = {length_at(d.a, i), length_at(third_by, i), length_at(d.b, i)};
+        float is[3] = {length_at(e.a, i), length_at(third, i), length_at(e.b, i)};
+        float worst = 0.0f;
+        for (int k = 0; k < 3; ++k) {
+            float least = room_least * most[k], room = most[k] - is[k];
+            float strain = by[k] / (room > least ? room : least);
+            worst = strain > worst ? strain : worst;
+        }
+        out[i] = worst;
+    }
+}
+
+void STRAIN(may_strain)(uint8_t *restrict out, const strain_bounds *of, size_t count)
+{
+    const float *restrict pull = of->pull, *restrict change = of->change,
+                          *restrict steepness = of->steepness, *restrict room = of->room;
+    float *restrict strain = of->strain, *restrict flip = of->flip;
+    const float shaped = of->shaped;
+    for (size_t i = 0; i < count; ++i) {
+        float by = (shaped > 0.0f) & (steepness[i] < INFINITY) ? shaped : steepness[i];
+        float most = pull[i] * by, left = room[i] < 1.0f ? room[i] : 1.0f;
+        bool may = (most > 0.0f) & !(most < left), is_lost = !may & (change[i] > 0.0f);
+        out[i] = may;
+        strain[i] = is_lost ? INFINITY : strain[i];
+        flip[i] = is_lost ? INFINITY : flip[i];
     }
 }
 
@@ -202,6 +262,7 @@ void STRAIN(rooms)(float *restrict out, const strain_rooms *of, size_t count)
                           *restrict lost_of = of->lost, *restrict apart = of->apart,
                           *restrict rounding = of->rounding, *restrict tilt = of->tilt,
                           *restrict turn = of->turn, *restrict steepness = of->steepness;
+    float *restrict out_tilted = of->tilted;
     const float sure = 1.05f; /* beside the rounding of sums: that of what is made of them */
     for (size_t i = 0; i < count; ++i) {
         float square = 1.0f - 1.001f * unlike[i] - 1e-5f;
@@ -227,16 +288,7 @@ void STRAIN(rooms)(float *restrict out, const strain_rooms *of, size_t count)
         bool is_known = (square > 1e-4f) & (left > 1e-3f) & (scale > 1e-3f);
         float room = (scale - rounding[i]) * steepness[i] / now;
         out[i] = is_known & (room > 0.0f) ? room : 0.0f;
-    }
-}
-
-/* The third edges, from the second corner to the third. */
-static void gather_third(float out[3][STRAIN_GROUP], const strain_corners *at)
-{
-    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        const uint32_t *c = at->vertex + 3 * (i < at->count ? i : 0);
-        for (size_t axis = 0; axis < 3; ++axis)
-            out[axis][i] = at->row[c[2]][axis] - at->row[c[1]][axis];
+        out_tilted[i] = is_known ? 1.001f * tilted : 1e6f;
     }
 }
 
