@@ -34,6 +34,7 @@
  * face_drag.c judges a drag. */
 #include "csrbf/soften.h"
 #include "face/frame/limit.h"
+#include "face/frame/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -146,6 +147,23 @@ static void list_blocks(face *f)
     l->group[limit_group_count(f)].first_block = count;
 }
 
+/* Of each block the groups with a corner in it. */
+static void list_groups(face *f)
+{
+    face_limit *l = &f->limit;
+    const uint32_t groups = (uint32_t)limit_group_count(f), count = l->group[groups].first_block;
+    for (uint32_t i = 0; i < count; ++i)
+        l->first_of[l->block[i] + 1] += 1;
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        l->first_of[block + 1] += l->first_of[block];
+    for (uint32_t group = groups; group-- > 0;) /* from behind: the counts become beginnings */
+        for (uint32_t i = l->group[group].first_block; i < l->group[group + 1].first_block; ++i)
+            l->group_of[--l->first_of[l->block[i] + 1]] = (limit_member){group, l->corners[i]};
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        l->first_of[block] = l->first_of[block + 1];
+    l->first_of[f->rest.block_count] = count;
+}
+
 mrt_result face_limit_create(face *f, error *err)
 {
     face_limit *l = &f->limit;
@@ -178,10 +196,11 @@ mrt_result face_limit_create(face *f, error *err)
     l->shape_share = arrays_add(a, f->shapes.count, sizeof *l->shape_share);
     l->slid = arrays_add(a, vertices, sizeof *l->slid);
     l->is_slid = arrays_add(a, blocks, 1);
-    l->pushed = arrays_add(a, blocks, sizeof *l->pushed);
+    l->group_of = arrays_add(a, 3 * skin, sizeof *l->group_of);
+    l->first_of = arrays_add(a, blocks + 1, sizeof *l->first_of);
     l->group_strain = arrays_add(a, groups, sizeof *l->group_strain);
     l->group_flip = arrays_add(a, groups, sizeof *l->group_flip);
-    l->may_strain = arrays_add(a, groups, sizeof *l->may_strain);
+    l->is_marked = arrays_add(a, groups, sizeof *l->is_marked);
     l->corners = arrays_add(a, 3 * skin, sizeof *l->corners);
     l->longest = arrays_add(a, skin, sizeof *l->longest);
     l->bounded = arrays_add(a, 3 * weighed, sizeof *l->bounded);
@@ -201,6 +220,7 @@ mrt_result face_limit_create(face *f, error *err)
     measure_turns(f);
     measure_still(f);
     list_blocks(f);
+    list_groups(f);
     return limit_rooms_create(f, err);
 }
 
@@ -222,12 +242,11 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
     for (int axis = 0; axis < 3 && origin; ++axis)
         for (size_t i = 0; i < POINTS_BLOCK; ++i)
             sum[axis][i] = at[axis][i] + sum[axis][i];
-    row += first;
-    for (size_t i = 0; i < POINTS_BLOCK; ++i) {
-        row[i][0] = sum[0][i];
-        row[i][1] = sum[1][i];
-        row[i][2] = sum[2][i];
-        row[i][3] = 0.0f; /* so that whole rows are stored */
+    for (size_t i = 0; i < POINTS_BLOCK; i += 4) {
+        rows_four r[4] = {rows_load(sum[0] + i), rows_load(sum[1] + i), rows_load(sum[2] + i)};
+        rows_transpose(r);
+        for (size_t k = 0; k < 4; ++k)
+            rows_store(row[first + i + k], r[k]);
     }
 }
 
@@ -671,9 +690,14 @@ bool face_limit_knows(const face *f, uint32_t block)
 
 void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
 {
-    for (size_t i = 0; i < POINTS_BLOCK; ++i)
+    const float(*row)[4] = (const float(*)[4])f->limit.added + (size_t)block * POINTS_BLOCK;
+    for (size_t i = 0; i < POINTS_BLOCK; i += 4) {
+        rows_four r[4] = {rows_load(row[i]), rows_load(row[i + 1]), rows_load(row[i + 2]),
+                          rows_load(row[i + 3])};
+        rows_transpose(r);
         for (int axis = 0; axis < 3; ++axis)
-            sum[axis][i] = f->limit.added[(size_t)block * POINTS_BLOCK + i][axis];
+            rows_store(sum[axis] + i, r[axis]);
+    }
 }
 
 /* What the controls add there. */
@@ -940,11 +964,11 @@ static double measure_strain(face *f, limit_looks looks)
     follow_pulls(f);
     const strain_bounds bounds = bounds_now(f);
     const bool is_shaped = limit_is_shaped(f);
-    l->loops->may_strain(l->may_strain, &bounds, groups);
+    l->loops->may_strain(l->is_marked, &bounds, groups);
     columns_weigh(&f->columns, f->given, f->control_column_count);
     for (size_t group = 0; group < groups; ++group) {
         const limit_group *g = &l->group[group];
-        if (!l->may_strain[group] || !may_be_strained(f, &bounds, group, looks))
+        if (!l->is_marked[group] || !may_be_strained(f, &bounds, group, looks))
             continue;
         for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
             add_block(f, l->block[i]);

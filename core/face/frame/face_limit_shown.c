@@ -310,40 +310,28 @@ static bool is_harmed_as_shown(face *f, size_t group)
     return candidates_are_bent(f, (const float(*)[4])l->posed, (const float(*)[4])l->slid);
 }
 
-/* limit.pushed: the vertices of each block that skull or teeth have pushed. */
-static void take_pushed(face *f, const uint8_t *is_pushed)
+/* limit.is_marked: the groups of which skull or teeth have pushed a vertex. */
+static void mark_pushed(face *f, const uint64_t *pushed)
 {
-    uint64_t *out = f->limit.pushed;
-    for (uint32_t block = 0; block < f->rest.block_count; ++block, is_pushed += POINTS_BLOCK) {
-        out[block] = 0;
-        if (memchr(is_pushed, 1, POINTS_BLOCK))
-            for (uint32_t i = 0; i < POINTS_BLOCK; ++i)
-                out[block] |= (uint64_t)is_pushed[i] << i;
-    }
-}
-
-static bool is_group_pushed(const face *f, size_t group)
-{
-    const face_limit *l = &f->limit;
-    const limit_group *g = &l->group[group];
-    uint64_t any = 0;
-    for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
-        any |= l->pushed[l->block[i]] & l->corners[i];
-    return any != 0;
+    face_limit *l = &f->limit;
+    memset(l->is_marked, 0, limit_group_count(f));
+    for (uint32_t block = 0; block < f->rest.block_count; ++block)
+        for (uint32_t i = l->first_of[block]; pushed[block] && i < l->first_of[block + 1]; ++i)
+            l->is_marked[l->group_of[i].group] |= (l->group_of[i].corners & pushed[block]) != 0;
 }
 
 /* limit.harmed: the pushed groups that are folded or bent too far. */
 static bool slid_skin_is_harmed(face *f)
 {
     face_limit *l = &f->limit;
-    const uint8_t *is_pushed = projection_pushed(&f->projection);
+    const uint64_t *pushed = projection_pushed(&f->projection);
     l->harmed_count = 0;
-    if (!is_pushed || projection_reported(&f->projection).moved_count == 0)
+    if (!pushed)
         return false;
     memset(l->is_slid, 0, f->rest.block_count);
-    take_pushed(f, is_pushed);
+    mark_pushed(f, pushed);
     for (uint32_t group = 0; group < limit_group_count(f); ++group)
-        if (is_group_pushed(f, group) && is_harmed_as_shown(f, group))
+        if (l->is_marked[group] && is_harmed_as_shown(f, group))
             l->harmed[l->harmed_count++] = group;
     return l->harmed_count > 0;
 }

@@ -48,16 +48,24 @@ typedef struct face_blocks {
     stamps written;
 } face_blocks;
 
+/* A group of triangles with corners in a block: bits, which vertices they are. */
+typedef struct limit_member {
+    uint32_t group;
+    uint64_t corners;
+} limit_member;
+
 /* How much of the pulls is applied, so that no skin folds or tears: face_limit.c. */
 typedef struct face_limit {
     float (*posed)[4],
         (*added)[4]; /* of each vertex: its position by the bones alone; what controls add */
     const struct strain_loops *loops;
     struct limit_group *group;
-    struct limit_patch *patch;      /* of each group */
-    struct limit_carried *carried;  /* of each group: see limit_group */
-    uint32_t *block;                /* likewise: of its vertices */
-    uint64_t *corners;              /* of each of those: bits, which vertices are the group's */
+    struct limit_patch *patch;     /* of each group */
+    struct limit_carried *carried; /* of each group: see limit_group */
+    uint32_t *block;               /* likewise: of its vertices */
+    uint64_t *corners;             /* of each of those: bits, which vertices are the group's */
+    limit_member *group_of;        /* of each block the groups there, from first_of to the next's */
+    uint32_t *first_of;
     struct limit_apart *apart;      /* of each two bones */
     struct limit_rooms *rooms;      /* face_limit_room.c */
     float turned[RIG_BONES_MAX][9]; /* of each bone: R - I */
@@ -69,7 +77,7 @@ typedef struct face_limit {
     float *change;     /* the part of that bound that the last change of `bounded` added */
     float *group_strain, *group_flip; /* of each group: upper bounds (strain: also of the gradient's
                                          size); INFINITY: not known in this pose */
-    uint8_t *may_strain;              /* scratch: groups */
+    uint8_t *is_marked;               /* scratch: groups */
     double *bounded;                  /* column capacity by 3 */
     uint32_t *wanted;                 /* scratch: groups */
     uint32_t *candidate,
@@ -78,7 +86,6 @@ typedef struct face_limit {
     bool gives_less;                /* pulls gave way to that: pull_bound is not of f->given */
     float (*slid)[4];               /* of each vertex: where it is shown, in these blocks: */
     uint8_t *is_slid;
-    uint64_t *pushed; /* scratch: of each block, bits */
     /* Of each of the head's own shapes: as shapes.given, before pulls give way; as tip_share. */
     double *shaped, *shape_share;
     bool is_pose_known, is_at_rest; /* since the engagement; at rest `posed` is the origin */

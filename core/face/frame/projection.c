@@ -180,17 +180,22 @@ static void move_from_core(float *restrict x, const float *restrict part,
     }
 }
 
-/* Sets is_pushed where a vertex is moved far enough to fold skin. */
-static void note_pushed(uint8_t *restrict is_pushed, const proxy_frame *f,
-                        const float *restrict part, const points *shown, size_t first)
+/* Returns the vertices of a block, as bits, that are moved far enough to fold skin. */
+static uint64_t pushed_in(const proxy_frame *f, const float *restrict part, const points *shown,
+                          size_t first)
 {
+    uint8_t is_pushed[POINTS_BLOCK];
+    uint64_t bits = 0;
     const float *restrict x = shown->x + first, *restrict y = shown->y + first;
     const float *restrict z = shown->z + first, *centre = f->narrow_centre;
     for (int i = 0; i < POINTS_BLOCK; ++i) {
         float dx = x[i] - centre[0], dy = y[i] - centre[1], dz = z[i] - centre[2];
         float square = part[i] * part[i] * (dx * dx + dy * dy + dz * dz);
-        is_pushed[i] |= square > pushed_least_mm * pushed_least_mm;
+        is_pushed[i] = square > pushed_least_mm * pushed_least_mm;
     }
+    for (int i = 0; i < POINTS_BLOCK; ++i)
+        bits |= (uint64_t)is_pushed[i] << i;
+    return bits;
 }
 
 static double deepest_mm(const proxy_frame *f, const float *sunk, const points *p, size_t first)
@@ -245,9 +250,9 @@ static bool is_clear(const proxy_frame *f, const projection_block *b, const poin
     return size > b->most_inside;
 }
 
-/* What it did; moved_count 0: nothing. is_pushed: of the block, or NULL. */
+/* What it did; moved_count 0: nothing. pushed: of the block, or NULL. */
 static projection_done project_block(const proxy_frame *f, const projection_block *b, points *shown,
-                                     easing rule, uint8_t *is_pushed)
+                                     easing rule, uint64_t *pushed)
 {
     block_sizes sizes;
     float part[POINTS_BLOCK], sunk[POINTS_BLOCK];
@@ -264,8 +269,8 @@ static projection_done project_block(const proxy_frame *f, const projection_bloc
     done.moved_count = count_moved(part, shown->count - (uint32_t)first);
     if (done.moved_count == 0)
         return done;
-    if (is_pushed)
-        note_pushed(is_pushed, f, part, shown, first);
+    if (pushed)
+        *pushed |= pushed_in(f, part, shown, first);
     float *const axis[3] = {shown->x + first, shown->y + first, shown->z + first};
     for (int i = 0; i < 3; ++i)
         if (f->kind == PROXY_TEETH)
@@ -278,13 +283,12 @@ static projection_done project_block(const proxy_frame *f, const projection_bloc
 
 /* The proxies of the block, in turn. Returns by which one it was moved last: 1 + index; 0: none. */
 static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, points *shown,
-                             uint32_t first, uint32_t end, projection_done *done,
-                             uint8_t *is_pushed)
+                             uint32_t first, uint32_t end, projection_done *done, uint64_t *pushed)
 {
     uint32_t moved_by = 0;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
-        const projection_done one = project_block(&frame[b->proxy], b, shown, EASED, is_pushed);
+        const projection_done one = project_block(&frame[b->proxy], b, shown, EASED, pushed);
         if (one.moved_count > 0)
             moved_by = 1 + b->proxy;
         if (done)
@@ -297,13 +301,13 @@ static uint32_t ease_in_turn(const projection *p, const proxy_frame *frame, poin
  * moved_by: there was nothing. */
 static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, points *shown,
                               uint32_t first, uint32_t end, uint32_t moved_by, bool *out_any,
-                              uint8_t *is_pushed)
+                              uint64_t *pushed)
 {
     *out_any = false;
     for (uint32_t i = first; i < end; ++i) {
         const projection_block *b = &p->block[i];
         if (moved_by == 1 + b->proxy ||
-            project_block(&frame[b->proxy], b, shown, FLOORED, is_pushed).moved_count == 0)
+            project_block(&frame[b->proxy], b, shown, FLOORED, pushed).moved_count == 0)
             continue;
         moved_by = 1 + b->proxy;
         *out_any = true;
@@ -311,17 +315,17 @@ static uint32_t floor_in_turn(const projection *p, const proxy_frame *frame, poi
     return moved_by;
 }
 
-/* done: of all blocks and proxies, is_pushed: of the block; or NULL. True: some vertex has moved.
+/* done: of all blocks and proxies, pushed: of the block; or NULL. True: some vertex has moved.
  */
 static bool apply(const projection *p, const proxy_frame *frame, points *shown, uint32_t block,
-                  projection_done *done, uint8_t *is_pushed)
+                  projection_done *done, uint64_t *pushed)
 {
     uint32_t first = p->block_count > 0 ? p->first[block] : 0;
     uint32_t end = p->block_count > 0 ? p->first[block + 1] : 0;
-    uint32_t moved_by = ease_in_turn(p, frame, shown, first, end, done, is_pushed);
+    uint32_t moved_by = ease_in_turn(p, frame, shown, first, end, done, pushed);
     bool is_moved = moved_by != 0, again = is_moved && end - first > 1;
     for (int i = 0; again && i < FLOOR_PASSES; ++i)
-        moved_by = floor_in_turn(p, frame, shown, first, end, moved_by, &again, is_pushed);
+        moved_by = floor_in_turn(p, frame, shown, first, end, moved_by, &again, pushed);
     return is_moved;
 }
 
@@ -329,9 +333,8 @@ bool projection_apply(projection *p, points *shown, uint32_t block)
 {
     if (p->block_count == 0)
         return false;
-    uint8_t *is_pushed = p->is_pushed + (size_t)block * POINTS_BLOCK;
-    memset(is_pushed, 0, POINTS_BLOCK);
-    return apply(p, p->frame, shown, block, p->done, is_pushed);
+    p->pushed[block] = 0;
+    return apply(p, p->frame, shown, block, p->done, &p->pushed[block]);
 }
 
 vec3 projection_at(const projection *p, uint32_t slot, vec3 at)
@@ -379,12 +382,12 @@ void projection_rest(projection *p)
     for (uint32_t i = 0; i < p->block_count; ++i)
         p->done[i] = (projection_done){0};
     if (p->block_count > 0)
-        memset(p->is_pushed, 0, p->vertex_count);
+        memset(p->pushed, 0, p->pushed_count * sizeof *p->pushed);
 }
 
-const uint8_t *projection_pushed(const projection *p)
+const uint64_t *projection_pushed(const projection *p)
 {
-    return p->block_count > 0 ? p->is_pushed : NULL;
+    return p->block_count > 0 ? p->pushed : NULL;
 }
 
 projection_report projection_reported(const projection *p)
@@ -518,9 +521,9 @@ mrt_result projection_create(projection *out, const rig *r, const points *rest,
     out->block = malloc((room + 1) * sizeof *out->block);
     out->done = calloc(room + 1, sizeof *out->done);
     out->first = calloc((size_t)rest->block_count + 1, sizeof *out->first);
-    out->vertex_count = rest->padded_count;
-    out->is_pushed = calloc((size_t)rest->padded_count + 1, 1);
-    if (!out->block || !out->done || !out->first || !out->is_pushed) {
+    out->pushed_count = rest->block_count;
+    out->pushed = calloc((size_t)rest->block_count + 1, sizeof *out->pushed);
+    if (!out->block || !out->done || !out->first || !out->pushed) {
         projection_destroy(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory for %u skull proxies", r->proxy_count);
     }
@@ -552,6 +555,6 @@ void projection_destroy(projection *p)
     free(p->block);
     free(p->done);
     free(p->first);
-    free(p->is_pushed);
+    free(p->pushed);
     *p = (projection){0};
 }

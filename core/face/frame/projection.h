@@ -58,10 +58,10 @@ typedef struct projection {
     const rig_proxy *proxy;
     uint32_t proxy_count, block_count;
     projection_block *block; /* by block, then by proxy */
-    uint8_t *is_pushed;      /* vertex_count: see projection_pushed */
-    uint32_t vertex_count;
-    projection_done *done; /* block_count: in the last frame in which the block was written */
-    uint32_t *first;       /* of each block of vertices, and the end: where in `block` it begins */
+    uint64_t *pushed;        /* see projection_pushed */
+    uint32_t pushed_count;   /* blocks of vertices */
+    projection_done *done;   /* block_count: in the last frame in which the block was written */
+    uint32_t *first; /* of each block of vertices, and the end: where in `block` it begins */
     rigid posed[PROJECTION_PROXIES_MAX]; /* of the bone of each proxy, and what follows from it */
     proxy_frame frame[PROJECTION_PROXIES_MAX];
     proxy_frame still[PROJECTION_PROXIES_MAX]; /* with the bones at rest */
@@ -84,9 +84,9 @@ void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale);
 bool projection_apply(projection *p, points *shown, uint32_t block);
 /* Where it brings a vertex that is at `at`, but for what two proxies do to each other. */
 vec3 projection_at(const projection *p, uint32_t slot, vec3 at);
-/* Of each vertex: 1 where it was moved far enough to fold skin, when it was written last. NULL: the
- * rig has no skull and no teeth. */
-const uint8_t *projection_pushed(const projection *p);
+/* Of each block of vertices, as bits: those that were moved far enough to fold skin, when it was
+ * written last. NULL: the rig has no skull and no teeth. */
+const uint64_t *projection_pushed(const projection *p);
 /* Projects all blocks with the bones at rest, whatever the frame is; it is not reported. */
 void projection_apply_still(const projection *p, points *at);
 /* Nothing is projected: the shape shown is that at rest. */

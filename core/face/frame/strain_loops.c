@@ -1,6 +1,8 @@
 /* The loops of face/frame/strain.h, for one instruction set. */
 #include "face/frame/strain.h"
 
+#include "face/frame/rows.h"
+
 #include <math.h>
 #include <stdbool.h>
 
@@ -12,25 +14,42 @@ typedef struct edges {
     float a[3][STRAIN_GROUP], b[3][STRAIN_GROUP];
 } edges;
 
+/* out[axis][i] := b - a, of each of four triangles. */
+static inline void put_edges(float out[3][STRAIN_GROUP], size_t first, const rows_four a[4],
+                             const rows_four b[4])
+{
+    rows_four by[4] = {b[0] - a[0], b[1] - a[1], b[2] - a[2], b[3] - a[3]};
+    rows_transpose(by);
+    for (size_t axis = 0; axis < 3; ++axis)
+        rows_store(out[axis] + first, by[axis]);
+}
+
+static inline void load_corners(rows_four out[3][4], const strain_corners *at, size_t first)
+{
+    for (size_t k = 0; k < 4; ++k) {
+        const uint32_t *c = at->vertex + 3 * (first + k < at->count ? first + k : 0);
+        for (size_t corner = 0; corner < 3; ++corner)
+            out[corner][k] = rows_load(at->row[c[corner]]);
+    }
+}
+
 static void gather(edges *out, const strain_corners *at)
 {
-    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        const uint32_t *c = at->vertex + 3 * (i < at->count ? i : 0);
-        const float *o = at->row[c[0]], *p = at->row[c[1]], *q = at->row[c[2]];
-        for (size_t axis = 0; axis < 3; ++axis) {
-            out->a[axis][i] = p[axis] - o[axis];
-            out->b[axis][i] = q[axis] - o[axis];
-        }
+    for (size_t i = 0; i < STRAIN_GROUP; i += 4) {
+        rows_four corner[3][4];
+        load_corners(corner, at, i);
+        put_edges(out->a, i, corner[0], corner[1]);
+        put_edges(out->b, i, corner[0], corner[2]);
     }
 }
 
 /* The third edges, from the second corner to the third. */
 static void gather_third(float out[3][STRAIN_GROUP], const strain_corners *at)
 {
-    for (size_t i = 0; i < STRAIN_GROUP; ++i) {
-        const uint32_t *c = at->vertex + 3 * (i < at->count ? i : 0);
-        for (size_t axis = 0; axis < 3; ++axis)
-            out[axis][i] = at->row[c[2]][axis] - at->row[c[1]][axis];
+    for (size_t i = 0; i < STRAIN_GROUP; i += 4) {
+        rows_four corner[3][4];
+        load_corners(corner, at, i);
+        put_edges(out, i, corner[1], corner[2]);
     }
 }
 

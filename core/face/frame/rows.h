@@ -1,0 +1,34 @@
+/* face/frame/rows.h - vertices as rows of four floats, and four of them at a time as vectors: where
+ * vertices are looked up one by one a row is one load. Inside the room. */
+#ifndef MAROTTE_FACE_ROWS_H
+#define MAROTTE_FACE_ROWS_H
+#include <string.h>
+
+typedef float rows_four __attribute__((vector_size(16)));
+
+static inline rows_four rows_load(const float *from)
+{
+    rows_four out;
+    memcpy(&out, from, sizeof out);
+    return out;
+}
+
+static inline void rows_store(float *to, rows_four from)
+{
+    memcpy(to, &from, sizeof from);
+}
+
+/* Four rows become four columns. */
+static inline void rows_transpose(rows_four r[4])
+{
+    const rows_four low_01 = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5),
+                    high_01 = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7),
+                    low_23 = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5),
+                    high_23 = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+    r[0] = __builtin_shufflevector(low_01, low_23, 0, 1, 4, 5);
+    r[1] = __builtin_shufflevector(low_01, low_23, 2, 3, 6, 7);
+    r[2] = __builtin_shufflevector(high_01, high_23, 0, 1, 4, 5);
+    r[3] = __builtin_shufflevector(high_01, high_23, 2, 3, 6, 7);
+}
+
+#endif
