@@ -261,12 +261,72 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     close_performer(&p);
 }
 
+/* ---- presets ---- */
+
+static void press(performer *p, const char *button)
+{
+    const mrt_plugin_type *type = p->stand.mapping.type;
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (strcmp(type->params[i].name, button) == 0)
+            instance_trigger(&p->stand.mapping, i);
+    perform(p, 100);
+}
+
+static double pulls_apart(const mrt_pull *a, const mrt_pull *b)
+{
+    double most_mm = 0.0;
+    assert_int_equal(a->count, b->count);
+    for (uint32_t i = 0; i < a->count; ++i) {
+        const mrt_vec3 x = a->vector[i].end, y = b->vector[i].end;
+        most_mm = fmax(most_mm, fabs((double)(x.x - y.x)));
+        most_mm = fmax(most_mm, fabs((double)(x.y - y.y)));
+        most_mm = fmax(most_mm, fabs((double)(x.z - y.z)));
+    }
+    return most_mm;
+}
+
+/* Answers are given in one panel, and the other one keeps them as a preset. */
+static void a_preset_brings_the_answers_of_simon_says_back(void **state)
+{
+    (void)state;
+    static unsigned char answered[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
+    performer p;
+    stand *s = &p.stand;
+    open_performer(&p, "one_hand");
+    show_hand(&p);
+    stand_click(s, "Simon says");
+    stand_wait_for(s, "twelve faces");
+    stand_key(s, ' ');
+    for (int i = 0; i < 5; ++i)
+        answer(&p, 0.0f);
+    const size_t size = taught_save(&s->mapping, answered, sizeof answered);
+    hold(&p, "U", 0.0f);
+    const mrt_pull learned = s->view.pull;
+    stand_change_panel(s, &panel_mapping);
+    stand_settle(s);
+    stand_click(s, "Save as\xe2\x80\xa6");
+    stand_type(s, "my hand");
+    stand_key(s, UI_KEY_ENTER);
+    press(&p, "Forget all");
+    assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
+    assert_memory_not_equal(now, answered, size);
+    assert_true(pulls_apart(&learned, &s->view.pull) > 1.0);
+    stand_settle(s);
+    stand_click(s, "Use again");
+    perform(&p, 100);
+    assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
+    assert_memory_equal(now, answered, size);
+    assert_true(pulls_apart(&learned, &s->view.pull) < 0.001);
+    close_performer(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_card_says_what_each_part_does_and_lights_what_moves),
         cmocka_unit_test(a_mapping_without_a_card_says_so),
         cmocka_unit_test(two_rounds_teach_the_mapping_and_faces_are_met),
+        cmocka_unit_test(a_preset_brings_the_answers_of_simon_says_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

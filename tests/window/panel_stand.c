@@ -531,7 +531,13 @@ void stand_open(stand *s, const panel_type *type, float scale)
 
 void stand_reopen_panel(stand *s)
 {
+    stand_change_panel(s, s->type);
+}
+
+void stand_change_panel(stand *s, const panel_type *to)
+{
     s->type->destroy(s->panel);
+    s->type = to;
     s->panel = s->type->create(a_studio);
     assert_non_null(s->panel);
     settle_first(s);
