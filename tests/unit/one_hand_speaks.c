@@ -261,14 +261,45 @@ static void a_talking_thumb_opens_the_jaw_and_nothing_else(void **state)
     (void)state;
     const double talk[JOINT_COUNT] = {
         [JOINT_THUMB_DROP] = 14.0, [JOINT_THUMB_MIDDLE] = -11.0, [JOINT_THUMB_TIP] = -5.0};
+    static const double least_deg[] = {[DEVICE_JOINTS] = 6.0, [DEVICE_POINTS] = 9.0};
+    for (int device = 0; device < DEVICE_CURLS; ++device) {
+        bench b;
+        set_up(&b, device_params[device]);
+        hold(&b, talk);
+        const double open_deg = 57.3 * (double)bench_dof(&b, "jaw.open");
+        print_message("  a talking thumb: jaw %.1f degrees\n", open_deg);
+        assert_true(open_deg > least_deg[device] && open_deg < 20.0);
+        assert_true(fabsf(bench_dof(&b, "eye.l.yaw")) < 1e-6f);
+        assert_true(fabsf(bench_dof(&b, "lid_upper.l.close")) < 1e-6f);
+        bench_tear_down(&b);
+    }
+}
+
+/* By points half of the way opens it by 0.4 at least, and a twentieth of the way by 0.073 at most.
+ */
+static void the_jaw_opens_evenly_by_points(void **state)
+{
+    (void)state;
+    enum { STEPS = 20 };
     bench b;
-    set_up(&b, device_params[DEVICE_JOINTS]);
-    hold(&b, talk);
-    const double open_deg = 57.3 * (double)bench_dof(&b, "jaw.open");
-    print_message("  a talking thumb: jaw %.1f degrees\n", open_deg);
-    assert_true(open_deg > 6.0 && open_deg < 20.0);
-    assert_true(fabsf(bench_dof(&b, "eye.l.yaw")) < 1e-6f);
-    assert_true(fabsf(bench_dof(&b, "lid_upper.l.close")) < 1e-6f);
+    int widest = 0;
+    double open_rad[STEPS + 1] = {0.0}, steepest = 0.0;
+    while (strcmp(face_recipes[widest].name, "jaw open") != 0)
+        widest += 1;
+    set_up(&b, device_params[DEVICE_POINTS]);
+    for (int n = 1; n <= STEPS; ++n) {
+        double deg[JOINT_COUNT];
+        hand_of(deg, DEVICE_POINTS, widest);
+        for (int i = 0; i < JOINT_COUNT; ++i)
+            deg[i] *= (double)n / STEPS;
+        hold(&b, deg);
+        open_rad[n] = (double)bench_dof(&b, "jaw.open");
+        steepest = fmax(steepest, open_rad[n] - open_rad[n - 1]);
+    }
+    print_message("  half of the way opens %.2f, a step at most %.3f\n",
+                  open_rad[STEPS / 2] / open_rad[STEPS], steepest / open_rad[STEPS]);
+    assert_true(open_rad[STEPS / 2] > 0.4 * open_rad[STEPS]);
+    assert_true(steepest < 0.073 * open_rad[STEPS]);
     bench_tear_down(&b);
 }
 
@@ -699,6 +730,7 @@ int main(void)
         cmocka_unit_test(nothing_moves_within_the_well),
         cmocka_unit_test(a_pressed_thumb_closes_the_lips),
         cmocka_unit_test(a_talking_thumb_opens_the_jaw_and_nothing_else),
+        cmocka_unit_test(the_jaw_opens_evenly_by_points),
         cmocka_unit_test(a_wink_and_one_brow_are_nearly_switches),
         cmocka_unit_test(a_grasp_does_not_wink),
         cmocka_unit_test(ways_to_faces_are_monotone),
