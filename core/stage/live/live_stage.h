@@ -123,7 +123,9 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     overdub_run *over; /* performed now, or not yet fetched */
     uint8_t *owned;    /* of it */
 
-    bool is_dirty; /* the face is newer than what is shown */
+    bool is_dirty;   /* something was performed since it was drawn */
+    bool is_metered; /* the face as it is was */
+    wake *changed;   /* of [main]; NULL: it does not wait */
     int64_t published_ns;
     int64_t sample_ns;
     double phase_ms[LIVE_PHASES]; /* since the last published face */

@@ -1025,6 +1025,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     static const findings nothing;
     self->found = self->search ? devices_search_look(self->search) : &nothing;
     self->opening_count = app_openings(self->app, self->opening);
+    if (live_input_count(app_live(self->app)) > 0) /* rates, bars */
+        ui_want_frame(on, 0.25);
     ui_panel_begin(on, "devices", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
     draw_inputs(self, on);

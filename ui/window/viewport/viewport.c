@@ -1190,6 +1190,12 @@ void viewport_update(viewport *self, const ui *keys, const struct window_gamepad
     viewport_camera_update(&self->camera, dt_s);
     if (app_looks_of(self->of)->is_turning && self->drag == VIEWPORT_DRAGS_NOTHING)
         viewport_camera_turn(&self->camera, dt_s);
+    if (self->camera.glided_s >= 0.0 || app_looks_of(self->of)->is_turning)
+        app_want_frame(self->of, 0.0);
+    if (self->radius_shown_s > 0.0)
+        app_want_frame(self->of, self->radius_shown_s);
+    if (self->quality.level > 0) /* sharp again once it stands still */
+        app_want_frame(self->of, 0.05);
 }
 
 /* ---- how many pixels ---- */
@@ -1319,7 +1325,8 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
     make_scene(self);
     uint32_t texture = ui_is_hidden(on) ? 0 : draw_picture(self);
     if (texture)
-        ui_draw_image(on, canvas->where, texture, app_looks_of(self->of)->is_mirrored);
+        ui_draw_image(on, canvas->where, texture, viewport_drawn(self),
+                      app_looks_of(self->of)->is_mirrored);
     ink_all(self, on);
     ink_chip(self, on);
     ink_mirrored(self, on);
@@ -1437,6 +1444,11 @@ uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint
                                   .backdrop_number = self->backdrop_number,
                                   .camera = output_camera(self, (float)width / (float)height)};
     return viewport_picture_draw(self->output[to], &look, &err);
+}
+
+uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
+{
+    return self->output[to] ? viewport_picture_count(self->output[to]) : 0;
 }
 
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
