@@ -408,20 +408,34 @@ static void describe_stage(live_stage *stage, live_view *view)
     }
 }
 
-/* A hand that trembles less shows as the same: its well at rest is wider, and so is a pixel. */
-static const float still_hand_mm = 0.6f;
+/* A hand that trembles by less is shown as it was; one that has moved further is shown exactly for
+ * a while, so that a slow motion is no row of steps. */
+static const float tremble_mm = 1.5f;
+static const int64_t hand_moves_ns = 400 * NS_PER_MS;
 
-static bool is_same_hand(const mrt_hand *a, const mrt_hand *b)
+static bool has_moved(const mrt_hand *now, const mrt_vec3 from[MRT_JOINTS])
 {
-    if (a->present != b->present || (a->time_ns == 0) != (b->time_ns == 0))
-        return false;
     for (int i = 0; i < MRT_JOINTS; ++i) {
-        const mrt_vec3 p = a->joint[i], q = b->joint[i];
+        const mrt_vec3 p = now->joint[i], q = from[i];
         const float x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
-        if (!(x * x + y * y + z * z <= still_hand_mm * still_hand_mm))
-            return false;
+        if (!(x * x + y * y + z * z <= tremble_mm * tremble_mm))
+            return true;
     }
-    return true;
+    return false;
+}
+
+static bool is_same_hand(live_stage *stage, const mrt_hand *seen, const mrt_hand *now,
+                         uint32_t side, int64_t now_ns)
+{
+    mrt_vec3 *from = stage->hand_from[side];
+    if (seen->present != now->present || (seen->time_ns == 0) != (now->time_ns == 0))
+        return false;
+    if (has_moved(now, from)) {
+        memcpy(from, now->joint, sizeof now->joint);
+        stage->hand_until_ns[side] = now_ns + hand_moves_ns;
+    }
+    return now_ns > stage->hand_until_ns[side] ||
+           memcmp(seen->joint, now->joint, sizeof now->joint) == 0;
 }
 
 #define IS_SAME(member) (memcmp(&a->member, &b->member, sizeof a->member) == 0)
@@ -442,12 +456,15 @@ static bool is_same_stage(const live_view *a, const live_view *b)
 #undef IS_SAME
 
 /* Whether [main] would see the same as it sees now. */
-static bool is_seen(const live_board *board, const live_view *view)
+static bool is_seen(live_stage *stage, const live_view *view, int64_t now_ns)
 {
+    const live_board *board = &stage->scene->board;
     const live_view *seen = live_board_published(board);
-    return seen && !live_board_is_new(board) && is_same_face(seen, view) &&
-           is_same_stage(seen, view) && is_same_hand(&seen->hand[0], &view->hand[0]) &&
-           is_same_hand(&seen->hand[1], &view->hand[1]);
+    bool is_same = seen && !live_board_is_new(board) && is_same_face(seen, view) &&
+                   is_same_stage(seen, view);
+    for (uint32_t side = 0; seen && side < 2; ++side)
+        is_same &= is_same_hand(stage, &seen->hand[side], &view->hand[side], side, now_ns);
+    return is_same;
 }
 
 static void note_frame(live_stage *stage)
@@ -497,7 +514,7 @@ void live_frame_publish(live_stage *stage)
     describe_face(stage, view, performer_composer(shown));
     describe_stage(stage, view);
     view->published_ns = stage->published_ns = clock_now_ns();
-    if (!is_seen(board, view)) {
+    if (!is_seen(stage, view, now_ns)) {
         live_board_publish(board);
         tell_main(stage);
     }

@@ -5,7 +5,7 @@ static const int64_t look_every_ns = NS_PER_S / 2;
 
 /* Dear ImGui shows what an event leads to up to three frames later: a menu is measured, then
  * placed, then shown. */
-enum { SETTLES_EVENT = 4, SETTLES_CHANGE = 2 };
+enum { SETTLES_EVENT = 4, SETTLES_CHANGE = 1 };
 
 const char *const pace_reason_names[PACE_REASONS] = {
     [PACE_NOT_DUE] = "none",      [PACE_EVENT] = "event", [PACE_SIGNAL] = "signal",
@@ -31,7 +31,8 @@ void pace_ask(pace *self, int64_t at_ns)
 
 void pace_note_change(pace *self)
 {
-    settle(self, SETTLES_CHANGE);
+    if (self->why != PACE_SETTLING) /* else numbers that change each time never come to rest */
+        settle(self, SETTLES_CHANGE);
 }
 
 pace_reason pace_due(const pace *self, int64_t now_ns, bool has_event)
@@ -56,6 +57,7 @@ int64_t pace_until_ns(const pace *self)
 void pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns)
 {
     self->has_rested = has_rested;
+    self->why = why;
     self->seen = wake_seen(&self->signal);
     self->began_ns = now_ns;
     self->asked_ns = INT64_MAX;

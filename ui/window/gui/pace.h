@@ -25,6 +25,7 @@ typedef struct pace {
     uint32_t seen;    /* of the signal, as the last frame began */
     int64_t began_ns; /* the last frame; 0: there was none */
     int64_t asked_ns; /* the earliest time that was asked for; INT64_MAX: none */
+    pace_reason why;  /* of this frame */
     uint32_t settles; /* frames that follow one another in any case */
     bool has_rested;  /* nothing was due before this frame, and the window slept */
     uint64_t count[PACE_REASONS];
@@ -33,7 +34,7 @@ typedef struct pace {
 void pace_init(pace *self);
 /* A frame at that time at the latest; a time that has passed: the next one. */
 void pace_ask(pace *self, int64_t at_ns);
-/* What was drawn differs from what was drawn before. */
+/* What was drawn in this frame differs from what was drawn before. */
 void pace_note_change(pace *self);
 /* Whether a frame is due now. */
 pace_reason pace_due(const pace *self, int64_t now_ns, bool has_event);

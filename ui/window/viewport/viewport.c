@@ -46,6 +46,7 @@ typedef struct viewport_quality { /* pixels are saved while a slow renderer must
     uint32_t level;               /* of quality_scale; 0: all pixels */
     double slow_s, fast_s, still_s;
     uint64_t count; /* of the picture, a frame ago */
+    bool was_drawn; /* then */
 } viewport_quality;
 
 struct viewport {
@@ -1219,8 +1220,10 @@ static float choose_quality(viewport *self)
 {
     viewport_quality *q = &self->quality;
     uint64_t count = viewport_picture_count(self->picture);
-    bool was_drawn = count != q->count;
+    const bool was_drawn = count != q->count;
+    const bool is_going_on = was_drawn && q->was_drawn; /* one picture alone may take its time */
     q->count = count;
+    q->was_drawn = was_drawn;
     if (!was_drawn) {
         q->slow_s = q->fast_s = 0.0;
         q->still_s += self->dt_s;
@@ -1228,7 +1231,7 @@ static float choose_quality(viewport *self)
             q->level = 0;
     } else {
         q->still_s = 0.0;
-        bool is_slow = self->dt_s > slow_frame_s && self->dt_s < 1.0;
+        const bool is_slow = is_going_on && self->dt_s > slow_frame_s && self->dt_s < 1.0;
         q->slow_s = is_slow ? q->slow_s + self->dt_s : 0.0;
         if (q->slow_s > slow_for_s && q->level + 1 < QUALITIES) {
             q->level += 1;
