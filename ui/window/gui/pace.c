@@ -54,8 +54,11 @@ int64_t pace_until_ns(const pace *self)
     return self->asked_ns < look_ns ? self->asked_ns : look_ns;
 }
 
-void pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns)
+bool pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns)
 {
+    static const int64_t late_ns = 50 * NS_PER_MS;
+    const bool is_late =
+        why == PACE_EVENT && self->began_ns > 0 && now_ns - self->began_ns > late_ns;
     self->has_rested = has_rested;
     self->why = why;
     self->seen = wake_seen(&self->signal);
@@ -65,4 +68,5 @@ void pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns)
     if (why == PACE_EVENT)
         settle(self, SETTLES_EVENT);
     self->count[why] += 1;
+    return is_late;
 }

@@ -40,7 +40,9 @@ void pace_note_change(pace *self);
 pace_reason pace_due(const pace *self, int64_t now_ns, bool has_event);
 /* Until when the window may sleep, unless an event or a signal comes. */
 int64_t pace_until_ns(const pace *self);
-/* A frame begins: what was asked for is forgotten. */
-void pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns);
+/* A frame begins: what was asked for is forgotten. True: it is late for an event that ended a rest.
+ * The time before the event passes in this frame, and the event is for the next one, which is due
+ * at once: what the event sets going is not ahead by the rest. */
+bool pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns);
 
 #endif

@@ -1889,6 +1889,12 @@ void ui_end(ui *self)
     self->is_new = !self->screen.is_hidden && draw_new(self, ImGui::GetDrawData());
 }
 
+void ui_draw_again(ui *self)
+{
+    ui_damage_forget(self->damage);
+    (void)draw_new(self, ImGui::GetDrawData());
+}
+
 bool ui_is_new(const ui *self)
 {
     return self->is_new;

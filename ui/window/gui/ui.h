@@ -46,6 +46,8 @@ void ui_end(ui *self);
 bool ui_is_hidden(const ui *self); /* of this frame */
 /* After ui_end: something was drawn, as this frame differs from the one that was drawn last. */
 bool ui_is_new(const ui *self);
+/* The frame that ended last, all of it: for tests. */
+void ui_draw_again(ui *self);
 /* A frame is wanted after that time, at the latest: for what moves, or appears, without an event
  * and without a face. 0: the next one. Each frame asks anew. */
 void ui_want_frame(ui *self, double in_s);

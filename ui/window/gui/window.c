@@ -994,7 +994,7 @@ static bool glfw_begin(window *base, ui *to, ui_screen *out_screen)
     measure(self);
     const int64_t now_ns = clock_now_ns(), before_ns = base->pace.began_ns;
     const float scale = zoomed(base);
-    const bool is_late = why == PACE_EVENT && has_rested;
+    const bool is_late = pace_begin(&base->pace, why, has_rested, now_ns);
     *out_screen = (ui_screen){.width = (float)base->width_px / scale,
                               .height = (float)base->height_px / scale,
                               .scale = scale,
@@ -1002,7 +1002,6 @@ static bool glfw_begin(window *base, ui *to, ui_screen *out_screen)
                               .is_hidden = self->is_iconified,
                               .is_lost = fit_sheet(self),
                               .is_late = is_late};
-    pace_begin(&base->pace, why, has_rested, now_ns);
     self->is_caught_up = is_late;
     self->has_event = is_late; /* they wait for the next frame, which comes at once */
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->sheet.framebuffer);
@@ -1258,6 +1257,7 @@ typedef struct hidden {
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
     bool has_output, output_is_clear, is_maximised;
     bool is_unseen; /* as a window that is put away */
+    bool is_caught_up; /* the frame before was late */
     window_gamepad gamepad;
     bool has_gamepad;
 } hidden;
@@ -1280,13 +1280,13 @@ static void hidden_close(window *base)
 }
 
 /* Sleeps until a frame is due. Returns how long it is since the last one. */
-static double real_dt_s(hidden *self, const ui *to)
+static double real_dt_s(hidden *self, const ui *to, bool *out_is_late)
 {
     pace *of = &self->base.pace;
     const int64_t before_ns = of->began_ns, next_ns = before_ns + NS_PER_S / REAL_FPS;
     pace_reason why;
     bool has_rested = false;
-    if (before_ns && clock_now_ns() < next_ns)
+    if (before_ns && !self->is_caught_up && clock_now_ns() < next_ns)
         clock_sleep_until_ns(next_ns);
     for (;;) {
         const uint32_t seen = wake_seen(&of->signal);
@@ -1297,7 +1297,7 @@ static double real_dt_s(hidden *self, const ui *to)
         wake_wait_until_ns(&of->signal, seen, pace_until_ns(of));
     }
     const int64_t now_ns = clock_now_ns();
-    pace_begin(of, why, has_rested, now_ns);
+    *out_is_late = pace_begin(of, why, has_rested, now_ns);
     return before_ns ? 1e-9 * (double)(now_ns - before_ns) : 0.0;
 }
 
@@ -1305,10 +1305,14 @@ static bool hidden_begin(window *base, ui *to, ui_screen *out_screen)
 {
     hidden *self = hidden_of(base);
     const float scale = zoomed(base);
+    bool is_late = false;
+    const double dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self, to, &is_late);
+    self->is_caught_up = is_late;
     *out_screen = (ui_screen){.width = (float)base->width_px / scale,
                               .height = (float)base->height_px / scale,
                               .scale = scale,
-                              .dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self, to),
+                              .dt_s = dt_s,
+                              .is_late = is_late,
                               .is_hidden = self->is_unseen};
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
     glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
@@ -1433,6 +1437,14 @@ mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, flo
 void window_hidden_put_away(window *self, bool is_away)
 {
     hidden_of(self)->is_unseen = is_away;
+}
+
+void window_hidden_draw_again(window *self, ui *from)
+{
+    gl_bind_framebuffer(GL_FRAMEBUFFER, hidden_of(self)->stage.framebuffer);
+    glViewport(0, 0, (GLsizei)self->width_px, (GLsizei)self->height_px);
+    ui_draw_again(from);
+    gl_end_scene();
 }
 
 void window_hidden_gamepad(window *base, const window_gamepad *now)

@@ -70,6 +70,8 @@ void window_show_output(window *self, uint32_t texture, bool is_mirrored);
 
 /* Frames are not drawn while it is away, as those of a window that is put away. */
 void window_hidden_put_away(window *self, bool is_away);
+/* The last frame is drawn again, all of it: nothing changes, if no part of it was stale. */
+void window_hidden_draw_again(window *self, ui *from);
 /* What the gamepad says from now on; NULL: there is none. */
 void window_hidden_gamepad(window *self, const window_gamepad *now);
 CHECKED mrt_result window_hidden_output_picture(window *self, const char *png_path, error *err);
