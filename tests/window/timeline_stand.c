@@ -469,6 +469,12 @@ const timeline_strip *timeline_result_strip(const timeline_result *result, uint3
     return NULL;
 }
 
+bool timeline_worker_is_busy(const timeline_worker *self)
+{
+    (void)self;
+    return false;
+}
+
 const timeline_comps *timeline_worker_comps(timeline_worker *self)
 {
     (void)self;
