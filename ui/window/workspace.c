@@ -1014,6 +1014,8 @@ static void show_output(workspace *self)
     if (picture->edition != self->output_edition)
         window_close_output(self->window);
     self->output_edition = picture->edition;
+    if (!window_has_output(self->window))
+        self->output_width = 0; /* nothing is shown in a window that is opened now */
     if (!window_has_output(self->window) && window_open_output(self->window, &look, &err) < 0) {
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "output", err.text);
         looks->has_output = false;
@@ -1022,8 +1024,9 @@ static void show_output(workspace *self)
     window_output_size(self->window, &width, &height);
     const uint32_t texture =
         width && height ? viewport_output(self->viewport, VIEWPORT_WINDOW, width, height) : 0;
-    if (texture && is_output_new(self, width, height))
-        window_show_output(self->window, texture, looks->is_output_mirrored);
+    if (texture)
+        window_show_output(self->window, texture, looks->is_output_mirrored,
+                           is_output_new(self, width, height));
     looks->has_output = window_has_output(self->window); /* the person may have closed it */
 }
 

@@ -36,7 +36,7 @@ typedef struct window_type {
     void (*close_output)(window *self);
     bool (*has_output)(const window *self);
     void (*output_size)(const window *self, uint32_t *out_width, uint32_t *out_height);
-    void (*show_output)(window *self, uint32_t texture, bool is_mirrored);
+    void (*show_output)(window *self, uint32_t texture, bool is_mirrored, bool is_new);
 } window_type;
 
 enum { DROPS = 8, DROP_PATH = 4096 };
@@ -390,10 +390,10 @@ void window_output_size(const window *self, uint32_t *out_width, uint32_t *out_h
         self->type->output_size(self, out_width, out_height);
 }
 
-void window_show_output(window *self, uint32_t texture, bool is_mirrored)
+void window_show_output(window *self, uint32_t texture, bool is_mirrored, bool is_new)
 {
     if (window_has_output(self))
-        self->type->show_output(self, texture, is_mirrored);
+        self->type->show_output(self, texture, is_mirrored, is_new);
 }
 
 /* ---- the face alone in a second window, drawn by a thread of its own ---- */
@@ -421,6 +421,7 @@ struct window_output {
     bool has_mutex, is_new, stop, has_failed;
     uint32_t width_px, height_px; /* of the window */
 
+    bool is_exposed; /* what it shows is gone */
     bool is_dragged;
     double drag_x, drag_y;
 };
@@ -543,6 +544,11 @@ static void on_move(GLFWwindow *handle, double x, double y)
     glfwSetWindowPos(handle, left + (int)(x - self->drag_x), top + (int)(y - self->drag_y));
 }
 
+static void on_output_refresh(GLFWwindow *handle)
+{
+    ((window_output *)glfwGetWindowUserPointer(handle))->is_exposed = true;
+}
+
 static void make_pictures(window_output *self)
 {
     glGenFramebuffers(1, &self->read_framebuffer);
@@ -564,6 +570,7 @@ static mrt_result start(window_output *self, error *err)
     glfwSetWindowUserPointer(self->window, self);
     glfwSetMouseButtonCallback(self->window, on_button);
     glfwSetCursorPosCallback(self->window, on_move);
+    glfwSetWindowRefreshCallback(self->window, on_output_refresh);
     make_pictures(self);
     slot_init(&self->slot);
     self->has_mutex =
@@ -1079,6 +1086,7 @@ static void on_output_key(GLFWwindow *from, int key, int scancode, int action, i
     glfw_window *self = glfwGetWindowUserPointer(glfwGetCurrentContext());
     if (key == GLFW_KEY_ESCAPE) {
         glfwSetWindowShouldClose(from, GLFW_TRUE);
+        self->has_event = true;
         return;
     }
     on_key(self->glfw, key, scancode, action, modifiers);
@@ -1112,7 +1120,7 @@ static void glfw_output_size(const window *base, uint32_t *out_width, uint32_t *
     window_output_measure(((const glfw_window *)base)->output, out_width, out_height);
 }
 
-static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored)
+static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored, bool is_new)
 {
     glfw_window *self = glfw_window_of(base);
     uint32_t width, height;
@@ -1120,6 +1128,9 @@ static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored)
         glfw_close_output(base);
         return;
     }
+    if (!is_new && !self->output->is_exposed)
+        return;
+    self->output->is_exposed = false;
     window_output_measure(self->output, &width, &height);
     window_output_give(self->output, texture, width, height, is_mirrored);
 }
@@ -1371,9 +1382,11 @@ static void hidden_output_size(const window *base, uint32_t *out_width, uint32_t
     *out_height = ((const hidden *)base)->output.height_px;
 }
 
-static void hidden_show_output(window *base, uint32_t texture, bool is_mirrored)
+static void hidden_show_output(window *base, uint32_t texture, bool is_mirrored, bool is_new)
 {
     hidden *self = hidden_of(base);
+    if (!is_new)
+        return;
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
     window_fill_draw(&self->fill, texture, is_mirrored, self->output_is_clear,
                      self->output.width_px, self->output.height_px);

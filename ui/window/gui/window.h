@@ -64,7 +64,8 @@ CHECKED mrt_result window_open_output(window *self, const window_output_look *lo
 void window_close_output(window *self);
 bool window_has_output(const window *self);
 void window_output_size(const window *self, uint32_t *out_width, uint32_t *out_height);
-void window_show_output(window *self, uint32_t texture, bool is_mirrored);
+/* is_new: it differs from what is shown there; else it may be shown again all the same. */
+void window_show_output(window *self, uint32_t texture, bool is_mirrored, bool is_new);
 
 /* ---- without a window: what a script and a test do to it ---- */
 

@@ -527,6 +527,8 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     const float *position = posed_shape_of(self->shapes, step->pose, &vertex_count);
     viewport *view = app_viewport(self->app);
     ground_of(self, ground);
+    if (!position) /* it is being found */
+        ui_want_frame(on, 0.05);
     if (position && view && !ui_is_hidden(on))
         texture = viewport_portrait(view, position, vertex_count, ground, pixels, pixels);
     if (texture)
