@@ -229,8 +229,7 @@ struct chunk_packer {
 chunk_packer *chunk_packer_create(void)
 {
     chunk_packer *self = calloc(1, sizeof *self);
-    if (!self ||
-        deflateInit2(&self->stream, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK)
+    if (!self || deflateInit2(&self->stream, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK)
         return self;
     free(self);
     return NULL;
@@ -307,9 +306,8 @@ mrt_result chunk_encode(uint8_t *out, size_t *out_size, int64_t track, uint32_t 
                         const mrt_sample *samples, uint32_t count, error *err)
 {
     chunk_packer *by = chunk_packer_create();
-    mrt_result result =
-        by ? chunk_pack(by, out, out_size, track, ordinal, samples, count, err)
-           : error_set(err, MRT_ERR_MEMORY, "no memory to compress samples");
+    mrt_result result = by ? chunk_pack(by, out, out_size, track, ordinal, samples, count, err)
+                           : error_set(err, MRT_ERR_MEMORY, "no memory to compress samples");
     chunk_packer_destroy(by);
     return result;
 }
@@ -337,8 +335,8 @@ mrt_result chunk_pack(chunk_packer *by, uint8_t *out, size_t *out_size, int64_t 
     at = put_varint(at, plain_size);
     size_t head_size = (size_t)(at - out);
     size_t packed_size = 0;
-    result = deflate_plain(by, at, chunk_bound(count, channel_count) - head_size, &packed_size, plain,
-                           plain_size, err);
+    result = deflate_plain(by, at, chunk_bound(count, channel_count) - head_size, &packed_size,
+                           plain, plain_size, err);
     free(plain);
     if (result < 0)
         return result;

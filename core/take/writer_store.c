@@ -425,9 +425,8 @@ static mrt_result encode(const writer_track *track, uint8_t **out, size_t *out_s
     if (!*out)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record track %lld",
                          (long long)track->id);
-    mrt_result result =
-        chunk_pack(track->packer, *out, out_size, track->id, track->ordinal, track->sample,
-                   track->count, err);
+    mrt_result result = chunk_pack(track->packer, *out, out_size, track->id, track->ordinal,
+                                   track->sample, track->count, err);
     if (result < 0) {
         free(*out);
         *out = NULL;

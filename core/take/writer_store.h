@@ -127,8 +127,8 @@ typedef struct writer_track {
     uint32_t count, committed_count; /* of the chunk's samples */
     int64_t chunk_id;                /* 0: none yet */
     uint32_t ordinal;
-    uint32_t lost_count; /* not yet told as an event */
-    mrt_sample *sample;  /* WRITER_CHUNK_SAMPLES, show time; owned */
+    uint32_t lost_count;  /* not yet told as an event */
+    mrt_sample *sample;   /* WRITER_CHUNK_SAMPLES, show time; owned */
     chunk_packer *packer; /* likewise */
 } writer_track;
 

@@ -25,8 +25,7 @@ static void check(scene *s, const char *what)
     keep_picture(s, &shown, "shown");
     window_hidden_draw_again(s->window, s->ui);
     keep_picture(s, &anew, "anew");
-    const bool is_same =
-        shown.size == anew.size && memcmp(shown.data, anew.data, shown.size) == 0;
+    const bool is_same = shown.size == anew.size && memcmp(shown.data, anew.data, shown.size) == 0;
     file_bytes_finish(&shown);
     file_bytes_finish(&anew);
     if (!is_same) {
@@ -76,7 +75,8 @@ static void panels_menus_and_hints_leave_nothing_behind(void **state)
     scene s;
     open_drawn(&s, NULL, 0);
     hover(&s);
-    for (int panel = ACTION_PANEL_DEVICES; panel < ACTION_PANEL_DEVICES + (int)APP_PANELS; ++panel) {
+    for (int panel = ACTION_PANEL_DEVICES; panel < ACTION_PANEL_DEVICES + (int)APP_PANELS;
+         ++panel) {
         app_do(s.app, (action)panel);
         scene_frames(&s, 3);
         check(&s, "panel");
@@ -159,7 +159,8 @@ static void a_hand_a_take_and_the_playhead_leave_nothing_behind(void **state)
     char text[512];
     scene s;
     bool yes = true, no = false;
-    (void)snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=2,loop=1", SOURCE_DIR);
+    (void)snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv,start=2,loop=1",
+                   SOURCE_DIR);
     const char *const inputs[] = {text};
     open_drawn(&s, inputs, 1);
     app_do(s.app, ACTION_RECORD);

@@ -165,7 +165,8 @@ static void a_glide_of_the_camera_asks_for_its_frames(void **state)
     open_still(&s, NULL, 0);
     scene_do(&s, ACTION_VIEW_SIDE);
     const counts moving = during(&s, 1.5);
-    print_message("glide: %d frames %d drawn %d faces\n",(int)moving.frames,(int)moving.drawn,(int)moving.faces);
+    print_message("glide: %d frames %d drawn %d faces\n", (int)moving.frames, (int)moving.drawn,
+                  (int)moving.faces);
     assert_true(moving.faces > 5);
     pass(&s, 2.0);
     assert_int_equal(during(&s, 5.0).drawn, 0);

@@ -55,7 +55,7 @@ struct workspace {
     char title[600];
     figures panels_ms, interval_ms, draw_ms, latency_ms;
     uint64_t frame_count, drawn_count, face_shown;
-    uint64_t output_shown;           /* of viewport_output_drawn, in the second window */
+    uint64_t output_shown; /* of viewport_output_drawn, in the second window */
     uint32_t output_width, output_height;
     bool output_is_mirrored;
     double figures_wait_s, first_face_s;

@@ -38,7 +38,8 @@ void live_board_destroy(live_board *self); /* zeroed is fine */
 
 /* ---- [frame], or [main] before it starts ---- */
 
-/* The buffer to fill, again and again until it is published: what the composer shows is in it, drawn. now_ns: for easing. */
+/* The buffer to fill, again and again until it is published: what the composer shows is in it,
+ * drawn. now_ns: for easing. */
 live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns);
 /* Some of its vertices or normals have changed since the last one that was published. */
 bool live_board_is_new(const live_board *self);

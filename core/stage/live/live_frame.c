@@ -460,8 +460,8 @@ static bool is_seen(live_stage *stage, const live_view *view, int64_t now_ns)
 {
     const live_board *board = &stage->scene->board;
     const live_view *seen = live_board_published(board);
-    bool is_same = seen && !live_board_is_new(board) && is_same_face(seen, view) &&
-                   is_same_stage(seen, view);
+    bool is_same =
+        seen && !live_board_is_new(board) && is_same_face(seen, view) && is_same_stage(seen, view);
     for (uint32_t side = 0; seen && side < 2; ++side)
         is_same &= is_same_hand(stage, &seen->hand[side], &view->hand[side], side, now_ns);
     return is_same;

@@ -447,15 +447,15 @@ static void want_frames(app *self)
     static const double each_s = 0.0, clock_s = 0.05, meter_s = 0.06, work_s = 0.1;
     input_opening opening[INPUT_OPENINGS_MAX];
     if (is_playing(self) || self->view->mode == LIVE_OVERDUBS || app_leads_in_s(self) > 0.0 ||
-        self->is_chasing || self->patch_waits ||
-        remote_status_of(self->remote).is_listening)
+        self->is_chasing || self->patch_waits || remote_status_of(self->remote).is_listening)
         app_want_frame(self, each_s);
     if (self->status.is_recording || self->awaited)
         app_want_frame(self, clock_s);
     if (self->status.is_sound_armed)
         app_want_frame(self, meter_s);
     if (input_opener_going(self->inputs, opening) > 0 || exporter_count(self->exports) > 0 ||
-        self->copier || self->audio_import || kept_scenery_is_reading(self->scenery) || live_is_busy(self->live))
+        self->copier || self->audio_import || kept_scenery_is_reading(self->scenery) ||
+        live_is_busy(self->live))
         app_want_frame(self, work_s);
 }
 

@@ -1502,8 +1502,8 @@ void ui_draw_image(ui *self, ui_rectangle where, uint32_t texture, uint64_t vers
 {
     ui_damage_images *images = &self->images;
     if (images->count < UI_DAMAGE_IMAGES)
-        images->of[images->count] = {
-            reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)), version};
+        images->of[images->count] = {reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)),
+                                     version};
     images->count += 1;
     const ImRect box = ui_px_box(self, where);
     const float left = is_mirrored ? 1.0f : 0.0f;
@@ -1847,8 +1847,8 @@ static void draw_part(const ImDrawData *whole, const ImRect &box)
         if (is_seen)
             list.push_back(whole->CmdLists[i]);
     }
-    const ImVec4 ground = ImGui::ColorConvertU32ToFloat4(
-        IM_COL32(THEME_STAGE >> 24 & 0xffu, THEME_STAGE >> 16 & 0xffu, THEME_STAGE >> 8 & 0xffu, 255));
+    const ImVec4 ground = ImGui::ColorConvertU32ToFloat4(IM_COL32(
+        THEME_STAGE >> 24 & 0xffu, THEME_STAGE >> 16 & 0xffu, THEME_STAGE >> 8 & 0xffu, 255));
     glEnable(GL_SCISSOR_TEST);
     glScissor(static_cast<GLint>(box.Min.x), static_cast<GLint>(height - box.Max.y),
               static_cast<GLsizei>(box.GetWidth()), static_cast<GLsizei>(box.GetHeight()));

@@ -19,7 +19,7 @@ void ui_destroy(ui *self); /* NULL is fine; its context is current */
  * change a frame, in order ---- */
 
 void ui_push(ui *self, const ui_event *event);
-bool ui_is_idle(const ui *self); /* all that was pushed has been handed over */
+bool ui_is_idle(const ui *self);    /* all that was pushed has been handed over */
 bool ui_is_holding(const ui *self); /* a key or a button, in this frame */
 /* Where text is copied to and from; without it, within the window alone. get: until its next call.
  */
@@ -39,7 +39,7 @@ typedef struct ui_screen {
     double dt_s;         /* since the frame before */
     bool is_hidden;      /* nobody can see it: all goes on, but nothing is drawn */
     bool is_lost;        /* what was drawn into the framebuffer is not there any more */
-    bool is_late;        /* time passes alone, before what ended it: events wait for the next frame */
+    bool is_late; /* time passes alone, before what ended it: events wait for the next frame */
 } ui_screen;
 void ui_begin(ui *self, const ui_screen *screen);
 void ui_end(ui *self);

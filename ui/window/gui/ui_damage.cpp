@@ -5,7 +5,8 @@
 #include <cstring>
 #include <new>
 
-namespace {
+namespace
+{
 
 struct kept_list {
     ImGuiID owner = 0;
@@ -80,8 +81,8 @@ static void add_box(ui_damage_boxes *to, ImRect box, ImVec2 size)
 {
     box.Min = ImVec2(ImMax(std::floor(box.Min.x) - 1.0f, 0.0f),
                      ImMax(std::floor(box.Min.y) - 1.0f, 0.0f));
-    box.Max =
-        ImVec2(ImMin(std::ceil(box.Max.x) + 1.0f, size.x), ImMin(std::ceil(box.Max.y) + 1.0f, size.y));
+    box.Max = ImVec2(ImMin(std::ceil(box.Max.x) + 1.0f, size.x),
+                     ImMin(std::ceil(box.Max.y) + 1.0f, size.y));
     if (box.Max.x <= box.Min.x || box.Max.y <= box.Min.y)
         return;
     for (;;) {
@@ -153,9 +154,9 @@ static bool next(triangles *self, int corner[3], const ImDrawCmd **out)
         return false;
     const ImDrawCmd *command = &of->command[self->command];
     for (int i = 0; i < 3; ++i)
-        corner[i] = static_cast<int>(command->VtxOffset +
-                                     of->index[command->IdxOffset + self->done +
-                                               static_cast<unsigned int>(i)]);
+        corner[i] = static_cast<int>(
+            command->VtxOffset +
+            of->index[command->IdxOffset + self->done + static_cast<unsigned int>(i)]);
     self->done += 3;
     *out = command;
     return true;

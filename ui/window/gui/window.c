@@ -48,8 +48,8 @@ struct window { /* the first member of either */
     uint32_t width_px, height_px;
     bool is_awaited; /* although nobody sees it */
     pace pace;
-    float scale;     /* pixels a point, without the zoom */
-    float zoom;      /* 0: 1 */
+    float scale; /* pixels a point, without the zoom */
+    float zoom;  /* 0: 1 */
 };
 
 enum { ZOOMED_WIDTH = 800, ZOOMED_HEIGHT = 500 }; /* points that a zoom leaves at least */
@@ -732,10 +732,10 @@ typedef struct glfw_window {
     float pixels_per_unit; /* a unit of the desktop's coordinates */
     int64_t frame_ns;
     bool is_iconified;
-    bool has_event;   /* since the last frame */
-    bool is_exposed;  /* what the window shows is gone: it is shown again */
+    bool has_event;    /* since the last frame */
+    bool is_exposed;   /* what the window shows is gone: it is shown again */
     bool is_caught_up; /* the frame before was late, and let events wait */
-    pthread_t thread; /* ends the wait for events when there is a signal */
+    pthread_t thread;  /* ends the wait for events when there is a signal */
     bool has_thread;
     _Atomic bool is_waiting, stop;
 } glfw_window;
@@ -1267,7 +1267,7 @@ typedef struct hidden {
     window_fill fill;
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
     bool has_output, output_is_clear, is_maximised;
-    bool is_unseen; /* as a window that is put away */
+    bool is_unseen;    /* as a window that is put away */
     bool is_caught_up; /* the frame before was late */
     window_gamepad gamepad;
     bool has_gamepad;

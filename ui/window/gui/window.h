@@ -22,8 +22,8 @@ float window_scale(const window *self);
 bool window_is_maximised(const window *self);
 void window_maximise(window *self);
 
-/* Waits until a frame is due (pace.h), but where each frame takes dt_s. Hands events over to the ui;
- * false: the person wants to close the window. */
+/* Waits until a frame is due (pace.h), but where each frame takes dt_s. Hands events over to the
+ * ui; false: the person wants to close the window. */
 bool window_begin(window *self, ui *to, ui_screen *out_screen);
 /* Shows what was drawn, if anything of it is new. */
 void window_end(window *self, ui *from);
@@ -34,8 +34,8 @@ const char *window_take_drop(window *self);
 /* One is dropped, by the desktop or a test. A few wait; those beyond are forgotten. */
 void window_drop(window *self, const char *path);
 void window_set_title(window *self, const char *title);
-/* A frame comes after that time at the latest, from the one that is drawn now; 0: the next one. Each
- * frame asks anew. */
+/* A frame comes after that time at the latest, from the one that is drawn now; 0: the next one.
+ * Each frame asks anew. */
 void window_want_frame(window *self, double in_s);
 const pace *window_pace(const window *self);
 wake *window_signal(window *self); /* [any] given when there is something new to be drawn */

@@ -533,7 +533,8 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
         texture = viewport_portrait(view, position, vertex_count, ground, pixels, pixels);
     if (texture)
         ui_draw_image(on, (ui_rectangle){x - half, y - half, 2.0f * half, 2.0f * half}, texture,
-                      viewport_output_drawn(view, VIEWPORT_PORTRAIT), app_looks_of(self->app)->is_mirrored);
+                      viewport_output_drawn(view, VIEWPORT_PORTRAIT),
+                      app_looks_of(self->app)->is_mirrored);
     const bool is_cheering = self->cheer_s < 0.5;
     ui_draw_ring(on, x, y, radius, THEME_RAISED, 6.0f);
     draw_arc(on, x, y, radius, is_cheering ? 1.0 : closed,

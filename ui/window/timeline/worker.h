@@ -62,7 +62,7 @@ typedef struct timeline_result {
     waveform_view wave;
     uint32_t span_count; /* of the newest takes, newest first */
     timeline_span span[TIMELINE_SPANS_MAX];
-    uint64_t number; /* of the request that it answers */
+    uint64_t number;  /* of the request that it answers */
     bool is_complete; /* nothing more comes unless something is recorded */
     char note[256];   /* why there is no curve; "" */
 } timeline_result;
