@@ -193,14 +193,25 @@ const live_view *live_board_published(const live_board *self)
     return self->has_shown ? &self->view[self->shown] : NULL;
 }
 
-void live_board_publish(live_board *self)
+static void publish(live_board *self)
 {
     self->shown = slot_back(&self->slot);
     self->has_shown = true;
     self->is_new = false;
-    self->number += 1;
     atomic_store(&self->is_taken, false);
     slot_publish(&self->slot);
+}
+
+void live_board_publish(live_board *self)
+{
+    self->number += 1;
+    publish(self);
+}
+
+void live_board_publish_again(live_board *self)
+{
+    self->view[slot_back(&self->slot)].number = self->number;
+    publish(self);
 }
 
 /* The buffer that was published last is read only, by whoever has it: here too. */

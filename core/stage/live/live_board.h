@@ -46,6 +46,8 @@ bool live_board_is_new(const live_board *self);
 /* The one that was published last; NULL: none was. */
 const live_view *live_board_published(const live_board *self);
 void live_board_publish(live_board *self);
+/* The same face, of a later sample: it has the number of the one before. */
+void live_board_publish_again(live_board *self);
 /* From the next face on it eases over from the last one. */
 void live_board_ease(live_board *self, int64_t now_ns);
 /* The same from another board's, if it is of as many vertices. */

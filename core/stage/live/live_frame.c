@@ -514,7 +514,10 @@ void live_frame_publish(live_stage *stage)
     describe_face(stage, view, performer_composer(shown));
     describe_stage(stage, view);
     view->published_ns = stage->published_ns = clock_now_ns();
-    if (!is_seen(stage, view, now_ns)) {
+    if (is_seen(stage, view, now_ns)) {
+        memcpy(view->hand, live_board_published(board)->hand, sizeof view->hand);
+        live_board_publish_again(board);
+    } else {
         live_board_publish(board);
         tell_main(stage);
     }
