@@ -146,7 +146,7 @@ static bool is_chosen(scene *s, void *data)
 {
     const char *why;
     (void)data;
-    if (live_shown_take(app_live(s->app)))
+    if (app_can(s->app, ACTION_PLAY, &why))
         return true;
     if (app_can(s->app, ACTION_TAKE_BEFORE, &why)) /* once the take is in the list */
         app_do(s->app, ACTION_TAKE_BEFORE);
