@@ -141,6 +141,12 @@ bool app_has_hand_keys(const app *self)
     return false;
 }
 
+uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
+{
+    (void)self, (void)to;
+    return 0;
+}
+
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
                            const float ground[4], uint32_t width, uint32_t height)
 {
@@ -152,6 +158,11 @@ const char *live_patch_note(const live *self)
 {
     (void)self;
     return "";
+}
+
+void app_want_frame(app *self, double in_s)
+{
+    (void)self, (void)in_s;
 }
 
 app_looks *app_looks_of(app *self)

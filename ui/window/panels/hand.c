@@ -182,6 +182,18 @@ static void follow_card(panel *self, const instance *mapping)
                : NULL;
 }
 
+/* What is lit goes out by and by, and what is drawn steadily follows. */
+static bool is_hand_moving(const panel *self)
+{
+    static const float level_least = 0.01f, angle_least = 0.005f;
+    bool is_moving = false;
+    for (uint32_t i = 0; i < HAND_LIGHTS_MAX; ++i)
+        is_moving |= self->lights.level[i] > level_least;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        is_moving |= fabsf(self->angle_rad[i] - self->steady_rad[i]) > angle_least;
+    return is_moving;
+}
+
 static void follow_hand(panel *self, double dt_s)
 {
     static const double steady_s = 0.15;
@@ -199,6 +211,8 @@ static void follow_hand(panel *self, double dt_s)
     }
     self->still_s = is_still ? self->still_s + dt_s : 0.0;
     hand_lights_look(&self->lights, self->line, self->line_count, hand, dt_s);
+    if (is_hand_moving(self))
+        app_want_frame(self->app, 0.0);
 }
 
 /* The last pedal that nothing else is for. */
@@ -530,10 +544,13 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     const float *position = posed_shape_of(self->shapes, step->pose, &vertex_count);
     viewport *view = app_viewport(self->app);
     ground_of(self, ground);
+    if (!position) /* it is being found */
+        ui_want_frame(on, 0.05);
     if (position && view && !ui_is_hidden(on))
         texture = viewport_portrait(view, position, vertex_count, ground, pixels, pixels);
     if (texture)
         ui_draw_image(on, (ui_rectangle){x - half, y - half, 2.0f * half, 2.0f * half}, texture,
+                      viewport_output_drawn(view, VIEWPORT_PORTRAIT),
                       app_looks_of(self->app)->is_mirrored);
     const bool is_cheering = self->cheer_s < 0.5;
     ui_draw_ring(on, x, y, radius, THEME_RAISED, 6.0f);
@@ -875,6 +892,10 @@ static void update(panel *self, double dt_s)
     follow_pedal(self, mapping);
     follow_goal(self, dt_s);
     follow_lesson(self, dt_s);
+    if (step_now(self) || self->lesson != LESSON_NONE)
+        app_want_frame(self->app, 0.0);
+    if (self->needs_shapes && !self->rig)
+        app_want_frame(self->app, 0.1);
 }
 
 static const float card_margin = 12.0f;

@@ -1115,6 +1115,7 @@ static void mapping_learn_update(panel *self, instance *mapping, double dt_s)
         mapping_learn_end(self);
         return;
     }
+    app_want_frame(self->app, 0.0); /* what counts is the last second */
     learn_look(&self->learn, app_view(self->app)->hand, dt_s);
     if (view)
         viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
