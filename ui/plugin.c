@@ -58,6 +58,8 @@ static void print_list(const plugin_list *list, bool with_params)
     for (uint32_t i = 0; i < list->entry_count; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
         char kind[64];
+        if (!plugin_is_offered(type))
+            continue;
         terminal_print("%-24s %-16s %-6s %s\n", type->id, kind_of(type, kind), type->version,
                        type->about);
         terminal_print("    from %s\n", list->entry[i].path);

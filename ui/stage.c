@@ -40,6 +40,7 @@ typedef struct stage {
     app *app;
     window *window;
     workspace *workspace;
+    wake *changed; /* of the window */
     script *script;
     uint64_t sample_count;
     double warm_mb, end_mb;
@@ -239,8 +240,11 @@ static mrt_result open_stage(stage *self, error *err)
         result = script_read(&self->script, self->options->script, err);
     if (result >= 0) /* first: without a display nothing is left behind */
         result = open_window(self, err);
+    if (result >= 0)
+        self->changed = window_signal(self->window);
     app_options with = self->options->app;
     with.note = self->settings_note;
+    with.changed = self->changed;
     if (result >= 0)
         result = app_create(&self->app, &with, err);
     if (result >= 0)
@@ -293,9 +297,14 @@ static mrt_result run(stage *self, error *err)
             result = step_script(self, err);
         if (result != MRT_OK)
             break;
-        const double took_s = (double)(clock_now_ns() - self->began_ns) / 1e9;
-        if (self->options->seconds > 0.0 && took_s >= self->options->seconds)
+        const double left_s =
+            self->options->seconds - (double)(clock_now_ns() - self->began_ns) / 1e9;
+        if (self->options->seconds > 0.0 && left_s <= 0.0)
             break;
+        if (self->options->seconds > 0.0)
+            window_want_frame(self->window, left_s);
+        if (self->script)
+            window_want_frame(self->window, 0.0);
     }
     self->end_mb = resident_mb();
     self->sample_count = app_status(self->app)->sample_count;
@@ -315,6 +324,14 @@ static void tell(const stage *self)
         return;
     workspace_counted(self->workspace, &counts);
     facts_number(told, "frames", "frames", (double)counts.frame_count, 0, "");
+    facts_number(told, "drawn", "  drawn", (double)counts.drawn_count, 0, "");
+    facts_number(told, "face_drawn", "  the face too", (double)counts.face_count, 0, "");
+    for (int why = PACE_EVENT; why < PACE_REASONS; ++why) {
+        char key[32], label[32];
+        (void)snprintf(key, sizeof key, "frames_%s", pace_reason_names[why]);
+        (void)snprintf(label, sizeof label, "  due: %s", pace_reason_names[why]);
+        facts_number(told, key, label, (double)window_pace(self->window)->count[why], 0, "");
+    }
     facts_number(told, "samples", "samples performed", (double)self->sample_count, 0, "");
     facts_number(told, "first_face_s", "first face", counts.first_face_s, 2, "s");
     facts_number(told, "interval_p50_ms", "a frame every", counts.fast.interval_p50_ms, 2, "ms");

@@ -222,16 +222,38 @@ static bool get_plain(mrt_sample *out, const chunk_head *head, const uint8_t *pl
 
 /* ---- compression ---- */
 
-static mrt_result deflate_plain(uint8_t *out, size_t capacity, size_t *out_size,
+struct chunk_packer {
+    z_stream stream;
+};
+
+chunk_packer *chunk_packer_create(void)
+{
+    chunk_packer *self = calloc(1, sizeof *self);
+    if (!self || deflateInit2(&self->stream, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) == Z_OK)
+        return self;
+    free(self);
+    return NULL;
+}
+
+void chunk_packer_destroy(chunk_packer *self)
+{
+    if (self)
+        deflateEnd(&self->stream);
+    free(self);
+}
+
+static mrt_result deflate_plain(chunk_packer *by, uint8_t *out, size_t capacity, size_t *out_size,
                                 const uint8_t *plain, size_t size, error *err)
 {
-    z_stream stream = {.next_in = plain, .avail_in = (uInt)size, .avail_out = (uInt)capacity};
-    stream.next_out = out;
-    if (deflateInit2(&stream, 6, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to compress samples");
-    int status = deflate(&stream, Z_FINISH);
-    *out_size = stream.total_out;
-    deflateEnd(&stream);
+    z_stream *stream = &by->stream;
+    if (deflateReset(stream) != Z_OK)
+        return error_set(err, MRT_ERR_MEMORY, "samples could not be compressed");
+    stream->next_in = plain;
+    stream->avail_in = (uInt)size;
+    stream->next_out = out;
+    stream->avail_out = (uInt)capacity;
+    int status = deflate(stream, Z_FINISH);
+    *out_size = stream->total_out;
     if (status != Z_STREAM_END)
         return error_set(err, MRT_ERR_MEMORY, "samples could not be compressed");
     return MRT_OK;
@@ -283,6 +305,16 @@ static mrt_result check_samples(const mrt_sample *samples, uint32_t count, error
 mrt_result chunk_encode(uint8_t *out, size_t *out_size, int64_t track, uint32_t ordinal,
                         const mrt_sample *samples, uint32_t count, error *err)
 {
+    chunk_packer *by = chunk_packer_create();
+    mrt_result result = by ? chunk_pack(by, out, out_size, track, ordinal, samples, count, err)
+                           : error_set(err, MRT_ERR_MEMORY, "no memory to compress samples");
+    chunk_packer_destroy(by);
+    return result;
+}
+
+mrt_result chunk_pack(chunk_packer *by, uint8_t *out, size_t *out_size, int64_t track,
+                      uint32_t ordinal, const mrt_sample *samples, uint32_t count, error *err)
+{
     *out_size = 0;
     mrt_result result = check_samples(samples, count, err);
     if (result < 0)
@@ -303,8 +335,8 @@ mrt_result chunk_encode(uint8_t *out, size_t *out_size, int64_t track, uint32_t 
     at = put_varint(at, plain_size);
     size_t head_size = (size_t)(at - out);
     size_t packed_size = 0;
-    result = deflate_plain(at, chunk_bound(count, channel_count) - head_size, &packed_size, plain,
-                           plain_size, err);
+    result = deflate_plain(by, at, chunk_bound(count, channel_count) - head_size, &packed_size,
+                           plain, plain_size, err);
     free(plain);
     if (result < 0)
         return result;

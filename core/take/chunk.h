@@ -31,6 +31,14 @@ size_t chunk_bound(uint32_t sample_count, uint32_t channel_count);
  * the first, values finite. out: chunk_bound() bytes. */
 CHECKED mrt_result chunk_encode(uint8_t *out, size_t *out_size, int64_t track, uint32_t ordinal,
                                 const mrt_sample *samples, uint32_t count, error *err);
+/* The same with memory that is kept between chunks: compressing takes a quarter of a megabyte, and
+ * a recording is written ten times a second. One thread at a time. */
+typedef struct chunk_packer chunk_packer;
+chunk_packer *chunk_packer_create(void);       /* NULL: no memory */
+void chunk_packer_destroy(chunk_packer *self); /* NULL is fine */
+CHECKED mrt_result chunk_pack(chunk_packer *by, uint8_t *out, size_t *out_size, int64_t track,
+                              uint32_t ordinal, const mrt_sample *samples, uint32_t count,
+                              error *err);
 
 /* Checks everything but the compressed part. */
 CHECKED mrt_result chunk_read_head(chunk_head *out, const uint8_t *bytes, size_t size, error *err);

@@ -378,15 +378,20 @@ mrt_result writer_track_init(writer_track *out, int64_t id, uint32_t channel_cou
 {
     *out = (writer_track){0};
     mrt_sample *sample = calloc(WRITER_CHUNK_SAMPLES, sizeof *sample);
-    if (!sample)
+    chunk_packer *packer = chunk_packer_create();
+    *out = (writer_track){
+        .id = id, .channel_count = channel_count, .sample = sample, .packer = packer};
+    if (!sample || !packer) {
+        writer_track_finish(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory to record track %lld", (long long)id);
-    *out = (writer_track){.id = id, .channel_count = channel_count, .sample = sample};
+    }
     return MRT_OK;
 }
 
 void writer_track_finish(writer_track *track)
 {
     free(track->sample);
+    chunk_packer_destroy(track->packer);
     *track = (writer_track){0};
 }
 
@@ -420,8 +425,8 @@ static mrt_result encode(const writer_track *track, uint8_t **out, size_t *out_s
     if (!*out)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record track %lld",
                          (long long)track->id);
-    mrt_result result =
-        chunk_encode(*out, out_size, track->id, track->ordinal, track->sample, track->count, err);
+    mrt_result result = chunk_pack(track->packer, *out, out_size, track->id, track->ordinal,
+                                   track->sample, track->count, err);
     if (result < 0) {
         free(*out);
         *out = NULL;

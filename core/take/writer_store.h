@@ -3,6 +3,7 @@
  * database: a transaction that failed runs its jobs again. For the writer and show_open.c. */
 #ifndef MAROTTE_TAKE_WRITER_STORE_H
 #define MAROTTE_TAKE_WRITER_STORE_H
+#include "take/chunk.h"
 #include "take/show_file.h"
 #include "take/spool.h"
 
@@ -126,8 +127,9 @@ typedef struct writer_track {
     uint32_t count, committed_count; /* of the chunk's samples */
     int64_t chunk_id;                /* 0: none yet */
     uint32_t ordinal;
-    uint32_t lost_count; /* not yet told as an event */
-    mrt_sample *sample;  /* WRITER_CHUNK_SAMPLES, show time; owned */
+    uint32_t lost_count;  /* not yet told as an event */
+    mrt_sample *sample;   /* WRITER_CHUNK_SAMPLES, show time; owned */
+    chunk_packer *packer; /* likewise */
 } writer_track;
 
 CHECKED mrt_result writer_track_init(writer_track *out, int64_t id, uint32_t channel_count,

@@ -25,7 +25,7 @@ static const mrt_card_line joints[] = {
     {"Thumb pressed up", "lips close, then press (m, b, p)", AT_THUMB_MIDDLE, {[1] = 3.0f}},
     {"Thumb tip hooked", "lower lip under the teeth (f, v)", AT_THUMB_TIP, {[2] = 2.0f}},
     {"Thumb rolled across the palm, back",
-     "eyes look aside; with the middle finger bent: wink",
+     "eyes look aside; middle finger bent: wink, index lifted: one brow",
      AT_THUMB_BASE,
      {[0] = 3.5f}},
     {"Fingers spread", "lips wide (s, ee)", AT_MIDDLE_TIP, {[10] = 1.6f, [14] = 1.6f, [18] = 1.6f}},

@@ -3,7 +3,7 @@
 #define MAROTTE_PLUGINS_ONE_HAND_CHOLESKY_H
 #include <stdbool.h>
 
-enum { CHOLESKY_MAX = 66 };
+enum { CHOLESKY_MAX = 70 };
 typedef struct cholesky {
     double at[CHOLESKY_MAX][CHOLESKY_MAX]; /* lower triangle: the matrix, then its factor */
 } cholesky;

@@ -63,6 +63,30 @@ const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT] = {
                       [JOINT_MIDDLE_KNUCKLE] = {1.4, -30, 40}},
 };
 
+/* Points measure the roll badly, and not far across the palm. */
+const roll_switch roll_switch_of[DEVICE_KINDS] = {
+    [DEVICE_JOINTS] = {8.0, 12.0, 16.0},
+    [DEVICE_POINTS] = {5.0, 9.0, 12.0},
+};
+
+static double smooth_step(double x, double from, double to)
+{
+    const double t = x <= from ? 0.0 : x >= to ? 1.0 : (x - from) / (to - from);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+double eye_side(device_kind device, const double deg[JOINT_COUNT])
+{
+    static const double straight_deg = 10.0, bent_deg = 18.0;
+    const roll_switch *with = &roll_switch_of[device];
+    if (!(with->pose_deg > 0.0))
+        return 0.0;
+    const double roll = deg[JOINT_THUMB_ROLL];
+    const double far = smooth_step(roll < 0.0 ? -roll : roll, with->least_deg, with->most_deg) *
+                       (1.0 - smooth_step(deg[JOINT_INDEX_KNUCKLE], straight_deg, bent_deg));
+    return roll < 0.0 ? -far : far;
+}
+
 static bool is_angle_of(const mrt_channel *channel, uint32_t side)
 {
     return channel->hand == side && channel->semantic - MRT_CH_ANGLE < MRT_ANGLES;

@@ -53,4 +53,14 @@ typedef struct joint_traits {
 } joint_traits;
 extern const joint_traits joint_traits_of[DEVICE_KINDS][JOINT_COUNT];
 
+/* A wink and one raised brow are chosen by the thumb's roll, as by a switch of three positions: 1
+ * across the palm, -1 back, 0 both eyes and brows. A steep passage without memory lies between. The
+ * index finger bent keeps it at 0: a hand that grasps rolls its thumb, too. */
+double eye_side(device_kind device, const double deg[JOINT_COUNT]);
+typedef struct roll_switch {
+    double least_deg, most_deg; /* the passage, either way */
+    double pose_deg;            /* how far hand poses are rolled; 0: no switch */
+} roll_switch;
+extern const roll_switch roll_switch_of[DEVICE_KINDS];
+
 #endif

@@ -8,11 +8,15 @@
 /* A joint counts by how well the device measures it. */
 static const double noise_of_weight_1_deg = 1.4;
 
+/* Waypoints: with every joint, lips that close on the way to an "m" over an open jaw would have
+ * further to go; with five curls the lips would pass by other faces more often. */
 const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT] = {
     [DEVICE_JOINTS] = {{5.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
-    [DEVICE_POINTS] = {{4.5, 20.0, 9.0}, {3.5, 20.0, 9.0}},
+    [DEVICE_POINTS] = {{4.5, 20.0, 9.0, true}, {3.5, 20.0, 9.0}},
     [DEVICE_CURLS] = {{4.0, 30.0, 9.0}, {4.0, 30.0, 9.0}},
 };
+
+const double speak_switch_way = 16.0;
 
 /* Wendland's C2 function that is positive definite in n dimensions: l = floor(n/2) + 2,
  * (1 - r)^(l + 1) ((l + 1) r + 1). */
@@ -44,10 +48,13 @@ static double distance(const double *a, const double *b, int count)
 }
 
 /* Weighted, and with the well taken out: 0 within it, and shorter by 1.5 of it beyond 2 of it. */
-static bool place(double *out, const speak_half *self, const double deg[JOINT_COUNT])
+static bool place(double *out, const speak_half *self, speak_space space,
+                  const double deg[JOINT_COUNT])
 {
     for (int i = 0; i < self->joint_count; ++i)
         out[i] = self->per_deg[i] * deg[self->first + i];
+    if (space == SPEAK_SWITCHED)
+        out[JOINT_THUMB_ROLL - self->first] = speak_switch_way * eye_side(self->device, deg);
     const double far = length(out, self->joint_count), beyond = far - self->well;
     if (!(beyond > 0.0)) {
         memset(out, 0, SPEAK_JOINTS_MAX * sizeof *out);
@@ -68,14 +75,29 @@ static bool is_linear(int value)
     return value != POSE_DOFS + DOF_SEAL && value != POSE_DOFS + DOF_TONGUE;
 }
 
+/* The mouth has the first alone. */
+static int space_count(const speak_half *self)
+{
+    return self->half == HALF_UPPER ? SPEAK_SPACES : 1;
+}
+
+static speak_space space_of(int value, face_half half)
+{
+    const int dof = value - POSE_DOFS;
+    const bool is_gaze = dof >= DOF_EYE_YAW && dof < DOF_LID_UPPER;
+    return half == HALF_UPPER && !is_gaze ? SPEAK_SWITCHED : SPEAK_JOINTS;
+}
+
 static void list_values(speak_half *out, const speak_face *faces, int count)
 {
     for (int v = 0; v < POSE_COUNT; ++v) {
         bool is_moved = false;
         for (int i = 0; i < count && half_of_value(v) == out->half; ++i)
             is_moved = is_moved || faces[i].pose.value[v] < 0.0 || faces[i].pose.value[v] > 0.0;
-        if (is_moved)
-            out->value[out->value_count++] = v;
+        if (!is_moved)
+            continue;
+        out->space[out->value_count] = space_of(v, out->half);
+        out->value[out->value_count++] = v;
     }
 }
 
@@ -105,39 +127,42 @@ static void limit_pulls(const speak_half *self, pose *p)
     }
 }
 
-static double mean_nearest(const speak_half *self)
+/* Of faces: waypoints do not count. */
+static double mean_nearest(const speak_half *self, speak_space space, int face_count)
 {
+    const double(*centre)[SPEAK_JOINTS_MAX] = self->centre[space];
     double sum = 0.0;
-    for (int i = 0; i <= self->face_count; ++i) {
+    for (int i = 0; i <= face_count; ++i) {
         double nearest = 1e9;
-        for (int j = 0; j <= self->face_count; ++j)
+        for (int j = 0; j <= face_count; ++j)
             if (i != j)
-                nearest =
-                    fmin(nearest, distance(self->centre[i], self->centre[j], self->joint_count));
+                nearest = fmin(nearest, distance(centre[i], centre[j], self->joint_count));
         sum += nearest;
     }
-    return sum / (self->face_count + 1);
+    return sum / (face_count + 1);
 }
 
 /* Ridge regression without a constant: the rest stays the rest. */
-static void find_linear(speak_half *out, const speak_face *faces, int count, double ridge)
+static void find_linear(speak_half *out, speak_space space, const speak_face *faces, int count,
+                        double ridge)
 {
     cholesky m;
+    double(*centre)[SPEAK_JOINTS_MAX] = out->centre[space];
     const int joints = out->joint_count;
     for (int a = 0; a < joints; ++a)
         for (int b = 0; b <= a; ++b) {
             m.at[a][b] = a == b ? ridge * count : 0.0;
             for (int i = 1; i <= count; ++i)
-                m.at[a][b] += out->centre[i][a] * out->centre[i][b];
+                m.at[a][b] += centre[i][a] * centre[i][b];
         }
     (void)cholesky_factor(&m, joints); /* the ridge makes it positive definite */
     for (int v = 0; v < out->value_count; ++v) {
         double column[CHOLESKY_MAX] = {0.0};
-        if (!is_linear(out->value[v]))
+        if (out->space[v] != space || !is_linear(out->value[v]))
             continue;
         for (int a = 0; a < joints; ++a)
             for (int i = 1; i <= count; ++i)
-                column[a] += out->centre[i][a] * faces[i - 1].pose.value[out->value[v]];
+                column[a] += centre[i][a] * faces[i - 1].pose.value[out->value[v]];
         cholesky_solve(&m, joints, column);
         memcpy(out->linear[v], column, sizeof out->linear[v]);
     }
@@ -151,23 +176,82 @@ static double linear_value(const speak_half *self, int v, const double *at)
     return sum;
 }
 
-static bool find_residual(speak_half *out, const speak_face *faces, int count)
+/* ---- waypoints ---- */
+
+typedef struct waypoint { /* on the way from the rest to a face */
+    int face;             /* index */
+    double share;
+} waypoint;
+
+static bool is_free(const speak_half *self, const double *at)
+{
+    static const double least = 2.0; /* weighted degrees: nearer ones would fight */
+    for (int i = 0; i < self->centre_count; ++i)
+        if (distance(at, self->centre[SPEAK_JOINTS][i], self->joint_count) < least)
+            return false;
+    return true;
+}
+
+/* Of faces: the two with the widest jaws. Returns how many there are. */
+static int find_widest(int out[2], const speak_face *faces, int count)
+{
+    int found = 0;
+    for (int n = 0; n < 2; ++n) {
+        double widest = 0.0;
+        for (int i = 0; i < count; ++i) {
+            const double open = faces[i].pose.value[POSE_DOFS + DOF_JAW_OPEN];
+            if (open > widest && (n == 0 || i != out[0])) {
+                widest = open;
+                out[n] = i;
+                found = n + 1;
+            }
+        }
+    }
+    return found;
+}
+
+/* The jaw of most faces is nearly closed, so it would open late and then quickly. Adds centres. */
+static void find_waypoints(waypoint out[SPEAK_WAYPOINTS], speak_half *half, const speak_face *faces,
+                           int count)
+{
+    static const double shares[] = {0.25, 0.5};
+    int widest[2], found = 0;
+    const int face_count = find_widest(widest, faces, count);
+    for (int n = 0; n < 2 * face_count; ++n) {
+        const waypoint to = {widest[n / 2], shares[n % 2]};
+        double *at = half->centre[SPEAK_JOINTS][half->centre_count];
+        for (int i = 0; i < half->joint_count; ++i)
+            at[i] = to.share * half->centre[SPEAK_JOINTS][1 + to.face][i];
+        if (!is_free(half, at))
+            continue;
+        out[found++] = to;
+        half->centre_count += 1;
+    }
+}
+
+static bool find_residual(speak_half *out, speak_space space, const speak_face *faces, int count,
+                          const waypoint *waypoints)
 {
     cholesky m;
-    for (int i = 0; i <= count; ++i)
+    double(*centre)[SPEAK_JOINTS_MAX] = out->centre[space];
+    for (int i = 0; i < out->centre_count; ++i)
         for (int j = 0; j <= i; ++j)
             m.at[i][j] =
-                wendland(distance(out->centre[i], out->centre[j], out->joint_count) / out->radius,
+                wendland(distance(centre[i], centre[j], out->joint_count) / out->radius[space],
                          out->joint_count);
-    if (!cholesky_factor(&m, count + 1))
+    if (!cholesky_factor(&m, out->centre_count))
         return false;
     for (int v = 0; v < out->value_count; ++v) {
         double column[CHOLESKY_MAX] = {0.0};
-        for (int i = 1; i <= count; ++i)
-            column[i] =
-                faces[i - 1].pose.value[out->value[v]] - linear_value(out, v, out->centre[i]);
-        cholesky_solve(&m, count + 1, column);
-        for (int i = 0; i <= count; ++i)
+        if (out->space[v] != space)
+            continue;
+        for (int i = 1; i < out->centre_count; ++i) {
+            const waypoint to = i <= count ? (waypoint){i - 1, 1.0} : waypoints[i - count - 1];
+            const double wanted = to.share * faces[to.face].pose.value[out->value[v]];
+            column[i] = wanted - linear_value(out, v, centre[i]);
+        }
+        cholesky_solve(&m, out->centre_count, column);
+        for (int i = 0; i < out->centre_count; ++i)
             out->residual[i][v] = column[i];
     }
     return true;
@@ -179,6 +263,7 @@ bool speak_find(speak_half *out, face_half which, device_kind device, const spea
     const speak_settings *with = &speak_settings_of[device][which];
     memset(out, 0, sizeof *out);
     out->half = which;
+    out->device = device;
     out->first = half_first_joint[which];
     out->joint_count = half_first_joint[which + 1] - out->first;
     out->well = with->well;
@@ -188,27 +273,40 @@ bool speak_find(speak_half *out, face_half which, device_kind device, const spea
     }
     if (count > SPEAK_FACES_MAX)
         count = SPEAK_FACES_MAX;
-    out->face_count = count;
+    out->centre_count = 1 + count;
     list_values(out, faces, count);
     find_longest(out, faces, count);
-    for (int i = 1; i <= count; ++i)
-        (void)place(out->centre[i], out, faces[i - 1].deg);
-    out->radius = with->radius * mean_nearest(out);
-    find_linear(out, faces, count, with->ridge);
-    return find_residual(out, faces, count);
+    bool is_found = true;
+    waypoint waypoints[SPEAK_WAYPOINTS];
+    for (speak_space space = 0; (int)space < space_count(out); ++space) {
+        for (int i = 1; i <= count; ++i)
+            (void)place(out->centre[space][i], out, space, faces[i - 1].deg);
+        out->radius[space] = with->radius * mean_nearest(out, space, count);
+        if (with->has_waypoints && space == SPEAK_JOINTS)
+            find_waypoints(waypoints, out, faces, count);
+        find_linear(out, space, faces, count, with->ridge);
+        is_found = find_residual(out, space, faces, count, waypoints) && is_found;
+    }
+    return is_found;
 }
 
 void speak_value(const speak_half *self, const double deg[JOINT_COUNT], pose *out)
 {
-    double at[SPEAK_JOINTS_MAX], felt[SPEAK_FACES_MAX + 1];
-    const bool is_moved = place(at, self, deg);
-    for (int i = 0; i <= self->face_count && is_moved; ++i)
-        felt[i] = wendland(distance(at, self->centre[i], self->joint_count) / self->radius,
-                           self->joint_count);
+    double at[SPEAK_SPACES][SPEAK_JOINTS_MAX], felt[SPEAK_SPACES][SPEAK_CENTRES_MAX];
+    bool is_moved[SPEAK_SPACES];
+    for (speak_space space = 0; (int)space < space_count(self); ++space) {
+        is_moved[space] = place(at[space], self, space, deg);
+        for (int i = 0; i < self->centre_count && is_moved[space]; ++i)
+            felt[space][i] =
+                wendland(distance(at[space], self->centre[space][i], self->joint_count) /
+                             self->radius[space],
+                         self->joint_count);
+    }
     for (int v = 0; v < self->value_count; ++v) {
-        double sum = is_moved ? linear_value(self, v, at) : 0.0;
-        for (int i = 0; i <= self->face_count && is_moved; ++i)
-            sum += felt[i] * self->residual[i][v];
+        const speak_space space = self->space[v];
+        double sum = is_moved[space] ? linear_value(self, v, at[space]) : 0.0;
+        for (int i = 0; i < self->centre_count && is_moved[space]; ++i)
+            sum += felt[space][i] * self->residual[i][v];
         out->value[self->value[v]] = sum;
     }
     limit_pulls(self, out);

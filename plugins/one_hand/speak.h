@@ -1,13 +1,16 @@
 /* one_hand/speak.h - one half of a face as a function of the joints that move it: linear in the
  * joints, plus the engine's radial functions (Wendland C2) over them, so that the faces given are
  * met exactly at their hand poses. Around the neutral pose lies a well in which nothing moves, and
- * no pull becomes much longer than in any of the faces.
+ * no pull becomes much longer than in any of the faces. Of points, waypoints lie on the ways to
+ * the two widest jaws, so that the jaw opens evenly. The gaze follows the thumb's roll; for
+ * brows and lids the roll is a switch (joints.h, eye_side).
  * + - * / and sqrt only: the same bits everywhere. Pure; any thread. */
 #ifndef MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
 #define MAROTTE_PLUGINS_ONE_HAND_SPEAK_H
 #include "joints.h"
 
-enum { SPEAK_FACES_MAX = 64, SPEAK_JOINTS_MAX = JOINT_INDEX_KNUCKLE };
+enum { SPEAK_FACES_MAX = 64, SPEAK_WAYPOINTS = 4, SPEAK_JOINTS_MAX = JOINT_INDEX_KNUCKLE };
+enum { SPEAK_CENTRES_MAX = 1 + SPEAK_FACES_MAX + SPEAK_WAYPOINTS };
 
 /* A face at its hand pose. */
 typedef struct speak_face {
@@ -15,17 +18,26 @@ typedef struct speak_face {
     pose pose; /* values of the other half are ignored */
 } speak_face;
 
+/* Coordinates over which a value is a function. */
+typedef enum speak_space {
+    SPEAK_JOINTS = 0, /* weighted degrees */
+    SPEAK_SWITCHED,   /* the same, with the switch instead of the thumb's roll: brows and lids */
+    SPEAK_SPACES
+} speak_space;
+
 typedef struct speak_half {
     face_half half;
+    device_kind device;
     int first, joint_count;             /* joints: first .. first + joint_count - 1 */
     double per_deg[SPEAK_JOINTS_MAX];   /* weight of each joint; 0: not measured */
     double well;                        /* weighted degrees */
     int value_count, value[POSE_COUNT]; /* indices of the pose's values that some face moves */
+    speak_space space[POSE_COUNT];
     double linear[POSE_COUNT][SPEAK_JOINTS_MAX];
-    int face_count; /* and the rest at 0 */
-    double centre[SPEAK_FACES_MAX + 1][SPEAK_JOINTS_MAX];
-    double residual[SPEAK_FACES_MAX + 1][POSE_COUNT];
-    double radius;
+    int centre_count; /* the rest, the faces, the waypoints */
+    double centre[SPEAK_SPACES][SPEAK_CENTRES_MAX][SPEAK_JOINTS_MAX];
+    double residual[SPEAK_CENTRES_MAX][POSE_COUNT];
+    double radius[SPEAK_SPACES];
     double longest[LANDMARK_COUNT]; /* mm of a pose: of any face's pull there */
 } speak_half;
 
@@ -33,8 +45,11 @@ typedef struct speak_settings {
     double well;   /* weighted degrees within which the face is at rest */
     double ridge;  /* of the linear part, in squared weighted degrees per face */
     double radius; /* of the radial functions, in mean distances of a face to the next */
+    bool has_waypoints;
 } speak_settings;
 extern const speak_settings speak_settings_of[DEVICE_KINDS][HALF_COUNT];
+/* Weighted degrees from one position of the switch to the next. */
+extern const double speak_switch_way;
 
 /* False: two faces have one hand pose. */
 bool speak_find(speak_half *out, face_half which, device_kind device, const speak_face *faces,

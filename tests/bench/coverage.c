@@ -262,6 +262,7 @@ typedef struct search {
     int sensor[MRT_ANGLES]; /* that the device sees */
     uint32_t sensor_count;
     reach reach[TARGETS_MAX];
+    hand relaxed[TARGETS_MAX]; /* the same; joints that do not matter are as in the neutral hand */
 } search;
 
 static void evaluate(search *q, const hand *h, float *out_feature)
@@ -614,6 +615,26 @@ static void correct(search *q, uint32_t number, hand *h, double *weight, double 
     consider(q, number, h, point);
 }
 
+/* Takes joints back to the neutral hand where the face stays as near to the target. */
+static void relax(search *q, uint32_t number)
+{
+    static const double may_lose_mm = 0.02;
+    double *point = allocate(point_numbers(q->s), sizeof *point);
+    hand *h = &q->relaxed[number];
+    *h = q->reach[number].hand;
+    for (uint32_t i = 0; i < q->sensor_count; ++i) {
+        mrt_pull pull;
+        float *angle = &h->angle_rad[q->sensor[i]];
+        const float was = *angle;
+        *angle = q->s->neutral_rad[q->sensor[i]];
+        map_hand(q->s, h->angle_rad, &pull);
+        (void)perform(q->s, &pull, point);
+        if (judge(q->s, &q->targets->of[number], point) > q->reach[number].judged_mm + may_lose_mm)
+            *angle = was;
+    }
+    free(point);
+}
+
 static hand sum_of_hands(const search *q, const hand *a, const hand *b)
 {
     hand out;
@@ -632,11 +653,13 @@ static void search_target(search *q, uint32_t number, const effort *e)
 {
     const target *t = &q->targets->of[number];
     random_source random = {17 + number};
-    hand start[STARTS + 1];
+    hand start[STARTS + 2];
     uint32_t count = find_starts(q, t, start, e->starts);
     double *point = allocate(point_numbers(q->s), sizeof *point);
-    if (t->kind == SUM)
+    if (t->kind == SUM) {
         start[count++] = sum_of_hands(q, &q->reach[t->part[0]].hand, &q->reach[t->part[1]].hand);
+        start[count++] = sum_of_hands(q, &q->relaxed[t->part[0]], &q->relaxed[t->part[1]]);
+    }
     consider(q, number, &q->hand[0], point);
     for (uint32_t i = 0; i < count; ++i) {
         double weight[REGIONS];
@@ -652,6 +675,8 @@ static void search_target(search *q, uint32_t number, const effort *e)
         for (int k = 0; k < e->corrections; ++k)
             correct(q, number, &h, weight, point);
     }
+    if (t->kind != SUM)
+        relax(q, number);
     free(point);
 }
 

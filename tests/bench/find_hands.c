@@ -155,7 +155,10 @@ static void mean_upper(double deg[JOINT_COUNT], const pose *p, device_kind devic
     deg[JOINT_MIDDLE_KNUCKLE] = 20.0 * lid - 10.0 * look_up;
     if (device == DEVICE_CURLS)
         return;
-    deg[JOINT_THUMB_ROLL] = 16.0 * look + 10.0 * lid_aside - 0.6 * (brow[0] - brow[1]);
+    /* one eye, one brow or a look aside: a position of the switch */
+    const double aside = 16.0 * look + 10.0 * lid_aside - 0.6 * (brow[0] - brow[1]);
+    const double rolled_deg = roll_switch_of[device].pose_deg;
+    deg[JOINT_THUMB_ROLL] = aside > 4.0 ? rolled_deg : aside < -4.0 ? -rolled_deg : 0.0;
     if (device == DEVICE_JOINTS)
         deg[JOINT_ARCH] = 0.5 * tilt;
 }
@@ -206,9 +209,13 @@ typedef struct search {
     double weight[JOINT_COUNT]; /* of a degree: by the device's noise */
 } search;
 
+/* With the switch instead of the thumb's roll (speak.h): hands are apart where lids and brows are.
+ */
 static double hands_apart(const search *s, const double *a, const double *b)
 {
     double sum = 0.0;
+    if (s->half == HALF_UPPER)
+        sum = sq(speak_switch_way * (eye_side(s->device, a) - eye_side(s->device, b)));
     for (int i = half_first_joint[s->half]; i < half_first_joint[s->half + 1]; ++i)
         sum += sq(s->weight[i] * (a[i] - b[i]));
     return sqrt(sum);
@@ -243,6 +250,8 @@ static void nudge(double deg[JOINT_COUNT], int f, face_half which)
 {
     uint32_t random = 2654435761u * (uint32_t)(f + 1);
     for (int i = half_first_joint[which]; i < half_first_joint[which + 1]; ++i) {
+        if (i == JOINT_THUMB_ROLL)
+            continue;
         random = random * 1664525u + 1013904223u;
         deg[i] += 2.0 * ((double)(random >> 8) / 16777216.0 - 0.5);
     }
@@ -251,9 +260,10 @@ static void nudge(double deg[JOINT_COUNT], int f, face_half which)
 /* Faces that show what one joint does stay nearly where its meaning puts them. */
 static double stiffness(device_kind device, int f)
 {
-    static const char *const clear[] = {"jaw open",   "aa",         "lips closed", "smile",
-                                        "frown",      "wide",       "tongue",      "brows up",
-                                        "brows down", "eyes closed"};
+    static const char *const clear[] = {
+        "jaw open",  "aa",        "lips closed", "smile",       "frown",        "wide",
+        "tongue",    "brows up",  "brows down",  "eyes closed", "left brow up", "right brow up",
+        "look left", "look right"};
     for (size_t i = 0; i < sizeof clear / sizeof *clear; ++i)
         if (strcmp(face_recipes[f].name, clear[i]) == 0)
             return device == DEVICE_CURLS ? 0.6 : 0.15;
@@ -384,7 +394,7 @@ static void find_all(posed_hand out[FACE_COUNT], device_kind device)
     for (int which = 0; which < HALF_COUNT; ++which) {
         search s = {.device = device, .half = (face_half)which};
         for (int i = 0; i < JOINT_COUNT; ++i)
-            if (joint_traits_of[device][i].noise_deg > 0.0)
+            if (joint_traits_of[device][i].noise_deg > 0.0 && i != JOINT_THUMB_ROLL)
                 s.weight[i] = 1.4 / joint_traits_of[device][i].noise_deg;
         for (int f = 0; f < FACE_COUNT; ++f) {
             if (!has_face[f] || face_recipes[f].half != s.half || is_left_out(device, f))

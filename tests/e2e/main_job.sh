@@ -54,5 +54,8 @@ grep -q '"frames": 120' "$scratch/facts.json" || fail "2 s at 60 a second are no
 "$MAROTTE" perform --help | grep -q -- --export || fail "perform --help"
 "$MAROTTE" deform --help >/dev/null || fail "deform --help"
 "$MAROTTE" plugin list --params | grep -q org.marotte.anchored || fail "plugin list"
+# A mapping that another one replaced is in no list, and performs.
+"$MAROTTE" plugin list | grep -q org.marotte.poses && fail "plugin list shows a mapping that was replaced"
+"$MAROTTE" perform --face "$puppet" --input "log:$demo,end=1" --map poses >"$scratch/poses.txt" || fail "perform --map poses"
 "$MAROTTE" plugin list --json >"$scratch/plugins.json" || fail "plugin list --json"
 finish

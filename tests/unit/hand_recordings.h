@@ -15,6 +15,7 @@ typedef struct recording {
     uint32_t count;
     double time_s[RECORDING_ROWS_MAX]; /* ascending */
     float angle_rad[RECORDING_ROWS_MAX][MRT_ANGLES];
+    double wrist_xyzw[RECORDING_ROWS_MAX][4]; /* of Leap Motion: how the hand is turned */
 } recording;
 
 static inline void shared_path(char out[1024], const char *name)
@@ -109,8 +110,8 @@ static inline uint32_t read_leap(recording *out, const char *name, hand_skeleton
         for (int i = 1; i < MRT_JOINTS; ++i, joint += 3)
             seen.at[i] = (mrt_vec3){(float)joint[0], (float)joint[1], (float)joint[2]};
         hand_read(skeleton[side], &seen, &reading);
-        if (reading.confidence >= 0.5)
-            (void)recording_add(out, time_s, reading.angle_rad);
+        if (reading.confidence >= 0.5 && recording_add(out, time_s, reading.angle_rad))
+            rigid_to_quaternion(&reading.wrist, out->wrist_xyzw[out->count - 1]);
     }
     if (file)
         (void)fclose(file);

@@ -336,10 +336,11 @@ static void a_rezero_leads_to_the_calibration_s_neutral_pose(void **state)
 
 /* ---- filters ---- */
 
-/* A hand that trembles at rest and moves: by +-0.05 rad, and at `n` = 100 by 0.5. */
+/* A hand that trembles at rest and moves: by +-0.05 rad, and from `n` = 100 to 110 by 0.5. */
 static float trembling(int n, int sensor)
 {
-    return (n < 100 ? 0.2f : 0.7f) + ((n * 7 + sensor * 3) % 5 < 2 ? 0.05f : -0.05f);
+    return 0.2f + 0.05f * fminf(fmaxf((float)(n - 100), 0.0f), 10.0f) +
+           ((n * 7 + sensor * 3) % 5 < 2 ? 0.05f : -0.05f);
 }
 
 static void give_trembling(scene *s, int n)
@@ -408,6 +409,44 @@ static void a_one_euro_filter_that_is_asked_for_filters_landmarks_too(void **sta
     hands_destroy(s.hands);
 }
 
+/* ---- jumps ---- */
+
+/* In every joint of the fingers, in one sample or as quickly as fingers go. How far the angle of a
+ * joint goes from one sample to the next, at most. */
+static double furthest_step_deg(scene *s, float by_rad, int samples)
+{
+    double most = 0.0;
+    float from[MRT_ANGLES], before = angles(s)[4];
+    memcpy(from, s->value, sizeof from);
+    for (int n = 1; n <= 60; ++n) {
+        for (int i = 0; i < 20; ++i)
+            s->value[i] = from[i] + by_rad * fminf((float)n / (float)samples, 1.0f);
+        give(s);
+        most = fmax(most, 57.29578 * fabs((double)(angles(s)[4] - before)));
+        before = angles(s)[4];
+    }
+    assert_float_equal(angles(s)[4], s->value[4], 0.01f);
+    return most;
+}
+
+/* A tracker that finds another pose for a hand from one sample to the next. */
+static void a_hand_that_jumps_is_eased(void **state)
+{
+    (void)state;
+    scene s;
+    begin(&s, MRT_UNIT_LANDMARKS, true, 0);
+    give_for(&s, 0.5);
+    assert_true(furthest_step_deg(&s, 0.35f, 1) < 1.0); /* 20 degrees, in 37 samples */
+    give_for(&s, 0.5);
+    /* a quick hand is not late: 20 degrees at 400 a second are 2.7 a sample */
+    assert_true(furthest_step_deg(&s, -0.35f, 8) > 2.0);
+    hands_destroy(s.hands);
+    begin(&s, "rad", true, 0); /* takes of earlier versions: as they were */
+    give_for(&s, 0.5);
+    assert_true(furthest_step_deg(&s, 0.35f, 1) > 2.0);
+    hands_destroy(s.hands);
+}
+
 /* ---- state ---- */
 
 /* In the middle of a movement. Bytes that are cut or damaged are refused. */
@@ -467,6 +506,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_unit_of_angles_chooses_their_filter),
+        cmocka_unit_test(a_hand_that_jumps_is_eased),
         cmocka_unit_test(a_one_euro_filter_that_is_asked_for_filters_landmarks_too),
         cmocka_unit_test(state_goes_on_to_the_bit),
         cmocka_unit_test(another_clock_changes_no_angle),

@@ -261,15 +261,132 @@ static void a_talking_thumb_opens_the_jaw_and_nothing_else(void **state)
     (void)state;
     const double talk[JOINT_COUNT] = {
         [JOINT_THUMB_DROP] = 14.0, [JOINT_THUMB_MIDDLE] = -11.0, [JOINT_THUMB_TIP] = -5.0};
+    static const double least_deg[] = {[DEVICE_JOINTS] = 6.0, [DEVICE_POINTS] = 9.0};
+    for (int device = 0; device < DEVICE_CURLS; ++device) {
+        bench b;
+        set_up(&b, device_params[device]);
+        hold(&b, talk);
+        const double open_deg = 57.3 * (double)bench_dof(&b, "jaw.open");
+        print_message("  a talking thumb: jaw %.1f degrees\n", open_deg);
+        assert_true(open_deg > least_deg[device] && open_deg < 20.0);
+        assert_true(fabsf(bench_dof(&b, "eye.l.yaw")) < 1e-6f);
+        assert_true(fabsf(bench_dof(&b, "lid_upper.l.close")) < 1e-6f);
+        bench_tear_down(&b);
+    }
+}
+
+/* By points half of the way opens it by 0.4 at least, and a twentieth of the way by 0.073 at most.
+ */
+static void the_jaw_opens_evenly_by_points(void **state)
+{
+    (void)state;
+    enum { STEPS = 20 };
     bench b;
-    set_up(&b, device_params[DEVICE_JOINTS]);
-    hold(&b, talk);
-    const double open_deg = 57.3 * (double)bench_dof(&b, "jaw.open");
-    print_message("  a talking thumb: jaw %.1f degrees\n", open_deg);
-    assert_true(open_deg > 6.0 && open_deg < 20.0);
-    assert_true(fabsf(bench_dof(&b, "eye.l.yaw")) < 1e-6f);
-    assert_true(fabsf(bench_dof(&b, "lid_upper.l.close")) < 1e-6f);
+    int widest = 0;
+    double open_rad[STEPS + 1] = {0.0}, steepest = 0.0;
+    while (strcmp(face_recipes[widest].name, "jaw open") != 0)
+        widest += 1;
+    set_up(&b, device_params[DEVICE_POINTS]);
+    for (int n = 1; n <= STEPS; ++n) {
+        double deg[JOINT_COUNT];
+        hand_of(deg, DEVICE_POINTS, widest);
+        for (int i = 0; i < JOINT_COUNT; ++i)
+            deg[i] *= (double)n / STEPS;
+        hold(&b, deg);
+        open_rad[n] = (double)bench_dof(&b, "jaw.open");
+        steepest = fmax(steepest, open_rad[n] - open_rad[n - 1]);
+    }
+    print_message("  half of the way opens %.2f, a step at most %.3f\n",
+                  open_rad[STEPS / 2] / open_rad[STEPS], steepest / open_rad[STEPS]);
+    assert_true(open_rad[STEPS / 2] > 0.4 * open_rad[STEPS]);
+    assert_true(steepest < 0.073 * open_rad[STEPS]);
     bench_tear_down(&b);
+}
+
+/* Left less right: lids (1: one is closed), and brows in mm. */
+typedef struct asides {
+    double lid, brow_mm;
+} asides;
+
+static asides asides_of(bench *b, const double deg[JOINT_COUNT], const fitting *fit)
+{
+    pose found;
+    hold(b, deg);
+    pose_of_pull(&found, b, fit);
+    return (asides){
+        found.value[POSE_DOFS + DOF_LID_UPPER] - found.value[POSE_DOFS + DOF_LID_UPPER + 1],
+        found.value[3 * LANDMARK_BROW_MID + 1] - found.value[3 * (LANDMARK_BROW_MID + 1) + 1]};
+}
+
+/* The same before the passage and behind it, however far the thumb is rolled; and on the way back.
+ */
+static void a_wink_and_one_brow_are_nearly_switches(void **state)
+{
+    (void)state;
+    const fitting fit = fit_puppet();
+    for (int device = 0; device < DEVICE_CURLS; ++device) {
+        const roll_switch *with = &roll_switch_of[device];
+        bench b;
+        set_up(&b, device_params[device]);
+        for (int side = -1; side <= 1; side += 2) {
+            enum { FURTHEST = 20 };
+            double wink[2 * FURTHEST + 1], brow[2 * FURTHEST + 1];
+            for (int n = 0; n <= 2 * FURTHEST; ++n) { /* there and back */
+                const double roll = side * (n <= FURTHEST ? n : 2 * FURTHEST - n);
+                wink[n] =
+                    side * asides_of(&b,
+                                     (double[JOINT_COUNT]){
+                                         [JOINT_MIDDLE_KNUCKLE] = 19.0, [JOINT_THUMB_ROLL] = roll},
+                                     &fit)
+                               .lid;
+            }
+            for (int n = 0; n <= 2 * FURTHEST; ++n) {
+                const double roll = side * (n <= FURTHEST ? n : 2 * FURTHEST - n);
+                brow[n] =
+                    side * asides_of(&b,
+                                     (double[JOINT_COUNT]){
+                                         [JOINT_INDEX_KNUCKLE] = -11.0, [JOINT_THUMB_ROLL] = roll},
+                                     &fit)
+                               .brow_mm;
+            }
+            print_message("  device %d, side %d: lid %.2f to %.2f, brow %.1f to %.1f mm\n", device,
+                          side, wink[0], wink[FURTHEST], brow[0], brow[FURTHEST]);
+            for (int n = 0; n <= FURTHEST; ++n) {
+                const bool is_off = n <= with->least_deg, is_on = n >= with->most_deg;
+                const int end = is_off ? 0 : FURTHEST;
+                assert_true(fabs(wink[n] - wink[2 * FURTHEST - n]) < 1e-4);
+                assert_true(fabs(brow[n] - brow[2 * FURTHEST - n]) < 1e-2);
+                assert_true(n == 0 ||
+                            (wink[n] > wink[n - 1] - 0.01 && brow[n] < brow[n - 1] + 0.1));
+                if (is_off || is_on)
+                    assert_true(fabs(wink[n] - wink[end]) < 0.01 &&
+                                fabs(brow[n] - brow[end]) < 0.1);
+            }
+            assert_true(wink[FURTHEST] > 0.7 && brow[FURTHEST] < -4.0);
+            assert_true(fabs(wink[0]) < 0.1 && fabs(brow[0]) < 2.0);
+        }
+        bench_tear_down(&b);
+    }
+}
+
+/* As in shared/data/hands/02_i_r_ex02-rad-021, a hand that grasps. */
+static void a_grasp_does_not_wink(void **state)
+{
+    (void)state;
+    const fitting fit = fit_puppet();
+    const double grasp[JOINT_COUNT] = {
+        [JOINT_THUMB_DROP] = -34.0,  [JOINT_THUMB_TIP] = 28.0,     [JOINT_RING_KNUCKLE] = 60.0,
+        [JOINT_LITTLE_KNUCKLE] = 82, [JOINT_INDEX_KNUCKLE] = 44.0, [JOINT_MIDDLE_KNUCKLE] = 32.0,
+        [JOINT_THUMB_ROLL] = 67.0,   [JOINT_ARCH] = -26.0};
+    for (int device = 0; device < DEVICE_CURLS; ++device) {
+        bench b;
+        set_up(&b, device_params[device]);
+        const asides found = asides_of(&b, grasp, &fit);
+        print_message("  device %d: lids differ by %.2f, brows by %.1f mm\n", device, found.lid,
+                      found.brow_mm);
+        assert_true(fabs(found.lid) < 0.1 && fabs(found.brow_mm) < 2.0);
+        bench_tear_down(&b);
+    }
 }
 
 /* From neutral to each face: never back towards the rest by more than 0.3 mm. */
@@ -285,7 +402,7 @@ static void ways_to_faces_are_monotone(void **state)
         set_up(&b, device_params[device]);
         for (int f = 0; f < FACE_COUNT; ++f) {
             enum { STEPS = 50 };
-            double deg[JOINT_COUNT], far = 0.0, way = 0.0;
+            double deg[JOINT_COUNT], far = 0.0, way = 0.0, side_before = 0.0;
             pose before = {{0}};
             if (posed_hands[device][f].same_as != FACE_IS_ITSELF)
                 continue;
@@ -305,10 +422,13 @@ static void ways_to_faces_are_monotone(void **state)
                     bench_step(&b, MRT_RIGHT, angle);
                 pose_of_pull(&now, &b, &fit);
                 now.value[POSE_DOFS + DOF_SEAL] = 0.0; /* a step, by intent */
+                const double side = eye_side((device_kind)device, at);
+                const bool is_step = side < side_before || side > side_before; /* as well */
+                side_before = side;
                 const double out = apart(&now, &rest, face_recipes[f].half).mean_mm;
                 const double slope =
                     apart(&now, &before, face_recipes[f].half).mean_mm * STEPS / sqrt(way);
-                if (slope > steepest) {
+                if (slope > steepest && !is_step) {
                     steepest = slope;
                     steep = face_recipes[f].name;
                 }
@@ -610,6 +730,9 @@ int main(void)
         cmocka_unit_test(nothing_moves_within_the_well),
         cmocka_unit_test(a_pressed_thumb_closes_the_lips),
         cmocka_unit_test(a_talking_thumb_opens_the_jaw_and_nothing_else),
+        cmocka_unit_test(the_jaw_opens_evenly_by_points),
+        cmocka_unit_test(a_wink_and_one_brow_are_nearly_switches),
+        cmocka_unit_test(a_grasp_does_not_wink),
         cmocka_unit_test(ways_to_faces_are_monotone),
         cmocka_unit_test(a_rig_without_poses_is_performed_as_before),
         cmocka_unit_test(a_rig_with_few_poses_meets_those),

@@ -13,6 +13,7 @@
 #undef settings
 #include "panel_stand.h"
 #include "stage/mapping/taught.h"
+#include "window/panels/hand_card.h"
 #include "stage/perform/composer.h"
 
 #include <math.h>
@@ -156,6 +157,91 @@ static void the_card_says_what_each_part_does_and_lights_what_moves(void **state
     close_performer(&p);
 }
 
+static const mrt_card_line *lines_of(performer *p, uint32_t *out_count)
+{
+    const mrt_hand_card *card = plugin_interface(p->stand.mapping.type, MRT_HAND_CARD);
+    instance_latch(&p->stand.mapping);
+    return card->lines(p->stand.mapping.params, NULL, MRT_RIGHT, out_count);
+}
+
+static void fist_of(float out_rad[MRT_ANGLES])
+{
+    static const int bent[] = {4, 5, 6, 7, 8, 9, 11, 12, 13, 15, 16, 17};
+    memcpy(out_rad, talk, sizeof talk);
+    for (size_t i = 0; i < sizeof bent / sizeof *bent; ++i)
+        out_rad[bent[i]] = 1.5f;
+}
+
+/* In one column and in two; a relaxed hand, a fist, and hands at random. */
+static void leaders_of_the_card_do_not_cross(void **state)
+{
+    (void)state;
+    performer p;
+    uint32_t random = 7, most = 0;
+    float level[32] = {0.0f}, angle_rad[MRT_ANGLES];
+    hand_skeleton *skeleton = hand_skeleton_create(MRT_RIGHT, HAND_LENGTH_MM);
+    open_performer(&p, "one_hand");
+    hand_card card = {
+        .level = level, .skeleton = skeleton, .rest_rad = angle_rad, .angle_rad = angle_rad};
+    card.line = lines_of(&p, &card.count);
+    stand_settle(&p.stand);
+    for (int n = 0; n < 300; ++n) {
+        memcpy(angle_rad, talk, sizeof talk);
+        if (n == 1)
+            fist_of(angle_rad);
+        for (int i = 0; i < 20 && n > 1; ++i) {
+            random = random * 1664525u + 1013904223u;
+            angle_rad[i] += 0.8f * ((float)(random >> 8) / 8388608.0f - 1.0f);
+        }
+        for (int wide = 0; wide < 2; ++wide) {
+            const ui_rectangle where = {10.0f, 20.0f, wide ? 900.0f : 460.0f, 640.0f};
+            const uint32_t crossings = hand_card_crossings(p.stand.ui, where, &card);
+            if (n < 2)
+                assert_int_equal(crossings, 0);
+            most = crossings > most ? crossings : most;
+        }
+    }
+    assert_int_equal(most, 0);
+    hand_skeleton_destroy(skeleton);
+    close_performer(&p);
+}
+
+/* How high each line stands; 0: in several rows. */
+static void heights_of_lines(performer *p, float out_y[32])
+{
+    uint32_t count;
+    const mrt_card_line *line = lines_of(p, &count);
+    memset(out_y, 0, 32 * sizeof *out_y);
+    for (uint32_t i = 0; i < count; ++i) {
+        const ui_word *word = stand_word(&p->stand, line[i].hand);
+        out_y[i] = word ? word->where.y : 0.0f;
+    }
+}
+
+/* While a hand moves the lines keep their places. A fist that is held has them in another order. */
+static void a_fist_that_is_held_orders_the_lines(void **state)
+{
+    (void)state;
+    performer p;
+    float relaxed[32], now[32];
+    open_performer(&p, "one_hand");
+    show_hand(&p);
+    heights_of_lines(&p, relaxed);
+    mrt_hand *hand = &p.frame.hand[MRT_RIGHT];
+    fist_of(hand->angle);
+    perform(&p, 1);
+    for (int i = 0; i < 10; ++i)
+        stand_frame(&p.stand);
+    heights_of_lines(&p, now);
+    assert_memory_equal(now, relaxed, sizeof now);
+    for (int i = 0; i < 120; ++i)
+        stand_frame(&p.stand);
+    heights_of_lines(&p, now);
+    assert_memory_not_equal(now, relaxed, sizeof now);
+    stand_picture(&p.stand, "panel_hand_fist");
+    close_performer(&p);
+}
+
 static void a_mapping_without_a_card_says_so(void **state)
 {
     (void)state;
@@ -261,12 +347,74 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     close_performer(&p);
 }
 
+/* ---- presets ---- */
+
+static void press(performer *p, const char *button)
+{
+    const mrt_plugin_type *type = p->stand.mapping.type;
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (strcmp(type->params[i].name, button) == 0)
+            instance_trigger(&p->stand.mapping, i);
+    perform(p, 100);
+}
+
+static double pulls_apart(const mrt_pull *a, const mrt_pull *b)
+{
+    double most_mm = 0.0;
+    assert_int_equal(a->count, b->count);
+    for (uint32_t i = 0; i < a->count; ++i) {
+        const mrt_vec3 x = a->vector[i].end, y = b->vector[i].end;
+        most_mm = fmax(most_mm, fabs((double)(x.x - y.x)));
+        most_mm = fmax(most_mm, fabs((double)(x.y - y.y)));
+        most_mm = fmax(most_mm, fabs((double)(x.z - y.z)));
+    }
+    return most_mm;
+}
+
+/* Answers are given in one panel, and the other one keeps them as a preset. */
+static void a_preset_brings_the_answers_of_simon_says_back(void **state)
+{
+    (void)state;
+    static unsigned char answered[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
+    performer p;
+    stand *s = &p.stand;
+    open_performer(&p, "one_hand");
+    show_hand(&p);
+    stand_click(s, "Simon says");
+    stand_wait_for(s, "twelve faces");
+    stand_key(s, ' ');
+    for (int i = 0; i < 5; ++i)
+        answer(&p, 0.0f);
+    const size_t size = taught_save(&s->mapping, answered, sizeof answered);
+    hold(&p, "U", 0.0f);
+    const mrt_pull learned = s->view.pull;
+    stand_change_panel(s, &panel_mapping);
+    stand_settle(s);
+    stand_click(s, "Save as\xe2\x80\xa6");
+    stand_type(s, "my hand");
+    stand_key(s, UI_KEY_ENTER);
+    press(&p, "Forget all");
+    assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
+    assert_memory_not_equal(now, answered, size);
+    assert_true(pulls_apart(&learned, &s->view.pull) > 1.0);
+    stand_settle(s);
+    stand_click(s, "Use again");
+    perform(&p, 100);
+    assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
+    assert_memory_equal(now, answered, size);
+    assert_true(pulls_apart(&learned, &s->view.pull) < 0.001);
+    close_performer(&p);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_card_says_what_each_part_does_and_lights_what_moves),
+        cmocka_unit_test(leaders_of_the_card_do_not_cross),
+        cmocka_unit_test(a_fist_that_is_held_orders_the_lines),
         cmocka_unit_test(a_mapping_without_a_card_says_so),
         cmocka_unit_test(two_rounds_teach_the_mapping_and_faces_are_met),
+        cmocka_unit_test(a_preset_brings_the_answers_of_simon_says_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -86,15 +86,31 @@ static void another_mapping_is_one_step_with_its_values(void **state)
     open_with(&s, "anchored,gain=0.9", 1.0f);
     stand_click(&s, "Anchored");
     stand_picture(&s, "panel_mapping_choice");
-    stand_click_last(&s, "Poses");
-    assert_string_equal(s.mapping.type->id, "org.marotte.poses");
+    stand_click_last(&s, "One hand");
+    assert_string_equal(s.mapping.type->id, "org.marotte.one_hand");
     assert_int_equal(s.step_count, 1);
-    assert_string_equal(s.step[0].words, "mapping Poses");
+    assert_string_equal(s.step[0].words, "mapping One hand");
     undo(&s);
     assert_string_equal(s.mapping.type->id, "org.marotte.anchored");
     assert_float_equal(value_of(&s, "Gain"), 0.9, 1e-9);
     redo(&s);
-    assert_string_equal(s.mapping.type->id, "org.marotte.poses");
+    assert_string_equal(s.mapping.type->id, "org.marotte.one_hand");
+    stand_close(&s);
+}
+
+/* Takes of it play, and then the list shows it, chosen. */
+static void a_replaced_mapping_is_listed_only_while_it_performs(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    open_with(&s, "anchored", 1.0f);
+    stand_click(&s, "Anchored");
+    assert_true(stand_shows(&s, "One hand"));
+    assert_false(stand_shows(&s, "Poses"));
+    stand_key(&s, UI_KEY_ESCAPE);
+    stand_mapping(&s, "poses");
+    stand_settle(&s);
+    assert_true(stand_shows(&s, "Poses"));
     stand_close(&s);
 }
 
@@ -105,7 +121,7 @@ static void a_refused_mapping_leaves_the_old_one_and_says_why(void **state)
     open_with(&s, "anchored", 1.0f);
     s.refusal = "a take is being recorded: end it first";
     stand_click(&s, "Anchored");
-    stand_click_last(&s, "Poses");
+    stand_click_last(&s, "One hand");
     assert_string_equal(s.mapping.type->id, "org.marotte.anchored");
     assert_int_equal(s.step_count, 0);
     assert_int_equal(news_list_count(s.news), 1);
@@ -494,6 +510,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(without_a_mapping_it_says_so),
+        cmocka_unit_test(a_replaced_mapping_is_listed_only_while_it_performs),
         cmocka_unit_test(another_mapping_is_one_step_with_its_values),
         cmocka_unit_test(a_refused_mapping_leaves_the_old_one_and_says_why),
         cmocka_unit_test(a_drag_of_a_slider_is_one_step),

@@ -141,6 +141,12 @@ bool app_has_hand_keys(const app *self)
     return false;
 }
 
+uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
+{
+    (void)self, (void)to;
+    return 0;
+}
+
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
                            const float ground[4], uint32_t width, uint32_t height)
 {
@@ -152,6 +158,11 @@ const char *live_patch_note(const live *self)
 {
     (void)self;
     return "";
+}
+
+void app_want_frame(app *self, double in_s)
+{
+    (void)self, (void)in_s;
 }
 
 app_looks *app_looks_of(app *self)
@@ -531,7 +542,13 @@ void stand_open(stand *s, const panel_type *type, float scale)
 
 void stand_reopen_panel(stand *s)
 {
+    stand_change_panel(s, s->type);
+}
+
+void stand_change_panel(stand *s, const panel_type *to)
+{
     s->type->destroy(s->panel);
+    s->type = to;
     s->panel = s->type->create(a_studio);
     assert_non_null(s->panel);
     settle_first(s);

@@ -69,6 +69,8 @@ void stand_open_with(stand *s, const panel_type *type, float scale, const char *
 void stand_close(stand *s);
 /* The panel is closed and made again, as when the program starts anew. */
 void stand_reopen_panel(stand *s);
+/* Another panel instead of it. */
+void stand_change_panel(stand *s, const panel_type *to);
 
 void stand_plugin(stand *s, const char *file); /* "log": BUILD_DIR/plugins/log.so */
 void stand_input(stand *s, const char *text);

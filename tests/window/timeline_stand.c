@@ -53,6 +53,11 @@ const live_status *app_status(const app *self)
     return &here->status;
 }
 
+void app_want_frame(app *self, double in_s)
+{
+    (void)self, (void)in_s;
+}
+
 app_looks *app_looks_of(app *self)
 {
     (void)self;
@@ -462,6 +467,12 @@ const timeline_strip *timeline_result_strip(const timeline_result *result, uint3
         if (result->strip[i].clip == clip && result->strip[i].owner == owner)
             return &result->strip[i];
     return NULL;
+}
+
+bool timeline_worker_is_busy(const timeline_worker *self)
+{
+    (void)self;
+    return false;
 }
 
 const timeline_comps *timeline_worker_comps(timeline_worker *self)

@@ -55,6 +55,11 @@ const scenery_picture *kept_scenery_picture(const kept_scenery *self, uint64_t *
     return &none;
 }
 
+void app_want_frame(app *self, double in_s)
+{
+    (void)self, (void)in_s;
+}
+
 app_looks *app_looks_of(app *self)
 {
     (void)self;

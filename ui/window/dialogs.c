@@ -41,10 +41,12 @@ static bool goes_with(dialogs_desktop *self, bool is_shown)
 }
 
 /* PORTAL_WAITS too where nobody is asked. What is answered ends it. */
-static portal_answer look_at_desktop(dialogs_desktop *self, char out_path[PORTAL_PATH])
+static portal_answer look_at_desktop(dialogs_desktop *self, app *of, char out_path[PORTAL_PATH])
 {
     const portal_answer answer = self->asked ? portal_look(self->asked, out_path) : PORTAL_WAITS;
     self->asks = answer == PORTAL_ASKS;
+    if (self->asked)
+        app_want_frame(of, 0.05);
     if (answer > PORTAL_ASKS)
         forget_desktop(self);
     return answer;
@@ -403,7 +405,7 @@ static void look_what_to_open(dialogs *self)
 {
     dialogs_opening *opening = &self->opening;
     char path[PORTAL_PATH];
-    const portal_answer answer = look_at_desktop(&opening->desktop, path);
+    const portal_answer answer = look_at_desktop(&opening->desktop, self->app, path);
     if (answer > PORTAL_ASKS)
         opening->is_asked_first = true; /* the list, if it stays */
     if (answer == PORTAL_CHOSEN)
@@ -730,7 +732,7 @@ static void look_where_to_save(dialogs *self)
 {
     dialogs_saving *saving = &self->saving;
     char path[PORTAL_PATH];
-    const portal_answer answer = look_at_desktop(&saving->desktop, path);
+    const portal_answer answer = look_at_desktop(&saving->desktop, self->app, path);
     if (answer == PORTAL_CANCELLED)
         ui_dialog_close(self->ui);
     if (answer != PORTAL_CHOSEN)

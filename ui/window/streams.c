@@ -192,6 +192,7 @@ void streams_update(streams *self, double dt_s)
     if (wanted->edition != self->edition && !self->is_ending)
         stop_targets(self);
     if (self->is_ending) { /* what comes next may want the same port or device */
+        app_want_frame(self->of, 0.05);
         if (!have_ended(self))
             return;
         close_targets(self);
@@ -201,6 +202,7 @@ void streams_update(streams *self, double dt_s)
     }
     if (self->count == 0)
         return;
+    app_want_frame(self->of, 0.0); /* a picture is on its way, or soon due */
     collect(self);
     self->wait_s -= dt_s;
     if (self->wait_s > 0.0)

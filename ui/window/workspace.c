@@ -54,7 +54,10 @@ struct workspace {
 
     char title[600];
     figures panels_ms, interval_ms, draw_ms, latency_ms;
-    uint64_t frame_count, face_shown;
+    uint64_t frame_count, drawn_count, face_shown;
+    uint64_t output_shown; /* of viewport_output_drawn, in the second window */
+    uint32_t output_width, output_height;
+    bool output_is_mirrored;
     double figures_wait_s, first_face_s;
     int64_t began_ns; /* the last drawn frame */
 };
@@ -101,7 +104,7 @@ static bool is_held_again(workspace *self, action of, key_chord chord)
 {
     if (!repeats(of) || self->held_key != chord.key || !ui_is_down(self->ui, chord.key))
         return false;
-    self->held_s += self->screen.dt_s;
+    self->held_s += self->screen.dt_s; /* frames go on while a key is held */
     if (self->held_s < REPEAT_AFTER_S)
         return false;
     self->held_s -= REPEAT_EVERY_S;
@@ -982,6 +985,20 @@ static void take_requests(workspace *self)
 
 /* ---- the second window ---- */
 
+/* Whether it shows something else than what is to be shown; from now on it does not. */
+static bool is_output_new(workspace *self, uint32_t width, uint32_t height)
+{
+    const uint64_t drawn = viewport_output_drawn(self->viewport, VIEWPORT_WINDOW);
+    const bool is_mirrored = app_looks_of(self->app)->is_output_mirrored;
+    const bool is_new = drawn != self->output_shown || width != self->output_width ||
+                        height != self->output_height || is_mirrored != self->output_is_mirrored;
+    self->output_shown = drawn;
+    self->output_width = width;
+    self->output_height = height;
+    self->output_is_mirrored = is_mirrored;
+    return is_new;
+}
+
 static void show_output(workspace *self)
 {
     app_looks *looks = app_looks_of(self->app);
@@ -997,6 +1014,8 @@ static void show_output(workspace *self)
     if (picture->edition != self->output_edition)
         window_close_output(self->window);
     self->output_edition = picture->edition;
+    if (!window_has_output(self->window))
+        self->output_width = 0; /* nothing is shown in a window that is opened now */
     if (!window_has_output(self->window) && window_open_output(self->window, &look, &err) < 0) {
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "output", err.text);
         looks->has_output = false;
@@ -1006,7 +1025,8 @@ static void show_output(workspace *self)
     const uint32_t texture =
         width && height ? viewport_output(self->viewport, VIEWPORT_WINDOW, width, height) : 0;
     if (texture)
-        window_show_output(self->window, texture, looks->is_output_mirrored);
+        window_show_output(self->window, texture, looks->is_output_mirrored,
+                           is_output_new(self, width, height));
     looks->has_output = window_has_output(self->window); /* the person may have closed it */
 }
 
@@ -1107,7 +1127,10 @@ static void tell_figures(workspace *self)
 
 void workspace_counted(const workspace *self, workspace_counts *out)
 {
-    *out = (workspace_counts){.frame_count = self->frame_count, .first_face_s = self->first_face_s};
+    *out = (workspace_counts){.frame_count = self->frame_count,
+                              .drawn_count = self->drawn_count,
+                              .face_count = viewport_drawn(self->viewport),
+                              .first_face_s = self->first_face_s};
     look_at_figures(self, &out->fast);
 }
 
@@ -1126,6 +1149,17 @@ static void draw(workspace *self)
     if (self->frame_count > 1)
         figures_add(&self->panels_ms,
                     ms_between(began_ns, updated_ns) + ms_between(face_ns, cpu_now_ns()));
+}
+
+/* What of all of this goes on without an event and without a new face. */
+static void want_frames(workspace *self)
+{
+    double in_s = fmin(ui_wanted_s(self->ui), app_wanted_s(self->app));
+    if (ui_is_holding(self->ui) || app_looks_of(self->app)->is_turning)
+        in_s = 0.0;
+    if (self->news_left_s > 0.0)
+        in_s = fmin(in_s, self->news_left_s);
+    window_want_frame(self->window, in_s);
 }
 
 bool workspace_frame(workspace *self)
@@ -1149,10 +1183,13 @@ bool workspace_frame(workspace *self)
     draw(self);
     ui_end(self->ui);
     note_face(self);
-    if (self->frame_count > 1) { /* the first ones make what all use */
+    /* The first ones make what all use; what is not drawn is no measure of drawing. */
+    const bool is_drawn = ui_is_new(self->ui) || ui_is_hidden(self->ui);
+    if (self->frame_count > 1 && is_drawn)
         figures_add(&self->draw_ms, ms_between(began_ns, clock_now_ns()));
+    if (self->frame_count > 1 && is_drawn && !window_pace(self->window)->has_rested)
         figures_add(&self->interval_ms, ms_between(self->began_ns, began_ns));
-    }
+    self->drawn_count += ui_is_new(self->ui);
     self->began_ns = began_ns;
     window_end(self->window, self->ui);
     float ground[4];
@@ -1161,6 +1198,7 @@ bool workspace_frame(workspace *self)
     show_output(self);
     streams_update(self->streams, self->screen.dt_s);
     tell_figures(self);
+    want_frames(self);
     self->frame_count += 1;
     return !self->dialogs.is_over;
 }

@@ -14,7 +14,8 @@ float workspace_scale(const workspace *self); /* pixels a point, of the last fra
 bool workspace_frame(workspace *self);
 
 typedef struct workspace_counts {
-    uint64_t frame_count;
+    uint64_t frame_count, drawn_count; /* drawn: something of them was new */
+    uint64_t face_count;               /* how often the face in space was drawn */
     app_figures fast;
     double first_face_s; /* since the program started */
 } workspace_counts;

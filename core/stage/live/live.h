@@ -34,6 +34,7 @@ typedef struct live_settings { /* all must outlive it */
     const sound_backend *sound;   /* NULL: PortAudio */
     double fps;                   /* of frames while nothing is measured; 60 */
     double journal_s;             /* 0: 30 min */
+    wake *changed; /* given as soon as there is something new to be seen; NULL: nobody waits */
 } live_settings;
 
 CHECKED mrt_result live_start(live **out, const live_settings *settings, error *err);
@@ -45,6 +46,8 @@ CHECKED mrt_result live_check_mapping(const live_settings *settings, const char 
 CHECKED mrt_result live_stop(live *self, error *err);
 /* Call it with every drawn frame of the window: sound, reload, news; frees what ended. */
 void live_update(live *self);
+/* It waits for something that comes without a face: call live_update soon. */
+bool live_is_busy(const live *self);
 
 /* ---- what is seen ---- */
 

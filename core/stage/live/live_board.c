@@ -112,6 +112,7 @@ static void write_block(float *restrict out, const board_source *from, uint32_t 
 
 static void mark_block(live_board *self, uint32_t block)
 {
+    self->is_new = true;
     for (uint32_t i = self->first_part[block]; i < self->first_part[block + 1]; ++i)
         stamps_mark(&self->changed, self->part[i]);
 }
@@ -149,6 +150,7 @@ static void take_face(live_board *self, uint32_t back, composer *of)
 static void ease(live_board *self, uint32_t back, int64_t now_ns)
 {
     float *rows = self->rows[back];
+    self->is_new = true;
     double s = (double)(now_ns - self->eases_from_ns) / (double)ease_ns;
     if (s >= 1.0) {
         self->is_easing = false;
@@ -172,7 +174,7 @@ live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns)
         ease(self, back, now_ns);
     stamps_copy(&self->changed_in[back], &self->changed);
     memset(view, 0, sizeof *view);
-    view->number = ++self->number;
+    view->number = self->number + 1;
     view->position = rows;
     view->normal = rows + row_floats(self);
     view->changed = &self->changed_in[back];
@@ -181,12 +183,35 @@ live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns)
     return view;
 }
 
-void live_board_publish(live_board *self)
+bool live_board_is_new(const live_board *self)
+{
+    return self->is_new;
+}
+
+const live_view *live_board_published(const live_board *self)
+{
+    return self->has_shown ? &self->view[self->shown] : NULL;
+}
+
+static void publish(live_board *self)
 {
     self->shown = slot_back(&self->slot);
     self->has_shown = true;
+    self->is_new = false;
     atomic_store(&self->is_taken, false);
     slot_publish(&self->slot);
+}
+
+void live_board_publish(live_board *self)
+{
+    self->number += 1;
+    publish(self);
+}
+
+void live_board_publish_again(live_board *self)
+{
+    self->view[slot_back(&self->slot)].number = self->number;
+    publish(self);
 }
 
 /* The buffer that was published last is read only, by whoever has it: here too. */

@@ -702,8 +702,8 @@ void live_list_fitting(live *self, char *out, size_t capacity)
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
         const char *name = plugin_short_name(type);
-        if (!plugin_interface(type, MRT_MAPPING) || used + strlen(name) + 3 > capacity ||
-            !takes(self, type->id, mapped))
+        if (!plugin_interface(type, MRT_MAPPING) || !plugin_is_offered(type) ||
+            used + strlen(name) + 3 > capacity || !takes(self, type->id, mapped))
             continue;
         used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", name);
     }

@@ -249,6 +249,12 @@ static double ms_since(int64_t *from_ns)
     return out;
 }
 
+static void tell_main(const live_stage *stage)
+{
+    if (stage->changed)
+        wake_signal(stage->changed);
+}
+
 /* ---- steps ---- */
 
 static void hear(live_sample_board *board, const mrt_sample *sample)
@@ -334,6 +340,7 @@ static void on_incident(void *data, const input *from, const input_incident *wha
     else
         log_pushf(stage->log, MRT_LOG_INFO, input_name(from), "is back after %.1f s",
                   (double)what->away_ns / 1e9);
+    tell_main(stage);
 }
 
 mrt_result live_frame_tick(live_stage *stage, error *err)
@@ -348,8 +355,9 @@ mrt_result live_frame_tick(live_stage *stage, error *err)
 
 static void meter(live_stage *stage, const face *f, int64_t now_ns)
 {
-    if (now_ns - stage->metered_ns < meter_span_ns)
+    if (stage->is_metered || now_ns - stage->metered_ns < meter_span_ns)
         return;
+    stage->is_metered = true;
     stage->metered_ns = now_ns;
     const face_surface judged = face_judge(f);
     stage->min_determinant = judged.min_determinant;
@@ -400,6 +408,65 @@ static void describe_stage(live_stage *stage, live_view *view)
     }
 }
 
+/* A hand that trembles by less is shown as it was; one that has moved further is shown exactly for
+ * a while, so that a slow motion is no row of steps. */
+static const float tremble_mm = 1.5f;
+static const int64_t hand_moves_ns = 400 * NS_PER_MS;
+
+static bool has_moved(const mrt_hand *now, const mrt_vec3 from[MRT_JOINTS])
+{
+    for (int i = 0; i < MRT_JOINTS; ++i) {
+        const mrt_vec3 p = now->joint[i], q = from[i];
+        const float x = p.x - q.x, y = p.y - q.y, z = p.z - q.z;
+        if (!(x * x + y * y + z * z <= tremble_mm * tremble_mm))
+            return true;
+    }
+    return false;
+}
+
+static bool is_same_hand(live_stage *stage, const mrt_hand *seen, const mrt_hand *now,
+                         uint32_t side, int64_t now_ns)
+{
+    mrt_vec3 *from = stage->hand_from[side];
+    if (seen->present != now->present || (seen->time_ns == 0) != (now->time_ns == 0))
+        return false;
+    if (has_moved(now, from)) {
+        memcpy(from, now->joint, sizeof now->joint);
+        stage->hand_until_ns[side] = now_ns + hand_moves_ns;
+    }
+    return now_ns > stage->hand_until_ns[side] ||
+           memcmp(seen->joint, now->joint, sizeof now->joint) == 0;
+}
+
+#define IS_SAME(member) (memcmp(&a->member, &b->member, sizeof a->member) == 0)
+static bool is_same_face(const live_view *a, const live_view *b)
+{
+    return a->about == b->about && a->contact_count == b->contact_count &&
+           memcmp(a->contact, b->contact, a->contact_count * sizeof *a->contact) == 0 &&
+           IS_SAME(bone) && IS_SAME(pull) && a->is_anchored == b->is_anchored && IS_SAME(solver) &&
+           IS_SAME(meter) && IS_SAME(min_determinant) && IS_SAME(penetration_mm) && IS_SAME(skin);
+}
+
+static bool is_same_stage(const live_view *a, const live_view *b)
+{
+    return a->mode == b->mode && IS_SAME(pedal) && a->at_ns == b->at_ns &&
+           a->is_playing == b->is_playing && a->is_recording_over == b->is_recording_over &&
+           a->pass == b->pass;
+}
+#undef IS_SAME
+
+/* Whether [main] would see the same as it sees now. */
+static bool is_seen(live_stage *stage, const live_view *view, int64_t now_ns)
+{
+    const live_board *board = &stage->scene->board;
+    const live_view *seen = live_board_published(board);
+    bool is_same =
+        seen && !live_board_is_new(board) && is_same_face(seen, view) && is_same_stage(seen, view);
+    for (uint32_t side = 0; seen && side < 2; ++side)
+        is_same &= is_same_hand(stage, &seen->hand[side], &view->hand[side], side, now_ns);
+    return is_same;
+}
+
 static void note_frame(live_stage *stage)
 {
     live_pulse *now = &stage->now;
@@ -442,11 +509,18 @@ void live_frame_publish(live_stage *stage)
     stage->phase_ms[LIVE_PHASE_DEFORM] += ms_since(&at_ns);
     live_board *board = &stage->scene->board;
     live_view *view = live_board_fill(board, performer_composer(shown), now_ns);
+    stage->is_metered &= !live_board_is_new(board);
     meter(stage, performer_face(shown), now_ns);
     describe_face(stage, view, performer_composer(shown));
     describe_stage(stage, view);
     view->published_ns = stage->published_ns = clock_now_ns();
-    live_board_publish(board);
+    if (is_seen(stage, view, now_ns)) {
+        memcpy(view->hand, live_board_published(board)->hand, sizeof view->hand);
+        live_board_publish_again(board);
+    } else {
+        live_board_publish(board);
+        tell_main(stage);
+    }
     if (was_dirty || stage->mode != LIVE_PERFORMS)
         send_on(stage, shown, now_ns);
     stage->phase_ms[LIVE_PHASE_PUBLISH] += ms_since(&at_ns);

@@ -22,6 +22,7 @@ static void init(live *self, const live_settings *settings)
     slot_init(&stage->motion_slot);
     slot_init(&stage->pulse_slot);
     stage->log = settings->log;
+    stage->changed = settings->changed;
     stage->min_determinant = 1.0;
     stage->motion[0] = stage->motion[1] = stage->motion[2] = self->transport;
 }
@@ -238,4 +239,9 @@ void live_update(live *self)
     live_cast_update(self);
     live_inputs_update(self);
     live_sound_update(self);
+}
+
+bool live_is_busy(const live *self)
+{
+    return self->coming || self->attach_take || self->is_over || self->is_over_done;
 }

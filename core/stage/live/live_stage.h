@@ -123,7 +123,11 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     overdub_run *over; /* performed now, or not yet fetched */
     uint8_t *owned;    /* of it */
 
-    bool is_dirty; /* the face is newer than what is shown */
+    bool is_dirty;                     /* something was performed since it was drawn */
+    bool is_metered;                   /* the face as it is was */
+    wake *changed;                     /* of [main]; NULL: it does not wait */
+    mrt_vec3 hand_from[2][MRT_JOINTS]; /* mm: where each hand was as it moved last */
+    int64_t hand_until_ns[2];          /* it counts as moving until then */
     int64_t published_ns;
     int64_t sample_ns;
     double phase_ms[LIVE_PHASES]; /* since the last published face */

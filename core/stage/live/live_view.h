@@ -14,7 +14,7 @@ typedef enum live_mode {
 
 enum { LIVE_CONTACTS_MAX = 256, LIVE_ROWS = 64 };
 typedef struct live_view {
-    uint64_t number;                /* +1 with each published face */
+    uint64_t number;                /* +1 with each published face that differs from the last */
     const float *position, *normal; /* vertex_count by 3, mm; the mesh file's order */
     const stamps *changed;          /* which of them have: LIVE_ROWS vertices each */
     uint32_t vertex_count;

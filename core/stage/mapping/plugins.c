@@ -497,6 +497,15 @@ void plugin_list_destroy(plugin_list *list)
     *list = (plugin_list){0};
 }
 
+bool plugin_is_offered(const mrt_plugin_type *type)
+{
+    static const char *const replaced[] = {"org.marotte.poses"}; /* by one_hand */
+    for (size_t i = 0; i < sizeof replaced / sizeof *replaced; ++i)
+        if (strcmp(type->id, replaced[i]) == 0)
+            return false;
+    return true;
+}
+
 static bool is_named(const mrt_plugin_type *type, const char *name)
 {
     return strcmp(type->id, name) == 0 || strcmp(plugin_short_name(type), name) == 0;
@@ -509,7 +518,7 @@ static void name_all(const plugin_list *list, const char *interface_id, char *ou
     out[0] = '\0';
     for (uint32_t i = 0; i < list->entry_count && used < capacity; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
-        if (!plugin_interface(type, interface_id))
+        if (!plugin_interface(type, interface_id) || !plugin_is_offered(type))
             continue;
         int length = snprintf(out + used, capacity - used, "%s%s", used ? ", " : "",
                               plugin_short_name(type));
@@ -533,7 +542,7 @@ static mrt_result no_such_plugin(const plugin_list *list, const char *name,
     suggest_begin(&near, name);
     for (uint32_t i = 0; i < list->entry_count; ++i) {
         const mrt_plugin_type *type = list->entry[i].type;
-        if (plugin_interface(type, interface_id))
+        if (plugin_interface(type, interface_id) && plugin_is_offered(type))
             suggest_consider(&near, plugin_short_name(type));
         else if (is_named(type, name))
             return error_set(

@@ -63,6 +63,9 @@ bool plugin_is_shipped(const char *library);
 /* "cyberglove" of "org.marotte.cyberglove": what names it before an address. */
 const char *plugin_short_name(const mrt_plugin_type *type);
 
+/* Whether lists for people show it. False: it only serves the takes that were recorded with it. */
+bool plugin_is_offered(const mrt_plugin_type *type);
+
 /* Checks one type against the rules of plugin.h that can be seen without running it. */
 CHECKED mrt_result plugin_type_check(const mrt_plugin_type *type, error *err);
 

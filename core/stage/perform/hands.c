@@ -278,16 +278,42 @@ static bool has_filter(const hands_settings *settings)
     return settings->min_cutoff_hz > 0.0 || settings->has_beta;
 }
 
+/* A tracker that lost the hand and found another pose for it: further and faster than fingers go
+ * (20 joints of 400 degrees/s are 1 800). Compares with what was measured before. */
+static bool is_jump(const landmark_filter *before, const float *angle_rad, int64_t time_ns)
+{
+    static const double jump_deg = 45.0, jump_deg_s = 3000.0;
+    if (before->count == 0 || time_ns <= before->last_ns)
+        return false;
+    double way2 = 0.0;
+    for (int i = 0; i < SENSOR_WRIST_PITCH; ++i) {
+        const double by = to_double(angle_rad[i]) - to_double(before->channel[i].measured[0]);
+        way2 += isfinite(by) ? by * by : 0.0;
+    }
+    const double way_deg = DEGREES_PER_RADIAN * sqrt(way2);
+    return way_deg > jump_deg && way_deg > 1e-9 * jump_deg_s * (double)(time_ns - before->last_ns);
+}
+
+/* As after a gap: the pose eases from what it was. */
+static void begin_anew(one_hand *hand)
+{
+    landmark_filter_reset(&hand->landmarks);
+    hand->eased.clock.last_ns -= 2 * HAND_GAP_NS;
+}
+
 static void read_angles(hands *self, const channel_route *route, int side, int64_t time_ns)
 {
     one_hand *hand = &self->hand[side];
     const hand_calibration *calibration = &route->calibration[side];
     float *angle_rad = hand->angle_rad;
     hand_calibrate(calibration, hand->raw, angle_rad);
-    if (route->is_of_landmarks[side] && !has_filter(&self->settings))
+    if (route->is_of_landmarks[side] && !has_filter(&self->settings)) {
+        if (is_jump(&hand->landmarks, angle_rad, time_ns))
+            begin_anew(hand);
         landmark_filter_apply(&hand->landmarks, angle_rad, time_ns);
-    else
+    } else {
         hand_filter_apply(&hand->filter, angle_rad, time_ns);
+    }
     still_add(&hand->window, angle_rad, time_ns);
     memcpy(hand->neutral_rad, calibration->neutral_rad, sizeof hand->neutral_rad);
     ease_offset_add(&hand->offset, angle_rad, time_ns);

@@ -41,6 +41,7 @@ typedef struct app_options {
     const app_picture *picture; /* NULL: as last time */
     const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
+    wake *changed;              /* as live_settings; NULL: nobody waits */
 } app_options;
 
 CHECKED mrt_result app_create(app **out, const app_options *options, error *err);
@@ -49,6 +50,10 @@ CHECKED mrt_result app_create(app **out, const app_options *options, error *err)
 mrt_result app_destroy(app *self);
 /* Once a frame, before panels are drawn. */
 void app_update(app *self, double dt_s);
+/* A frame is wanted after that time, at the latest: for what the one who asks moves, counts down or
+ * waits for. 0: the next one. Each frame asks anew. */
+void app_want_frame(app *self, double in_s);
+double app_wanted_s(const app *self); /* HUGE_VAL: none */
 
 /* ---- what there is ---- */
 

@@ -5,6 +5,7 @@
 #include "stage/perform/patch_file.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -315,6 +316,7 @@ mrt_result app_create(app **out, const app_options *options, error *err)
     self->view = &nothing_yet;
     self->choice.marker = -1;
     self->sound = options->sound;
+    self->changed = options->changed;
     mrt_result result = make_parts(self, options, err);
     if (result >= 0)
         result = app_open_first(self, options, err);
@@ -421,9 +423,46 @@ uint32_t app_exports_failed(const app *self)
     return self->exports_failed;
 }
 
+/* ---- which frames are wanted ---- */
+
+void app_want_frame(app *self, double in_s)
+{
+    self->wanted_s = fmin(self->wanted_s, in_s);
+}
+
+double app_wanted_s(const app *self)
+{
+    return self->wanted_s;
+}
+
+static bool is_playing(const app *self)
+{
+    return self->view->mode != LIVE_PERFORMS && live_transport(self->live)->is_playing &&
+           !live_position(self->live).has_stopped;
+}
+
+/* What goes on in the application itself; panels add what they show. */
+static void want_frames(app *self)
+{
+    static const double each_s = 0.0, clock_s = 0.05, meter_s = 0.06, work_s = 0.1;
+    input_opening opening[INPUT_OPENINGS_MAX];
+    if (is_playing(self) || self->view->mode == LIVE_OVERDUBS || app_leads_in_s(self) > 0.0 ||
+        self->is_chasing || self->patch_waits || remote_status_of(self->remote).is_listening)
+        app_want_frame(self, each_s);
+    if (self->status.is_recording || self->awaited)
+        app_want_frame(self, clock_s);
+    if (self->status.is_sound_armed)
+        app_want_frame(self, meter_s);
+    if (input_opener_going(self->inputs, opening) > 0 || exporter_count(self->exports) > 0 ||
+        self->copier || self->audio_import || kept_scenery_is_reading(self->scenery) ||
+        live_is_busy(self->live))
+        app_want_frame(self, work_s);
+}
+
 void app_update(app *self, double dt_s)
 {
     const live_view *newest = NULL;
+    self->wanted_s = HUGE_VAL;
     take_inputs(self);
     live_update(self->live);
     (void)live_look(self->live, &newest);
@@ -445,6 +484,7 @@ void app_update(app *self, double dt_s)
     news_list_update(self->news, self->log, dt_s);
     if (self->keeps_settings)
         app_keep_settings(self, dt_s);
+    want_frames(self);
 }
 
 /* ---- inputs ---- */

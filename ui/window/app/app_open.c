@@ -811,7 +811,8 @@ static mrt_result start_live(app *self, const char *mapping, error *err)
                           .mapping = mapping ? mapping : last,
                           .sound = self->sound,
                           .solver = app_solver(self),
-                          .fps = 60.0};
+                          .fps = 60.0,
+                          .changed = self->changed};
     error ignored = {0};
     mrt_result result = live_start(&self->live, &with, err);
     if (result >= 0)

@@ -44,6 +44,8 @@ struct app {
     news_list *news;
     settings *settings;
     const sound_backend *sound;
+    wake *changed;
+    double wanted_s; /* when the next frame is wanted */
 
     show *show;
     face_file *face;

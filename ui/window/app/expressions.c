@@ -176,6 +176,8 @@ bool expressions_update(expressions *self, double dt_s)
     for (uint32_t i = 0; i < self->count; ++i)
         is_fading |= fade(&self->item[i], dt_s);
     self->still_s = is_fading ? 0.0 : self->still_s + dt_s;
+    if (is_fading || self->is_moving)
+        app_want_frame(self->of, 0.0);
     if (self->feed && (is_fading || (self->is_moving && self->still_s > settle_s)))
         give(self, is_fading ? FEED_MOVES : FEED_RESTS);
     return is_other;

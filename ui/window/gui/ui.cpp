@@ -1,4 +1,4 @@
-/* The facade over Dear ImGui, and the only file that knows it. */
+/* The facade over Dear ImGui; beside it only ui_damage.cpp knows it. */
 extern "C" {
 #include "window/gui/ui.h"
 #include "draw/gl.h"
@@ -7,6 +7,7 @@ extern "C" {
 #include "window/gui/ui_queue.h"
 }
 #define IMGUI_DEFINE_MATH_OPERATORS
+#include "window/gui/ui_damage.hpp"
 #include <imgui.h>
 #include <imgui_internal.h>
 #include <backends/imgui_impl_opengl3.h>
@@ -47,6 +48,10 @@ struct ui {
     theme look, wanted_look;    /* of this frame; of the next */
     int plain_depth;            /* on the face: colours are shown as they are said */
     bool is_drawing, has_drawn; /* OpenGL side was started; has what it draws with */
+    ui_damage *damage;          /* what was drawn last */
+    ui_damage_images images;    /* of this frame */
+    bool is_new;                /* this frame was drawn: something of it is new */
+    double wanted_s;            /* when the next frame is wanted; HUGE_VAL: nobody wants one */
     ui_cursor cursor;
 
     ImGuiWindow *panel[UI_PANELS_MAX]; /* of this frame, in order */
@@ -504,7 +509,10 @@ static void ui_hand_over(ui *self)
     ImGuiIO &io = ImGui::GetIO();
     ui_frame_input *input = self->input;
     input->is_typing = io.WantTextInput;
-    ui_queue_take(self->queue, input);
+    if (self->screen.is_late)
+        ui_queue_pass(input);
+    else
+        ui_queue_take(self->queue, input);
     read_question_mark(input);
     find_command(self);
     io.MousePos =
@@ -918,6 +926,8 @@ void ui_hint(ui *self, const char *text)
     self->hinted_s += self->screen.dt_s;
     if (io.MouseDown[0] || io.MouseDown[1] || io.MouseWheel != 0.0f)
         self->hinted_s = 0.0;
+    if (self->hinted_s < moment_s)
+        ui_want_frame(self, moment_s - self->hinted_s);
     if (self->hinted_s >= moment_s && text[0])
         put_hint(self, text);
 }
@@ -1487,8 +1497,14 @@ void ui_draw_text(ui *self, float x, float y, ui_style style, uint32_t colour, f
                 max_width > 0.0f ? ui_px(self, max_width) : 0.0f, text, text + std::strlen(text));
 }
 
-void ui_draw_image(ui *self, ui_rectangle where, uint32_t texture, bool is_mirrored)
+void ui_draw_image(ui *self, ui_rectangle where, uint32_t texture, uint64_t version,
+                   bool is_mirrored)
 {
+    ui_damage_images *images = &self->images;
+    if (images->count < UI_DAMAGE_IMAGES)
+        images->of[images->count] = {reinterpret_cast<ImTextureID>(static_cast<uintptr_t>(texture)),
+                                     version};
+    images->count += 1;
     const ImRect box = ui_px_box(self, where);
     const float left = is_mirrored ? 1.0f : 0.0f;
     ImGui::GetWindowDrawList()->AddImage(
@@ -1614,7 +1630,8 @@ static mrt_result start(ui *self, error *err)
     self->queue = static_cast<ui_queue *>(std::malloc(sizeof(ui_queue)));
     self->input = static_cast<ui_frame_input *>(std::calloc(1, sizeof(ui_frame_input)));
     self->notes = ui_notes_create();
-    if (!self->queue || !self->input || !self->notes)
+    self->damage = ui_damage_create();
+    if (!self->queue || !self->input || !self->notes || !self->damage)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the window");
     ui_queue_init(self->queue);
     IMGUI_CHECKVERSION();
@@ -1665,6 +1682,7 @@ void ui_destroy(ui *self)
     if (self->context)
         ImGui::DestroyContext(self->context);
     ui_notes_destroy(self->notes);
+    ui_damage_destroy(self->damage);
     std::free(self->input);
     std::free(self->queue);
     std::free(self);
@@ -1680,6 +1698,27 @@ void ui_push(ui *self, const ui_event *event)
 bool ui_is_idle(const ui *self)
 {
     return ui_queue_is_empty(self->queue);
+}
+
+bool ui_is_holding(const ui *self)
+{
+    const ui_frame_input *input = self->input;
+    bool is_holding = false;
+    for (bool is_down : input->button)
+        is_holding |= is_down;
+    for (bool is_down : input->key)
+        is_holding |= is_down;
+    return is_holding;
+}
+
+void ui_want_frame(ui *self, double in_s)
+{
+    self->wanted_s = ImMin(self->wanted_s, in_s);
+}
+
+double ui_wanted_s(const ui *self)
+{
+    return self->wanted_s;
 }
 
 void ui_set_clipboard(ui *self, const ui_clipboard *clipboard)
@@ -1698,6 +1737,7 @@ static void set_scale(ui *self, float scale)
     if (self->scale == scale)
         return;
     self->scale = scale;
+    ui_damage_forget(self->damage);
     load_fonts(self);
     set_style(self);
     /* The texture of the old fonts alone: its buffers, made anew, are believed to be as large as
@@ -1751,6 +1791,8 @@ void ui_begin(ui *self, const ui_screen *screen)
     self->had_dialog = self->has_dialog;
     self->has_dialog = false;
     self->next_width = 0.0f;
+    self->images.count = 0;
+    self->wanted_s = HUGE_VAL;
     self->is_slider_held = self->types_lines = self->is_answered = false;
     ui_notes_begin(self->notes);
     ImGui_ImplOpenGL3_NewFrame();
@@ -1786,6 +1828,56 @@ static ui_cursor cursor_of(ImGuiMouseCursor wanted)
     }
 }
 
+/* A part of a frame: nothing is drawn outside of it. */
+static void draw_part(const ImDrawData *whole, const ImRect &box)
+{
+    const float height = whole->DisplaySize.y;
+    ImDrawData part = *whole;
+    ImVector<ImDrawList *> list;
+    ImVector<ImVec4> clip; /* of all commands, as they were */
+    for (int i = 0; i < whole->CmdListsCount; ++i) {
+        bool is_seen = false;
+        for (ImDrawCmd &command : whole->CmdLists[i]->CmdBuffer) {
+            ImVec4 &c = command.ClipRect;
+            clip.push_back(c);
+            c = ImVec4(ImMax(c.x, box.Min.x), ImMax(c.y, box.Min.y), ImMin(c.z, box.Max.x),
+                       ImMin(c.w, box.Max.y));
+            is_seen |= c.x < c.z && c.y < c.w;
+        }
+        if (is_seen)
+            list.push_back(whole->CmdLists[i]);
+    }
+    const ImVec4 ground = ImGui::ColorConvertU32ToFloat4(IM_COL32(
+        THEME_STAGE >> 24 & 0xffu, THEME_STAGE >> 16 & 0xffu, THEME_STAGE >> 8 & 0xffu, 255));
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(static_cast<GLint>(box.Min.x), static_cast<GLint>(height - box.Max.y),
+              static_cast<GLsizei>(box.GetWidth()), static_cast<GLsizei>(box.GetHeight()));
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glClearColor(ground.x, ground.y, ground.z, 1.0f);
+    glClear(GL_COLOR_BUFFER_BIT);
+    glDisable(GL_SCISSOR_TEST);
+    part.CmdLists = list.Data;
+    part.CmdListsCount = list.Size;
+    ImGui_ImplOpenGL3_RenderDrawData(&part);
+    int at = 0;
+    for (int i = 0; i < whole->CmdListsCount; ++i)
+        for (ImDrawCmd &command : whole->CmdLists[i]->CmdBuffer)
+            command.ClipRect = clip[at++];
+}
+
+/* What differs from what is on the screen; false: nothing does. */
+static bool draw_new(ui *self, const ImDrawData *data)
+{
+    if (self->screen.is_lost)
+        ui_damage_forget(self->damage);
+    const ui_damage_boxes boxes = ui_damage_find(self->damage, data, &self->images);
+    for (int i = 0; i < boxes.count; ++i)
+        draw_part(data, boxes.box[i]);
+    if (boxes.count > 0)
+        ui_damage_keep(self->damage, data, &self->images);
+    return boxes.count > 0;
+}
+
 void ui_end(ui *self)
 {
     order_panels(self);
@@ -1794,8 +1886,18 @@ void ui_end(ui *self)
     if (self->cursor == UI_CURSOR_ARROW)
         self->cursor = cursor_of(ImGui::GetMouseCursor());
     ImGui::Render();
-    if (!self->screen.is_hidden)
-        ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+    self->is_new = !self->screen.is_hidden && draw_new(self, ImGui::GetDrawData());
+}
+
+void ui_draw_again(ui *self)
+{
+    ui_damage_forget(self->damage);
+    (void)draw_new(self, ImGui::GetDrawData());
+}
+
+bool ui_is_new(const ui *self)
+{
+    return self->is_new;
 }
 
 bool ui_is_hidden(const ui *self)

@@ -19,7 +19,8 @@ void ui_destroy(ui *self); /* NULL is fine; its context is current */
  * change a frame, in order ---- */
 
 void ui_push(ui *self, const ui_event *event);
-bool ui_is_idle(const ui *self); /* all that was pushed has been handed over */
+bool ui_is_idle(const ui *self);    /* all that was pushed has been handed over */
+bool ui_is_holding(const ui *self); /* a key or a button, in this frame */
 /* Where text is copied to and from; without it, within the window alone. get: until its next call.
  */
 typedef struct ui_clipboard {
@@ -29,17 +30,28 @@ typedef struct ui_clipboard {
 } ui_clipboard;
 void ui_set_clipboard(ui *self, const ui_clipboard *clipboard);
 
-/* ---- a frame: begin, panels, end; end draws into the framebuffer that is bound ---- */
+/* ---- a frame: begin, panels, end; end draws what is new into the framebuffer that is bound, which
+ * still has what was drawn before ---- */
 
 typedef struct ui_screen {
     float width, height; /* points */
     float scale;         /* pixels a point; fonts are made anew when it changes */
     double dt_s;         /* since the frame before */
     bool is_hidden;      /* nobody can see it: all goes on, but nothing is drawn */
+    bool is_lost;        /* what was drawn into the framebuffer is not there any more */
+    bool is_late; /* time passes alone, before what ended it: events wait for the next frame */
 } ui_screen;
 void ui_begin(ui *self, const ui_screen *screen);
 void ui_end(ui *self);
 bool ui_is_hidden(const ui *self); /* of this frame */
+/* After ui_end: something was drawn, as this frame differs from the one that was drawn last. */
+bool ui_is_new(const ui *self);
+/* The frame that ended last, all of it: for tests. */
+void ui_draw_again(ui *self);
+/* A frame is wanted after that time, at the latest: for what moves, or appears, without an event
+ * and without a face. 0: the next one. Each frame asks anew. */
+void ui_want_frame(ui *self, double in_s);
+double ui_wanted_s(const ui *self); /* HUGE_VAL: none */
 /* From the next frame on. All colours that are given to the ui are those of the dark theme. */
 void ui_set_theme(ui *self, theme of);
 /* What is drawn between the two lies on the face's picture, whose wall no theme changes: it stays
@@ -187,8 +199,9 @@ void ui_draw_triangle(ui *self, const float xy[6], uint32_t colour);
 /* Top left at x, y; max_width > 0: cut with an ellipsis. */
 void ui_draw_text(ui *self, float x, float y, ui_style style, uint32_t colour, float max_width,
                   const char *text);
-void ui_draw_image(ui *self, ui_rectangle where, uint32_t texture, bool is_mirrored); /* first row
-                                                                                        at bottom */
+/* The first row at the bottom. Another version: the texture's pixels have changed. */
+void ui_draw_image(ui *self, ui_rectangle where, uint32_t texture, uint64_t version,
+                   bool is_mirrored);
 void ui_clip_begin(ui *self, ui_rectangle where);
 void ui_clip_end(ui *self);
 typedef enum ui_cursor {

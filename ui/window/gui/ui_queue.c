@@ -149,12 +149,17 @@ static void take(taken *t, ui_frame_input *input, const ui_event *event)
     }
 }
 
-void ui_queue_take(ui_queue *self, ui_frame_input *input)
+void ui_queue_pass(ui_frame_input *input)
 {
-    taken t = {0};
     memset(input->pressed, 0, sizeof input->pressed);
     input->wheel_x = input->wheel_y = 0.0f;
     input->text_count = 0;
+}
+
+void ui_queue_take(ui_queue *self, ui_frame_input *input)
+{
+    taken t = {0};
+    ui_queue_pass(input);
     while (self->count && !waits(&t, input, at(self, 0))) {
         take(&t, input, at(self, 0));
         self->first = (self->first + 1) % UI_QUEUE_EVENTS;

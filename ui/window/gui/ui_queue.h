@@ -32,6 +32,8 @@ void ui_queue_push(ui_queue *self, const ui_event *event);
 bool ui_queue_is_empty(const ui_queue *self);
 /* The next frame: what is held stays held, what was of one frame alone starts anew. */
 void ui_queue_take(ui_queue *self, ui_frame_input *input);
+/* A frame in which nothing happens but that time passes: the queue waits. */
+void ui_queue_pass(ui_frame_input *input);
 uint32_t ui_frame_modifiers(const ui_frame_input *input);
 
 #endif

@@ -3,6 +3,7 @@
 #include "window/gui/window.h"
 #include "draw/draw.h"
 #include "draw/gl.h"
+#include "window/gui/pace.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 
@@ -16,6 +17,7 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <math.h>
@@ -34,7 +36,7 @@ typedef struct window_type {
     void (*close_output)(window *self);
     bool (*has_output)(const window *self);
     void (*output_size)(const window *self, uint32_t *out_width, uint32_t *out_height);
-    void (*show_output)(window *self, uint32_t texture, bool is_mirrored);
+    void (*show_output)(window *self, uint32_t texture, bool is_mirrored, bool is_new);
 } window_type;
 
 enum { DROPS = 8, DROP_PATH = 4096 };
@@ -45,8 +47,9 @@ struct window { /* the first member of either */
     uint32_t dropped, taken;
     uint32_t width_px, height_px;
     bool is_awaited; /* although nobody sees it */
-    float scale;     /* pixels a point, without the zoom */
-    float zoom;      /* 0: 1 */
+    pace pace;
+    float scale; /* pixels a point, without the zoom */
+    float zoom;  /* 0: 1 */
 };
 
 enum { ZOOMED_WIDTH = 800, ZOOMED_HEIGHT = 500 }; /* points that a zoom leaves at least */
@@ -307,6 +310,22 @@ void window_set_title(window *self, const char *title)
         self->type->set_title(self, title);
 }
 
+void window_want_frame(window *self, double in_s)
+{
+    if (in_s < 1e6)
+        pace_ask(&self->pace, self->pace.began_ns + (int64_t)(in_s * (double)NS_PER_S));
+}
+
+const pace *window_pace(const window *self)
+{
+    return &self->pace;
+}
+
+wake *window_signal(window *self)
+{
+    return &self->pace.signal;
+}
+
 void window_stay_awake(window *self, bool is_awaited)
 {
     self->is_awaited = is_awaited;
@@ -371,10 +390,10 @@ void window_output_size(const window *self, uint32_t *out_width, uint32_t *out_h
         self->type->output_size(self, out_width, out_height);
 }
 
-void window_show_output(window *self, uint32_t texture, bool is_mirrored)
+void window_show_output(window *self, uint32_t texture, bool is_mirrored, bool is_new)
 {
     if (window_has_output(self))
-        self->type->show_output(self, texture, is_mirrored);
+        self->type->show_output(self, texture, is_mirrored, is_new);
 }
 
 /* ---- the face alone in a second window, drawn by a thread of its own ---- */
@@ -402,6 +421,7 @@ struct window_output {
     bool has_mutex, is_new, stop, has_failed;
     uint32_t width_px, height_px; /* of the window */
 
+    bool is_exposed; /* what it shows is gone */
     bool is_dragged;
     double drag_x, drag_y;
 };
@@ -524,6 +544,11 @@ static void on_move(GLFWwindow *handle, double x, double y)
     glfwSetWindowPos(handle, left + (int)(x - self->drag_x), top + (int)(y - self->drag_y));
 }
 
+static void on_output_refresh(GLFWwindow *handle)
+{
+    ((window_output *)glfwGetWindowUserPointer(handle))->is_exposed = true;
+}
+
 static void make_pictures(window_output *self)
 {
     glGenFramebuffers(1, &self->read_framebuffer);
@@ -545,6 +570,7 @@ static mrt_result start(window_output *self, error *err)
     glfwSetWindowUserPointer(self->window, self);
     glfwSetMouseButtonCallback(self->window, on_button);
     glfwSetCursorPosCallback(self->window, on_move);
+    glfwSetWindowRefreshCallback(self->window, on_output_refresh);
     make_pictures(self);
     slot_init(&self->slot);
     self->has_mutex =
@@ -704,8 +730,14 @@ typedef struct glfw_window {
     ui_cursor cursor_now;
     window_sheet sheet;    /* what is drawn before it is shown */
     float pixels_per_unit; /* a unit of the desktop's coordinates */
-    int64_t began_ns, frame_ns;
+    int64_t frame_ns;
     bool is_iconified;
+    bool has_event;    /* since the last frame */
+    bool is_exposed;   /* what the window shows is gone: it is shown again */
+    bool is_caught_up; /* the frame before was late, and let events wait */
+    pthread_t thread;  /* ends the wait for events when there is a signal */
+    bool has_thread;
+    _Atomic bool is_waiting, stop;
 } glfw_window;
 
 static glfw_window *glfw_window_of(window *self)
@@ -717,7 +749,8 @@ static glfw_window *glfw_window_of(window *self)
 
 static void push(GLFWwindow *from, ui_event event)
 {
-    const glfw_window *self = glfwGetWindowUserPointer(from);
+    glfw_window *self = glfwGetWindowUserPointer(from);
+    self->has_event = true;
     if (self->to)
         ui_push(self->to, &event);
 }
@@ -791,13 +824,42 @@ static void on_focus(GLFWwindow *from, int has_focus)
 
 static void on_iconify(GLFWwindow *from, int is_iconified)
 {
-    ((glfw_window *)glfwGetWindowUserPointer(from))->is_iconified = is_iconified == GLFW_TRUE;
+    glfw_window *self = glfwGetWindowUserPointer(from);
+    self->is_iconified = is_iconified == GLFW_TRUE;
+    self->has_event = self->is_exposed = true;
+}
+
+/* It is shown, uncovered, or has another size. */
+static void on_refresh(GLFWwindow *from)
+{
+    glfw_window *self = glfwGetWindowUserPointer(from);
+    self->has_event = self->is_exposed = true;
+}
+
+static void on_size(GLFWwindow *from, int width, int height)
+{
+    (void)width, (void)height;
+    on_refresh(from);
+}
+
+static void on_maximise(GLFWwindow *from, int is_maximised)
+{
+    (void)is_maximised;
+    on_refresh(from);
+}
+
+static void on_scale(GLFWwindow *from, float x, float y)
+{
+    (void)x, (void)y;
+    on_refresh(from);
 }
 
 static void on_drop(GLFWwindow *from, int count, const char **paths)
 {
+    glfw_window *self = glfwGetWindowUserPointer(from);
     for (int i = 0; i < count; ++i)
-        window_drop(glfwGetWindowUserPointer(from), paths[i]);
+        window_drop(&self->base, paths[i]);
+    self->has_event = true;
 }
 
 static void listen(GLFWwindow *to)
@@ -811,6 +873,11 @@ static void listen(GLFWwindow *to)
     glfwSetCharCallback(to, on_text);
     glfwSetWindowFocusCallback(to, on_focus);
     glfwSetWindowIconifyCallback(to, on_iconify);
+    glfwSetWindowRefreshCallback(to, on_refresh);
+    glfwSetWindowCloseCallback(to, on_refresh);
+    glfwSetWindowMaximizeCallback(to, on_maximise);
+    glfwSetFramebufferSizeCallback(to, on_size);
+    glfwSetWindowContentScaleCallback(to, on_scale);
 }
 
 static const char *get_clipboard(void *data)
@@ -851,24 +918,62 @@ static void keep_pace(glfw_window *self)
 {
     const bool is_idle = self->is_iconified && !self->base.is_awaited;
     const int64_t frame_ns = is_idle ? HIDDEN_FRAME_NS : self->frame_ns;
-    const int64_t next_ns = self->began_ns + frame_ns * 9 / 10;
-    if (clock_now_ns() < next_ns)
+    const int64_t next_ns = self->base.pace.began_ns + frame_ns * 9 / 10;
+    if (!self->is_caught_up && clock_now_ns() < next_ns)
         clock_sleep_until_ns(next_ns);
 }
 
-/* Of the window's size; where the card has no room for it, the display's own is drawn into. */
-static void fit_sheet(glfw_window *self)
+/* Ends the wait for events when another thread has something new. */
+static void *watch_signal(void *data)
+{
+    glfw_window *self = data;
+    wake *signal = &self->base.pace.signal;
+    uint32_t seen = wake_seen(signal);
+    while (!atomic_load(&self->stop)) {
+        wake_wait_until_ns(signal, seen, INT64_MAX);
+        const uint32_t now = wake_seen(signal);
+        if (now != seen && atomic_load(&self->is_waiting))
+            glfwPostEmptyEvent();
+        seen = now;
+    }
+    return NULL;
+}
+
+/* Sleeps until a frame is due. */
+static pace_reason wait_for_frame(glfw_window *self, bool *out_has_rested)
+{
+    const pace *of = &self->base.pace;
+    *out_has_rested = false;
+    for (;;) {
+        glfwPollEvents();
+        atomic_store(&self->is_waiting, true);
+        const int64_t now_ns = clock_now_ns();
+        const bool has_event = self->has_event || !ui_is_idle(self->to) || !self->has_thread;
+        const pace_reason why = pace_due(of, now_ns, has_event);
+        if (why != PACE_NOT_DUE) {
+            atomic_store(&self->is_waiting, false);
+            return why;
+        }
+        *out_has_rested = true;
+        glfwWaitEventsTimeout(1e-9 * (double)(pace_until_ns(of) - now_ns + 1));
+    }
+}
+
+/* Of the window's size; where the card has no room for it, the display's own is drawn into. True:
+ * what was drawn is not in it. */
+static bool fit_sheet(glfw_window *self)
 {
     error ignored = {""};
     const window *base = &self->base;
     if (self->sheet.width_px == base->width_px && self->sheet.height_px == base->height_px)
-        return;
+        return self->sheet.framebuffer == 0; /* the display's own is another one each time */
     window_sheet_finish(&self->sheet);
     if (window_sheet_init(&self->sheet, base->width_px, base->height_px, &ignored) < 0) {
         window_sheet_finish(&self->sheet);
         self->sheet.width_px = base->width_px;
         self->sheet.height_px = base->height_px;
     }
+    return true;
 }
 
 static void show_sheet(const glfw_window *self)
@@ -890,21 +995,24 @@ static bool glfw_begin(window *base, ui *to, ui_screen *out_screen)
         ui_set_clipboard(to, &clipboard);
         self->to = to;
     }
+    bool has_rested;
     keep_pace(self);
-    glfwPollEvents();
+    const pace_reason why = wait_for_frame(self, &has_rested);
     measure(self);
-    const int64_t now_ns = clock_now_ns();
+    const int64_t now_ns = clock_now_ns(), before_ns = base->pace.began_ns;
     const float scale = zoomed(base);
-    *out_screen =
-        (ui_screen){.width = (float)base->width_px / scale,
-                    .height = (float)base->height_px / scale,
-                    .scale = scale,
-                    .dt_s = self->began_ns ? 1e-9 * (double)(now_ns - self->began_ns) : 0.0,
-                    .is_hidden = self->is_iconified};
-    self->began_ns = now_ns;
-    fit_sheet(self);
+    const bool is_late = pace_begin(&base->pace, why, has_rested, now_ns);
+    *out_screen = (ui_screen){.width = (float)base->width_px / scale,
+                              .height = (float)base->height_px / scale,
+                              .scale = scale,
+                              .dt_s = before_ns ? 1e-9 * (double)(now_ns - before_ns) : 0.0,
+                              .is_hidden = self->is_iconified,
+                              .is_lost = fit_sheet(self),
+                              .is_late = is_late};
+    self->is_caught_up = is_late;
+    self->has_event = is_late; /* they wait for the next frame, which comes at once */
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->sheet.framebuffer);
-    window_clear(base->width_px, base->height_px);
+    glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
     return !glfwWindowShouldClose(self->glfw);
 }
 
@@ -928,6 +1036,11 @@ static void glfw_end(window *base, ui *from)
     glfw_window *self = glfw_window_of(base);
     show_cursor(self, ui_cursor_wanted(from));
     glfwSetWindowShouldClose(self->glfw, GLFW_FALSE); /* the workspace has heard it */
+    if (ui_is_new(from))
+        pace_note_change(&base->pace);
+    else if (!self->is_exposed)
+        return;
+    self->is_exposed = false;
     show_sheet(self);
     gl_end_scene();
     if (!self->is_iconified) /* some drivers wait a second for what nobody sees */
@@ -973,6 +1086,7 @@ static void on_output_key(GLFWwindow *from, int key, int scancode, int action, i
     glfw_window *self = glfwGetWindowUserPointer(glfwGetCurrentContext());
     if (key == GLFW_KEY_ESCAPE) {
         glfwSetWindowShouldClose(from, GLFW_TRUE);
+        self->has_event = true;
         return;
     }
     on_key(self->glfw, key, scancode, action, modifiers);
@@ -1006,7 +1120,7 @@ static void glfw_output_size(const window *base, uint32_t *out_width, uint32_t *
     window_output_measure(((const glfw_window *)base)->output, out_width, out_height);
 }
 
-static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored)
+static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored, bool is_new)
 {
     glfw_window *self = glfw_window_of(base);
     uint32_t width, height;
@@ -1014,6 +1128,9 @@ static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored)
         glfw_close_output(base);
         return;
     }
+    if (!is_new && !self->output->is_exposed)
+        return;
+    self->output->is_exposed = false;
     window_output_measure(self->output, &width, &height);
     window_output_give(self->output, texture, width, height, is_mirrored);
 }
@@ -1023,6 +1140,11 @@ static void glfw_show_output(window *base, uint32_t texture, bool is_mirrored)
 static void glfw_close(window *base)
 {
     glfw_window *self = glfw_window_of(base);
+    if (self->has_thread) {
+        atomic_store(&self->stop, true);
+        wake_signal(&base->pace.signal);
+        (void)pthread_join(self->thread, NULL);
+    }
     window_output_destroy(self->output);
     if (self->glfw) {
         window_sheet_finish(&self->sheet);
@@ -1127,6 +1249,9 @@ mrt_result window_open_window(window **out, uint32_t width, uint32_t height, con
     listen(self->glfw);
     measure(self);
     self->frame_ns = refresh_ns();
+    pace_init(&self->base.pace);
+    /* Without the thread a frame is always due. */
+    self->has_thread = pthread_create(&self->thread, NULL, watch_signal, self) == 0;
     *out = &self->base;
     return MRT_OK;
 }
@@ -1141,9 +1266,9 @@ typedef struct hidden {
     window_sheet stage, output;
     window_fill fill;
     double dt_s; /* 0: as the clock goes, at most REAL_FPS frames a second */
-    int64_t began_ns;
     bool has_output, output_is_clear, is_maximised;
-    bool is_unseen; /* as a window that is put away */
+    bool is_unseen;    /* as a window that is put away */
+    bool is_caught_up; /* the frame before was late */
     window_gamepad gamepad;
     bool has_gamepad;
 } hidden;
@@ -1165,38 +1290,51 @@ static void hidden_close(window *base)
     free(self);
 }
 
-static double real_dt_s(hidden *self)
+/* Sleeps until a frame is due. Returns how long it is since the last one. */
+static double real_dt_s(hidden *self, const ui *to, bool *out_is_late)
 {
-    const int64_t next_ns = self->began_ns + NS_PER_S / REAL_FPS;
-    if (self->began_ns && clock_now_ns() < next_ns)
+    pace *of = &self->base.pace;
+    const int64_t before_ns = of->began_ns, next_ns = before_ns + NS_PER_S / REAL_FPS;
+    pace_reason why;
+    bool has_rested = false;
+    if (before_ns && !self->is_caught_up && clock_now_ns() < next_ns)
         clock_sleep_until_ns(next_ns);
+    for (;;) {
+        const uint32_t seen = wake_seen(&of->signal);
+        why = pace_due(of, clock_now_ns(), !ui_is_idle(to));
+        if (why != PACE_NOT_DUE)
+            break;
+        has_rested = true;
+        wake_wait_until_ns(&of->signal, seen, pace_until_ns(of));
+    }
     const int64_t now_ns = clock_now_ns();
-    const double dt_s = self->began_ns ? 1e-9 * (double)(now_ns - self->began_ns) : 0.0;
-    self->began_ns = now_ns;
-    return dt_s;
+    *out_is_late = pace_begin(of, why, has_rested, now_ns);
+    return before_ns ? 1e-9 * (double)(now_ns - before_ns) : 0.0;
 }
 
 static bool hidden_begin(window *base, ui *to, ui_screen *out_screen)
 {
     hidden *self = hidden_of(base);
-    (void)to;
     const float scale = zoomed(base);
+    bool is_late = false;
+    const double dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self, to, &is_late);
+    self->is_caught_up = is_late;
     *out_screen = (ui_screen){.width = (float)base->width_px / scale,
                               .height = (float)base->height_px / scale,
                               .scale = scale,
-                              .dt_s = self->dt_s > 0.0 ? self->dt_s : real_dt_s(self),
+                              .dt_s = dt_s,
+                              .is_late = is_late,
                               .is_hidden = self->is_unseen};
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->stage.framebuffer);
-    if (!self->is_unseen)
-        window_clear(base->width_px, base->height_px);
+    glViewport(0, 0, (GLsizei)base->width_px, (GLsizei)base->height_px);
     return true;
 }
 
 static void hidden_end(window *base, ui *from)
 {
-    (void)from;
-    if (hidden_of(base)->is_unseen)
+    if (!ui_is_new(from))
         return;
+    pace_note_change(&base->pace);
     gl_end_scene();
     glFlush();
 }
@@ -1244,9 +1382,11 @@ static void hidden_output_size(const window *base, uint32_t *out_width, uint32_t
     *out_height = ((const hidden *)base)->output.height_px;
 }
 
-static void hidden_show_output(window *base, uint32_t texture, bool is_mirrored)
+static void hidden_show_output(window *base, uint32_t texture, bool is_mirrored, bool is_new)
 {
     hidden *self = hidden_of(base);
+    if (!is_new)
+        return;
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->output.framebuffer);
     window_fill_draw(&self->fill, texture, is_mirrored, self->output_is_clear,
                      self->output.width_px, self->output.height_px);
@@ -1294,6 +1434,7 @@ mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, flo
         return error_set(err, MRT_ERR_MEMORY, "no memory for the window");
     self->base = (window){.type = &hidden_type, .width_px = width, .height_px = height};
     self->base.scale = scale;
+    pace_init(&self->base.pace);
     self->dt_s = dt_s;
     self->context = draw_context_create(err);
     mrt_result result =
@@ -1309,6 +1450,14 @@ mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, flo
 void window_hidden_put_away(window *self, bool is_away)
 {
     hidden_of(self)->is_unseen = is_away;
+}
+
+void window_hidden_draw_again(window *self, ui *from)
+{
+    gl_bind_framebuffer(GL_FRAMEBUFFER, hidden_of(self)->stage.framebuffer);
+    glViewport(0, 0, (GLsizei)self->width_px, (GLsizei)self->height_px);
+    ui_draw_again(from);
+    gl_end_scene();
 }
 
 void window_hidden_gamepad(window *base, const window_gamepad *now)

@@ -3,6 +3,7 @@
  * pictures. What is drawn is the same. Leaves out what is drawn (workspace.h). [main] */
 #ifndef MAROTTE_UI_WINDOW_GUI_WINDOW_H
 #define MAROTTE_UI_WINDOW_GUI_WINDOW_H
+#include "window/gui/pace.h"
 #include "window/gui/ui.h"
 
 typedef struct window window;
@@ -21,9 +22,10 @@ float window_scale(const window *self);
 bool window_is_maximised(const window *self);
 void window_maximise(window *self);
 
-/* Hands events over to the ui; false: the person wants to close the window. */
+/* Waits until a frame is due (pace.h), but where each frame takes dt_s. Hands events over to the
+ * ui; false: the person wants to close the window. */
 bool window_begin(window *self, ui *to, ui_screen *out_screen);
-/* Shows what was drawn. */
+/* Shows what was drawn, if anything of it is new. */
 void window_end(window *self, ui *from);
 /* RGBA, rows from the top, of what was shown last; to be freed. */
 CHECKED mrt_result window_picture(window *self, const char *png_path, error *err);
@@ -32,6 +34,11 @@ const char *window_take_drop(window *self);
 /* One is dropped, by the desktop or a test. A few wait; those beyond are forgotten. */
 void window_drop(window *self, const char *path);
 void window_set_title(window *self, const char *title);
+/* A frame comes after that time at the latest, from the one that is drawn now; 0: the next one.
+ * Each frame asks anew. */
+void window_want_frame(window *self, double in_s);
+const pace *window_pace(const window *self);
+wake *window_signal(window *self); /* [any] given when there is something new to be drawn */
 /* Whether frames come at their full rate while it is put away: somebody afar waits for them. */
 void window_stay_awake(window *self, bool is_awaited);
 uint32_t window_width_px(const window *self);
@@ -57,12 +64,15 @@ CHECKED mrt_result window_open_output(window *self, const window_output_look *lo
 void window_close_output(window *self);
 bool window_has_output(const window *self);
 void window_output_size(const window *self, uint32_t *out_width, uint32_t *out_height);
-void window_show_output(window *self, uint32_t texture, bool is_mirrored);
+/* is_new: it differs from what is shown there; else it may be shown again all the same. */
+void window_show_output(window *self, uint32_t texture, bool is_mirrored, bool is_new);
 
 /* ---- without a window: what a script and a test do to it ---- */
 
 /* Frames are not drawn while it is away, as those of a window that is put away. */
 void window_hidden_put_away(window *self, bool is_away);
+/* The last frame is drawn again, all of it: nothing changes, if no part of it was stale. */
+void window_hidden_draw_again(window *self, ui *from);
 /* What the gamepad says from now on; NULL: there is none. */
 void window_hidden_gamepad(window *self, const window_gamepad *now);
 CHECKED mrt_result window_hidden_output_picture(window *self, const char *png_path, error *err);

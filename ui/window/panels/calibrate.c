@@ -294,6 +294,7 @@ void calibrate_panel_update(calibrate_panel *self)
                         "again.");
         return;
     }
+    app_want_frame(self->app, 0.0);
     for (int i = 0; i < PER_FRAME && live_take_tapped(app_live(self->app), &sample); ++i)
         calibrate_guide_sample(&self->guide, &sample);
 }

@@ -325,6 +325,20 @@ static const findings *devices_search_look(devices_search *self)
 
 enum { DEVICES_PATH = 1024 };
 
+/* What an input says of itself, as it is shown: numbers that change a hundred times a second are
+ * read a few times, and more often only while the face moves. */
+typedef struct input_meter {
+    const input *of; /* NULL: nothing was read */
+    int64_t read_ns;
+    uint64_t face; /* the number of the one that was shown then */
+    health_report health;
+    bool has_sample;
+    mrt_sample sample;
+} input_meter;
+
+enum { METERS = PLAYER_INPUTS_MAX };
+static const double meter_every_s = 0.25;
+
 struct panel {
     app *app;
     devices_search *search; /* NULL: nothing can be looked for */
@@ -333,6 +347,7 @@ struct panel {
     char path[DEVICES_PATH], osc[128];
     input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
     uint32_t opening_count, input_count;
+    input_meter meter[METERS];
     bool repeats;                    /* a recording begins again at its end */
     bool shows_page;                 /* the camera's, as soon as it is open */
     char remote[APP_REMOTE_ADDRESS]; /* the place that is typed */
@@ -665,6 +680,22 @@ static void follow_camera(panel *self)
         self->shows_page = false; /* it could not be opened: said there */
 }
 
+static const input_meter *read_meter(panel *self, ui *on, uint32_t index)
+{
+    input *of = live_input(app_live(self->app), index);
+    input_meter *out = &self->meter[index % METERS];
+    const int64_t now_ns = clock_now_ns();
+    const uint64_t number = app_view(self->app)->number;
+    ui_want_frame(on, meter_every_s);
+    if (out->of == of && out->face == number &&
+        (double)(now_ns - out->read_ns) < 0.9 * meter_every_s * (double)NS_PER_S)
+        return out;
+    *out = (input_meter){.of = of, .read_ns = now_ns, .face = number};
+    input_health(of, &out->health);
+    out->has_sample = live_input_sample(app_live(self->app), index, &out->sample);
+    return out;
+}
+
 /* An input that is open; returns false when it is to be removed. */
 static bool devices_card_draw(panel *self, ui *on, uint32_t index)
 {
@@ -672,20 +703,18 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
     input *of = live_input(stage, index);
     uint32_t count;
     const mrt_channel *channels = input_channels(of, &count);
-    health_report health;
-    mrt_sample sample;
     char state[DEVICES_WORDS], why[DEVICES_WORDS];
-    input_health(of, &health);
-    devices_light light = devices_words_state(&health, state, why);
+    const input_meter *now = read_meter(self, on, index);
+    const health_report *health = &now->health;
+    devices_light light = devices_words_state(health, state, why);
     if (is_made(self, of) && light == DEVICES_WAITS) {
         light = DEVICES_WELL;
         (void)snprintf(state, sizeof state, "at rest");
     }
     bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light,
                            "Remove", "Closes this input. What it has performed stays recorded.");
-    draw_state(on, &health, light, state, why);
-    bool has_sample = live_input_sample(stage, index, &sample);
-    draw_strip(on, channels, count, has_sample ? &sample : NULL);
+    draw_state(on, health, light, state, why);
+    draw_strip(on, channels, count, now->has_sample ? &now->sample : NULL);
     if (is_camera(of))
         draw_camera_card(self, on, live_input_text(stage, index));
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
@@ -698,7 +727,7 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
             draw_calibration(self, on, index, side, tracker);
     }
     if (ui_section(on, "Details", false))
-        draw_details(on, &health, channels, count);
+        draw_details(on, health, channels, count);
     if (has_params(input_plugin(of)) && ui_section(on, "Settings", false))
         draw_params(self, on, of);
     return stays;

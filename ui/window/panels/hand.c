@@ -17,7 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A relaxed hand, in sensor order: where none is there, and to order the lines of the card. */
+/* A relaxed hand, in sensor order: where none is there, and to order the lines of the card at
+ * first. */
 static const float relaxed_rad[MRT_ANGLES] = {0.8f,  0.15f, 0.2f,  0.4f, 0.3f,  0.35f, 0.2f,  0.3f,
                                               0.35f, 0.2f,  0.05f, 0.3f, 0.35f, 0.2f,  0.05f, 0.3f,
                                               0.35f, 0.2f,  0.08f, 0.1f, 0.0f,  0.0f};
@@ -51,6 +52,8 @@ struct panel {
     hand_lights lights;
     float angle_rad[MRT_ANGLES], rest_rad[MRT_ANGLES];
     float steady_rad[MRT_ANGLES]; /* eased over a moment: what an answer is */
+    float order_rad[MRT_ANGLES];  /* the hand by which the lines of the card are ordered */
+    double still_s;               /* how long the hand has been as steady_rad */
     hand_skeleton *skeleton[2];
 
     /* ---- goals ---- */
@@ -179,10 +182,24 @@ static void follow_card(panel *self, const instance *mapping)
                : NULL;
 }
 
+/* What is lit goes out by and by, and what is drawn steadily follows. */
+static bool is_hand_moving(const panel *self)
+{
+    static const float level_least = 0.01f, angle_least = 0.005f;
+    bool is_moving = false;
+    for (uint32_t i = 0; i < HAND_LIGHTS_MAX; ++i)
+        is_moving |= self->lights.level[i] > level_least;
+    for (int i = 0; i < MRT_ANGLES; ++i)
+        is_moving |= fabsf(self->angle_rad[i] - self->steady_rad[i]) > angle_least;
+    return is_moving;
+}
+
 static void follow_hand(panel *self, double dt_s)
 {
     static const double steady_s = 0.15;
+    static const float still_rad = 0.04f;
     const mrt_hand *hand = &app_view(self->app)->hand[self->side];
+    bool is_still = true;
     const float share = (float)(1.0 - exp(-dt_s / steady_s));
     for (int i = 0; i < MRT_ANGLES; ++i) {
         const float now = hand->present && isfinite(hand->angle[i])
@@ -190,8 +207,12 @@ static void follow_hand(panel *self, double dt_s)
                               : self->rest_rad[i];
         self->angle_rad[i] = now;
         self->steady_rad[i] += share * (now - self->steady_rad[i]);
+        is_still &= fabsf(now - self->steady_rad[i]) < still_rad;
     }
+    self->still_s = is_still ? self->still_s + dt_s : 0.0;
     hand_lights_look(&self->lights, self->line, self->line_count, hand, dt_s);
+    if (is_hand_moving(self))
+        app_want_frame(self->app, 0.0);
 }
 
 /* The last pedal that nothing else is for. */
@@ -415,7 +436,7 @@ static hand_card card_of(const panel *self)
                        .count = self->line_count,
                        .level = self->lights.level,
                        .skeleton = self->skeleton[self->side],
-                       .rest_rad = self->rest_rad,
+                       .rest_rad = self->order_rad,
                        .angle_rad = self->angle_rad,
                        .colour = hand_colour(self)};
 }
@@ -446,6 +467,16 @@ static bool fit_card(const ui *on, hand_card *card, float width, float height)
     return false;
 }
 
+/* Lines keep their places while the hand moves. They take others when it is held so that their
+ * leaders cross, as those of a fist do. */
+static void draw_card_at(panel *self, ui *on, ui_rectangle where, const hand_card *card)
+{
+    static const double held_s = 0.5;
+    if (self->still_s > held_s && hand_card_crossings(on, where, card) > 0)
+        memcpy(self->order_rad, self->angle_rad, sizeof self->order_rad);
+    hand_card_draw(on, where, card);
+}
+
 static void draw_card(panel *self, ui *on)
 {
     hand_card card = card_of(self);
@@ -468,7 +499,7 @@ static void draw_card(panel *self, ui *on)
     }
     ui_canvas at;
     ui_canvas_begin(on, "card", 0.0f, ui_available_height(on), &at);
-    hand_card_draw(on, at.where, &card);
+    draw_card_at(self, on, at.where, &card);
     ui_canvas_end(on);
 }
 
@@ -513,10 +544,13 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     const float *position = posed_shape_of(self->shapes, step->pose, &vertex_count);
     viewport *view = app_viewport(self->app);
     ground_of(self, ground);
+    if (!position) /* it is being found */
+        ui_want_frame(on, 0.05);
     if (position && view && !ui_is_hidden(on))
         texture = viewport_portrait(view, position, vertex_count, ground, pixels, pixels);
     if (texture)
         ui_draw_image(on, (ui_rectangle){x - half, y - half, 2.0f * half, 2.0f * half}, texture,
+                      viewport_output_drawn(view, VIEWPORT_PORTRAIT),
                       app_looks_of(self->app)->is_mirrored);
     const bool is_cheering = self->cheer_s < 0.5;
     ui_draw_ring(on, x, y, radius, THEME_RAISED, 6.0f);
@@ -858,6 +892,10 @@ static void update(panel *self, double dt_s)
     follow_pedal(self, mapping);
     follow_goal(self, dt_s);
     follow_lesson(self, dt_s);
+    if (step_now(self) || self->lesson != LESSON_NONE)
+        app_want_frame(self->app, 0.0);
+    if (self->needs_shapes && !self->rig)
+        app_want_frame(self->app, 0.1);
 }
 
 static const float card_margin = 12.0f;
@@ -883,7 +921,7 @@ void hand_panel_draw_card(panel *self, ui *on, ui_rectangle where)
                                  where.height - 2.0f * card_margin};
     (void)fit_card(on, &card, inside.width, inside.height);
     ui_panel_begin(on, "hand_card", where, UI_GROUND_PANEL);
-    hand_card_draw(on, inside, &card);
+    draw_card_at(self, on, inside, &card);
     ui_panel_end(on);
 }
 
@@ -909,6 +947,7 @@ static panel *create(app *of)
     self->cheer_s = 1.0;
     memcpy(self->rest_rad, relaxed_rad, sizeof self->rest_rad);
     memcpy(self->angle_rad, self->rest_rad, sizeof self->angle_rad);
+    memcpy(self->order_rad, self->rest_rad, sizeof self->order_rad);
     memcpy(self->steady_rad, self->rest_rad, sizeof self->steady_rad);
     self->shapes = posed_shape_create();
     for (uint32_t side = 0; side < 2; ++side)

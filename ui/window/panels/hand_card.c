@@ -114,7 +114,75 @@ static uint32_t joint_of(const mrt_card_line *line)
     return line->joint < MRT_JOINTS ? line->joint : 0;
 }
 
-/* Lines of a column by how high their joints are at rest; of one joint as the card has them. */
+/* The y of each line's top. */
+static void find_tops(float out_y[HAND_LIGHTS_MAX], const ui *on, ui_rectangle where,
+                      const hand_card *card, const column *of)
+{
+    const float room = where.height - column_height(on, card, of);
+    const float gap = fmaxf(fminf(room / (float)(of->count > 0 ? of->count : 1), 18.0f), 0.0f);
+    float y = where.y + 0.5f * fmaxf(room - gap * (float)of->count, 0.0f);
+    for (uint32_t i = 0; i < of->count; ++i) {
+        out_y[i] = y;
+        y += block_height(on, card, &card->line[of->line[i]], of->width) + gap;
+    }
+}
+
+/* ---- leaders: from the first row of a line's text over a knee to its joint ---- */
+
+typedef struct leader {
+    float x, y, knee_x, joint[2];
+} leader;
+
+static leader leader_of(const ui *on, const hand_card *card, const column *of, uint32_t i,
+                        float top_y, float xy[MRT_JOINTS][2])
+{
+    const float *joint = xy[joint_of(&card->line[of->line[i]])];
+    const float x = of->is_left ? of->x + of->width + 2.0f : of->x - 3.0f;
+    return (leader){x,
+                    top_y + 0.5f * ui_text_height(on, UI_STYLE_STRONG),
+                    x + (of->is_left ? 6.0f : -6.0f),
+                    {joint[0], joint[1]}};
+}
+
+/* Twice the area of the triangle: whose sign says on which side of a, b a point is. */
+static float side_of(const float a[2], const float b[2], const float point[2])
+{
+    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);
+}
+
+/* Two that meet in one joint do not. */
+static bool do_cross(const leader *a, const leader *b)
+{
+    const float from_a[2] = {a->knee_x, a->y}, from_b[2] = {b->knee_x, b->y};
+    return side_of(from_a, a->joint, from_b) * side_of(from_a, a->joint, b->joint) < 0.0f &&
+           side_of(from_b, b->joint, from_a) * side_of(from_b, b->joint, a->joint) < 0.0f;
+}
+
+/* Two lines whose leaders cross change places: that makes both leaders together shorter, so it
+ * ends. Heights of lines differ, therefore the passes are limited. */
+static void uncross(column *of, const ui *on, const hand_card *card, ui_rectangle where,
+                    float xy[MRT_JOINTS][2])
+{
+    bool has_swapped = true;
+    for (uint32_t pass = 0; pass < 4 * HAND_LIGHTS_MAX && has_swapped; ++pass) {
+        has_swapped = false;
+        for (uint32_t i = 0; i < of->count; ++i)
+            for (uint32_t k = 0; k < i; ++k) {
+                float top_y[HAND_LIGHTS_MAX];
+                find_tops(top_y, on, where, card, of);
+                const leader a = leader_of(on, card, of, i, top_y[i], xy),
+                             b = leader_of(on, card, of, k, top_y[k], xy);
+                if (!do_cross(&a, &b))
+                    continue;
+                const uint32_t line = of->line[i];
+                of->line[i] = of->line[k];
+                of->line[k] = line;
+                has_swapped = true;
+            }
+    }
+}
+
+/* Lines of a column by how high their joints are; of one joint as the card has them. */
 static void sort_column(column *of, const hand_card *card, float xy[MRT_JOINTS][2])
 {
     for (uint32_t i = 1; i < of->count; ++i) {
@@ -169,6 +237,7 @@ static bool lay_out(layout *out, const ui *on, const hand_card *card, ui_rectang
             out->column[0].line[out->column[0].count++] = i;
     for (int k = 0; k < 2; ++k) {
         sort_column(&out->column[k], card, xy);
+        uncross(&out->column[k], on, card, where, xy);
         out->high = fmaxf(out->high, column_height(on, card, &out->column[k]));
     }
     return true;
@@ -200,26 +269,22 @@ static float draw_block(ui *on, const hand_card *card, uint32_t index, float x, 
                     : draw_rows(on, x, second, UI_STYLE_BODY, body, line->face, width);
 }
 
-static void draw_leader(ui *on, const column *of, float y, const float joint[2], float level)
+static void draw_leader(ui *on, const leader *of, float level)
 {
     const uint32_t ink = between(THEME_OFF, THEME_ACCENT, level);
-    const float from = of->is_left ? of->x + of->width + 2.0f : of->x - 3.0f;
-    const float knee = from + (of->is_left ? 6.0f : -6.0f);
-    const float xy[6] = {from, y, knee, y, joint[0], joint[1]};
+    const float xy[6] = {of->x, of->y, of->knee_x, of->y, of->joint[0], of->joint[1]};
     ui_draw_lines(on, xy, 3, ink, 1.0f + level);
-    ui_draw_disc(on, joint[0], joint[1], dot_radius + 3.0f * level, ink);
+    ui_draw_disc(on, of->joint[0], of->joint[1], dot_radius + 3.0f * level, ink);
 }
 
 static void draw_column(ui *on, ui_rectangle where, const hand_card *card, const column *of,
                         float xy[MRT_JOINTS][2])
 {
-    const float room = where.height - column_height(on, card, of);
-    const float gap = fmaxf(fminf(room / (float)(of->count > 0 ? of->count : 1), 18.0f), 0.0f);
-    float y = where.y + 0.5f * fmaxf(room - gap * (float)of->count, 0.0f);
+    float top_y[HAND_LIGHTS_MAX];
+    find_tops(top_y, on, where, card, of);
     for (uint32_t i = 0; i < of->count; ++i) {
         const mrt_card_line *line = &card->line[of->line[i]];
-        const float level = card->level[of->line[i]];
-        const float first = y + 0.5f * ui_text_height(on, UI_STYLE_STRONG);
+        const leader to_joint = leader_of(on, card, of, i, top_y[i], xy);
         float x = of->x;
         if (of->is_left) { /* close to the hand */
             const float strong = ui_text_width(on, UI_STYLE_STRONG, line->hand);
@@ -228,9 +293,30 @@ static void draw_column(ui *on, ui_rectangle where, const hand_card *card, const
                                                                     : fmaxf(strong, body);
             x += fmaxf(of->width - own, 0.0f);
         }
-        y = draw_block(on, card, of->line[i], x, y, of->x + of->width - x) + gap;
-        draw_leader(on, of, first, xy[joint_of(line)], level);
+        (void)draw_block(on, card, of->line[i], x, top_y[i], of->x + of->width - x);
+        draw_leader(on, &to_joint, card->level[of->line[i]]);
     }
+}
+
+uint32_t hand_card_crossings(const ui *on, ui_rectangle where, const hand_card *card)
+{
+    layout at;
+    leader all[2 * HAND_LIGHTS_MAX];
+    float xy[MRT_JOINTS][2];
+    uint32_t count = 0, out = 0;
+    if (!lay_out(&at, on, card, where))
+        return 0;
+    hand_figure_joints(at.hand, card->skeleton, card->angle_rad, xy);
+    for (int k = 0; k < 2; ++k) {
+        float top_y[HAND_LIGHTS_MAX];
+        find_tops(top_y, on, where, card, &at.column[k]);
+        for (uint32_t i = 0; i < at.column[k].count; ++i)
+            all[count++] = leader_of(on, card, &at.column[k], i, top_y[i], xy);
+    }
+    for (uint32_t i = 0; i < count; ++i)
+        for (uint32_t k = 0; k < i; ++k)
+            out += do_cross(&all[i], &all[k]);
+    return out;
 }
 
 void hand_card_draw(ui *on, ui_rectangle where, const hand_card *card)

@@ -1115,6 +1115,7 @@ static void mapping_learn_update(panel *self, instance *mapping, double dt_s)
         mapping_learn_end(self);
         return;
     }
+    app_want_frame(self->app, 0.0); /* what counts is the last second */
     learn_look(&self->learn, app_view(self->app)->hand, dt_s);
     if (view)
         viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
@@ -1251,9 +1252,10 @@ static void draw_choice(panel *self, ui *on)
     uint32_t count = 1, chosen = 0;
     for (uint32_t i = 0; i < plugins->entry_count && count < MAPPING_CHOICES_MAX; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
-        if (!plugin_interface(type, MRT_MAPPING))
+        const bool is_chosen = self->type && strcmp(type->id, self->type->id) == 0;
+        if (!plugin_interface(type, MRT_MAPPING) || (!is_chosen && !plugin_is_offered(type)))
             continue;
-        if (self->type && strcmp(type->id, self->type->id) == 0)
+        if (is_chosen)
             chosen = count;
         items[count] = type->name;
         types[count++] = type;

@@ -677,6 +677,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
 {
     heard now;
     hear(self, &now);
+    if (live_input_count(app_live(self->app)) > 0) /* what a fader says need not move the face */
+        ui_want_frame(on, app_patch_aimed(self->app)->is_learning ? 0.03 : 0.1);
     bool is_recording = app_status(self->app)->is_recording;
     if (!self->is_held)
         self->work = *app_patch(self->app);

@@ -897,6 +897,12 @@ bool rig_model_is_drafting(const rig_model *self)
     return self->draft != NULL;
 }
 
+bool rig_model_is_busy(const rig_model *self)
+{
+    return self->draft || self->waits_s >= 0.0 || rig_worker_is_busy(self->worker) ||
+           self->for_stage;
+}
+
 /* What rigs with a cut mouth are laid on: taken over. One head is cut in one place. */
 static mrt_result keep_cut(rig_model *self, face_file *file, error *err)
 {

@@ -35,6 +35,8 @@ void rig_model_destroy(rig_model *self); /* NULL is fine */
 void rig_model_look(rig_model *self);
 /* Each frame: asks the worker a while after the last change. True: rig_model_work is another. */
 bool rig_model_update(rig_model *self, double dt_s);
+/* A thread is at work for it, or will be soon: update it again in a moment. */
+bool rig_model_is_busy(const rig_model *self);
 
 const rig *rig_model_rig(const rig_model *self);   /* NULL: a mesh alone; until the next change */
 const mesh *rig_model_mesh(const rig_model *self); /* these three: another where a mouth is cut */

@@ -1108,6 +1108,8 @@ static void update(panel *self, double dt_s)
         notes->is_rig_pending = rig_model_is_pending(self->model);
         tell_unsaved(self);
         keep_choices(self);
+        if (rig_model_is_busy(self->model))
+            app_want_frame(self->of, 0.02);
     }
     notes->is_drafting = self->model && rig_model_is_drafting(self->model);
     notes->is_mouth_asked = self->model && rig_model_asks_mouth(self->model);

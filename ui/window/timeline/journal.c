@@ -341,10 +341,23 @@ static void handle_pointer(panel *self, ui *on, const ui_canvas *canvas, const s
     keep_swiped(self, s);
 }
 
+/* It goes along with the hands. While nothing moves it goes on in steps, so that it alone does not
+ * make all of the window be drawn again and again. */
+static int64_t journal_now(panel *self)
+{
+    static const int64_t step_ns = NS_PER_S;
+    const int64_t now_ns = clock_now_ns();
+    const uint64_t number = app_view(self->app)->number;
+    if (number != self->journal_face || now_ns - self->journal_now_ns >= step_ns)
+        self->journal_now_ns = now_ns;
+    self->journal_face = number;
+    return self->journal_now_ns;
+}
+
 void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
 {
     const live_status *status = app_status(self->app);
-    int64_t now_ns = clock_now_ns();
+    int64_t now_ns = journal_now(self);
     strip s = {.x = self->axis.x,
                .y = self->rows.y,
                .width = self->axis.width,

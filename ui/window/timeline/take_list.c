@@ -297,6 +297,8 @@ void timeline_takes_update(panel *self, double dt_s)
 {
     edit e;
     self->rates.wait_s -= dt_s;
+    if (self->rates.take && self->rates.wait_s > 0.0)
+        app_want_frame(self->app, self->rates.wait_s);
     if (!self->rates.take || self->rates.wait_s > 0.0)
         return;
     edit_init(&e, EDIT_TAKE_RATE);

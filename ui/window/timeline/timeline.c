@@ -526,6 +526,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     timeline_strip_draw(self, on, (ui_rectangle){x, where.y, width, TIMELINE_STRIP_HEIGHT - 1.0f});
     draw_lanes(self, on, (ui_rectangle){x, y, width, where.height - TIMELINE_STRIP_HEIGHT});
     request(self);
+    if (timeline_worker_is_busy(self->worker))
+        ui_want_frame(on, 0.08);
 }
 
 const panel_type panel_timeline = {create, destroy, draw, update};

@@ -147,6 +147,8 @@ struct panel {
     /* the journal: what is seen while nothing is chosen */
     timeline_journal *journal;
     int64_t journal_span_ns;
+    int64_t journal_now_ns; /* its end: goes on with each new face, else in steps */
+    uint64_t journal_face;  /* the number of that face */
     /* takes */
     timeline_takes takes;
     float takes_scroll;

@@ -438,6 +438,7 @@ static void publish(timeline_worker *self, bool is_complete)
     timeline_result *result = &self->result[slot_back(&self->slot)];
     worker_reader_fill(&self->reader, &self->taken.request, result);
     result->is_complete = is_complete;
+    result->number = self->taken.number;
     slot_publish(&self->slot);
 }
 
@@ -576,6 +577,12 @@ const timeline_result *timeline_worker_look(timeline_worker *self)
 {
     (void)slot_take(&self->slot);
     return &self->result[slot_front(&self->slot)];
+}
+
+bool timeline_worker_is_busy(const timeline_worker *self)
+{
+    const timeline_result *result = &self->result[slot_front(&self->slot)];
+    return self->has_thread && (!result->is_complete || result->number != self->wanted.number);
 }
 
 const timeline_comps *timeline_worker_comps(timeline_worker *self)

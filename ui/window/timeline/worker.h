@@ -62,6 +62,7 @@ typedef struct timeline_result {
     waveform_view wave;
     uint32_t span_count; /* of the newest takes, newest first */
     timeline_span span[TIMELINE_SPANS_MAX];
+    uint64_t number;  /* of the request that it answers */
     bool is_complete; /* nothing more comes unless something is recorded */
     char note[256];   /* why there is no curve; "" */
 } timeline_result;
@@ -77,5 +78,7 @@ typedef struct timeline_comps { /* other takes, newest first */
 } timeline_comps;
 /* Until the next call; NULL: none are known. */
 const timeline_comps *timeline_worker_comps(timeline_worker *self);
+/* More of what was asked for is to come. */
+bool timeline_worker_is_busy(const timeline_worker *self);
 
 #endif

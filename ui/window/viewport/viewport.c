@@ -46,6 +46,7 @@ typedef struct viewport_quality { /* pixels are saved while a slow renderer must
     uint32_t level;               /* of quality_scale; 0: all pixels */
     double slow_s, fast_s, still_s;
     uint64_t count; /* of the picture, a frame ago */
+    bool was_drawn; /* then */
 } viewport_quality;
 
 struct viewport {
@@ -1190,6 +1191,12 @@ void viewport_update(viewport *self, const ui *keys, const struct window_gamepad
     viewport_camera_update(&self->camera, dt_s);
     if (app_looks_of(self->of)->is_turning && self->drag == VIEWPORT_DRAGS_NOTHING)
         viewport_camera_turn(&self->camera, dt_s);
+    if (self->camera.glided_s >= 0.0 || app_looks_of(self->of)->is_turning)
+        app_want_frame(self->of, 0.0);
+    if (self->radius_shown_s > 0.0)
+        app_want_frame(self->of, self->radius_shown_s);
+    if (self->quality.level > 0) /* sharp again once it stands still */
+        app_want_frame(self->of, 0.05);
 }
 
 /* ---- how many pixels ---- */
@@ -1213,8 +1220,10 @@ static float choose_quality(viewport *self)
 {
     viewport_quality *q = &self->quality;
     uint64_t count = viewport_picture_count(self->picture);
-    bool was_drawn = count != q->count;
+    const bool was_drawn = count != q->count;
+    const bool is_going_on = was_drawn && q->was_drawn; /* one picture alone may take its time */
     q->count = count;
+    q->was_drawn = was_drawn;
     if (!was_drawn) {
         q->slow_s = q->fast_s = 0.0;
         q->still_s += self->dt_s;
@@ -1222,7 +1231,7 @@ static float choose_quality(viewport *self)
             q->level = 0;
     } else {
         q->still_s = 0.0;
-        bool is_slow = self->dt_s > slow_frame_s && self->dt_s < 1.0;
+        const bool is_slow = is_going_on && self->dt_s > slow_frame_s && self->dt_s < 1.0;
         q->slow_s = is_slow ? q->slow_s + self->dt_s : 0.0;
         if (q->slow_s > slow_for_s && q->level + 1 < QUALITIES) {
             q->level += 1;
@@ -1319,7 +1328,8 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
     make_scene(self);
     uint32_t texture = ui_is_hidden(on) ? 0 : draw_picture(self);
     if (texture)
-        ui_draw_image(on, canvas->where, texture, app_looks_of(self->of)->is_mirrored);
+        ui_draw_image(on, canvas->where, texture, viewport_drawn(self),
+                      app_looks_of(self->of)->is_mirrored);
     ink_all(self, on);
     ink_chip(self, on);
     ink_mirrored(self, on);
@@ -1437,6 +1447,11 @@ uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint
                                   .backdrop_number = self->backdrop_number,
                                   .camera = output_camera(self, (float)width / (float)height)};
     return viewport_picture_draw(self->output[to], &look, &err);
+}
+
+uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
+{
+    return self->output[to] ? viewport_picture_count(self->output[to]) : 0;
 }
 
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,

@@ -55,13 +55,15 @@ typedef enum viewport_taker {
     VIEWPORT_TAKERS
 } viewport_taker;
 uint32_t viewport_output(viewport *self, viewport_taker to, uint32_t width, uint32_t height);
+/* How many times it was drawn for it: the version of that texture's pixels. */
+uint64_t viewport_output_drawn(const viewport *self, viewport_taker to);
 /* The face in another shape, from the front, before one colour (as draw_ground). position:
  * vertex_count by 3, mm. 0: it cannot be drawn. Until the next call. */
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
                            const float ground[4], uint32_t width, uint32_t height);
 /* What is behind the output: as draw_ground. Copied. */
 void viewport_set_ground(viewport *self, const float rgba[4]);
-/* How many times the face was drawn: not while nothing changes. For tests. */
+/* How many times the face was drawn: not while nothing changes. */
 uint64_t viewport_drawn(const viewport *self);
 
 /* ---- names beside dots: pure; lengths in points ---- */

@@ -377,6 +377,8 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepa
         change_side(self);
     self->has_keys = app_has_hand_keys(self->of);
     bool is_used = self->has_keys || (pad && virtual_hand_pad_is_used(pad));
+    if (pad || is_used || self->gave) /* a gamepad gives no events */
+        app_want_frame(self->of, 0.0);
     if (!is_used && !self->gave)
         return;
     if (!has_joined(self)) {
