@@ -183,6 +183,8 @@ mrt_result face_limit_create(face *f, error *err)
     l->is_changed = arrays_add(a, blocks, 1);
     l->group = arrays_add(a, groups, sizeof *l->group);
     l->patch = arrays_add(a, groups, sizeof *l->patch);
+    l->shape = arrays_add(a, groups, sizeof *l->shape);
+    l->known = arrays_add(a, groups, sizeof *l->known);
     l->pull_bound = arrays_add(a, groups, sizeof *l->pull_bound);
     l->change = arrays_add(a, groups, sizeof *l->change);
     l->wanted = arrays_add(a, groups, sizeof *l->wanted);
@@ -513,6 +515,7 @@ void face_limit_engage(face *f)
         strain_frames *frames = &l->patch[group].origin, before = *frames;
         l->loops->frames(frames, &at);
         bool is_known = memcmp(frames, &before, sizeof before) == 0; /* of the shapes, which stay */
+        l->shape[group] = frames->shape;
         for (size_t column = 0; column < shapes && !is_known; ++column)
             l->steepest[column * groups + group] = 0.0f;
         bound_group(f, group);
@@ -563,10 +566,9 @@ void limit_begin_pose(face *f)
     for (size_t i = 0; i < (size_t)CARRIERS * CARRIERS; ++i)
         l->apart[i].rotation = -1.0;
     for (size_t group = 0; group < limit_group_count(f); ++group) {
-        limit_group *g = &l->group[group];
         l->group_strain[group] = l->group_flip[group] = INFINITY;
-        g->is_framed = g->has_tilts = g->has_along = false;
     }
+    memset(l->known, 0, limit_group_count(f));
     limit_rooms_pose(f);
 }
 
@@ -747,16 +749,14 @@ static void strain_controls(face *f, size_t t, double strain)
 /* patch.inv_tan_tilt_posed. */
 static void leave_tilts(face *f, size_t group)
 {
-    limit_group *g = &f->limit.group[group];
+    const limit_group *g = &f->limit.group[group];
     const float *turn_cosine = f->limit.patch[group].turn_cosine_posed;
     limit_patch *patch = &f->limit.patch[group];
     const angle_sincos less = angle_add(blend_apart(f, g), angle_of_cosine((double)g->tilt_cosine));
     const bool is_known = less.sin < tilt_free.sin;
     const double enough = tilt_free.cos * less.cos + tilt_free.sin * less.sin;
     float of_angle[GROUP], cosine[GROUP];
-    if (g->has_tilts)
-        return;
-    g->has_tilts = true;
+    f->limit.known[group] |= LIMIT_TILTS;
     for (size_t i = 0; i < GROUP; ++i) {
         of_angle[i] = inv_tan_seen;
         cosine[i] = 1.0f;
@@ -803,7 +803,7 @@ void limit_strain_shapes(face *f, size_t group, double strain)
 static void frame_group(face *f, size_t group)
 {
     face_limit *l = &f->limit;
-    limit_group *g = &l->group[group];
+    const limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
     const strain_corners posed = limit_corners(f, group, l->posed);
     const rigid motion = limit_motion_of(f, g->main_bone);
@@ -814,18 +814,18 @@ static void frame_group(face *f, size_t group)
     l->loops->frames(&patch->posed, &posed);
     l->loops->turned(patch->turn_cosine_posed, &patch->origin, &patch->posed, rotation);
     leave_turns(f, group, patch->turn_cosine_posed);
-    g->is_framed = true;
+    l->known[group] |= LIMIT_FRAME;
 }
 
 void limit_turn_normals(face *f, size_t group)
 {
     const face_limit *l = &f->limit;
-    limit_group *g = &l->group[group];
+    const limit_group *g = &l->group[group];
     limit_patch *patch = &l->patch[group];
     const float(*rest)[GROUP] = (const float(*)[GROUP])patch->rest_normal;
-    if (g->has_along)
+    if (l->known[group] & LIMIT_ALONG)
         return;
-    g->has_along = true;
+    l->known[group] |= LIMIT_ALONG;
     memcpy(patch->along, patch->rest_normal, sizeof patch->along);
     if (g->main_bone != STILL)
         l->loops->turn_normals(patch->along, rest, patch->main_share, l->turned[g->main_bone]);
@@ -883,25 +883,25 @@ static double measure_shaped(face *f, size_t group, float stretch)
 static void find_strains(strain_found *out, face *f, size_t group)
 {
     face_limit *l = &f->limit;
-    const limit_group *g = &l->group[group];
     const limit_patch *patch = &l->patch[group];
     const strain_corners added = limit_corners(f, group, l->added);
+    const bool has_tilts = l->known[group] & LIMIT_TILTS;
     const float *tilts = patch->inv_tan_tilt_posed;
     float bound[GROUP], most = 0.0f;
-    if (!g->has_tilts) {
+    if (!has_tilts) {
         const float tilted = limit_tilted(f, group);
         for (size_t i = 0; i < GROUP; ++i)
             bound[i] = tilted;
         tilts = bound;
     }
-    l->loops->strains(out, &patch->posed, &patch->origin.shape, tilts, patch->inv_tan_turn_posed,
+    l->loops->strains(out, &patch->posed, &l->shape[group], tilts, patch->inv_tan_turn_posed,
                       &added);
     for (size_t i = 0; i < GROUP; ++i)
         most = larger(most, out->strain[i]);
-    if (g->has_tilts || !(most > 1.0f))
+    if (has_tilts || !(most > 1.0f))
         return;
     leave_tilts(f, group);
-    l->loops->strains(out, &patch->posed, &patch->origin.shape, patch->inv_tan_tilt_posed,
+    l->loops->strains(out, &patch->posed, &l->shape[group], patch->inv_tan_tilt_posed,
                       patch->inv_tan_turn_posed, &added);
 }
 
@@ -911,7 +911,7 @@ static double measure_group(face *f, size_t group, float stretch)
     const size_t count = limit_group_size(f, group);
     strain_found found;
     float greatest = 0.0f, flips = 0.0f, sizes = 0.0f, stretched[GROUP] = {0.0f};
-    if (!l->group[group].is_framed)
+    if (!(l->known[group] & LIMIT_FRAME))
         frame_group(f, group);
     find_strains(&found, f, group);
     for (size_t i = 0; i < GROUP; ++i) {
@@ -974,7 +974,7 @@ static double measure_strain(face *f, limit_looks looks)
             add_block(f, l->block[i]);
         if (is_shaped || excess_of(&bounds, group) < surely) {
             const strain_corners added = limit_corners(f, group, l->added);
-            l->pull_bound[group] = l->loops->steepest(&l->patch[group].origin.shape, &added);
+            l->pull_bound[group] = l->loops->steepest(&l->shape[group], &added);
             if (!(excess_of(&bounds, group) >= 1.0f))
                 continue;
         }

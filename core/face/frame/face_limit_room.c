@@ -25,10 +25,11 @@ typedef struct limit_pair {
 typedef struct limit_rooms {
     strain_blends blend;
     strain_rooms of;
-    float *room;           /* of each group */
-    uint32_t *group;       /* of each entry */
-    float *share, *spread; /* of each entry: limit_carried */
-    float *shares, *total; /* of each group: sums over its entries, see add_blends */
+    float *room;                    /* of each group */
+    uint32_t *group;                /* of each entry */
+    float *share, *spread;          /* of each entry: limit_carried */
+    float *shares, *total;          /* of each group: sums over its entries, see add_blends */
+    uint32_t *beside, beside_count; /* groups with neighbours that other bones carry most */
     limit_pair *pair;
     uint32_t pair_count;
     bool is_known; /* in this pose */
@@ -56,6 +57,7 @@ mrt_result limit_rooms_create(face *f, error *err)
     for (size_t i = 0; i < sizeof of_groups / sizeof *of_groups; ++i)
         *of_groups[i] = arrays_add(a, groups, sizeof(float));
     r->group = arrays_add(a, entries, sizeof *r->group);
+    r->beside = arrays_add(a, groups, sizeof *r->beside);
     r->pair = arrays_add(a, (size_t)CARRIERS * CARRIERS, sizeof *r->pair);
     return a->failed ? error_set(err, MRT_ERR_MEMORY, "no memory for the limits of %u triangles",
                                  f->skin_count)
@@ -100,12 +102,15 @@ void limit_rooms_engage(face *f)
 {
     limit_rooms *r = f->limit.rooms;
     uint32_t carriers = 0, end = 0;
-    r->pair_count = 0;
+    r->pair_count = r->beside_count = 0;
     for (uint32_t group = 0; group < limit_group_count(f); ++group) {
         const limit_group *g = &f->limit.group[group];
         carriers |= 1u << g->main_bone;
         for (uint32_t i = g->first_carried; i < g[1].first_carried; ++i)
             carriers |= 1u << f->limit.carried[i].bone;
+        r->of.apart[group] = 0.0f;
+        if ((g->bones_around & ~(1u << g->main_bone)) != 0)
+            r->beside[r->beside_count++] = group;
         r->of.rounding[group] = g->rounding;
         r->of.tilt[group] = acosf(g->tilt_cosine);
         r->of.turn[group] = atanf(1.0f / g->inv_tan_turn);
@@ -227,7 +232,8 @@ static limit_rooms *find_rooms(face *f)
         add_blends(r, first, pair->end, (float)apart->rotation);
     }
     add_cross_terms(r, groups);
-    for (size_t group = 0; group < groups; ++group) {
+    for (uint32_t i = 0; i < r->beside_count; ++i) {
+        const uint32_t group = r->beside[i];
         const float sine = (float)half_apart(f, &f->limit.group[group]);
         r->of.apart[group] = sine + 0.5708f * sine * sine * sine;
     }

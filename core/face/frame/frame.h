@@ -61,6 +61,8 @@ typedef struct face_limit {
     const struct strain_loops *loops;
     struct limit_group *group;
     struct limit_patch *patch;     /* of each group */
+    struct strain_shapes *shape;   /* of each group: patch.origin.shape, side by side */
+    uint8_t *known;                /* of each group: limit.h */
     struct limit_carried *carried; /* of each group: see limit_group */
     uint32_t *block;               /* likewise: of its vertices */
     uint64_t *corners;             /* of each of those: bits, which vertices are the group's */

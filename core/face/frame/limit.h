@@ -23,7 +23,7 @@ typedef struct limit_patch {
     float turn_cosine_posed[GROUP]; /* of how far bones have turned it from its main bone's turn */
     float rest_normal[3][GROUP],
         main_share[GROUP]; /* twice the area long; the share that main_bone has */
-    float along[3][GROUP]; /* face_skin_along of this pose, where limit_group.has_along */
+    float along[3][GROUP]; /* face_skin_along of this pose, where LIMIT_ALONG is known */
 } limit_patch;
 
 /* What is known of them beside. */
@@ -33,13 +33,14 @@ typedef struct limit_group {
     float tilt_cosine;  /* cosine of the largest turn of one of them from rest to the origin */
     float rounding;     /* by how much rounding of the origin may turn and stretch a triangle */
 
-    uint32_t main_bone;                   /* or STILL */
-    uint32_t bones_around;                /* bits: the main bones of the groups beside it */
-    uint32_t first_carried, first_block;  /* in limit.carried and limit.block, to the next one's */
-    bool is_framed, has_tilts, has_along; /* patch.posed, .inv_tan_tilt_posed and .along are those
-                                           * of this pose */
+    uint32_t main_bone;                  /* or STILL */
+    uint32_t bones_around;               /* bits: the main bones of the groups beside it */
+    uint32_t first_carried, first_block; /* in limit.carried and limit.block, to the next one's */
     float centre[3], radius;
 } limit_group;
+
+/* Bits of limit.known: what of the group's patch is that of this pose. */
+enum { LIMIT_FRAME = 1, LIMIT_TILTS = 2, LIMIT_ALONG = 4 };
 
 /* A bone other than the main one that carries triangles of a group: its largest share, the mean
  * gradient of its share, and the largest difference of a triangle's gradient from the mean. */
