@@ -256,6 +256,15 @@ void points_copy(points *out, const points *from)
     memcpy(out->block, from->block, (size_t)from->block_count * sizeof *from->block);
 }
 
+void points_copy_block(points *out, const points *from, uint32_t block)
+{
+    size_t first = (size_t)block * POINTS_BLOCK, size = POINTS_BLOCK * sizeof(float);
+    memcpy(out->x + first, from->x + first, size);
+    memcpy(out->y + first, from->y + first, size);
+    memcpy(out->z + first, from->z + first, size);
+    out->block[block] = from->block[block];
+}
+
 void points_to_rows(float *out_xyz, const points *p, const points_order *order)
 {
     for (uint32_t slot = 0; slot < p->count; ++slot) {

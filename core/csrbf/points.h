@@ -43,6 +43,7 @@ void points_destroy(points *p);
 
 /* Same count required. */
 void points_copy(points *out, const points *from);
+void points_copy_block(points *out, const points *from, uint32_t block);
 /* Writes the vertices back as rows (count by 3) in the file's order. */
 void points_to_rows(float *out_xyz, const points *p, const points_order *order);
 void points_update_bounds(points *p);

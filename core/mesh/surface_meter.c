@@ -25,6 +25,14 @@ typedef struct surface_made { /* of an edge, in all shapes that were learnt and 
     float inverse_square, cosine, sine;
 } surface_made;
 
+/* Things in spans of SPAN, and of each span the blocks of vertices that they touch. */
+enum { SPAN = 32 };
+typedef struct surface_spans {
+    uint32_t count;
+    uint32_t *first; /* of each span, and the end: where in `block` it begins */
+    uint32_t *block;
+} surface_spans;
+
 struct surface_meter {
     arrays arrays; /* those below */
     uint32_t vertex_count, triangle_count, edge_count;
@@ -37,6 +45,7 @@ struct surface_meter {
     float *inverse_area;    /* triangle_count: 1 over twice the area at rest */
     surface_normal *normal; /* scratch: of each triangle */
     uint8_t *against;       /* scratch: at so many edges it points against its neighbour */
+    surface_spans triangle_spans, edge_spans; /* of edges: with the corners of both triangles */
 };
 
 /* ---- made and unmade ---- */
@@ -154,6 +163,53 @@ static void measure_rest(surface_meter *self, const float *const rest[3])
     }
 }
 
+/* Adds a block that the span which is being listed does not have yet. */
+static void add_block(surface_spans *s, uint32_t vertex)
+{
+    uint32_t block = vertex / SURFACE_BLOCK, at = s->first[s->count], end = s->first[s->count + 1];
+    while (at < end && s->block[at] != block)
+        ++at;
+    if (at < end)
+        return;
+    s->block[at] = block;
+    s->first[s->count + 1] += 1;
+}
+
+static void list_spans(surface_meter *self)
+{
+    surface_spans *of_triangles = &self->triangle_spans, *of_edges = &self->edge_spans;
+    for (uint32_t t = 0; t < self->triangle_count; ++t) {
+        of_triangles->first[of_triangles->count + 1] =
+            t % SPAN == 0 ? of_triangles->first[of_triangles->count]
+                          : of_triangles->first[of_triangles->count + 1];
+        for (size_t i = 0; i < 3; ++i)
+            add_block(of_triangles, self->corner[(size_t)3 * t + i]);
+        of_triangles->count += t % SPAN == SPAN - 1 || t + 1 == self->triangle_count;
+    }
+    for (uint32_t i = 0; i < self->edge_count; ++i) {
+        of_edges->first[of_edges->count + 1] =
+            i % SPAN == 0 ? of_edges->first[of_edges->count] : of_edges->first[of_edges->count + 1];
+        for (size_t k = 0; k < 6; ++k)
+            add_block(of_edges, self->corner[(size_t)3 * self->edge[i].triangle[k / 3] + k % 3]);
+        of_edges->count += i % SPAN == SPAN - 1 || i + 1 == self->edge_count;
+    }
+}
+
+static void make_spans(surface_spans *out, arrays *a, size_t count, size_t touched)
+{
+    out->first = arrays_add(a, count / SPAN + 2, sizeof *out->first);
+    out->block = arrays_add(a, touched * count, sizeof *out->block);
+}
+
+/* Whether the span touches one of these blocks. */
+static bool span_has(const surface_spans *s, uint32_t span, const uint8_t *is_of)
+{
+    uint32_t any = 0;
+    for (uint32_t i = s->first[span]; i < s->first[span + 1]; ++i)
+        any |= is_of[s->block[i]];
+    return any != 0;
+}
+
 double surface_meter_bent_at_rest(const surface_meter *self, uint32_t triangle)
 {
     uint32_t t = self->number[triangle];
@@ -177,6 +233,8 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
         self->edge_of = arrays_add(a, count, sizeof *self->edge_of);
         self->inverse_area = arrays_add(a, count, sizeof *self->inverse_area);
         self->against = arrays_add(a, count, 1);
+        make_spans(&self->triangle_spans, a, count, 3);
+        make_spans(&self->edge_spans, a, 3 * count, 6);
     }
     if (!self || !half || a->failed) {
         free(half);
@@ -189,6 +247,7 @@ mrt_result surface_meter_create(surface_meter **out, const float *const rest[3],
     list_triangles(self, rest, triangle, triangle_count);
     list_edges(self, half);
     measure_rest(self, rest);
+    list_spans(self);
     free(half);
     return MRT_OK;
 }
@@ -290,6 +349,7 @@ static void lower(float *share, const uint32_t *vertex, uint32_t count, float to
 
 typedef struct yield_limits {
     float stretch, area, bend, crease; /* 1 over what may be gained */
+    float near_square;   /* of a length, times that at rest: up to that it is far from the limit */
     float crease_cosine; /* edges that are bent further at rest are creases: what counts is how far
                             they are bent beyond rest */
 } yield_limits;
@@ -298,7 +358,9 @@ static yield_limits yield_of(const surface_limits *l)
 {
     const double pi = 3.14159265358979323846;
     double bend = l->bend_deg * pi / 180.0, crease = SURFACE_CREASE_DEG * pi / 180.0;
-    return (yield_limits){.stretch = (float)(1.0 / (l->stretch - 1.0)),
+    double near = 1.0 + (double)room_taken * (l->stretch - 1.0);
+    return (yield_limits){.near_square = (float)(0.9999 * near * near),
+                          .stretch = (float)(1.0 / (l->stretch - 1.0)),
                           .area = (float)(1.0 / (1.0 - l->area)),
                           .bend = (float)(1.0 / (1.0 - cos(bend))),
                           .crease = (float)(1.0 / (1.0 - cos(crease))),
@@ -325,7 +387,7 @@ static float yield_stretch(const surface_edge *e, const yield_limits *l,
                            const float *const before[3], const float *const after[3])
 {
     float now = square_of(after, e->end) * e->inverse_square;
-    if (!(now > 1.0f))
+    if (!(now > l->near_square))
         return 1.0f;
     now = (sqrtf(now) - 1.0f) * l->stretch;
     if (!may_count(now))
@@ -353,6 +415,45 @@ static float yield_bend(const surface_meter *self, const surface_edge *e, const 
     return share_of(bend_of(e, l, a.x * b.x + a.y * b.y + a.z * b.z), now);
 }
 
+/* Judges triangle t, one corner of which may have moved. */
+static float yield_moved(surface_meter *self, const yield_limits *l, uint32_t t,
+                         const float *const before[3], const float *const after[3],
+                         const uint8_t *is_changed, float *share)
+{
+    const uint32_t *corner = self->corner + (size_t)3 * t;
+    self->against[t] = is_changed[corner[0] / SURFACE_BLOCK] |
+                       is_changed[corner[1] / SURFACE_BLOCK] |
+                       is_changed[corner[2] / SURFACE_BLOCK];
+    if (!self->against[t])
+        return 1.0f;
+    self->normal[t] = normal_of(after, corner);
+    float to = yield_triangle(self, l, t, before);
+    lower(share, corner, to < 1.0f ? 3 : 0, to);
+    return to;
+}
+
+static float yield_edge(surface_meter *self, const yield_limits *l, const surface_edge *e,
+                        const float *const before[3], const float *const after[3], float *share)
+{
+    uint32_t p = e->triangle[0], q = e->triangle[1];
+    if (!self->against[p] && !self->against[q])
+        return 1.0f;
+    if (!self->against[p])
+        self->normal[p] = normal_of(after, self->corner + (size_t)3 * p);
+    if (!self->against[q])
+        self->normal[q] = normal_of(after, self->corner + (size_t)3 * q);
+    float stretch = yield_stretch(e, l, before, after);
+    float bend = yield_bend(self, e, l, before);
+    float to = bend < stretch ? bend : stretch;
+    lower(share, e->end, to < 1.0f ? 2 : 0, to);
+    return to;
+}
+
+static uint32_t end_of(uint32_t span, uint32_t count)
+{
+    return (span + 1) * SPAN < count ? (span + 1) * SPAN : count;
+}
+
 float surface_meter_yield(surface_meter *self, const surface_limits *limits,
                           const float *const before[3], const float *const after[3],
                           const uint8_t *is_changed, float *share)
@@ -361,34 +462,34 @@ float surface_meter_yield(surface_meter *self, const surface_limits *limits,
     float least = 1.0f;
     for (uint32_t v = 0; v < self->vertex_count; ++v)
         share[v] = 1.0f;
-    for (uint32_t t = 0; t < self->triangle_count; ++t) {
-        const uint32_t *corner = self->corner + (size_t)3 * t;
-        bool moves = is_changed[corner[0] / SURFACE_BLOCK] | is_changed[corner[1] / SURFACE_BLOCK] |
-                     is_changed[corner[2] / SURFACE_BLOCK];
-        self->against[t] = moves;
-        if (!moves)
+    memset(self->against, 0, self->triangle_count);
+    for (uint32_t span = 0; span < self->triangle_spans.count; ++span) {
+        if (!span_has(&self->triangle_spans, span, is_changed))
             continue;
-        self->normal[t] = normal_of(after, corner);
-        float to = yield_triangle(self, &l, t, before);
-        lower(share, corner, to < 1.0f ? 3 : 0, to);
-        least = to < least ? to : least;
+        for (uint32_t t = span * SPAN; t < end_of(span, self->triangle_count); ++t) {
+            float to = yield_moved(self, &l, t, before, after, is_changed, share);
+            least = to < least ? to : least;
+        }
     }
-    for (uint32_t i = 0; i < self->edge_count; ++i) {
-        const surface_edge *e = &self->edge[i];
-        uint32_t p = e->triangle[0], q = e->triangle[1];
-        if (!self->against[p] && !self->against[q])
+    for (uint32_t span = 0; span < self->edge_spans.count; ++span) {
+        if (!span_has(&self->edge_spans, span, is_changed))
             continue;
-        if (!self->against[p])
-            self->normal[p] = normal_of(after, self->corner + (size_t)3 * p);
-        if (!self->against[q])
-            self->normal[q] = normal_of(after, self->corner + (size_t)3 * q);
-        float stretch = yield_stretch(e, &l, before, after);
-        float bend = yield_bend(self, e, &l, before);
-        float to = bend < stretch ? bend : stretch;
-        lower(share, e->end, to < 1.0f ? 2 : 0, to);
-        least = to < least ? to : least;
+        for (uint32_t i = span * SPAN; i < end_of(span, self->edge_count); ++i) {
+            float to = yield_edge(self, &l, &self->edge[i], before, after, share);
+            least = to < least ? to : least;
+        }
     }
     return least;
+}
+
+void surface_meter_reads(const surface_meter *self, const uint8_t *is_changed, uint8_t *out)
+{
+    const surface_spans *const all[2] = {&self->triangle_spans, &self->edge_spans};
+    for (int k = 0; k < 2; ++k)
+        for (uint32_t span = 0; span < all[k]->count; ++span)
+            if (span_has(all[k], span, is_changed))
+                for (uint32_t i = all[k]->first[span]; i < all[k]->first[span + 1]; ++i)
+                    out[all[k]->block[i]] = 1;
 }
 
 bool surface_meter_around(const surface_meter *self, uint32_t triangle, uint32_t out[6])

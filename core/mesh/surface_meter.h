@@ -60,6 +60,9 @@ float surface_meter_yield(surface_meter *self, const surface_limits *limits,
                           const float *const before[3], const float *const after[3],
                           const uint8_t *is_changed, float *share);
 
+/* out: 1 for each block of vertices that surface_meter_yield reads; what it was for the others. */
+void surface_meter_reads(const surface_meter *self, const uint8_t *is_changed, uint8_t *out);
+
 /* The corners of a triangle and, across each of its edges, the third one of its neighbour; at a
  * border one of its own. Its number is that at create. False: it was left out. */
 bool surface_meter_around(const surface_meter *self, uint32_t triangle, uint32_t out[6]);

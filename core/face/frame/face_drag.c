@@ -106,13 +106,17 @@ static void note_changed(face *f)
     }
 }
 
-/* Clay as the skull lets it be seen. */
+/* Clay as the skull lets it be seen, in the blocks that are read. */
 static const points *show_clay(const face *f, points *out, const points *from)
 {
     if (f->projection.block_count == 0)
         return from;
-    points_copy(out, from);
-    projection_apply_still(&f->projection, out);
+    for (uint32_t block = 0; block < from->block_count; ++block) {
+        if (!f->limit.is_slid[block])
+            continue;
+        points_copy_block(out, from, block);
+        projection_apply_still(&f->projection, out, block);
+    }
     return out;
 }
 
@@ -120,10 +124,12 @@ static double yield(face *f, const csrbf_settings *settings)
 {
     const float *before[3], *after[3];
     surface_limits limits = clay;
-    const points *from = show_clay(f, &f->limit.shown_before, &f->before);
-    const points *to = show_clay(f, &f->limit.shown_after, &f->free);
     limits.stretch = face_stretch_most(settings);
     note_changed(f);
+    memset(f->limit.is_slid, 0, f->free.block_count); /* scratch: what is read */
+    surface_meter_reads(f->surface_meter, f->limit.is_changed, f->limit.is_slid);
+    const points *from = show_clay(f, &f->limit.shown_before, &f->before);
+    const points *to = show_clay(f, &f->limit.shown_after, &f->free);
     return (double)surface_meter_yield(f->surface_meter, &limits, points_streams(from, before),
                                        points_streams(to, after), f->limit.is_changed,
                                        f->limit.share);
@@ -137,12 +143,15 @@ static double nearness(const double at[3], const double *tip, double radius)
     return q < 1.0 ? (1.0 - q) * (1.0 - q) : 0.0;
 }
 
-/* Of those, that of the nearest. */
-static double nearest_tip(const face *f, const double at[3], double radius, uint32_t count)
+/* near: of each tip (limit.ridge: scratch). Returns that of the nearest. */
+static double find_nearness(double *near, const face *f, const double at[3], double radius,
+                            uint32_t count)
 {
     double most = 1e-6;
-    for (uint32_t k = 0; k < count; ++k)
-        most = fmax(most, nearness(at, f->from + (size_t)3 * k, radius));
+    for (uint32_t k = 0; k < count; ++k) {
+        near[k] = nearness(at, f->from + (size_t)3 * k, radius);
+        most = near[k] > most ? near[k] : most;
+    }
     return most;
 }
 
@@ -152,14 +161,13 @@ static void shorten_tips(face *f, double radius, uint32_t count)
     face_limit *l = &f->limit;
     memcpy(l->strain, l->tip_share, count * sizeof *l->strain);
     for (uint32_t slot = 0; slot < f->before.count; ++slot) {
-        double at[3], share = (double)l->share[slot];
+        double at[3], *near = l->ridge, share = (double)l->share[slot];
         if (!(share < 1.0))
             continue;
         points_at(at, &f->before, slot);
-        double nearest = nearest_tip(f, at, radius, count);
+        double nearest = find_nearness(near, f, at, radius, count);
         for (uint32_t k = 0; k < count; ++k) {
-            double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
-            double own = l->strain[k] * (1.0 - near * (1.0 - share));
+            double own = l->strain[k] * (1.0 - near[k] / nearest * (1.0 - share));
             l->tip_share[k] = fmin(l->tip_share[k], own);
         }
     }
@@ -168,12 +176,10 @@ static void shorten_tips(face *f, double radius, uint32_t count)
 /* The share of the step at a point: the tips' shares, weighted by their influence there. */
 static double part_at(const face *f, const double at[3], double radius, uint32_t count)
 {
-    double part = 1.0, nearest = nearest_tip(f, at, radius, count);
+    double part = 1.0, *near = f->limit.ridge, nearest = find_nearness(near, f, at, radius, count);
     for (uint32_t k = 0; k < count; ++k) {
-        if (!(f->limit.tip_share[k] < 1.0))
-            continue;
-        double near = nearness(at, f->from + (size_t)3 * k, radius) / nearest;
-        part = fmin(part, 1.0 - (1.0 - f->limit.tip_share[k]) * near);
+        double own = 1.0 - (1.0 - f->limit.tip_share[k]) * (near[k] / nearest);
+        part = f->limit.tip_share[k] < 1.0 && own < part ? own : part;
     }
     return part;
 }

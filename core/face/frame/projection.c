@@ -355,10 +355,9 @@ vec3 projection_at(const projection *p, uint32_t slot, vec3 at)
     return at;
 }
 
-void projection_apply_still(const projection *p, points *at)
+void projection_apply_still(const projection *p, points *at, uint32_t block)
 {
-    for (uint32_t block = 0; block < at->block_count; ++block)
-        (void)apply(p, p->still, at, block, NULL, NULL);
+    (void)apply(p, p->still, at, block, NULL, NULL);
 }
 
 void projection_pose(projection *p, const rigid *pose, uint8_t *is_stale)

@@ -87,8 +87,8 @@ vec3 projection_at(const projection *p, uint32_t slot, vec3 at);
 /* Of each block of vertices, as bits: those that were moved far enough to fold skin, when it was
  * written last. NULL: the rig has no skull and no teeth. */
 const uint64_t *projection_pushed(const projection *p);
-/* Projects all blocks with the bones at rest, whatever the frame is; it is not reported. */
-void projection_apply_still(const projection *p, points *at);
+/* Projects a block with the bones at rest, whatever the frame is; it is not reported. */
+void projection_apply_still(const projection *p, points *at, uint32_t block);
 /* Nothing is projected: the shape shown is that at rest. */
 void projection_rest(projection *p);
 /* Of all blocks, as they were written last. */
