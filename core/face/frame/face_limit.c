@@ -780,10 +780,14 @@ static void leave_turns(face *f, size_t group, const float *turn_cosine)
     limit_patch *patch = &f->limit.patch[group];
     const float cosine = (float)limit_half_apart(f, &f->limit.group[group]).cos;
     float inv_tan_turn[GROUP], apart[GROUP];
-    for (size_t i = 0; i < GROUP; ++i)
-        apart[i] = cosine;
-    f->limit.loops->turns(inv_tan_turn, patch->inv_tan_turn, apart);
-    f->limit.loops->turns(patch->inv_tan_turn_posed, inv_tan_turn, turn_cosine);
+    const float *left = patch->inv_tan_turn;
+    if (cosine < 1.0f) {
+        for (size_t i = 0; i < GROUP; ++i)
+            apart[i] = cosine;
+        f->limit.loops->turns(inv_tan_turn, left, apart);
+        left = inv_tan_turn;
+    }
+    f->limit.loops->turns(patch->inv_tan_turn_posed, left, turn_cosine);
 }
 
 void limit_strain_shapes(face *f, size_t group, double strain)

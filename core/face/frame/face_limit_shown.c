@@ -3,6 +3,7 @@
  * far, less of it is applied. Where lips that only touch, the skull or teeth do so, pulls are
  * reduced: first the pulls near that skin, then all. */
 #include "face/frame/limit.h"
+#include "face/frame/rows.h"
 
 #include <math.h>
 #include <string.h>
@@ -146,9 +147,12 @@ static void find_sealed_lips(face *f)
         size_t first = (size_t)l->block[i] * POINTS_BLOCK;
         memset(sum, 0, sizeof sum);
         face_lips_sum(f, sum, l->block[i]);
-        for (size_t v = 0; v < POINTS_BLOCK; ++v)
-            for (int axis = 0; axis < 3; ++axis)
-                l->sealed[first + v][axis] = l->bare[first + v][axis] + sum[axis][v];
+        for (size_t v = 0; v < POINTS_BLOCK; v += 4) {
+            rows_four r[4] = {rows_load(sum[0] + v), rows_load(sum[1] + v), rows_load(sum[2] + v)};
+            rows_transpose(r);
+            for (size_t k = 0; k < 4; ++k)
+                rows_store(l->sealed[first + v + k], rows_load(l->bare[first + v + k]) + r[k]);
+        }
     }
 }
 
@@ -276,11 +280,12 @@ static void take_slid_block(face *f, uint32_t block)
     if (f->limit.is_slid[block])
         return;
     f->limit.is_slid[block] = 1;
-    for (size_t slot = first; slot < first + POINTS_BLOCK; ++slot) {
-        float *row = f->limit.slid[slot];
-        row[0] = f->shown.x[slot];
-        row[1] = f->shown.y[slot];
-        row[2] = f->shown.z[slot];
+    for (size_t slot = first; slot < first + POINTS_BLOCK; slot += 4) {
+        rows_four r[4] = {rows_load(f->shown.x + slot), rows_load(f->shown.y + slot),
+                          rows_load(f->shown.z + slot)};
+        rows_transpose(r);
+        for (size_t i = 0; i < 4; ++i)
+            rows_store(f->limit.slid[slot + i], r[i]);
     }
 }
 

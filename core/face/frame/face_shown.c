@@ -2,6 +2,7 @@
  * block depends on the origin there, on the columns that reach it and their weights, and on the
  * poses of the proxies near it: where none of these has changed it is left as it is. */
 #include "face/frame/frame.h"
+#include "face/frame/rows.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -169,11 +170,13 @@ static uint32_t write_known(face *f, uint32_t block)
 static uint32_t write_sealed(face *f, uint32_t block)
 {
     const size_t first = (size_t)block * POINTS_BLOCK;
-    for (size_t slot = first; slot < first + POINTS_BLOCK; ++slot) {
-        const float *at = f->lips.sealed[slot];
-        f->shown.x[slot] = at[0];
-        f->shown.y[slot] = at[1];
-        f->shown.z[slot] = at[2];
+    for (size_t slot = first; slot < first + POINTS_BLOCK; slot += 4) {
+        const float(*at)[4] = (const float(*)[4])f->lips.sealed + slot;
+        rows_four r[4] = {rows_load(at[0]), rows_load(at[1]), rows_load(at[2]), rows_load(at[3])};
+        rows_transpose(r);
+        rows_store(f->shown.x + slot, r[0]);
+        rows_store(f->shown.y + slot, r[1]);
+        rows_store(f->shown.z + slot, r[2]);
     }
     points_update_block(&f->shown, block);
     end_block(f, block);
