@@ -891,7 +891,7 @@ static void find_strains(strain_found *out, face *f, size_t group)
     const strain_corners added = limit_corners(f, group, l->added);
     const bool has_tilts = l->known[group] & LIMIT_TILTS;
     const float *tilts = patch->inv_tan_tilt_posed;
-    float bound[GROUP], most = 0.0f;
+    float bound[GROUP], most = l->passes_over_nothing ? INFINITY : 0.0f;
     if (!has_tilts) {
         const float tilted = limit_tilted(f, group);
         for (size_t i = 0; i < GROUP; ++i)
@@ -972,11 +972,12 @@ static double measure_strain(face *f, limit_looks looks)
     columns_weigh(&f->columns, f->given, f->control_column_count);
     for (size_t group = 0; group < groups; ++group) {
         const limit_group *g = &l->group[group];
-        if (!l->is_marked[group] || !may_be_strained(f, &bounds, group, looks))
+        if (!l->passes_over_nothing &&
+            (!l->is_marked[group] || !may_be_strained(f, &bounds, group, looks)))
             continue;
         for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
             add_block(f, l->block[i]);
-        if (is_shaped || excess_of(&bounds, group) < surely) {
+        if (!l->passes_over_nothing && (is_shaped || excess_of(&bounds, group) < surely)) {
             const strain_corners added = limit_corners(f, group, l->added);
             l->pull_bound[group] = l->loops->steepest(&l->shape[group], &added);
             if (!(excess_of(&bounds, group) >= 1.0f))

@@ -180,7 +180,8 @@ static bool may_lips_harm(face *f, uint32_t i)
     float steepness =
         limit_is_shaped(f) && isfinite(g->steepness) ? limit_shaped_steepness : g->steepness;
     float most = (f->limit.pull_bound[l->group[i]] + l->steepness[i]) * steepness;
-    return !is_bounded || !(most < 1.0f) || !(most < limit_room(f, l->group[i]));
+    return !is_bounded || f->limit.passes_over_nothing || !(most < 1.0f) ||
+           !(most < limit_room(f, l->group[i]));
 }
 
 /* Whether the seal at that strength harms skin. */

@@ -63,6 +63,7 @@ typedef struct face_limit {
     struct limit_patch *patch;     /* of each group */
     struct strain_shapes *shape;   /* of each group: patch.origin.shape, side by side */
     uint8_t *known;                /* of each group: limit.h */
+    bool passes_over_nothing;      /* for a test: all groups are measured, whatever bounds say */
     struct limit_carried *carried; /* of each group: see limit_group */
     uint32_t *block;               /* likewise: of its vertices */
     uint64_t *corners;             /* of each of those: bits, which vertices are the group's */
