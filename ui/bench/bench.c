@@ -49,6 +49,9 @@ uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double
 
 /* ---- what is promised ---- */
 
+/* Of a processor: what other programs may use of it on a machine that is called quiet. */
+static const double quiet_share = 0.1;
+
 /* Other work on the machine takes from a ratio too: a gate asks for half of it. */
 static const double gate_share = 0.5;
 
@@ -83,13 +86,20 @@ static uint32_t bench_promises(bench *self)
 {
     uint32_t broken = 0;
     if (self->promise_count > 0)
-        bench_title(self, "What is promised");
+        bench_title(self, "What is promised, of a quiet machine with two processors");
+    if (self->promise_count > 0 && self->others_busy > quiet_share)
+        facts_warning(self->told, "others_busy_processors",
+                      "this machine is not quiet: other programs use", self->others_busy, 1,
+                      "processors");
     for (uint32_t i = 0; i < self->promise_count; ++i) {
         const bench_promise *p = &self->promise[i];
         char line[160];
         bool is_broken = p->is_gated && !is_kept(p, gate_share);
         broken += is_broken;
-        const char *verdict = is_kept(p, 1.0) ? "kept" : is_broken ? "far missed" : "missed";
+        const char *verdict = is_kept(p, 1.0)                   ? "kept"
+                              : is_broken                       ? "far missed"
+                              : self->others_busy > quiet_share ? "not judged"
+                                                                : "missed";
         snprintf(line, sizeof line, "%-40s %9.3f%s, promised at %s %g%s", p->what, p->measured,
                  p->unit, p->is_most ? "most" : "least", p->promised, p->unit);
         const facts_cell cells[] = {
@@ -181,6 +191,43 @@ void bench_roof_flush(void *roof)
         sum += self->other[i]; /* read only: what is written would be written back later */
     sink = sum;
     (void)sink;
+}
+
+/* ---- what else the machine does ---- */
+
+/* Ticks of all processors since the system started: at work, and in all. False: it does not say. */
+static bool read_ticks(double *out_busy, double *out_all)
+{
+    unsigned long long t[8] = {0};
+    FILE *stream = fopen("/proc/stat", "re");
+    int count = stream ? fscanf(stream, "cpu %llu %llu %llu %llu %llu %llu %llu %llu", &t[0], &t[1],
+                                &t[2], &t[3], &t[4], &t[5], &t[6], &t[7])
+                       : 0;
+    if (stream)
+        fclose(stream);
+    *out_all = 0.0;
+    for (int i = 0; i < 8; ++i)
+        *out_all += (double)t[i];
+    *out_busy = *out_all - (double)t[3] - (double)t[4]; /* idle, and waiting for a disk */
+    return count == 8;
+}
+
+/* How many processors other programs use, while this one waits for half a second. */
+static double others_busy(void)
+{
+    double busy[2], all[2];
+    if (!read_ticks(&busy[0], &all[0]))
+        return 0.0;
+    clock_sleep_until_ns(clock_now_ns() + NS_PER_S / 2);
+    if (!read_ticks(&busy[1], &all[1]) || !(all[1] > all[0]))
+        return 0.0;
+    return (busy[1] - busy[0]) / (all[1] - all[0]) * (double)sysconf(_SC_NPROCESSORS_ONLN);
+}
+
+static void note_others(bench *self)
+{
+    const double busy = others_busy();
+    self->others_busy = busy > self->others_busy ? busy : self->others_busy;
 }
 
 /* ---- the command ---- */
@@ -310,6 +357,7 @@ static const command_option option_table[] = {
 static mrt_result measure(bench *self, const part *only, error *err)
 {
     pool_share_from((double)INFINITY); /* one thread, but where threads are the subject */
+    note_others(self);
     mrt_result result = bench_roof_create(&self->roof, (size_t)96 << 20, err);
     if (result >= 0)
         result = bench_machine(self, err);
@@ -318,6 +366,7 @@ static mrt_result measure(bench *self, const part *only, error *err)
             result = parts[i].run(self, err);
     if (result >= 0) {
         bench_memory(self);
+        note_others(self);
         self->broken_count = bench_promises(self);
     }
     bench_roof_destroy(&self->roof);

@@ -77,8 +77,9 @@ typedef struct bench {
     double seconds; /* for one comparison */
     uint32_t rounds;
     bench_roof roof;
-    double off_naive; /* of the paper's grid: the furthest that a frame was off the naive one */
-    double root_ns;   /* of one square root: the best of the run */
+    double off_naive;   /* of the paper's grid: the furthest that a frame was off the naive one */
+    double others_busy; /* processors that other programs use */
+    double root_ns;     /* of one square root: the best of the run */
     bench_promise promise[BENCH_PROMISES];
     uint32_t promise_count, broken_count; /* broken: not even half kept */
 } bench;
