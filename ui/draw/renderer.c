@@ -68,7 +68,7 @@ static mrt_result create_programs(draw_renderer *self, error *err)
 #define GLOW    "#define EMISSION\n"
 #define CUT     "#define CUT\n"
     static const char *const look[LOOKS] = {
-        [LOOK_SMOOTH] = "",
+        [LOOK_SMOOTH] = "#define OWN_COLOURS\n",
         [LOOK_STONE] = "#define STONE\n",
         [LOOK_FELT] = "#define FELT\n",
         [LOOK_PAINTED] = PAINTED,
