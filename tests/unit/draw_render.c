@@ -261,6 +261,39 @@ static void a_face_that_follows_what_changed_is_the_whole_one(void **state)
     free(normal);
 }
 
+/* A target keeps the wall around a face that moves, but no stroke, and no wall of another light. */
+static void a_target_drawn_again_is_as_a_new_one(void **state)
+{
+    (void)state;
+    static const ball balls[] = {{{-60, 0, 0}, 50},   {{70, 40, 20}, 30}, {{0, 0, 0}, 90},
+                                 {{150, -90, 0}, 60}, {{0, 0, 0}, 5},     {{40, 0, 700}, 90},
+                                 {{-20, 10, 0}, 40}};
+    const draw_stroke stroke = {{10, 10}, {200, 30}, 6, {1, 0, 0, 1}};
+    const float clear[4] = {0, 0, 0, 0};
+    draw_target *kept = target;
+    error err;
+    for (uint32_t i = 0; i < 14; ++i) {
+        if (i == 4)
+            draw_light(renderer, &lighting_looks[1].light);
+        if (i == 9)
+            draw_ground(renderer, clear);
+        mesh m = shapes_balls(&balls[i % 7], 1);
+        draw_mesh(&m, &front, picture);
+        draw_target *fresh = draw_target_create(SIDE, SIDE, &err);
+        assert_non_null(fresh);
+        target = fresh;
+        draw_mesh(&m, &front, other);
+        target = kept;
+        draw_target_destroy(fresh);
+        mesh_destroy(&m);
+        assert_memory_equal(picture, other, sizeof picture);
+        if (i == 2)
+            draw_strokes(renderer, target, &stroke, 1);
+    }
+    draw_light(renderer, NULL);
+    draw_ground(renderer, NULL);
+}
+
 static void a_ball_before_a_wall_throws_a_shadow(void **state)
 {
     (void)state;
@@ -524,6 +557,7 @@ int main(void)
         cmocka_unit_test(only_the_rectangle_is_drawn),
         cmocka_unit_test(update_moves_the_shape),
         cmocka_unit_test(a_face_that_follows_what_changed_is_the_whole_one),
+        cmocka_unit_test(a_target_drawn_again_is_as_a_new_one),
         cmocka_unit_test(a_ball_before_a_wall_throws_a_shadow),
         cmocka_unit_test(a_lit_wall_has_no_speckles),
         cmocka_unit_test(grain_is_fixed_to_the_stone),

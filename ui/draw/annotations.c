@@ -21,7 +21,7 @@ static void begin_over(gl_state *before, draw_target *target, GLuint program, GL
     glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
     glUseProgram(program);
     glUniform2f(target_size, (GLfloat)target->width, (GLfloat)target->height);
-    target->stale = true;
+    target_change(target);
 }
 
 /* ---- words ---- */

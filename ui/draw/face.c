@@ -383,11 +383,14 @@ static uint32_t face_parts(const draw_face *self)
 static void measure_part(draw_face *self, const float *position, uint32_t part)
 {
     uint32_t first = part * DRAW_ROWS, end = min_of(first + DRAW_ROWS, self->vertex_count);
-    face_box box = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    face_box box = {
+        {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}, .is_whole = true};
     for (uint32_t v = first; v < end; ++v) {
         const float *p = position + (size_t)v * 3;
-        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2]))
+        if (!isfinite(p[0]) || !isfinite(p[1]) || !isfinite(p[2])) {
+            box.is_whole = false;
             continue;
+        }
         for (int axis = 0; axis < 3; ++axis) {
             box.low[axis] = p[axis] < box.low[axis] ? p[axis] : box.low[axis];
             box.high[axis] = p[axis] > box.high[axis] ? p[axis] : box.high[axis];
@@ -872,4 +875,38 @@ void face_draw_all(const draw_face *face)
         glDrawElements(GL_TRIANGLES, (GLsizei)(face->solid_count * 3), GL_UNSIGNED_INT, NULL);
     else
         glDrawArrays(GL_POINTS, 0, (GLsizei)face->vertex_count);
+}
+
+static bool include_corner(float out[4], const float m[16], const float corner[3])
+{
+    float clip[4];
+    for (int row = 0; row < 4; ++row)
+        clip[row] =
+            m[row] * corner[0] + m[4 + row] * corner[1] + m[8 + row] * corner[2] + m[12 + row];
+    if (!(clip[3] > 1e-3f))
+        return false;
+    for (int axis = 0; axis < 2; ++axis) {
+        const float at = clip[axis] / clip[3];
+        out[axis] = fminf(out[axis], at);
+        out[2 + axis] = fmaxf(out[2 + axis], at);
+    }
+    return true;
+}
+
+bool face_find_rectangle(float out[4], const draw_face *face, const float projection[16])
+{
+    out[0] = out[1] = INFINITY;
+    out[2] = out[3] = -INFINITY;
+    bool is_known = face->triangle_count > 0;
+    for (uint32_t part = 0; part < face_parts(face) && is_known; ++part) {
+        const face_box *box = &face->box[part];
+        is_known = box->is_whole;
+        for (int k = 0; k < 8 && is_known; ++k) {
+            const float corner[3] = {(k & 1 ? box->high : box->low)[0],
+                                     (k & 2 ? box->high : box->low)[1],
+                                     (k & 4 ? box->high : box->low)[2]};
+            is_known = include_corner(out, projection, corner);
+        }
+    }
+    return is_known;
 }

@@ -79,6 +79,7 @@ typedef struct face_texture { /* a picture on the graphics card, as one of its u
 
 typedef struct face_box { /* around the vertices of a part that are numbers; low > high: none */
     float low[3], high[3];
+    bool is_whole; /* all are numbers */
 } face_box;
 
 struct draw_face {
@@ -104,6 +105,11 @@ struct draw_face {
 /* Draws every triangle that is not clear, or the vertices as points when there is none; the program
  * and the vertex array are bound by the caller. */
 void face_draw_all(const draw_face *face);
+
+/* The rectangle of clip space (x, y, x, y; -1..1 is the picture) that has every triangle in it.
+ * projection: column-major. false: unknown; a vertex is no number or not before the eye, or the
+ * vertices are drawn as points. */
+bool face_find_rectangle(float out[4], const draw_face *face, const float projection[16]);
 
 /* How much of the room each vertex sees in the rest shape: eye sockets and nostrils are dark, noses
  * are not. Baked once by looking at the mesh from many sides. What is in the mouth sees at least

@@ -68,7 +68,7 @@ static mrt_result create_programs(draw_renderer *self, error *err)
 #define GLOW    "#define EMISSION\n"
 #define CUT     "#define CUT\n"
     static const char *const look[LOOKS] = {
-        [LOOK_SMOOTH] = "",
+        [LOOK_SMOOTH] = "#define OWN_COLOURS\n",
         [LOOK_STONE] = "#define STONE\n",
         [LOOK_FELT] = "#define FELT\n",
         [LOOK_PAINTED] = PAINTED,
@@ -455,6 +455,59 @@ static void draw_face_lit(const draw_renderer *self, const draw_face *face, cons
     draw_clear(self, face, v);
 }
 
+/* What is behind the face; false: it cannot be compared. */
+static bool describe_scene(target_scene *out, const draw_renderer *self, const GLint viewport[4])
+{
+    memset(out, 0, sizeof *out);
+    memcpy(out->viewport, viewport, sizeof out->viewport);
+    memcpy(out->edge, self->light.wall_edge, sizeof out->edge);
+    memcpy(out->light, self->light.wall_light, sizeof out->light);
+    memcpy(out->ground, self->ground, sizeof out->ground);
+    out->has_ground = self->has_ground;
+    return self->has_ground || !self->backdrop;
+}
+
+/* Left, bottom, right, top of what the face covers, in pixels of the framebuffer; with a margin for
+ * rounding. */
+static void find_covered(GLint out[4], const draw_face *face, const view *v)
+{
+    const float margin = 4.0f, size[2] = {(float)v->width, (float)v->height};
+    const matrix4 projection =
+        camera_projection(&v->camera, size[0] / size[1], face->centre, face->radius_mm);
+    float at[4];
+    if (!face_find_rectangle(at, face, projection.m)) {
+        at[0] = at[1] = -1.0f;
+        at[2] = at[3] = 1.0f;
+    }
+    for (int k = 0; k < 4; ++k) {
+        const float most = size[k % 2], place = (0.5f + 0.5f * at[k]) * most;
+        const float wide = place + (k < 2 ? -margin : margin);
+        out[k] = (k % 2 ? v->y : v->x) + (GLint)fminf(fmaxf(wide, 0.0f), most);
+    }
+}
+
+/* Where the target has the same scene already, only what the face covered or covers is drawn. */
+static void narrow(const draw_renderer *self, draw_target *target, const draw_face *face,
+                   const view *v, bool had_scene)
+{
+    const GLint viewport[4] = {v->x, v->y, v->width, v->height};
+    GLint covered[4], area[4];
+    target_scene scene;
+    const bool is_known = describe_scene(&scene, self, viewport);
+    find_covered(covered, face, v);
+    if (had_scene && is_known && memcmp(&scene, &target->scene, sizeof scene) == 0) {
+        for (int k = 0; k < 4; ++k) {
+            const bool is_before = target->covered[k] < covered[k];
+            area[k] = is_before == (k < 2) ? target->covered[k] : covered[k];
+        }
+        memcpy(target->changed, area, sizeof area);
+        glScissor(area[0], area[1], area[2] - area[0], area[3] - area[1]);
+    }
+    target->has_scene = is_known;
+    target->scene = scene;
+    memcpy(target->covered, covered, sizeof covered);
+}
+
 void draw_render(draw_renderer *self, draw_target *target, const draw_face *face,
                  const draw_camera *camera, uint32_t x, uint32_t y, uint32_t width, uint32_t height)
 {
@@ -476,8 +529,10 @@ void draw_render(draw_renderer *self, draw_target *target, const draw_face *face
     gl_state before;
     gl_state_enter(&before);
     draw_shadow(self, face, &v);
+    const bool had_scene = target->has_scene && !target->stale;
     target_begin(target, viewport);
     glClear(GL_DEPTH_BUFFER_BIT);
+    narrow(self, target, face, &v, had_scene);
     if (self->has_ground)
         clear_ground(self);
     draw_face_lit(self, face, &v);

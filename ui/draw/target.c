@@ -125,13 +125,22 @@ static mrt_result create_resolve(draw_target *self, error *err)
     return gl_check_error("the resolve program", err);
 }
 
+void target_change(draw_target *self)
+{
+    self->stale = true;
+    self->has_scene = false;
+    self->changed[0] = self->changed[1] = 0;
+    self->changed[2] = framebuffer_width(self);
+    self->changed[3] = framebuffer_height(self);
+}
+
 static void clear(draw_target *self)
 {
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glViewport(0, 0, framebuffer_width(self), framebuffer_height(self));
     glClearColor(0.052f, 0.055f, 0.062f, 1.0f); /* a page a little darker than the wall */
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    self->stale = true;
+    target_change(self);
 }
 
 draw_target *draw_target_create(uint32_t width, uint32_t height, error *err)
@@ -177,13 +186,18 @@ static void resolve(draw_target *self)
     if (!self->stale)
         return;
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->picture_framebuffer);
+    const GLint side = (GLint)self->side, *at = self->changed;
+    const GLint left = at[0] / side, bottom = at[1] / side;
     glViewport(0, 0, (GLsizei)self->width, (GLsizei)self->height);
+    glEnable(GL_SCISSOR_TEST);
+    glScissor(left, bottom, (at[2] + side - 1) / side - left, (at[3] + side - 1) / side - bottom);
     glUseProgram(self->resolve_program);
     glUniform1i(self->keeps_alpha, self->is_clear);
     glBindVertexArray(self->vertex_array);
     glActiveTexture(GL_TEXTURE0);
     glBindTexture(self->side > 1 ? GL_TEXTURE_2D : GL_TEXTURE_2D_MULTISAMPLE, self->samples);
     glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDisable(GL_SCISSOR_TEST);
     self->stale = false;
 }
 
@@ -209,7 +223,7 @@ void target_begin(draw_target *self, const GLint viewport[4])
     glViewport(viewport[0], viewport[1], viewport[2], viewport[3]);
     glEnable(GL_SCISSOR_TEST);
     glScissor(viewport[0], viewport[1], viewport[2], viewport[3]);
-    self->stale = true;
+    target_change(self);
 }
 
 uint32_t draw_target_texture(draw_target *self)

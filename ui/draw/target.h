@@ -7,6 +7,13 @@
 #include "draw/draw.h"
 #include "draw/gl.h"
 
+typedef struct target_scene { /* what draw_render has behind a face, and where */
+    GLint viewport[4];
+    float edge[3], light[3]; /* of the wall */
+    float ground[4];
+    bool has_ground;
+} target_scene;
+
 struct draw_target {
     uint32_t width, height;
     GLint sample_count;
@@ -17,12 +24,18 @@ struct draw_target {
     GLuint resolve_program, vertex_array; /* vertex_array: without attributes */
     GLint keeps_alpha;                    /* of the resolve program */
     bool stale;                           /* the picture is older than the samples */
-    bool is_clear;                        /* alpha is coverage; else the picture is opaque */
+    GLint changed[4];                     /* left, bottom, right, top of what is */
+    bool has_scene;     /* nothing else was drawn than a face: around `covered` is the scene */
+    target_scene scene; /* compared byte by byte */
+    GLint covered[4];   /* by the face; as changed */
+    bool is_clear;      /* alpha is coverage; else the picture is opaque */
 };
 
 /* A rectangle (x, y from the top left, width, height) in pixels of the framebuffer, y from below;
  * false: nothing of it is in the target, or it is larger than any picture. */
 bool target_viewport(GLint out[4], const draw_target *self, const uint32_t rectangle[4]);
+/* Of all of it: the picture is older, and the scene unknown. */
+void target_change(draw_target *self);
 /* Everything is drawn there, and nowhere else, until gl_state_leave. */
 void target_begin(draw_target *self, const GLint viewport[4]);
 

@@ -1066,6 +1066,7 @@ mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *er
 /* ---- frames to pictures ---- */
 
 enum { QUEUE = 4 };
+static const uint64_t paired_area_max = 9u << 20; /* pixels; larger ones have one target: memory */
 
 typedef struct sink { /* one of them */
     video_folder *folder;
@@ -1103,6 +1104,11 @@ struct video {
     error why;
     /* of the thread; [main] after it */
     offscreen offscreen;
+    draw_target *target[2]; /* one is drawn into while the other is read; may be the same */
+    float *drawn;           /* positions of the latest picture, as in frame */
+    bool has_drawn;
+    uint32_t latest; /* target of the latest picture */
+    uint32_t owed;   /* how often it is to be written; 0: the pixels are those of it */
     draw_camera camera;
     sink sink[VIDEO_FILES_MAX];
     video_report report;
@@ -1160,29 +1166,90 @@ static mrt_result open_drawing(video *self, error *err)
     if (result < 0)
         return result;
     draw_ground(self->offscreen.renderer, look->ground == VIDEO_SCENE ? NULL : look->rgba);
-    return open_sinks(self, err);
+    self->target[0] = self->target[1] = self->offscreen.target;
+    if ((uint64_t)look->width * look->height <= paired_area_max)
+        self->target[1] = draw_target_create(look->width, look->height, err);
+    return self->target[1] ? open_sinks(self, err) : MRT_ERR_UNSUPPORTED;
 }
 
+static void close_drawing(video *self)
+{
+    if (self->target[1] != self->target[0])
+        draw_target_destroy(self->target[1]);
+    offscreen_finish(&self->offscreen);
+}
+
+/* Issues the commands and does not wait for them. */
 static void draw_picture(video *self, const float *position)
 {
     const video_look *look = &self->settings.look;
     offscreen *e = &self->offscreen;
+    self->latest ^= 1;
+    draw_target *target = self->target[self->latest];
     draw_face_update(e->face, position, NULL);
-    draw_render(e->renderer, e->target, e->face, &self->camera, 0, 0, look->width, look->height);
-    draw_read(e->target, e->pixels);
-    if (look->is_mirrored)
-        video_look_mirror(e->pixels, look->width, look->height);
+    draw_render(e->renderer, target, e->face, &self->camera, 0, 0, look->width, look->height);
+    (void)draw_target_texture(target);
 }
 
-static mrt_result write_picture(video *self, error *err)
+static mrt_result write_pixels(video *self, uint32_t times, error *err)
 {
+    const uint8_t *pixels = self->offscreen.pixels;
     mrt_result result = MRT_OK;
-    for (uint32_t i = 0; i < self->file_count && result >= 0; ++i)
-        result = self->sink[i].folder
-                     ? video_folder_add(self->sink[i].folder, self->offscreen.pixels, err)
-                     : video_ffmpeg_add(self->sink[i].ffmpeg, self->offscreen.pixels, err);
-    self->report.picture_count += result >= 0;
+    for (uint32_t k = 0; k < times && result >= 0; ++k) {
+        for (uint32_t i = 0; i < self->file_count && result >= 0; ++i)
+            result = self->sink[i].folder ? video_folder_add(self->sink[i].folder, pixels, err)
+                                          : video_ffmpeg_add(self->sink[i].ffmpeg, pixels, err);
+        self->report.picture_count += result >= 0;
+    }
     return result;
+}
+
+/* Reads a picture, which waits until it is drawn, and writes it. */
+static mrt_result write_picture(video *self, uint32_t target, uint32_t times, error *err)
+{
+    const video_look *look = &self->settings.look;
+    offscreen *e = &self->offscreen;
+    draw_read(self->target[target], e->pixels);
+    if (look->is_mirrored)
+        video_look_mirror(e->pixels, look->width, look->height);
+    return write_pixels(self, times, err);
+}
+
+static mrt_result write_owed(video *self, error *err)
+{
+    const uint32_t owed = self->owed;
+    self->owed = 0;
+    return owed > 0 ? write_picture(self, self->latest, owed, err) : MRT_OK;
+}
+
+static bool is_drawn(const video *self, const float *position)
+{
+    const size_t size = (size_t)self->settings.mesh->vertex_count * 3 * sizeof *position;
+    return self->has_drawn && memcmp(self->drawn, position, size) == 0;
+}
+
+/* The picture before is read and written while this one is drawn. A face that did not move is not
+ * drawn again. */
+static mrt_result show_frame(video *self, frame *next, error *err)
+{
+    const uint32_t times = 1 + next->repeats;
+    mrt_result result = MRT_OK;
+    if (is_drawn(self, next->position)) {
+        result = write_owed(self, err);
+        return result < 0 ? result : write_pixels(self, times, err);
+    }
+    if (self->target[0] == self->target[1])
+        result = write_owed(self, err);
+    if (result < 0)
+        return result;
+    const uint32_t before = self->latest, owed = self->owed;
+    draw_picture(self, next->position);
+    self->owed = times;
+    float *free_position = self->drawn;
+    self->drawn = next->position;
+    next->position = free_position;
+    self->has_drawn = true;
+    return owed > 0 ? write_picture(self, before, owed, err) : MRT_OK;
 }
 
 static mrt_result commit(video *self, error *err)
@@ -1206,17 +1273,16 @@ static bool is_to_be_kept(video *self)
     return is_kept;
 }
 
-/* Waits for a frame; false: there is none to come. */
-static bool take_frame(video *self, frame *out)
+/* Waits for a frame, the thread's until give_back; NULL: there is none to come. */
+static frame *take_frame(video *self)
 {
     pthread_mutex_lock(&self->lock);
     while (self->count == 0 && self->state == VIDEO_RUNS)
         pthread_cond_wait(&self->changed, &self->lock);
     bool is_there = self->count > 0 && self->state != VIDEO_GIVES_UP;
-    if (is_there)
-        *out = self->queue[self->first];
+    frame *next = is_there ? &self->queue[self->first] : NULL;
     pthread_mutex_unlock(&self->lock);
-    return is_there;
+    return next;
 }
 
 static void give_back(video *self)
@@ -1230,14 +1296,14 @@ static void give_back(video *self)
 
 static mrt_result work(video *self, error *err)
 {
-    frame next;
+    frame *next;
     mrt_result result = MRT_OK;
-    while (result >= 0 && take_frame(self, &next)) {
-        draw_picture(self, next.position);
-        for (uint32_t i = 0; i <= next.repeats && result >= 0; ++i)
-            result = write_picture(self, err);
+    while (result >= 0 && (next = take_frame(self))) {
+        result = show_frame(self, next, err);
         give_back(self);
     }
+    if (result >= 0 && is_to_be_kept(self))
+        result = write_owed(self, err);
     if (result < 0)
         return result;
     return is_to_be_kept(self) ? commit(self, err)
@@ -1269,7 +1335,7 @@ static void *run(void *data)
         video_folder_abandon(self->sink[i].folder);
         (void)video_ffmpeg_abandon(self->sink[i].ffmpeg);
     }
-    offscreen_finish(&self->offscreen);
+    close_drawing(self);
     tell(self, VIDEO_RUNS, result, &err);
     pthread_mutex_lock(&self->lock);
     self->has_ended = true;
@@ -1303,13 +1369,11 @@ static mrt_result start_thread(video *self, error *err)
 
 static mrt_result make_queue(video *self, error *err)
 {
-    for (int i = 0; i < QUEUE; ++i) {
-        self->queue[i].position =
-            malloc(((size_t)self->settings.mesh->vertex_count * 3 + 1) * sizeof(float));
-        if (!self->queue[i].position)
-            return error_set(err, MRT_ERR_MEMORY, "no memory for the video");
-    }
-    return MRT_OK;
+    const size_t size = ((size_t)self->settings.mesh->vertex_count * 3 + 1) * sizeof(float);
+    bool enough = (self->drawn = malloc(size)) != NULL;
+    for (int i = 0; i < QUEUE; ++i)
+        enough = (self->queue[i].position = malloc(size)) != NULL && enough;
+    return enough ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for the video");
 }
 
 mrt_result video_create(video **out, const video_file *file, uint32_t count,
@@ -1381,6 +1445,7 @@ void video_destroy(video *self)
     end_thread(self, VIDEO_GIVES_UP);
     for (int i = 0; i < QUEUE; ++i)
         free(self->queue[i].position);
+    free(self->drawn);
     pthread_cond_destroy(&self->changed);
     pthread_mutex_destroy(&self->lock);
     free(self);

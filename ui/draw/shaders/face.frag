@@ -1,15 +1,18 @@
 // A face in a studio: key light with a soft shadow, fill, rim, light from the room; GGX for what
 // shines, pores and weather for stone, fibres and fuzz for felt, warm edges of the light for what it
 // goes under. Everything is in linear light until the last line.
-in vec3 v_position, v_normal, v_rest, v_colour;
+in vec3 v_position, v_normal, v_rest;
 in float v_openness;
+#ifdef OWN_COLOURS
+in vec3 v_colour;
+uniform bool has_own_colours; // v_colour instead of base_colour
+#endif
 
 uniform vec3 eye;            // mm
 uniform vec4 base_colour;    // linear
 uniform float roughness, metallic;
 uniform float softness, coat; // light goes under it; a wet film over it
 uniform float bounce; // share of the key light that reaches it in the shadow too: in a mouth
-uniform bool has_own_colours; // v_colour instead of base_colour
 uniform float grain_scale;   // 1 / height of the face, 1/mm
 uniform vec3 light_direction[3]; // key, fill, rim: towards the light
 uniform mat4 shadow_projection;  // mm to 0..1
@@ -271,7 +274,10 @@ void main()
         normal = -normal;
     float open = gl_FrontFacing ? smoothstep(0.0, 1.0, clamp(v_openness, 0.0, 1.0)) : 0.6;
     float rough = clamp(roughness, 0.12, 1.0);
-    vec3 base = has_own_colours ? v_colour : base_colour.rgb;
+    vec3 base = base_colour.rgb;
+#ifdef OWN_COLOURS
+    base = has_own_colours ? v_colour : base;
+#endif
     float shown_alpha = base_colour.a, metal = metallic;
 #ifdef PAINTED
     vec4 paint = v_tint * texture(base_map, uv_of(0));

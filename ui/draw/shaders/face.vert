@@ -2,7 +2,10 @@ layout(location = 0) in vec3 position; // mm
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 rest; // mm: where the grain of the stone is fixed
 layout(location = 3) in float openness;
+#ifdef OWN_COLOURS
 layout(location = 4) in vec3 own_colour; // linear
+out vec3 v_colour;
+#endif
 #ifdef PAINTED
 layout(location = 5) in vec4 tint; // linear
 layout(location = 6) in vec2 uv;
@@ -12,7 +15,6 @@ out vec2 v_uv;
 #endif
 uniform mat4 projection;
 out vec3 v_position, v_normal, v_rest;
-out vec3 v_colour;
 out float v_openness;
 
 void main()
@@ -21,7 +23,9 @@ void main()
     v_normal = normal;
     v_rest = rest;
     v_openness = openness;
+#ifdef OWN_COLOURS
     v_colour = own_colour;
+#endif
 #ifdef PAINTED
     v_tint = has_tint ? tint : vec4(1.0);
     v_uv = uv;
