@@ -12,7 +12,7 @@
 enum {
     LARGE_BYTES = 128 << 10,
     SPARE_BYTES = 128 << 10,
-    LARGE_AT_START_BYTES = 32 << 20, /* the most that glibc takes */
+    LARGE_AT_START_BYTES = 4 << 20, /* rings that start empty stay untouched: calloc maps them */
     HEAP_AT_START_BYTES = 128 << 20,
     HUGE_PAGE_BYTES = 2 << 20
 };
