@@ -89,6 +89,15 @@ bool exports_need_clip(const exports_file *file, uint32_t count)
     return false;
 }
 
+bool exports_need_shapes(const exports_file *file, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; ++i)
+        if (!exports_is_video(file[i].format) && file[i].format != EXPORTS_CSV &&
+            file[i].format != EXPORTS_BVH)
+            return true;
+    return false;
+}
+
 static mrt_result check_export(const char *path, error *err)
 {
     struct stat status;

@@ -34,6 +34,8 @@ const char *exports_opener(exports_format format);
 /* By the name's end; EXPORTS_NONE: none of ours. */
 exports_format exports_format_of(const char *path);
 bool exports_need_clip(const exports_file *file, uint32_t count);
+/* And what moves which vertex: all but tables and hands. */
+bool exports_need_shapes(const exports_file *file, uint32_t count);
 /* What the frames are in ARKit's names. */
 bool exports_need_names(const exports_file *file, uint32_t count);
 

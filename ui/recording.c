@@ -12,7 +12,9 @@ recording_use recording_use_of(const exports_file *file, uint32_t count)
 {
     if (exports_need_names(file, count))
         return RECORDING_SAYS;
-    return exports_need_clip(file, count) ? RECORDING_KEEPS : RECORDING_MEASURES;
+    if (exports_need_shapes(file, count))
+        return RECORDING_KEEPS;
+    return exports_need_clip(file, count) ? RECORDING_TABLES : RECORDING_MEASURES;
 }
 
 static mrt_result prepare_names(recording *self, const face_file *of, error *err)
@@ -30,7 +32,7 @@ mrt_result recording_create(recording *out, const face_file *of, double fps, rec
                             error *err)
 {
     const mesh *m = &of->mesh;
-    *out = (recording){.mesh = m, .min_determinant = 1.0, .min_step_determinant = 1.0};
+    *out = (recording){.mesh = m, .use = use, .min_determinant = 1.0, .min_step_determinant = 1.0};
     if (use == RECORDING_MEASURES)
         return MRT_OK;
     out->clip = clip_create(m, fps, NULL, err);
@@ -163,12 +165,14 @@ static mrt_result add_dof_curve(recording *self, const face *f, uint32_t dof, er
                         .unit = unit,
                         .min = fmin((double)of->min, 0.0),
                         .max = fmax((double)of->max, 0.0)};
+    const bool wants_min = curve.min < 0.0 && self->use != RECORDING_TABLES;
+    const bool wants_max = curve.max > 0.0 && self->use != RECORDING_TABLES;
     mrt_result result = MRT_OK;
-    if (curve.min < 0.0)
+    if (wants_min)
         curve.at_min = shape_of_dof(self, f, dof, of->min);
-    if (curve.max > 0.0)
+    if (wants_max)
         curve.at_max = shape_of_dof(self, f, dof, of->max);
-    if ((curve.min < 0.0 && !curve.at_min) || (curve.max > 0.0 && !curve.at_max))
+    if ((wants_min && !curve.at_min) || (wants_max && !curve.at_max))
         result = error_set(err, MRT_ERR_MEMORY, "no memory for the shape of %s", of->name);
     else
         result = clip_add_curve(self->clip, &curve, err);
@@ -231,10 +235,14 @@ static mrt_result add_shape_curve(recording *self, const face *f, uint32_t index
         snprintf(name, sizeof name, "%.120s%s", called, is_own || same > 1 ? "" : " beside bones");
     if (same > 1)
         (void)snprintf(name + used, sizeof name - (size_t)used, " %u", same);
-    mrt_result result = clip_add_curve(
-        self->clip,
-        &(clip_curve){.name = name, .unit = unit, .max = 1.0, .at_max = learnt, .is_own = is_own},
-        err);
+    mrt_result result =
+        clip_add_curve(self->clip,
+                       &(clip_curve){.name = name,
+                                     .unit = unit,
+                                     .max = 1.0,
+                                     .at_max = self->use == RECORDING_TABLES ? NULL : learnt,
+                                     .is_own = is_own},
+                       err);
     free(learnt);
     return result;
 }
@@ -338,12 +346,22 @@ static bool has_rig(const face *f)
     return face_bones(f)->dof_count + contact_count > 0;
 }
 
-/* The controls of the segment: what each moves is the sum of its columns, and how far it is pulled
- * is the weight of the column of its main bone, so that what turns with a head is told as it is
- * seen. columns: as in self->column, before they are scaled. */
+/* What the pull of a column's control moves: the sum of its columns. */
+static void add_response(recording *self, const face_column *of, uint32_t j)
+{
+    const uint32_t vertex_count = self->mesh->vertex_count;
+    const float *column = self->column + (size_t)j * vertex_count;
+    float *response = self->pull[of->control].response;
+    for (uint32_t v = 0; v < vertex_count; ++v)
+        response[v] += column[v];
+}
+
+/* The controls of the segment: what each moves (add_response), and how far it is pulled is the
+ * weight of the column of its main bone, so that what turns with a head is told as it is seen.
+ * columns: as in self->column, before they are scaled. */
 static mrt_result set_pulls(recording *self, const face *f, uint32_t column_count, error *err)
 {
-    uint32_t vertex_count = self->mesh->vertex_count;
+    const bool has_response = self->use != RECORDING_TABLES;
     uint32_t contact_count;
     const mrt_contact *contact = face_contacts(f, &contact_count);
     double share[MRT_MAX_VECTORS] = {0};
@@ -360,21 +378,21 @@ static mrt_result set_pulls(recording *self, const face *f, uint32_t column_coun
             (void)snprintf(name, sizeof name, "control%u", k + 1);
         *to = (clip_pull){.name = strdup(name),
                           .place_mm = {control.start.x, control.start.y, control.start.z},
-                          .response = calloc(vertex_count, sizeof *to->response)};
-        if (!to->name || !to->response)
+                          .response = has_response ? calloc(self->mesh->vertex_count, sizeof(float))
+                                                   : NULL};
+        if (!to->name || (has_response && !to->response))
             return error_set(err, MRT_ERR_MEMORY, "no memory for what %s moves", name);
     }
     for (uint32_t j = 0; j < column_count; ++j) {
         face_column of = face_column_at(f, j);
-        const float *column = self->column + (size_t)j * vertex_count;
         if (of.control == FACE_NO_CONTROL)
             continue;
         if (of.share > share[of.control]) {
             share[of.control] = of.share;
             self->main[of.control] = j;
         }
-        for (uint32_t v = 0; v < vertex_count; ++v)
-            self->pull[of.control].response[v] += column[v];
+        if (has_response)
+            add_response(self, &of, j);
     }
     return MRT_OK;
 }
@@ -444,6 +462,17 @@ static mrt_result add_names(recording *self, const face *f, error *err)
 
 /* ---- frames ---- */
 
+/* A segment without columns: a table has where its frames begin, and who pulls. */
+static mrt_result begin_bare_segment(recording *self, const face *f, const face_columns *now,
+                                     error *err)
+{
+    points_to_rows(self->rows, now->base, face_order(f));
+    mrt_result result = has_rig(f) ? set_pulls(self, f, now->count, err) : MRT_OK;
+    if (result >= 0)
+        result = clip_begin_segment(self->clip, self->rows, NULL, NULL, 0, err);
+    return result < 0 ? result : clip_set_pulls(self->clip, self->pull, self->pull_count, err);
+}
+
 /* The columns of the face as a segment, in the file's order. */
 static mrt_result begin_segment(recording *self, const face *f, const face_columns *now, error *err)
 {
@@ -497,6 +526,8 @@ static void meter_surface(recording *self, const face *f)
 
 static mrt_result add_anchored(recording *self, const face_columns *now, error *err)
 {
+    if (self->use == RECORDING_TABLES)
+        return clip_add_anchored(self->clip, NULL, err);
     for (size_t i = 0; i < (size_t)now->count * 3; ++i)
         self->vector[i] = now->weight[i] * self->scale[i / 3];
     return clip_add_anchored(self->clip, self->vector, err);
@@ -561,7 +592,8 @@ static mrt_result keep_frame(recording *self, composer *from, const face_columns
     bool is_anchored = composer_is_anchored(from), is_exact = is_anchored && now->is_exact;
     mrt_result result = self->has_curves ? MRT_OK : add_curves(self, f, err);
     if (result >= 0 && is_anchored && (!self->has_segment || now->engagement != self->engagement)) {
-        result = begin_segment(self, f, now, err);
+        result = self->use == RECORDING_TABLES ? begin_bare_segment(self, f, now, err)
+                                               : begin_segment(self, f, now, err);
         self->has_segment = true;
         self->engagement = now->engagement;
     }

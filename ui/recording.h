@@ -10,6 +10,7 @@
 typedef enum recording_use {
     RECORDING_KEEPS = 0,
     RECORDING_SAYS,    /* and what its frames are in ARKit's names */
+    RECORDING_TABLES,  /* numbers alone: no shapes of curves, columns or responses of pulls */
     RECORDING_MEASURES /* no clip is needed: memory does not grow with what the frames show */
 } recording_use;
 
@@ -19,6 +20,7 @@ typedef enum recording_use {
 typedef struct recording {
     clip *clip; /* NULL: it only measures */
     const mesh *mesh;
+    recording_use use;
     uint32_t engagement; /* of the face's columns at the last segment begun */
     bool has_segment;
     float *rows;    /* scratch: vertex_count by 3 */

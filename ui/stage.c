@@ -42,6 +42,7 @@ typedef struct stage {
     workspace *workspace;
     wake *changed; /* of the window */
     script *script;
+    app_face_ahead *ahead;
     uint64_t sample_count;
     double warm_mb, end_mb;
     int64_t began_ns;
@@ -211,6 +212,8 @@ static mrt_result read_left(stage *self, left *out, error *err)
         }
         out->is_maximised = settings_number(kept, "window.maximised", 0.0) > 0.5;
     }
+    if (options->app.face_path || !options->app.show_path) /* a show has its own */
+        self->ahead = app_face_ahead_start(options->app.face_path, kept);
     settings_close(kept);
     return MRT_OK;
 }
@@ -245,8 +248,10 @@ static mrt_result open_stage(stage *self, error *err)
     app_options with = self->options->app;
     with.note = self->settings_note;
     with.changed = self->changed;
+    with.ahead = self->ahead;
     if (result >= 0)
         result = app_create(&self->app, &with, err);
+    app_face_ahead_destroy(self->ahead);
     if (result >= 0)
         result = workspace_create(&self->workspace, self->app, self->window, err);
     if (result >= 0 && self->options->file)

@@ -5,11 +5,11 @@
 
 /* Bytes of it that are in the machine's memory now; 0: the system does not say. */
 uint64_t memory_resident(void);
-/* What is large goes back to the system when it is freed, so that memory_resident tells what is in
- * use; of small things up to 16 MiB are kept for the next ones: to give them back and fault them in
- * again cost a fifth of the time to the first face. Once, at the start. */
+/* Until memory_started the heap is one arena on huge pages, and gives little back: mapping memory
+ * page by page was a third of a start. Once, first of all. */
 void memory_set_up(void);
-/* From now on small things go back too, where there is a way. */
+/* From now on what is large goes back to the system when it is freed, so that memory_resident tells
+ * what is in use; what is small does where there is a way. */
 void memory_started(void);
 /* Bytes that the program has asked for and not freed; 0: the system does not say. */
 uint64_t memory_in_use(void);

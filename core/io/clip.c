@@ -351,14 +351,17 @@ mrt_result clip_set_pulls(clip *c, const clip_pull *pull, uint32_t count, error 
     segment->pull = calloc((size_t)count + 1, sizeof *segment->pull);
     for (uint32_t k = 0; segment->pull && k < count; ++k) {
         clip_pull *to = &segment->pull[k];
-        mrt_result result = check_floats(pull[k].response, vertex_count, pull[k].name, err);
+        const float *response = pull[k].response;
+        mrt_result result =
+            response ? check_floats(response, vertex_count, pull[k].name, err) : MRT_OK;
         if (result < 0)
             return result;
         *to = (clip_pull){.name = strdup(pull[k].name),
-                          .response = copy_of(pull[k].response, vertex_count * sizeof(float))};
+                          .response =
+                              response ? copy_of(response, vertex_count * sizeof(float)) : NULL};
         memcpy(to->place_mm, pull[k].place_mm, sizeof to->place_mm);
         segment->pull_count = k + 1;
-        if (!to->name || !to->response)
+        if (!to->name || !to->response != !response)
             return no_memory(c, err);
     }
     return segment->pull ? MRT_OK : no_memory(c, err);
@@ -683,7 +686,7 @@ static void clip_read_named(const clip *c, uint32_t frame, float *out_position)
     for (uint32_t k = 0; pulled && k < c->segment[segment_index].pull_count; ++k) {
         const float *response = c->segment[segment_index].pull[k].response;
         float x = (float)pulled[k * 3], y = (float)pulled[k * 3 + 1], z = (float)pulled[k * 3 + 2];
-        for (size_t first = 0; first < vertex_count; first += BLOCK) {
+        for (size_t first = 0; response && first < vertex_count; first += BLOCK) {
             size_t count = vertex_count - first < BLOCK ? vertex_count - first : BLOCK;
             float *out = out_position + first * 3;
             if (is_still(response + first, count))

@@ -23,7 +23,7 @@ typedef struct clip_segment { /* an anchored engagement */
 typedef struct clip_pull { /* what a control of the segment moves */
     char *name;            /* "mouth.corner.l" */
     double place_mm[3];    /* where it takes hold of the face */
-    float *response;       /* vertex_count: of how far it is pulled */
+    float *response;       /* vertex_count: of how far it is pulled; NULL: not kept */
 } clip_pull;
 
 typedef struct clip_bone { /* that turns; its parent comes before it */

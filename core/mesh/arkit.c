@@ -1,7 +1,6 @@
 #include "mesh/arkit.h"
 
 #include <ctype.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Jaw and mouth to the right come before those to the left here, not as in the app's datagrams. */
@@ -67,8 +66,10 @@ const char *const arkit_name[ARKIT_CHANNELS] = {"EyeBlinkLeft",
                                                 "RightEyePitch",
                                                 "RightEyeRoll"};
 
+enum { PLAIN_NAME = 64 };
+
 /* Letters alone, in lower case; "_L" and "_R" at the end in full. */
-static void plain_name(char *out, size_t capacity, const char *name)
+static void plain_name(char out[PLAIN_NAME], const char *name)
 {
     size_t size = strlen(name), count = 0;
     const char *side = "";
@@ -76,18 +77,18 @@ static void plain_name(char *out, size_t capacity, const char *name)
         side = tolower((unsigned char)name[size - 1]) == 'l' ? "left" : "right";
         size -= 2;
     }
-    for (size_t i = 0; i < size && count + 8 < capacity; ++i)
+    for (size_t i = 0; i < size && count + 8 < PLAIN_NAME; ++i)
         if (isalpha((unsigned char)name[i]))
             out[count++] = (char)tolower((unsigned char)name[i]);
-    (void)snprintf(out + count, capacity - count, "%s", side);
+    memcpy(out + count, side, strlen(side) + 1);
 }
 
 uint32_t arkit_find(const char *name)
 {
-    char wanted[64], is[64];
-    plain_name(wanted, sizeof wanted, name);
+    char wanted[PLAIN_NAME], is[PLAIN_NAME];
+    plain_name(wanted, name);
     for (uint32_t i = 0; i < ARKIT_CHANNELS; ++i) {
-        plain_name(is, sizeof is, arkit_name[i]);
+        plain_name(is, arkit_name[i]);
         if (strcmp(wanted, is) == 0)
             return i;
     }
@@ -98,6 +99,8 @@ bool arkit_is_same_name(const char *a, const char *b)
 {
     if (strcmp(a, b) == 0)
         return true;
-    uint32_t of = arkit_find(a);
-    return of < ARKIT_SHAPES && arkit_find(b) == of;
+    char plain_a[PLAIN_NAME], plain_b[PLAIN_NAME];
+    plain_name(plain_a, a);
+    plain_name(plain_b, b);
+    return strcmp(plain_a, plain_b) == 0 && arkit_find(a) < ARKIT_SHAPES;
 }

@@ -63,6 +63,16 @@ static void path_of(char out[PATH_BYTES], const struct stat *of)
                    (uintmax_t)of->st_ino, ending);
 }
 
+/* A new file is zeros; page by page it would cost 7 microseconds each. */
+static void fault_in(void *map, size_t size)
+{
+#ifdef MADV_POPULATE_WRITE
+    if (madvise(map, size, MADV_POPULATE_WRITE) == 0)
+        return;
+#endif
+    memset(map, 0, size);
+}
+
 /* Its pages are there before it is used: none is waited for, and none is missing. It gets its name
  * when it is locked and complete, so a spool without a lock is never one that is just made. */
 static void *map_new_file(int *out_fd, const char *path, size_t size)
@@ -82,7 +92,7 @@ static void *map_new_file(int *out_fd, const char *path, size_t size)
         (void)unlink(made);
         return NULL;
     }
-    memset(map, 0, size);
+    fault_in(map, size);
     if (rename(made, path) != 0) {
         (void)munmap(map, size);
         close(fd);

@@ -30,6 +30,13 @@ typedef struct app_picture {
     uint64_t edition; /* grows with each change; out */
 } app_picture;
 
+/* A face that is read and bound by a thread of its own while the window opens. */
+typedef struct app_face_ahead app_face_ahead;
+/* The face named, else the last one of these settings, else the puppet. NULL: the thread did not
+ * start, and nothing is lost. */
+app_face_ahead *app_face_ahead_start(const char *face_path, const settings *kept);
+void app_face_ahead_destroy(app_face_ahead *self); /* waits for the thread; accepts NULL */
+
 typedef struct app_options {
     const char *show_path;     /* NULL: the last one, or a new one in the documents folder */
     const char *face_path;     /* NULL: the show's, the last one, the puppet */
@@ -42,6 +49,7 @@ typedef struct app_options {
     const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
     wake *changed;              /* as live_settings; NULL: nobody waits */
+    app_face_ahead *ahead;      /* its face is taken if it is the one to begin with; NULL: none */
 } app_options;
 
 CHECKED mrt_result app_create(app **out, const app_options *options, error *err);

@@ -713,11 +713,90 @@ mrt_result app_change_face(app *self, face_file *made)
     return put_face(self, own, self->face_path, self->face_unit_mm);
 }
 
-/* ---- the first face, read beside the plugins ---- */
+/* ---- the first face, read beside the window and the plugins ---- */
+
+/* With its rig bound, so that the stage need not; a rig that cannot be bound is told by the stage.
+ */
+static mrt_result read_bound_face(face_file **out, const char *path, error *err)
+{
+    error ignored;
+    mrt_result result = read_face(out, path, NULL, err);
+    if (result < 0 || !(*out)->rig)
+        return result;
+    face_file *made = *out;
+    made->bound = calloc(1, sizeof *made->bound);
+    if (made->bound &&
+        binding_create(made->bound, made->rig, &made->mesh, &made->topology, &ignored) < 0) {
+        free(made->bound);
+        made->bound = NULL;
+    }
+    return result;
+}
+
+struct app_face_ahead {
+    char *path;
+    pthread_t thread;
+    bool is_running;
+    face_file *face;
+    mrt_result result;
+    error err;
+};
+
+static void *read_ahead(void *data)
+{
+    app_face_ahead *self = data;
+    self->result = read_bound_face(&self->face, self->path, &self->err);
+    return NULL;
+}
+
+app_face_ahead *app_face_ahead_start(const char *face_path, const settings *kept)
+{
+    const char *last = settings_text(kept, "last.face", "");
+    const char *path = face_path ? face_path : exists(last) ? last : DEFAULT_FACE;
+    app_face_ahead *self = calloc(1, sizeof *self);
+    if (!self)
+        return NULL;
+    self->path = path_of_face(path);
+    self->is_running = self->path && pthread_create(&self->thread, NULL, read_ahead, self) == 0;
+    if (self->is_running)
+        return self;
+    app_face_ahead_destroy(self);
+    return NULL;
+}
+
+static void join_ahead(app_face_ahead *self)
+{
+    if (self->is_running)
+        (void)pthread_join(self->thread, NULL);
+    self->is_running = false;
+}
+
+void app_face_ahead_destroy(app_face_ahead *self)
+{
+    if (!self)
+        return;
+    join_ahead(self);
+    free_face(self->face);
+    free(self->path);
+    free(self);
+}
+
+/* The face at `path`, from the one that was begun ahead if it is that. */
+static mrt_result take_face_at(face_file **out, const char *path, app_face_ahead *ahead, error *err)
+{
+    if (!ahead || strcmp(ahead->path, path) != 0)
+        return read_bound_face(out, path, err);
+    join_ahead(ahead);
+    *err = ahead->err;
+    *out = ahead->face;
+    ahead->face = NULL;
+    return ahead->result;
+}
 
 typedef struct face_reading {
     char path[3][APP_PATH]; /* to be tried, the best first; "": none */
     bool must_be_first;     /* it was asked for */
+    app_face_ahead *ahead;  /* NULL: none */
     face_file *face;
     char *face_path;
     mrt_result result;
@@ -732,7 +811,7 @@ static void *read_first_face(void *data)
         if (!self->path[i][0])
             continue;
         char *path = path_of_face(self->path[i]);
-        self->result = path ? read_face(&self->face, path, NULL, &self->err)
+        self->result = path ? take_face_at(&self->face, path, self->ahead, &self->err)
                             : error_set(&self->err, MRT_ERR_MEMORY, "no memory for the face");
         if (self->result >= 0) {
             self->face_path = path;
@@ -882,7 +961,7 @@ static void start_inputs(app *self, const app_options *options, const chosen *na
 
 static mrt_result load_face_and_plugins(app *self, const app_options *options, error *err)
 {
-    face_reading reading = {.face = NULL};
+    face_reading reading = {.ahead = options->ahead};
     pthread_t thread;
     choose_faces(self, options, &reading);
     const bool is_beside = pthread_create(&thread, NULL, read_first_face, &reading) == 0;
