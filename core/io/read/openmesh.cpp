@@ -48,7 +48,8 @@ uint32_t index_of(const OpenMesh::BaseHandle &handle)
 std::vector<uint32_t> build(half_edges &out, const mesh &m)
 {
     std::vector<uint32_t> rejected;
-    out.reserve(m.vertex_count, (size_t)m.triangle_count * 3 / 2, m.triangle_count);
+    /* A border has an edge more for each two of its triangles. */
+    out.reserve(m.vertex_count, (size_t)m.triangle_count * 13 / 8 + 64, m.triangle_count);
     for (size_t v = 0; v < m.vertex_count; ++v) {
         const float *p = m.position + v * 3;
         out.add_vertex(half_edges::Point(p[0], p[1], p[2]));
