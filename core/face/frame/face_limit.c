@@ -284,7 +284,7 @@ static float steepest_in(const float *row, const uint32_t *corner, const strain_
 
 /* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; given likewise.
  */
-double limit_angle_subtract(double of_angle, angle_sincos less)
+static double angle_subtract(double of_angle, angle_sincos less)
 {
     double left = less.cos - of_angle * less.sin;
     return left > 0.0 ? (of_angle * less.cos + less.sin) / left : (double)INFINITY;
@@ -315,8 +315,8 @@ static float steepness_of(const limit_group *g, angle_sincos tilt)
 {
     const double sure = 1.05; /* beside the rounding of sums: that of what is made of them */
     double inv_tan_tilt =
-        fmax(1.0 / (double)STRAIN_TILT_MOST, limit_angle_subtract((double)inv_tan_seen, tilt));
-    double inv_tan_turn = limit_angle_subtract((double)g->inv_tan_turn, tilt);
+        fmax(1.0 / (double)STRAIN_TILT_MOST, angle_subtract((double)inv_tan_seen, tilt));
+    double inv_tan_turn = angle_subtract((double)g->inv_tan_turn, tilt);
     double squeezed = 1.0 / (double)(STRAIN_SQUEEZE_MOST * STRAIN_SQUEEZE_MOST);
     return (float)(sure * fmax(sqrt(squeezed + inv_tan_tilt * inv_tan_tilt),
                                sqrt(1.0 + inv_tan_turn * inv_tan_turn)));

@@ -89,8 +89,6 @@ static inline strain_corners limit_corners(const face *f, size_t group, float (*
 
 /* Starts a frame with another pose: nothing that follows from it has been computed yet. */
 void limit_begin_pose(face *f);
-/* Of an angle, given as 1 over its tangent, what is left when `less` is subtracted; likewise. */
-double limit_angle_subtract(double of_angle, angle_sincos less);
 /* patch.along: the normals at rest, turned by the bones. Once in a frame. */
 void limit_turn_normals(face *f, size_t group);
 /* The head uses shapes of its own: they may strain skin until it folds. */
