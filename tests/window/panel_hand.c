@@ -279,6 +279,16 @@ static void answer(performer *p, float off_deg)
         fail_msg("%s was not learned", name);
 }
 
+/* The hand performs, and "Simon says" waits for its first answer. */
+static void begin_simon(performer *p)
+{
+    open_performer(p, "one_hand");
+    show_hand(p);
+    stand_click(&p->stand, "Simon says");
+    stand_wait_for(&p->stand, "twelve faces");
+    stand_key(&p->stand, ' ');
+}
+
 static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
 {
     (void)state;
@@ -288,11 +298,7 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     static unsigned char first[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
     performer p;
     stand *s = &p.stand;
-    open_performer(&p, "one_hand");
-    show_hand(&p);
-    stand_click(s, "Simon says");
-    stand_wait_for(s, "twelve faces");
-    stand_key(s, ' ');
+    begin_simon(&p);
     assert_true(s->looks.is_answering);
     assert_true(stand_shows(s, "Round 1, face 1 of 12"));
     assert_true(stand_shows(s, "Hold your hand as this face."));
@@ -378,11 +384,7 @@ static void a_preset_brings_the_answers_of_simon_says_back(void **state)
     static unsigned char answered[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
     performer p;
     stand *s = &p.stand;
-    open_performer(&p, "one_hand");
-    show_hand(&p);
-    stand_click(s, "Simon says");
-    stand_wait_for(s, "twelve faces");
-    stand_key(s, ' ');
+    begin_simon(&p);
     for (int i = 0; i < 5; ++i)
         answer(&p, 0.0f);
     const size_t size = taught_save(&s->mapping, answered, sizeof answered);

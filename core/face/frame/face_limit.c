@@ -60,7 +60,7 @@ static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
 static const float made_stretch = 1.5f;
 
 /* From so much excess of its bound on a group is measured at once, else its gradient first. */
-static const float surely = 2.0f;
+static const float excess_surely = 2.0f;
 
 /* Of part_shaped: tries, steps of bisection, and the strain that counts as 1. */
 enum { PARTINGS = 4 };
@@ -245,8 +245,8 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
         for (size_t i = 0; i < POINTS_BLOCK; ++i)
             sum[axis][i] = at[axis][i] + sum[axis][i];
     for (size_t i = 0; i < POINTS_BLOCK; i += 4) {
-        rows_four r[4] = {rows_load(sum[0] + i), rows_load(sum[1] + i), rows_load(sum[2] + i)};
-        rows_transpose(r);
+        rows_four r[4];
+        rows_from(r, sum[0] + i, sum[1] + i, sum[2] + i);
         for (size_t k = 0; k < 4; ++k)
             rows_store(row[first + i + k], r[k]);
     }
@@ -693,13 +693,8 @@ bool face_limit_knows(const face *f, uint32_t block)
 void face_limit_added(const face *f, float sum[3][POINTS_BLOCK], uint32_t block)
 {
     const float(*row)[4] = (const float(*)[4])f->limit.added + (size_t)block * POINTS_BLOCK;
-    for (size_t i = 0; i < POINTS_BLOCK; i += 4) {
-        rows_four r[4] = {rows_load(row[i]), rows_load(row[i + 1]), rows_load(row[i + 2]),
-                          rows_load(row[i + 3])};
-        rows_transpose(r);
-        for (int axis = 0; axis < 3; ++axis)
-            rows_store(sum[axis] + i, r[axis]);
-    }
+    for (size_t i = 0; i < POINTS_BLOCK; i += 4)
+        rows_into(sum[0] + i, sum[1] + i, sum[2] + i, row + i);
 }
 
 /* What the controls add there. */
@@ -977,7 +972,7 @@ static double measure_strain(face *f, limit_looks looks)
             continue;
         for (uint32_t i = g->first_block; i < g[1].first_block; ++i)
             add_block(f, l->block[i]);
-        if (!l->passes_over_nothing && (is_shaped || excess_of(&bounds, group) < surely)) {
+        if (!l->passes_over_nothing && (is_shaped || excess_of(&bounds, group) < excess_surely)) {
             const strain_corners added = limit_corners(f, group, l->added);
             l->pull_bound[group] = l->loops->steepest(&l->shape[group], &added);
             if (!(excess_of(&bounds, group) >= 1.0f))

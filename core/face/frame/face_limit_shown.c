@@ -148,8 +148,8 @@ static void find_sealed_lips(face *f)
         memset(sum, 0, sizeof sum);
         face_lips_sum(f, sum, l->block[i]);
         for (size_t v = 0; v < POINTS_BLOCK; v += 4) {
-            rows_four r[4] = {rows_load(sum[0] + v), rows_load(sum[1] + v), rows_load(sum[2] + v)};
-            rows_transpose(r);
+            rows_four r[4];
+            rows_from(r, sum[0] + v, sum[1] + v, sum[2] + v);
             for (size_t k = 0; k < 4; ++k)
                 rows_store(l->sealed[first + v + k], rows_load(l->bare[first + v + k]) + r[k]);
         }
@@ -282,9 +282,8 @@ static void take_slid_block(face *f, uint32_t block)
         return;
     f->limit.is_slid[block] = 1;
     for (size_t slot = first; slot < first + POINTS_BLOCK; slot += 4) {
-        rows_four r[4] = {rows_load(f->shown.x + slot), rows_load(f->shown.y + slot),
-                          rows_load(f->shown.z + slot)};
-        rows_transpose(r);
+        rows_four r[4];
+        rows_from(r, f->shown.x + slot, f->shown.y + slot, f->shown.z + slot);
         for (size_t i = 0; i < 4; ++i)
             rows_store(f->limit.slid[slot + i], r[i]);
     }

@@ -170,14 +170,9 @@ static uint32_t write_known(face *f, uint32_t block)
 static uint32_t write_sealed(face *f, uint32_t block)
 {
     const size_t first = (size_t)block * POINTS_BLOCK;
-    for (size_t slot = first; slot < first + POINTS_BLOCK; slot += 4) {
-        const float(*at)[4] = (const float(*)[4])f->lips.sealed + slot;
-        rows_four r[4] = {rows_load(at[0]), rows_load(at[1]), rows_load(at[2]), rows_load(at[3])};
-        rows_transpose(r);
-        rows_store(f->shown.x + slot, r[0]);
-        rows_store(f->shown.y + slot, r[1]);
-        rows_store(f->shown.z + slot, r[2]);
-    }
+    for (size_t slot = first; slot < first + POINTS_BLOCK; slot += 4)
+        rows_into(f->shown.x + slot, f->shown.y + slot, f->shown.z + slot,
+                  (const float(*)[4])f->lips.sealed + slot);
     points_update_block(&f->shown, block);
     end_block(f, block);
     return block + 1;

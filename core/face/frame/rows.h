@@ -31,4 +31,24 @@ static inline void rows_transpose(rows_four r[4])
     r[3] = __builtin_shufflevector(high_01, high_23, 2, 3, 6, 7);
 }
 
+/* Four vertices of three streams as rows; the fourth number is 0. */
+static inline void rows_from(rows_four out[4], const float *x, const float *y, const float *z)
+{
+    out[0] = rows_load(x);
+    out[1] = rows_load(y);
+    out[2] = rows_load(z);
+    out[3] = (rows_four){0.0f};
+    rows_transpose(out);
+}
+
+/* The reverse. */
+static inline void rows_into(float *x, float *y, float *z, const float (*row)[4])
+{
+    rows_four r[4] = {rows_load(row[0]), rows_load(row[1]), rows_load(row[2]), rows_load(row[3])};
+    rows_transpose(r);
+    rows_store(x, r[0]);
+    rows_store(y, r[1]);
+    rows_store(z, r[2]);
+}
+
 #endif

@@ -43,13 +43,20 @@ static void gather(edges *out, const strain_corners *at)
     }
 }
 
-/* The third edges, from the second corner to the third. */
-static void gather_third(float out[3][STRAIN_GROUP], const strain_corners *at)
+/* All three edges: `third` leads from the second corner to the third. */
+typedef struct sides {
+    edges two;
+    float third[3][STRAIN_GROUP];
+} sides;
+
+static void gather_sides(sides *out, const strain_corners *at)
 {
     for (size_t i = 0; i < STRAIN_GROUP; i += 4) {
         rows_four corner[3][4];
         load_corners(corner, at, i);
-        put_edges(out, i, corner[1], corner[2]);
+        put_edges(out->two.a, i, corner[0], corner[1]);
+        put_edges(out->two.b, i, corner[0], corner[2]);
+        put_edges(out->third, i, corner[1], corner[2]);
     }
 }
 
@@ -171,20 +178,17 @@ static inline float length_at(float by[3][STRAIN_GROUP], size_t i)
 void STRAIN(stretches)(float *restrict out, const strain_corners *posed,
                        const strain_corners *added, const float (*longest)[3], float room_least)
 {
-    edges e, d;
-    float third[3][STRAIN_GROUP], third_by[3][STRAIN_GROUP];
-    gather(&e, posed);
-    gather(&d, added);
-    gather_third(third, posed);
-    gather_third(third_by, added);
+    sides was, by;
+    gather_sides(&was, posed);
+    gather_sides(&by, added);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) {
         const float *most = longest[i < posed->count ? i : 0];
-        float by[3] = {length_at(d.a, i), length_at(third_by, i), length_at(d.b, i)};
-        float is[3] = {length_at(e.a, i), length_at(third, i), length_at(e.b, i)};
+        float gain[3] = {length_at(by.two.a, i), length_at(by.third, i), length_at(by.two.b, i)};
+        float is[3] = {length_at(was.two.a, i), length_at(was.third, i), length_at(was.two.b, i)};
         float worst = 0.0f;
         for (int k = 0; k < 3; ++k) {
             float least = room_least * most[k], room = most[k] - is[k];
-            float strain = by[k] / (room > least ? room : least);
+            float strain = gain[k] / (room > least ? room : least);
             worst = strain > worst ? strain : worst;
         }
         out[i] = worst;
@@ -320,18 +324,15 @@ static inline float longer(float by[3][STRAIN_GROUP], float was[3][STRAIN_GROUP]
 void STRAIN(folds)(strain_folds *restrict out, const strain_corners *posed,
                    const strain_corners *added, const float (*restrict normal)[STRAIN_GROUP])
 {
-    edges e, d;
-    float third[3][STRAIN_GROUP], third_by[3][STRAIN_GROUP];
-    gather(&e, posed);
-    gather(&d, added);
-    gather_third(third, posed);
-    gather_third(third_by, added);
+    sides was, moved;
+    gather_sides(&was, posed);
+    gather_sides(&moved, added);
     for (size_t i = 0; i < STRAIN_GROUP; ++i) { /* as strain_fold, term by term */
         float nx = normal[0][i], ny = normal[1][i], nz = normal[2][i];
-        float ax = e.a[0][i], ay = e.a[1][i], az = e.a[2][i];
-        float bx = e.b[0][i], by = e.b[1][i], bz = e.b[2][i];
-        float px = d.a[0][i], py = d.a[1][i], pz = d.a[2][i];
-        float qx = d.b[0][i], qy = d.b[1][i], qz = d.b[2][i];
+        float ax = was.two.a[0][i], ay = was.two.a[1][i], az = was.two.a[2][i];
+        float bx = was.two.b[0][i], by = was.two.b[1][i], bz = was.two.b[2][i];
+        float px = moved.two.a[0][i], py = moved.two.a[1][i], pz = moved.two.a[2][i];
+        float qx = moved.two.b[0][i], qy = moved.two.b[1][i], qz = moved.two.b[2][i];
         float nn = nx * nx + ny * ny + nz * nz, left = STRAIN_FOLD_ROOM * nn;
         float area = nx * (ay * bz - az * by) + ny * (az * bx - ax * bz) + nz * (ax * by - ay * bx);
         float slope =
@@ -346,7 +347,8 @@ void STRAIN(folds)(strain_folds *restrict out, const strain_corners *posed,
         float between = -slope * slope / (4.0f * (is_between ? bend : 1.0f));
         float least = is_between ? between : at_end;
         out->fold[i] = has_room ? -least / (has_room ? room : 1.0f) : 0.0f;
-        float a = longer(d.a, e.a, i), b = longer(d.b, e.b, i), c = longer(third_by, third, i);
+        float a = longer(moved.two.a, was.two.a, i), b = longer(moved.two.b, was.two.b, i),
+              c = longer(moved.third, was.third, i);
         a = b > a ? b : a;
         out->drawn[i] = c > a ? c : a;
     }
