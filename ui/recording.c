@@ -346,7 +346,7 @@ static bool has_rig(const face *f)
     return face_bones(f)->dof_count + contact_count > 0;
 }
 
-/* What the pull of a column's control moves: the sum of its columns. */
+/* Adds a column to the response of its control, which is the sum of the control's columns. */
 static void add_response(recording *self, const face_column *of, uint32_t j)
 {
     const uint32_t vertex_count = self->mesh->vertex_count;
@@ -462,7 +462,7 @@ static mrt_result add_names(recording *self, const face *f, error *err)
 
 /* ---- frames ---- */
 
-/* A segment without columns: a table has where its frames begin, and who pulls. */
+/* A segment without columns: tables need its first frame and its controls only. */
 static mrt_result begin_bare_segment(recording *self, const face *f, const face_columns *now,
                                      error *err)
 {

@@ -8,8 +8,8 @@ uint64_t memory_resident(void);
 /* Until memory_started the heap is one arena on huge pages, and gives little back: mapping memory
  * page by page was a third of a start. Once, first of all. */
 void memory_set_up(void);
-/* From now on what is large goes back to the system when it is freed, so that memory_resident tells
- * what is in use; what is small does where there is a way. */
+/* Called after the start. Large blocks return to the system when they are freed, so that
+ * memory_resident is the memory in use. */
 void memory_started(void);
 /* Bytes that the program has asked for and not freed; 0: the system does not say. */
 uint64_t memory_in_use(void);

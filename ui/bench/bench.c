@@ -49,7 +49,7 @@ uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double
 
 /* ---- what is promised ---- */
 
-/* Of a processor: what other programs may use of it on a machine that is called quiet. */
+/* A machine is quiet while other programs use at most this share of one processor. */
 static const double quiet_share = 0.1;
 
 /* Other work on the machine takes from a ratio too: a gate asks for half of it. */
@@ -89,8 +89,8 @@ static uint32_t bench_promises(bench *self)
         bench_title(self, "What is promised, of a quiet machine with two processors");
     if (self->promise_count > 0 && self->others_busy > quiet_share)
         facts_warning(self->told, "others_busy_processors",
-                      "this machine is not quiet: other programs use", self->others_busy, 1,
-                      "processors");
+                      "the machine is busy, figures may be too slow: other programs use",
+                      self->others_busy, 1, "processors");
     for (uint32_t i = 0; i < self->promise_count; ++i) {
         const bench_promise *p = &self->promise[i];
         char line[160];
@@ -193,9 +193,9 @@ void bench_roof_flush(void *roof)
     (void)sink;
 }
 
-/* ---- what else the machine does ---- */
+/* ---- other programs ---- */
 
-/* Ticks of all processors since the system started: at work, and in all. False: it does not say. */
+/* Ticks of all processors since the system started: at work, and in all. False: unknown. */
 static bool read_ticks(double *out_busy, double *out_all)
 {
     unsigned long long t[8] = {0};

@@ -1,6 +1,6 @@
 /* The whole frame of a face, by phases, with and without each thing that was put around the engine.
- * A recording is performed several times, and of each of its frames the shortest time counts, in
- * processor time of the one thread: what else the machine does only adds to a time. */
+ * A recording is performed several times. The shortest time of each frame counts, in processor time
+ * of the thread: other programs can only make a frame slower. */
 #include "base/percentile.h"
 #include "bench/bench.h"
 #include "face/bones.h"
@@ -104,7 +104,7 @@ static bool leaves_out(frame_kind kind, frame_kind what)
     return kind == what || kind == BARE;
 }
 
-/* Whether there is such a thing in the face at all. */
+/* Whether the face has it. */
 static bool has_kind(const bench_face *on, frame_kind kind)
 {
     const rig *r = on->file.rig;
@@ -141,7 +141,8 @@ static mrt_result create_performer(frame_scene *out, bench_face *on, const char 
     if (result >= 0)
         result = instance_create(&out->mapping, type, CLOCK_VIRTUAL, on->log, err);
     if (result >= 0 && leaves_out(kind, NO_LIMIT) && strcmp(mapping, "one_hand") != 0)
-        result = instance_set_text(&out->mapping, "stretch", "0", err); /* what they pull says it */
+        result = instance_set_text(&out->mapping, "stretch", "0",
+                                   err); /* these mappings set it in each pull */
     if (result >= 0)
         result = performer_create(&out->performer, &out->file, &out->mapping, &settings, err);
     if (result >= 0 && leaves_out(kind, NO_SHAPES))

@@ -42,7 +42,7 @@ static void list_channels(mrt_channel out[MRT_ANGLES])
                                .max = 3.0f};
 }
 
-/* The graphics card is asked, where there is one: what a window adds to that is when it draws. */
+/* With a graphics card the upload is timed too. The time until the window draws is not included. */
 
 enum { SAMPLES_MAX = 1500 };
 static const double rate_hz = 150.0;

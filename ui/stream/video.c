@@ -1108,7 +1108,7 @@ struct video {
     float *drawn;           /* positions of the latest picture, as in frame */
     bool has_drawn;
     uint32_t latest; /* target of the latest picture */
-    uint32_t owed;   /* how often it is to be written; 0: the pixels are those of it */
+    uint32_t owed;   /* how often it must still be written; 0: its pixels were read already */
     draw_camera camera;
     sink sink[VIDEO_FILES_MAX];
     video_report report;
@@ -1273,7 +1273,7 @@ static bool is_to_be_kept(video *self)
     return is_kept;
 }
 
-/* Waits for a frame, the thread's until give_back; NULL: there is none to come. */
+/* Waits for a frame, the thread's until give_back; NULL: the video has ended. */
 static frame *take_frame(video *self)
 {
     pthread_mutex_lock(&self->lock);

@@ -1151,7 +1151,7 @@ static void draw(workspace *self)
                     ms_between(began_ns, updated_ns) + ms_between(face_ns, cpu_now_ns()));
 }
 
-/* What of all of this goes on without an event and without a new face. */
+/* Requests frames for everything that changes without an event and without a new face. */
 static void want_frames(workspace *self)
 {
     double in_s = fmin(ui_wanted_s(self->ui), app_wanted_s(self->app));
@@ -1183,7 +1183,7 @@ bool workspace_frame(workspace *self)
     draw(self);
     ui_end(self->ui);
     note_face(self);
-    /* The first ones make what all use; what is not drawn is no measure of drawing. */
+    /* The first frames create shared resources; frames that are not drawn are not counted. */
     const bool is_drawn = ui_is_new(self->ui) || ui_is_hidden(self->ui);
     if (self->frame_count > 1 && is_drawn)
         figures_add(&self->draw_ms, ms_between(began_ns, clock_now_ns()));

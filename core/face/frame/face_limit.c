@@ -59,7 +59,8 @@ static const angle_sincos tilt_free = {.cos = 0.9563048, .sin = 0.2923717};
  */
 static const float made_stretch = 1.5f;
 
-/* From so much excess of its bound on a group is measured at once, else its gradient first. */
+/* If the bound of a group exceeds its limit by this factor, the group is measured; below, its
+ * gradient is measured first, which is cheaper and often enough. */
 static const float excess_surely = 2.0f;
 
 /* Of part_shaped: tries, steps of bisection, and the strain that counts as 1. */
@@ -257,7 +258,7 @@ static void put_rows(float (*restrict row)[4], const points *origin, float sum[3
  * What the controls add has a gradient no longer than B over the origin: as long as it was when it
  * was measured last, and since then the sum over the columns of how much their weights have changed
  * by how steep each is. Bones leave some room for it (face_limit_room.c), and a group is looked at
- * only where B may be beyond that. B remembers frames; what is found does not depend on it. */
+ * only where B may be beyond that. B depends on earlier frames, the result does not. */
 
 /* Bound of the relative rounding error of a sum of so many columns. */
 static float rounding_of(const face *f)
@@ -720,7 +721,7 @@ static void measure_stretches(float out[GROUP], const face *f, size_t group, flo
         for (size_t e = 0; e < 3; ++e) {
             size_t t = GROUP * group + i;
             longest[i][e] = stretch * l->longest[t][e];
-            if (limit_is_shaped(f)) /* as it is made to be it is not torn */
+            if (limit_is_shaped(f)) /* its own shapes may stretch it */
                 longest[i][e] = larger(longest[i][e], made_stretch * f->shapes.longest[t][e]);
         }
     l->loops->stretches(out, &posed, &added, (const float(*)[3])longest, room_least);

@@ -3,14 +3,14 @@
  * Seen from the bone that carries most of a group, its main bone, a pose maps the group by
  *   A = B + sum_b u_b g_b^T + E,   B = I + sum_b w_b (R_b - I),
  * over the other bones that carry it: w_b the share of one, g_b its gradient, M_b = (R_b, t_b) its
- * motion seen from the main bone, and u_b = M_b x - x. E is what shares differ within a triangle.
+ * motion seen from the main bone, and u_b = M_b x - x. E: shares differ within a triangle.
  * With d_b the length of R_b - I, B turns a vector by w_b d_b in sum at most; and as the shares add
  * up to 1 it leaves of a unit vector
  *   |B x|^2 = 1 - sum_{b<c} w_b w_c |R_b x - R_c x|^2,   |R_b x - R_c x| <= d_b + d_c,
  * which is close to 1: blending rotations shrinks by the square of their angle. The steepest u g^T
- * counts as it is, so that what it stretches is not taken for a squeeze; the others and E count in
- * full. From that strain_rooms bounds how much A shrinks a vector, and how far it tilts a triangle;
- * so a gradient over the origin is bounded in the posed skin. */
+ * counts with its direction, so that stretching is not counted as squeezing; the others and E count
+ * by their length. From that strain_rooms bounds how much A shrinks a vector, and how far it tilts
+ * a triangle; so a gradient over the origin is bounded in the posed skin. */
 #include "face/frame/limit.h"
 
 #include <math.h>

@@ -39,7 +39,7 @@ typedef struct limit_group {
     float centre[3], radius;
 } limit_group;
 
-/* Bits of limit.known: what of the group's patch is that of this pose. */
+/* Bits of limit.known: the parts of the group's patch that are up to date in this pose. */
 enum { LIMIT_FRAME = 1, LIMIT_TILTS = 2, LIMIT_ALONG = 4 };
 
 /* A bone other than the main one that carries triangles of a group: its largest share, the mean

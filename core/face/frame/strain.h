@@ -45,13 +45,14 @@ typedef struct strain_found {
     float steepest;             /* of its gradients over the origin */
 } strain_found;
 
-/* What a group was found to be, and what it may be. */
+/* Bounds of groups, by group: input of may_strain. */
 typedef struct strain_bounds {
     const float *pull, *change; /* the greatest length of a gradient of the pulls; and by how much
                                    it can have grown since `strain` and `flip` */
     const float *steepness, *room; /* strain_rooms */
     float shaped;                  /* counts instead of a finite steepness; 0: does not */
-    float *strain, *flip;          /* INFINITY where the bound of pulls says nothing any more */
+    float *strain, *flip; /* upper bounds, as measured last; set to INFINITY where the pulls have
+                             changed and the group is not measured */
 } strain_bounds;
 
 typedef struct strain_folds {

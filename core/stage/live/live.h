@@ -34,7 +34,7 @@ typedef struct live_settings { /* all must outlive it */
     const sound_backend *sound;   /* NULL: PortAudio */
     double fps;                   /* of frames while nothing is measured; 60 */
     double journal_s;             /* 0: 30 min */
-    wake *changed; /* given as soon as there is something new to be seen; NULL: nobody waits */
+    wake *changed; /* signalled when there is something new to show; NULL: not needed */
 } live_settings;
 
 CHECKED mrt_result live_start(live **out, const live_settings *settings, error *err);

@@ -28,7 +28,7 @@ typedef struct live_board {
     /* While what is shown is another face than before: eased from it. */
     float *from; /* as rows */
     bool has_shown, is_easing;
-    bool is_new; /* what was filled last differs from what was published last */
+    bool is_new; /* the filled face differs from the published one */
     int64_t eases_from_ns;
     uint32_t shown; /* the buffer published last */
 } live_board;
@@ -41,12 +41,12 @@ void live_board_destroy(live_board *self); /* zeroed is fine */
 /* The buffer to fill, again and again until it is published: what the composer shows is in it,
  * drawn. now_ns: for easing. */
 live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns);
-/* Some of its vertices or normals have changed since the last one that was published. */
+/* The filled face differs from the published one. */
 bool live_board_is_new(const live_board *self);
-/* The one that was published last; NULL: none was. */
+/* The published face; NULL: none yet. */
 const live_view *live_board_published(const live_board *self);
 void live_board_publish(live_board *self);
-/* The same face, of a later sample: it has the number of the one before. */
+/* Publishes the same face for a later sample: its number stays. */
 void live_board_publish_again(live_board *self);
 /* From the next face on it eases over from the last one. */
 void live_board_ease(live_board *self, int64_t now_ns);

@@ -408,8 +408,8 @@ static void describe_stage(live_stage *stage, live_view *view)
     }
 }
 
-/* A hand that trembles by less is shown as it was; one that has moved further is shown exactly for
- * a while, so that a slow motion is no row of steps. */
+/* While no joint of a hand moves further than tremble_mm, the shown hand does not move. After a
+ * larger movement it is exact for hand_moves_ns, so that a slow movement has no steps. */
 static const float tremble_mm = 1.5f;
 static const int64_t hand_moves_ns = 400 * NS_PER_MS;
 

@@ -48,7 +48,7 @@ typedef struct app_options {
     const app_picture *picture; /* NULL: as last time */
     const char *note;           /* said to the person at the start; NULL: nothing */
     const sound_backend *sound; /* NULL: PortAudio */
-    wake *changed;              /* as live_settings; NULL: nobody waits */
+    wake *changed;              /* as live_settings; NULL: not needed */
     app_face_ahead *ahead;      /* its face is taken if it is the one to begin with; NULL: none */
 } app_options;
 
@@ -58,8 +58,8 @@ CHECKED mrt_result app_create(app **out, const app_options *options, error *err)
 mrt_result app_destroy(app *self);
 /* Once a frame, before panels are drawn. */
 void app_update(app *self, double dt_s);
-/* A frame is wanted after that time, at the latest: for what the one who asks moves, counts down or
- * waits for. 0: the next one. Each frame asks anew. */
+/* Requests a frame in at most that time, for an animation, a countdown or a result that the caller
+ * waits for. 0: the next frame. The request holds for one frame. */
 void app_want_frame(app *self, double in_s);
 double app_wanted_s(const app *self); /* HUGE_VAL: none */
 

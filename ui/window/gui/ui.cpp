@@ -1828,13 +1828,13 @@ static ui_cursor cursor_of(ImGuiMouseCursor wanted)
     }
 }
 
-/* A part of a frame: nothing is drawn outside of it. */
+/* Draws a frame inside the box only. */
 static void draw_part(const ImDrawData *whole, const ImRect &box)
 {
     const float height = whole->DisplaySize.y;
     ImDrawData part = *whole;
     ImVector<ImDrawList *> list;
-    ImVector<ImVec4> clip; /* of all commands, as they were */
+    ImVector<ImVec4> clip; /* of all commands, to restore them */
     for (int i = 0; i < whole->CmdListsCount; ++i) {
         bool is_seen = false;
         for (ImDrawCmd &command : whole->CmdLists[i]->CmdBuffer) {
@@ -1865,7 +1865,7 @@ static void draw_part(const ImDrawData *whole, const ImRect &box)
             command.ClipRect = clip[at++];
 }
 
-/* What differs from what is on the screen; false: nothing does. */
+/* Draws the parts that differ from the screen; false: all parts are equal. */
 static bool draw_new(ui *self, const ImDrawData *data)
 {
     if (self->screen.is_lost)

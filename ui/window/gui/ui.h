@@ -30,26 +30,26 @@ typedef struct ui_clipboard {
 } ui_clipboard;
 void ui_set_clipboard(ui *self, const ui_clipboard *clipboard);
 
-/* ---- a frame: begin, panels, end; end draws what is new into the framebuffer that is bound, which
- * still has what was drawn before ---- */
+/* ---- a frame: begin, panels, end; end draws the changed parts into the bound framebuffer, which
+ * must still contain the previous frame ---- */
 
 typedef struct ui_screen {
     float width, height; /* points */
-    float scale;         /* pixels a point; fonts are made anew when it changes */
+    float scale;         /* pixels a point; fonts are rebuilt when it changes */
     double dt_s;         /* since the frame before */
-    bool is_hidden;      /* nobody can see it: all goes on, but nothing is drawn */
-    bool is_lost;        /* what was drawn into the framebuffer is not there any more */
-    bool is_late; /* time passes alone, before what ended it: events wait for the next frame */
+    bool is_hidden;      /* the window is not visible: everything runs, but nothing is drawn */
+    bool is_lost;        /* the framebuffer lost its content */
+    bool is_late; /* this frame only advances the clock (pace_begin): the next one handles events */
 } ui_screen;
 void ui_begin(ui *self, const ui_screen *screen);
 void ui_end(ui *self);
 bool ui_is_hidden(const ui *self); /* of this frame */
-/* After ui_end: something was drawn, as this frame differs from the one that was drawn last. */
+/* After ui_end: this frame differed from the previous one, and was drawn. */
 bool ui_is_new(const ui *self);
-/* The frame that ended last, all of it: for tests. */
+/* Draws the whole of the last frame again. For tests. */
 void ui_draw_again(ui *self);
-/* A frame is wanted after that time, at the latest: for what moves, or appears, without an event
- * and without a face. 0: the next one. Each frame asks anew. */
+/* Requests a frame in at most that time, for an animation or a delay without event and face. 0: the
+ * next frame. The request holds for one frame. */
 void ui_want_frame(ui *self, double in_s);
 double ui_wanted_s(const ui *self); /* HUGE_VAL: none */
 /* From the next frame on. All colours that are given to the ui are those of the dark theme. */

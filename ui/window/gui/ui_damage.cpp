@@ -141,7 +141,7 @@ static list_view view_of(const kept_list *list)
             list->index.Data, list->command.Data, list->command.Size};
 }
 
-/* The next triangle; false: there is none. */
+/* The next triangle; false: the list has ended. */
 static bool next(triangles *self, int corner[3], const ImDrawCmd **out)
 {
     const list_view *of = self->of;
@@ -223,7 +223,7 @@ static ImRect difference(const list_view *before, const list_view *now)
         bool is_same = has_old && has_new && is_same_way(old_command, new_command);
         for (int i = 0; i < 3 && is_same; ++i)
             is_same = new_corner[i] == old_corner[i] + (old_corner[i] < first ? 0 : shift);
-        if (!is_same) /* what is drawn alike is not in the same order, or cut otherwise */
+        if (!is_same) /* equal triangles in another order, or clipped differently */
             return both(all_of(before), all_of(now));
     }
 }

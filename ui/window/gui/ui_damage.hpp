@@ -1,6 +1,6 @@
-/* window/gui/ui_damage.hpp - which parts of the screen differ from what was drawn last. The draw
- * lists of Dear ImGui say all of a frame, so comparing them misses nothing that a panel forgot to
- * report; only pictures have a version beside. For ui.cpp alone. [main] */
+/* window/gui/ui_damage.hpp - finds the parts of the screen that differ from the previous frame. It
+ * compares the draw lists of Dear ImGui, which describe the whole frame, so panels report nothing.
+ * Pictures are compared by a version number. For ui.cpp alone. [main] */
 #ifndef MAROTTE_UI_WINDOW_GUI_UI_DAMAGE_HPP
 #define MAROTTE_UI_WINDOW_GUI_UI_DAMAGE_HPP
 #include <imgui.h>
@@ -13,12 +13,12 @@ constexpr int UI_DAMAGE_IMAGES = 16;
 
 struct ui_damage_image {
     ImTextureID texture;
-    uint64_t version; /* another one: its pixels have changed */
+    uint64_t version; /* changes when its pixels change */
 };
 
 struct ui_damage_images {
     ui_damage_image of[UI_DAMAGE_IMAGES];
-    int count; /* more than fit: all of them count as changed */
+    int count; /* above UI_DAMAGE_IMAGES: all count as changed */
 };
 
 struct ui_damage_boxes { /* whole pixels; they do not overlap */
@@ -30,12 +30,12 @@ struct ui_damage;
 
 ui_damage *ui_damage_create(); /* NULL: no memory */
 void ui_damage_destroy(ui_damage *self);
-/* What was drawn is gone: all of the screen differs. */
+/* The framebuffer lost its content: the whole screen differs. */
 void ui_damage_forget(ui_damage *self);
-/* What of `now` differs from what was kept. */
+/* The parts of `now` that differ from the kept frame. */
 ui_damage_boxes ui_damage_find(const ui_damage *self, const ImDrawData *now,
                                const ui_damage_images *images);
-/* It has been drawn. */
+/* Keeps `now`: it has been drawn. */
 void ui_damage_keep(ui_damage *self, const ImDrawData *now, const ui_damage_images *images);
 
 #endif

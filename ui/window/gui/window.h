@@ -34,11 +34,10 @@ const char *window_take_drop(window *self);
 /* One is dropped, by the desktop or a test. A few wait; those beyond are forgotten. */
 void window_drop(window *self, const char *path);
 void window_set_title(window *self, const char *title);
-/* A frame comes after that time at the latest, from the one that is drawn now; 0: the next one.
- * Each frame asks anew. */
+/* Requests a frame in at most that time; 0: the next frame. The request holds for one frame. */
 void window_want_frame(window *self, double in_s);
 const pace *window_pace(const window *self);
-wake *window_signal(window *self); /* [any] given when there is something new to be drawn */
+wake *window_signal(window *self); /* [any] signal it when there is something new to draw */
 /* Whether frames come at their full rate while it is put away: somebody afar waits for them. */
 void window_stay_awake(window *self, bool is_awaited);
 uint32_t window_width_px(const window *self);
