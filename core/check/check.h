@@ -1,6 +1,6 @@
 /* check/check.h - whether a plugin keeps the contract of plugin.h: every rule, each case in a
  * process of its own with a time limit, each failure named and explained. Never loads the plugin
- * into this process. Leaves out what people see of it (ui/plugin.c). [main], or any thread
+ * into this process. Leaves out what people see of it (ui/cli/plugin.c). [main], or any thread
  * that may block. */
 #ifndef MAROTTE_CHECK_CHECK_H
 #define MAROTTE_CHECK_CHECK_H

@@ -10,7 +10,7 @@
  * The search runs on a linear model of the face: how each contact and each degree of freedom moves
  * the points of the regions, measured with the engine once. The engine then corrects the result. */
 #include "coverage_face.h"
-#include "rigpicture.h"
+#include "cli/rigpicture.h"
 
 #include "draw/offscreen.h"
 #include "face/rig/rig_poses.h"

@@ -1,7 +1,7 @@
 /* open_show SHOW [COUNT] - what opening a show for reading and asking for its takes costs: the
  * least of COUNT (300) times, in microseconds. open_show.sh compares two builds of it. */
 #include "base/clock.h"
-#include "take/show.h"
+#include "show/show.h"
 
 #include <stdio.h>
 #include <stdlib.h>

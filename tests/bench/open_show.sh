@@ -9,7 +9,7 @@ trap 'rm -rf "$scratch"' EXIT
 cp "$here/tests/take/golden/four_takes.marotte" "$scratch/show.marotte"
 build() { # tree program
     cc -O2 -std=c11 -D_DEFAULT_SOURCE -D_POSIX_C_SOURCE=200809L -I"$1/core" -I"$1/core/include" \
-        "$here/tests/bench/open_show.c" "$1/build/release/core/take/libmarotte_take.a" \
+        "$here/tests/bench/open_show.c" "$1/build/release/core/show/libmarotte_take.a" \
         "$1/build/release/core/base/libmarotte_base.a" -lsqlite3 -lz -lnettle -ljansson -lm -lpthread -o "$2"
 }
 build "$here" "$scratch/ours"

@@ -8,8 +8,8 @@
 #include "base/file.h"
 #include "base/text.h"
 #include "hand/hand.h"
-#include "take/show.h"
-#include "take/writer.h"
+#include "show/show.h"
+#include "show/writer.h"
 
 #include <math.h>
 #include <stdio.h>

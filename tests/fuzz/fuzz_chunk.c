@@ -1,6 +1,6 @@
 /* Any bytes are a chunk of samples or are refused with a reason; what was read can be packed again
  * and is the same. The CRC is made right first, so that what is behind it is reached. */
-#include "take/chunk.h"
+#include "show/chunk.h"
 
 #include <assert.h>
 #include <math.h>

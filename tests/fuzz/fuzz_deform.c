@@ -1,7 +1,7 @@
 /* A case of control vectors: read or refused with one line that names it, and what was read can be
  * run, or it is said why not. Cases that are long by their own measure (the engine's own time) are
  * read only. */
-#include "deform_case.h"
+#include "cli/deform_case.h"
 #include "fuzz_text.h"
 
 #include <math.h>

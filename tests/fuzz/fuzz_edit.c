@@ -1,7 +1,7 @@
 /* Lines of JSON, as a show keeps them, folded onto a take: each is refused with a reason, or it
  * leaves a take that holds together and is written as it was read. */
-#include "take/history.h"
-#include "take/own.h"
+#include "show/history.h"
+#include "show/own.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -3,8 +3,8 @@
 #include "fuzz_text.h"
 
 #include "base/file.h"
-#include "take/hash.h"
-#include "take/pack.h"
+#include "show/hash.h"
+#include "show/pack.h"
 
 #include <stdbool.h>
 #include <stdio.h>

@@ -3,8 +3,8 @@
  * how a whole show is changed, step by step: bits of it, values of its rows, rows that multiply,
  * pages in the place of others, what lies beside it. */
 #include "base/file.h"
-#include "take/writer.h"
-#include "take/show.h"
+#include "show/writer.h"
+#include "show/show.h"
 
 #include <assert.h>
 #include <sqlite3.h>

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "deform_case.h"
+#include "cli/deform_case.h"
 
 #include <jansson.h>
 #include <math.h>

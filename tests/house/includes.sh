@@ -33,7 +33,7 @@ awk -v FILES="$edges.files" '
 checked=$(wc -l <"$edges")
 
 # ---- floors ----
-declare -A floor=([base]=0 [csrbf]=1 [hand]=1 [mesh]=1 [face]=2 [io]=2 [take]=3 [check]=3 [stage]=4)
+declare -A floor=([base]=0 [csrbf]=1 [hand]=1 [mesh]=1 [face]=2 [io]=2 [show]=3 [check]=3 [stage]=4)
 while read -r file line target; do
     case $file in
     core/include/*) complain "$file:$line: the contract includes $target" ;;
@@ -77,7 +77,7 @@ done < <(grep -rnE '#include +"window/' ui/window --include=*.c --include=*.h --
 # In angle brackets only <marotte/plugin.h> may be ours.
 while IFS=: read -r file line text; do
     complain "$file:$line: $text"
-done < <(grep -rnE '#include +<(marotte/[^p]|base/|csrbf/|hand/|mesh/|face/|io/|take/|stage/|check/|draw/|window/)' \
+done < <(grep -rnE '#include +<(marotte/[^p]|base/|csrbf/|hand/|mesh/|face/|io/|show/|stage/|check/|draw/|window/)' \
     core plugins ui rigs tests --include=*.c --include=*.h --include=*.cpp)
 
 # ---- circles: of subjects, and of the folders of a room ----

@@ -11,7 +11,7 @@ files=$(find core ui plugins rigs tests run README.md ARCHITECTURE.md CONTRIBUTI
     -not -path '*/build/*' -not -path '*/node_modules/*' -not -path '*/golden/*' -not -path '*/seeds/*')
 # Of the C library, of libraries, made by the build, or in the examples of a guide.
 others='cmocka.h math.h linux/input.h wave.c s.c a.c a.b.c shaders.c template_name.c FOLDER_OF_marotte/plugin.h NAME.c
-ui/NAME.c tests/FOLDER/NAME.c tests/fuzz/fuzz_NAME.c FILE.c fuzz_NAME.c'
+ui/cli/NAME.c tests/FOLDER/NAME.c tests/fuzz/fuzz_NAME.c FILE.c fuzz_NAME.c'
 
 # FILE:LINE WORD, but for what is included.
 said=$(grep -E '^(core|ui|plugins|rigs)/.*\.(c|h|cpp|hpp|md)$|^tests/.*\.(c|h|cpp)$|^[A-Z]+\.md$' <<<"$files" |

@@ -9,7 +9,7 @@
 
 #include "unit/sequencer_scene.h"
 
-#include "stage/take/activity.h"
+#include "stage/playback/activity.h"
 
 #include <dlfcn.h>
 #include <sqlite3.h>

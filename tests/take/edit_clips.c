@@ -1,4 +1,4 @@
-/* core/take/edit.h: clips: add, trim, split, move, retime, fade. */
+/* core/show/edit.h: clips: add, trim, split, move, retime, fade. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

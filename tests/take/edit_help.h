@@ -2,7 +2,7 @@
  * edits in memory. */
 #ifndef MAROTTE_TESTS_EDIT_HELP_H
 #define MAROTTE_TESTS_EDIT_HELP_H
-#include "take/history.h"
+#include "show/history.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* core/take/history.h: the list of edits, undo and redo, and edits in words. */
+/* core/show/history.h: the list of edits, undo and redo, and edits in words. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

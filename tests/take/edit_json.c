@@ -1,4 +1,4 @@
-/* core/take/edit.h: an edit as a line of JSON, there and back, and what is refused. */
+/* core/show/edit.h: an edit as a line of JSON, there and back, and what is refused. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

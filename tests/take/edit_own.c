@@ -1,4 +1,4 @@
-/* core/take/own.h: patterns, regions, and who speaks where several layers do. */
+/* core/show/own.h: patterns, regions, and who speaks where several layers do. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -9,7 +9,7 @@
 #include "edit_help.h"
 
 #include "face/bones.h"
-#include "take/own.h"
+#include "show/own.h"
 
 #include <math.h>
 

@@ -1,4 +1,4 @@
-/* core/take/edit.h: punching a span in, and comping parts of the face from other takes. */
+/* core/show/edit.h: punching a span in, and comping parts of the face from other takes. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -8,7 +8,7 @@
 
 #include "edit_help.h"
 
-#include "take/own.h"
+#include "show/own.h"
 
 #include <math.h>
 

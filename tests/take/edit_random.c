@@ -1,4 +1,4 @@
-/* core/take/edit.h, history.h: whatever is done to a take, in whatever order, it stays a take, and
+/* core/show/edit.h, history.h: whatever is done to a take, in whatever order, it stays a take, and
  * undo and redo lead back to it. Seeded: the same sequences every time. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -9,7 +9,7 @@
 
 #include "edit_help.h"
 
-#include "take/own.h"
+#include "show/own.h"
 
 enum { SEQUENCES = 2500, SEQUENCES_LONG = 10000, LENGTH = 16 };
 

@@ -1,4 +1,4 @@
-/* core/take/edit.h: ranges over layers: keep, cut, insert. */
+/* core/show/edit.h: ranges over layers: keep, cut, insert. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-/* core/take/edit_store.h: edits of a take in a show: they are there again when it is opened again.
+/* core/show/edit_store.h: edits of a take in a show: they are there again when it is opened again.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,7 +10,7 @@
 #include "edit_help.h"
 #include "show_scene.h"
 
-#include "take/edit_store.h"
+#include "show/edit_store.h"
 
 static int64_t noon_ms(void)
 {

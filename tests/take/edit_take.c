@@ -1,4 +1,4 @@
-/* core/take/edit.h: the take itself, its markers, audio and layers. */
+/* core/show/edit.h: the take itself, its markers, audio and layers. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

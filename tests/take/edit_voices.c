@@ -1,4 +1,4 @@
-/* core/take/take.h: which clips speak at an instant, and how loudly. */
+/* core/show/take.h: which clips speak at an instant, and how loudly. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

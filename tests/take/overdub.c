@@ -1,4 +1,4 @@
-/* stage/take/overdub.h: performing over a take. On the puppet, with one hand, on a virtual clock.
+/* stage/record/overdub.h: performing over a take. On the puppet, with one hand, on a virtual clock.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "stage/take/overdub.h"
+#include "stage/record/overdub.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "show_scene.h"
-#include "take/hash.h"
+#include "show/hash.h"
 
 static int make(void **state)
 {

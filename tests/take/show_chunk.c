@@ -1,4 +1,4 @@
-/* core/take/chunk.h: samples to bytes and back, exactly; anything else is refused with a reason. */
+/* core/show/chunk.h: samples to bytes and back, exactly; anything else is refused with a reason. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "take/chunk.h"
-#include "take/show_scene.h"
+#include "show/chunk.h"
+#include "show/show_scene.h"
 
 #include <float.h>
 #include <zlib.h>

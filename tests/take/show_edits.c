@@ -1,4 +1,4 @@
-/* core/take/show.h: takes that were made, their edits as rows, and audio. */
+/* core/show/show.h: takes that were made, their edits as rows, and audio. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,10 +6,10 @@
 
 #include <cmocka.h>
 
-#include "take/hash.h"
-#include "take/show_scene.h"
+#include "show/hash.h"
+#include "show/show_scene.h"
 
-#include "take/edit_store.h"
+#include "show/edit_store.h"
 
 #include <sqlite3.h>
 

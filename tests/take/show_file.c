@@ -1,4 +1,4 @@
-/* core/take/show.h: which files open, how, and what is said where they do not. */
+/* core/show/show.h: which files open, how, and what is said where they do not. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "take/show_scene.h"
+#include "show/show_scene.h"
 
 #include <errno.h>
 #include <fcntl.h>

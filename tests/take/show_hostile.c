@@ -8,10 +8,10 @@
 #include <cmocka.h>
 
 #include "base/text.h"
-#include "take/edit_store.h"
-#include "take/show_file.h"
-#include "take/show_disk.h"
-#include "take/show_scene.h"
+#include "show/edit_store.h"
+#include "show/show_file.h"
+#include "show/show_disk.h"
+#include "show/show_scene.h"
 
 #include <fcntl.h>
 

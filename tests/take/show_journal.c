@@ -1,4 +1,4 @@
-/* core/take/writer_store.h, the journal: lets go of what is old and nobody holds on to, and of
+/* core/show/writer_store.h, the journal: lets go of what is old and nobody holds on to, and of
  * nothing else. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "take/show_scene.h"
+#include "show/show_scene.h"
 
 enum { PER_SECOND = 150 };
 

@@ -1,4 +1,4 @@
-/* take/pack.h: a show travels with its faces; a pack is only data, whoever made it. */
+/* show/pack.h: a show travels with its faces; a pack is only data, whoever made it. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "take/hash.h"
-#include "take/pack.h"
+#include "show/hash.h"
+#include "show/pack.h"
 
 #include <signal.h>
 #include <stdio.h>

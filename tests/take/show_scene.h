@@ -3,8 +3,8 @@
 #ifndef MAROTTE_TESTS_SHOW_SCENE_H
 #define MAROTTE_TESTS_SHOW_SCENE_H
 #include "base/clock.h"
-#include "take/show.h"
-#include "take/writer.h"
+#include "show/show.h"
+#include "show/writer.h"
 
 #include <stdio.h>
 #include <stdlib.h>

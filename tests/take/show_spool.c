@@ -1,4 +1,4 @@
-/* core/take/spool.h: what a program that was killed had been given is found when the show opens
+/* core/show/spool.h: what a program that was killed had been given is found when the show opens
  * next. */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -7,9 +7,9 @@
 
 #include <cmocka.h>
 
-#include "take/show_scene.h"
-#include "take/spool.h"
-#include "take/writer_store.h"
+#include "show/show_scene.h"
+#include "show/spool.h"
+#include "show/writer_store.h"
 
 #include <signal.h>
 #include <sys/wait.h>

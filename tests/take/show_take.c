@@ -1,4 +1,4 @@
-/* core/take/take.h: copies own what they hold, and time through a warp is exact. */
+/* core/show/take.h: copies own what they hold, and time through a warp is exact. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "take/take.h"
+#include "show/take.h"
 
 #include <stdlib.h>
 #include <string.h>

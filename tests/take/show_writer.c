@@ -1,4 +1,4 @@
-/* core/take/writer.h: what goes in while it happens is what the show gives back. */
+/* core/show/writer.h: what goes in while it happens is what the show gives back. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -6,8 +6,8 @@
 
 #include <cmocka.h>
 
-#include "take/show_scene.h"
-#include "take/writer_store.h"
+#include "show/show_scene.h"
+#include "show/writer_store.h"
 
 #include <pthread.h>
 

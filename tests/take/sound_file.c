@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "sound_fixture.h"
-#include "take/sound_pcm.h"
+#include "show/sound_pcm.h"
 
 #include <fcntl.h>
 

@@ -3,7 +3,7 @@
 #ifndef MAROTTE_TESTS_SOUND_FIXTURE_H
 #define MAROTTE_TESTS_SOUND_FIXTURE_H
 #include "show_scene.h"
-#include "take/sound_file.h"
+#include "show/sound_file.h"
 
 #include <math.h>
 #include <sndfile.h>

@@ -8,9 +8,9 @@
 #include <cmocka.h>
 
 #include "show_scene.h"
-#include "take/sqlite.h"
-#include "take/sound_file.h"
-#include "take/sound_render.h"
+#include "show/sqlite.h"
+#include "show/sound_file.h"
+#include "show/sound_render.h"
 
 #include <math.h>
 

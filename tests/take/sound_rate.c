@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "take/sound_rate.h"
+#include "show/sound_rate.h"
 
 static const double level = 0.5, two_pi = 6.283185307179586;
 enum { COUNT = 48000, PIECE = 777 };

@@ -10,7 +10,7 @@
 #include "show_scene.h"
 #include "sound_help.h"
 #include "stage/sound/sound.h"
-#include "take/sound_render.h"
+#include "show/sound_render.h"
 
 enum { RATE = 48000, SCALE = 1 << 22 }; /* exact in 24 bits */
 static const int64_t begin_ns = 5000000000000;

@@ -7,8 +7,8 @@
 #include <cmocka.h>
 
 #include "show_scene.h"
-#include "take/sound_pcm.h"
-#include "take/waveform.h"
+#include "show/sound_pcm.h"
+#include "show/waveform.h"
 
 typedef struct fixture {
     scene scene;

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "stage/take/diff.h"
+#include "stage/playback/diff.h"
 
 #include <math.h>
 #include <string.h>

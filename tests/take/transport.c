@@ -1,5 +1,5 @@
-/* stage/take/transport.h: where one is on a timeline. */
-#include "stage/take/transport.h"
+/* stage/playback/transport.h: where one is on a timeline. */
+#include "stage/playback/transport.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

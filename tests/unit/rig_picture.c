@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "rig_help.h"
-#include "rigpicture.h"
+#include "cli/rigpicture.h"
 
 #include <math.h>
 

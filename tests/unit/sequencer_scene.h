@@ -3,11 +3,11 @@
 #ifndef MAROTTE_TESTS_SEQUENCER_SCENE_H
 #define MAROTTE_TESTS_SEQUENCER_SCENE_H
 /* first: its names are types elsewhere */
-#include "take/edit_help.h"
+#include "show/edit_help.h"
 
 #include "stage/perform/player.h"
-#include "stage/take/recorder.h"
-#include "stage/take/sequencer.h"
+#include "stage/record/recorder.h"
+#include "stage/playback/sequencer.h"
 #include "unit/resume_scene.h"
 
 #include <unistd.h>

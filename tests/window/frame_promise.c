@@ -4,7 +4,7 @@
  * Functions of this program stand in front of libc's. */
 #include "base/program.h"
 #include "stage/mapping/isolate_process.h"
-#include "stage/take/sequencer.h"
+#include "stage/playback/sequencer.h"
 #include "window/live_fixture.h"
 
 #include <marotte/plugin.h>

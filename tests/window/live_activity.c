@@ -1,8 +1,8 @@
 /* What the lanes of a timeline show of a performance: where it moves the face, and when. */
 #include "window/live_fixture.h"
 
-#include "stage/take/activity.h"
-#include "stage/take/sequencer.h"
+#include "stage/playback/activity.h"
+#include "stage/playback/sequencer.h"
 
 static const writer_slate slate = {.scene = "1", .shot = "a"};
 

@@ -14,8 +14,8 @@
 #include "stage/live/live.h"
 #include "stage/live/live_stage.h"
 #include "stage/mapping/plugins.h"
-#include "take/edit_store.h"
-#include "take/history.h"
+#include "show/edit_store.h"
+#include "show/history.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,9 +1,9 @@
 /* A take on a live stage: shown, scrubbed, played, looped, performed over. */
 #include "window/live_fixture.h"
 
-#include "stage/take/kept_solver.h"
+#include "stage/playback/kept_solver.h"
 #include "stage/mapping/taught.h"
-#include "stage/take/sequencer.h"
+#include "stage/playback/sequencer.h"
 
 static const writer_slate slate = {.scene = "1", .shot = "a"};
 

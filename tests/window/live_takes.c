@@ -2,7 +2,7 @@
  * seen. */
 #include "window/live_fixture.h"
 
-#include "stage/take/sequencer.h"
+#include "stage/playback/sequencer.h"
 
 enum { SEEN_MAX = 4096 };
 static const int64_t apart_ns = 30 * NS_PER_MS; /* as pictures: each is performed again twice */

@@ -9,7 +9,7 @@
 #include "device/ltc_sound.h"
 #include "scene.h"
 #include "stage/live/live_stage.h"
-#include "take/take.h"
+#include "show/take.h"
 
 #include <fcntl.h>
 #include <pthread.h>

@@ -10,7 +10,7 @@
 
 #include "scene.h"
 #include "base/file.h"
-#include "take/edit.h"
+#include "show/edit.h"
 #include "window/app/kept_scenery.h"
 #include "window/open_any.h"
 

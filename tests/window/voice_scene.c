@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "scene.h"
-#include "take/take.h"
+#include "show/take.h"
 #include "window/open_any.h"
 
 enum { RATE_HZ = 48000 };

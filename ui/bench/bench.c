@@ -4,7 +4,7 @@
 #include "base/isa.h"
 #include "base/large.h"
 #include "base/pool.h"
-#include "command.h"
+#include "cli/command.h"
 
 #include <math.h>
 #include <stdio.h>

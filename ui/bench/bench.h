@@ -6,10 +6,10 @@
 #define MAROTTE_UI_BENCH_BENCH_H
 #include "base/error.h"
 #include "csrbf/shape.h"
-#include "facts.h"
+#include "cli/facts.h"
 #include "stage/mapping/plugins.h"
 #include "stage/perform/face_file.h"
-#include "terminal.h"
+#include "cli/terminal.h"
 
 /* Something that is timed: called again and again, it does the same work each time. */
 typedef struct bench_work {

@@ -6,7 +6,7 @@
 #define MAROTTE_UI_DRAW_SCENERY_H
 #include "draw/draw.h"
 #include "draw/lighting.h"
-#include "take/show.h"
+#include "show/show.h"
 
 enum { SCENERY_VIEWS = 6, SCENERY_NAME = 128 };
 

@@ -7,7 +7,7 @@
 #include "base/isa.h"
 #include "base/pool.h"
 #include "bench/bench.h"
-#include "command.h"
+#include "cli/command.h"
 #include "draw/draw.h"
 #include "stage/mapping/plugins.h"
 

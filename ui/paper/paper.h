@@ -2,9 +2,9 @@
  * adds it to the page, and tells its figures. [main] */
 #ifndef MAROTTE_UI_PAPER_PAPER_H
 #define MAROTTE_UI_PAPER_PAPER_H
-#include "facts.h"
+#include "cli/facts.h"
 #include "paper/page.h"
-#include "terminal.h"
+#include "cli/terminal.h"
 
 #include <limits.h>
 

@@ -2,7 +2,7 @@
 #include "draw/scenery.h"
 #include "io/export_formats.h"
 #include "stream/video.h"
-#include "take/export_name.h"
+#include "show/export_name.h"
 #include "window/app/kept_scenery.h"
 #include "window/app/settings.h"
 

@@ -13,7 +13,7 @@ typedef struct export_page {
     ui *ui;
     uint32_t format, rate, size, view, background; /* of the lists in export_page.c */
     char own_size[24], own_background[EXPORT_FILE];
-    char file[EXPORT_FILE]; /* a pattern: take/export_name.h */
+    char file[EXPORT_FILE]; /* a pattern: show/export_name.h */
     int64_t ticked[EXPORT_TICKS];
     uint32_t ticked_count;
     uint32_t preset; /* 0: none; those that come with it, then those of the settings */

@@ -1,7 +1,7 @@
 /* stage/live/live.h - the stage while somebody is on it: a thread of its own performs what the
  * inputs give, sample by sample, always recorded, and publishes the newest face; beside it a take
  * can be played, scrubbed, performed over. The window asks and looks; nothing that it does or fails
- * to do makes the frame thread wait. Leaves out edits of takes (take/edit_store.h) and everything
+ * to do makes the frame thread wait. Leaves out edits of takes (show/edit_store.h) and everything
  * drawn.
  *
  * One thread [main] calls all of this. What it asks takes effect within a drawn frame of the frame
@@ -17,7 +17,7 @@
 #include "stage/perform/performer.h"
 #include "stage/perform/pointer.h"
 #include "stage/sound/sound.h"
-#include "stage/take/overdub.h"
+#include "stage/record/overdub.h"
 
 typedef struct live live;
 

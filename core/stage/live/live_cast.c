@@ -2,7 +2,7 @@
 #include "base/clock.h"
 #include "base/hash.h"
 #include "stage/mapping/null_mapping.h"
-#include "stage/take/kept_solver.h"
+#include "stage/playback/kept_solver.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 #include "stage/live/live_stage.h"
 #include "base/clock.h"
-#include "take/edit_store.h"
+#include "show/edit_store.h"
 
 #include <stdio.h>
 #include <stdlib.h>

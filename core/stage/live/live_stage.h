@@ -11,8 +11,8 @@
 #include "stage/output/outputs.h"
 #include "stage/perform/player.h"
 #include "stage/perform/reload.h"
-#include "stage/take/recorder.h"
-#include "stage/take/sequencer.h"
+#include "stage/record/recorder.h"
+#include "stage/playback/sequencer.h"
 
 #include <pthread.h>
 

@@ -1,7 +1,7 @@
 #include "stage/live/live_stage.h"
 #include "base/clock.h"
 #include "base/memory.h"
-#include "take/own.h"
+#include "show/own.h"
 
 #include <stdio.h>
 #include <stdlib.h>

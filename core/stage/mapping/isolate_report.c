@@ -4,7 +4,7 @@
 #include "base/program.h"
 #include "hand/sensor.h"
 #include "stage/mapping/plugins.h"
-#include "take/hash.h"
+#include "show/hash.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -1,12 +1,12 @@
 /* stage/mapping/taught.h - what a mapping was taught (MRT_STATE: poses, gestures), kept: with each
- * state of a performance that is recorded (take/replay.h), with presets, and as a note of the show,
+ * state of a performance that is recorded (playback/replay.h), with presets, and as a note of the show,
  * from which the next session goes on. [main], or any one thread that may read the show and has the
  * mapping.
  */
 #ifndef MAROTTE_STAGE_TAUGHT_H
 #define MAROTTE_STAGE_TAUGHT_H
 #include "stage/mapping/instance.h"
-#include "take/show.h"
+#include "show/show.h"
 
 enum { TAUGHT_BYTES_MAX = 1 << 16 };
 

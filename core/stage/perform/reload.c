@@ -4,7 +4,7 @@
 #include "check/check.h"
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/guard.h"
-#include "take/hash.h"
+#include "show/hash.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -3,7 +3,7 @@
  * at once: one step. Leaves out the clock (player.h) and what a step does (layer.h). One thread; no
  * allocation.
  *
- * STEPS  (take/step_rule.h) A step's samples have one time, and that is how it is recorded: samples
+ * STEPS  (show/step_rule.h) A step's samples have one time, and that is how it is recorded: samples
  * of one time are one step, whoever performs them again. While it is measured, inputs that measure
  * different hands go together when their samples are at most half a sample's period apart (once
  * together, up to three quarters, so that noise does not part them); what else was measured in
@@ -14,7 +14,7 @@
 #define MAROTTE_STAGE_SCHEDULER_H
 #include "stage/input/sample_source.h"
 #include "stage/perform/hands.h"
-#include "take/step_rule.h"
+#include "show/step_rule.h"
 
 typedef enum scheduler_rule {
     SCHEDULE_RECORDED = 0, /* times are steps already */

@@ -8,8 +8,8 @@
 #include "stage/sound/sound_device.h"
 #include "stage/sound/sound_follow.h"
 #include "stage/sound/sound_record.h"
-#include "stage/take/transport.h"
-#include "take/take.h"
+#include "stage/playback/transport.h"
+#include "show/take.h"
 
 typedef struct sound sound;
 

@@ -1,7 +1,7 @@
 #include "stage/sound/sound_feed.h"
 #include "base/clock.h"
 #include "stage/input/wake.h"
-#include "take/sound_render.h"
+#include "show/sound_render.h"
 
 #include <math.h>
 #include <pthread.h>

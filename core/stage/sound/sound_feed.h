@@ -5,7 +5,7 @@
 #define MAROTTE_STAGE_SOUND_FEED_H
 #include "stage/sound/sound_device.h"
 #include "stage/sound/sound_follow.h"
-#include "take/take.h"
+#include "show/take.h"
 
 typedef struct sound_feed sound_feed;
 

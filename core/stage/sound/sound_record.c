@@ -3,7 +3,7 @@
 #include "base/ring.h"
 #include "stage/input/wake.h"
 #include "stage/sound/sound_clock.h"
-#include "take/sound_pcm.h"
+#include "show/sound_pcm.h"
 
 #include <math.h>
 #include <pthread.h>

@@ -6,7 +6,7 @@
 #ifndef MAROTTE_STAGE_SOUND_RECORD_H
 #define MAROTTE_STAGE_SOUND_RECORD_H
 #include "stage/sound/sound_device.h"
-#include "take/writer.h"
+#include "show/writer.h"
 
 typedef struct sound_record sound_record;
 

@@ -5,7 +5,7 @@
 #ifndef MAROTTE_UI_WINDOW_APP_APP_H
 #define MAROTTE_UI_WINDOW_APP_APP_H
 #include "stage/live/live.h"
-#include "take/history.h"
+#include "show/history.h"
 #include "draw/scenery.h"
 #include "window/app/key_map.h"
 #include "window/app/news_list.h"

@@ -5,8 +5,8 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "take/pack.h"
-#include "take/sound_file.h"
+#include "show/pack.h"
+#include "show/sound_file.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -10,8 +10,8 @@
 #include "window/app/presets.h"
 #include "window/app/remote.h"
 
-#include "stage/take/kept_solver.h"
-#include "take/edit_store.h"
+#include "stage/playback/kept_solver.h"
+#include "show/edit_store.h"
 
 enum { APP_UNDO_MAX = 1024, APP_UNDO_BYTES = 512 << 20, APP_PATH = 4096 };
 

@@ -2,7 +2,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
-#include "take/hash.h"
+#include "show/hash.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/pool.h"
 #include "stage/live/live.h"
-#include "stage/take/kept_solver.h"
+#include "stage/playback/kept_solver.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * that is written along it; and to which instant a drag snaps. Pure; x in points. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_AXIS_H
 #define MAROTTE_UI_WINDOW_TIMELINE_AXIS_H
-#include "take/take.h"
+#include "show/take.h"
 #include "base/timecode.h"
 
 #include <stdbool.h>

@@ -4,7 +4,7 @@
  * out drawing and who makes the edit. [main] or any one thread. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_DRAG_H
 #define MAROTTE_UI_WINDOW_TIMELINE_DRAG_H
-#include "take/own.h"
+#include "show/own.h"
 #include "window/timeline/layout.h"
 #include "window/timeline/axis.h"
 

@@ -3,7 +3,7 @@
  * that can be comped from; and what is under the pointer. Leaves out looks. Pure; points. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_LAYOUT_H
 #define MAROTTE_UI_WINDOW_TIMELINE_LAYOUT_H
-#include "take/edit.h"
+#include "show/edit.h"
 #include "window/gui/ui_types.h"
 #include "window/timeline/axis.h"
 

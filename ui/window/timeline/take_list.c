@@ -2,7 +2,7 @@
 
 #include "base/clock.h"
 #include "base/text.h"
-#include "take/edit_store.h"
+#include "show/edit_store.h"
 
 #include <ctype.h>
 #include <stdio.h>

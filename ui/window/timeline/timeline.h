@@ -69,7 +69,7 @@ bool timeline_takes_matches(const app_take_line *line, const char *words);
 
 /* ---- how much each input moved in the last half hour, as long as nobody recorded: bins of a tenth
  * of a second, written while the window looks, in memory that does not grow (journal.c; the journal
- * itself: take/writer_store.h). Pure; time is any clock's that does not go back ---- */
+ * itself: show/writer_store.h). Pure; time is any clock's that does not go back ---- */
 
 enum { JOURNAL_LANES = 9, JOURNAL_BINS = 18000 }; /* 30 min */
 #define JOURNAL_BIN_NS 100000000LL

@@ -3,8 +3,8 @@
 #include "base/clock.h"
 #include "base/condition.h"
 #include "base/slot.h"
-#include "stage/take/kept_solver.h"
-#include "take/edit_store.h"
+#include "stage/playback/kept_solver.h"
+#include "show/edit_store.h"
 
 #include <pthread.h>
 #include <stdio.h>

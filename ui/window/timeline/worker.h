@@ -4,8 +4,8 @@
  * given, the rest comes. Leaves out drawing. [main] but what runs on the thread. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_WORKER_H
 #define MAROTTE_UI_WINDOW_TIMELINE_WORKER_H
-#include "stage/take/activity.h"
-#include "take/waveform.h"
+#include "stage/playback/activity.h"
+#include "show/waveform.h"
 #include "window/timeline/layout.h"
 
 typedef struct timeline_worker timeline_worker;

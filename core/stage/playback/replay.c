@@ -1,0 +1,766 @@
+#include "stage/playback/replay.h"
+#include "base/bytes.h"
+#include "base/clock.h"
+#include "hand/calibration_file.h"
+#include "stage/mapping/isolate.h"
+#include "stage/mapping/null_mapping.h"
+#include "stage/perform/patch_file.h"
+#include "stage/perform/performer.h"
+#include "stage/perform/scheduler.h"
+#include "show/hash.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NOTE = 512 };
+/* Of samples that are read ahead, of a performance; and of its mapping's answers. */
+static const size_t ahead_bytes_default = (size_t)64 << 20;
+
+typedef struct track { /* one input of the performance */
+    int64_t id;
+    replay *of;
+    show_reader *reader;
+    channel_route route;
+    bool has_pending;
+    mrt_sample pending;
+    mrt_sample *ahead; /* read ahead, by time; NULL: none */
+    size_t ahead_count, ahead_at;
+} track;
+
+struct replay {
+    replay_world world;
+    show_performance info;
+    isolate *isolate; /* NULL: the mapping runs here */
+    instance mapping;
+    layer *layer;
+    track track[TAKE_TRACKS_MAX];
+    uint32_t track_count;
+    scheduler scheduler; /* of the tracks, while it is performed by itself */
+    scheduler_entry entry[TAKE_TRACKS_MAX];
+    bool has_ahead;      /* nothing is read, and no process asked */
+    int64_t ahead_to_ns; /* show time: of the last sample in memory */
+    int64_t asked_from_ns, asked_to_ns;
+    answers answers;             /* to the samples in memory, of a mapping in its own process */
+    char missing[160];           /* why ahead_to_ns is not as far as was asked for */
+    show_checkpoint ahead_state; /* from which the first of them go on; no bytes: none */
+    double length_mm[2];         /* of the hands, by their calibrations; 0: not said */
+    take_event *event;           /* of the whole performance, by time */
+    size_t event_count, next_event;
+    int64_t now_ns;
+    unsigned char
+        *taught; /* what its mapping had been taught when it began; NULL: it learns nothing */
+    size_t taught_size;
+    bool keeps_taught;   /* it was recorded by a program that keeps it when it resets */
+    bool is_same_plugin; /* stored states are of this very library */
+    error damage;        /* what of it was told last */
+    char note[NOTE];
+};
+
+/* ---- the mapping as it was ---- */
+
+/* The words of "org.marotte.anchored 1.0 0123abcd": type id, version, hash. */
+typedef struct plugin_words {
+    char id[128], version[32], hash[TAKE_HASH];
+} plugin_words;
+
+static plugin_words words_of(const char *text)
+{
+    plugin_words out = {{0}, {0}, {0}};
+    (void)sscanf(text ? text : "", "%127s %31s %64s", out.id, out.version, out.hash);
+    return out;
+}
+
+/* As on the stage: what does not come with the program may crash without taking it along. */
+static mrt_result isolate_foreign(replay *self, const char *library, const mrt_plugin_type **type,
+                                  error *err)
+{
+    const isolate_settings settings = {.clock = CLOCK_VIRTUAL};
+    if (!isolate_is_wanted(ISOLATE_FOREIGN, library))
+        return MRT_OK;
+    mrt_result result = isolate_create_mapping(&self->isolate, *type, library, &settings, err);
+    if (result >= 0)
+        *type = isolate_type(self->isolate);
+    return result;
+}
+
+static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, error *err)
+{
+    plugin_words then = words_of(self->info.performance.mapping);
+    if (strcmp(then.id, null_mapping_type.id) == 0) {
+        *out_type = &null_mapping_type;
+        self->is_same_plugin = true;
+        return MRT_OK;
+    }
+    mrt_result result = plugin_list_find(self->world.plugins, then.id, MRT_MAPPING, out_type, err);
+    if (result < 0)
+        return result;
+    char hash[TAKE_HASH] = "";
+    error ignored = {""};
+    const char *path = plugin_list_path_of(self->world.plugins, *out_type);
+    self->is_same_plugin = hash_file(hash, path, &ignored) >= 0 && strcmp(hash, then.hash) == 0;
+    if (!self->is_same_plugin)
+        snprintf(
+            self->note, sizeof self->note,
+            "%s is not the library that it was recorded with (then %s, now %.40s): the same hands "
+            "may move the face otherwise",
+            then.id, then.version[0] ? then.version : "unknown", (*out_type)->version);
+    return isolate_foreign(self, path, out_type, err);
+}
+
+static void set_param(instance *mapping, uint32_t id, double value)
+{
+    const mrt_plugin_type *type = mapping->type;
+    for (uint32_t i = 0; i < type->param_count; ++i)
+        if (type->params[i].id == id && value >= type->params[i].min &&
+            value <= type->params[i].max)
+            atomic_store(&mapping->wanted[i], value);
+}
+
+static void set_first_params(replay *self)
+{
+    const take_performance *p = &self->info.performance;
+    for (uint32_t i = 0; i < self->mapping.type->param_count; ++i)
+        atomic_store(&self->mapping.wanted[i], self->mapping.type->params[i].initial);
+    for (uint32_t i = 0; i < p->param_count; ++i)
+        set_param(&self->mapping, p->param[i].id, p->param[i].value);
+}
+
+/* ---- tracks ---- */
+
+static mrt_result calibrate(replay *self, track *t, const take_track *as, error *err)
+{
+    for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
+        calibration_file file;
+        hand_calibration used;
+        const char *anew = self->info.performance.again.calibration[side];
+        const char *text = anew ? anew : as->calibration[side];
+        if (!text)
+            continue;
+        mrt_result result =
+            calibration_file_parse(&file, text, strlen(text), "the take's calibration", err);
+        if (result < 0)
+            return result;
+        calibration_file_use(&file, &used);
+        self->length_mm[side] = file.hand_length_mm;
+        calibration_file_finish(&file);
+        channel_route_calibrate(&t->route, side, &used);
+    }
+    return MRT_OK;
+}
+
+static mrt_result open_track(replay *self, track *t, error *err)
+{
+    show_track info;
+    mrt_channel channel[MRT_MAX_CHANNELS];
+    mrt_result result = show_track_read(self->world.show, t->id, &info, err);
+    if (result < 0)
+        return result;
+    for (uint32_t i = 0; i < info.track.channel_count; ++i) {
+        const take_channel *c = &info.track.channel[i];
+        channel[i] = (mrt_channel){c->name, c->unit, c->semantic, c->hand, c->min, c->max};
+    }
+    channel_route_init(&t->route, channel, info.track.channel_count);
+    channel_route_call(&t->route, info.track.device);
+    result = calibrate(self, t, &info.track, err);
+    show_track_finish(&info);
+    if (result < 0)
+        return result;
+    return show_reader_open(&t->reader, self->world.show, t->id, self->info.from_ns,
+                            self->info.to_ns, err);
+}
+
+static mrt_result open_tracks(replay *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    self->track_count = self->info.performance.track_count;
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
+        self->track[i].id = self->info.performance.track[i];
+        result = open_track(self, &self->track[i], err);
+    }
+    return result;
+}
+
+static bool is_of_track(const replay *self, const take_event *e)
+{
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        if (self->track[i].id == e->track)
+            return true;
+    return false;
+}
+
+/* Those that change how it is performed. */
+static mrt_result read_events(replay *self, error *err)
+{
+    mrt_result result = show_events(self->world.show, self->info.from_ns, self->info.to_ns,
+                                    &self->event, &self->event_count, err);
+    if (result < 0)
+        return result;
+    size_t kept = 0;
+    for (size_t i = 0; i < self->event_count; ++i) {
+        const take_event *e = &self->event[i];
+        bool is_heard =
+            e->kind == TAKE_EVENT_REZERO ||
+            (e->kind == TAKE_EVENT_PARAM && !self->info.performance.again.ignores_params);
+        if (is_heard && is_of_track(self, e))
+            self->event[kept++] = *e;
+    }
+    self->event_count = kept;
+    return MRT_OK;
+}
+
+/* Damaged chunks are passed over, and told once: what can be read is performed. */
+static mrt_result read_sample(replay *self, track *t, error *err)
+{
+    mrt_result result;
+    if (self->has_ahead && t->ahead_at == t->ahead_count)
+        return MRT_END;
+    if (self->has_ahead) {
+        t->pending = t->ahead[t->ahead_at++];
+        return MRT_OK;
+    }
+    while ((result = show_reader_next(t->reader, &t->pending, err)) == MRT_ERR_FORMAT) {
+        if (strcmp(self->damage.text, err->text) == 0)
+            continue;
+        self->damage = *err;
+        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
+    }
+    return result;
+}
+
+static mrt_result peek_track(void *data, mrt_sample *out, uint32_t *out_version, error *err)
+{
+    track *t = data;
+    if (!t->has_pending) {
+        mrt_result result = read_sample(t->of, t, err);
+        if (result != MRT_OK)
+            return result;
+    }
+    t->has_pending = true;
+    *out = t->pending;
+    *out_version = 0;
+    return MRT_OK;
+}
+
+static void take_sample(void *data)
+{
+    ((track *)data)->has_pending = false;
+}
+
+void replay_schedule(replay *self, scheduler *into, const sample_source *as)
+{
+    for (uint32_t i = 0; i < self->track_count; ++i) {
+        track *t = &self->track[i];
+        sample_source from = *as;
+        from.self = t;
+        from.peek = peek_track;
+        from.take = take_sample;
+        t->of = self;
+        scheduler_add(into, &from, &t->route);
+    }
+}
+
+/* ---- what its mapping was taught ---- */
+
+/* Of a kept state: what its mapping had been taught, and the rest. */
+typedef struct kept_parts {
+    int64_t show_offset_ns;
+    const unsigned char *taught, *state;
+    size_t taught_size, state_size;
+} kept_parts;
+
+enum { WITHOUT_TAUGHT = 2 }; /* version */
+
+static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
+{
+    *out = (kept_parts){0};
+    if (!kept->bytes || kept->version < WITHOUT_TAUGHT || kept->version > REPLAY_CHECKPOINT_VERSION)
+        return false;
+    bytes_in in = {.at = kept->bytes, .end = (const unsigned char *)kept->bytes + kept->size};
+    bytes_take(&in, &out->show_offset_ns, sizeof out->show_offset_ns);
+    if (kept->version > WITHOUT_TAUGHT)
+        out->taught_size = bytes_take_u32(&in);
+    if (in.failed || out->taught_size > (size_t)(in.end - in.at))
+        return false;
+    out->taught = in.at;
+    out->state = in.at + out->taught_size;
+    out->state_size = (size_t)(in.end - out->state);
+    return true;
+}
+
+/* Bytes of the largest state of this face. */
+static size_t most_kept(const replay *self)
+{
+    const points *rest = face_rest(performer_face(self->world.scratch));
+    return REPLAY_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
+}
+
+/* As it was when the performance began: what a reset leads back to. */
+static mrt_result read_taught(replay *self, error *err)
+{
+    show_checkpoint kept;
+    kept_parts parts;
+    const take_performance *p = &self->info.performance;
+    if (!plugin_interface(self->mapping.type, MRT_STATE))
+        return MRT_OK;
+    mrt_result result = show_checkpoint_before(self->world.show, p->again.of ? p->again.of : p->id,
+                                               self->info.from_ns, most_kept(self), &kept, err);
+    if (result == MRT_ERR_FORMAT)
+        log_push(self->world.log, MRT_LOG_WARNING, "take", err->text);
+    else if (result < 0)
+        return result;
+    error why = {""};
+    if (result >= 0 && parse_checkpoint(&parts, &kept) && parts.taught_size > 0) {
+        self->keeps_taught = true;
+        if (taught_load(&self->mapping, parts.taught, parts.taught_size, &why) < 0)
+            log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
+    }
+    if (result >= 0)
+        show_checkpoint_finish(&kept);
+    self->taught_size = taught_save(&self->mapping, NULL, 0);
+    self->taught = self->taught_size > 0 ? malloc(self->taught_size) : NULL;
+    if (self->taught)
+        (void)taught_save(&self->mapping, self->taught, self->taught_size);
+    return MRT_OK;
+}
+
+/* ---- opened and closed ---- */
+
+static mrt_result set_patch(replay *self, error *err)
+{
+    const char *text = self->info.performance.patch;
+    patch *p = text ? malloc(sizeof *p) : NULL;
+    patch_plan *plan = NULL, *none;
+    if (!text)
+        return MRT_OK;
+    if (!p)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a patch");
+    mrt_result result = patch_file_parse(p, text, strlen(text), "the take's patch", err);
+    if (result >= 0)
+        result = performer_make_patch(self->world.scratch, p, &plan, err);
+    free(p);
+    if (result >= 0)
+        (void)layer_set_patch(self->layer, plan, &none);
+    return result;
+}
+
+mrt_result replay_open(replay **out, const replay_world *world, int64_t performance, error *err)
+{
+    *out = NULL;
+    replay *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a performance");
+    self->world = *world;
+    self->now_ns = INT64_MIN;
+    const mrt_plugin_type *type = NULL;
+    mrt_result result = show_performance_read(world->show, performance, &self->info, err);
+    if (result >= 0)
+        result = find_mapping(self, &type, err);
+    if (result >= 0)
+        result = instance_create(&self->mapping, type, CLOCK_VIRTUAL, world->log, err);
+    if (result < 0)
+        goto fail;
+    set_first_params(self);
+    result = read_taught(self, err);
+    if (result >= 0)
+        result = open_tracks(self, err);
+    if (result < 0)
+        goto fail;
+    const sample_source alone = {.voice = 0};
+    scheduler_init(&self->scheduler, SCHEDULE_RECORDED, self->entry, NULL, TAKE_TRACKS_MAX);
+    replay_schedule(self, &self->scheduler, &alone);
+    const take_performance *p = &self->info.performance;
+    layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
+                               .hands.min_cutoff_hz = p->again.min_cutoff_hz,
+                               .hands.has_beta = p->again.has_beta,
+                               .hands.beta = p->again.beta,
+                               .keeps_taught = self->keeps_taught};
+    for (int side = 0; side < 2; ++side)
+        settings.hands.length_mm[side] =
+            p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
+    const composer *shown = performer_composer(world->scratch);
+    settings.reach_mm = composer_reach_mm(shown, &settings.centre);
+    result = layer_create(&self->layer, &self->mapping, composer_mapped(shown), &settings, err);
+    if (result >= 0)
+        result = set_patch(self, err);
+    if (result >= 0)
+        result = read_events(self, err);
+    if (result < 0)
+        goto fail;
+    *out = self;
+    return MRT_OK;
+fail:
+    replay_close(self);
+    return result;
+}
+
+void replay_forget_ahead(replay *self)
+{
+    for (uint32_t i = 0; i < self->track_count; ++i) {
+        free(self->track[i].ahead);
+        self->track[i].ahead = NULL;
+        self->track[i].ahead_count = 0;
+    }
+    show_checkpoint_finish(&self->ahead_state);
+    answers_finish(&self->answers);
+    if (self->layer)
+        layer_set_answers(self->layer, NULL);
+    self->has_ahead = false;
+    self->missing[0] = '\0';
+}
+
+void replay_close(replay *self)
+{
+    if (!self)
+        return;
+    replay_forget_ahead(self);
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        show_reader_close(self->track[i].reader);
+    layer_destroy(self->layer);
+    instance_destroy(&self->mapping);
+    isolate_destroy(self->isolate);
+    free(self->event);
+    free(self->taught);
+    show_performance_finish(&self->info);
+    free(self);
+}
+
+int64_t replay_performance(const replay *self)
+{
+    return self->info.performance.id;
+}
+
+layer *replay_layer(replay *self)
+{
+    return self->layer;
+}
+
+const char *replay_note(const replay *self)
+{
+    return self->note;
+}
+
+mrt_result replay_check(const replay *self, error *err)
+{
+    return isolate_check(&self->mapping, err);
+}
+
+int64_t replay_now_ns(const replay *self)
+{
+    return self->now_ns;
+}
+
+/* ---- step by step ---- */
+
+void replay_prepare(replay *self, const sample_step *s)
+{
+    for (; self->next_event < self->event_count; ++self->next_event) {
+        const take_event *e = &self->event[self->next_event];
+        error why = {""};
+        if (e->time_ns > s->time_ns)
+            break;
+        if (e->kind == TAKE_EVENT_PARAM)
+            set_param(&self->mapping, e->param, e->value);
+        else if (hands_rezero(layer_hands(self->layer), e->hand, layer_frame(self->layer)->time_ns,
+                              &why) != MRT_OK)
+            continue; /* as it was refused then */
+    }
+    self->now_ns = s->time_ns;
+}
+
+static void perform_alone(replay *self, performer *on)
+{
+    performer_voice *alone = performer_voice_of(on, 0);
+    if (alone->layer != self->layer)
+        *alone =
+            (performer_voice){.layer = self->layer, .is_seen = true, .weight = 1.0, .gain = 1.0};
+}
+
+mrt_result replay_step(replay *self, int64_t before_ns, error *err)
+{
+    sample_step next;
+    int64_t ignored_ns;
+    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    if (result < 0)
+        return result;
+    if (result != MRT_OK || next.time_ns >= before_ns)
+        return MRT_END;
+    scheduler_take(&self->scheduler, &next);
+    perform_alone(self, self->world.scratch);
+    replay_prepare(self, &next);
+    performer_map(self->world.scratch, &next);
+    return MRT_OK;
+}
+
+/* ---- to any instant ---- */
+
+static size_t count_before(const track *t, int64_t time_ns)
+{
+    size_t low = 0, high = t->ahead_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (t->ahead[middle].time_ns < time_ns)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Behind the samples up to now_ns. */
+static mrt_result position(replay *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i) {
+        track *t = &self->track[i];
+        int64_t from_ns = self->now_ns == INT64_MIN ? self->info.from_ns : self->now_ns + 1;
+        t->has_pending = false;
+        if (self->has_ahead)
+            t->ahead_at = count_before(t, from_ns);
+        else
+            result = show_reader_seek(t->reader, from_ns, err);
+    }
+    self->next_event = 0;
+    while (self->next_event < self->event_count &&
+           self->event[self->next_event].time_ns <= self->now_ns)
+        self->next_event += 1;
+    return result;
+}
+
+static mrt_result rewind_all(replay *self, error *err)
+{
+    error why = {""};
+    self->now_ns = INT64_MIN;
+    set_first_params(self);
+    if (self->taught && !self->answers.is_given &&
+        taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
+        log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
+    layer_reset(self->layer);
+    composer_reset(performer_composer(self->world.scratch));
+    return position(self, err);
+}
+
+/* Takes up what replay_keep has written. */
+static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
+{
+    perform_alone(self, into);
+    mrt_result result = performer_load(into, kept->state, kept->state_size, err);
+    if (result >= 0)
+        layer_shift_time(self->layer, kept->show_offset_ns);
+    return result;
+}
+
+mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
+                         error *err)
+{
+    show_checkpoint kept;
+    error ignored = {""};
+    if (!self->is_same_plugin || time_ns == INT64_MIN)
+        return MRT_HOLD;
+    bool has_kept = self->has_ahead;
+    if (has_kept && (!self->ahead_state.bytes || self->ahead_state.time_ns >= time_ns))
+        return MRT_HOLD;
+    mrt_result result = MRT_OK;
+    if (has_kept)
+        kept = self->ahead_state;
+    else
+        result = show_checkpoint_before(self->world.show, self->info.performance.id, time_ns - 1,
+                                        most_kept(self), &kept, err);
+    if (result == MRT_ERR_FORMAT)
+        return MRT_HOLD; /* damaged: the samples themselves tell it too */
+    if (result < 0)
+        return result;
+    kept_parts parts;
+    bool is_wanted =
+        kept.time_ns >= least_ns && parse_checkpoint(&parts, &kept) && parts.state_size > 0;
+    bool is_usable = is_wanted && resume(self, &parts, into, &ignored) >= 0;
+    int64_t then_ns = kept.time_ns;
+    if (!has_kept)
+        show_checkpoint_finish(&kept);
+    if (!is_wanted)
+        return MRT_HOLD;
+    if (!is_usable)
+        return rewind_all(self, err) < 0 ? MRT_ERR_FORMAT : MRT_HOLD;
+    self->now_ns = then_ns;
+    return position(self, err);
+}
+
+mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
+{
+    mrt_result result = replay_recall(self, time_ns, INT64_MIN, self->world.scratch, err);
+    if (result == MRT_HOLD)
+        result = rewind_all(self, err);
+    if (result < 0)
+        return result;
+    while ((result = replay_step(self, time_ns, err)) == MRT_OK)
+        performer_constrain(self->world.scratch, 0, self->now_ns);
+    return result < 0 ? result : MRT_OK;
+}
+
+/* ---- from memory ---- */
+
+static size_t ahead_bytes(const replay *self)
+{
+    return self->world.ahead_bytes ? self->world.ahead_bytes : ahead_bytes_default;
+}
+
+/* There is nothing behind this show time. */
+static void end_ahead(replay *self, int64_t at_ns, const char *why)
+{
+    int64_t since_ns = at_ns > self->info.from_ns ? at_ns - self->info.from_ns : 0;
+    self->ahead_to_ns = at_ns;
+    for (uint32_t i = 0; i < self->track_count; ++i)
+        self->track[i].ahead_count = count_before(&self->track[i], at_ns + 1);
+    (void)snprintf(self->missing, sizeof self->missing,
+                   "performing over the take, performance %lld is held from its %.1f s on: %s",
+                   (long long)self->info.performance.id, (double)since_ns * 1e-9, why);
+}
+
+/* To the last sample up to ahead_to_ns, which is where there is no more room. */
+static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, error *err)
+{
+    size_t most = ahead_bytes(self) / sizeof *t->ahead / self->track_count, capacity = 0;
+    mrt_result result = show_reader_seek(t->reader, from_ns, err);
+    while (result >= 0 && (result = read_sample(self, t, err)) == MRT_OK) {
+        if (t->pending.time_ns > self->ahead_to_ns)
+            break;
+        if (t->ahead_count == most) {
+            end_ahead(self, t->pending.time_ns - 1, "it is too long to be kept in memory");
+            break;
+        }
+        if (t->ahead_count == capacity) {
+            capacity = capacity * 2 + 256;
+            mrt_sample *grown = realloc(t->ahead, capacity * sizeof *grown);
+            if (!grown)
+                return error_set(err, MRT_ERR_MEMORY, "no memory to read a take ahead");
+            t->ahead = grown;
+        }
+        t->ahead[t->ahead_count++] = t->pending;
+    }
+    return result < 0 ? result : MRT_OK;
+}
+
+/* The last state that was kept before what was asked for; without one, all from the start. */
+static int64_t read_state_ahead(replay *self)
+{
+    kept_parts parts;
+    error ignored = {""};
+    if (!self->is_same_plugin ||
+        show_checkpoint_before(self->world.show, self->info.performance.id, self->asked_from_ns - 1,
+                               most_kept(self), &self->ahead_state, &ignored) < 0)
+        return self->info.from_ns;
+    if (parse_checkpoint(&parts, &self->ahead_state) && parts.state_size > 0 &&
+        self->ahead_state.time_ns >= self->info.from_ns)
+        return self->ahead_state.time_ns + 1;
+    show_checkpoint_finish(&self->ahead_state);
+    return self->info.from_ns;
+}
+
+static mrt_result read_ahead(replay *self, error *err)
+{
+    replay_forget_ahead(self);
+    self->ahead_to_ns = self->asked_to_ns < self->info.to_ns ? self->asked_to_ns : self->info.to_ns;
+    int64_t from_ns = read_state_ahead(self);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < self->track_count && result >= 0; ++i)
+        result = read_track_ahead(self, &self->track[i], from_ns, err);
+    self->has_ahead = result >= 0;
+    self->answers.is_given = self->has_ahead && self->isolate;
+    layer_set_answers(self->layer, self->answers.is_given ? &self->answers : NULL);
+    return result;
+}
+
+mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error *err)
+{
+    if (self->has_ahead && self->asked_from_ns < from_ns)
+        from_ns = self->asked_from_ns;
+    if (self->has_ahead && self->asked_to_ns > to_ns)
+        to_ns = self->asked_to_ns;
+    self->asked_from_ns = from_ns;
+    self->asked_to_ns = to_ns;
+    mrt_result result = read_ahead(self, err);
+    mrt_result placed = position(self, err);
+    return result < 0 ? result : placed;
+}
+
+/* NULL: it may go on. */
+static const char *why_not_on(const replay *self, int64_t until_ns)
+{
+    error ignored = {""};
+    if (replay_check(self, &ignored) < 0)
+        return "its mapping's process has failed";
+    if (clock_now_ns() >= until_ns)
+        return "its mapping answers too slowly";
+    bool is_too_much = self->answers.is_full || answers_size(&self->answers) > ahead_bytes(self);
+    return is_too_much ? "its mapping's answers are too many to be kept in memory" : NULL;
+}
+
+mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
+{
+    const char *why = NULL;
+    self->answers.is_given = false; /* asked, they are written down */
+    mrt_result result = replay_recall(self, INT64_MAX, INT64_MIN, self->world.scratch, err);
+    if (result == MRT_HOLD && self->ahead_state.bytes) { /* that state is refused: without it */
+        self->is_same_plugin = false;
+        result = read_ahead(self, err) < 0 ? MRT_ERR_IO : MRT_HOLD;
+        self->answers.is_given = false;
+    }
+    if (result == MRT_HOLD)
+        result = rewind_all(self, err);
+    while (self->isolate && result >= 0 && !why &&
+           (result = replay_step(self, INT64_MAX, err)) == MRT_OK) {
+        performer_constrain(self->world.scratch, 0, self->now_ns);
+        why = why_not_on(self, until_ns);
+    }
+    if (why)
+        end_ahead(self, self->now_ns - 1, why);
+    self->answers.is_given = self->isolate != NULL;
+    return result < 0 ? result : MRT_OK;
+}
+
+const char *replay_missing(const replay *self)
+{
+    return self->missing;
+}
+
+/* ---- kept ---- */
+
+size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
+                   size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    size_t taught = taught_save(mapping, NULL, 0), size = of ? performer_save(of, NULL, 0) : 0;
+    if (size == 0 && taught == 0)
+        return 0;
+    bytes_put(&out, &show_offset_ns, sizeof show_offset_ns);
+    bytes_put_u32(&out, (uint32_t)taught);
+    if (out.data && taught > 0 && taught <= out.capacity - out.size)
+        (void)taught_save(mapping, out.data + out.size, taught);
+    out.size += taught;
+    if (out.data && size > 0 && out.size <= out.capacity && size <= out.capacity - out.size)
+        performer_save(of, out.data + out.size, size);
+    return out.size + size;
+}
+
+size_t replay_save(replay *self, void *bytes, size_t capacity)
+{
+    size_t size = layer_save(self->layer, NULL, 0);
+    if (size == 0)
+        return 0;
+    bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
+    bytes_put(&out, &self->now_ns, sizeof self->now_ns);
+    if (out.data && out.size + size <= out.capacity)
+        layer_save(self->layer, out.data + out.size, size);
+    return out.size + size;
+}
+
+mrt_result replay_load(replay *self, const void *bytes, size_t size, error *err)
+{
+    bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
+    bytes_take(&in, &self->now_ns, sizeof self->now_ns);
+    if (in.failed)
+        return error_set(err, MRT_ERR_FORMAT, "the state of a performance is damaged");
+    mrt_result result = layer_load(self->layer, in.at, (size_t)(in.end - in.at), err);
+    return result < 0 ? result : position(self, err);
+}

@@ -1,0 +1,1039 @@
+#include "stage/playback/sequencer.h"
+#include "base/bytes.h"
+#include "base/clock.h"
+#include "stage/playback/kept_solver.h"
+#include "show/own.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    PLAYS_MAX = PERFORMER_VOICES_MAX - 1,  /* a play's index is its voice */
+    LIVE_VOICE = PERFORMER_VOICES_MAX - 1, /* who performs over the take */
+    SPARES_KEPT = 16,                      /* replays kept open */
+    OPEN_MAX = 64,                         /* with those that play, while it is prepared */
+    SOURCES_MAX = PLAYS_MAX * TAKE_TRACKS_MAX,
+    BEFORE_ALL = -1 /* now_ns before the first instant */
+};
+
+static const size_t checkpoint_bytes_default = (size_t)256 << 20;
+static const int64_t span_min_ns = NS_PER_S / 2;
+/* That all processes together are asked ahead. */
+static const int64_t answers_patience_ns = 30 * NS_PER_S;
+static const char unprepared[] = "more clips come than can be opened at once: some are left out";
+
+typedef struct play { /* a clip that is shown now */
+    const sequencer *of;
+    const take_clip *clip;
+    uint32_t lane;  /* index of its layer */
+    replay *replay; /* NULL: free */
+    bool is_wanted; /* within cross_boundary */
+} play;
+
+typedef struct checkpoint { /* what is kept of an instant */
+    int64_t at_ns;
+    unsigned char *bytes;
+    size_t size;
+} checkpoint;
+
+struct sequencer {
+    sequencer_settings settings;
+    replay_world world;
+    take take;
+    performer *performer, *scratch;
+    scheduler scheduler; /* of the tracks of all that plays, due on the timeline */
+    scheduler_entry *entry;
+    play play[PLAYS_MAX];
+    replay *spare[OPEN_MAX]; /* open, of no clip: the oldest first */
+    uint32_t spare_count;
+    int64_t *boundary; /* ascending: when clips of heard layers start and end */
+    size_t boundary_count;
+    uint8_t *owned; /* layer_count rows */
+    size_t owned_row;
+    int64_t now_ns;
+    uint64_t sample_count;
+    char note[1024];
+    error failed;     /* of a mapping whose clip has ended */
+    bool is_touched;  /* by somebody live: the face is not the take's alone */
+    bool is_prepared; /* nothing is opened, read, asked or closed now */
+    bool is_ahead;    /* its replays perform from memory */
+    checkpoint start; /* while it is prepared: of where it stood then; size 0: none */
+
+    checkpoint *checkpoint; /* by at_ns */
+    size_t checkpoint_count, checkpoint_capacity, checkpoint_bytes;
+    int64_t checkpoint_span_ns; /* at least so far apart; 0: not chosen yet */
+    bool is_unkeepable;         /* some mapping cannot say its state */
+    unsigned char *scratch_bytes;
+    size_t scratch_capacity;
+};
+
+static void add_note(sequencer *self, const char *text)
+{
+    size_t used = strlen(self->note);
+    if (text[0] && !strstr(self->note, text) && used + strlen(text) + 2 < sizeof self->note)
+        snprintf(self->note + used, sizeof self->note - used, "%s\n", text);
+}
+
+static bool reserve(sequencer *self, size_t size) /* scratch_bytes; false: no memory */
+{
+    if (size <= self->scratch_capacity)
+        return true;
+    unsigned char *bytes = realloc(self->scratch_bytes, size + size / 2);
+    if (!bytes)
+        return false;
+    self->scratch_bytes = bytes;
+    self->scratch_capacity = size + size / 2;
+    return true;
+}
+
+/* ---- replays, opened and closed ---- */
+
+static replay *take_spare(sequencer *self, uint32_t index)
+{
+    replay *out = self->spare[index];
+    self->spare_count -= 1;
+    memmove(&self->spare[index], &self->spare[index + 1],
+            (self->spare_count - index) * sizeof *self->spare);
+    return out;
+}
+
+/* One that is open already, or a new one; wherever it is: to be sought or loaded. What opening
+ * takes (a file's hash, a process) is done once for all the clips of a performance. MRT_HOLD: none
+ * was prepared. */
+static mrt_result open_replay(sequencer *self, int64_t performance, replay **out, error *err)
+{
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        if (replay_performance(self->spare[i]) == performance) {
+            *out = take_spare(self, i);
+            return MRT_OK;
+        }
+    *out = NULL;
+    return self->is_prepared ? MRT_HOLD : replay_open(out, &self->world, performance, err);
+}
+
+static void keep_spare(sequencer *self, replay *r)
+{
+    error ignored = {""};
+    self->spare[self->spare_count++] = r;
+    if (self->is_prepared)
+        return;
+    if (replay_check(r, &ignored) < 0) /* another process, next time */
+        replay_close(take_spare(self, self->spare_count - 1));
+    while (self->spare_count > SPARES_KEPT)
+        replay_close(take_spare(self, 0));
+}
+
+static void close_spares(sequencer *self)
+{
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        replay_close(self->spare[i]);
+    self->spare_count = 0;
+}
+
+static void close_play(sequencer *self, play *p) /* its replay stays open for a while */
+{
+    error why = {""};
+    if (p->replay && replay_check(p->replay, &why) < 0 && !self->failed.text[0])
+        self->failed = why;
+    if (p->replay)
+        keep_spare(self, p->replay);
+    *p = (play){0};
+    *performer_voice_of(self->performer, (uint32_t)(p - self->play)) = (performer_voice){0};
+}
+
+static void close_plays(sequencer *self)
+{
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        close_play(self, &self->play[slot]);
+}
+
+static uint32_t list_open(const sequencer *self, replay *out[OPEN_MAX + PLAYS_MAX])
+{
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        if (self->play[slot].replay)
+            out[count++] = self->play[slot].replay;
+    for (uint32_t i = 0; i < self->spare_count; ++i)
+        out[count++] = self->spare[i];
+    return count;
+}
+
+mrt_result sequencer_check(const sequencer *self, error *err)
+{
+    mrt_result result = MRT_OK;
+    if (self->failed.text[0])
+        return error_set(err, MRT_ERR_FORMAT, "%s", self->failed.text);
+    for (uint32_t slot = 0; slot < PLAYS_MAX && result >= 0; ++slot)
+        if (self->play[slot].replay)
+            result = replay_check(self->play[slot].replay, err);
+    return result;
+}
+
+/* ---- who plays, and when ---- */
+
+/* When a sample of a clip's performance is due on the timeline. */
+static int64_t due_ns(void *clock, int64_t show_ns)
+{
+    const play *p = clock;
+    const take_clip *clip = p->clip;
+    if (show_ns > clip->to_ns)
+        return INT64_MAX;
+    int64_t at_ns = take_warp_to_timeline(clip, show_ns - clip->from_ns);
+    if (at_ns >= clip->end_ns)
+        return INT64_MAX;
+    at_ns += p->of->take.layer[p->lane].offset_ns;
+    return at_ns > p->of->now_ns ? at_ns : p->of->now_ns;
+}
+
+static void schedule_plays(sequencer *self)
+{
+    scheduler_clear(&self->scheduler);
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot) {
+        const sample_source as = {.voice = slot, .due_ns = due_ns, .clock = &self->play[slot]};
+        if (self->play[slot].replay)
+            replay_schedule(self->play[slot].replay, &self->scheduler, &as);
+    }
+}
+
+/* Its voice, which is seen when weigh_voices says so; what was smoothed of another goes. */
+static void cast_play(sequencer *self, const play *p)
+{
+    performer_voice_of(self->performer, (uint32_t)(p - self->play))->layer =
+        replay_layer(p->replay);
+}
+
+static play *find_play(sequencer *self, uint32_t lane, uint32_t clip)
+{
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot) {
+        play *p = &self->play[slot];
+        if (p->replay && p->lane == lane && p->clip->id == clip)
+            return p;
+    }
+    return NULL;
+}
+
+/* What is seen of each at that instant. */
+static void weigh_voices(sequencer *self, int64_t at_ns)
+{
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        performer_voice_of(self->performer, slot)->is_seen = false;
+    for (uint32_t i = 0; i < self->take.layer_count; ++i) {
+        const take_layer *l = &self->take.layer[i];
+        take_voice heard[2];
+        uint32_t count = take_at(heard, l, at_ns);
+        for (uint32_t j = 0; j < count; ++j) {
+            const play *p = find_play(self, i, heard[j].clip->id);
+            if (!p)
+                continue;
+            performer_voice *v = performer_voice_of(self->performer, (uint32_t)(p - self->play));
+            v->is_seen = true;
+            v->lane = i;
+            v->rank = j;
+            v->is_additive = l->is_additive;
+            v->weight = heard[j].weight;
+            v->gain = l->gain * p->clip->gain;
+            v->smooth_s = p->clip->smooth_s;
+            v->owns = l->own_count > 0 ? self->owned + i * self->owned_row : NULL;
+        }
+    }
+    performer_voice *live = performer_voice_of(self->performer, LIVE_VOICE);
+    live->is_seen = live->weight > 0.0;
+    live->lane = self->take.layer_count;
+}
+
+/* ---- clips come and go ---- */
+
+static int64_t show_time_ns(const take_clip *clip, int64_t source_ns)
+{
+    return clip->from_ns + source_ns;
+}
+
+/* A clip that goes on where another of its layer ended, as after a split, takes over from it. */
+static play *find_predecessor(sequencer *self, uint32_t lane, const take_clip *clip,
+                              int64_t show_ns)
+{
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot) {
+        play *p = &self->play[slot];
+        if (!p->replay || p->lane != lane || p->clip->performance != clip->performance ||
+            p->clip->end_ns != clip->start_ns)
+            continue;
+        int64_t end_ns = show_time_ns(p->clip, take_warp_to_source(p->clip, p->clip->end_ns));
+        if (end_ns == show_ns)
+            return p;
+    }
+    return NULL;
+}
+
+static play *free_play(sequencer *self)
+{
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        if (!self->play[slot].replay)
+            return &self->play[slot];
+    return NULL;
+}
+
+/* The very first clip of the lowest layer brings the shape along that its performance had. */
+static bool begins_with_its_shape(const sequencer *self, const play *p)
+{
+    return self->now_ns == BEFORE_ALL && p == &self->play[0];
+}
+
+static mrt_result begin_with_its_shape(sequencer *self, error *err)
+{
+    composer *then = performer_composer(self->scratch);
+    size_t size = composer_save(then, NULL, 0);
+    if (!reserve(self, size))
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the shape");
+    composer_save(then, self->scratch_bytes, size);
+    return composer_load(performer_composer(self->performer), self->scratch_bytes, size, err);
+}
+
+static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *clip,
+                             int64_t source_ns, error *err)
+{
+    int64_t show_ns = show_time_ns(clip, source_ns);
+    play *p = find_predecessor(self, lane, clip, show_ns);
+    if (p) {
+        p->clip = clip;
+        p->is_wanted = true;
+        return MRT_OK;
+    }
+    p = free_play(self);
+    if (!p) {
+        add_note(self, "more clips at an instant than can be played: some are left out");
+        return MRT_OK;
+    }
+    *p = (play){.of = self, .clip = clip, .lane = lane, .is_wanted = true};
+    mrt_result result = open_replay(self, clip->performance, &p->replay, err);
+    if (result == MRT_HOLD) {
+        *p = (play){0};
+        add_note(self, unprepared);
+        log_push(self->world.log, MRT_LOG_WARNING, "take", unprepared);
+        return MRT_OK;
+    }
+    if (result >= 0)
+        result = replay_seek(p->replay, show_ns, err);
+    if (result >= 0 && begins_with_its_shape(self, p))
+        result = begin_with_its_shape(self, err);
+    if (result < 0)
+        return result;
+    cast_play(self, p);
+    add_note(self, replay_note(p->replay));
+    return MRT_OK;
+}
+
+/* The clips of this instant play, and no others. True in out_changed: the face is concerned. */
+static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_changed, error *err)
+{
+    mrt_result result = MRT_OK;
+    uint32_t fresh_count = 0;
+    *out_changed = false;
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        self->play[slot].is_wanted = false;
+    for (uint32_t i = 0; i < self->take.layer_count && result >= 0; ++i) {
+        take_voice voice[2];
+        uint32_t count =
+            own_layer_is_heard(&self->take, i) ? take_at(voice, &self->take.layer[i], at_ns) : 0;
+        for (uint32_t j = 0; j < count && result >= 0; ++j) {
+            play *p = find_play(self, i, voice[j].clip->id);
+            if (p) {
+                p->is_wanted = true;
+                continue;
+            }
+            result = start_play(self, i, voice[j].clip, voice[j].source_ns, err);
+            fresh_count += 1;
+        }
+    }
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot) {
+        play *p = &self->play[slot];
+        if (p->replay && !p->is_wanted) {
+            close_play(self, p);
+            *out_changed = true;
+        } else if (p->replay && fresh_count > 0 && self->now_ns != BEFORE_ALL) {
+            *out_changed |= layer_pull(replay_layer(p->replay))->mode != MRT_IDLE;
+        }
+    }
+    schedule_plays(self);
+    return result;
+}
+
+/* The face is the take's alone: who performs over it is not seen until its next step. */
+static void be_untouched(sequencer *self)
+{
+    self->is_touched = false;
+    performer_voice_of(self->performer, LIVE_VOICE)->weight = 0.0;
+}
+
+/* Before the first instant, its clips ready. */
+static mrt_result restart(sequencer *self, error *err)
+{
+    bool is_changed;
+    close_plays(self);
+    composer_reset(performer_composer(self->performer));
+    self->now_ns = BEFORE_ALL;
+    be_untouched(self);
+    return cross_boundary(self, 0, &is_changed, err);
+}
+
+/* ---- checkpoints: what is kept of an instant, so that scrubbing need not play from the start; one
+ * that is taken up again goes on with the same bits ---- */
+
+static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
+{
+    const play *p = &self->play[slot];
+    const performer_voice *v = performer_voice_of(self->performer, slot);
+    size_t size = replay_save(p->replay, NULL, 0);
+    if (size == 0)
+        return false;
+    bytes_put_u32(out, slot);
+    bytes_put_u32(out, p->lane);
+    bytes_put_u32(out, p->clip->id);
+    bytes_put_u32(out, v->has_smooth);
+    if (v->has_smooth) {
+        bytes_put(out, &v->smooth_ns, sizeof v->smooth_ns);
+        bytes_put(out, &v->smooth, sizeof v->smooth);
+    }
+    bytes_put_u32(out, (uint32_t)size);
+    if (out->data && out->size + size <= out->capacity)
+        replay_save(p->replay, out->data + out->size, size);
+    out->size += size;
+    return true;
+}
+
+/* 0: it cannot be kept. */
+static size_t put_all(sequencer *self, unsigned char *bytes, size_t capacity)
+{
+    bytes_out out = {.data = bytes, .capacity = capacity};
+    uint32_t count = 0;
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        count += self->play[slot].replay != NULL;
+    bytes_put_u32(&out, count);
+    for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
+        if (self->play[slot].replay && !put_play(self, &out, slot))
+            return 0;
+    composer *shown = performer_composer(self->performer);
+    size_t size = composer_save(shown, NULL, 0);
+    if (out.data && out.size + size <= out.capacity)
+        composer_save(shown, out.data + out.size, size);
+    return out.size + size;
+}
+
+static const take_clip *find_clip(const take *t, uint32_t lane, uint32_t id)
+{
+    for (uint32_t j = 0; lane < t->layer_count && j < t->layer[lane].clip_count; ++j)
+        if (t->layer[lane].clip[j].id == id)
+            return &t->layer[lane].clip[j];
+    return NULL;
+}
+
+static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
+{
+    uint32_t slot = bytes_take_u32(in), lane = bytes_take_u32(in);
+    const take_clip *clip = find_clip(&self->take, lane, bytes_take_u32(in));
+    if (in->failed || slot >= PLAYS_MAX || !clip)
+        return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
+    play *p = &self->play[slot];
+    performer_voice *v = performer_voice_of(self->performer, slot);
+    *p = (play){.of = self, .clip = clip, .lane = lane};
+    v->has_smooth = bytes_take_u32(in) != 0;
+    if (v->has_smooth) {
+        bytes_take(in, &v->smooth_ns, sizeof v->smooth_ns);
+        bytes_take(in, &v->smooth, sizeof v->smooth);
+    }
+    size_t size = bytes_take_u32(in);
+    if (in->failed || size > (size_t)(in->end - in->at))
+        return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
+    mrt_result result = open_replay(self, clip->performance, &p->replay, err);
+    if (result == MRT_HOLD)
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s", unprepared);
+    if (result >= 0)
+        result = replay_load(p->replay, in->at, size, err);
+    if (result >= 0)
+        cast_play(self, p);
+    in->at += size;
+    return result;
+}
+
+static mrt_result take_up(sequencer *self, const checkpoint *m, error *err)
+{
+    bytes_in in = {.at = m->bytes, .end = m->bytes + m->size};
+    close_plays(self);
+    uint32_t count = bytes_take_u32(&in);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < count && result >= 0; ++i)
+        result = take_play(self, &in, err);
+    if (result >= 0)
+        result = composer_load(performer_composer(self->performer), in.at, (size_t)(in.end - in.at),
+                               err);
+    schedule_plays(self);
+    self->now_ns = m->at_ns;
+    be_untouched(self);
+    return result;
+}
+
+/* Every second one goes; those to come are twice as far apart. */
+static void thin_out(sequencer *self)
+{
+    size_t kept = 0;
+    for (size_t i = 0; i < self->checkpoint_count; ++i) {
+        if (i % 2 == 0) {
+            self->checkpoint[kept++] = self->checkpoint[i];
+            continue;
+        }
+        self->checkpoint_bytes -= self->checkpoint[i].size;
+        free(self->checkpoint[i].bytes);
+    }
+    self->checkpoint_count = kept;
+    self->checkpoint_span_ns *= 2;
+}
+
+static size_t count_until(const sequencer *self, int64_t at_ns)
+{
+    size_t low = 0, high = self->checkpoint_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (self->checkpoint[middle].at_ns <= at_ns)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static mrt_result insert_checkpoint(sequencer *self, size_t at, size_t size, error *err)
+{
+    if (self->checkpoint_count == self->checkpoint_capacity) {
+        size_t capacity = self->checkpoint_capacity * 2 + 16;
+        checkpoint *grown = realloc(self->checkpoint, capacity * sizeof *grown);
+        if (!grown)
+            return error_set(err, MRT_ERR_MEMORY, "no memory for checkpoints");
+        self->checkpoint = grown;
+        self->checkpoint_capacity = capacity;
+    }
+    unsigned char *bytes = malloc(size);
+    if (!bytes)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for checkpoints");
+    put_all(self, bytes, size);
+    memmove(self->checkpoint + at + 1, self->checkpoint + at,
+            (self->checkpoint_count - at) * sizeof *self->checkpoint);
+    self->checkpoint[at] = (checkpoint){self->now_ns, bytes, size};
+    self->checkpoint_count += 1;
+    self->checkpoint_bytes += size;
+    return MRT_OK;
+}
+
+static mrt_result keep_checkpoint(sequencer *self, error *err)
+{
+    if (self->is_unkeepable || self->is_touched || self->is_prepared)
+        return MRT_OK;
+    if (self->checkpoint_span_ns == 0)
+        self->checkpoint_span_ns = span_min_ns;
+    size_t at = count_until(self, self->now_ns);
+    if (at > 0 && self->now_ns - self->checkpoint[at - 1].at_ns < self->checkpoint_span_ns)
+        return MRT_OK;
+    if (at < self->checkpoint_count &&
+        self->checkpoint[at].at_ns - self->now_ns < self->checkpoint_span_ns)
+        return MRT_OK;
+    size_t size = put_all(self, NULL, 0);
+    self->is_unkeepable = size == 0;
+    if (size == 0)
+        return MRT_OK;
+    mrt_result result = insert_checkpoint(self, at, size, err);
+    while (self->checkpoint_bytes > self->settings.checkpoint_bytes && self->checkpoint_count > 1)
+        thin_out(self);
+    return result;
+}
+
+static void forget_checkpoints(sequencer *self)
+{
+    for (size_t i = 0; i < self->checkpoint_count; ++i)
+        free(self->checkpoint[i].bytes);
+    free(self->checkpoint);
+    self->checkpoint = NULL;
+    self->checkpoint_count = self->checkpoint_capacity = self->checkpoint_bytes = 0;
+    self->checkpoint_span_ns = 0;
+    self->is_unkeepable = false;
+}
+
+/* Nobody performs over it any more, and what was prepared for that is there yet. */
+static bool is_left(const sequencer *self)
+{
+    return self->is_ahead && !self->is_prepared;
+}
+
+/* Its replays ask the show and their processes again, and have to be sought. */
+static void forget_ahead(sequencer *self)
+{
+    replay *open[OPEN_MAX + PLAYS_MAX];
+    uint32_t open_count = list_open(self, open);
+    for (uint32_t i = 0; i < open_count; ++i)
+        replay_forget_ahead(open[i]);
+    free(self->start.bytes);
+    self->start = (checkpoint){0};
+    self->is_prepared = self->is_ahead = false;
+    self->is_touched = true;
+}
+
+/* Its mapping's part is left out where that is not asked. */
+static mrt_result keep_start(sequencer *self, error *err)
+{
+    size_t size = put_all(self, NULL, 0);
+    if (size == 0)
+        return MRT_OK;
+    self->start = (checkpoint){self->now_ns, malloc(size), size};
+    if (!self->start.bytes) {
+        self->start.size = 0;
+        return error_set(err, MRT_ERR_MEMORY, "no memory for checkpoints");
+    }
+    put_all(self, self->start.bytes, size);
+    return MRT_OK;
+}
+
+/* A take that shows one performance as it was: what was kept while it was recorded serves too. */
+static const take_clip *only_clip(const sequencer *self)
+{
+    const take *t = &self->take;
+    const take_layer *l = t->layer;
+    if (t->layer_count != 1 || l->clip_count != 1 || l->is_muted || l->own_count > 0 ||
+        l->gain < 1.0 || l->gain > 1.0 || l->is_additive)
+        return NULL;
+    const take_clip *c = l->clip;
+    bool is_plain = !c->is_muted && c->warp_count == 1 && c->fade_in_ns == 0 &&
+                    c->fade_out_ns == 0 && !(c->gain < 1.0) && !(c->gain > 1.0) &&
+                    !(c->smooth_s > 0.0) && c->start_ns + l->offset_ns <= 0;
+    return is_plain ? c : NULL;
+}
+
+/* MRT_HOLD: nothing that was recorded helps. */
+static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns, error *err)
+{
+    const take_clip *clip = only_clip(self);
+    if (!clip || !self->play[0].replay)
+        return MRT_HOLD;
+    int64_t offset_ns = self->take.layer[0].offset_ns;
+    int64_t then_ns = clip->from_ns + take_warp_to_source(clip, at_ns - offset_ns);
+    int64_t least_ns = clip->from_ns + take_warp_to_source(clip, better_than_ns - offset_ns);
+    mrt_result result =
+        replay_recall(self->play[0].replay, then_ns + 1, least_ns, self->performer, err);
+    if (result != MRT_OK)
+        return result;
+    self->now_ns =
+        take_warp_to_timeline(clip, replay_now_ns(self->play[0].replay) - clip->from_ns) +
+        offset_ns;
+    be_untouched(self);
+    return MRT_OK;
+}
+
+/* The last that was kept at or before at_ns; NULL: none. */
+static const checkpoint *kept_before(const sequencer *self, int64_t at_ns)
+{
+    size_t count = count_until(self, at_ns);
+    const checkpoint *best = count > 0 ? &self->checkpoint[count - 1] : NULL;
+    bool is_start = self->start.size > 0 && self->start.at_ns <= at_ns;
+    return is_start && (!best || best->at_ns <= self->start.at_ns) ? &self->start : best;
+}
+
+/* To the last instant at or before at_ns from which playing on is quickest. */
+static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
+{
+    if (is_left(self))
+        forget_ahead(self);
+    const checkpoint *best = kept_before(self, at_ns);
+    int64_t from_ns = best ? best->at_ns : 0;
+    bool may_go_on = self->now_ns <= at_ns && !self->is_touched;
+    if (may_go_on && (self->now_ns >= from_ns || at_ns - self->now_ns < span_min_ns))
+        from_ns = self->now_ns;
+    else
+        may_go_on = false;
+    if (at_ns - from_ns > span_min_ns) {
+        if (!self->play[0].replay) {
+            mrt_result started = restart(self, err);
+            if (started < 0)
+                return started;
+            may_go_on = false;
+        }
+        int64_t before_ns = self->play[0].replay ? replay_now_ns(self->play[0].replay) : 0;
+        mrt_result result = recall(self, at_ns, from_ns > 0 ? from_ns : 0, err);
+        if (result != MRT_HOLD)
+            return result;
+        if (self->play[0].replay && replay_now_ns(self->play[0].replay) != before_ns)
+            may_go_on = false; /* what was kept was damaged */
+    }
+    if (may_go_on)
+        return MRT_OK;
+    error ignored = {""};
+    if (best && take_up(self, best, &ignored) >= 0)
+        return MRT_OK;
+    return restart(self, err);
+}
+
+/* ---- the timeline's instants at which clips come and go ---- */
+
+static int compare_times(const void *a, const void *b)
+{
+    const int64_t *x = a, *y = b;
+    return (*x > *y) - (*x < *y);
+}
+
+static mrt_result list_boundaries(sequencer *self, error *err)
+{
+    size_t count = 0;
+    for (uint32_t i = 0; i < self->take.layer_count; ++i)
+        count += (size_t)self->take.layer[i].clip_count * 2;
+    free(self->boundary);
+    self->boundary_count = 0;
+    self->boundary = malloc((count + 1) * sizeof *self->boundary);
+    if (!self->boundary)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the take");
+    for (uint32_t i = 0; i < self->take.layer_count; ++i) {
+        const take_layer *l = &self->take.layer[i];
+        for (uint32_t j = 0; own_layer_is_heard(&self->take, i) && j < l->clip_count; ++j) {
+            self->boundary[self->boundary_count++] = l->clip[j].start_ns + l->offset_ns;
+            self->boundary[self->boundary_count++] = l->clip[j].end_ns + l->offset_ns;
+        }
+    }
+    qsort(self->boundary, self->boundary_count, sizeof *self->boundary, compare_times);
+    return MRT_OK;
+}
+
+static int64_t next_boundary_ns(const sequencer *self)
+{
+    size_t low = 0, high = self->boundary_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (self->boundary[middle] <= self->now_ns)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < self->boundary_count ? self->boundary[low] : INT64_MAX;
+}
+
+/* ---- what a layer may move ---- */
+
+void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out)
+{
+    const mrt_face *about = composer_about(shown);
+    for (uint32_t i = 0; i < about->contact_count; ++i)
+        out[i] = own_layer_owns(l, about->contacts[i].name);
+    for (uint32_t i = 0; i < about->dof_count; ++i)
+        out[about->contact_count + i] = own_layer_owns(l, about->dofs[i].name);
+    out[about->contact_count + about->dof_count] = l->own_count == 0; /* free points */
+}
+
+static mrt_result list_owned(sequencer *self, error *err)
+{
+    const mrt_face *about = composer_about(performer_composer(self->performer));
+    size_t row = about->contact_count + about->dof_count + 1;
+    free(self->owned);
+    self->owned = calloc(row, (size_t)self->take.layer_count + 1);
+    self->owned_row = row;
+    if (!self->owned)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the take");
+    for (uint32_t i = 0; i < self->take.layer_count; ++i)
+        sequencer_mark_owned(performer_composer(self->performer), &self->take.layer[i],
+                             self->owned + i * row);
+    return MRT_OK;
+}
+
+/* ---- time goes on ---- */
+
+/* The next thing that happens, if it is not after to_ns. MRT_END: nothing does. */
+static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, error *err)
+{
+    sample_step next;
+    int64_t ignored_ns, boundary_ns = next_boundary_ns(self);
+    *out_is_sample = false;
+    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    if (result < 0)
+        return result;
+    int64_t sample_ns = result == MRT_OK ? next.due_ns : INT64_MAX;
+    int64_t first_ns = boundary_ns < sample_ns ? boundary_ns : sample_ns;
+    if (first_ns > to_ns || first_ns == INT64_MAX)
+        return MRT_END;
+    if (boundary_ns <= sample_ns) { /* a clip that ends does not show what comes then */
+        bool is_changed;
+        result = cross_boundary(self, boundary_ns, &is_changed, err);
+        self->now_ns = boundary_ns;
+        weigh_voices(self, boundary_ns);
+        if (result >= 0 && is_changed)
+            performer_constrain(self->performer, PERFORMER_NOBODY, boundary_ns);
+        return result;
+    }
+    scheduler_take(&self->scheduler, &next);
+    replay_prepare(self->play[next.voice].replay, &next);
+    self->now_ns = sample_ns;
+    self->sample_count += next.count;
+    weigh_voices(self, sample_ns);
+    performer_step(self->performer, &next);
+    *out_is_sample = true;
+    return keep_checkpoint(self, err);
+}
+
+/* ---- prepared ---- */
+
+static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, int64_t from_ns,
+                     int64_t to_ns)
+{
+    int64_t offset_ns = self->take.layer[lane].offset_ns;
+    return own_layer_is_heard(&self->take, lane) && !c->is_muted &&
+           c->start_ns + offset_ns < to_ns && c->end_ns + offset_ns > from_ns;
+}
+
+/* How many clips of a performance play at an instant of the span, or end or begin there. */
+static uint32_t count_playing(const sequencer *self, int64_t performance, int64_t at_ns,
+                              int64_t from_ns, int64_t to_ns)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < self->take.layer_count; ++i) {
+        const take_layer *l = &self->take.layer[i];
+        for (uint32_t j = 0; j < l->clip_count; ++j)
+            count += l->clip[j].performance == performance &&
+                     is_shown(self, i, &l->clip[j], from_ns, to_ns) &&
+                     l->clip[j].start_ns + l->offset_ns <= at_ns &&
+                     l->clip[j].end_ns + l->offset_ns >= at_ns;
+    }
+    return count;
+}
+
+static void close_what_is_not_shown(sequencer *self, int64_t from_ns, int64_t to_ns)
+{
+    for (uint32_t k = self->spare_count; k-- > 0;) {
+        bool is_needed = false;
+        for (uint32_t i = 0; i < self->take.layer_count; ++i)
+            for (uint32_t j = 0; j < self->take.layer[i].clip_count; ++j) {
+                const take_clip *c = &self->take.layer[i].clip[j];
+                is_needed |= c->performance == replay_performance(self->spare[k]) &&
+                             is_shown(self, i, c, from_ns, to_ns);
+            }
+        if (!is_needed)
+            replay_close(take_spare(self, k));
+    }
+}
+
+/* As many replays as the clip and those beside it need are open, and have read what they need. */
+static mrt_result prepare_clip(sequencer *self, uint32_t lane, const take_clip *clip,
+                               int64_t from_ns, int64_t to_ns, error *err)
+{
+    replay *open[OPEN_MAX + PLAYS_MAX];
+    int64_t offset_ns = self->take.layer[lane].offset_ns;
+    int64_t first_ns = from_ns - offset_ns > clip->start_ns ? from_ns - offset_ns : clip->start_ns;
+    int64_t last_ns = to_ns - offset_ns < clip->end_ns ? to_ns - offset_ns : clip->end_ns;
+    uint32_t missing =
+        count_playing(self, clip->performance, clip->start_ns + offset_ns, from_ns, to_ns);
+    uint32_t open_count = list_open(self, open);
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < open_count && missing > 0; ++i)
+        missing -= replay_performance(open[i]) == clip->performance;
+    for (; missing > 0 && result >= 0 && open_count < OPEN_MAX; --missing) {
+        result = replay_open(&open[open_count], &self->world, clip->performance, err);
+        if (result >= 0)
+            self->spare[self->spare_count++] = open[open_count++];
+    }
+    for (uint32_t i = 0; i < open_count && result >= 0; ++i)
+        if (replay_performance(open[i]) == clip->performance)
+            result = replay_read_ahead(
+                open[i], show_time_ns(clip, take_warp_to_source(clip, first_ns)),
+                show_time_ns(clip, take_warp_to_source(clip, last_ns)) + NS_PER_S, err);
+    return result;
+}
+
+static mrt_result answer_ahead(sequencer *self, error *err)
+{
+    replay *open[OPEN_MAX + PLAYS_MAX];
+    uint32_t open_count = list_open(self, open);
+    int64_t until_ns = clock_now_ns() + answers_patience_ns;
+    mrt_result result = MRT_OK;
+    for (uint32_t i = 0; i < open_count && result >= 0; ++i) {
+        result = replay_answer_ahead(open[i], until_ns, err);
+        const char *missing = replay_missing(open[i]);
+        add_note(self, missing);
+        if (missing[0])
+            log_push(self->world.log, MRT_LOG_WARNING, "take", missing);
+    }
+    return result;
+}
+
+mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err)
+{
+    mrt_result result = MRT_OK;
+    int64_t at_ns = self->now_ns;
+    if (self->is_ahead) {
+        forget_ahead(self);
+        result = sequencer_seek(self, at_ns, err);
+    }
+    from_ns -= span_min_ns; /* an instant that is kept may lie so far before */
+    self->is_ahead = true;
+    close_what_is_not_shown(self, from_ns, to_ns);
+    for (uint32_t i = 0; i < self->take.layer_count; ++i)
+        for (uint32_t j = 0; j < self->take.layer[i].clip_count && result >= 0; ++j)
+            if (is_shown(self, i, &self->take.layer[i].clip[j], from_ns, to_ns))
+                result = prepare_clip(self, i, &self->take.layer[i].clip[j], from_ns, to_ns, err);
+    if (result >= 0)
+        result = keep_start(self, err);
+    if (result >= 0)
+        result = answer_ahead(self, err);
+    self->is_prepared = result >= 0;
+    self->is_touched = true;
+    return result < 0 ? result : sequencer_seek(self, at_ns, err);
+}
+
+mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err)
+{
+    bool is_sample;
+    if (at_ns < self->now_ns || is_left(self))
+        return sequencer_seek(self, at_ns, err);
+    mrt_result result = MRT_OK;
+    while (result == MRT_OK)
+        result = happen(self, at_ns, &is_sample, err);
+    if (result == MRT_END && at_ns > self->now_ns)
+        self->now_ns = at_ns;
+    return result < 0 ? result : MRT_OK;
+}
+
+mrt_result sequencer_step(sequencer *self, error *err)
+{
+    bool is_sample = false;
+    mrt_result result = MRT_OK;
+    while (result == MRT_OK && !is_sample)
+        result = happen(self, self->take.duration_ns, &is_sample, err);
+    return result;
+}
+
+mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err)
+{
+    mrt_result result = go_near(self, at_ns, err);
+    return result < 0 ? result : sequencer_play_to(self, at_ns, err);
+}
+
+/* ---- made and unmade ---- */
+
+mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings, const take *t,
+                            error *err)
+{
+    *out = NULL;
+    sequencer *self = calloc(1, sizeof *self);
+    if (!self)
+        return error_set(err, MRT_ERR_MEMORY, "no memory for a take");
+    self->settings = *settings;
+    self->entry = calloc(SOURCES_MAX, sizeof *self->entry);
+    if (self->settings.checkpoint_bytes == 0)
+        self->settings.checkpoint_bytes = checkpoint_bytes_default;
+    self->now_ns = BEFORE_ALL;
+    self->settings.solver = NULL;
+    const csrbf_settings solver =
+        settings->solver ? *settings->solver
+                         : kept_solver_for(settings->show, settings->face, settings->log);
+    const performer_settings as = {.solver = solver};
+    scheduler_init(&self->scheduler, SCHEDULE_RECORDED, self->entry, NULL, SOURCES_MAX);
+    mrt_result result =
+        self->entry ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for a take");
+    if (result >= 0)
+        result = performer_create(&self->performer, settings->face, NULL, &as, err);
+    if (result >= 0)
+        result = performer_create(&self->scratch, settings->face, NULL, &as, err);
+    self->world = (replay_world){.show = settings->show,
+                                 .plugins = settings->plugins,
+                                 .log = settings->log,
+                                 .scratch = self->scratch,
+                                 .ahead_bytes = settings->ahead_bytes};
+    if (result >= 0)
+        result = sequencer_set_take(self, t, err);
+    if (result < 0) {
+        sequencer_destroy(self);
+        return result;
+    }
+    *out = self;
+    return MRT_OK;
+}
+
+void sequencer_destroy(sequencer *self)
+{
+    if (!self)
+        return;
+    forget_ahead(self);
+    close_plays(self);
+    close_spares(self);
+    forget_checkpoints(self);
+    performer_destroy(self->performer);
+    performer_destroy(self->scratch);
+    free(self->entry);
+    take_finish(&self->take);
+    free(self->boundary);
+    free(self->owned);
+    free(self->scratch_bytes);
+    free(self);
+}
+
+mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
+{
+    take fresh = {0};
+    mrt_result result = take_copy(&fresh, t, err);
+    if (result < 0)
+        return result;
+    int64_t at_ns = self->now_ns;
+    forget_ahead(self);
+    close_plays(self);
+    close_spares(self); /* performances may have become longer */
+    forget_checkpoints(self);
+    take_finish(&self->take);
+    self->take = fresh;
+    self->note[0] = '\0';
+    result = list_boundaries(self, err);
+    if (result >= 0)
+        result = list_owned(self, err);
+    if (result >= 0)
+        result = restart(self, err);
+    return result >= 0 && at_ns >= 0 ? sequencer_seek(self, at_ns, err) : result;
+}
+
+/* ---- live ---- */
+
+void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive)
+{
+    *performer_voice_of(self->performer, LIVE_VOICE) =
+        (performer_voice){.layer = of, .owns = owns, .is_additive = is_additive, .gain = 1.0};
+    self->is_prepared = self->is_prepared && of;
+}
+
+void sequencer_live_step(sequencer *self, const sample_step *s, double weight)
+{
+    sample_step over = *s;
+    performer_voice *live = performer_voice_of(self->performer, LIVE_VOICE);
+    if (!live->layer)
+        return;
+    over.voice = LIVE_VOICE;
+    over.due_ns = self->now_ns;
+    live->weight = weight;
+    self->is_touched = true;
+    weigh_voices(self, self->now_ns);
+    performer_step(self->performer, &over);
+}
+
+/* ---- what others see ---- */
+
+int64_t sequencer_now_ns(const sequencer *self)
+{
+    return self->now_ns;
+}
+
+uint64_t sequencer_sample_count(const sequencer *self)
+{
+    return self->sample_count;
+}
+
+size_t sequencer_kept_bytes(const sequencer *self)
+{
+    return self->checkpoint_bytes;
+}
+
+performer *sequencer_performer(sequencer *self)
+{
+    return self->performer;
+}
+
+const char *sequencer_note(const sequencer *self)
+{
+    return self->note;
+}

@@ -1,0 +1,236 @@
+/* ui/cli/take.h - what the subcommands of `marotte take` share: the table of them, their command line,
+ * the show and take that they work on, and times as a person writes them. take_edit.c edits takes,
+ * take_show.c reads shows, take_stage.c performs takes, for take_export.c, take_record.c and
+ * take_diff.c. [main] */
+#ifndef MAROTTE_UI_TAKE_H
+#define MAROTTE_UI_TAKE_H
+#include "cli/command.h"
+#include "cli/exports.h"
+#include "cli/perform_session.h"
+#include "stage/playback/sequencer.h"
+#include "show/export_name.h"
+#include "show/history.h"
+#include "show/show.h"
+#include "base/timecode.h"
+
+/* Every option of every subcommand; take.c has their names. */
+typedef enum take_option {
+    TAKE_JSON = 0,
+    TAKE_IN,
+    TAKE_OUT, /* a time, or of `log` and `recover` a file */
+    TAKE_AT,
+    TAKE_CLIP,
+    TAKE_LAYER,
+    TAKE_TO,
+    TAKE_SPEED,
+    TAKE_POINTS,
+    TAKE_OFF,
+    TAKE_FADE,
+    TAKE_FADE_IN,
+    TAKE_FADE_OUT,
+    TAKE_GAIN,
+    TAKE_OFFSET,
+    TAKE_LENGTH,
+    TAKE_RIPPLE,
+    TAKE_OWN,
+    TAKE_PLACE,
+    TAKE_REGION,
+    TAKE_FROM,
+    TAKE_SOURCE,
+    TAKE_SCENE,
+    TAKE_SHOT,
+    TAKE_NUMBER,
+    TAKE_START,
+    TAKE_FPS,
+    TAKE_LAST,
+    TAKE_FACE,
+    TAKE_MAP,
+    TAKE_PATCH,
+    TAKE_CALIBRATION,
+    TAKE_HAND_LENGTH,
+    TAKE_FILTER,
+    TAKE_EXPORT,
+    TAKE_WAV,
+    TAKE_TOLERANCE,
+    TAKE_MAX_TARGETS,
+    TAKE_BARE,
+    TAKE_UNIT,
+    TAKE_BY_PART,
+    TAKE_CSV,
+    TAKE_TRACK,
+    TAKE_HASH_OPTION,
+    TAKE_STEPS,
+    TAKE_INPUT,
+    TAKE_PREROLL,
+    TAKE_COUNT_IN,
+    TAKE_PASSES,
+    TAKE_NAME_OPTION,
+    TAKE_REALTIME,
+    TAKE_REZERO_PEDAL,
+    TAKE_SIZE,
+    TAKE_VIEW,
+    TAKE_MIRROR,
+    TAKE_BACKGROUND,
+    TAKE_LOOK,
+    TAKE_FRAMES,
+    TAKE_ALL,
+    TAKE_JOBS,
+    TAKE_OUTPUT,
+    TAKE_OPTION_COUNT
+} take_option;
+
+enum { TAKE_WORDS_MAX = 4 };
+
+enum { TAKE_CHANGE_MAX = 4 };
+typedef struct take_change { /* edits that a subcommand asks for */
+    edit edit[TAKE_CHANGE_MAX];
+    uint32_t count;
+} take_change;
+
+struct take_verb;
+typedef struct take_call { /* one run of a subcommand */
+    const struct take_verb *verb;
+    char name[32];                    /* "take trim" */
+    command self;                     /* for what is said of how it was called */
+    const char *word[TAKE_WORDS_MAX]; /* as the verb has them: SHOW, TAKE ... */
+    uint32_t word_count;
+    const char *text[TAKE_OPTION_COUNT]; /* NULL: not given; "" for those without a value */
+    exports_file exports[EXPORTS_MAX];
+    uint32_t export_count;
+    const char *wav; /* --export NAME.wav; NULL */
+    const char *calibration[PERFORM_CALIBRATIONS_MAX];
+    uint32_t calibration_count;
+    const char *input[PERFORM_INPUTS_MAX];
+    uint32_t input_count;
+    const char *output[PERFORM_OUTPUTS_MAX];
+    uint32_t output_count;
+    show *show;
+    facts *told;
+    progress shown;
+    bool is_usage; /* what failed is how it was called */
+    bool is_told;  /* its facts count, although it failed */
+} take_call;
+
+typedef enum take_use { /* of the show */
+                        TAKE_READS = 0,
+                        TAKE_WRITES,
+                        TAKE_RECORDS, /* writes, and keeps what was performed however it ends */
+                        TAKE_OPENS_ITSELF
+} take_use;
+
+typedef struct take_verb {
+    const char *name;  /* "trim", "layer add" */
+    const char *words; /* "SHOW TAKE": how many there must be; "[..]" may be left out */
+    const char *options_text, *summary;
+    const char *options; /* their names, with blanks; --json goes without saying */
+    take_use use;
+    CHECKED mrt_result (*run)(take_call *call, error *err);
+    /* In place of run: the edits to be done to the take that the call names. */
+    CHECKED mrt_result (*ask)(take_call *call, const take *t, take_change *out, error *err);
+    edit_kind kind;       /* for an `ask` of several verbs */
+    const char *examples; /* as command_print_examples takes them */
+} take_verb;
+
+typedef struct take_verbs {
+    const char *title;
+    const take_verb *verb;
+    uint32_t count;
+} take_verbs;
+extern const take_verbs take_edit_verbs, take_layer_verbs, take_file_verbs, take_audio_verbs;
+
+/* ---- the command line ---- */
+
+const char *take_option_name(take_option option); /* "in" */
+
+/* ---- what was asked for, as numbers ---- */
+
+/* Wrong usage: exit code 2. */
+__attribute__((format(printf, 3, 4))) mrt_result take_misused(take_call *call, error *err,
+                                                              const char *format, ...);
+CHECKED mrt_result take_need(take_call *call, take_option option, error *err);
+/* Left as it is when it was not given. */
+CHECKED mrt_result take_number(take_call *call, take_option option, double least, double most,
+                               double *out, error *err);
+CHECKED mrt_result take_number_of(take_call *call, const char *what, const char *text, double least,
+                                  double most, double *out, error *err);
+/* Seconds ("2.1") or, with a ':', time code at --fps or the take's rate. */
+CHECKED mrt_result take_time(take_call *call, take_option option, const take *t, int64_t *out,
+                             error *err);
+/* Of --fps, else the take's, else 30. */
+CHECKED mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *err);
+/* The time code of a frame counted from the take's start; at another rate than the take's, the
+ * label of the start is kept: the same hours, minutes and seconds. */
+int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame);
+
+/* ---- the show and what is in it ---- */
+
+/* "3", "last", "scene/shot/2". */
+CHECKED mrt_result take_find(take_call *call, const char *text, int64_t *out_id, error *err);
+/* The take as its edits make it. An edit that cannot be applied is told as a warning; what can be
+ * shown is given. */
+CHECKED mrt_result take_read(take_call *call, const char *text, take *out, error *err);
+/* By --clip; else the only one. Within at_ns only, unless that is EDIT_UNSAID. */
+CHECKED mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns, uint32_t *out,
+                                  error *err);
+/* By --layer, an id or a name; else the only one. */
+CHECKED mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error *err);
+
+/* ---- take_edit.c ---- */
+
+/* Asks the verb for edits, and does them to the take. */
+CHECKED mrt_result take_change_run(take_call *call, error *err);
+/* Comma-separated patterns, or names of regions: into own of the edit. */
+CHECKED mrt_result take_read_own(take_call *call, const char *text, edit *out, error *err);
+/* Comma-separated names of regions: bits by own_region. */
+CHECKED mrt_result take_read_regions(take_call *call, const char *text, uint32_t *out, error *err);
+
+/* ---- take_stage.c: a take performed without a window: its face, its sequencer, and which frames
+ * of it are wanted ---- */
+
+typedef struct take_stage {
+    log_queue *log;
+    plugin_list plugins;
+    face_file face;
+    char *face_path; /* owned */
+    sequencer *sequencer;
+    take take; /* as its edits make it; owned */
+} take_stage;
+
+/* The take that `text` names, on the face `other` or (NULL) on the one that it was performed on:
+ * which must be there; that it has changed is said. To be finished whatever the result. */
+CHECKED mrt_result take_stage_open(take_stage *out, take_call *call, const char *text,
+                                   const char *other, error *err);
+void take_stage_finish(take_stage *self); /* zeroed is fine */
+/* Tells what is not as it was when it was recorded, and the news of plugins. */
+void take_stage_tell(take_stage *self);
+
+/* The face of a take: of its first clip that is heard. */
+CHECKED mrt_result take_face_read(face_file *out, char **out_path, take_call *call, const take *t,
+                                  const char *other, error *err);
+
+typedef struct take_frames { /* frame `first` + i begins at timecode_time_ns(rate, first + i) */
+    timecode_rate rate;
+    int64_t first, count;
+} take_frames;
+/* By --fps, --in and --out: the frames that begin in that range; of the whole take without. */
+CHECKED mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err);
+
+/* Brings the face to each frame in turn. `each` reads sequencer_performer, drawn. */
+CHECKED mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
+                                   mrt_result (*each)(void *data, take_stage *from, error *err),
+                                   void *data, error *err);
+
+/* ---- subcommands of take.c's own table ---- */
+
+CHECKED mrt_result take_diff_run(take_call *call, error *err);
+CHECKED mrt_result take_export_run(take_call *call, error *err);
+CHECKED mrt_result take_export_all(take_call *call, error *err);
+CHECKED mrt_result take_play_run(take_call *call, error *err);
+CHECKED mrt_result take_record_run(take_call *call, error *err);
+CHECKED mrt_result take_log_run(take_call *call, error *err);
+CHECKED mrt_result take_remap_run(take_call *call, error *err);
+
+/* How far apart two takes move the face, by regions, and when most. */
+CHECKED mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *err);
+
+#endif
