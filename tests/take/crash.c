@@ -18,7 +18,7 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 
 #include <pthread.h>
 #include <signal.h>

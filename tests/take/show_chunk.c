@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "show/chunk.h"
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 
 #include <float.h>
 #include <zlib.h>

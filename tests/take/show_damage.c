@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "base/file.h"
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 
 enum { SAMPLES = 6000, PAGE_BYTES = 4096, FLIPS_A_PAGE = 2, FLIPS_A_PAGE_LONG = 4 };
 

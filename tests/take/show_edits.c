@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "show/hash.h"
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 
 #include "show/edit_store.h"
 

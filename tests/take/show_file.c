@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -7,8 +7,8 @@
 
 #include <cmocka.h>
 
-#include "show/show_disk.h"
-#include "show/show_scene.h"
+#include "take/show_disk.h"
+#include "take/show_scene.h"
 
 static int tear_down(void **state)
 {

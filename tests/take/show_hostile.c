@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "show/edit_store.h"
 #include "show/show_file.h"
-#include "show/show_disk.h"
-#include "show/show_scene.h"
+#include "take/show_disk.h"
+#include "take/show_scene.h"
 
 #include <fcntl.h>
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 
 enum { PER_SECOND = 150 };
 

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 #include "show/spool.h"
 #include "show/writer_store.h"
 

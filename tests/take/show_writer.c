@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "show/show_scene.h"
+#include "take/show_scene.h"
 #include "show/writer_store.h"
 
 #include <pthread.h>

@@ -3,7 +3,7 @@
 #ifndef MAROTTE_TESTS_SEQUENCER_SCENE_H
 #define MAROTTE_TESTS_SEQUENCER_SCENE_H
 /* first: its names are types elsewhere */
-#include "show/edit_help.h"
+#include "take/edit_help.h"
 
 #include "stage/perform/player.h"
 #include "stage/record/recorder.h"

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "show/sound_help.h"
+#include "take/sound_help.h"
 #include "window/app/app.h"
 
 #include <stdio.h>

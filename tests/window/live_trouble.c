@@ -1,7 +1,7 @@
 /* A device that goes away, a disk that is full: the stage goes on. */
 #include "window/live_fixture.h"
 
-#include "show/show_disk.h"
+#include "take/show_disk.h"
 
 static const writer_slate slate = {.scene = "1", .shot = "a"};
 

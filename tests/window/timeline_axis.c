@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "show/edit_help.h"
+#include "take/edit_help.h"
 #include "window/timeline/axis.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 
 #include <cmocka.h>
 
-#include "show/edit_help.h"
+#include "take/edit_help.h"
 #include "base/clock.h"
 #include "timeline_stand.h"
 

@@ -5,7 +5,7 @@
 #include <setjmp.h>
 #include <cmocka.h>
 
-#include "show/edit_help.h"
+#include "take/edit_help.h"
 #include "window/timeline/drag.h"
 
 /* Layers 'face' (clip 2: 0..10 s) and 'mouth' above it (clips 4: 1..4 s, 5: 4..7 s). */

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "show/edit_help.h"
+#include "take/edit_help.h"
 #include "timeline_stand.h"
 
 static take named_take(double seconds)
