@@ -32,8 +32,8 @@ steps=(
     "repeats:600 random edits undone, 100 replugs of a glove, 100 checks of each plugin, pictures of the rig and the viewport"
 )
 
-built() { # PRESET: sets what scripts of tests need to know of a build
-    setup_build "$1" all -DMAROTTE_WERROR=ON
+built() { # PRESET [TARGET]: builds it, and sets the variables that test scripts read
+    setup_build "$1" "${2:-all}" -DMAROTTE_WERROR=ON
     export BUILD_DIR=$here/build/$1 MAROTTE=$here/build/$1/marotte
 }
 busy_loops() { # until the step ends
@@ -60,7 +60,7 @@ step_asan() { built asan && ctest_of asan -j "$jobs"; }
 step_tsan() { built tsan && ctest_of tsan -j "$jobs"; }
 # gcc is the judge of warnings; clang sees some more, which are none.
 step_fuzz() { setup_build fuzz all -DMAROTTE_WERROR=OFF && bash tests/fuzz/run.sh 600; }
-step_heads() { built asan && build/asan/tests/e2e/hostile_heads 3600; }
+step_heads() { built asan hostile_heads && build/asan/tests/e2e/hostile_heads 3600; }
 step_timed() { built release && busy_loops && ctest_of release -L timed --repeat until-fail:50 -j "$cores"; }
 step_busy() {
     local run failed=0
