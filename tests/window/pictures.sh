@@ -36,8 +36,8 @@ window() {
     ends 0
 }
 
-# The film: the demo hand plays at a tenth of its speed, so that a slow machine draws each frame.
-film_fps=12 film_s=6 film_slowness=10
+# The film: the demo hand plays at a quarter of its speed, so that a slow machine draws each frame.
+film_fps=12 film_s=6 film_slowness=4
 {
     echo 'do show_card'
     echo 'do face_only'
@@ -45,8 +45,9 @@ film_fps=12 film_s=6 film_slowness=10
     echo "wait $((film_s * film_slowness + 60))"
 } >script.txt
 rm -f now.png
-open_window film.marotte --face "$puppet" --map one_hand --input log:demo,speed=0.1 --size 1440x810 --settings "" --script script.txt
+open_window film.marotte --face "$puppet" --map one_hand --input log:demo,speed=0.25 --size 1440x810 --settings "" --script script.txt
 until_true test -s now.png || fail "the film does not begin: $(cat stderr.txt)"
+xdotool mousemove 1439 809 # its circle is not on the face
 ffmpeg -v error -f x11grab -draw_mouse 0 -framerate "$film_fps/$film_slowness" -video_size 1440x810 -i "$DISPLAY" \
     -frames:v $((film_fps * film_s)) -vf "setpts=PTS/$film_slowness,fps=$film_fps,scale=720:-2:flags=lanczos" -c:v libwebp_anim -quality 60 \
     -compression_level 6 -loop 0 -y "$folder/speaks.webp" </dev/null || fail speaks.webp
