@@ -64,7 +64,7 @@ perform "${small[@]}" --seconds 1 --export again/
 mkdir others && touch others/00001.png
 refused 1 'name a folder that is empty' "$MAROTTE" perform "${performed[@]}" --export others/
 touch frames/00099.png
-refused 1 '00099.png is not of the 61 pictures' "$MAROTTE" perform "${performed[@]}" --export frames/
+refused 1 '00099.png is not one of the 61 pictures' "$MAROTTE" perform "${performed[@]}" --export frames/
 rm frames/00099.png
 printf x >nowhere
 refused 1 'nowhere: cannot create this folder' "$MAROTTE" perform "${performed[@]}" --export nowhere/frames/

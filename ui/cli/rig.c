@@ -945,7 +945,7 @@ const command command_rig = {
         "        [--forward AXIS] [--cut-mouth] [--force]\n"
         "  Drafts a rig for a mesh from its shape and the names of its parts, and lists what to\n"
         "  confirm. --cut-mouth: opens closed lips and puts a dark bag behind them; the mesh file\n"
-        "  stays as it is. --out: the file (the mesh's name with .rig.json). --force: overwrite.\n"
+        "  is not changed. --out: the file (the mesh's name with .rig.json). --force: overwrite.\n"
         "\n"
         "marotte rig fit RIG.rig.json TARGETS.glb [--contacts SET] [--json] [--out FITTED.glb]\n"
         "                [--save-poses OUT.rig.json] [--suggest N]\n"

@@ -577,7 +577,7 @@ static const take_verb play_verbs[] = {
      "  --hand-length MM  wrist to middle fingertip\n"
      "  --filter min_cutoff=HZ,beta=N   a One-Euro filter of the angles, of a camera too\n"
      "  --scene S, --shot S   the slate of the new take (that of the old one)\n"
-     "The old take stays as it is. Prints how much the two differ.\n",
+     "The old take is not changed. Prints how much the two differ.\n",
      "perform a take again with other settings, as a new take",
      "map patch face calibration hand-length filter scene shot", TAKE_WRITES, .run = take_remap_run,
      .examples = "take remap show.marotte last --map one_hand,smile_gain=130\n"

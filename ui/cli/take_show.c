@@ -781,7 +781,7 @@ static const take_verb file_verbs[] = {
      "Sounds, calibrations and mapping settings are in the show already.\n",
      "copy the faces of a show into a folder beside it", "", TAKE_READS, .run = run_pack,
      .examples = "take pack show.marotte\ntake pack show.marotte --json\n"},
-    {"recover", "SHOW", "  --out NEW      the new show; it must not exist. SHOW stays as it is\n",
+    {"recover", "SHOW", "  --out NEW      the new show; it must not exist. SHOW is not changed\n",
      "copy all readable parts of a damaged show", "out", TAKE_OPENS_ITSELF, .run = run_recover,
      .examples = "take recover show.marotte --out out/recovered.marotte\n"
                  "take recover show.marotte --out rescued.marotte --json\n"},
