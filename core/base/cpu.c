@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* the affinity of threads */
+#define _GNU_SOURCE /* for the affinity of threads */
 #include "base/cpu.h"
 
 #include <sched.h>
