@@ -29,7 +29,8 @@ enum {
          "It exports one symbol, marotte_plugins: a NULL-ended array of types.")                   \
     RULE(LIBRARY_ABI, "library.abi", CONCERNS_LIBRARY,                                             \
          "abi: MRT_ABI; types with another abi are rejected.")                                     \
-    RULE(LIBRARY_IDS, "library.ids", CONCERNS_LIBRARY, "The id of a type never changes, and is unique.")          \
+    RULE(LIBRARY_IDS, "library.ids", CONCERNS_LIBRARY,                                             \
+         "The id of a type never changes, and is unique.")                                         \
     RULE(TYPE_WORDS, "type.words", CONCERNS_TYPE,                                                  \
          "A type has an id, a name, a version and a text about it.")                               \
     RULE(TYPE_ID, "type.id", CONCERNS_TYPE, "id \"org.marotte.anchored\": it never changes.")      \

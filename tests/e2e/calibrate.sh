@@ -42,7 +42,7 @@ refused 1 "the input ended in step 7 of 10, index alone" "$MAROTTE" calibrate \
     --input "log:$scratch/short.csv" --out "$user"
 cmp "$user" "$scratch/before.json" || fail "an incomplete calibration replaced the old one"
 echo '{"other": 1}' >"$scratch/other.json"
-refused 1 "not overwritten, since it is no calibration" "$MAROTTE" calibrate \
+refused 1 "not overwritten, because it is not a calibration" "$MAROTTE" calibrate \
     --input "log:$glove" --out "$scratch/other.json"
 grep -q other "$scratch/other.json" || fail "another file was overwritten"
 # One dead sensor is said, and keeps the shipped gain.

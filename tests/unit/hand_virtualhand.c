@@ -129,7 +129,7 @@ static void placeholders_are_left_out_and_said(void **state)
     assert_int_equal(parse(&file, text, MRT_NO_HAND, &err), MRT_OK);
     assert_int_equal(file.sensor[6].table.count, 0); /* index end joint: estimated */
     assert_int_equal(calibration_file_sensor_count(&file), 21);
-    assert_non_null(strstr(file.note, "index.dij: a gain of 0.4 rad per count is none"));
+    assert_non_null(strstr(file.note, "index.dij: a gain of 0.4 rad per count is impossible"));
     free(text);
 }
 
