@@ -165,7 +165,7 @@ calibrate --from-virtualhand "$scratch/user.cal" --hand right --out "$scratch/vh
     >"$scratch/vh.txt" || fail "--from-virtualhand"
 grep -q "  imported *22" "$scratch/vh.txt" || fail "22 sensors are not imported"
 perform imported --calibration "$scratch/vh.json"
-refused 1 "say --hand left or --hand right" "$MAROTTE" calibrate \
+refused 1 "Use --hand left or --hand right" "$MAROTTE" calibrate \
     --from-virtualhand "$scratch/user.cal" --out "$scratch/out/a.json"
 echo "Device 1 2 3" >"$scratch/dcu.cal"
 refused 1 "Device Configuration Utility" "$MAROTTE" calibrate --from-virtualhand "$scratch/dcu.cal" \

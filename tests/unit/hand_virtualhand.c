@@ -167,7 +167,7 @@ static void without_geometry_somebody_has_to_say_the_side(void **state)
     assert_int_equal(file.side, MRT_RIGHT);
     assert_true(file.hand_length_mm == 0.0);
     assert_true(parse(&file, calibration, MRT_NO_HAND, &err) < 0);
-    assert_non_null(strstr(err.text, "say --hand left or --hand right"));
+    assert_non_null(strstr(err.text, "Use --hand left or --hand right"));
 }
 
 static void dcu_files_are_refused_with_the_reason(void **state)
