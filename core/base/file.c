@@ -260,7 +260,7 @@ mrt_result file_write(const char *path, const void *data, size_t size, error *er
     mrt_result result = file_writer_open(&writer, path, err);
     if (result < 0)
         return result;
-    (void)fwrite(data, 1, size, writer.stream); /* a short write is found by commit */
+    (void)fwrite(data, 1, size, writer.stream); /* commit reports a short write */
     return file_writer_commit(&writer, err);
 }
 

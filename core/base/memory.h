@@ -6,8 +6,7 @@
 /* Bytes in physical memory now; 0: the system does not report it. */
 uint64_t memory_resident(void);
 /* Until memory_started, the heap is one arena on huge pages that returns little memory to the
- * system, because mapping page by page took a third of the start. Call it once, before anything
- * else. */
+ * system. Mapping page by page took a third of the start. Call it once, before anything else. */
 void memory_set_up(void);
 /* Call it after the start. From then on large blocks return to the system when they are freed, so
  * that memory_resident is the memory in use. */

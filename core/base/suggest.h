@@ -19,9 +19,9 @@ typedef struct suggest {
 uint32_t suggest_distance(const char *a, const char *b);
 
 void suggest_begin(suggest *self, const char *word);
-/* Keeps the name if it is more similar than all before. A name is similar enough with one edit for
- * each three letters, at most three, or if the typed word has at least three letters and the name
- * begins with it. */
+/* Keeps the name if it is more similar than all before. Similar enough: one edit for each three
+ * letters, at most three edits. A name is also similar if it begins with the typed word, which must
+ * have at least three letters. */
 void suggest_consider(suggest *self, const char *name);
 
 /* A text to append to a message: ". Did you mean \"puppet\"?"; "" without a name. */

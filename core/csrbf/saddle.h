@@ -83,10 +83,10 @@ typedef struct saddle {
 bool saddle_create(saddle *out, uint32_t centre_capacity); /* false: no memory */
 void saddle_destroy(saddle *s);
 
-/* The caller checks the arguments. scratch: three times count items. If the first centres in
- * canonical order are the same as those that `s` or `other` has factored with the same kernel,
- * radius and ridge, their rows are not factored again: so pins cost nothing while only tips change.
- * The result has the same bits. On error `s` must be factored again before use. */
+/* Factors the system. The caller checks the arguments. scratch: three times count items. Rows that
+ * `s` or `other` has already factored are not factored again. They must be the first in canonical
+ * order, with the same centres, kernel, radius and ridge. So pins cost nothing while only tips
+ * change. The result has the same bits. On error `s` must be factored again before use. */
 CHECKED mrt_result saddle_factor(saddle *s, const saddle *other, order_item *scratch,
                                  const csrbf_settings *settings, const double *centre,
                                  const csrbf_class *class, uint32_t count, error *err);

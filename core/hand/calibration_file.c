@@ -519,7 +519,7 @@ mrt_result calibration_file_write(const calibration_file *file, const char *path
     return result;
 }
 
-/* ---- a line through a zero ---- */
+/* ---- a linear table ---- */
 
 static const double RADIANS_PER_DEGREE = ANGLE_PI / 180.0;
 static const double BEYOND_DEG = 15.0;

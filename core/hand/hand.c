@@ -135,8 +135,8 @@ struct hand_skeleton {
  * scaled by hand length / 206.39. */
 static const double TABLE_LENGTH_MM = 206.39;
 
-/* The place of the thumb's base is a compromise between the table, (10, -23, 5) with inferred axes,
- * and the planar skeleton of the recordings (data/README.md), (27, 0, 31). */
+/* The place of the thumb's base is a compromise. The table has (10, -23, 5), with inferred axes.
+ * The planar skeleton of the recordings (data/README.md) has (27, 0, 31). */
 static const struct finger {
     vec3 base;
     double bone_mm[3];

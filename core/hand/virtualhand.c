@@ -109,7 +109,7 @@ static bool read_whole(double number, int32_t low, int32_t high, int32_t *out)
     return true;
 }
 
-/* ---- the first part ---- */
+/* ---- GLOVE CALIBRATION ---- */
 
 static mrt_result read_joint(virtualhand_reader *self, uint32_t finger, int32_t joint)
 {
@@ -150,7 +150,7 @@ static mrt_result read_finger(virtualhand_reader *self, text_view line)
     return MRT_OK;
 }
 
-/* ---- the second part ---- */
+/* ---- 3D HAND GEOMETRY ---- */
 
 static mrt_result read_side(virtualhand_reader *self)
 {

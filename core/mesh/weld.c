@@ -282,12 +282,11 @@ static void join_open(joining *j, edge *e, size_t count)
     }
 }
 
-/* ---- slits ----
- * Files with texture coordinates or normals normally do not repeat a vertex with the same values in
- * one part. There are two exceptions: files that share no vertices at all, and surfaces that are
- * meant to be open, such as a mouth with nothing behind it. Such edges are a slit if they form one
- * chain of at least SLIT_LEAST edges, and both ends of the chain are vertices that its two sides
- * share. */
+/* ---- slits ---- Files with texture coordinates or normals normally do not repeat a vertex with
+ * the same values in one part. Two exceptions exist: files that share no vertices at all, and
+ * surfaces that are open on purpose, such as a mouth with nothing behind it. Such edges are a
+ * slit if they form one chain of at least SLIT_LEAST edges. Both ends of the chain must be
+ * vertices that its two sides share. */
 
 enum { SLIT_LEAST = 6 }; /* edges */
 

@@ -359,8 +359,8 @@ static void add_response(recording *self, const face_column *of, uint32_t j)
 }
 
 /* Sets the controls of the segment: name, place and response (add_response). The pull of a control
- * is the weight of the column of its main bone, so that a control on the head is described in the
- * head's frame. columns: as in self->column, before scaling. */
+ * is the weight of the column of its main bone. So a control on the head is described in the frame
+ * of the head. columns: as in self->column, before scaling. */
 static mrt_result set_pulls(recording *self, const face *f, uint32_t column_count, error *err)
 {
     const bool has_response = self->use != RECORDING_TABLES;

@@ -194,11 +194,11 @@ void gl_read_picture(uint8_t *out_rgba, uint32_t width, uint32_t height)
 }
 
 /* Works around a use after free in Mesa's software renderer (llvmpipe; 22.3.6, and main when this
- * was written). It frees the fence of a scene as soon as all of its threads have counted it down,
- * although the last thread may still be unlocking the mutex in the fence. That writes four zero
- * bytes into freed memory, and the allocator crashes some time later. Each thread works on the
- * scenes in order, so when a later scene is done, no thread is inside an earlier fence. Until then
- * a reference is kept here. tests/window/late_fence.sh */
+ * was written). It frees the fence of a scene as soon as all of its threads have counted it down.
+ * But the last thread may still be unlocking the mutex in the fence. That writes four zero bytes
+ * into freed memory, and the allocator crashes some time later. Each thread works on the scenes in
+ * order. So when a later scene is done, all threads have left the earlier fences. Until then a
+ * reference is kept here. tests/window/late_fence.sh */
 
 enum { KEPT = 16 }; /* scenes of one or two frames: drawing may lag that far behind */
 

@@ -264,9 +264,8 @@ static void describe_moments(char *out, size_t capacity, const clip *c)
         snprintf(out, capacity, "The face at rest: the performance has no frames.");
     else
         snprintf(out, capacity,
-                 "%u frame%s at %g per second, %.2f s. Each moment is the frame of one eighth "
-                 "that is furthest from rest, with its time and its distance (root mean square "
-                 "of the vertices).",
+                 "%u frame%s at %g per second, %.2f s. Each moment is the frame of one eighth that "
+                 "is furthest from rest, with its time and distance (root mean square).",
                  frame_count, frame_count == 1 ? "" : "s", clip_fps(c), frame_count / clip_fps(c));
 }
 

@@ -43,6 +43,6 @@ void paper_count(char out[32], double value);
 CHECKED mrt_result paper_hands(paper *self, error *err);  /* Figures 1 and 2 */
 CHECKED mrt_result paper_table(paper *self, error *err);  /* Table 1 and Figure 3 */
 CHECKED mrt_result paper_moai(paper *self, error *err);   /* Figures 4 and 5 */
-CHECKED mrt_result paper_solver(paper *self, error *err); /* its claims, and the reference */
+CHECKED mrt_result paper_solver(paper *self, error *err); /* claims, and the reference solve */
 
 #endif

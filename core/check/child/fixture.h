@@ -28,7 +28,7 @@ typedef struct host {
     int64_t latest_ask_ns; /* latest time that the plugin waited for */
     uint32_t wait_count;
     uint32_t error_count; /* number of logged errors and warnings */
-    char last_log[256];   /* the last of them; "" */
+    char last_log[256];   /* the last of these lines; "" */
 } host;
 
 /* Must not move. */
