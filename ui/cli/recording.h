@@ -33,7 +33,7 @@ typedef struct recording {
     clip_pull pull[MRT_MAX_VECTORS]; /* for each control of the segment */
     uint32_t main[MRT_MAX_VECTORS]; /* its column with the greatest share, or RECORDING_NO_COLUMN */
     uint32_t pull_count;            /* in the segment */
-    bool has_curves;                /* the curves were added, or the face has none */
+    bool has_curves;                /* the curves were added to the clip */
     uint32_t bone[RIG_BONES_MAX], bone_count; /* those bones of the rig that turn */
     uint32_t first_shape;         /* index of the first curve of a shape of the mesh file */
     struct face_weights *weights; /* NULL: no weights of ARKit shapes */

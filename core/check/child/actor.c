@@ -145,8 +145,8 @@ static double distance_mm(mrt_vec3 a, mrt_vec3 b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Returns the jump of the held point: from its place in the last hold of the same point, or from
- * its rest place. */
+/* Returns the jump of a vector: the least distance of its displacement from 0, or from that of the
+ * same point in the last hold. */
 static double jump_mm(const mrt_pull *before, const mrt_vector *v)
 {
     mrt_vec3 way = way_of(v);

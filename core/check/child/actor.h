@@ -54,7 +54,7 @@ void actor_reset(actor *self);
 /* Calls process() for self->frame. */
 void actor_step(actor *self);
 
-/* Returns a checksum of the resulting face, over everything that the host reads. */
+/* Returns a checksum of the last valid pull, over everything that the host reads. */
 uint64_t actor_sum(const actor *self);
 
 /* Call them before and after a [frame] function. Forbidden calls in between are reported for

@@ -373,7 +373,7 @@ bool posed_pages_create(posed_pages *out, const mrt_face *face, uint32_t count, 
 void posed_pages_forbid(posed_pages *self)
 {
     if (mprotect(self->pages, self->size, PROT_NONE) != 0)
-        abort(); /* without the mapped memory the test would pass without a check */
+        abort(); /* otherwise the test would detect nothing */
 }
 
 const mrt_face *faces_of(face_kind kind)
