@@ -54,7 +54,7 @@ typedef struct recording {
                                 moved them */
 } recording;
 
-/* Returns the least use that these files need. */
+/* Returns the recording_use that these files need. */
 recording_use recording_use_of(const exports_file *file, uint32_t count);
 
 /* The face file must outlive the recording. */

@@ -44,8 +44,8 @@ rigpicture_colour rigpicture_bone_colour(const rig *r, uint32_t bone);
 
 /* ---- portraits of the poses of a rig ---- */
 
-enum { /* maximum; usual number of columns; above FEW poses there are more columns of half the size;
-          the rest in pixels */
+enum { /* limit of portraits; usual number of columns; with more than FEW portraits, more columns of
+          half the size; the others in pixels */
        RIGPORTRAITS_MAX = 128,
        RIGPORTRAITS_COLUMNS = 4,
        RIGPORTRAITS_FEW = 24,
