@@ -29,7 +29,7 @@ static const char *const glove_words[GUIDE_STEPS] = {
     "Lay your hand flat on the table: wrist, fingers and thumb straight and together.",
     "Make a tight fist, the thumb outside.",
     "Open the hand; lay the bent thumb across the palm, its tip at the root of the little finger.",
-    "Lay your hand flat again and spread fingers and thumb as far as they go.",
+    "Lay your hand flat again and spread fingers and thumb as wide as you can.",
     "Fingers straight and together; bend only the thumb.",
     "Bend only the index finger, all the way; thumb and other fingers straight.",
     "Bend only the middle finger, all the way; thumb and other fingers straight.",
@@ -39,7 +39,7 @@ static const char *const glove_words[GUIDE_STEPS] = {
 static const char *const bare_words[GUIDE_STEPS] = {
     [GUIDE_FLAT] = "Hold your hand up flat: fingers and thumb straight and together.",
     [GUIDE_FIST] = "Make a tight fist, the thumb outside.",
-    [GUIDE_SPREAD] = "Open the hand and spread fingers and thumb as far as they go."};
+    [GUIDE_SPREAD] = "Open the hand and spread fingers and thumb as wide as you can."};
 
 static bool has_sensor(const guide_poses *poses, int sensor)
 {
@@ -728,7 +728,7 @@ mrt_result guide_result(const guide *self, calibration_file *out, error *err)
     memcpy(out->input, self->settings.input, sizeof out->input);
     if (!self->poses.has[GUIDE_FLAT])
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the flat hand was not taken: nothing can be calibrated without it");
+                         "the flat hand was not taken. All other poses are measured from it");
     solve(&self->poses, self->low, self->high, out);
     return MRT_OK;
 }

@@ -959,10 +959,9 @@ const command command_rig = {
         "  contacts, in pairs.\n"
         "\n"
         "marotte rig teeth RIG.rig.json [--out OUT.rig.json]\n"
-        "  Fits the collision shapes of the lips to the upper and lower teeth of the rig's mesh, "
-        "and\n"
-        "  prints them as entries of skull_proxy. --out: write the rig with them\n"
-        "  in place of its own.\n",
+        "  Fits the collision shapes of the lips to the upper and lower teeth of the mesh, and\n"
+        "  prints them as entries of skull_proxy. --out: write the rig with them in place of its\n"
+        "  own.\n",
     .examples = "rig new girl.glb --out out/girl.rig.json\n"
                 "rig check puppet\n"
                 "rig show moai --out out/moai_rig.png\n"

@@ -822,8 +822,8 @@ void cases_state(const examination *e)
     kept good = keep(&s, &first);
     if (good.size == 0) {
         for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
-            tell_skipped(rules[i], "save() has nothing to save");
-        tell_skipped(RULE_STATE_POSES, "save() has nothing to save");
+            tell_skipped(rules[i], "save() returns no bytes");
+        tell_skipped(RULE_STATE_POSES, "save() returns no bytes");
         return;
     }
     if (!good.bytes)
@@ -919,7 +919,7 @@ static bool judge_moment(const store *s, const examination *e, stream_kind kind,
     kept good = keep(s, &first);
     bool can_go_on = good.bytes != NULL;
     if (good.size == 0)
-        tell_skipped(RULE_RESUME_SAME, "save() had nothing to save at frame %u", moment);
+        tell_skipped(RULE_RESUME_SAME, "save() returned no bytes at frame %u", moment);
     if (can_go_on && go_on(&first, &first_hands, "after save()") < PLAY_SPAN) {
         tell_failed(RULE_RESUME_SILENT, "after save() at frame %u it continues differently",
                     moment);
