@@ -3,11 +3,12 @@
 #include <math.h>
 #include <stdint.h>
 
-/* pi/2 in two parts; the first has 33 bits, so that a whole number below 2^20 times it is exact. */
+/* pi/2 as a sum of two parts. The first has 33 bits, so that its product with an integer below 2^20
+ * is exact. */
 static const double QUARTER_HIGH = 1.57079632673412561417e+00;
 static const double QUARTER_LOW = 6.07710050650619224932e-11;
 
-/* Taylor series; for |x| <= pi/4 the first term left out is below 5e-17. */
+/* Taylor series. For |x| <= pi/4 the first omitted term is below 5e-17. */
 static double sine_near_zero(double x)
 {
     double q = x * x;
@@ -35,11 +36,12 @@ static double cosine_near_zero(double x)
     return 1.0 + q * p;
 }
 
-/* What is left of a finite angle within a quarter turn, and how many quarters (modulo 4). */
+/* Reduces a finite angle to a quarter turn. Returns the rest, and the number of quarters (modulo
+ * 4). */
 static double within_quarter(double angle_rad, int *out_quarter)
 {
     if (angle_rad > 1e4 || angle_rad < -1e4)
-        angle_rad = fmod(angle_rad, 2.0 * ANGLE_PI); /* exact by definition, in every libm */
+        angle_rad = fmod(angle_rad, 2.0 * ANGLE_PI); /* exact by definition in every libm */
     double quarters = angle_rad * (2.0 / ANGLE_PI);
     int32_t quarter = (int32_t)(quarters < 0.0 ? quarters - 0.5 : quarters + 0.5);
     *out_quarter = quarter & 3;

@@ -1,6 +1,6 @@
-/* base/angle.h - sine and cosine that have the same bits on every machine: a fixed polynomial in
- * double precision, of +, - and * alone. libm promises no such thing. Leaves out every other
- * function of angles. Pure; any thread. */
+/* base/angle.h - sine and cosine with the same bits on every machine: a fixed polynomial in double
+ * precision that uses only +, - and *. libm does not guarantee that. Leaves out other functions of
+ * angles. Pure. [any] */
 #ifndef MAROTTE_BASE_ANGLE_H
 #define MAROTTE_BASE_ANGLE_H
 
@@ -10,11 +10,10 @@ typedef struct angle_sincos {
     double sin, cos;
 } angle_sincos;
 
-/* Error below 1e-15 for |angle_rad| <= 1e4, which is far more than +-2 pi. Beyond that (1e4 to any
- * finite value) the angle is first taken modulo the double nearest to 2 pi; a non-finite angle
- * counts as 0. */
+/* Error below 1e-15 for |angle_rad| <= 1e4. A larger angle is first reduced modulo the double
+ * nearest to 2 pi. A non-finite angle counts as 0. */
 angle_sincos angle_sincos_of(double angle_rad);
-/* Its sine alone, the same bits in half of the time. */
+/* Returns only the sine, with the same bits, in half the time. */
 double angle_sine_of(double angle_rad);
 
 #endif

@@ -2,7 +2,7 @@
 
 #include <inttypes.h>
 
-typedef struct allowance { /* the floor, and how much more for each byte of the file */
+typedef struct allowance { /* fixed part, and part per byte of the file */
     uint64_t floor, per_byte;
 } allowance;
 
@@ -10,8 +10,9 @@ static const struct {
     const char *name;
     allowance bytes, work;
 } kinds[BUDGET_KINDS] = {
-    /* The floors let every good file pass whatever its size. A step of work is about 10 ns: 200
-     * million are 2 s. Selectors are evaluated several times until a face is there. */
+    /* The fixed parts are large enough for every valid file of any size. A step of work takes about
+     * 10 ns: 200 million are 2 s. The selectors of a face are evaluated several times until it is
+     * loaded. */
     [BUDGET_SHOW] = {"show", {256u << 20, 20}, {200000000, 100}},
     [BUDGET_SALVAGE] = {"damaged show", {64u << 20, 4}, {200000000, 100}},
     [BUDGET_RIG] = {"rig", {256u << 20, 20}, {200000000, 20}},
@@ -39,8 +40,8 @@ static mrt_result spend(const budget *b, uint64_t *left, uint64_t amount, allowa
 {
     if (amount > *left)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "it asks for more than %" PRIu64 " %s, which is all that a %s of %" PRIu64
-                         " bytes may cost: the file is damaged, or made to stall the program",
+                         "it needs more than %" PRIu64 " %s, the limit for a %s of %" PRIu64
+                         " bytes. The file is damaged, or made to stall the program",
                          allowed(of, b->file_size), what, kinds[b->kind].name, b->file_size);
     *left -= amount;
     return MRT_OK;

@@ -1,6 +1,6 @@
-/* base/bytes.h - values to bytes and back, for state that is kept: a writer that counts what does
- * not fit, and a reader that never goes past the end and remembers that it would have. In the
- * machine's order (little-endian; others do not build). Pure. */
+/* base/bytes.h - serialises values to bytes and back, for stored state. The writer counts bytes
+ * that do not fit. The reader never reads past the end, and remembers an attempt. Byte order is
+ * that of the machine (little-endian; others do not build). Pure. */
 #ifndef MAROTTE_BASE_BYTES_H
 #define MAROTTE_BASE_BYTES_H
 #include "base/rigid.h"
@@ -10,8 +10,8 @@
 #include <stdint.h>
 
 typedef struct bytes_out {
-    unsigned char *data;   /* NULL: only counts */
-    size_t capacity, size; /* size: of all that was put, whether it fitted or not */
+    unsigned char *data;   /* NULL: only count */
+    size_t capacity, size; /* size: of everything that was written, even if it did not fit */
 } bytes_out;
 
 void bytes_put(bytes_out *out, const void *value, size_t size);
@@ -21,13 +21,13 @@ void bytes_put_vec3(bytes_out *out, vec3 v);
 
 typedef struct bytes_in {
     const unsigned char *at, *end;
-    bool failed; /* something was asked for that was not there */
+    bool failed; /* read past the end, or read a value that is not finite */
 } bytes_in;
 
-/* When fewer are left: fails, and gives zeros. */
+/* If fewer bytes are left, fails and returns zeros. */
 void bytes_take(bytes_in *in, void *out, size_t size);
 uint32_t bytes_take_u32(bytes_in *in);
-double bytes_take_f64(bytes_in *in); /* fails, and gives 0, when not finite */
-vec3 bytes_take_vec3(bytes_in *in);  /* likewise, each number */
+double bytes_take_f64(bytes_in *in); /* fails and returns 0 for a value that is not finite */
+vec3 bytes_take_vec3(bytes_in *in);  /* the same, for each number */
 
 #endif

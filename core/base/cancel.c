@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <unistd.h>
 
-enum { FORCED_EXIT_CODE = 130 }; /* as shells tell Ctrl-C */
+enum { FORCED_EXIT_CODE = 130 }; /* exit code of a shell after Ctrl-C */
 
 static _Atomic bool asked;
 static cancel_patience patience_now;
@@ -39,7 +39,7 @@ void cancel_on_signals(cancel_patience patience, void (*also)(void))
     if (patience == CANCEL_A_SECOND)
         sigaction(SIGALRM, &late, NULL);
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; ++i)
-        if (signals[i] != SIGHUP || /* nohup: it outlives the terminal */
+        if (signals[i] != SIGHUP || /* with nohup the program outlives the terminal */
             (sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler != SIG_IGN))
             sigaction(signals[i], &ask, NULL);
 }

@@ -1,7 +1,7 @@
-/* base/cancel.h - that whoever sits in front of the program wants what goes on to end: Ctrl-C,
- * SIGTERM, or the terminal was closed. It is asked once, and stands until the program ends; a
- * second signal ends the program as it would have without. Leaves out what "end" means: who records
- * keeps what there is, who reads leaves nothing half done. [any] */
+/* base/cancel.h - the user's request to stop: Ctrl-C, SIGTERM, or a closed terminal. The request
+ * stays set until the program ends. A second signal has its default effect and ends the program.
+ * Leaves out the reaction: recording code keeps what exists, reading code leaves nothing
+ * incomplete. [any] */
 #ifndef MAROTTE_BASE_CANCEL_H
 #define MAROTTE_BASE_CANCEL_H
 #include "base/error.h"
@@ -9,17 +9,17 @@
 #include <stdbool.h>
 
 typedef enum cancel_patience {
-    CANCEL_WAITS = 0, /* something is being kept: it may take as long as it takes */
-    CANCEL_A_SECOND   /* after that the program ends wherever it is */
+    CANCEL_WAITS = 0, /* data is being saved, which may take any time */
+    CANCEL_A_SECOND   /* after one second the program is ended */
 } cancel_patience;
 
-/* [main] From now on signals ask. `also` (NULL: nothing) is called in the signal handler, to wake
- * whoever waits. */
+/* [main] Makes signals set the request. `also` (NULL: none) is called in the signal handler, to
+ * wake waiting threads. */
 void cancel_on_signals(cancel_patience patience, void (*also)(void));
-void cancel_ask(void); /* the same without a signal: the key q */
+void cancel_ask(void); /* sets the request without a signal: the key q */
 bool cancel_is_asked(void);
-_Atomic bool *cancel_flag(void); /* the same, for those who look at a flag or set it */
-/* MRT_ERR_IO, "stopped", when it is asked. */
+_Atomic bool *cancel_flag(void); /* the flag itself, for code that polls or sets it */
+/* Returns MRT_ERR_IO, "stopped", after a request. */
 CHECKED mrt_result cancel_check(error *err);
 
 #endif

@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* the affinity of threads */
+#define _GNU_SOURCE /* for the affinity of threads */
 #include "base/cpu.h"
 
 #include <sched.h>
@@ -27,7 +27,7 @@ void cpu_keep_off(const pthread_t *thread, uint32_t count, int cpu)
     if (CPU_COUNT(&may) == 0)
         return;
     for (uint32_t i = 0; i < count; ++i)
-        (void)pthread_setaffinity_np(thread[i], sizeof may, &may); /* they run there or elsewhere */
+        (void)pthread_setaffinity_np(thread[i], sizeof may, &may); /* a failure is ignored */
 }
 #else
 uint32_t cpu_count(void)

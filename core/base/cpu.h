@@ -1,5 +1,5 @@
-/* base/cpu.h - the CPUs that this process may use, and where its threads run. Where the system does
- * not say, there is one CPU and threads run where they like. [any] */
+/* base/cpu.h - the CPUs that this process may use, and the affinity of its threads. If the system
+ * does not report them, one CPU is assumed and threads run anywhere. [any] */
 #ifndef MAROTTE_BASE_CPU_H
 #define MAROTTE_BASE_CPU_H
 #include <pthread.h>
@@ -7,10 +7,10 @@
 
 enum { CPU_UNKNOWN = -1 };
 
-uint32_t cpu_count(void); /* that the calling thread may use; >= 1 */
-int cpu_now(void);        /* of the calling thread; it may be on another one already */
-/* Lets the threads run on every CPU that the calling thread may use, but not on this one; if that
- * leaves none, where they like. */
+uint32_t cpu_count(void); /* number of CPUs for the calling thread; >= 1 */
+int cpu_now(void);        /* CPU of the calling thread; it may change at any time */
+/* Lets the threads run on all CPUs of the calling thread except this one. If there are no others,
+ * they run on any. */
 void cpu_keep_off(const pthread_t *thread, uint32_t count, int cpu);
 
 #endif

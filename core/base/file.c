@@ -1,4 +1,4 @@
-#define _GNU_SOURCE /* SEEK_DATA */
+#define _GNU_SOURCE /* for SEEK_DATA */
 #include "base/file.h"
 
 #include "base/suggest.h"
@@ -15,7 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { SLOTS = 100 }; /* temporary names of one target: as many programs write it at once */
+enum { SLOTS = 100 }; /* temporary names, one for each program that writes a target */
 
 mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *err)
 {
@@ -65,7 +65,7 @@ mrt_result file_read(file_bytes *out, const char *path, size_t size_cap, error *
             goto fail;
         }
         if (got == 0)
-            break; /* it shrank meanwhile: what is there counts */
+            break; /* the file shrank during reading: use what was read */
         out->size += (size_t)got;
     }
     if (out->size == 0) {
@@ -110,8 +110,8 @@ void file_bytes_finish(file_bytes *bytes)
     *bytes = (file_bytes){0};
 }
 
-/* A temporary file is locked while its writer lives, so one without a lock was abandoned by a kill.
- */
+/* Removes a temporary file without a lock. Its writer holds a lock as long as it lives, so the
+ * writer was killed. */
 static bool remove_abandoned(const char *name)
 {
     struct stat ours, there;
@@ -126,8 +126,8 @@ static bool remove_abandoned(const char *name)
     return is_removed;
 }
 
-/* Made anew and locked. Whoever found it before it was locked removes it: then it is no use. -1 and
- * errno. */
+/* Creates the file and locks it. Another program may remove it as abandoned before it is locked;
+ * then it is not usable. Returns -1 and errno on failure. */
 static int make_locked(const char *name)
 {
     struct stat made;
@@ -142,8 +142,9 @@ static int make_locked(const char *name)
     return -1;
 }
 
-/* The name is the target's, then ".marotte-", its slot and ".tmp". The file has the mode that the
- * umask gives. What was abandoned in the slots before and behind it is removed. -1 and errno. */
+/* Creates the temporary file: the name of the target, then ".marotte-", its slot and ".tmp". The
+ * mode follows the umask. Removes abandoned files in the slots before and after it. Returns -1 and
+ * errno on failure. */
 static int make_temporary(char *name, size_t capacity, const char *path)
 {
     int fd = -1, slot = 0, reason = EEXIST;
@@ -206,9 +207,8 @@ fail:
     return result;
 }
 
-/* The lock is held until the temporary name is gone: nobody else may remove or use that name
- * before.
- */
+/* The lock is held until the temporary name is gone, so that no other program removes or uses that
+ * name before. */
 mrt_result file_writer_commit(file_writer *writer, error *err)
 {
     FILE *stream = writer->stream;
@@ -262,7 +262,7 @@ mrt_result file_write(const char *path, const void *data, size_t size, error *er
     mrt_result result = file_writer_open(&writer, path, err);
     if (result < 0)
         return result;
-    (void)fwrite(data, 1, size, writer.stream); /* a short write is found by commit */
+    (void)fwrite(data, 1, size, writer.stream); /* commit reports a short write */
     return file_writer_commit(&writer, err);
 }
 
@@ -287,7 +287,7 @@ file_lock file_lock_folder(int *out_fd, const char *path, int patience_ms)
     return FILE_LOCK_HELD;
 }
 
-/* ---- what one file may name ---- */
+/* ---- files that another file may name ---- */
 
 static bool climbs(const char *rest)
 {
@@ -335,8 +335,8 @@ mrt_result file_check_below(const char *folder, const char *path, error *err)
     }
     return below ? MRT_OK
                  : error_set(err, MRT_ERR_UNSUPPORTED,
-                             "%s: is not in the folder of the file that names it; put it there, or "
-                             "allow its folder: MAROTTE_FILE_FOLDERS=/THAT/FOLDER",
+                             "%s: is not in the folder of the file that names it. Move it "
+                             "there, or allow its folder: MAROTTE_FILE_FOLDERS=/THAT/FOLDER",
                              path);
 }
 
@@ -395,7 +395,7 @@ mrt_result file_home_path(char *out, size_t capacity, file_home which, const cha
         return MRT_OK;
     if (capacity > 0)
         out[0] = '\0';
-    return error_set(err, MRT_ERR_IO, "there is no folder marotte/%s: set HOME", rest);
+    return error_set(err, MRT_ERR_IO, "cannot find the folder marotte/%s: set HOME", rest);
 }
 
 static bool is_folder(const char *path)

@@ -1,5 +1,5 @@
-/* base/hash.h - FNV-1a, 64 bits: tells what changed from what did not. No help against someone who
- * makes two things alike on purpose. Pure; any thread. */
+/* base/hash.h - FNV-1a, 64 bits: detects changes. It does not protect against deliberate
+ * collisions. Pure. [any] */
 #ifndef MAROTTE_BASE_HASH_H
 #define MAROTTE_BASE_HASH_H
 #include <stddef.h>

@@ -7,7 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* From the folder of the program: installed, and in the build folder. */
+/* Relative to the folder of the program: in an installation, and in the build folder. */
 static const char *const prefixes[] = {MAROTTE_PREFIX_FROM_PROGRAM, "."};
 static const char *const data[] = {MAROTTE_DATA_FROM_PROGRAM, "share/marotte"};
 enum { PLACES = 2 };
@@ -19,7 +19,7 @@ bool installed_program(char out[INSTALLED_LENGTH])
     return length > 0 && length < INSTALLED_LENGTH - 1;
 }
 
-/* The first of the folders, as seen from the program's folder, in which there is such a file. */
+/* Finds the first of the folders, relative to the program's folder, that contains the file. */
 static bool find(char out[INSTALLED_LENGTH], const char *const folder[PLACES], const char *file)
 {
     char program[INSTALLED_LENGTH];
@@ -60,11 +60,11 @@ static bool is_file(const char *path)
     return stat(path, &about) == 0 && !S_ISDIR(about.st_mode);
 }
 
-/* ---- files with names ---- */
+/* ---- files with short names ---- */
 
 static const struct {
     const char *noun, *folder; /* below the data folder */
-    const char *ending;        /* of its entries: "": a folder for each */
+    const char *ending;        /* ending of the entries; "": each has its own folder */
 } kinds[INSTALLED_KINDS] = {[INSTALLED_FACE] = {"face", "rigs", ""},
                             [INSTALLED_PATCH] = {"patch", "patches", ".json"},
                             [INSTALLED_RECORDING] = {"recording", ".", ".csv"}};
@@ -74,7 +74,7 @@ static bool is_name(const char *given)
     return given[0] != '\0' && given[0] != '.' && !strchr(given, '/');
 }
 
-/* The file of that name. */
+/* Finds the installed file with that short name. */
 static bool find_named(char out[INSTALLED_LENGTH], installed_kind kind, const char *name)
 {
     char file[INSTALLED_LENGTH];
@@ -86,7 +86,7 @@ static bool find_named(char out[INSTALLED_LENGTH], installed_kind kind, const ch
     case INSTALLED_PATCH:
         length = snprintf(file, sizeof file, "patches/%s.json", name);
         break;
-    case INSTALLED_RECORDING: /* the file's own name, as in earlier versions, or without ending */
+    case INSTALLED_RECORDING: /* the file name, as in earlier versions, or without its ending */
         length = snprintf(file, sizeof file, "%s", name);
         if (length > 0 && length < INSTALLED_LENGTH && find(out, data, file) && is_file(out))
             return true;
@@ -106,7 +106,7 @@ char *installed_path(installed_kind kind, const char *given)
     return strdup(given);
 }
 
-/* "moai, puppet"; each is considered for `near`, too. */
+/* Writes "moai, puppet", and also considers each name for `near`. */
 static void list_names(char *out, size_t capacity, installed_kind kind, suggest *near)
 {
     char folder[INSTALLED_LENGTH], path[INSTALLED_LENGTH];

@@ -1,5 +1,5 @@
-/* base/installed.h - where the program's own files are: relative to the program, so that what was
- * installed may be moved. The build folder looks like an installation. [main] */
+/* base/installed.h - locations of the program's own files, relative to the program, so that an
+ * installation can be moved. The build folder has the same layout as an installation. [main] */
 #ifndef MAROTTE_BASE_INSTALLED_H
 #define MAROTTE_BASE_INSTALLED_H
 #include "base/error.h"
@@ -9,13 +9,14 @@
 
 enum { INSTALLED_LENGTH = 4096 };
 
-/* The running program. False: nobody knows. */
+/* Returns the path of the running program. False: unknown. */
 bool installed_program(char out[INSTALLED_LENGTH]);
-/* What a plugin's build has to be told: the folder that include/marotte/plugin.h and the package
- * files are in, without links. False: the header is not installed. */
+/* Returns the folder for building plugins, with links resolved: it contains
+ * include/marotte/plugin.h and the package files. False: the header is not installed. */
 bool installed_prefix(char out[INSTALLED_LENGTH]);
 
-/* Files that come with marotte and have a name: "puppet" is rigs/puppet/puppet.rig.json. */
+/* Kinds of files that come with marotte and have a short name: "puppet" is
+ * rigs/puppet/puppet.rig.json. */
 typedef enum installed_kind {
     INSTALLED_FACE = 0,  /* --face puppet */
     INSTALLED_PATCH,     /* --patch faders */
@@ -23,17 +24,17 @@ typedef enum installed_kind {
     INSTALLED_KINDS
 } installed_kind;
 
-/* The path that a person means: a file, or the name of an installed one. A file of that name in the
- * working directory wins, and what is neither is returned as it is. A copy for the caller to free;
+/* Returns the path of a file, or of the installed file with that name. A file in the working
+ * directory takes precedence. If neither exists, returns the given text. The caller frees the copy;
  * NULL: no memory. */
 char *installed_path(installed_kind kind, const char *given);
-/* An error for what is neither a file nor such a name, if it looks like a name (no '/'): it lists
- * the installed ones, and the nearest name. */
+/* Fails if `given` looks like a short name (no '/'), but is neither a file nor an installed name.
+ * The error lists the installed names, and the most similar one. */
 CHECKED mrt_result installed_check(installed_kind kind, const char *given, error *err);
-/* For a message about a file that is missing: the nearest installed name or file, as a question
- * (base/suggest.h), and the installed names. */
+/* Returns a suggestion for a message about a missing file: the most similar installed name or file
+ * as a question (base/suggest.h), and the installed names. */
 suggest_text installed_suggest(installed_kind kind, const char *given);
-/* A file that comes with marotte beside its rigs: "demo_hand.csv". False: it is not there. */
+/* Finds a file that is installed beside the rigs: "demo_hand.csv". False: not found. */
 bool installed_data(char out[INSTALLED_LENGTH], const char *file);
 
 #endif

@@ -70,15 +70,15 @@ mrt_result isa_choose(isa *out, const char *word, error *err)
         if (strcmp(word, names[i]) == 0) {
             if (!isa_is_here((isa)i))
                 return error_set(err, MRT_ERR_UNSUPPORTED,
-                                 "MAROTTE_ISA=%s: this machine has at most %s; leave it unset to "
-                                 "use that",
+                                 "MAROTTE_ISA=%s: this machine has at most %s. Unset it to use "
+                                 "that",
                                  word, isa_name(*out));
             *out = (isa)i;
             return MRT_OK;
         }
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "MAROTTE_ISA=%.40s is unknown: expected generic, v2, v3 or v4, or nothing for "
-                     "the best that this machine has (%s)",
+                     "MAROTTE_ISA=%.40s is unknown: expected generic, v2, v3 or v4, or unset "
+                     "for the best of this machine (%s)",
                      word, isa_name(*out));
 }
 

@@ -6,7 +6,7 @@
 #include <sys/mman.h>
 #endif
 
-/* Below it the part of a page that is not used would be worth more than what is gained. */
+/* For smaller arrays, the unused part of the last page would cost more than large pages gain. */
 static const size_t large_from = (size_t)8 << 20;
 static const size_t page = (size_t)2 << 20;
 
@@ -22,7 +22,7 @@ void *large_alloc(size_t bytes)
     void *found = whole > 0 ? aligned_alloc(step, whole) : NULL;
 #ifdef MADV_HUGEPAGE
     if (found && step == page)
-        (void)madvise(found, whole, MADV_HUGEPAGE); /* else it stays on small ones */
+        (void)madvise(found, whole, MADV_HUGEPAGE); /* else it stays on small pages */
 #endif
     return found;
 }

@@ -66,7 +66,7 @@ void log_push(log_queue *queue, int32_t level, const char *source, const char *t
             return;
         }
         if ((int32_t)(sequence - ticket) < 0)
-            break; /* full */
+            break; /* the queue is full */
         ticket = atomic_load_explicit(&queue->next_ticket, memory_order_relaxed);
     }
     atomic_fetch_add_explicit(&queue->lost, 1, memory_order_relaxed);

@@ -1,6 +1,6 @@
-/* base/log.h - news for the person in front of the program, from any thread, without waiting.
- * Threads push one-line records into a bounded queue; the main thread drains it to wherever it
- * shows news. When the queue is full the record is counted as lost, never waited for. */
+/* base/log.h - log messages for the user, from any thread, without waiting. Threads push one-line
+ * records into a bounded queue; the main thread pops and shows them. If the queue is full, the
+ * record is dropped and counted. */
 #ifndef MAROTTE_BASE_LOG_H
 #define MAROTTE_BASE_LOG_H
 #include "base/error.h"
@@ -9,7 +9,7 @@ enum { LOG_TEXT = 240, LOG_SOURCE = 40 };
 
 typedef struct log_record {
     int32_t level;           /* MRT_LOG_* */
-    char source[LOG_SOURCE]; /* who says it: "log", "org.marotte.anchored" */
+    char source[LOG_SOURCE]; /* source of the message: "log", "org.marotte.anchored" */
     char text[LOG_TEXT];
 } log_record;
 
@@ -18,19 +18,19 @@ typedef struct log_queue log_queue;
 log_queue *log_queue_create(void); /* NULL: no memory */
 void log_queue_destroy(log_queue *queue);
 
-/* [any] wait-free but for a bounded number of retries; texts are cut to fit, and made printable:
- * plugins say what devices and the network have told them. */
+/* [any] Wait-free except for a bounded number of retries. Cuts the texts to fit and makes them
+ * printable, because plugins pass on texts of devices and the network. */
 void log_push(log_queue *queue, int32_t level, const char *source, const char *text);
 __attribute__((format(printf, 4, 5))) void log_pushf(log_queue *queue, int32_t level,
                                                      const char *source, const char *format, ...);
 
-/* [main] Takes the oldest record; false when there is none. */
+/* [main] Pops the oldest record. Returns false if there is none. */
 bool log_pop(log_queue *queue, log_record *out);
-/* [main] Records lost since the last call. */
+/* [main] Returns the number of records lost since the last call. */
 uint32_t log_take_lost(log_queue *queue);
 
-/* Remembers which texts were logged, so that what repeats is logged once. Holds so many texts and
- * then takes every further one for a repetition: bounded, whatever it is given. One thread at a
+/* Remembers logged texts, so that a repeated text is logged only once. Stores at most LOG_ONCE_MAX
+ * texts, and then treats every other text as repeated, so that memory is bounded. One thread at a
  * time. */
 enum { LOG_ONCE_MAX = 16 };
 typedef struct log_once {
@@ -39,7 +39,7 @@ typedef struct log_once {
 } log_once;
 
 void log_once_reset(log_once *self);
-/* Remembers the text; true: it was there before, or there have been too many. */
+/* Remembers the text. Returns true if it is known, or if the limit is reached. */
 bool log_once_repeats(log_once *self, const char *text);
 
 #endif

@@ -12,7 +12,7 @@
 enum {
     LARGE_BYTES = 128 << 10,
     SPARE_BYTES = 128 << 10,
-    LARGE_AT_START_BYTES = 4 << 20, /* rings that start empty stay untouched: calloc maps them */
+    LARGE_AT_START_BYTES = 4 << 20, /* larger rings stay untouched: calloc maps them */
     HEAP_AT_START_BYTES = 128 << 20,
     HUGE_PAGE_BYTES = 2 << 20
 };
@@ -29,15 +29,16 @@ uint64_t memory_resident(void)
     return read == 2 && page > 0 ? resident * (unsigned long long)page : 0;
 }
 
-/* Grows the heap once to HEAP_AT_START_BYTES of addresses and asks for huge pages there: a page
- * fault costs several microseconds, and 65 MiB are 16 000 small pages but 33 huge ones. */
+/* Extends the heap once to HEAP_AT_START_BYTES of address space, and requests huge pages there.
+ * A page fault costs several microseconds, and 65 MiB are 16 000 small pages but only 33 huge
+ * ones. */
 #if defined(__GLIBC__) && defined(MADV_HUGEPAGE)
 static void reserve_heap(void)
 {
     const uintptr_t at = (uintptr_t)malloc(HUGE_PAGE_BYTES), end = (uintptr_t)sbrk(0);
     const uintptr_t first = (at + HUGE_PAGE_BYTES - 1) / HUGE_PAGE_BYTES * HUGE_PAGE_BYTES;
     if (at && first < end && end - at <= (uintptr_t)HEAP_AT_START_BYTES + 2 * HUGE_PAGE_BYTES)
-        (void)madvise((void *)first, end - first, MADV_HUGEPAGE); /* else it stays on small ones */
+        (void)madvise((void *)first, end - first, MADV_HUGEPAGE); /* else it stays on small pages */
     free((void *)at);
 }
 #else
@@ -48,7 +49,7 @@ static void reserve_heap(void)
 
 void memory_set_up(void)
 {
-#ifdef M_MMAP_THRESHOLD /* glibc raises it with use unless it is set */
+#ifdef M_MMAP_THRESHOLD /* otherwise glibc raises the threshold over time */
     (void)mallopt(M_ARENA_MAX, 1);
     (void)mallopt(M_MMAP_THRESHOLD, LARGE_AT_START_BYTES);
     (void)mallopt(M_TRIM_THRESHOLD, HEAP_AT_START_BYTES);

@@ -1,20 +1,20 @@
-/* base/memory.h - how much memory the program has. Any thread. */
+/* base/memory.h - memory use of the program. [any] */
 #ifndef MAROTTE_BASE_MEMORY_H
 #define MAROTTE_BASE_MEMORY_H
 #include <stdint.h>
 
-/* Bytes of it that are in the machine's memory now; 0: the system does not say. */
+/* Bytes in physical memory now; 0: the system does not report it. */
 uint64_t memory_resident(void);
-/* Until memory_started the heap is one arena on huge pages, and gives little back: mapping memory
- * page by page was a third of a start. Once, first of all. */
+/* Until memory_started, the heap is one arena on huge pages that returns little memory to the
+ * system. Mapping page by page took a third of the start. Call it once, before anything else. */
 void memory_set_up(void);
-/* Called after the start. Large blocks return to the system when they are freed, so that
- * memory_resident is the memory in use. */
+/* Call it after the start. From then on large blocks return to the system when they are freed, so
+ * that memory_resident is the memory in use. */
 void memory_started(void);
-/* Bytes that the program has asked for and not freed; 0: the system does not say. */
+/* Bytes allocated and not freed; 0: the system does not report it. */
 uint64_t memory_in_use(void);
-/* What was freed between small things goes back too. It takes some milliseconds: after something
- * large has gone, and not on the frame thread. */
+/* Also returns freed memory between small blocks. It takes some milliseconds: call it after freeing
+ * something large, and not on the frame thread. */
 void memory_give_back(void);
 
 #endif

@@ -17,32 +17,32 @@
 
 enum { SPIN_NS = 60000, SPINS_PER_LOOK = 32, SPINS_BEFORE_YIELD = 256, USUAL_MAX = 4 };
 
-/* The gate says all about the piece in hand: its number (upper half), whether workers may still
- * enter, and how many are inside. Workers read `work` and `environment` only inside. */
+/* The gate describes the current work: its number (upper half), whether workers may still enter,
+ * and how many are inside. Workers read `work` and `environment` only inside. */
 #define GATE_OPEN   (UINT64_C(1) << 31)
 #define GATE_ENDING (UINT64_C(1) << 30)
 #define GATE_INSIDE (GATE_ENDING - 1)
 #define GATE_NUMBER 32
 
-/* The one state of a process that is no constant table: there is one pool. */
+/* The only global state besides constants: the process has one pool. */
 static struct {
     pthread_once_t once;
-    pthread_mutex_t holding; /* holder_count, and starting and ending */
+    pthread_mutex_t holding; /* guards holder_count, and starting and ending */
     uint32_t holder_count;
 
     _Atomic double worth_ns;
-    _Atomic bool is_taken; /* by who has a piece in hand, or starts or ends the workers */
-    uint32_t worker_count; /* of the taker, as all up to `next` */
+    _Atomic bool is_taken; /* set while work is shared, or workers start or end */
+    uint32_t worker_count; /* used by that thread, like all members up to `next` */
     pthread_t worker[POOL_THREADS_MAX - 1];
-    int caller_cpu; /* that workers are kept off */
+    int caller_cpu; /* workers do not run on this CPU */
     const pool_work *work;
     fenv_t environment;
 
-    _Atomic uint32_t next; /* part */
+    _Atomic uint32_t next; /* next part to run */
     _Atomic uint64_t gate;
     _Atomic uint64_t shared_count;
 
-    _Atomic uint32_t asleep_count, wake_count; /* they sleep while wake_count is what it was */
+    _Atomic uint32_t asleep_count, wake_count; /* workers sleep while wake_count is unchanged */
 } pool = {.once = PTHREAD_ONCE_INIT,
           .worth_ns = POOL_WORTH_NS,
           .holding = PTHREAD_MUTEX_INITIALIZER,
@@ -50,7 +50,7 @@ static struct {
 
 _Static_assert(sizeof(_Atomic uint32_t) == sizeof(uint32_t), "a futex is a plain 32-bit word");
 
-/* ---- how many threads ---- */
+/* ---- number of threads ---- */
 
 static uint32_t usual_count(void)
 {
@@ -100,8 +100,8 @@ static void pause_briefly(void)
 #endif
 }
 
-/* Parts as long as there are any, `grain` at a time. */
-static void take_parts(const pool_work *work)
+/* Runs parts until none are left, `grain` at a time. */
+static void run_parts(const pool_work *work)
 {
     for (;;) {
         uint32_t first = atomic_load_explicit(&pool.next, memory_order_relaxed);
@@ -118,7 +118,7 @@ static void take_parts(const pool_work *work)
     }
 }
 
-/* False: the piece that `gate` tells of is over. */
+/* Returns false if the work that `gate` describes is over. */
 static bool enter(uint64_t gate)
 {
     uint64_t number = number_of(gate);
@@ -133,8 +133,8 @@ static void leave(void)
     atomic_fetch_sub(&pool.gate, 1);
 }
 
-/* Sequentially consistent on both sides: either it sees the next gate, or wake_workers sees that it
- * is asleep. */
+/* Sequentially consistent on both sides: either this thread sees the next gate, or wake_workers
+ * sees that it sleeps. */
 static void sleep_while(uint64_t number)
 {
     atomic_fetch_add(&pool.asleep_count, 1);
@@ -146,7 +146,7 @@ static void sleep_while(uint64_t number)
     atomic_fetch_sub(&pool.asleep_count, 1);
 }
 
-/* The gate of a later piece than `number`. */
+/* Waits for a gate with a later number than `number`, and returns it. */
 static uint64_t wait_after(uint64_t number)
 {
     int64_t end_ns = clock_now_ns() + SPIN_NS;
@@ -171,7 +171,7 @@ static void *serve(void *unused)
     while (!(gate & GATE_ENDING)) {
         if (enter(gate)) {
             (void)fesetenv(&pool.environment);
-            take_parts(pool.work);
+            run_parts(pool.work);
             leave();
         }
         gate = wait_after(number_of(gate));
@@ -179,7 +179,7 @@ static void *serve(void *unused)
     return NULL;
 }
 
-/* Takes no lock, and does not wait: the frame thread shares its work too. */
+/* Does not lock or wait, because the frame thread calls it. */
 static void wake_workers(void)
 {
     if (atomic_load(&pool.asleep_count) == 0)
@@ -194,19 +194,19 @@ static void wake_workers(void)
 
 /* ---- starting and ending ---- */
 
-static bool take(void)
+static bool try_claim(void)
 {
     return !atomic_exchange_explicit(&pool.is_taken, true, memory_order_acquire);
 }
 
-static void give_back(void)
+static void release(void)
 {
     atomic_store_explicit(&pool.is_taken, false, memory_order_release);
 }
 
-static void wait_to_take(void)
+static void claim(void)
 {
-    while (!take())
+    while (!try_claim())
         sched_yield();
 }
 
@@ -220,7 +220,7 @@ static void after_fork(void)
     pthread_mutex_unlock(&pool.holding);
 }
 
-/* In the child there are no workers, and whoever had the pool in hand is not there either. */
+/* The child process has no workers, and no thread that shares work. */
 static void in_child(void)
 {
     pool.holding = (pthread_mutex_t)PTHREAD_MUTEX_INITIALIZER;
@@ -235,7 +235,7 @@ static void watch_forks(void)
     (void)pthread_atfork(before_fork, after_fork, in_child);
 }
 
-/* As many as can be had. They take no signals: those are for the program's own threads. */
+/* Starts as many as possible. They block all signals, so that other threads handle them. */
 static void start_workers(uint32_t wanted)
 {
     sigset_t all, old;
@@ -264,9 +264,9 @@ void pool_hold(void)
     pthread_once(&pool.once, watch_forks);
     pthread_mutex_lock(&pool.holding);
     if (pool.holder_count++ == 0) {
-        wait_to_take();
+        claim();
         start_workers(pool_threads() - 1);
-        give_back();
+        release();
     }
     pthread_mutex_unlock(&pool.holding);
 }
@@ -275,16 +275,16 @@ void pool_release(void)
 {
     pthread_mutex_lock(&pool.holding);
     if (--pool.holder_count == 0) {
-        wait_to_take();
+        claim();
         end_workers();
-        give_back();
+        release();
     }
     pthread_mutex_unlock(&pool.holding);
 }
 
 /* ---- work ---- */
 
-/* Whoever is inside finishes; nobody enters any more. */
+/* Lets no more workers enter, and waits until all have left. */
 static void close_gate(void)
 {
     uint64_t gate = atomic_fetch_and(&pool.gate, ~GATE_OPEN);
@@ -305,7 +305,7 @@ static void share(const pool_work *work)
     atomic_store_explicit(&pool.next, 0, memory_order_relaxed);
     atomic_store(&pool.gate, number << GATE_NUMBER | GATE_OPEN);
     wake_workers();
-    take_parts(work);
+    run_parts(work);
     close_gate();
     atomic_fetch_add_explicit(&pool.shared_count, 1, memory_order_relaxed);
 }
@@ -323,7 +323,7 @@ static bool is_worth_it(const pool_work *work)
 
 void pool_run(const pool_work *work)
 {
-    if (!is_worth_it(work) || !take()) {
+    if (!is_worth_it(work) || !try_claim()) {
         if (work->part_count > 0)
             work->run(work->data, 0, work->part_count);
         return;
@@ -332,17 +332,17 @@ void pool_run(const pool_work *work)
         share(work);
     else
         work->run(work->data, 0, work->part_count);
-    give_back();
+    release();
 }
 
 pool_state pool_state_now(void)
 {
     pthread_mutex_lock(&pool.holding);
-    wait_to_take();
+    claim();
     pool_state now = {.worker_count = pool.worker_count,
                       .asleep_count = atomic_load(&pool.asleep_count),
                       .shared_count = atomic_load(&pool.shared_count)};
-    give_back();
+    release();
     pthread_mutex_unlock(&pool.holding);
     return now;
 }

@@ -15,7 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- where it is ---- */
+/* ---- finding a program ---- */
 
 static bool is_program(const char *path)
 {
@@ -48,7 +48,7 @@ mrt_result program_find(char out[PATH_MAX], const char *name, const char *variab
 {
     const char *chosen = getenv(variable);
     if (chosen && *chosen) {
-        const char *here = strchr(chosen, '/') ? "" : "./"; /* else $PATH is asked for it */
+        const char *here = strchr(chosen, '/') ? "" : "./"; /* else a shell searches $PATH */
         int length = snprintf(out, PATH_MAX, "%s%s", here, chosen);
         if (length > 0 && length < PATH_MAX && is_program(out))
             return MRT_OK;
@@ -60,11 +60,11 @@ mrt_result program_find(char out[PATH_MAX], const char *name, const char *variab
     if (written > 0 && written < PATH_MAX && runs_from(build_dir) && is_program(out))
         return MRT_OK;
     return error_set(err, MRT_ERR_IO,
-                     "%s is not beside the program: %s; install it there or name it in %s", name,
+                     "%s is not beside the program: %s. Install it there, or name it in %s", name,
                      purpose, variable);
 }
 
-/* ---- beside a running one ---- */
+/* ---- pipes and waiting ---- */
 
 mrt_result program_pipe(int out_end[2], error *err)
 {
@@ -82,7 +82,7 @@ char *program_argument(const char *word)
     return cast.argument;
 }
 
-/* Until it has ended or the time is over. */
+/* Waits until the process has ended, or until the time is over. */
 static void sleep_beside(int pidfd, int64_t left_ns)
 {
     static const int64_t step_ns = 5 * NS_PER_MS;
@@ -104,7 +104,7 @@ void program_limit(int resource, rlim_t soft, rlim_t hard)
 bool program_ends_within(pid_t pid, int *out_status, int64_t patience_ns)
 {
     const int64_t until_ns = clock_now_ns() + patience_ns;
-    const int pidfd = (int)syscall(SYS_pidfd_open, pid, 0u); /* closed in children: so it is made */
+    const int pidfd = (int)syscall(SYS_pidfd_open, pid, 0u); /* not inherited */
     bool has_ended = false;
     *out_status = 0;
     for (int64_t left_ns = patience_ns; !has_ended; left_ns = until_ns - clock_now_ns()) {
@@ -128,21 +128,21 @@ bool program_wait(pid_t pid, int *out_status, int64_t patience_ns)
     return has_ended;
 }
 
-/* ---- as a shell reads it ---- */
+/* ---- quoting for a shell ---- */
 
 typedef struct words {
     char *out;
-    size_t used, capacity; /* used may grow beyond */
+    size_t used, capacity; /* used may exceed capacity */
 } words;
 
-static void put(words *to, const char *text)
+static void append(words *to, const char *text)
 {
     for (; *text; ++text, ++to->used)
         if (to->used + 1 < to->capacity)
             to->out[to->used] = *text;
 }
 
-static void put_letter(words *to, unsigned char letter, bool is_escaped)
+static void append_letter(words *to, unsigned char letter, bool is_escaped)
 {
     char text[8];
     if (is_escaped && (letter < 32 || letter >= 127))
@@ -153,7 +153,7 @@ static void put_letter(words *to, unsigned char letter, bool is_escaped)
         (void)snprintf(text, sizeof text, "'\\''");
     else
         (void)snprintf(text, sizeof text, "%c", letter);
-    put(to, text);
+    append(to, text);
 }
 
 void program_quote(char *out, size_t capacity, const char *word)
@@ -166,14 +166,14 @@ void program_quote(char *out, size_t capacity, const char *word)
     const bool is_escaped = !text_is_printable(text_view_of(word, length));
     if (capacity == 0)
         return;
-    put(&to, is_plain ? "" : is_escaped ? "$'" : "'");
+    append(&to, is_plain ? "" : is_escaped ? "$'" : "'");
     for (const char *c = word; *c; ++c)
-        put_letter(&to, (unsigned char)*c, is_escaped);
-    put(&to, is_plain ? "" : "'");
+        append_letter(&to, (unsigned char)*c, is_escaped);
+    append(&to, is_plain ? "" : "'");
     out[to.used < capacity ? to.used : 0] = '\0';
 }
 
-/* ---- started ---- */
+/* ---- starting a program ---- */
 
 extern char **environ;
 

@@ -1,6 +1,5 @@
-/* base/program.h - programs that marotte starts beside itself: where they lie, pipes to them, their
- * start and end, and words of theirs as a shell reads them. [main], or any thread that may block.
- */
+/* base/program.h - programs that marotte starts: finding them, pipes, start and end, and quoting
+ * for a shell. [main], or any thread that may block. */
 #ifndef MAROTTE_BASE_PROGRAM_H
 #define MAROTTE_BASE_PROGRAM_H
 #include "base/error.h"
@@ -9,7 +8,7 @@
 #include <sys/resource.h>
 #include <sys/types.h>
 
-/* Built with a sanitizer of addresses or threads, which has a heap of its own. */
+/* Built with an address or thread sanitizer, which has its own heap. */
 #ifndef __has_feature
 #define __has_feature(name) 0
 #endif
@@ -20,52 +19,52 @@
 #define PROGRAM_IS_SANITIZED 0
 #endif
 
-/* The program `name`: where the environment's `variable` says, else beside the running program,
- * else in build_dir, for a running program that lies there itself: one that is installed does not
- * look where it was built. purpose, for the error: "it examines plugins". */
+/* Finds the program `name`: in the environment variable `variable`, else beside the running
+ * program. If the running program is in build_dir, also there: an installed program does not search
+ * its build folder. purpose: text for the error, "it examines plugins". */
 CHECKED mrt_result program_find(char out[PATH_MAX], const char *name, const char *variable,
                                 const char *build_dir, const char *purpose, error *err);
 
-/* A pipe, of which a program that another thread starts at this moment inherits neither end. */
+/* Creates a pipe. A program that another thread starts at the same time inherits neither end. */
 CHECKED mrt_result program_pipe(int out_end[2], error *err);
 
-/* Of this process, from now on: setrlimit. Of memory (RLIMIT_AS, RLIMIT_DATA) nothing under a
+/* Limits this process with setrlimit. Does not limit memory (RLIMIT_AS, RLIMIT_DATA) under a
  * sanitizer, which reserves terabytes of addresses. */
 void program_limit(int resource, rlim_t soft, rlim_t hard);
 
-/* The word as an argument of posix_spawn, which does not write to what it is given: it is only
- * declared so. */
+/* Converts a word to an argument of posix_spawn, which does not write to it although its
+ * declaration allows that. */
 char *program_argument(const char *word);
 
-/* How a program is started: what becomes its standard input, output and error (-1: /dev/null), and
- * whether Ctrl-C and signals that are ignored or blocked here reach it. */
+/* How a program is started: its standard input, output and error (-1: /dev/null), and whether it
+ * receives Ctrl-C and inherits ignored or blocked signals. */
 typedef enum program_signals {
     PROGRAM_SHARES_SIGNALS = 0,
-    PROGRAM_OWN_GROUP,    /* Ctrl-C in the terminal is not for it */
-    PROGRAM_USUAL_SIGNALS /* the same, and it has signals as if it were started from a shell */
+    PROGRAM_OWN_GROUP,    /* Ctrl-C in the terminal does not reach it */
+    PROGRAM_USUAL_SIGNALS /* the same, with default signals as if a shell had started it */
 } program_signals;
 typedef struct program_start {
-    const char *program; /* without a '/' one of $PATH */
-    char *const *words;  /* as for posix_spawn, the program first, NULL at the end */
+    const char *program; /* without a '/', searched in $PATH */
+    char *const *words;  /* arguments of posix_spawn, the program first, NULL at the end */
     int in, out, err;
-    int passed, passed_as; /* one more descriptor, and its number there; 0: none */
+    int passed, passed_as; /* one more descriptor, and its number in the child; 0: none */
     program_signals signals;
-    char *const *environment; /* NULL: that of this process */
+    char *const *environment; /* NULL: environment of this process */
 } program_start;
-/* 0, or the number of the error. */
+/* Returns 0, or an errno value. */
 CHECKED int program_spawn(pid_t *out, const program_start *how);
 
-/* Waits for the child's end for at most so long. True: it has ended, with out_status; false: it
- * still runs. */
+/* Waits for the end of the child, at most for patience_ns. Returns true if it has ended, with
+ * out_status; false if it still runs. */
 bool program_ends_within(pid_t pid, int *out_status, int64_t patience_ns);
 
-/* Waits for the child's end for at most so long; then it is killed. False: it has not ended of its
- * own will in time, and out_status is 0 if not even then (a disk that hangs holds it): nobody waits
- * for ever. */
+/* Waits for the end of the child, at most for patience_ns, then kills it. Returns false if it did
+ * not end by itself in time. out_status is 0 if even killing did not end it soon, for example
+ * because of a hanging disk: the caller never waits forever. */
 bool program_wait(pid_t pid, int *out_status, int64_t patience_ns);
 
-/* The word as a shell reads it back: plain, 'quoted', or $'with escapes' where it is not printable.
- * What does not fit becomes "". */
+/* Quotes a word for a shell: plain, 'quoted', or $'with escapes' if it is not printable. Writes ""
+ * if it does not fit. */
 void program_quote(char *out, size_t capacity, const char *word);
 
 #endif

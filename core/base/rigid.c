@@ -39,7 +39,7 @@ rigid rigid_turn(vec3 point, vec3 axis, double angle_rad)
     return out;
 }
 
-/* 0 + s and 0 - s: no zero is negative, as there. */
+/* 0 + s and 0 - s avoid negative zeros, as in rigid_turn. */
 rigid rigid_turn_x(double angle_rad)
 {
     double s = angle_sine_of(angle_rad), c = 1.0 - one_minus_cosine(angle_rad);

@@ -1,6 +1,6 @@
 /* base/rigid.h - small vectors and rigid motions in double precision. Right-handed; a rigid motion
- * maps x to R x + t. Only +, -, *, / and sqrt are used, in turns too (angle.h): same bits
- * everywhere. Pure functions; any thread. */
+ * maps x to R x + t. Uses only +, -, *, / and sqrt, also for rotations (angle.h), so results have
+ * the same bits everywhere. Pure. [any] */
 #ifndef MAROTTE_BASE_RIGID_H
 #define MAROTTE_BASE_RIGID_H
 #include <math.h>
@@ -44,7 +44,7 @@ static inline double vec3_length(vec3 a)
     return sqrt(vec3_dot(a, a));
 }
 
-/* `fallback` when a is shorter than 1e-300. */
+/* Returns `fallback` if a is shorter than 1e-300. */
 static inline vec3 vec3_normalised(vec3 a, vec3 fallback)
 {
     double length = vec3_length(a);
@@ -63,7 +63,7 @@ static inline vec3 rigid_apply(const rigid *m, vec3 a)
     return vec3_add(rigid_rotate(m, a), m->t);
 }
 
-/* First b, then a. */
+/* Applies b first, then a. */
 static inline rigid rigid_compose(const rigid *a, const rigid *b)
 {
     rigid out;
@@ -77,15 +77,18 @@ static inline rigid rigid_compose(const rigid *a, const rigid *b)
 
 rigid rigid_identity(void);
 rigid rigid_inverse(const rigid *m);
-/* Right-handed turn by angle_rad about the unit direction `axis` through `point` (Rodrigues). */
+/* Returns a right-handed rotation by angle_rad about the unit direction `axis` through `point`
+ * (Rodrigues). */
 rigid rigid_turn(vec3 point, vec3 axis, double angle_rad);
-/* About an axis of the coordinates, through the origin: the same bits in a fraction of the time. */
+/* Return a rotation about a coordinate axis through the origin: the same bits in a fraction of the
+ * time. */
 rigid rigid_turn_x(double angle_rad);
 rigid rigid_turn_y(double angle_rad);
 rigid rigid_turn_z(double angle_rad);
-/* From a quaternion x, y, z, w of any non-zero length (identity otherwise) and a translation. */
+/* Converts a quaternion x, y, z, w of any non-zero length (otherwise identity) and a
+ * translation. */
 rigid rigid_from_quaternion(const double xyzw[4], vec3 t);
-/* The unit quaternion x, y, z, w of its rotation; w >= 0. */
+/* Returns the unit quaternion x, y, z, w of the rotation; w >= 0. */
 void rigid_to_quaternion(const rigid *m, double out_xyzw[4]);
 
 #endif

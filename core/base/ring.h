@@ -1,5 +1,5 @@
-/* base/ring.h - a ring of fixed-size records from exactly one producing thread to exactly one
- * consuming thread; wait-free on both sides. A full ring refuses. */
+/* base/ring.h - a ring buffer of fixed-size records with one producer thread and one consumer
+ * thread; wait-free on both sides. A full ring rejects records. */
 #ifndef MAROTTE_BASE_RING_H
 #define MAROTTE_BASE_RING_H
 #include <stdbool.h>
@@ -12,11 +12,11 @@ typedef struct ring ring;
 ring *ring_create(size_t record_size, uint32_t record_count);
 void ring_destroy(ring *self);
 
-/* [producer] Copies the record in; false when the ring is full. */
+/* [producer] Appends a copy of the record. Returns false if the ring is full. */
 bool ring_push(ring *self, const void *record);
-/* [consumer] Copies the oldest record out and keeps it; false when there is none. */
+/* [consumer] Copies the oldest record without removing it. Returns false if there is none. */
 bool ring_peek(ring *self, void *out_record);
-/* [consumer] As ring_peek, and removes it. */
+/* [consumer] The same, and removes the record. */
 bool ring_pop(ring *self, void *out_record);
 
 #endif

@@ -10,7 +10,7 @@ mrt_result stamps_create(stamps *out, uint32_t count, error *err)
     *out = (stamps){.count = count, .now = 1};
     out->at = malloc(((size_t)count + 1) * sizeof *out->at);
     if (!out->at)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to say which of %u parts change", count);
+        return error_set(err, MRT_ERR_MEMORY, "no memory to track %u parts", count);
     out->source = (stamps_source){out->at, clock_now_ns()};
     stamps_mark_all(out);
     return MRT_OK;

@@ -21,7 +21,7 @@ static bool is_same(char a, char b)
 uint32_t suggest_distance(const char *a, const char *b)
 {
     const size_t rows = strlen(a), columns = strlen(b);
-    uint32_t row[3][WORD_MAX + 1]; /* of the table: this one and the two above */
+    uint32_t row[3][WORD_MAX + 1]; /* of the table: the current row and the two above */
     if (rows > WORD_MAX || columns > WORD_MAX)
         return UINT32_MAX;
     uint32_t *before = row[0], *above = row[1], *now = row[2];

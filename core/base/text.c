@@ -74,9 +74,10 @@ bool text_equals(text_view text, const char *word)
     return (size_t)(text.end - text.at) == length && memcmp(text.at, word, length) == 0;
 }
 
-/* ---- what can be shown ---- */
+/* ---- printable text ---- */
 
-/* The letter at `at` and its length in bytes; 0: it is no UTF-8 (Unicode 15, table 3-7). */
+/* Returns the length in bytes of the letter at `at`, and the letter; 0: not UTF-8 (Unicode 15,
+ * table 3-7). */
 static size_t utf8_letter(const unsigned char *at, const unsigned char *end, uint32_t *out)
 {
     size_t length = *at < 0x80                  ? 1
@@ -113,7 +114,7 @@ static bool is_shown(uint32_t letter)
     return true;
 }
 
-/* Takes the next letter off `rest`; *out_kept: its bytes; 0: a '?' stands for it. */
+/* Removes the next letter from `rest`. *out_kept: number of its bytes; 0: it is replaced by '?'. */
 static void next_letter(text_view *rest, size_t *out_kept)
 {
     uint32_t letter;
@@ -131,8 +132,8 @@ bool text_is_printable(text_view text)
     return kept > 0;
 }
 
-/* out may be where the text is. */
-static char *put_printable(char *out, const char *out_end, text_view text)
+/* out may be the place of the text itself. */
+static char *write_printable(char *out, const char *out_end, text_view text)
 {
     while (text.at < text.end) {
         const char *from = text.at;
@@ -151,16 +152,16 @@ static char *put_printable(char *out, const char *out_end, text_view text)
 
 void text_copy(char *out, size_t capacity, text_view text)
 {
-    *put_printable(out, out + capacity - 1, text) = '\0';
+    *write_printable(out, out + capacity - 1, text) = '\0';
 }
 
 void text_make_printable(char *text)
 {
     size_t length = strlen(text);
-    *put_printable(text, text + length, text_view_of(text, length)) = '\0';
+    *write_printable(text, text + length, text_view_of(text, length)) = '\0';
 }
 
-/* [+-] digits [. digits] [eE [+-] digits], with at least one digit in the mantissa. */
+/* Accepts [+-] digits [. digits] [eE [+-] digits], with at least one digit in the mantissa. */
 static bool is_decimal(text_view word)
 {
     const char *at = word.at;

@@ -27,7 +27,8 @@ static timecode_rate lowest_terms(uint32_t num, uint32_t den)
 
 /* ---- rates ---- */
 
-/* 24000/1001 and its likes, as people write them: rounded or cut to two decimals or more. */
+/* Finds 24000/1001 and similar rates in the form that people write: rounded or cut to two or more
+ * decimals. */
 static bool find_ntsc(timecode_rate *out, double fps)
 {
     static const uint32_t nominal[] = {24, 30, 48, 60, 120, 240};
@@ -93,8 +94,8 @@ mrt_result timecode_rate_parse(timecode_rate *out, const char *text, error *err)
         return result;
     if (is_drop && !timecode_can_drop(*out))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "frame rate \"%.40s\": only 29.97 and 59.94 have drop-frame time code; "
-                         "leave the \"df\" away",
+                         "frame rate \"%.40s\": only 29.97 and 59.94 have drop-frame time code. "
+                         "Remove the \"df\"",
                          text);
     out->is_drop = is_drop;
     return MRT_OK;
@@ -117,8 +118,8 @@ static int64_t floor_divide(int64_t a, int64_t b)
     return a / b - (a % b < 0);
 }
 
-/* Whole runs of `num` frames last den seconds; only the rest is multiplied out: below 2^63, as
- * num <= 1e6 and den <= 1001. */
+/* Whole runs of `num` frames last den seconds. Only the rest is multiplied: below 2^63, because num
+ * <= 1e6 and den <= 1001. */
 int64_t timecode_time_ns(timecode_rate rate, int64_t frame)
 {
     int64_t run = floor_divide(frame, rate.num), rest = frame - run * rate.num;
@@ -143,13 +144,13 @@ int64_t timecode_nearest_frame(timecode_rate rate, int64_t time_ns)
 
 /* ---- labels ---- */
 
-/* What labels count as one second: 30 for 29.97. */
+/* Number of labels per second: 30 for 29.97. */
 static int64_t label_rate(timecode_rate rate)
 {
     return (rate.num + rate.den - 1) / rate.den;
 }
 
-/* Labels that are left out at the start of each minute but every tenth. */
+/* Number of labels that are skipped at the start of each minute, except each tenth. */
 static int64_t dropped_labels(timecode_rate rate)
 {
     return rate.is_drop ? label_rate(rate) / 15 : 0;
@@ -183,8 +184,8 @@ static mrt_result unreadable_label(timecode_rate rate, const char *text, const c
                      rate.is_drop ? "01:02:03;04" : "01:02:03:04");
 }
 
-/* 1 to 3 digits below `limit`. */
-static bool take_field(text_view *rest, char separator, int64_t limit, int64_t *out)
+/* Reads a number of 1 to 3 digits, below `limit`. */
+static bool read_field(text_view *rest, char separator, int64_t limit, int64_t *out)
 {
     text_view field = {rest->at, rest->at};
     while (field.end < rest->end && *field.end >= '0' && *field.end <= '9')
@@ -203,12 +204,12 @@ mrt_result timecode_parse(int64_t *out_frame, timecode_rate rate, const char *te
     bool is_negative = rest.at < rest.end && *rest.at == '-';
     rest.at += is_negative;
     int64_t hour, minute, second, part, fps = label_rate(rate), dropped = dropped_labels(rate);
-    if (!take_field(&rest, ':', HOURS_MAX + 1, &hour) || !take_field(&rest, ':', 60, &minute) ||
-        !take_field(&rest, rate.is_drop ? ';' : ':', 60, &second) ||
-        !take_field(&rest, '\0', fps, &part))
+    if (!read_field(&rest, ':', HOURS_MAX + 1, &hour) || !read_field(&rest, ':', 60, &minute) ||
+        !read_field(&rest, rate.is_drop ? ';' : ':', 60, &second) ||
+        !read_field(&rest, '\0', fps, &part))
         return unreadable_label(rate, text, "expected hours, minutes, seconds and frames", err);
     if (second == 0 && part < dropped && minute % 10 != 0)
-        return unreadable_label(rate, text, "drop-frame leaves out this label", err);
+        return unreadable_label(rate, text, "drop-frame skips this label", err);
     int64_t minutes = hour * 60 + minute;
     int64_t frame = (minutes * 60 + second) * fps + part - dropped * (minutes - minutes / 10);
     *out_frame = is_negative ? -frame : frame;

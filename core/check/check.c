@@ -18,7 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* ---- one case in a process of its own: started, listened to, ended when it takes too long ---- */
+/* ---- one case in a separate process: start, messages, timeout ---- */
 
 extern char **environ;
 
@@ -27,36 +27,37 @@ typedef struct process_words {
     uint32_t type;
     uint64_t seed;                              /* below 2^63 */
     const char *input_address, *output_address; /* NULL: none */
-    uint32_t padding; /* bytes that shift its stack: everything lies elsewhere */
+    uint32_t padding; /* extra bytes on its stack, which shift all addresses */
 } process_words;
 
 typedef struct case_process {
-    pid_t pid; /* 0: none is running */
+    pid_t pid; /* 0: not running */
     int fd;
     int64_t deadline_ns;
     size_t used;
     char line[WIRE_LINE + 1];
-    bool has_ended; /* it told its end */
-    bool was_late;  /* it was ended here */
-    int status;     /* of waitpid, once it is over */
+    bool has_ended; /* it reported its end */
+    bool was_late;  /* it was killed after the timeout */
+    int status;     /* from waitpid, after its end */
 } case_process;
 
-/* A line: kind, name, text. */
+/* Handles a line: kind, name, text. */
 typedef void on_line_fn(void *data, char kind, const char *name, const char *text);
 
 enum { PROCESSES_MAX = 64, PADDING_MAX = 8192, LISTEN_MS = 200 };
 
-/* The program that runs cases: $MAROTTE_PLUGINCHECK, beside this program, or in the build folder.
- */
+/* Finds the program that runs cases: $MAROTTE_PLUGINCHECK, beside this program, or in the build
+ * folder. */
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
     return program_find(out, "marotte-plugincheck", "MAROTTE_PLUGINCHECK", MAROTTE_BUILD_DIR,
-                        "it examines plugins", err);
+                        "it checks plugins", err);
 }
 
 /* ---- starting ---- */
 
-/* The environment with a variable more that shifts what lies behind it; NULL: no memory. */
+/* Returns a copy of the environment with one more variable, which shifts the addresses after it;
+ * NULL: no memory. */
 static char **padded_environment(uint32_t padding, char *variable)
 {
     size_t count = 0;
@@ -120,9 +121,9 @@ static mrt_result process_start(case_process *out, const process_words *words, e
     return MRT_OK;
 }
 
-/* ---- listening ---- */
+/* ---- reading messages ---- */
 
-static void take_line(case_process *self, char *line, on_line_fn *on_line, void *data)
+static void read_line(case_process *self, char *line, on_line_fn *on_line, void *data)
 {
     char *name = line[0] && line[1] == ' ' ? line + 2 : NULL;
     char *blank = name ? strchr(name, ' ') : NULL;
@@ -135,19 +136,19 @@ static void take_line(case_process *self, char *line, on_line_fn *on_line, void 
         on_line(data, line[0], name, blank + 1);
 }
 
-static void take_lines(case_process *self, on_line_fn *on_line, void *data)
+static void read_lines(case_process *self, on_line_fn *on_line, void *data)
 {
     char *newline;
     self->line[self->used] = '\0';
     while ((newline = memchr(self->line, '\n', self->used))) {
         size_t length = (size_t)(newline - self->line) + 1;
         *newline = '\0';
-        take_line(self, self->line, on_line, data);
+        read_line(self, self->line, on_line, data);
         memmove(self->line, self->line + length, self->used - length);
         self->used -= length;
     }
     if (self->used == WIRE_LINE)
-        self->used = 0; /* no line of ours */
+        self->used = 0; /* too long: not one of our lines */
 }
 
 static void reap(case_process *self)
@@ -164,15 +165,16 @@ static void read_some(case_process *self, on_line_fn *on_line, void *data)
     if (got < 0 && (errno == EINTR || errno == EAGAIN))
         return;
     if (got <= 0) {
-        (void)kill(self->pid, SIGKILL); /* it closed its end: nothing more is to be heard */
+        (void)kill(self->pid, SIGKILL); /* it closed its pipe */
         reap(self);
         return;
     }
     self->used += (size_t)got;
-    take_lines(self, on_line, data);
+    read_lines(self, on_line, data);
 }
 
-/* What a process started may hold the pipe open: its own end counts. */
+/* Kills a process after its timeout. Its children may keep the pipe open, so the end of the process
+ * itself counts. */
 static void end_late(case_process *self)
 {
     if (self->pid == 0 || clock_now_ns() < self->deadline_ns)
@@ -182,8 +184,8 @@ static void end_late(case_process *self)
     reap(self);
 }
 
-/* Waits until one of them says something or is over, at most 0.2 s; false: none is running. One
- * that is over has pid 0 afterwards. on_line is given data[i] for running[i]. */
+/* Waits until a process sends lines or ends, at most 0.2 s. Returns false if none is running. A
+ * process that has ended has pid 0 afterwards. on_line receives data[i] for running[i]. */
 static bool process_listen(case_process *running, uint32_t count, on_line_fn *on_line,
                            void *const *data)
 {
@@ -215,19 +217,19 @@ static void process_finish(case_process *self)
     reap(self);
 }
 
-/* ---- what it finds ---- */
+/* ---- the plan ---- */
 
 enum { JOBS_MAX = 16, CASES_MAX = 32, SUM_TEXT = 32, SUM_PADDING = 3001 };
-static const uint64_t seed_step = 1000003; /* between two children of the same kind */
+static const uint64_t seed_step = 1000003; /* between processes of the same case */
 
-/* What is examined, for whom, how often (with a seed of its own each time). */
+/* A case, the types that it is for, and the number of its runs, each with its own seed. */
 typedef struct case_plan {
     const char *name;
     uint32_t concerns, times;
-    bool is_exclusive; /* opens a device: one such at a time */
+    bool is_exclusive; /* opens a device: only one such case at a time */
 } case_plan;
 
-/* The long ones first: they are in parallel. */
+/* Long cases first, so that they run in parallel. */
 static const case_plan plans[] = {{CASE_INPUT, CONCERNS_INPUT, 1, true},
                                   {CASE_STOP, CONCERNS_INPUT, 1, true},
                                   {CASE_WALK, CONCERNS_MAPPING, 1, false},
@@ -256,8 +258,8 @@ typedef struct job {
     check_subject *subject;
     uint32_t type, repeat;
     bool is_exclusive, is_started;
-    bool has_failed;    /* told a failure */
-    char sum[SUM_TEXT]; /* CASE_SUM */
+    bool has_failed;    /* reported a failure */
+    char sum[SUM_TEXT]; /* result of CASE_SUM */
 } job;
 
 typedef struct examiner {
@@ -265,7 +267,7 @@ typedef struct examiner {
     const check_settings *settings;
     char program[PATH_MAX];
     check_report *report;
-    uint32_t done, count; /* of all jobs, for the progress */
+    uint32_t done, count; /* of all jobs, for the progress bar */
 } examiner;
 
 /* ---- findings ---- */
@@ -275,7 +277,7 @@ static check_subject *type_subject(const check_report *report, uint32_t type)
     return &report->library[1 + type];
 }
 
-/* Failed beats ok beats skipped; of each the first text stays. */
+/* A failure replaces an ok, and an ok replaces a skip. The first text of each verdict is kept. */
 static void note(check_subject *subject, check_rule rule, check_verdict verdict, const char *text)
 {
     check_finding *finding = &subject->finding[rule];
@@ -293,17 +295,17 @@ static bool has_failed(const check_subject *subject)
     return false;
 }
 
-static bool take_number(text_view *rest, int64_t below, int64_t *out)
+static bool read_number(text_view *rest, int64_t below, int64_t *out)
 {
     text_view word;
     return text_next_word(rest, &word) && text_int(word, out) && *out >= 0 && *out < below;
 }
 
-static void take_type(examiner *self, const char *text)
+static void read_type(examiner *self, const char *text)
 {
     text_view rest = text_view_of(text, strlen(text));
     int64_t index, concerns;
-    if (!take_number(&rest, CHECK_TYPES_MAX, &index) || !take_number(&rest, UINT32_MAX, &concerns))
+    if (!read_number(&rest, CHECK_TYPES_MAX, &index) || !read_number(&rest, UINT32_MAX, &concerns))
         return;
     check_subject *subject = type_subject(self->report, (uint32_t)index);
     text_copy(subject->id, sizeof subject->id, text_trim(rest));
@@ -323,7 +325,7 @@ static void on_line(void *data, char kind, const char *name, const char *text)
     job *from = self->job;
     check_rule rule;
     if (kind == WIRE_FACT && strcmp(name, WIRE_TYPE) == 0)
-        take_type(self->examiner, text);
+        read_type(self->examiner, text);
     if (kind == WIRE_FACT && strcmp(name, WIRE_SUM) == 0)
         (void)snprintf(from->sum, sizeof from->sum, "%.31s", text);
     if (kind == WIRE_FACT || !check_rule_find(name, &rule))
@@ -336,7 +338,7 @@ static void on_line(void *data, char kind, const char *name, const char *text)
     note(is_of_library ? self->examiner->report->library : from->subject, rule, verdict, text);
 }
 
-/* A child that said nothing of its end. */
+/* Judges a process that did not report its end. */
 static void judge_end(const case_process *process, job *of)
 {
     char text[CHECK_TEXT];
@@ -344,21 +346,21 @@ static void judge_end(const case_process *process, job *of)
         return;
     bool is_library = strcmp(of->name, CASE_TABLES) == 0;
     if (process->was_late) {
-        (void)snprintf(text, sizeof text, "the case \"%s\" was ended after %d s", of->name,
+        (void)snprintf(text, sizeof text, "the case \"%s\" was stopped after %d s", of->name,
                        CASE_LIMIT_S);
         note(of->subject, is_library ? RULE_LIBRARY_LOAD : RULE_RUN_HANG, CHECK_FAILED, text);
         return;
     }
     if (WIFSIGNALED(process->status))
-        (void)snprintf(text, sizeof text, "the case \"%s\" was ended by a signal: %s", of->name,
+        (void)snprintf(text, sizeof text, "the case \"%s\" was stopped by a signal: %s", of->name,
                        strsignal(WTERMSIG(process->status)));
     else
-        (void)snprintf(text, sizeof text, "the case \"%s\" ended by itself, with exit code %d",
+        (void)snprintf(text, sizeof text, "the case \"%s\" exited early, with exit code %d",
                        of->name, WEXITSTATUS(process->status));
     note(of->subject, is_library ? RULE_LIBRARY_LOAD : RULE_RUN_EXIT, CHECK_FAILED, text);
 }
 
-/* ---- running ---- */
+/* ---- running jobs ---- */
 
 static mrt_result start(const examiner *self, case_process *process, const job *of, error *err)
 {
@@ -384,7 +386,7 @@ static uint32_t count_jobs_at_once(const examiner *self)
     return wanted < JOBS_MAX ? wanted : JOBS_MAX;
 }
 
-/* What runs: slot by slot a process, its job, and whom it tells. */
+/* Running processes: each slot has a process, its job, and its listener. */
 typedef struct slots {
     uint32_t count;
     case_process process[JOBS_MAX];
@@ -402,7 +404,7 @@ static void init_slots(slots *out, examiner *self)
     }
 }
 
-/* The next job that may start beside those that run; NULL: none. */
+/* Returns the next job that may start beside the running ones; NULL: none. */
 static job *next_job(job *jobs, uint32_t count, const slots *running)
 {
     bool is_device_open = false;
@@ -455,7 +457,7 @@ static mrt_result run_one(examiner *self, const char *name, uint32_t type, error
     return run_jobs(self, &one, 1, err);
 }
 
-/* ---- what is planned ---- */
+/* ---- planning ---- */
 
 static uint32_t plan_type(const examiner *self, uint32_t type, job *out, uint32_t capacity)
 {
@@ -486,13 +488,13 @@ static void compare_sums(const job *jobs, uint32_t count, check_subject *subject
         return;
     }
     (void)snprintf(text, sizeof text,
-                   "the pulls of the same take sum up to %s and %s: it depends on addresses, on "
-                   "the environment, on time or on chance",
+                   "the pulls of the same take sum up to %s and %s. They depend on addresses, "
+                   "on the environment, on time or on random numbers",
                    sum[0]->sum, sum[1]->sum);
     note(subject, RULE_REPLAY_PROCESS, CHECK_FAILED, text);
 }
 
-/* Its tables, then whether it runs at all, then everything. */
+/* Checks its tables, then whether it runs at all, then all other rules. */
 static mrt_result examine_type(examiner *self, uint32_t type, error *err)
 {
     job jobs[CASES_MAX];
@@ -515,7 +517,7 @@ static mrt_result examine_type(examiner *self, uint32_t type, error *err)
 
 /* ---- the report ---- */
 
-/* Where the first fails, the others compare what cannot be compared: they are not to blame. */
+/* If the first rule fails, the second cannot be judged. */
 static const check_rule consequences[][2] = {
     {RULE_REPLAY_SAME, RULE_REPLAY_PROCESS},
     {RULE_REPLAY_SAME, RULE_REPLAY_INSTANCES},
@@ -543,7 +545,7 @@ static void drop_consequences(check_subject *subject)
             finding->verdict != CHECK_FAILED)
             continue;
         finding->verdict = CHECK_SKIPPED;
-        (void)snprintf(finding->text, sizeof finding->text, "cannot be told while %s fails",
+        (void)snprintf(finding->text, sizeof finding->text, "cannot be judged while %s fails",
                        check_rule_id(consequences[i][0]));
     }
 }

@@ -1,6 +1,6 @@
-/* check/wire.h - what the parent that starts cases and the child that runs them agree on: the names
- * of the cases, and how a case tells what it found: lines "KIND NAME TEXT\n" on descriptor WIRE_FD,
- * of printable bytes. The name has no blank. */
+/* check/wire.h - protocol between the parent that starts cases and the child that runs them: the
+ * names of the cases, and the findings as lines "KIND NAME TEXT\n" on descriptor WIRE_FD, in
+ * printable bytes. The name contains no blank. */
 #ifndef MAROTTE_CHECK_WIRE_H
 #define MAROTTE_CHECK_WIRE_H
 
@@ -8,7 +8,7 @@
 
 #define CASE_TABLES       "tables" /* of the library */
 #define CASE_TYPE         "type"
-#define CASE_QUICK        "quick" /* tables, type and smoke of every type */
+#define CASE_QUICK        "quick" /* tables, type and smoke test of all types */
 #define CASE_SMOKE        "smoke"
 #define CASE_LIFE         "life"
 #define CASE_DESTROY_NULL "destroy_null"
@@ -32,7 +32,7 @@
 #define CASE_OUTPUT       "output"
 #define CASE_FACE_OUTPUT  "face_output"
 
-/* The child gives up by itself after WATCH_LIMIT_S of wall time, and can say where; the parent ends
+/* The child ends itself after WATCH_LIMIT_S of wall time, and reports the place. The parent kills
  * it after CASE_LIMIT_S. */
 enum { WATCH_LIMIT_S = 60, CASE_LIMIT_S = 75 };
 
@@ -43,15 +43,15 @@ enum {
     WIRE_OK = 'O',      /* NAME: a rule */
     WIRE_FAILED = 'F',  /* a rule */
     WIRE_SKIPPED = 'S', /* a rule */
-    WIRE_FACT = 'I',    /* a name that parent and case agree on */
-    WIRE_END = 'E'      /* the case came to its end */
+    WIRE_FACT = 'I',    /* a name known to parent and case */
+    WIRE_END = 'E'      /* the case reached its end */
 };
 
 /* ---- the names of facts ---- */
 
 /* "INDEX CONCERNS ID": a type of the library. */
 #define WIRE_TYPE "type"
-/* A sum over all pulls of a take: the same in every process. */
+/* A checksum of all pulls of a take: the same in every process. */
 #define WIRE_SUM "sum"
 
 #endif

@@ -1,5 +1,5 @@
-/* csrbf/block_range.h - the least and the greatest numbers of a block of 64 vertices. Each file
- * that includes it gets it for its own instruction set. Inside the room. Pure; any thread. */
+/* csrbf/block_range.h - minimum and maximum of the numbers of a block of 64 vertices. Each file
+ * that includes it compiles it for its own instruction set. Internal to csrbf. Pure. [any] */
 #ifndef MAROTTE_CSRBF_BLOCK_RANGE_H
 #define MAROTTE_CSRBF_BLOCK_RANGE_H
 
@@ -15,8 +15,9 @@ static inline float range_greater(float a, float b)
     return a > b ? a : b;
 }
 
-/* By halves, so that the loops run on whole vectors; minimum and maximum depend on no order. Not
- * inline: within a loop over blocks gcc 12 takes it to pieces, which takes five times as long. */
+/* Works by halves, so that the loops run on whole vectors; minimum and maximum do not depend on the
+ * order. Not inline: inside a loop over blocks gcc 12 splits it up, and it takes five times as
+ * long. */
 __attribute__((noinline)) static void range_of(float *out_low, float *out_high, const float *value)
 {
     enum { HALF = BLOCK_RANGE / 2, QUARTER = HALF / 2, EIGHTH = HALF / 4, LANES = HALF / 8 };

@@ -9,9 +9,9 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { STAGGER = 16 };             /* floats between two rows: no power of two */
-enum { FAR_BYTES_MAX = 16 << 20 }; /* of a last-level cache, which others use too */
-enum { SHARED_FROM_BLOCKS = 131072 / POINTS_BLOCK, GRAIN = 64 }; /* base/pool.h */
+enum { STAGGER = 16 };             /* floats between two rows: not a power of two */
+enum { FAR_BYTES_MAX = 16 << 20 }; /* of a last-level cache; other programs use it too */
+enum { SHARED_FROM_BLOCKS = 131072 / POINTS_BLOCK, GRAIN = 64 }; /* see base/pool.h */
 
 static uint32_t words_of(uint32_t count)
 {
@@ -40,8 +40,9 @@ static bool weights_create(columns_weights *out, uint32_t capacity)
     return false;
 }
 
-/* Of the columns of one word, `count` of them, those that weigh something. Asked by their bits, all
- * three at once and without the signs: there may be a thousand of them, and ten that count. */
+/* Returns which of `count` columns of one word have a weight other than 0. Tests the bits of the
+ * three numbers together, without the signs: there may be a thousand columns, of which ten have a
+ * weight. */
 static uint64_t live_in_word(const float *value, uint32_t count)
 {
     uint64_t live = 0;
@@ -56,7 +57,7 @@ static uint64_t live_in_word(const float *value, uint32_t count)
 
 static void note_weights(columns_weights *w, const columns *c, uint32_t count)
 {
-    size_t rows = (size_t)6 * c->block_count * sizeof(float); /* base and out */
+    size_t rows = (size_t)6 * c->block_count * sizeof(float); /* rows of base and out */
     memset(w->live, 0, words_of(c->capacity) * sizeof *w->live);
     w->word_count = 0;
     for (uint32_t first = 0; first < count; first += COLUMNS_WORD) {
@@ -75,7 +76,7 @@ static void note_weights(columns_weights *w, const columns *c, uint32_t count)
 
 /* ---- columns ---- */
 
-/* From half of the last-level cache on a frame leaves nothing in it that is read again. */
+/* Above half of the last-level cache, a frame leaves no data in the cache that is read again. */
 static size_t far_from_bytes(void)
 {
     long half = -1;
@@ -128,7 +129,7 @@ void columns_note(columns *c, uint32_t count)
     columns_note_groups(c, 0, count, 1);
 }
 
-/* No mark of a column from `first` on. */
+/* Clears the marks of all columns from `first` on. */
 static void forget_marks(columns *c, uint32_t first)
 {
     uint32_t word = first / COLUMNS_WORD;
@@ -193,8 +194,8 @@ static void move_part(void *data, uint32_t first, uint32_t end)
     columns_move_blocks(w->c, w->out, w->base, first, end);
 }
 
-/* Of a frame on one thread. It waits for memory more than it computes: below SHARED_FROM_BLOCKS a
- * second thread only makes it slower. */
+/* Returns the cost of a frame on one thread. A frame waits for memory more than it computes: below
+ * SHARED_FROM_BLOCKS a second thread makes it slower. */
 static double cost_ns(const columns *c)
 {
     uint32_t live = 0;

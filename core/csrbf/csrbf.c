@@ -8,7 +8,7 @@
 
 struct csrbf_solver {
     uint32_t centre_capacity;
-    saddle saddle[2]; /* the one in use, and one to factor into */
+    saddle saddle[2]; /* the current one, and one to factor into */
     uint32_t current;
     order_item *order_scratch; /* 3 by centre_capacity */
     double *rhs;               /* centre_capacity by SADDLE_SCRATCH */

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the largest displacement: rounding noise that float evaluation may have. */
+/* tolerated rounding noise of float evaluation, as a share of the largest displacement */
 static const double noise_ratio = 1e-4;
 
 static size_t up_to_lanes(size_t count)
@@ -46,8 +46,9 @@ void field_destroy(field *f)
     *f = (field){0};
 }
 
-/* R^2 less what rounding to float may take off a squared distance when the centres are up to
- * `reach` from the origin: 8 roundings of reach + R. phi is below 1e-7 in what is cut off. */
+/* Returns R^2 minus the error that rounding to float may cause in a squared distance, if the
+ * centres are up to `reach` from the origin: 8 roundings of reach + R. phi is below 1e-7 in the
+ * part that is cut off. */
 static float float_limit(double radius, double reach)
 {
     double margin = 8.0 / 16777216.0 * (1.0 + reach / radius);
@@ -151,7 +152,7 @@ void field_move_f64(const field *f, double *x, uint32_t count)
     }
 }
 
-/* False when the block lies out of the centre's support, or only touches it. */
+/* Returns false if the block is outside of the centre's support, or only touches it. */
 static bool field_reaches(const field *f, uint32_t centre, const points_bounds *block)
 {
     double radius = f->settings.radius;
@@ -167,7 +168,7 @@ static void copy_block(points *out, const points *in, uint32_t block)
     out->block[block] = in->block[block];
 }
 
-/* False when d is zero all over the block. */
+/* Returns false if d is zero in the whole block. */
 static bool field_touches(const field *f, const points_bounds *block)
 {
     bool global = f->term_count > 0 && f->settings.polynomial != CSRBF_WINDOWED;
@@ -202,7 +203,7 @@ typedef struct move_work {
     const field *f;
     points *out;
     const points *in;
-    _Atomic uint32_t moved; /* blocks */
+    _Atomic uint32_t moved; /* number of moved blocks */
 } move_work;
 
 static void move_blocks(void *data, uint32_t first, uint32_t end)
@@ -252,7 +253,7 @@ matrix3 field_polynomial_gradient(const field *f)
     return out;
 }
 
-/* Adds alpha (x) step, step the gradient of one phi. */
+/* Adds alpha (x) step, where step is the gradient of one phi. */
 static void add_outer(matrix3 *out, const double alpha[3], const double step[3])
 {
     for (int a = 0; a < 3; ++a)
@@ -260,7 +261,7 @@ static void add_outer(matrix3 *out, const double alpha[3], const double step[3])
             out->at[a][b] += alpha[a] * step[b];
 }
 
-/* grad d at one point. */
+/* Returns grad d at one point. */
 static matrix3 gradient_at(const field *f, const double x[3])
 {
     matrix3 out = {{{0.0}}};
@@ -310,16 +311,16 @@ static bool gradient_f64(const field *f, gradient *out, const points *at, uint32
     return true;
 }
 
-/* False when grad d is zero all over the block; it is set to zero then. */
+/* Returns false if grad d is zero in the whole block; then it is set to zero. */
 static bool field_gradient(const field *f, gradient *out, const points *at, uint32_t block)
 {
     return f->needs_double ? gradient_f64(f, out, at, block)
                            : f->lanes->gradient_block(f, out, at, block);
 }
 
-/* ---- how hard it bends space ---- */
+/* ---- distortion of space ---- */
 
-static const double norm_rounding = 1e-9; /* far more than that of norm_squared */
+static const double norm_rounding = 1e-9; /* much more than the rounding of norm_squared */
 
 static uint32_t lanes_of_block(const points *at, uint32_t block)
 {
@@ -336,7 +337,7 @@ static matrix3 lane_of(const gradient *from, uint32_t lane)
     return out;
 }
 
-/* Square of the largest singular value. */
+/* Returns the square of the largest singular value. */
 static double norm_squared(const matrix3 *m)
 {
     matrix3 gram;
@@ -360,9 +361,9 @@ static double smallest_of(const double *value, uint32_t count)
     return smallest;
 }
 
-/* The larger of `largest` and the squared norms of grad d at the block's vertices. The sum of
- * squares bounds a norm from above, but for norm_rounding, so only those are looked at that may
- * have more of it, the most first: the result depends on no order. */
+/* Returns the larger of `largest` and the squared norms of grad d at the vertices of the block. The
+ * sum of squares is an upper bound of a norm, except for norm_rounding. So only vertices with a
+ * greater sum are examined, the greatest first: the result does not depend on the order. */
 static double larger_norm(const field *f, const gradient *slopes, uint32_t count, double largest)
 {
     double square[POINTS_BLOCK];
@@ -381,7 +382,7 @@ static double larger_norm(const field *f, const gradient *slopes, uint32_t count
     return largest;
 }
 
-/* C0 is steepest at its tip, where a vertex usually is and the gradient does not exist. */
+/* C0 is steepest at its centre, where there is usually a vertex and the gradient does not exist. */
 static double cone_slope(const field *f, const points *at)
 {
     double largest = 0.0;
@@ -406,7 +407,7 @@ typedef struct measure_work {
     const field *f;
     const points *at;
     bool wants_norm, wants_determinant;
-    _Atomic double largest, smallest; /* squared norm; determinant */
+    _Atomic double largest, smallest; /* of the norm; of the determinant */
 } measure_work;
 
 static void keep_larger(_Atomic double *kept, double value)
@@ -478,7 +479,8 @@ double field_max_slope(const field *f, const points *at)
     return slope;
 }
 
-/* Largest sum, over the centres that can meet the support of one, of what `weigh` gives each. */
+/* For each centre, adds up `weigh` over the centres whose supports can meet its own. Returns the
+ * largest sum. */
 static double largest_company(const field *f, double (*weigh)(const field *, uint32_t))
 {
     double reach = 2.0 * f->settings.radius, largest = 0.0;
@@ -508,7 +510,7 @@ static double weigh_one(const field *f, uint32_t centre)
     return 1.0;
 }
 
-/* sum over the terms of |beta_a| / R, of the linear terms. */
+/* Returns the sum of |beta_a| / R over the linear terms. */
 static double polynomial_slope(const field *f)
 {
     double sum = 0.0;
@@ -517,7 +519,7 @@ static double polynomial_slope(const field *f)
     return sum;
 }
 
-/* Upper bound of |p| in the union of supports. */
+/* Returns an upper bound of |p| in the union of supports. */
 static double polynomial_size(const field *f)
 {
     double reach = 0.0;

@@ -5,8 +5,7 @@
 
 enum { SWEEPS = 16 };
 
-/* Rotates rows and columns p, q of a so that a[p][q] vanishes; v collects the rotations in its
- * rows. */
+/* Rotates rows and columns p, q of a so that a[p][q] becomes 0, and the rows of v likewise. */
 static void rotate(double a[3][3], double v[3][3], int p, int q)
 {
     if (a[p][q] == 0.0)
@@ -31,7 +30,7 @@ static void rotate(double a[3][3], double v[3][3], int p, int q)
     }
 }
 
-/* Rows of v become the eigenvectors of what was in a, a its diagonal. */
+/* Replaces the rows of v by the eigenvectors of a, and a by the diagonal matrix. */
 static void diagonalise(double a[3][3], double v[3][3])
 {
     for (int sweep = 0; sweep < SWEEPS; ++sweep) {

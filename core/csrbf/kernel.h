@@ -1,18 +1,19 @@
 /* csrbf/kernel.h - Wendland's compactly supported functions for three dimensions (Wendland 1995),
- * one value at a time and by rows of a block. r is the distance divided by the radius. The rows are
- * inline: each file that includes this gets them for its own instruction set. Inside the room. Pure
- * functions; any thread. */
+ * for single values and for rows of a block. r is the distance divided by the radius. The rows are
+ * inline, so each file that includes this compiles them for its own instruction set. Internal to
+ * csrbf. Pure. [any] */
 #ifndef MAROTTE_CSRBF_KERNEL_H
 #define MAROTTE_CSRBF_KERNEL_H
 #include "csrbf/settings.h"
 
 #include <math.h>
 
-/* phi(r); 0 from r = 1 on. */
+/* Returns phi(r); 0 for r >= 1. */
 double kernel_value(csrbf_kernel kernel, double r);
-/* phi'(r) / r, so that grad phi = slope (x - c) / R^2; C0 has a kink at 0 and gives 0 there. */
+/* Returns phi'(r) / r, so that grad phi = slope (x - c) / R^2. C0 has a kink at 0; its value there
+ * is 0. */
 double kernel_slope(csrbf_kernel kernel, double r);
-/* Largest |phi'|, rounded up in its last digits. */
+/* Returns the largest |phi'|, rounded up in its last digits. */
 double kernel_steepest(csrbf_kernel kernel);
 
 /* The closed forms, for r < 1, in the precision of REAL. t = 1 - r. */
@@ -62,7 +63,8 @@ KERNEL_FORMS(double, f64)
 
 /* Rows of POINTS_BLOCK: phi at squared distances q; 0 where q >= q_limit. */
 
-/* One row by one form. The form runs beyond r = 1 too; the comparison discards what it gives. */
+/* Evaluates one form for one row. The form is also evaluated beyond r = 1; the comparison discards
+ * that result. */
 #define KERNEL_ROW(FORM, REAL, ROOT)                                                               \
     for (int i = 0; i < POINTS_BLOCK; ++i) {                                                       \
         REAL value = FORM(ROOT(q[i]) * inverse_radius);                                            \
@@ -101,7 +103,7 @@ static inline void kernel_values_f64(csrbf_kernel kernel, double *restrict out,
     }
 }
 
-/* phi at distances over the radius up to 1. */
+/* phi for distances over the radius up to 1. */
 #define KERNEL_ROW_AT(FORM)                                                                        \
     for (int i = 0; i < POINTS_BLOCK; ++i)                                                         \
         out[i] = FORM(r[i]);                                                                       \

@@ -9,8 +9,8 @@
 #include <emmintrin.h>
 #endif
 
-/* ---- writing what is too much for the caches around them, where the machine can; stream_end
- * before another thread may read ---- */
+/* ---- writing around the caches, where the machine can; call stream_end before another thread
+ * reads ---- */
 
 /* out: aligned like a block of points. */
 static inline void stream_block(float *out, const float *in)
@@ -30,12 +30,12 @@ static inline void stream_end(void)
 #endif
 }
 
-/* ---- which columns count in a block: those that are not zero there and weigh something ---- */
+/* ---- the columns that count in a block: those that are not zero there and have a weight ---- */
 
 typedef struct chosen {
     uint16_t column[2 * COLUMNS_WORD];
     uint32_t count;
-    uint32_t next; /* the word of the weights to look at next */
+    uint32_t next; /* index of the next word of weights */
 } chosen;
 
 static inline const uint64_t *marks_of(const columns *c, uint32_t block)
@@ -49,8 +49,8 @@ static inline void choose_word(chosen *to, uint64_t bits, uint32_t word)
         to->column[to->count++] = (uint16_t)(word * COLUMNS_WORD + (uint32_t)__builtin_ctzll(bits));
 }
 
-/* The next columns that count: at most as many as there is room for. False: none is left. Start
- * with next = 0; the rest is better not set, it is large. */
+/* Collects the next columns that count, as many as fit. Returns false if none are left. Start with
+ * next = 0, and leave the rest unset, because it is large. */
 static inline bool choose_more(chosen *to, const columns_weights *w, const uint64_t *mark)
 {
     to->count = 0;
@@ -61,7 +61,7 @@ static inline bool choose_more(chosen *to, const columns_weights *w, const uint6
     return to->count > 0;
 }
 
-/* The same columns count where there are these marks and those. */
+/* Returns whether two blocks with these marks have the same columns that count. */
 static inline bool choose_the_same(const columns_weights *w, const uint64_t *a, const uint64_t *b)
 {
     uint64_t other = 0;
@@ -77,14 +77,14 @@ static inline bool is_far(const columns *c)
     return c->weights.bytes > c->far_from_bytes;
 }
 
-/* Some columns, at a vertex. */
+/* Up to FEW columns, at a vertex. */
 enum { FEW = 16 };
 typedef struct group {
     const float *row[FEW];
     float x[FEW], y[FEW], z[FEW];
 } group;
 
-/* Vertices in a row, before they are moved. */
+/* Consecutive vertices before they are moved. */
 typedef struct span {
     const float *x, *y, *z;
     size_t count;
@@ -147,7 +147,7 @@ static move_function *const move_few[FEW] = {move_1,  move_2,  move_3,  move_4, 
                                              move_7,  move_8,  move_9,  move_10, move_11, move_12,
                                              move_13, move_14, move_15, move_16};
 
-/* ---- any number of them ---- */
+/* ---- any number of columns ---- */
 
 /* sum += COUNT columns, in their order. */
 #define ADD_COLUMNS(COUNT)                                                                         \
@@ -174,7 +174,7 @@ ADD_COLUMNS(8)
 typedef void add_function(float *restrict x, float *restrict y, float *restrict z,
                           const group *restrict g);
 
-/* Those from `first` on. */
+/* Adds the chosen columns from `first` on. */
 static inline void add_chosen(float sum[3][POINTS_BLOCK], const columns *c, const chosen *some,
                               uint32_t first, uint32_t block)
 {
@@ -227,9 +227,9 @@ static inline void add_block(points *out, const points *base, float sum[3][POINT
     range_block(out, block);
 }
 
-/* ---- runs: blocks in a row in which the same columns count ---- */
+/* ---- runs: consecutive blocks with the same columns that count ---- */
 
-enum { RUN = 8 }; /* at most: what one writes is still in the first cache for its bounds */
+enum { RUN = 8 }; /* maximum: its output is still in the first-level cache */
 
 static inline uint32_t end_of_run(const columns *c, uint32_t first, uint32_t end)
 {
@@ -254,7 +254,7 @@ static inline void move_run_near(points *out, const points *base, const group *g
         range_block(out, block);
 }
 
-/* The same around the caches. */
+/* The same, writing around the caches. */
 static inline void move_run_far(points *out, const points *base, group *g, uint32_t count,
                                 uint32_t first, uint32_t end)
 {
@@ -310,7 +310,7 @@ static inline void restore_block(points *out, const points *base, uint32_t block
     out->block[block] = base->block[block];
 }
 
-/* As columns_move_blocks. */
+/* Does the work of columns_move_blocks. */
 static inline void move_blocks(const columns *c, points *out, const points *base, uint32_t first,
                                uint32_t end)
 {
@@ -329,7 +329,7 @@ static inline void move_blocks(const columns *c, points *out, const points *base
         stream_end();
 }
 
-/* ---- what the room calls ---- */
+/* ---- functions of the table ---- */
 
 void LANES(columns_sum)(const columns *c, float sum[3][POINTS_BLOCK], uint32_t first,
                         uint32_t block)
@@ -350,7 +350,7 @@ void LANES(columns_move)(const columns *c, points *out, const points *base, uint
 
 bool LANES(is_zero)(const float value[POINTS_BLOCK])
 {
-    int other = 0; /* counted, not asked one by one: so it runs on whole vectors */
+    int other = 0; /* counted without branches, so that it runs on whole vectors */
     for (int i = 0; i < POINTS_BLOCK; ++i)
         other += value[i] != 0.0f;
     return other == 0;

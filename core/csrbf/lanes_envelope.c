@@ -1,12 +1,12 @@
-/* Cholesky factor by the envelope, and the two solves. */
+/* The Cholesky factor of an envelope, and the two solves. */
 #include "csrbf/lanes.h"
 #include "csrbf/saddle.h"
 
 #include <math.h>
 #include <string.h>
 
-/* So many columns of a group are worked on against as many finished rows at once, all LANES rows of
- * the group wide: as many sums as the registers hold. */
+/* COLUMNS columns of a group are combined with COLUMNS finished rows at a time, for all LANES rows
+ * of the group: as many sums as fit into registers. */
 enum { LANES = ENVELOPE_LANES };
 #ifdef __AVX512F__
 enum { COLUMNS = 4 };
@@ -32,7 +32,7 @@ static const double *factor_at(const envelope *e, uint32_t row, uint32_t column)
 /* ---- a group of rows ---- */
 
 typedef struct group {
-    double *entry;           /* LANES of each column */
+    double *entry;           /* LANES values for each column */
     uint32_t low;            /* its first column; a multiple of COLUMNS */
     uint32_t row, row_count; /* at most LANES */
 } group;
@@ -42,7 +42,7 @@ static double *column_of(const group *g, uint32_t column)
     return g->entry + (size_t)LANES * column;
 }
 
-enum { STRETCH = 8 }; /* columns of a group that are filled together: they stay in the cache */
+enum { STRETCH = 8 }; /* columns filled together: they stay in the cache */
 
 static void group_load(group *g, const envelope *e)
 {
@@ -86,7 +86,8 @@ static void subtract_products(double *entry, const double *column, const double 
     memcpy(entry, sum, sizeof sum);
 }
 
-/* Entries in column j of the group's rows, which have their products up to column `from`. */
+/* Finishes the entries in column j of the group's rows; the products up to column `from` are
+ * already subtracted. */
 static void finish_column(const group *g, const envelope *e, uint32_t j, uint32_t from)
 {
     double *entry = column_of(g, j);
@@ -98,7 +99,7 @@ static void finish_column(const group *g, const envelope *e, uint32_t j, uint32_
 }
 
 #ifdef __AVX512F__
-/* The same for COLUMNS entries that follow each other against as many rows of the factor. */
+/* The same for COLUMNS consecutive entries and as many rows of the factor. */
 static inline void subtract_tile(double *entry, const double *column,
                                  const double *const factor[COLUMNS], size_t stride, uint32_t count)
 {
@@ -129,7 +130,7 @@ static void subtract_rows(double *entry, const double *column, const double *con
     subtract_tile(entry, column, factor, 1, count);
 }
 
-/* COLUMNS columns of the group's own triangle, against what is left of them. */
+/* Subtracts the products of the group's own triangle for COLUMNS columns. */
 static void subtract_left(double *entry, const double *left, uint32_t column, uint32_t count)
 {
     const double *const factor[COLUMNS] = {left + column, left + column + 1, left + column + 2,
@@ -137,7 +138,8 @@ static void subtract_left(double *entry, const double *left, uint32_t column, ui
     subtract_tile(entry, left, factor, LANES, count);
 }
 
-/* COLUMNS columns of the group from j on: what they have in common together, the rest alone. */
+/* Eliminates COLUMNS columns of the group, beginning at j: first the entries that they have in
+ * common, then the rest. */
 static void eliminate_tile(const group *g, const envelope *e, uint32_t j)
 {
     const double *factor[COLUMNS];
@@ -168,8 +170,8 @@ static void eliminate_tile(const group *g, const envelope *e, uint32_t j)
 }
 #endif
 
-/* The triangle of the group against itself; false when a pivot is too small. What it leaves above
- * the diagonal is never used. */
+/* Factors the triangle of the group itself. Returns false if a pivot is too small. Values above the
+ * diagonal are undefined and never used. */
 static bool group_finish(const group *g, double smallest_pivot, uint32_t *out_row)
 {
     const double *left = column_of(g, g->low);
@@ -197,7 +199,7 @@ static bool group_finish(const group *g, double smallest_pivot, uint32_t *out_ro
 
 /* ---- the factor ---- */
 
-/* The next groups from `row` on; returns how many. */
+/* Loads the next groups, beginning at `row`. Returns their number. */
 static uint32_t load_groups(group g[ENVELOPE_GROUPS], const envelope *e, uint32_t row)
 {
     uint32_t count = 0;
@@ -210,8 +212,8 @@ static uint32_t load_groups(group g[ENVELOPE_GROUPS], const envelope *e, uint32_
     return count;
 }
 
-/* Columns first .. end - 1 of the groups, left of all of them. Column j needs the finished row j
- * only, which is read once for all the groups. */
+/* Eliminates columns first .. end - 1 of the groups, which are all left of the groups. Column j
+ * only needs the finished row j, which is read once for all groups. */
 static void eliminate(const group *g, uint32_t count, const envelope *e, uint32_t first,
                       uint32_t end)
 {
@@ -239,8 +241,8 @@ bool LANES(factor)(envelope *e, double smallest_pivot, uint32_t *out_row)
     return true;
 }
 
-/* ---- solves: the loops over lanes stay loops, or gcc would take several k together and shuffle
- * more than it sums ---- */
+/* ---- solves: the loops over lanes must stay separate loops; otherwise gcc combines several k, and
+ * shuffles more than it adds ---- */
 
 /* sum -= value[k] times side k. */
 static inline void subtract_sides(double *restrict sum, const double *restrict value,
@@ -251,7 +253,7 @@ static inline void subtract_sides(double *restrict sum, const double *restrict v
             sum[lane] -= value[k] * side[lane];
 }
 
-/* Row i of L y = b, which has its products up to column `from`. */
+/* Finishes row i of L y = b; the products up to column `from` are already subtracted. */
 static inline void finish_forward(const envelope *e, double *rhs, uint32_t i, uint32_t from,
                                   const int width)
 {
@@ -263,7 +265,7 @@ static inline void finish_forward(const envelope *e, double *rhs, uint32_t i, ui
         row[lane] = sum[lane] / pivot;
 }
 
-/* Row i of L^T x = y is divided by its pivot and taken from those from `from` on. */
+/* Divides row i of L^T x = y by its pivot, and subtracts it from the rows from `from` on. */
 static inline void begin_backward(const envelope *e, double *rhs, uint32_t i, uint32_t from,
                                   const int width)
 {
@@ -276,9 +278,9 @@ static inline void begin_backward(const envelope *e, double *rhs, uint32_t i, ui
             side[lane] -= *value * row[lane];
 }
 
-enum { ROWS = 4 }; /* of the factor, worked on together: the sides are read once for all */
+enum { ROWS = 4 }; /* rows processed together: the sides are read once */
 
-/* The column from which on all of rows i .. i + ROWS - 1 have entries; at most i. */
+/* Returns the first column where all rows i .. i + ROWS - 1 have entries; at most i. */
 static uint32_t common_first(const envelope *e, uint32_t i)
 {
     uint32_t common = 0;
@@ -293,7 +295,7 @@ static inline void load_rows(double *const out[ROWS], const double *row, const i
         memcpy(out[i], row + i * width, (size_t)width * sizeof *row);
 }
 
-/* Rows i .. i + ROWS - 1 get their products of the columns from `common` to i - 1. */
+/* Subtracts the products of columns `common` to i - 1 from rows i .. i + ROWS - 1. */
 static inline void forward_tile(const envelope *e, double *rhs, uint32_t i, uint32_t common,
                                 const int width)
 {
@@ -316,7 +318,7 @@ static inline void forward_tile(const envelope *e, double *rhs, uint32_t i, uint
         memcpy(row + k * width, sum[k], (size_t)width * sizeof *row);
 }
 
-/* Rows i .. i + ROWS - 1 are taken from the columns from `common` to i - 1, the last first. */
+/* Subtracts rows i .. i + ROWS - 1 from columns `common` to i - 1, the last row first. */
 static inline void backward_tile(const envelope *e, double *rhs, uint32_t i, uint32_t common,
                                  const int width)
 {
@@ -364,7 +366,7 @@ static inline void backward_rows(const envelope *e, double *rhs, uint32_t i, con
                 rhs[k * step + lane] -= *factor_at(e, row, k) * rhs[row * step + lane];
 }
 
-/* The first row whose sides are not all zero: above it y is zero too. */
+/* Returns the first row whose sides are not all zero: above it y is also zero. */
 static inline uint32_t first_side(const envelope *e, const double *rhs, const int width)
 {
     size_t entries = (size_t)e->row_count * (size_t)width, entry = 0;

@@ -1,22 +1,22 @@
-/* A field in one block of vertices: its value and its gradient in float, its unit responses in
- * double; and the matrix of its centres. */
+/* Evaluation of a field in one block of vertices: its value and gradient in float, its unit
+ * responses in double. Also the matrix of its centres. */
 #include "csrbf/field.h"
 #include "csrbf/kernel.h"
 #include "csrbf/lanes.h"
 
 #include <string.h>
 
-/* ---- which centres reach a block, many asked at a time ---- */
+/* ---- the centres that reach a block, tested in batches ---- */
 
 enum { REACH_BATCH = 64 };
 
 typedef struct reach {
     uint32_t centre[REACH_BATCH]; /* those that reach the block, ascending */
     uint32_t count;
-    uint32_t next; /* the centre to ask next */
+    uint32_t next; /* next centre to test */
 } reach;
 
-/* Squares of what a centre lacks along one axis to lie between low and high. */
+/* Returns the squared distance along one axis from a centre to the interval from low to high. */
 static inline double reach_gap(double low, double high, double at)
 {
     double below = low - at, above = at - high;
@@ -25,8 +25,8 @@ static inline double reach_gap(double low, double high, double at)
     return outside * outside;
 }
 
-/* The next centres that reach the block: field_reaches of each. False: all have been asked, and
- * none is left. Start with next = 0; the rest is better not set, it is large. */
+/* Collects the next centres that reach the block (field_reaches). Returns false if none are left.
+ * Start with next = 0, and leave the rest unset, because it is large. */
 static inline bool reach_more(reach *r, const field *f, const points_bounds *block)
 {
     const double limit = f->settings.radius * f->settings.radius;
@@ -54,13 +54,13 @@ static inline bool reach_more(reach *r, const field *f, const points_bounds *blo
     return r->count > 0;
 }
 
-/* ---- where the vertices are as seen from the field, and what a centre brings ---- */
+/* ---- positions of the vertices relative to the field, and contributions of a centre ---- */
 
 typedef struct block_positions {
     float x[POINTS_BLOCK], y[POINTS_BLOCK], z[POINTS_BLOCK]; /* from the field's origin */
 } block_positions;
 
-static inline void take_positions(block_positions *p, const field *f, const points *in,
+static inline void read_positions(block_positions *p, const field *f, const points *in,
                                   uint32_t block)
 {
     size_t first = (size_t)block * POINTS_BLOCK;
@@ -73,7 +73,7 @@ static inline void take_positions(block_positions *p, const field *f, const poin
     }
 }
 
-/* What a centre adds: its position, its alpha, and by what distances are measured. */
+/* The data of one centre: its position, its alpha, and the scale and limit of distances. */
 typedef struct pull_of_centre {
     float at[3], alpha[3], inverse_radius, limit;
 } pull_of_centre;
@@ -90,15 +90,16 @@ static inline pull_of_centre pull_of(const field *f, uint32_t centre)
 
 /* ---- the value, in float ---- */
 
-/* Some centres: their positions, their alphas, and by what distances are measured. */
+/* The same for up to TOGETHER centres. */
 enum { TOGETHER = 2 };
 typedef struct pulls {
     const float *at[TOGETHER], *alpha[TOGETHER]; /* 3 each */
     float inverse_radius, limit;
 } pulls;
 
-/* COUNT centres, one kernel, in their order: sum := START + phi alpha, where phi is 0 from the
- * radius on. Two in one pass: square roots take long, and nothing need wait for them. */
+/* Adds COUNT centres of one kernel, in their order: sum := START + phi alpha, where phi is 0 from
+ * the radius on. Two centres per pass: square roots take long, and the two do not depend on each
+ * other. */
 #define ADD_CENTRES(HOW, NAME, COUNT, START)                                                       \
     static void HOW##_##NAME##_##COUNT(float *restrict sx, float *restrict sy, float *restrict sz, \
                                        const block_positions *restrict position,                   \
@@ -150,7 +151,8 @@ static add_function *const adders[][2][TOGETHER] = {
     [CSRBF_WENDLAND_C6] = SOME_CENTRES(c6),
 };
 
-/* The centres' shares, in their order; sum need not be set before the first of them. */
+/* Adds the contributions of the centres in their order. sum may be unset before the first of
+ * them. */
 static void add_centres(float sum[3][POINTS_BLOCK], bool is_begun, const block_positions *position,
                         const field *f, const reach *near)
 {
@@ -187,7 +189,7 @@ static void narrow_window(float *restrict window, const block_positions *positio
     }
 }
 
-/* Adds window times p, which may be beyond float where window is 0. */
+/* Adds window times p. p may overflow float where window is 0. */
 static void add_polynomial(const field *f, float sum[3][POINTS_BLOCK], const float *window,
                            const points *in, uint32_t block)
 {
@@ -214,7 +216,7 @@ bool LANES(field_block)(const field *f, float sum[3][POINTS_BLOCK], const points
         window[i] = 1.0f;
     while (reach_more(&near, f, &in->block[block])) {
         if (!reached)
-            take_positions(&position, f, in, block);
+            read_positions(&position, f, in, block);
         add_centres(sum, reached, &position, f, &near);
         reached = true;
         if (windowed)
@@ -241,7 +243,7 @@ static void add_global_gradient(const field *f, gradient *out)
                 out->row[a][b][i] += (float)slope.at[a][b];
 }
 
-/* The window and its gradient, for one block: starts as prod = 1, gradient 0. */
+/* The window and its gradient for one block; starts as prod = 1, gradient 0. */
 typedef struct window_rows {
     float outside[POINTS_BLOCK];     /* prod_i (1 - phi_i) */
     float gradient[3][POINTS_BLOCK]; /* of that product */
@@ -264,7 +266,7 @@ static void window_times(window_rows *w, const float *weight, float step[3][POIN
         w->outside[i] *= 1.0f - weight[i];
 }
 
-/* grad (W p) = W grad p + p grad W; p may be beyond float where W is 0. */
+/* grad (W p) = W grad p + p grad W. p may overflow float where W is 0. */
 static void add_windowed_gradient(const field *f, gradient *out, const window_rows *w,
                                   const points *at, uint32_t block)
 {
@@ -282,8 +284,8 @@ static void add_windowed_gradient(const field *f, gradient *out, const window_ro
     }
 }
 
-/* step := grad phi of one centre, for one kernel. Every lane is computed; the comparison discards
- * what lies beyond. */
+/* step := grad phi of one centre, for one kernel. All lanes are computed; the comparison discards
+ * those outside of the support. */
 #define STEP_OF(NAME)                                                                              \
     static void step_##NAME(float *restrict x, float *restrict y, float *restrict z,               \
                             const block_positions *restrict position, pull_of_centre c)            \
@@ -324,7 +326,7 @@ static void step_of(float step[3][POINTS_BLOCK], const block_positions *position
     step_c2(step[0], step[1], step[2], position, c);
 }
 
-/* phi of one centre */
+/* Computes phi of one centre. */
 static void weigh_block(float *weight, const block_positions *position, csrbf_kernel kernel,
                         pull_of_centre c)
 {
@@ -337,7 +339,7 @@ static void weigh_block(float *weight, const block_positions *position, csrbf_ke
     kernel_values_f32(kernel, weight, q, c.inverse_radius, c.limit);
 }
 
-/* Three rows += pull times step. */
+/* Adds pull times step to three rows. */
 static void add_step(float row[3][POINTS_BLOCK], float step[3][POINTS_BLOCK], float pull)
 {
     float *restrict x = row[0], *restrict y = row[1], *restrict z = row[2];
@@ -362,7 +364,7 @@ bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint
         window_open(&window);
     while (reach_more(&r, f, &at->block[block])) {
         if (!reached)
-            take_positions(&position, f, at, block);
+            read_positions(&position, f, at, block);
         reached = true;
         for (uint32_t k = 0; k < r.count; ++k) {
             const pull_of_centre c = pull_of(f, r.centre[k]);
@@ -384,7 +386,7 @@ bool LANES(gradient_block)(const field *f, gradient *out, const points *at, uint
     return true;
 }
 
-/* ---- measures ---- */
+/* ---- determinants and norms ---- */
 
 void LANES(determinants)(double out[POINTS_BLOCK], const gradient *g)
 {
@@ -413,7 +415,7 @@ void LANES(squares)(double out[POINTS_BLOCK], const gradient *g)
 
 enum { BUNDLE = 4 };
 
-/* Some centres' kernels at the vertices, and which centres they are. */
+/* Values of some kernels at the vertices, and the indices of their centres. */
 typedef struct bundle {
     double value[BUNDLE][POINTS_BLOCK];
     uint32_t centre[BUNDLE];
@@ -520,11 +522,11 @@ void LANES(responses_block)(const field *f, const lanes_responses *r, double sum
     add_polynomials(f, r, sum, outside, in, block);
 }
 
-/* ---- the matrix: the kernel between all pairs of centres, in double ---- */
+/* ---- the matrix: kernels between all pairs of centres, in double ---- */
 
 enum { BATCH = 64 };
 
-/* Distances over the radius from centre `row` to `count` others. */
+/* Computes distances over the radius from centre `row` to `count` others. */
 static void measure_row(double *restrict out, const field *f, uint32_t row, uint32_t first,
                         uint32_t count)
 {
@@ -538,8 +540,8 @@ static void measure_row(double *restrict out, const field *f, uint32_t row, uint
     }
 }
 
-/* Cheaper than to measure_row: true whenever one of them is in the support of `row`, and seldom
- * when none is. */
+/* A cheaper test than measure_row: true if any of them is in the support of `row`, and rarely true
+ * if none is. */
 static bool may_reach(const field *f, uint32_t row, uint32_t first, uint32_t count)
 {
     const double *restrict x = f->along[0] + first, *restrict y = f->along[1] + first;

@@ -11,7 +11,7 @@
 
 enum { AXIS_BITS = 21 };
 
-/* Puts two zero bits between each two bits of a 21-bit number. */
+/* Inserts two zero bits between each two bits of a 21-bit number. */
 static uint64_t spread_bits(uint64_t v)
 {
     v = (v | v << 32) & 0x001f00000000ffffu;
@@ -22,7 +22,7 @@ static uint64_t spread_bits(uint64_t v)
     return v;
 }
 
-/* 0 .. 2^21 - 1; extent > 0. */
+/* Returns a cell number 0 .. 2^21 - 1; extent > 0. */
 static uint64_t cell(double offset, double extent)
 {
     const double last = (double)((1u << AXIS_BITS) - 1);
@@ -69,12 +69,12 @@ static void compute_curve_keys(order_item *item, uint32_t count)
     }
 }
 
-/* Numbers in the order of the doubles. */
+/* Maps doubles to integers in the same order. */
 static uint64_t rank_of(double value)
 {
     const uint64_t sign = UINT64_C(1) << 63;
     uint64_t bits;
-    value += 0.0; /* there is one zero */
+    value += 0.0; /* makes -0 equal to 0 */
     memcpy(&bits, &value, sizeof bits);
     return bits & sign ? ~bits : bits | sign;
 }
@@ -149,7 +149,7 @@ int order_sort_along(order_item *item, order_item *scratch, uint32_t count)
 
 /* ---- points ---- */
 
-enum { STAGGER = 80 }; /* floats between two streams: no power of two */
+enum { STAGGER = 80 }; /* floats between two streams: not a power of two */
 
 static bool usable(float v)
 {
@@ -323,7 +323,7 @@ bool points_are_usable(const points *p)
 {
     for (uint32_t block = 0; block < p->block_count; ++block) {
         size_t first = (size_t)block * POINTS_BLOCK;
-        unsigned refused = 0; /* counted, not asked one by one: so it is vectorised */
+        unsigned refused = 0; /* counted without branches, so that it is vectorised */
         for (size_t i = first; i < first + POINTS_BLOCK; ++i) {
             refused += !usable(p->x[i]);
             refused += !usable(p->y[i]);

@@ -33,7 +33,7 @@ static bool merge_create(merge *out, uint32_t control_capacity)
     return false;
 }
 
-/* Those of one class, from item[first] on; returns where they end. */
+/* Sorts the controls of one class, beginning at item[first]. Returns their end. */
 static uint32_t sort_class(order_item *item, uint32_t first, const merge *m, const double *centre,
                            const csrbf_class *class, csrbf_class wanted)
 {
@@ -45,7 +45,7 @@ static uint32_t sort_class(order_item *item, uint32_t first, const merge *m, con
             ++end;
         }
     order_item *scratch = item + m->control_count;
-    if (end - first <= MRT_MAX_VECTORS) /* as many as a mapping can pull at */
+    if (end - first <= MRT_MAX_VECTORS) /* the maximum of pulls of a mapping */
         order_sort(item + first, scratch, end - first);
     else
         order_sort_along(item + first, scratch, end - first);
@@ -62,8 +62,8 @@ static void sort_controls(merge *m, order_item *item, const double *centre,
         m->sorted[i] = item[i].row;
 }
 
-/* While components are joined, group[] holds for each index in the order an earlier index of its
- * component; the component's root holds itself. */
+/* During joining, group[] holds for each index in the order an earlier index of its component. The
+ * root of a component holds itself. */
 static uint32_t root_of(uint32_t *group, uint32_t index)
 {
     while (group[index] != index) {
@@ -88,7 +88,7 @@ static bool is_close(const order_item *a, const order_item *b, double limit)
     return dx * dx + dy * dy + dz * dz <= limit;
 }
 
-/* Looks along the longest axis: of each one backwards, as far as any can be close. */
+/* Searches along the longest axis: from each item backwards, as far as one can be close. */
 static void join_close(merge *m, const order_item *item, order_item *scratch, double distance)
 {
     const double limit = distance * distance;
@@ -108,7 +108,7 @@ static void join_close(merge *m, const order_item *item, order_item *scratch, do
         }
 }
 
-/* Group numbers by the index of their roots; item[].key becomes the group of each control. */
+/* Numbers the groups by the index of their roots. item[].key becomes the group of each control. */
 static void number_groups(merge *m, order_item *item)
 {
     m->group_count = 0;
@@ -123,7 +123,8 @@ static void number_groups(merge *m, order_item *item)
 
 static void share_out(merge *m, order_item *scratch, const csrbf_class *class)
 {
-    /* Of each group g: scratch[g].row its highest class, scratch[g].key its members of it. */
+    /* For each group g: scratch[g].row is its highest class, scratch[g].key the number of its
+     * members of that class. */
     for (uint32_t g = 0; g < m->group_count; ++g)
         scratch[g] = (order_item){0};
     for (uint32_t control = 0; control < m->control_count; ++control) {
@@ -151,7 +152,8 @@ static void merge_find(merge *m, order_item *scratch, const double *centre,
     share_out(m, scratch, class);
 }
 
-/* Means of the controls' rows of 3: out is group_count by stride, its further columns are 0. */
+/* Computes the means of the controls' rows of 3. out: group_count by stride; its other columns are
+ * set to 0. */
 static void merge_means(const merge *m, double *out, uint32_t stride, const double *value)
 {
     memset(out, 0, (size_t)m->group_count * stride * sizeof *out);
@@ -198,7 +200,8 @@ void envelope_keep(envelope *e, uint32_t row_count)
     e->start[0] = 0;
 }
 
-/* The same of those of `from`, whose rows before `first` are these. */
+/* Keeps row_count rows: those before `first` are equal in both, the others are copied from
+ * `from`. */
 static void envelope_take(envelope *e, const envelope *from, uint32_t first, uint32_t row_count)
 {
     const size_t begin = from->start[first], end = from->start[row_count];
@@ -267,7 +270,7 @@ void saddle_destroy(saddle *s)
     *s = (saddle){0};
 }
 
-/* Where row i and those that go with it begin: the factorisation takes them together. */
+/* Returns the first column of row i and its neighbours, which are factored together. */
 static uint32_t first_of_rows(const field *f, uint32_t i)
 {
     uint32_t start = i / ENVELOPE_ALIKE * ENVELOPE_ALIKE, first = start;
@@ -278,7 +281,8 @@ static uint32_t first_of_rows(const field *f, uint32_t i)
     return first;
 }
 
-/* The rows behind those that the matrix has; those begin some that are alike. */
+/* Appends the missing rows of the matrix. Rows that are factored together begin at the same
+ * column. */
 static void assemble(saddle *s)
 {
     const field *f = &s->field;
@@ -291,7 +295,7 @@ static void assemble(saddle *s)
     }
 }
 
-/* How many rows of the field's matrix are among those that `held` has factored. */
+/* Returns how many rows of the field's matrix `held` has already factored. */
 static uint32_t rows_held(const saddle *held, const field *f)
 {
     const csrbf_settings *a = &held->factored_for, *b = &f->settings;
@@ -305,7 +309,7 @@ static uint32_t rows_held(const saddle *held, const field *f)
     return count / ENVELOPE_ALIKE * ENVELOPE_ALIKE;
 }
 
-/* Leaves in the matrix what need not be factored again. */
+/* Keeps the rows of the matrix that need not be factored again. */
 static void reuse_rows(saddle *s, const saddle *other)
 {
     uint32_t own = rows_held(s, &s->field), lent = rows_held(other, &s->field);
@@ -315,7 +319,7 @@ static void reuse_rows(saddle *s, const saddle *other)
         envelope_take(&s->matrix, &other->matrix, own, lent);
 }
 
-/* False: singular; out_row is the row where it shows. */
+/* Returns false if the matrix is singular; out_row is the row where that is detected. */
 static bool factor_matrix(saddle *s, const saddle *other, uint32_t *out_row)
 {
     const field *f = &s->field;
@@ -326,7 +330,7 @@ static bool factor_matrix(saddle *s, const saddle *other, uint32_t *out_row)
     return envelope_factor(&s->matrix, smallest_pivot, out_row);
 }
 
-/* A control of the group, for messages. */
+/* Returns a control of the group, for messages. */
 static uint32_t member_of(const merge *m, uint32_t group)
 {
     uint32_t control = 0;
@@ -342,7 +346,7 @@ static uint32_t terms_wanted(const field *f)
     return f->settings.polynomial == CSRBF_CONSTANT ? 1 : 1 + f->hull.dimension;
 }
 
-/* S = P^T Y and its Cholesky factor. */
+/* Computes S = P^T Y and its Cholesky factor. */
 static mrt_result factor_polynomial(saddle *s, error *err)
 {
     uint32_t terms = s->field.term_count;
@@ -439,7 +443,8 @@ static double largest_size(const double *value, size_t count)
 
 static bool moved_apart(const saddle *s, const double *g, const double *mean)
 {
-    /* Two that are further apart than the distance are further than half of it from their mean. */
+    /* If two differ by more than the distance, one differs by more than half of it from their
+     * mean. */
     double limit = 0.5 * merge_ratio * s->field.settings.radius;
     for (size_t control = 0; control < s->merge.control_count; ++control) {
         const double *m = mean + (size_t)ENVELOPE_FEW * s->merge.group[control];
@@ -498,7 +503,7 @@ void saddle_solve_units(const saddle *s, uint32_t first, double *alpha,
     envelope_solve_many(&s->matrix, alpha);
 }
 
-/* sum_k |d p(x) / d g_k| = sum_k |(S^-1 q(x)) . Y_k|. */
+/* Returns sum_k |d p(x) / d g_k| = sum_k |(S^-1 q(x)) . Y_k|. */
 static double gain_at(const saddle *s, const double x[3])
 {
     double term[4], sum = 0.0;
@@ -526,7 +531,7 @@ static double gain_in(const saddle *s, const points_bounds *box)
     return largest;
 }
 
-/* A windowed polynomial acts in the supports only. */
+/* A windowed polynomial acts only in the supports. */
 static points_bounds box_of_effect(const field *f, const points_bounds *box)
 {
     points_bounds effect = *box;
@@ -555,7 +560,7 @@ void saddle_limit_gain(saddle *s, const points_bounds *box, double limit)
     points_bounds effect = box_of_effect(&s->field, box);
     s->gain = gain_in(s, &effect);
     while (s->gain > limit && s->field.term_count > 1) {
-        /* The factor of the smaller S is the corner of the larger one's. */
+        /* The factor of the smaller S is a corner of the factor of the larger one. */
         --s->field.term_count;
         s->gain = gain_in(s, &effect);
     }
@@ -563,7 +568,8 @@ void saddle_limit_gain(saddle *s, const points_bounds *box, double limit)
 
 /* ---- unit responses ---- */
 
-/* Columns first .. first + count - 1 of the centres: each control's that is among them. */
+/* Stores columns first .. first + count - 1 of the centres, for each control that belongs to one of
+ * them. */
 static void store_block(const merge *m, uint32_t first, uint32_t count, double sum[][POINTS_BLOCK],
                         float *out, size_t stride, uint32_t block)
 {
@@ -579,7 +585,8 @@ static void store_block(const merge *m, uint32_t first, uint32_t count, double s
     }
 }
 
-/* alpha and beta (4 by LANES_RESPONSES) of `count` unit displacements, from centre `first` on. */
+/* Solves for alpha and beta (4 by LANES_RESPONSES) of `count` unit displacements, beginning at
+ * centre `first`. */
 static void solve_columns(const saddle *s, uint32_t first, uint32_t count, double *alpha,
                           double *half, double beta[4][LANES_RESPONSES])
 {
@@ -594,7 +601,7 @@ static void solve_columns(const saddle *s, uint32_t first, uint32_t count, doubl
     }
 }
 
-/* Unit responses of the centres first .. r->count - 1 in all blocks. */
+/* Computing the unit responses of centres first .. r->count - 1 in all blocks. */
 typedef struct fill_work {
     const saddle *s;
     lanes_responses responses;
@@ -619,14 +626,14 @@ static void fill_blocks(void *data, uint32_t first, uint32_t end)
     }
 }
 
-/* Each centre's kernel at each vertex, and what it adds to each column. */
+/* The cost of evaluating each centre's kernel at each vertex, and of adding it to each column. */
 static double cost_ns(const fill_work *w)
 {
     double each_ns = 1.0 + 0.15 * w->responses.count;
     return each_ns * POINTS_BLOCK * w->in->block_count * w->s->field.centre_count;
 }
 
-/* All centres, some at a time. */
+/* Computes all centres in batches. */
 static void fill(fill_work *w, double *scratch)
 {
     uint32_t centres = w->s->field.centre_count;

@@ -9,19 +9,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the unanchored way ---- */
+/* ---- the unanchored way: drags ---- */
 
-/* A sample's way in substeps that do not fold. With the slope L = 1.2 max |grad d| of what is left
- * of the way, the next substep is that way over ceil(L / 0.5); then the rest is looked at again.
- * Theory: a step with L < 1 is a homeomorphism, and so is any number of them. */
+/* Divides the way of a sample into substeps that do not fold. Let the slope L = 1.2 max |grad d| of
+ * the remaining way. The next substep is that way divided by ceil(L / 0.5). Then the rest is
+ * examined again. Theory: a step with L < 1 is a homeomorphism, and so is any sequence of them. */
 
 static const double safety = 1.2; /* the slope is sampled at the vertices only */
 static const double slope_per_step = 0.5;
 
-/* Adds up what the substeps of one sample do. */
+/* Totals over the substeps of one sample. */
 typedef struct tally {
     shape_step step;
-    uint64_t touched; /* blocks */
+    uint64_t touched; /* number of blocks */
 } tally;
 
 /* d->pull := the layer's rows of `row` (control capacity by 3). */
@@ -58,7 +58,7 @@ static mrt_result solve_step(const drag *d, error *err)
     return MRT_OK;
 }
 
-/* How hard the fields bend space: the worst of all layers. */
+/* Distortion of space by the fields: the worst of all layers. */
 typedef struct bend {
     double slope, determinant;
 } bend;
@@ -86,14 +86,15 @@ static double measure_determinant(const drag *d)
     return smallest;
 }
 
-/* Number of equal substeps that a way with this slope asks for. */
+/* Returns the number of equal substeps that a way with this slope needs. */
 static double steps_wanted(double slope)
 {
     double steps = ceil(safety * slope / slope_per_step);
     return steps > 1.0 ? steps : 1.0;
 }
 
-/* d->step := what is solved for on the way to the next tips, 1 / steps of what is left. */
+/* d->step := displacements to solve for, on the way to the next tips: 1 / steps of the remaining
+ * way. */
 static void shorten_step(const drag *d, const drag_way *way, double steps)
 {
     for (size_t i = 0; i < (size_t)3 * way->count; ++i) {
@@ -125,7 +126,7 @@ static bool add_layer(const drag *d, const lanes *l, const drag_layer *layer,
 
 typedef struct layers_work {
     const drag *d;
-    _Atomic uint32_t touched; /* blocks */
+    _Atomic uint32_t touched; /* number of blocks */
 } layers_work;
 
 static void move_blocks(void *data, uint32_t first, uint32_t end)
@@ -172,7 +173,7 @@ static mrt_result move_vertices(const drag *d, tally *t, double determinant, err
     return MRT_OK;
 }
 
-static mrt_result take_substep(const drag *d, const csrbf_settings *settings, const drag_way *way,
+static mrt_result move_substep(const drag *d, const csrbf_settings *settings, const drag_way *way,
                                tally *t, double *out_steps, error *err)
 {
     mrt_result result = factor_at_tips(d, settings, err);
@@ -198,12 +199,12 @@ static mrt_result take_substep(const drag *d, const csrbf_settings *settings, co
     return result;
 }
 
-static mrt_result take_way(const drag *d, const csrbf_settings *settings, const drag_way *way,
-                           tally *t, error *err)
+static mrt_result follow_way(const drag *d, const csrbf_settings *settings, const drag_way *way,
+                             tally *t, error *err)
 {
     double steps = 2.0;
     while (steps > 1.0 && t->step.substeps < SHAPE_SUBSTEP_CAP) {
-        mrt_result result = take_substep(d, settings, way, t, &steps, err);
+        mrt_result result = move_substep(d, settings, way, t, &steps, err);
         if (result < 0)
             return result;
     }
@@ -246,7 +247,7 @@ mrt_result drag_along(const drag *d, const csrbf_settings *settings, const drag_
         d->tip[i] = way->from[i];
     if (!stays(way)) {
         points_copy(d->before, d->moved);
-        result = take_way(d, settings, way, &t, err);
+        result = follow_way(d, settings, way, &t, err);
     }
     if (result < 0) {
         points_copy(d->moved, d->before);

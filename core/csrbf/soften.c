@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double least_pivot = 1e-9; /* of two centres at one point */
+static const double least_pivot = 1e-9; /* for two centres at one point */
 
 static double distance(const double *a, const double *b)
 {
@@ -13,7 +13,7 @@ static double distance(const double *a, const double *b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* Lower Cholesky factor in place, row by row. */
+/* Computes the lower Cholesky factor in place, row by row. */
 static void factor(double *matrix, uint32_t count)
 {
     for (size_t i = 0; i < count; ++i)

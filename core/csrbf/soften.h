@@ -1,11 +1,11 @@
-/* csrbf/soften.h - pulls that contradict each other give way to each other: what a field of a
- * matrix with a ridge, A + diag(ridge), does at its own centres. Those that agree hardly change,
- * and those that are far from any ridge not at all. [frame] no allocation. */
+/* csrbf/soften.h - compromises between contradicting pulls: evaluates a field with the matrix A +
+ * diag(ridge) at its own centres. Pulls that agree hardly change. Pulls that are far from any ridge
+ * do not change. [frame] no allocation. */
 #ifndef MAROTTE_CSRBF_SOFTEN_H
 #define MAROTTE_CSRBF_SOFTEN_H
 #include "csrbf/csrbf.h"
 
-/* Numbers of scratch for so many centres. */
+/* Number of doubles of scratch for `count` centres. */
 #define CSRBF_SOFTEN_SCRATCH(count) ((size_t)(count) * (count) + (size_t)3 * (count))
 
 /* g (count by 3) := A (A + diag(ridge))^-1 g, A_ij = likeness_ij phi(|c_i - c_j| / R). likeness:

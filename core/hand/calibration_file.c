@@ -17,7 +17,7 @@ enum { EXPECTED_TEXT = 256 };
 
 /* ---- reading values ---- */
 
-/* At most capacity - 1 bytes that can be shown. */
+/* Reads at most capacity - 1 printable bytes. */
 static mrt_result read_text(char *out, size_t capacity, const json_node *at, error *err)
 {
     const char *text = json_string_value(at->value);
@@ -32,7 +32,7 @@ static mrt_result read_text(char *out, size_t capacity, const json_node *at, err
     return MRT_OK;
 }
 
-/* One of `count` words; out: which. */
+/* Reads one of `count` words; out: its index. */
 static mrt_result read_choice(uint32_t *out, const json_node *at, const char *const *words,
                               uint32_t count, error *err)
 {
@@ -91,11 +91,11 @@ static void note_unknown(calibration_file *file, const json_node *object, const 
 {
     void *at = NULL;
     for (const char *key; (key = json_node_unknown(object, known, &at)) != NULL;)
-        calibration_file_note(file, "%s: a key that this version does not know; it is kept",
+        calibration_file_note(file, "%s: unknown key; it is kept",
                               json_node_member(object, key).path.text);
 }
 
-/* Not there: `out` stays. */
+/* If the key is missing, `out` is unchanged. */
 static mrt_result read_optional(double *out, bool *out_has, const json_node *of, const char *key,
                                 double low, double high, error *err)
 {
@@ -161,10 +161,10 @@ static mrt_result read_ranges(calibration_sensor *out, const json_node *at, erro
 static mrt_result find_sensor(int *out, const char *key, const json_node *at, error *err)
 {
     *out = sensor_find(key);
-    return *out >= 0 ? MRT_OK
-                     : error_set(err, MRT_ERR_FORMAT,
-                                 "%s: there is no sensor of that name, as in \"index.mpj\"",
-                                 at->path.text);
+    return *out >= 0
+               ? MRT_OK
+               : error_set(err, MRT_ERR_FORMAT, "%s: unknown sensor; names are as in \"index.mpj\"",
+                           at->path.text);
 }
 
 static mrt_result read_cross_talk(calibration_sensor *out, const json_node *of, error *err)
@@ -352,10 +352,10 @@ void calibration_file_use(const calibration_file *file, hand_calibration *out)
 
 /* ---- writing ---- */
 
-/* 7 digits: a float reads as it was meant, 0.6 and not 0.600000024. */
+/* 7 digits, so that a float is written as 0.6 and not as 0.600000024. */
 enum { TEXT_FLAGS = JSON_ENCODE_ANY | JSON_REAL_PRECISION(7) };
 
-/* jansson's setters fail on NULL, so one check at the end finds all failures of memory. */
+/* The setters of jansson fail on NULL, so one check at the end finds all failures of memory. */
 typedef struct json_writer {
     bool failed;
 } json_writer;
@@ -396,7 +396,7 @@ static json_t *cross_talk_of(json_writer *writer, const calibration_sensor *sens
     return object;
 }
 
-/* Over what was read: unknown keys stay. */
+/* Writes over the object that was read, so that unknown keys stay. */
 static void set_sensor(json_writer *writer, json_t *object, const calibration_sensor *sensor)
 {
     set(writer, object, "source", json_string(calibration_source_name[sensor->source]));
@@ -418,7 +418,7 @@ static void set_sensor(json_writer *writer, json_t *object, const calibration_se
     set(writer, object, "cross_talk", cross_talk_of(writer, sensor));
 }
 
-/* The object at `key`, made if need be; owned by `parent`. */
+/* Returns the object at `key`, created if it is missing; owned by `parent`. */
 static json_t *object_at(json_writer *writer, json_t *parent, const char *key)
 {
     json_t *object = json_object_get(parent, key);
@@ -453,7 +453,7 @@ static void set_file(json_writer *writer, json_t *root, const calibration_file *
     }
 }
 
-/* One member a line, the sensors one by one: a person finds what she looks for. */
+/* One member per line, and one line per sensor, so that a person can find them. */
 static bool print_members(FILE *stream, json_t *object, const char *indent)
 {
     bool failed = false;
@@ -519,7 +519,7 @@ mrt_result calibration_file_write(const calibration_file *file, const char *path
     return result;
 }
 
-/* ---- a line through a zero ---- */
+/* ---- a linear table ---- */
 
 static const double RADIANS_PER_DEGREE = ANGLE_PI / 180.0;
 static const double BEYOND_DEG = 15.0;

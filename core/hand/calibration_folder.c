@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { FILES_CAP = 4096 }; /* beyond that it is no folder of calibrations */
+enum { FILES_CAP = 4096 }; /* a folder with more files is not read */
 
 static char *joined(const char *a, const char *b, const char *c)
 {
@@ -23,8 +23,8 @@ static char *joined(const char *a, const char *b, const char *c)
     return out;
 }
 
-/* $XDG_CONFIG_HOME/marotte/calibrations, or ~/.config/marotte/calibrations: no final '/'. To be
- * freed; NULL: no memory, or neither variable is set to an absolute path. */
+/* Returns $XDG_CONFIG_HOME/marotte/calibrations, or ~/.config/marotte/calibrations, without a final
+ * '/'. The caller frees it. NULL: no memory, or neither variable is an absolute path. */
 static char *calibration_folder_path(void)
 {
     const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
@@ -58,7 +58,7 @@ mrt_result calibration_folder_place(char **out_path, const char *name, const cha
     char *folder = calibration_folder_path();
     if (!folder)
         return error_set(err, MRT_ERR_IO,
-                         "neither XDG_CONFIG_HOME nor HOME says where calibrations are kept");
+                         "cannot find the folder of calibrations: set XDG_CONFIG_HOME or HOME");
     mrt_result result = file_make_folders(folder, err);
     char *base = joined(folder, "/", name);
     *out_path = base ? joined(base, input[0] ? ", " : "", input[0] ? input : "") : NULL;
@@ -82,7 +82,7 @@ static bool is_json(const char *name)
     return length > 5 && name[0] != '.' && strcmp(name + length - 5, ".json") == 0;
 }
 
-/* Later by date; of the same date by name, so that the order of the folder does not matter. */
+/* Compares by date, then by path, so that the result does not depend on the order of the folder. */
 static bool is_newer(const calibration_file *a, const char *a_path, const calibration_file *b,
                      const char *b_path)
 {
@@ -91,11 +91,11 @@ static bool is_newer(const calibration_file *a, const char *a_path, const calibr
 }
 
 typedef struct found {
-    calibration_file *file; /* the newest so far; finished when replaced */
+    calibration_file *file; /* the newest so far; finished when it is replaced */
     char *path;             /* NULL: none yet */
 } found;
 
-/* Takes `path`. */
+/* Takes ownership of `path`. */
 static mrt_result consider(found *best, char *path, uint32_t side, const char *input,
                            error *out_note, error *err)
 {
@@ -160,9 +160,9 @@ mrt_result calibration_folder_newest(calibration_file *out, char **out_path, uin
     return best.path ? MRT_OK : MRT_END;
 }
 
-/* ---- all of them ---- */
+/* ---- listing all calibrations ---- */
 
-/* By the person's name, or the file's where it has none. */
+/* Uses the name of the person, or the name of the file if it is empty. */
 static void describe(calibration_entry *out, const calibration_file *file, const char *path)
 {
     char name[CALIBRATION_NAME];
@@ -179,7 +179,7 @@ static void describe(calibration_entry *out, const calibration_file *file, const
     memcpy(out->input, file->input, sizeof out->input);
 }
 
-/* Takes `path`. */
+/* Takes ownership of `path`. */
 static mrt_result list_file(calibration_list *out, char *path, error *out_note, error *err)
 {
     calibration_file *file = malloc(sizeof *file);
@@ -248,7 +248,7 @@ void calibration_list_finish(calibration_list *list)
     *list = (calibration_list){.count = 0};
 }
 
-/* ---- one in the place of another ---- */
+/* ---- replacing a calibration ---- */
 
 mrt_result calibration_keep_old(calibration_file *out, const char *path, error *err)
 {
@@ -257,7 +257,7 @@ mrt_result calibration_keep_old(calibration_file *out, const char *path, error *
         return MRT_OK;
     mrt_result result = calibration_file_read(out, path, err);
     if (result < 0)
-        error_prefix(err, "not overwritten, since it is no calibration (choose another name)");
+        error_prefix(err, "not overwritten, because it is not a calibration. Choose another name");
     return result;
 }
 
@@ -268,9 +268,9 @@ mrt_result calibration_keep_fits(const calibration_file *made, const calibration
         return MRT_OK;
     if (old->side != made->side)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: is a calibration of the other hand: choose another name", path);
+                         "%s: is a calibration of the other hand. Choose another name", path);
     if (strcmp(old->input, made->input) != 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: is a calibration of %s: choose another name",
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: is a calibration of %s. Choose another name",
                          path, old->input[0] ? old->input : "a glove");
     return MRT_OK;
 }

@@ -26,7 +26,7 @@ static float between(float from, float to, double share)
     return (float)((1.0 - share) * (double)from + share * (double)to);
 }
 
-/* Goes on to time_ns. True: what was shown last is to be eased from. */
+/* Advances to time_ns. Returns true if an ease from the last shown values begins. */
 static bool starts_ease(ease_clock *clock, int64_t time_ns)
 {
     bool starts = clock->has_shown && hand_is_gap(clock->last_ns, time_ns);
@@ -39,7 +39,7 @@ static bool starts_ease(ease_clock *clock, int64_t time_ns)
     return starts;
 }
 
-/* 1, and the ease is over, when its time is up. */
+/* Returns the progress of the ease. At 1 it ends. */
 static double share_now(ease_clock *clock, int64_t time_ns)
 {
     if (!clock->is_easing)
@@ -68,7 +68,7 @@ static double dot4(const float *a, const float *b)
     return sum;
 }
 
-/* False: it has no length. */
+/* Returns false if its length is 0. */
 static bool normalise4(float *quaternion)
 {
     double length = sqrt(dot4(quaternion, quaternion));
@@ -79,8 +79,8 @@ static bool normalise4(float *quaternion)
     return true;
 }
 
-/* Of two unit quaternions, the short way round. Opposite ones meet in no length at all: then the
- * one that is nearer. */
+/* Interpolates two unit quaternions along the shorter arc. If they are opposite, the sum has no
+ * length; then it returns the nearer one. */
 static void slerp_between(float *out, const float *from, const float *to, double share)
 {
     float blend[4];

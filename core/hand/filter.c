@@ -50,7 +50,8 @@ void hand_filter_reset(hand_filter *filter)
     filter->running = false;
 }
 
-/* In sensor order: thumb (0..3) and the three spreads; arch, pitch and yaw (19..21); the others. */
+/* Returns the settings of a sensor's group, in sensor order: thumb (0..3) and the three spreads;
+ * arch, pitch and yaw (19..21); the others. */
 static const filter_settings *settings_of(const hand_filter *filter, int sensor)
 {
     if (sensor < 4 || sensor == 10 || sensor == 14 || sensor == 18)

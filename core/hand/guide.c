@@ -29,7 +29,7 @@ static const char *const glove_words[GUIDE_STEPS] = {
     "Lay your hand flat on the table: wrist, fingers and thumb straight and together.",
     "Make a tight fist, the thumb outside.",
     "Open the hand; lay the bent thumb across the palm, its tip at the root of the little finger.",
-    "Lay your hand flat again and spread fingers and thumb as far as they go.",
+    "Lay your hand flat again and spread fingers and thumb as wide as you can.",
     "Fingers straight and together; bend only the thumb.",
     "Bend only the index finger, all the way; thumb and other fingers straight.",
     "Bend only the middle finger, all the way; thumb and other fingers straight.",
@@ -39,15 +39,15 @@ static const char *const glove_words[GUIDE_STEPS] = {
 static const char *const bare_words[GUIDE_STEPS] = {
     [GUIDE_FLAT] = "Hold your hand up flat: fingers and thumb straight and together.",
     [GUIDE_FIST] = "Make a tight fist, the thumb outside.",
-    [GUIDE_SPREAD] = "Open the hand and spread fingers and thumb as far as they go."};
+    [GUIDE_SPREAD] = "Open the hand and spread fingers and thumb as wide as you can."};
 
 static bool has_sensor(const guide_poses *poses, int sensor)
 {
     return (poses->sensors >> sensor & 1u) != 0;
 }
 
-/* The step that tells where the sensor's range ends, the other end being the flat hand;
- * GUIDE_STEPS: none does. */
+/* Returns the step that defines the end of the sensor's range; the other end is the flat hand.
+ * GUIDE_STEPS: none. */
 static guide_step pose_end(int sensor)
 {
     const sensor_facts *facts = &sensor_table[sensor];
@@ -58,23 +58,23 @@ static guide_step pose_end(int sensor)
     return facts->finger == 0 ? GUIDE_THUMB_ACROSS : GUIDE_FIST;
 }
 
-/* A pose leads each joint to the end of its clinical range (sensor.c, hardware.md 2.3): the fist
- * the knuckles to 90, middle joints to 100, end joints to 80 degrees; the thumb across the palm its
- * base to 80, knuckle to 50, end joint to 80; the widest spread 17, 14, 32, and 53 of the thumb. */
+/* A pose moves each joint to the end of its clinical range (sensor.c, hardware.md 2.3). Fist:
+ * knuckles 90, middle joints 100, end joints 80 degrees. Thumb across the palm: base 80, knuckle
+ * 50, end joint 80. Widest spread: 17, 14, 32, and 53 for the thumb. */
 static double pose_end_rad(int sensor)
 {
     return (double)sensor_table[sensor].high_deg * RADIANS_PER_DEGREE;
 }
 
-/* The finger bent in the step, 0 thumb .. 4 little; -1: none alone. */
+/* Returns the only finger that is bent in the step, 0 thumb .. 4 little; -1: none. */
 static int pose_finger(guide_step step)
 {
     return step >= GUIDE_THUMB_ALONE && step < GUIDE_STEPS ? (int)step - (int)GUIDE_THUMB_ALONE
                                                            : -1;
 }
 
-/* A bent finger drags its neighbours along, so they do not count; nor do the spreads beside it. The
- * thumb and the index finger are free of each other. */
+/* A bent finger moves its neighbours and the spreads beside it, so these are not measured. The
+ * thumb and the index finger do not affect each other. */
 static bool is_dragged(int finger, int bent)
 {
     if (finger == bent)
@@ -82,7 +82,7 @@ static bool is_dragged(int finger, int bent)
     return finger > 0 && bent > 0 && abs(finger - bent) == 1;
 }
 
-/* Whether the pose says that this sensor is at 0, as in the flat hand. */
+/* Returns whether this sensor must be 0 in the pose, as in the flat hand. */
 static bool pose_is_zero(guide_step step, int sensor)
 {
     const sensor_facts *facts = &sensor_table[sensor];
@@ -102,9 +102,9 @@ static bool pose_is_zero(guide_step step, int sensor)
     return !is_dragged(facts->finger, bent);
 }
 
-/* The thumb lies outside a fist, over the fingers. */
+/* In a fist, the thumb is outside, over the fingers. */
 static const double fist_thumb_deg[3] = {62.0, 35.0, 45.0};
-static const double dragged_share = 0.18; /* of its range, what a finger goes along */
+static const double dragged_share = 0.18; /* share of its range that a finger is dragged */
 
 static double pose_rad(guide_step step, int sensor)
 {
@@ -137,9 +137,10 @@ void guide_pose(guide_step step, float *out_rad)
         out_rad[sensor] = step < GUIDE_STEPS ? (float)pose_rad(step, sensor) : 0.0f;
 }
 
-/* Twice the greatest gains of hardware.md 2.1 (0.027 rad a count of flexion, 0.010 of abduction):
- * a sensor that says less over the whole range of its joint says nothing. An angle that is seen as
- * less than a third of what it is was not seen. */
+/* Returns the least change of a working sensor. It uses twice the greatest gains of hardware.md 2.1
+ * (0.027 rad a count of flexion, 0.010 of abduction): a sensor with a smaller change over the whole
+ * range of its joint is not working. For a bare hand, the joint was not seen if its change is less
+ * than a third of the true angle. */
 static double least_raw(const guide_poses *poses, int sensor)
 {
     if (poses->is_bare)
@@ -148,14 +149,15 @@ static double least_raw(const guide_poses *poses, int sensor)
     return pose_end_rad(sensor) / most;
 }
 
-/* A glove's counts go either way, angles only up. */
+/* Counts of a glove may go either way, angles only up. */
 static double moved_raw(const guide_poses *poses, int sensor, guide_step from, guide_step to)
 {
     double moved = (double)poses->raw[to][sensor] - (double)poses->raw[from][sensor];
     return poses->is_bare ? moved : fabs(moved);
 }
 
-/* Whether between two poses the sensor moved by what its end angle takes on any glove. */
+/* Returns whether the sensor changed enough between two poses to reach its end angle, with any
+ * glove. */
 static bool pose_has_moved(const guide_poses *poses, int sensor, guide_step from, guide_step to)
 {
     return moved_raw(poses, sensor, from, to) >= least_raw(poses, sensor);
@@ -188,14 +190,15 @@ static const char *not_moved(const guide_poses *poses, guide_step step, char *ou
                    asked, poses->is_bare ? "joints" : "sensors",
                    poses->is_bare ? "degrees" : "counts", names,
                    *out_refused     ? ""
-                   : poses->is_bare ? ". They stay as they are seen"
+                   : poses->is_bare ? ". They are used as seen"
                                     : ". They keep the shipped gain");
     return out;
 }
 
 static const char *const finger_name[5] = {"thumb", "index", "middle", "ring", "little"};
 
-/* How far a finger is bent, as a share of its fist (the thumb: of the thumb across). */
+/* Returns how far a finger is bent, as a share of its angle in the fist (for the thumb: in the
+ * thumb across). */
 static double bend_of(const guide_poses *poses, guide_step step, int finger)
 {
     guide_step end = finger == 0 ? GUIDE_THUMB_ACROSS : GUIDE_FIST;
@@ -240,12 +243,12 @@ static const char *wrong_finger(const guide_poses *poses, guide_step step, char 
     return *out_refused ? out : NULL;
 }
 
-/* A bare hand's angles are about right from the start: a hand on the table's edge or on the mouse
- * is still, too, but not flat. */
+/* The angles of a bare hand are about right from the start. So a hand that rests on the edge of the
+ * table or on the mouse is still, but can be rejected because it is not flat. */
 static const char *bent_finger(const guide_poses *poses, guide_step step, char *out,
                                size_t capacity, bool *out_refused)
 {
-    static const double straight_deg = 75.0; /* three joints together */
+    static const double straight_deg = 75.0; /* sum over three joints */
     for (int finger = 1; finger < 5; ++finger) {
         double bent_deg = 0;
         for (int sensor = 0; sensor < MRT_ANGLES; ++sensor)
@@ -263,7 +266,8 @@ static const char *bent_finger(const guide_poses *poses, guide_step step, char *
     return NULL;
 }
 
-/* NULL: nothing is odd. Else a sentence in out_reason; *out_refused: the pose cannot be. */
+/* Returns NULL if the pose looks right, else a message in out_reason. *out_refused: the pose is
+ * impossible and must be refused. */
 static const char *pose_check(const guide_poses *poses, guide_step step, char *out_reason,
                               size_t capacity, bool *out_refused)
 {
@@ -280,7 +284,7 @@ static const char *pose_check(const guide_poses *poses, guide_step step, char *o
 
 /* ---- from poses to a calibration ---- */
 
-/* Less than that is noise: no driver of cross-talk, no cross-talk. */
+/* Smaller values are noise: they count neither as motion of a driving joint nor as cross-talk. */
 static const double DRIVEN_RAD = 0.3, CROSS_TALK_LEAST = 0.02;
 
 /* ---- tables ---- */
@@ -304,9 +308,9 @@ static double angle_in(const guide_poses *poses, guide_step step, int sensor,
     return hand_table_value(&file->sensor[sensor].table, (double)poses->raw[step][sensor]);
 }
 
-/* ---- how well it fits ---- */
+/* ---- residuals ---- */
 
-/* RMS of what the sensor reads wherever it should be back at 0. */
+/* RMS of the sensor's readings in all poses where it should be 0. */
 static void solve_residual(const guide_poses *poses, int sensor, calibration_file *file)
 {
     double sum = 0;
@@ -333,8 +337,8 @@ static int joint_of(int finger, sensor_kind kind)
     return SENSOR_NONE;
 }
 
-/* Which joint of the bent finger is held to move this one: the same joint; the thumb has no middle
- * joint; spreads, roll and arch go with the knuckle. */
+/* Returns the joint of the bent finger that is assumed to move this joint: the same joint.
+ * Exceptions: the thumb has no middle joint; spreads, roll and arch follow the knuckle. */
 static int driver_of(int finger, int sensor)
 {
     sensor_kind kind = sensor_table[sensor].kind;
@@ -369,7 +373,7 @@ static void solve_cross_talk(const guide_poses *poses, guide_step step, calibrat
     }
 }
 
-/* ---- all ---- */
+/* ---- all parts together ---- */
 
 static void solve_sensor(const guide_poses *poses, int sensor, const float *low, const float *high,
                          calibration_file *file)
@@ -389,8 +393,8 @@ static void solve_sensor(const guide_poses *poses, int sensor, const float *low,
     solve_residual(poses, sensor, file);
 }
 
-/* Tables, residuals, cross-talk, the neutral pose. Needs the flat hand. low, high: MRT_ANGLES raw
- * values seen. Sets the sensors of `out`. */
+/* Computes tables, residuals, cross-talk and the neutral pose, and sets the sensors of `out`. Needs
+ * the flat hand. low, high: MRT_ANGLES observed raw values. */
 static void solve(const guide_poses *poses, const float *low, const float *high,
                   calibration_file *out)
 {
@@ -418,12 +422,12 @@ struct guide {
     guide_settings settings;
     guide_poses poses;
     guide_step step;
-    guide_step next; /* after this one */
-    bool is_again;   /* its pose is taken already */
+    guide_step next; /* the step after the current one */
+    bool is_again;   /* the pose of the step was taken before */
     still_window window;
     bool has_sample, has_step_start;
     int64_t step_start_ns, last_ns;
-    bool has_left; /* the hand has left the pose below since the step began */
+    bool has_left; /* the hand has left the pose below since the beginning of the step */
     bool has_held; /* a pose was taken or refused: the step waits until the hand leaves it */
     float held[MRT_ANGLES];
     float low[MRT_ANGLES], high[MRT_ANGLES];
@@ -443,7 +447,8 @@ guide_settings guide_settings_usual(uint32_t side, uint32_t sensors)
 
 guide_settings guide_settings_bare(uint32_t side, uint32_t sensors, const char *input)
 {
-    /* Who sees no forearm counts the wrist from where the hand was first seen, each time anew. */
+    /* Devices that do not see the forearm measure the wrist relative to the pose in which they
+     * first saw the hand, which differs each time. */
     const bool has_forearm = strcmp(input, "camera") != 0 && strcmp(input, "openxr") != 0;
     const uint32_t untold = has_forearm ? 0u : 1u << SENSOR_WRIST_PITCH | 1u << SENSOR_WRIST_YAW;
     guide_settings out = {.side = side,
@@ -462,7 +467,7 @@ bool guide_asks(const guide *self, guide_step step)
     return step < GUIDE_STEPS && (self->settings.steps >> step & 1u);
 }
 
-/* From this one on. */
+/* Returns the next requested step, beginning with `step` itself. */
 static guide_step next_asked(const guide *self, guide_step step)
 {
     while (step < GUIDE_STEPS && !guide_asks(self, step))
@@ -501,7 +506,7 @@ static void begin_step(guide *self, guide_step step)
     self->has_left = false;
 }
 
-/* The step waits until the hand is elsewhere. */
+/* Makes the step wait until the hand moves to another pose. */
 static void hold(guide *self, const float *raw)
 {
     memcpy(self->held, raw, sizeof self->held);
@@ -509,7 +514,7 @@ static void hold(guide *self, const float *raw)
     self->has_left = false;
 }
 
-static guide_news take(guide *self)
+static guide_news take_pose(guide *self)
 {
     guide_step step = self->step;
     still_median(&self->window, self->poses.raw[step]);
@@ -530,7 +535,7 @@ guide_news guide_next(guide *self)
     if (self->step == GUIDE_STEPS)
         return GUIDE_NOTHING;
     if (self->window.count > 0)
-        return take(self);
+        return take_pose(self);
     (void)snprintf(self->reason, sizeof self->reason, "%s gives no samples",
                    self->poses.is_bare ? "the hand" : "the glove");
     return GUIDE_REFUSED;
@@ -601,7 +606,7 @@ static double step_age_s(const guide *self)
     return (double)(self->last_ns - self->step_start_ns) / NS_PER_SECOND;
 }
 
-static void say_timeout(guide *self, const still_state *still)
+static void explain_timeout(guide *self, const still_state *still)
 {
     char what[160] = "the hand did not move into another pose";
     if (self->has_left || !self->has_held) {
@@ -615,7 +620,7 @@ static void say_timeout(guide *self, const still_state *still)
                    guide_step_name[self->step], self->settings.timeout_s, what);
 }
 
-/* The step's clock starts with its first sample and stands still while the device is away. */
+/* The clock of a step starts with its first sample, and stops while the device is disconnected. */
 static void follow_time(guide *self, int64_t time_ns)
 {
     bool goes_on = self->has_step_start && time_ns >= self->last_ns;
@@ -657,16 +662,16 @@ guide_news guide_sample(guide *self, const float *raw, int64_t time_ns)
     bool may_take =
         (self->has_left || !self->has_held) && step_age_s(self) >= self->settings.lead_s;
     if (may_take && still.is_full && still.worst <= self->settings.still_raw)
-        return take(self);
+        return take_pose(self);
     if (self->settings.timeout_s > 0 && step_age_s(self) > self->settings.timeout_s) {
-        say_timeout(self, &still);
+        explain_timeout(self, &still);
         self->has_step_start = false;
         return GUIDE_TIMED_OUT;
     }
     return GUIDE_NOTHING;
 }
 
-/* ---- what it is at ---- */
+/* ---- current state ---- */
 
 guide_step guide_current(const guide *self)
 {
@@ -723,19 +728,18 @@ mrt_result guide_result(const guide *self, calibration_file *out, error *err)
     memcpy(out->input, self->settings.input, sizeof out->input);
     if (!self->poses.has[GUIDE_FLAT])
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the flat hand was not taken: nothing can be calibrated without it");
+                         "the flat hand was not taken. All other poses are measured from it");
     solve(&self->poses, self->low, self->high, out);
     return MRT_OK;
 }
 
-/* ---- how good a calibration is ---- */
+/* ---- quality of a calibration ---- */
 
 static const double DEGREES_PER_RADIAN = 180.0 / ANGLE_PI;
-/* A known pose held again is read within 3 degrees by a glove that fits. Cloth that slips makes a
- * few degrees more; from 10 on a person sees that the finger was not where it was asked to be.
- * Landmarks of a camera are off by 5 degrees on the mean, more where a finger hides another
- * (research/camera.md). */
-static const double LOOSE_DEG[2] = {3.0, 8.0}, OFF_DEG[2] = {10.0, 20.0}; /* glove, bare */
+/* A glove that fits repeats a known pose within 3 degrees. Slipping cloth adds a few degrees. At 10
+ * degrees and more, the finger was visibly in another pose. Landmarks of a camera have a mean error
+ * of 5 degrees, more if a finger hides another (research/camera.md). */
+static const double LOOSE_DEG[2] = {3.0, 8.0}, OFF_DEG[2] = {10.0, 20.0}; /* glove, bare hand */
 
 /* ---- a sensor that should read 0 ---- */
 
@@ -764,7 +768,7 @@ static readings read_zeros(const guide_poses *poses, int sensor, const calibrati
     return out;
 }
 
-/* Two and more poses agree with each other, and none with the flat hand. */
+/* Two or more poses agree with each other, but none of them with the flat hand. */
 static bool is_flat_hand_wrong(const readings *zeros)
 {
     double apart_rad = zeros->greatest_rad - zeros->least_rad;
@@ -796,7 +800,7 @@ static guide_flaw judge_zero(const guide_poses *poses, int sensor, const calibra
     return out;
 }
 
-/* ---- a sensor that should go as far as in the pose that ends its range ---- */
+/* ---- a sensor that should reach the end of its range ---- */
 
 static bool goes_beyond(const guide_poses *poses, int sensor, const calibration_file *file)
 {
@@ -817,13 +821,13 @@ static guide_flaw judge_range(const guide_poses *poses, int sensor, const calibr
         return out;
     if (file->sensor[sensor].source == CALIBRATION_ZEROED)
         out.kind = GUIDE_FLAW_DEAD;
-    /* A fist is as far as a finger goes; thumbs differ in how far they bend alone. */
+    /* A finger cannot bend further than in a fist, but thumbs differ in how far they bend alone. */
     else if (end == GUIDE_FIST && goes_beyond(poses, sensor, file))
         out.kind = GUIDE_FLAW_BEYOND;
     return out;
 }
 
-/* ---- all ---- */
+/* ---- all sensors ---- */
 
 static int compare(const void *a, const void *b)
 {
@@ -841,7 +845,7 @@ static guide_flaw judge_sensor(const guide_poses *poses, int sensor, const calib
     guide_flaw range = {.kind = GUIDE_FLAW_NONE};
     if (poses && poses->has[GUIDE_FLAT])
         range = judge_range(poses, sensor, file);
-    /* A gain that is too great makes every reading too great: the range first. */
+    /* A gain that is too large makes all readings too large, so the range is reported first. */
     bool is_zero_wrong = zero.kind != GUIDE_FLAW_NONE && zero.step == GUIDE_FLAT;
     return range.kind != GUIDE_FLAW_NONE && !is_zero_wrong ? range : zero;
 }
@@ -869,9 +873,9 @@ bool guide_flaw_is_wrong(const guide_flaw *flaw)
     return flaw->kind > GUIDE_FLAW_LOOSE;
 }
 
-/* ---- words ---- */
+/* ---- messages ---- */
 
-static void say_off(const guide_flaw *flaw, char *out, size_t capacity)
+static void describe_off(const guide_flaw *flaw, char *out, size_t capacity)
 {
     double off_deg = (double)flaw->off_rad * DEGREES_PER_RADIAN;
     const char *should = sensor_table[flaw->sensor].kind == SENSOR_SPREAD ? "closed" : "straight";
@@ -908,21 +912,23 @@ void guide_flaw_text(const guide_flaw *flaw, char *out, size_t capacity)
         if (flaw->is_bare)
             (void)snprintf(
                 out, capacity,
-                "%s: hardly moved, so it stays as it is seen. Repeat: %s, turned so that "
-                "it can be seen.",
+                "%s: hardly moved, so it is used as seen. Repeat: %s, turned so that it can be "
+                "seen.",
                 label, step);
         else
             (void)snprintf(out, capacity,
-                           "%s: hardly moved, so it keeps the shipped gain. Repeat: %s. If it "
-                           "stays so, the sensor is broken.",
+                           "%s: hardly moved, so it keeps the shipped gain. Repeat: %s. If that "
+                           "does not help, the sensor is broken.",
                            label, step);
         break;
     case GUIDE_FLAW_BEYOND:
-        (void)snprintf(out, capacity, "%s: was bent much further later on. Repeat: %s, tightly.",
+        (void)snprintf(out, capacity,
+                       "%s: was bent much further in a later pose. Repeat: %s, "
+                       "tightly.",
                        label, step);
         break;
     case GUIDE_FLAW_OFF:
-        say_off(flaw, out, capacity);
+        describe_off(flaw, out, capacity);
         break;
     }
 }

@@ -30,7 +30,7 @@ void hand_calibration_identity(hand_calibration *out)
 
 void hand_calibration_default(hand_calibration *out)
 {
-    static const float raw_end[2] = {1.0f, 255.0f}; /* of a sensor byte */
+    static const float raw_end[2] = {1.0f, 255.0f}; /* range of a sensor byte */
     memset(out, 0, sizeof *out);
     for (int i = 0; i < MRT_ANGLES; ++i) {
         const sensor_facts *g = &sensor_table[i];
@@ -45,8 +45,8 @@ void hand_calibration_default(hand_calibration *out)
     expect_usual_neutral(out);
 }
 
-/* Half a turn either way is more than any joint has: what a damaged table or sensor says beyond it
- * stays there. */
+/* Joints cannot turn by more than half a turn. Larger angles of a damaged table or sensor are
+ * clamped to that. */
 static double within_half_turn(double angle_rad)
 {
     return fmin(fmax(angle_rad, -ANGLE_PI), ANGLE_PI);
@@ -74,8 +74,9 @@ static double middle_raw(const hand_table *table)
     return count == 0 ? 0.0 : 0.5 * ((double)table->raw[0] + (double)table->raw[count - 1]);
 }
 
-/* As VirtualHand does for gloves of 18 sensors (hardware.md 2.2); 90 degrees give 30. A middle
- * joint bent backwards, on the parabola's other branch, bends no end joint. */
+/* The same formula as in VirtualHand for gloves of 18 sensors (hardware.md 2.2); 90 degrees give
+ * 30. A middle joint that is bent backwards, on the other branch of the parabola, does not bend the
+ * end joint. */
 float hand_distal_from_middle(float middle_rad)
 {
     double middle = fmax((double)middle_rad, 0.0);
@@ -97,10 +98,10 @@ void hand_calibrate(const hand_calibration *calibration, const float *raw, float
 
 /* ---- from angles to fingertips ---- */
 
-/* The paper's linked structure: a Parent (the wrist), one PalmJoint per finger, which the palm
- * carries, and Joints down to the fingertip. A node stores only where it stands in its parent in
- * the default shape: a flat right hand, fingers straight and parallel, thumb in the plane of the
- * palm. Poses are computed from there and stored nowhere. */
+/* The linked structure of the paper: a Parent (the wrist), one PalmJoint per finger, which the palm
+ * carries, and Joints down to the fingertip. A node only stores its place in its parent in the
+ * default shape. The default shape is a flat right hand, with straight, parallel fingers and the
+ * thumb in the plane of the palm. Poses are computed from it, and not stored. */
 typedef enum node_kind { NODE_PARENT = 0, NODE_PALM_JOINT, NODE_JOINT, NODE_THUMB } node_kind;
 
 enum { JOINT_NONE = -1, NODE_MAX = 32, FINGER_COUNT = 5, PALM_POINTS = MRT_PALM };
@@ -108,15 +109,15 @@ enum { JOINT_NONE = -1, NODE_MAX = 32, FINGER_COUNT = 5, PALM_POINTS = MRT_PALM 
 typedef struct node {
     node_kind kind;
     vec3 offset_mm;     /* from the parent's origin, in the parent's axes */
-    int flexion_sensor; /* about x, towards the palm; SENSOR_NONE: stiff */
-    double arch_share;  /* PalmJoint: part of the arch that turns it about the hand's long axis */
-    double spread[3];   /* Joint: share of each spread sensor in its turn towards the thumb */
-    int joint;          /* which of MRT_JOINTS stands at its origin, or JOINT_NONE */
+    int flexion_sensor; /* about x, towards the palm; SENSOR_NONE: does not bend */
+    double arch_share;  /* PalmJoint: share of the arch that turns it */
+    double spread[3];   /* Joint: share of each spread sensor in its rotation towards the thumb */
+    int joint;          /* index of the MRT_JOINTS at its origin, or JOINT_NONE */
     const struct node *first_child, *next_sibling;
 } node;
 
 typedef struct palm_point {
-    const node *carrier; /* the node whose frame it moves with */
+    const node *carrier; /* the node in whose frame it moves */
     vec3 offset_mm;
 } palm_point;
 
@@ -129,13 +130,13 @@ struct hand_skeleton {
 
 /* ---- the default shape ---- */
 
-/* research/hardware.md 2.3, mm, of a hand whose middle fingertip is 206.39 mm from the wrist: the
- * wrist stands 100 mm behind the middle knuckle, where the table leaves it open. Everything is
- * scaled by hand length / 206.39, so lengths are those of the hand asked for. */
+/* research/hardware.md 2.3, mm, for a hand of 206.39 mm from wrist to middle fingertip. The table
+ * does not give the place of the wrist; it is 100 mm behind the middle knuckle. All lengths are
+ * scaled by hand length / 206.39. */
 static const double TABLE_LENGTH_MM = 206.39;
 
-/* The thumb's base is a compromise: the table's (10, -23, 5) has inferred axes, the planar skeleton
- * of the recordings (data/README.md) has (27, 0, 31). */
+/* The place of the thumb's base is a compromise. The table has (10, -23, 5), with inferred axes.
+ * The planar skeleton of the recordings (data/README.md) has (27, 0, 31). */
 static const struct finger {
     vec3 base;
     double bone_mm[3];
@@ -150,8 +151,9 @@ static const struct finger {
     {{-50.4, -19.6, 88.8}, {29.91, 21.10, 23.16}, SENSOR_LITTLE_MPJ, 0.6, {0, -1, -1}},
 };
 
-/* Palm points on the palmar skin. carrier: 0 the Parent, 1..5 the PalmJoint of thumb .. little,
- * whose arch they follow; positions are of the default shape, in the same table's mm. */
+/* Points on the skin of the palm. carrier: 0 the Parent, 1..5 the PalmJoint of thumb .. little,
+ * whose arch the point follows. Positions are for the default shape, in the mm of the same
+ * table. */
 static const struct palm_position {
     int carrier;
     vec3 position;
@@ -178,7 +180,8 @@ static node *add_node(hand_skeleton *s, node *parent, node_kind kind, vec3 offse
     return added;
 }
 
-/* PalmJoint, then MCP, PIP, DIP, tip; for the thumb CMC, MCP, IP, tip. Returns the PalmJoint. */
+/* Adds PalmJoint, then MCP, PIP, DIP, tip; for the thumb CMC, MCP, IP, tip. Returns the
+ * PalmJoint. */
 static node *add_finger(hand_skeleton *s, node *wrist, int index, double scale)
 {
     const struct finger *f = &fingers[index];
@@ -189,7 +192,8 @@ static node *add_finger(hand_skeleton *s, node *wrist, int index, double scale)
     node *at = add_node(s, palm_joint, is_thumb ? NODE_THUMB : NODE_JOINT, (vec3){0, 0, 0}, joint);
     for (int k = 0; k < 3; ++k)
         at->spread[k] = f->spread[k];
-    /* The thumb's base turns by roll and abduction; its flexion sensors start one bone later. */
+    /* The base of the thumb turns by roll and abduction. Its flexion sensors start one bone
+     * later. */
     int sensor = f->mpj_sensor;
     if (!is_thumb)
         at->flexion_sensor = sensor++;
@@ -235,10 +239,10 @@ void hand_skeleton_destroy(hand_skeleton *skeleton)
 static const vec3 ORIGIN = {0, 0, 0};
 static const vec3 AXIS_X = {1, 0, 0}, AXIS_Z = {0, 0, 1};
 
-/* Half a turn of the flexion axis away from the plane of the roll's cone: the thumb bends as much
- * towards the index finger as across the palm. */
+/* Turns the flexion axis away from the plane of the roll's cone by an eighth of a turn: the thumb
+ * bends as much towards the index finger as across the palm. */
 static const double THUMB_TWIST_RAD = -0.25 * ANGLE_PI;
-/* A closed thumb still lies this far off the index finger's direction. */
+/* Angle between a closed thumb and the direction of the index finger */
 static const double THUMB_REST_RAD = 0.15;
 
 static double angle_of(const float *angle_rad, int sensor)
@@ -246,7 +250,7 @@ static double angle_of(const float *angle_rad, int sensor)
     return isfinite(angle_rad[sensor]) ? (double)angle_rad[sensor] : 0.0;
 }
 
-/* First yaw towards the thumb, then pitch towards the palm, both in the forearm's axes. */
+/* First yaw towards the thumb, then pitch towards the palm, both about axes of the forearm. */
 static rigid wrist_rotation(const float *angle_rad)
 {
     rigid yaw = rigid_turn_y(angle_of(angle_rad, SENSOR_WRIST_YAW));
@@ -254,8 +258,9 @@ static rigid wrist_rotation(const float *angle_rad)
     return rigid_compose(&pitch, &yaw);
 }
 
-/* The metacarpal moves on a cone about the fingers' direction: abduction opens the cone, roll goes
- * round it, from the plane of the palm (0) over straight in front of it (pi/2) to across it. */
+/* The metacarpal moves on a cone about the direction of the fingers. Abduction opens the cone.
+ * Roll moves around it: from the plane of the palm (0), to straight in front of it (pi/2), to
+ * across it. */
 static rigid thumb_turn(const float *angle_rad)
 {
     double abduction_rad = THUMB_REST_RAD + angle_of(angle_rad, SENSOR_THUMB_ABDUCTION);
@@ -266,8 +271,8 @@ static rigid thumb_turn(const float *angle_rad)
     return rigid_compose(&roll, &opened);
 }
 
-/* Spread at a knuckle fades as it bends, as the collateral ligaments tighten (and as the spread
- * sensors of a glove read nonsense there). */
+/* The spread at a knuckle decreases as it bends, because the collateral ligaments tighten. The
+ * spread sensors of a glove are also wrong there. */
 static rigid joint_turn(const node *n, const float *angle_rad)
 {
     if (n->flexion_sensor == SENSOR_NONE)
@@ -290,7 +295,7 @@ static rigid arch_rotation(const node *n, const float *angle_rad)
     return rigid_turn_z(arch_rad);
 }
 
-/* Where a node stands in the hand, given where its parent stands. */
+/* Returns the frame of a node in the hand, given that of its parent. */
 static rigid node_frame(const node *n, const rigid *parent, const float *angle_rad)
 {
     rigid rotation;
@@ -302,7 +307,7 @@ static rigid node_frame(const node *n, const rigid *parent, const float *angle_r
     case NODE_PALM_JOINT:
         rotation = arch_rotation(n, angle_rad);
         offset_mm =
-            rigid_rotate(&rotation, offset_mm); /* the metacarpal swings about the long axis */
+            rigid_rotate(&rotation, offset_mm); /* the metacarpal rotates about the long axis */
         break;
     case NODE_THUMB:
         rotation = thumb_turn(angle_rad);
@@ -322,7 +327,7 @@ typedef struct pose {
     mrt_vec3 *joint, *palm;
 } pose;
 
-/* A right hand's point becomes this side's, then goes where the tracked wrist is. */
+/* Converts a point of a right hand to this side, and moves it to the tracked wrist. */
 static mrt_vec3 placed(const pose *p, vec3 right)
 {
     vec3 own = {p->skeleton->side == MRT_LEFT ? -right.x : right.x, right.y, right.z};
@@ -350,33 +355,34 @@ void hand_pose(const hand_skeleton *skeleton, const float *angle_rad, const rigi
     pose_node(&p, &skeleton->node[0], &origin);
 }
 
-/* ---- and back ---- */
+/* ---- from landmarks to angles ---- */
 
 enum { PALM_JOINTS = 6 };
 static const int palm_joint[PALM_JOINTS] = {0, 1, 5, 9, 13, 17}; /* of MRT_JOINTS */
-/* The thumb's base is seen worst, and stands where the table is a compromise. */
+/* The base of the thumb is the least visible, and its place in the table is a compromise. */
 static const double palm_weight[PALM_JOINTS] = {1, 0.5, 1, 1, 1, 1};
 static const double arch_low_rad = -0.2, arch_high_rad = 0.8;
 static const double arch_usual_rad = 0.12, arch_usual_spread_rad = 0.3;
-/* Of the cosine of a knuckle's bend: its spread counts from here (70 degrees) to there (55). */
+/* Cosines of a knuckle's bend. From the first (70 degrees) to the second (55), the confidence in
+ * its spread rises from 0 to 1. */
 static const double spread_from = 0.34, spread_full = 0.57;
 static const double spread_most_rad = 0.9;
-/* Of the sine of the thumb's angle off the fingers' direction: its roll likewise (6, 17 degrees).
- */
+/* Sines of the angle between thumb and fingers, likewise for the confidence in its roll (6, 17
+ * degrees). */
 static const double roll_from = 0.1, roll_full = 0.3;
-/* Misfit of a palm that is still sure, and of one that is none. */
+/* Misfits of the palm with full confidence, and with none. */
 static const double misfit_sure = 0.22, misfit_none = 0.40;
-/* The clinical range: some joints go further, and many thumbs do by far. */
+/* Margins beyond the clinical range: some joints go further, and many thumbs much further. */
 static const float beyond_deg = 8.0f, thumb_beyond_deg = 20.0f;
 static const double bent_from_rad = 0.25, bent_full_rad = 0.7;
-static const double backwards_most_rad = 0.6; /* in sum; beyond: a hand of the other side */
+static const double backwards_most_rad = 0.6; /* in sum; more: a hand of the other side */
 
-/* A palm laid upon another. */
+/* The transformation from one palm to another. */
 typedef struct palm_fit {
     rigid rotation; /* R and t: seen = scale R p + t */
     double scale;
-    double off;  /* weighted sum of squares of what is left over */
-    double size; /* weighted sum of squares about the centre, as seen */
+    double off;  /* weighted sum of the squared residuals */
+    double size; /* weighted sum of squares about the centre of the seen palm */
 } palm_fit;
 
 static vec3 vec3_of(mrt_vec3 a)
@@ -390,7 +396,7 @@ static bool is_seen(const hand_landmarks *seen, int joint)
     return !(seen->doubtful >> joint & 1u) && isfinite(at.x) && isfinite(at.y) && isfinite(at.z);
 }
 
-/* The eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi's rotations. */
+/* Computes the eigenvector of the largest eigenvalue of a symmetric matrix, by Jacobi rotations. */
 static void largest_eigenvector(double m[4][4], double out[4])
 {
     double v[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
@@ -430,7 +436,7 @@ static void largest_eigenvector(double m[4][4], double out[4])
 }
 
 /* Horn, "Closed-form solution of absolute orientation using unit quaternions" (1987), section 4.
- * weight: 0 leaves a pair out. */
+ * weight 0 excludes a pair. */
 static palm_fit lay_palm(const vec3 *from, const vec3 *to, const double *weight)
 {
     palm_fit fit = {.rotation = rigid_identity()};
@@ -485,8 +491,8 @@ static palm_fit lay_arched_palm(const hand_skeleton *skeleton, const vec3 *to, c
     return lay_palm(from, to, weight);
 }
 
-/* The arch that leaves least over, by parabolas through three arches that close in on it; and
- * nearer to that of most hands the less the palm says of it. */
+/* Returns the arch with the least residual, by parabolas through three arches that converge. The
+ * less the palm determines the arch, the nearer the result is to the typical arch. */
 static double find_arch(const hand_skeleton *skeleton, const vec3 *to, const double *weight)
 {
     const double middle = 0.5 * (arch_low_rad + arch_high_rad);
@@ -506,7 +512,7 @@ static double find_arch(const hand_skeleton *skeleton, const vec3 *to, const dou
                                  : arch_usual_rad;
 }
 
-/* A direction in the landmarks' frame, as a right hand has it in the hand frame. */
+/* Converts a direction from the frame of the landmarks to the hand frame of a right hand. */
 static vec3 own_direction(const hand_skeleton *skeleton, const rigid *wrist, vec3 way)
 {
     rigid back = rigid_inverse(wrist);
@@ -516,7 +522,7 @@ static vec3 own_direction(const hand_skeleton *skeleton, const rigid *wrist, vec
     return vec3_normalised(own, AXIS_Z);
 }
 
-/* The bones of a finger as right-handed directions in a frame. */
+/* Computes the bones of a finger as directions of a right hand, in a frame. */
 static bool finger_bones(const hand_skeleton *skeleton, const hand_landmarks *seen,
                          const rigid *wrist, const rigid *frame, int finger, vec3 out[3])
 {
@@ -536,7 +542,7 @@ static double share_between(double value, double from, double full)
     return fmin(fmax((value - from) / (full - from), 0.0), 1.0);
 }
 
-/* The frame turned the shortest way until its z points along a unit direction in it. */
+/* Returns the frame, rotated by the smallest angle that turns its z to a unit direction in it. */
 static rigid turned_onto(const rigid *frame, vec3 along)
 {
     vec3 axis = vec3_cross(AXIS_Z, along);
@@ -545,10 +551,11 @@ static rigid turned_onto(const rigid *frame, vec3 along)
     return rigid_compose(frame, &rotation);
 }
 
-/* How far a bone is bent towards the palm from the one before, whose frame it turns onto the bone.
- * About x while that is little, as the finger's plane cannot be told from noise then; by the whole
- * angle between the two when it is more, whichever way the finger seems to lean: no joint bends far
- * to the other sides. out_about_x_rad: as seen, for who doubts that. */
+/* Returns how far a bone is bent towards the palm, relative to the previous bone, and turns the
+ * frame onto the bone. A small bend is measured about x, because noise hides the plane of the
+ * finger. A large bend is measured as the whole angle between the bones, even if the finger seems
+ * to lean: joints hardly bend to the sides. out_about_x_rad: the angle about x, unchanged, for
+ * plausibility checks. */
 static double bend_in(rigid *frame, vec3 bone, double *out_about_x_rad)
 {
     const rigid back = rigid_inverse(frame);
@@ -560,10 +567,10 @@ static double bend_in(rigid *frame, vec3 bone, double *out_about_x_rad)
     return *out_about_x_rad + bent * (whole - *out_about_x_rad);
 }
 
-/* What is known of a finger beside its bends. */
+/* Results of reading a finger, besides its bends. */
 typedef struct finger_reading {
-    double spread_rad, sure; /* towards the thumb; 0..1 */
-    double backwards_rad;    /* bend of its middle joint to the back of the hand, as seen */
+    double spread_rad, sure; /* towards the thumb; confidence 0..1 */
+    double backwards_rad;    /* measured bend of its middle joint towards the back of the hand */
 } finger_reading;
 
 static finger_reading read_finger(const hand_skeleton *skeleton, const hand_landmarks *seen,
@@ -602,7 +609,7 @@ static void read_thumb(const hand_skeleton *skeleton, const hand_landmarks *seen
     double aside = sqrt(bone[0].x * bone[0].x + bone[0].y * bone[0].y);
     double sure = share_between(aside, roll_from, roll_full);
     double roll_rad = atan2(-bone[0].y, bone[0].x);
-    if (roll_rad < -0.5 * ANGLE_PI) /* it goes from the plane of the palm to across it, and on */
+    if (roll_rad < -0.5 * ANGLE_PI) /* roll goes from the palm's plane to across it */
         roll_rad += 2.0 * ANGLE_PI;
     double last_rad = (double)angle_rad[SENSOR_THUMB_ROLL];
     angle_rad[SENSOR_THUMB_ROLL] = (float)(last_rad + sure * (roll_rad - last_rad));
@@ -613,7 +620,7 @@ static void read_thumb(const hand_skeleton *skeleton, const hand_landmarks *seen
     angle_rad[SENSOR_THUMB_IJ] = (float)bend_in(&frame, bone[2], &about_x_rad);
 }
 
-/* Returns by how much their middle joints bend backwards, all of them. */
+/* Returns the sum of the backward bends of their middle joints. */
 static double read_fingers(const hand_skeleton *skeleton, const hand_landmarks *seen,
                            const rigid *wrist, float *angle_rad)
 {
@@ -634,7 +641,7 @@ static double read_fingers(const hand_skeleton *skeleton, const hand_landmarks *
     return backwards_rad;
 }
 
-/* No joint goes further than joints do: what is seen beyond that is noise. */
+/* Clamps the angles to the possible range; values beyond it are noise. */
 static void limit_to_joints(float *angle_rad)
 {
     for (int i = 0; i < MRT_ANGLES; ++i) {

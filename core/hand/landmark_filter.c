@@ -7,21 +7,23 @@
 #include <math.h>
 
 /* Found by a random search over recordings of gloves, bare hands and a camera, with 0 and 2 mm of
- * noise on each landmark: little noise at rest first, then little delay. */
+ * noise on each landmark: first for little noise at rest, then for little delay. */
 static const double REST_CUTOFF_HZ = 0.6;
 static const double MOVING_TIME_CONSTANT_S = 0.010;
 static const double DEVIATION_TIME_CONSTANT_S = 0.1;
 static const double NOISE_TIME_CONSTANT_S = 2.0;
-/* Mean square of the deviations, 1 for white noise: where the cutoff begins to rise, and where it
- * is the cutoff of a moving hand. */
+/* Mean squares of the deviations, 1 for white noise: at the first the cutoff begins to rise, at the
+ * second it is the cutoff of a moving hand. */
 static const double RISE_FROM = 2.2, RISE_TO = 5.0;
-/* Noise that is never undercut: the still hand of a real camera has 1.4 degrees, not all white. */
+/* Lower limit of the noise: a still hand before a real camera has 1.4 degrees, not all of it
+ * white. */
 static const double LEAST_NOISE_RAD = 0.85 * ANGLE_PI / 180.0;
-/* Before any is measured, worth so many measurements. */
+/* Initial noise, and the number of measurements that it counts as. */
 static const double FIRST_NOISE_RAD = 3.0 * ANGLE_PI / 180.0;
 enum { FIRST_NOISE_WEIGHT = 3 };
 
-/* A finger has three or four joints, and they are counted with the hand's mean, worth so many. */
+/* A finger has only three or four joints, so its mean includes that of the hand, with the weight of
+ * this many joints. */
 enum { HAND_WEIGHT = 5 };
 
 enum { FINGERS = 5, GROUPS = FINGERS + 1 }; /* palm and wrist are the last group */
@@ -36,8 +38,8 @@ void landmark_filter_reset(landmark_filter *filter)
     *filter = (landmark_filter){.count = 0};
 }
 
-/* How far the sample before this one lies beside the line through its two neighbours: white noise
- * of variance s gives s (1 + f^2 + (1 - f)^2) in the mean square, an even motion gives nothing. */
+/* Measures the distance of the previous sample from the line through its two neighbours. White
+ * noise of variance s has the mean square s (1 + f^2 + (1 - f)^2), a uniform motion 0. */
 static double noise_seen(const landmark_channel *of, double x, double dt_s, double last_dt_s)
 {
     const double f = last_dt_s / (last_dt_s + dt_s);
@@ -52,8 +54,8 @@ static int group_of(int sensor)
     return finger < 0 ? FINGERS : finger;
 }
 
-/* hand_read repeats an angle that is not seen, the spread of a bent finger for one. Such a value
- * says nothing about noise or motion, unless nothing else of its finger changes either. */
+/* hand_read repeats an angle that is not visible, such as the spread of a bent finger. A repeated
+ * value is not used for noise or motion, unless all values of its finger are repeated. */
 static void find_repeated(const landmark_filter *self, const float *x, bool *out_is_repeated)
 {
     bool has_news[GROUPS] = {false};
@@ -65,14 +67,14 @@ static void find_repeated(const landmark_filter *self, const float *x, bool *out
         out_is_repeated[i] &= has_news[group_of(i)];
 }
 
-/* Brings noise and deviation of all channels up to date. out_motion: GROUPS, the mean square of the
- * deviations of a group and, weighted, of the hand: 1 at rest. */
+/* Updates the noise and the deviation of all channels. out_motion: GROUPS values: the mean square
+ * of the deviations of a group and, weighted, of the hand; 1 at rest. */
 static void measure(landmark_filter *self, const float *x, double dt_s, double *out_motion)
 {
     bool is_repeated[MRT_ANGLES];
     find_repeated(self, x, is_repeated);
     const double follow = share_of(dt_s, DEVIATION_TIME_CONSTANT_S);
-    /* Of an exponential average of white noise of variance 1. */
+    /* Variance of an exponential average of white noise of variance 1. */
     const double white = follow / (2.0 - follow);
     const double learn = fmax(share_of(dt_s, NOISE_TIME_CONSTANT_S),
                               1.0 / ((double)self->count + FIRST_NOISE_WEIGHT - 1.0));
@@ -96,7 +98,7 @@ static void measure(landmark_filter *self, const float *x, double dt_s, double *
         all += deviation * deviation / white;
         ++count;
     }
-    all /= count; /* a group always has one that counts */
+    all /= count; /* each group has at least one value that counts */
     for (int g = 0; g < GROUPS; ++g)
         out_motion[g] = (sum[g] + HAND_WEIGHT * all) / (size[g] + HAND_WEIGHT);
 }
@@ -105,7 +107,7 @@ static void step(landmark_filter *self, float *x, double dt_s)
 {
     double motion[GROUPS];
     measure(self, x, dt_s, motion);
-    /* The first samples are averaged, so that a hand at rest is found soon. */
+    /* Averages the first samples, so that a hand at rest converges quickly. */
     const double rest = fmax(share_of(dt_s, 1.0 / (2.0 * ANGLE_PI * REST_CUTOFF_HZ)),
                              1.0 / ((double)self->count + 1.0));
     const double moving = fmax(share_of(dt_s, MOVING_TIME_CONSTANT_S), rest);

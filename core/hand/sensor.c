@@ -2,12 +2,12 @@
 
 #include <string.h>
 
-/* Gains: averaged over the gloves of research/hardware.md 2.1. Two rows are not taken as that page
- * suggests. Its thumb roll is 0 for a resting thumb, ours for a thumb in the plane of the palm,
- * which rests 0.6 rad in front of it. Its wrist pitch has the sign of a table in which flexion is
- * negative. Ranges: hardware.md 2.3, clinical (knuckles extend by 30 to 45 degrees, the other
- * joints are given 0) and widest spreads; the thumb's roll by the 80 degrees of its base joint, the
- * arch by the one glove that was measured. */
+/* Gains: mean over the gloves of research/hardware.md 2.1. Two rows differ from the suggestion of
+ * that page. Its thumb roll is 0 for a resting thumb; ours is 0 for a thumb in the plane of the
+ * palm, which rests 0.6 rad in front of it. Its wrist pitch has the sign of a table in which
+ * flexion is negative. Ranges: hardware.md 2.3, clinical (knuckles extend by 30 to 45 degrees, the
+ * other joints by 0) and widest spreads. The range of the thumb's roll is that of its base joint,
+ * 80 degrees; that of the arch is from the one glove that was measured. */
 const sensor_facts sensor_table[MRT_ANGLES] = {
     {"thumb.roll", "thumb roll", SENSOR_ROLL, 0, 0.0160f, 74, 0.6f, 0, 80, 1.44f},
     {"thumb.mpj", "thumb knuckle", SENSOR_KNUCKLE, 0, 0.0142f, 80, 0, 0, 50, 0.15f},

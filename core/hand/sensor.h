@@ -1,5 +1,5 @@
-/* hand/sensor.h - the 22 sensors of a glove in the order of plugin.h (MRT_CH_ANGLE): what they are
- * called, what an average glove says, and how far the joint behind each of them goes. Constants. */
+/* hand/sensor.h - the 22 sensors of a glove in the order of plugin.h (MRT_CH_ANGLE): their names,
+ * the values of an average glove, and the range of each joint. Constants. */
 #ifndef MAROTTE_HAND_SENSOR_H
 #define MAROTTE_HAND_SENSOR_H
 #include <marotte/plugin.h>
@@ -24,7 +24,7 @@ enum {
 
 typedef enum sensor_kind {
     SENSOR_ROLL = 0, /* of the thumb's base */
-    SENSOR_KNUCKLE,  /* MPJ, the thumb's too */
+    SENSOR_KNUCKLE,  /* MPJ, also of the thumb */
     SENSOR_MIDDLE_JOINT,
     SENSOR_END_JOINT, /* DIJ, and the thumb's IJ */
     SENSOR_SPREAD,
@@ -32,27 +32,27 @@ typedef enum sensor_kind {
     SENSOR_WRIST
 } sensor_kind;
 
-/* Angles as hand.h says. */
+/* Angles as in hand.h. */
 typedef struct sensor_facts {
-    const char *name;  /* "index.mpj": in files, as in logs */
+    const char *name;  /* "index.mpj": in files and logs */
     const char *label; /* "index knuckle": for people */
     sensor_kind kind;
-    int finger; /* 0 thumb .. 4 little, a spread belongs to the outer one; -1: palm and wrist */
-    /* Of an average glove, 8-bit counts: rad = gain * (raw - zero) + rad_at_zero. */
+    int finger; /* 0 thumb .. 4 little; a spread belongs to the outer finger; -1: palm and wrist */
+    /* For an average glove with 8-bit counts: rad = gain * (raw - zero) + rad_at_zero. */
     float gain, zero, rad_at_zero;
     float low_deg, high_deg; /* clinical range */
-    float neutral_rad;       /* relaxed, ready to talk: as the demo recording rests */
+    float neutral_rad;       /* relaxed, ready to talk: as at rest in the demo recording */
 } sensor_facts;
 
 extern const sensor_facts sensor_table[MRT_ANGLES];
 
-/* In sensor order; -1: there is no sensor of that name. */
+/* Returns the index in sensor order; -1: unknown name. */
 int sensor_find(const char *name);
 
-/* Distal joints, index to little: what an 18-sensor glove lacks. */
+/* The distal joints, index to little, which an 18-sensor glove does not have. */
 enum { SENSOR_DISTAL_COUNT = 4 };
 extern const int sensor_distal[SENSOR_DISTAL_COUNT];
-/* The middle joints beside them. */
+/* The middle joints of the same fingers. */
 extern const int sensor_middle[SENSOR_DISTAL_COUNT];
 
 #endif

@@ -77,7 +77,8 @@ static double deviation_of(const still_window *window, int channel)
     return window->count > 0 ? sqrt(sum / window->count) : 0.0;
 }
 
-/* Samples are at whole periods: the oldest kept may be one period younger than the span. */
+/* Samples arrive at whole periods, so the oldest stored one may be one period younger than the
+ * span. */
 static bool reaches_over_span(const still_window *window)
 {
     if (window->count < SAMPLES_LEAST)

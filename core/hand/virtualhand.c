@@ -8,8 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What the text says, not what that means. */
-enum { VIRTUALHAND_FINGERS = 6, VIRTUALHAND_JOINTS = 4 }; /* thumb .. little, wrist */
+/* The contents of the text, before interpretation. */
+enum { VIRTUALHAND_FINGERS = 6, VIRTUALHAND_JOINTS = 4 }; /* thumb .. little, and the wrist */
 
 typedef struct virtualhand_gain {
     bool given;
@@ -20,12 +20,12 @@ typedef struct virtualhand_gain {
 typedef struct virtualhand_text {
     virtualhand_gain gain[VIRTUALHAND_FINGERS][VIRTUALHAND_JOINTS];
     bool has_geometry;
-    uint32_t side;                                          /* with geometry: MRT_LEFT, MRT_RIGHT */
-    uint32_t fingers, joints;                               /* with geometry */
+    uint32_t side;            /* from the geometry: MRT_LEFT, MRT_RIGHT */
+    uint32_t fingers, joints; /* from the geometry */
     vec3 joint_cm[VIRTUALHAND_FINGERS][VIRTUALHAND_JOINTS]; /* origin wrist */
 } virtualhand_text;
 
-/* ---- the text: what it says ---- */
+/* ---- reading the text ---- */
 
 static const double CENTIMETRES_MAX = 1000.0, GAIN_MAX = 1e3;
 enum { NUMBERS_MAX = 4, SHOWN_TEXT = 48 };
@@ -59,7 +59,7 @@ static bool begins_with(text_view line, const char *words)
     return (size_t)(line.end - line.at) >= length && memcmp(line.at, words, length) == 0;
 }
 
-/* The next line that is neither empty nor a comment, trimmed; false at the end. */
+/* Reads the next line that is neither empty nor a comment, trimmed. Returns false at the end. */
 static bool next_line(virtualhand_reader *self, text_view *out)
 {
     while (text_next_line(&self->rest, out)) {
@@ -71,7 +71,7 @@ static bool next_line(virtualhand_reader *self, text_view *out)
     return false;
 }
 
-/* Between `least` and `most` numbers and nothing else. */
+/* Reads `least` to `most` numbers; the line must contain nothing else. */
 static bool read_numbers(text_view line, double *out, int least, int most)
 {
     text_view word;
@@ -109,7 +109,7 @@ static bool read_whole(double number, int32_t low, int32_t high, int32_t *out)
     return true;
 }
 
-/* ---- the first part ---- */
+/* ---- GLOVE CALIBRATION ---- */
 
 static mrt_result read_joint(virtualhand_reader *self, uint32_t finger, int32_t joint)
 {
@@ -124,7 +124,7 @@ static mrt_result read_joint(virtualhand_reader *self, uint32_t finger, int32_t 
         return unexpected(self, line, expected);
     if (!(number[2] >= -GAIN_MAX && number[2] <= GAIN_MAX))
         return unexpected(self, line, "a gain in rad per count");
-    /* VirtualHand keeps the lowest byte of the offset. */
+    /* VirtualHand stores the lowest byte of the offset. */
     self->out->gain[finger][joint] =
         (virtualhand_gain){.given = true, .offset = offset & 0xff, .gain = number[2]};
     return MRT_OK;
@@ -134,7 +134,7 @@ static mrt_result read_finger(virtualhand_reader *self, text_view line)
 {
     static const char expected[] = "\"FINGER 0:\" to \"FINGER 5:\", each once";
     text_view rest = line, word;
-    (void)text_next_word(&rest, &word); /* FINGER */
+    (void)text_next_word(&rest, &word); /* the word FINGER */
     int64_t finger;
     if (!text_next_word(&rest, &word) || word.end == word.at || word.end[-1] != ':')
         return unexpected(self, line, expected);
@@ -150,7 +150,7 @@ static mrt_result read_finger(virtualhand_reader *self, text_view line)
     return MRT_OK;
 }
 
-/* ---- the second part ---- */
+/* ---- 3D HAND GEOMETRY ---- */
 
 static mrt_result read_side(virtualhand_reader *self)
 {
@@ -212,8 +212,8 @@ static mrt_result read_geometry(virtualhand_reader *self)
 
 /* ---- the file ---- */
 
-/* The pisiform, five points of the forearm and two axes of the thumb follow the geometry: points
- * that marotte has no use for. */
+/* The geometry is followed by the pisiform, five points of the forearm and two axes of the thumb,
+ * which marotte does not use. */
 static bool is_point(text_view line)
 {
     double number[NUMBERS_MAX] = {0};
@@ -253,10 +253,9 @@ static mrt_result read_version(virtualhand_reader *self)
     text_copy(shown, sizeof shown, text_trim(line));
     return error_set(
         self->err, MRT_ERR_UNSUPPORTED,
-        "%.120s: line 1: expected \"VHv...\", found \"%s\": this is no VirtualHand 1.x "
-        "text calibration. Files of the Device Configuration Utility (VirtualHand 2) "
-        "have a layout that is not published and cannot be imported: calibrate with "
-        "marotte calibrate --input",
+        "%.120s: line 1: expected \"VHv...\", found \"%s\": this is not a VirtualHand 1.x text "
+        "calibration. Files of the Device Configuration Utility (VirtualHand 2) have an "
+        "unpublished layout and cannot be imported: calibrate with marotte calibrate --input",
         self->name, shown);
 }
 
@@ -272,7 +271,7 @@ static mrt_result check_complete(const virtualhand_reader *self)
     return MRT_OK;
 }
 
-/* Errors name the line and what was expected there. */
+/* Errors name the line and the expected contents. */
 static mrt_result parse_text(virtualhand_text *out, const void *bytes, size_t size,
                              const char *name, error *err)
 {
@@ -286,9 +285,9 @@ static mrt_result parse_text(virtualhand_text *out, const void *bytes, size_t si
     return result < 0 ? result : check_complete(&self);
 }
 
-/* ---- what it means ---- */
+/* ---- interpretation ---- */
 
-/* Gloves have 0.003 to 0.027 rad a count (hardware.md 2.1). What is far from that was never
+/* Gloves have 0.003 to 0.027 rad a count (hardware.md 2.1). A gain far outside was never
  * calibrated: VirtualHand's placeholder is 0.4. */
 static const double GAIN_LEAST = 0.0005, GAIN_MOST = 0.1;
 enum { JOINT_SPREAD = 3, FINGER_INDEX = 1, FINGER_MIDDLE = 2 };
@@ -305,8 +304,8 @@ static bool is_plausible(double gain)
     return fabs(gain) >= GAIN_LEAST && fabs(gain) <= GAIN_MOST;
 }
 
-/* VirtualHand keeps the gain of the middle-index spread with the index finger, which has no such
- * sensor of its own; the middle finger's is another number. */
+/* VirtualHand stores the gain of the middle-index spread with the index finger, which has no spread
+ * sensor itself. The number of the middle finger is not used. */
 static double gain_of(const virtualhand_text *text, int sensor)
 {
     struct entry entry = entry_of[sensor];
@@ -324,7 +323,7 @@ static bool is_distal(int sensor)
     return false;
 }
 
-/* False: this sensor was never calibrated. */
+/* Returns false if this sensor was never calibrated. */
 static bool import_sensor(const virtualhand_text *text, int sensor, calibration_file *out)
 {
     const sensor_facts *facts = &sensor_table[sensor];
@@ -334,7 +333,7 @@ static bool import_sensor(const virtualhand_text *text, int sensor, calibration_
     made->neutral_rad = facts->neutral_rad;
     bool is_usable = is_plausible(gain);
     if (!is_usable && is_distal(sensor))
-        return false; /* a glove without it: the joint is estimated */
+        return false; /* the glove lacks this sensor, so the joint is estimated */
     if (is_usable) {
         made->source = CALIBRATION_IMPORTED;
         zero = (double)text->gain[entry.finger][entry.joint].offset;
@@ -355,7 +354,7 @@ static mrt_result import_sensors(const virtualhand_text *text, const char *name,
             imported += 1;
             continue;
         }
-        calibration_file_note(out, "%s: %s: a gain of %g rad per count is none: %s", name,
+        calibration_file_note(out, "%s: %s: a gain of %g rad per count is impossible: %s", name,
                               sensor_table[sensor].name, gain_of(text, sensor),
                               is_distal(sensor) ? "the joint is estimated" : "shipped default");
     }
@@ -368,7 +367,7 @@ static mrt_result import_sensors(const virtualhand_text *text, const char *name,
     return MRT_OK;
 }
 
-/* From the wrist along the joints of the middle finger to its tip. */
+/* Returns the length from the wrist along the joints of the middle finger to its tip. */
 static double length_mm(const virtualhand_text *text)
 {
     vec3 at = {0, 0, 0};
@@ -387,8 +386,10 @@ static void import_length(const virtualhand_text *text, const char *name, calibr
     if (length >= HAND_LENGTH_MIN_MM && length <= HAND_LENGTH_MAX_MM)
         out->hand_length_mm = length;
     else
-        calibration_file_note(out, "%s: a hand of %.0f mm is none: its length is left open", name,
-                              length);
+        calibration_file_note(out,
+                              "%s: a hand of %.0f mm is impossible, so its length is left "
+                              "out",
+                              name, length);
 }
 
 mrt_result virtualhand_parse(calibration_file *out, const void *bytes, size_t size,
@@ -401,8 +402,8 @@ mrt_result virtualhand_parse(calibration_file *out, const void *bytes, size_t si
         return result;
     if (!text.has_geometry && side > MRT_RIGHT)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%.120s: there is no 3D HAND GEOMETRY to say whose hand it is: say --hand "
-                         "left or --hand right",
+                         "%.120s: the file has no 3D HAND GEOMETRY, so the side of the hand is "
+                         "unknown. Use --hand left or --hand right",
                          name);
     if (text.has_geometry) {
         out->side = text.side;

@@ -3,7 +3,7 @@
 #include <ctype.h>
 #include <string.h>
 
-/* Jaw and mouth to the right come before those to the left here, not as in the app's datagrams. */
+/* Jaw and mouth: the right shape comes before the left one, unlike in the app's datagrams. */
 const char *const arkit_name[ARKIT_CHANNELS] = {"EyeBlinkLeft",
                                                 "EyeLookDownLeft",
                                                 "EyeLookInLeft",
@@ -68,7 +68,7 @@ const char *const arkit_name[ARKIT_CHANNELS] = {"EyeBlinkLeft",
 
 enum { PLAIN_NAME = 64 };
 
-/* Letters alone, in lower case; "_L" and "_R" at the end in full. */
+/* Keeps only letters, in lower case, and expands "_L" and "_R" at the end. */
 static void plain_name(char out[PLAIN_NAME], const char *name)
 {
     size_t size = strlen(name), count = 0;

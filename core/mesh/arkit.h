@@ -1,6 +1,6 @@
-/* mesh/arkit.h - the 52 shapes of ARKit and the 9 turns that Live Link Face adds, by their names.
- * Leaves out who says them (face/face_weights.h) and files of them (io/export.h). Pure; any thread.
- */
+/* mesh/arkit.h - the names of the 52 shapes of ARKit, and of the 9 rotations of Live Link Face.
+ * Leaves out computing their values (face/face_weights.h) and files of them (io/export.h). Pure.
+ * [any] */
 #ifndef MAROTTE_MESH_ARKIT_H
 #define MAROTTE_MESH_ARKIT_H
 #include <stdbool.h>
@@ -8,12 +8,12 @@
 
 enum { ARKIT_SHAPES = 52, ARKIT_CHANNELS = 61, ARKIT_NONE = ARKIT_CHANNELS };
 
-/* "EyeBlinkLeft": in the order of the app's tables: its shapes, then turns of head and eyes. */
+/* "EyeBlinkLeft": in the order of the app's tables: shapes, then rotations of head and eyes. */
 extern const char *const arkit_name[ARKIT_CHANNELS];
-/* "jawOpen", "JawOpen", "jaw_open"; "eyeBlink_L" as EyeBlinkLeft. ARKIT_NONE: it is none of them.
- */
+/* Finds "jawOpen", "JawOpen", "jaw_open"; "eyeBlink_L" as EyeBlinkLeft. ARKIT_NONE: no such
+ * name. */
 uint32_t arkit_find(const char *name);
-/* The same name; or the same of the 52 shapes, whoever writes it. */
+/* Returns whether the names are equal, or are spellings of the same of the 52 shapes. */
 bool arkit_is_same_name(const char *a, const char *b);
 
 #endif

@@ -7,25 +7,25 @@
 #include <string.h>
 
 enum { RINGS = 6, NOT_THERE = -1 };
-/* Of the mouth's width: how deep the bag is, how high above and below, how much narrower. */
+/* Dimensions of the bag as shares of the mouth's width: depth, height above and below,
+ * narrowing. */
 static const double bag_depth = 0.6, bag_height = 0.22, bag_narrowing = 0.25;
 static const float dark[4] = {0.025f, 0.008f, 0.007f, 1.0f};
 
 typedef enum fan_side { SIDE_UNKNOWN = 0, SIDE_UPPER, SIDE_LOWER } fan_side;
 
 typedef struct cutting {
-    arrays arrays; /* those below */
+    arrays arrays; /* the arrays below */
     mesh *m;
     uint32_t *chain, count;   /* points, from the subject's right to the left */
-    int32_t *chain_index;     /* vertex_count: of a point in the chain; NOT_THERE */
+    int32_t *chain_index;     /* vertex_count: index of a point in the chain; NOT_THERE */
     uint32_t *fan, fan_count; /* triangles at the inner points of the chain */
-    uint8_t *side;            /* of each */
-    uint32_t *twin; /* vertex_count: the lower lip's vertex for one of the chain; UINT32_MAX */
-    uint32_t *from; /* of each new vertex: the one that it is like */
-    uint32_t
-        *host;   /* of each: a vertex before it that is the same point; UINT32_MAX: there is none */
-    float *deep; /* of each: 0 at the lips .. 1 at the back of the bag */
-    float (*at)[3]; /* of each */
+    uint8_t *side;            /* of each triangle of the fan */
+    uint32_t *twin; /* vertex_count: lower lip's vertex for one of the chain; UINT32_MAX */
+    uint32_t *from; /* for each new vertex: the vertex that it is copied from */
+    uint32_t *host; /* for each: an earlier vertex that is the same point; UINT32_MAX: none */
+    float *deep;    /* for each: 0 at the lips .. 1 at the back of the bag */
+    float (*at)[3]; /* position of each */
     uint32_t (*bag)[3], bag_count;
     uint32_t old_count, new_count;
 } cutting;
@@ -43,7 +43,7 @@ static const float *position_of(const cutting *c, uint32_t vertex)
                                  : c->at[vertex - c->old_count];
 }
 
-static mrt_result take_chain(cutting *c, const uint32_t *chain, uint32_t count, error *err)
+static mrt_result copy_chain(cutting *c, const uint32_t *chain, uint32_t count, error *err)
 {
     for (uint32_t i = 0; i < count; ++i)
         if (chain[i] >= c->m->vertex_count)
@@ -52,7 +52,7 @@ static mrt_result take_chain(cutting *c, const uint32_t *chain, uint32_t count, 
     for (uint32_t i = 0; i < count; ++i) {
         uint32_t point = mesh_point(c->m, chain[is_turned ? count - 1 - i : i]);
         if (c->chain_index[point] != NOT_THERE)
-            return error_set(err, MRT_ERR_FORMAT, "vertex %u is there twice", point);
+            return error_set(err, MRT_ERR_FORMAT, "vertex %u appears twice", point);
         c->chain_index[point] = (int32_t)i;
         c->chain[i] = point;
     }
@@ -75,7 +75,8 @@ static const uint32_t *corners_of(const cutting *c, uint32_t fan)
     return c->m->triangle + (size_t)c->fan[fan] * 3;
 }
 
-/* Counter-clockwise from outside a triangle above goes along the chain, one below against it. */
+/* Seen from outside, a counter-clockwise triangle above goes along the chain, one below against
+ * it. */
 static mrt_result find_fan(cutting *c, error *err)
 {
     for (uint32_t t = 0; t < c->m->triangle_count; ++t) {
@@ -106,13 +107,14 @@ static mrt_result find_fan(cutting *c, error *err)
         }
         if (uses[SIDE_UPPER] != 1 || uses[SIDE_LOWER] != 1)
             return error_set(err, MRT_ERR_FORMAT,
-                             "vertices %u and %u: no edge of two triangles joins them", c->chain[i],
-                             c->chain[i + 1]);
+                             "vertices %u and %u are not joined by an edge of two triangles",
+                             c->chain[i], c->chain[i + 1]);
     }
     return MRT_OK;
 }
 
-/* Whether two triangles of the fan share an edge at an inner point that is not of the chain. */
+/* Returns whether two triangles of the fan share an edge at an inner point, other than edges of the
+ * chain. */
 static bool are_beside(const cutting *c, uint32_t a, uint32_t b)
 {
     const uint32_t *p = corners_of(c, a), *q = corners_of(c, b);
@@ -138,8 +140,8 @@ static mrt_result find_sides(cutting *c, error *err)
                     continue;
                 if (c->side[b] != SIDE_UNKNOWN)
                     return error_set(err, MRT_ERR_FORMAT,
-                                     "the surface around vertex %u goes on from the upper lip to "
-                                     "the lower one",
+                                     "the surface around vertex %u continues from the upper lip "
+                                     "to the lower one",
                                      corners_of(c, a)[0]);
                 c->side[b] = c->side[a];
                 grows = true;
@@ -148,7 +150,7 @@ static mrt_result find_sides(cutting *c, error *err)
     return MRT_OK;
 }
 
-/* ---- what is new ---- */
+/* ---- new vertices and triangles ---- */
 
 static uint32_t add_vertex(cutting *c, uint32_t like, uint32_t host, double deep,
                            const double at[3])
@@ -169,7 +171,7 @@ static uint32_t add_copy(cutting *c, uint32_t like, uint32_t host)
                       (const double[3]){(double)p[0], (double)p[1], (double)p[2]});
 }
 
-/* Of the lower lip; the first of a point is the twin of the point itself. */
+/* Returns the vertex of the lower lip for a vertex. The twin of a point itself is made first. */
 static uint32_t twin_of(cutting *c, uint32_t vertex)
 {
     uint32_t point = mesh_point(c->m, vertex);
@@ -180,7 +182,7 @@ static uint32_t twin_of(cutting *c, uint32_t vertex)
     return c->twin[vertex];
 }
 
-/* Triangles of the lower side get the lower lip's vertices. */
+/* Gives the triangles of the lower side the vertices of the lower lip. */
 static void part_lips(cutting *c)
 {
     for (uint32_t k = 0; k < c->fan_count; ++k) {
@@ -199,7 +201,8 @@ static void add_triangle(cutting *c, uint32_t a, uint32_t b, uint32_t d)
     corner[2] = d;
 }
 
-/* Seen from the mouth: along the upper lip, and back along the lower one. */
+/* Builds the bag. Seen from the mouth, its rings go along the upper lip and back along the lower
+ * one. */
 static void hang_bag(cutting *c, uint32_t *ring, uint32_t *next)
 {
     const uint32_t n = c->count, loop = 2 * (n - 1);
@@ -208,7 +211,7 @@ static void hang_bag(cutting *c, uint32_t *ring, uint32_t *next)
     const double middle = 0.5 * ((double)left[0] + (double)right[0]);
     for (uint32_t i = 0; i < loop; ++i) {
         uint32_t lip = i < n ? c->chain[i] : twin_of(c, c->chain[loop - i]);
-        ring[i] = add_copy(c, i < n ? lip : c->chain[loop - i], lip); /* an edge is seen there */
+        ring[i] = add_copy(c, i < n ? lip : c->chain[loop - i], lip); /* shown as an edge */
     }
     for (int r = 1; r <= RINGS; ++r) {
         double deep = (double)r / RINGS, high = 4.0 * deep * (1.0 - deep) + 0.35 * deep;
@@ -238,7 +241,7 @@ static void hang_bag(cutting *c, uint32_t *ring, uint32_t *next)
         add_triangle(c, ring[(i + 1) % loop], ring[i], back);
 }
 
-/* ---- into the mesh ---- */
+/* ---- changing the mesh ---- */
 
 static bool grow(void *array, size_t count, size_t more, size_t item_size)
 {
@@ -280,8 +283,9 @@ static void copy_row(float *array, size_t width, size_t to, size_t from)
         memcpy(array + width * to, array + width * from, width * sizeof *array);
 }
 
-/* Like the vertex that it comes from; in the bag the less it moves with the lips the deeper. */
-static void put_vertex(const cutting *c, uint32_t i)
+/* Copies the vertex that it comes from. In the bag, vertices that are deeper move less with the
+ * lips. */
+static void write_vertex(const cutting *c, uint32_t i)
 {
     mesh *m = c->m;
     size_t to = (size_t)c->old_count + i, from = c->from[i];
@@ -304,13 +308,13 @@ static void put_vertex(const cutting *c, uint32_t i)
                 (1.0f - deep) * m->target[k].offset[3 * from + axis];
     m->point[to] = c->host[i] == UINT32_MAX ? (uint32_t)to : m->point[c->host[i]];
     m->smooth[to] = (uint32_t)to;
-    uint32_t smooth = m->smooth[from]; /* as the upper lip's is, so its twin's */
+    uint32_t smooth = m->smooth[from]; /* if the upper lip's vertex is smooth, so is its twin */
     if (c->twin[from] == to && smooth != from && c->twin[smooth] < to)
         m->smooth[to] = c->twin[smooth];
 }
 
-/* Every vertex by itself, where the mesh has not said more. */
-static bool say_points(mesh *m)
+/* Makes every vertex a separate point, if the mesh has no points yet. */
+static bool make_points(mesh *m)
 {
     if (m->point)
         return true;
@@ -326,7 +330,7 @@ static bool say_points(mesh *m)
     return false;
 }
 
-static void put_part(cutting *c, char *name, char *material_name)
+static void write_part(cutting *c, char *name, char *material_name)
 {
     mesh *m = c->m;
     mesh_material *look = &m->material[m->material_count];
@@ -367,7 +371,8 @@ static mrt_result allocate(cutting *c, uint32_t count, error *err)
 
 static mrt_result open_mouth(cutting *c, error *err)
 {
-    /* Every corner of the lower side, twins for the bag, the bag's rings and its end. */
+    /* Upper limit: all corners of the lower side, twins for the bag, the rings of the bag and its
+     * end. */
     const size_t loop = 2 * (size_t)c->count, triangles = (2 * RINGS + 1) * loop;
     const size_t vertices = (size_t)6 * c->fan_count + (RINGS + 2) * loop + 1;
     arrays *a = &c->arrays;
@@ -378,7 +383,7 @@ static mrt_result open_mouth(cutting *c, error *err)
     c->deep = arrays_add(a, vertices, sizeof *c->deep);
     c->at = arrays_add(a, vertices, sizeof *c->at);
     c->bag = arrays_add(a, triangles, sizeof *c->bag);
-    if (a->failed || !name || !material_name || !say_points(c->m) ||
+    if (a->failed || !name || !material_name || !make_points(c->m) ||
         !grow_all(c->m, vertices, triangles)) {
         free(name);
         free(material_name);
@@ -387,9 +392,9 @@ static mrt_result open_mouth(cutting *c, error *err)
     part_lips(c);
     hang_bag(c, ring, ring + loop);
     for (uint32_t i = 0; i < c->new_count; ++i)
-        put_vertex(c, i);
+        write_vertex(c, i);
     c->m->vertex_count += c->new_count;
-    put_part(c, name, material_name);
+    write_part(c, name, material_name);
     free(c->m->path);
     c->m->path = NULL;
     mesh_note(c->m, "mouth: opened along %u edges, with a bag of %u triangles behind it",
@@ -406,7 +411,7 @@ mrt_result mesh_cut_mouth(mesh *m, const uint32_t *chain, uint32_t count, error 
                         MESH_CUT_MAX)
             : allocate(&c, count, err);
     if (result >= 0)
-        result = take_chain(&c, chain, count, err);
+        result = copy_chain(&c, chain, count, err);
     if (result >= 0)
         result = find_fan(&c, err);
     if (result >= 0)

@@ -111,7 +111,7 @@ void mesh_note(mesh *m, const char *format, ...)
     size_t added = strlen(line);
     char *note = realloc(m->note, old + added + 2);
     if (!note)
-        return; /* a note is never worth a failure */
+        return; /* the note is optional: a failure is ignored */
     memcpy(note + old, line, added);
     memcpy(note + old + added, "\n", 2);
     m->note = note;
@@ -174,7 +174,8 @@ static mrt_result validate_skin(const mesh *m, error *err)
             return error_set(err, MRT_ERR_FORMAT, "joint \"%s\" comes before its parent",
                              joint->name);
         if (!all_finite(joint->rest, 12))
-            return error_set(err, MRT_ERR_FORMAT, "joint \"%s\" is nowhere", joint->name);
+            return error_set(err, MRT_ERR_FORMAT, "joint \"%s\" has no finite position",
+                             joint->name);
     }
     size_t count = m->skin_joint ? (size_t)m->vertex_count * MESH_SKIN_WIDTH : 0;
     for (size_t i = 0; i < count; ++i)

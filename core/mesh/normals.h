@@ -3,9 +3,9 @@
 #define MAROTTE_MESH_NORMALS_H
 #include <stdint.h>
 
-/* Area-weighted vertex normals, unit length; +z where no triangle with area touches the vertex.
- * nx, ny, nz, x, y, z: vertex_count each, structure of arrays; triangle: triangle_count by 3.
- * Fixed summation order (triangle order): same bits everywhere. */
+/* Computes area-weighted vertex normals of unit length; +z if no triangle with area touches the
+ * vertex. nx, ny, nz, x, y, z: vertex_count each, structure of arrays; triangle: triangle_count by
+ * 3. The summation order is fixed (triangle order): same bits everywhere. */
 void normals_smooth(float *nx, float *ny, float *nz, const float *x, const float *y, const float *z,
                     uint32_t vertex_count, const uint32_t *triangle, uint32_t triangle_count);
 

@@ -1,4 +1,4 @@
-/* mesh/position.h - where a vertex of a mesh is, as a vector. Pure; any thread. */
+/* mesh/position.h - the position of a vertex as a vector. Pure. [any] */
 #ifndef MAROTTE_MESH_POSITION_H
 #define MAROTTE_MESH_POSITION_H
 #include "base/rigid.h"

@@ -7,33 +7,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So many triangles of a vertex are added up by table; nearly all vertices have no more. */
+/* A table holds up to SHADING_TABLED triangles of a vertex; almost all vertices have no more. */
 enum { SHADING_FEW = 6, SHADING_TABLED = 8, SHADING_CROSSES = SHADING_BLOCK * SHADING_TABLED };
 
-typedef struct shading_row { /* x, y, z, and a fourth so that it fits a vector */
+typedef struct shading_row { /* x, y, z, and a fourth number to fill a vector */
     _Alignas(16) float at[4];
 } shading_row;
 
-/* The triangles of a vertex as indices into those of its block, ascending as in the mesh; the
- * block's triangle_count where there are no more: a triangle without area. */
+/* The triangles of a vertex as indices into those of its block, ascending as in the mesh. Unused
+ * entries are the block's triangle_count: a triangle without area. */
 typedef struct shading_table {
     uint16_t triangle[SHADING_BLOCK][SHADING_TABLED];
 } shading_table;
 
-typedef struct shading_more { /* a triangle beyond a vertex's table, in their order */
+typedef struct shading_more { /* a triangle that does not fit into a vertex's table, in order */
     uint32_t lane, corner[3];
 } shading_more;
 
 typedef struct shading_neighbour {
     uint32_t block;
-    uint64_t lanes; /* bits: the vertices of this block that share a triangle with that one */
+    uint64_t lanes; /* bits: vertices of this block that share a triangle with that block */
 } shading_neighbour;
 
 typedef struct shading_block {
     uint32_t first_triangle, triangle_count;
     uint32_t first_more, more_count;
     uint32_t first_neighbour, neighbour_count;
-    uint64_t flat; /* bits: vertices that have no normal at rest */
+    uint64_t flat; /* bits: vertices without a normal at rest */
 } shading_block;
 
 struct shading {
@@ -46,19 +46,18 @@ struct shading {
     shading_row *position;        /* of each slot */
     float *normal[3], *rest[3];   /* block_count whole blocks each */
     uint8_t *is_new;              /* block_count: scratch of an update */
-    uint8_t *is_placed;           /* block_count: `position` has it as it is now */
+    uint8_t *is_placed;           /* block_count: `position` is up to date */
     stamps_reader seen;
     stamps written;
 };
 
-enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: no power of two */
-/* A vertex by itself takes so many times as long as one of a whole block, which shares triangles.
- */
+enum { ALIGNMENT = 64, STAGGER = 80 }; /* floats between two streams: not a power of two */
+/* Cost of a single vertex, relative to one in a whole block, which shares triangles. */
 enum { LANES_WORTH = 7 };
 
 /* ---- from triangles ---- */
 
-/* Twice the area of a triangle, along its normal. The fourth lane has no meaning. */
+/* Computes twice the area of a triangle, along its normal. The fourth lane is undefined. */
 static inline void cross(shading_row *restrict out, const shading_row *restrict position,
                          const uint32_t *restrict corner)
 {
@@ -78,8 +77,8 @@ static inline void add(shading_row *restrict sum, const shading_row *restrict on
         sum->at[k] += one->at[k];
 }
 
-/* All vertices of a block. Triangles without area are added where a vertex has no more: that
- * changes no bit, and asks nothing of each vertex. */
+/* Adds the triangles of all vertices of a block. Vertices with fewer triangles add ones without
+ * area, which changes no bits and avoids a branch. */
 static void add_block(shading_row *restrict sum, const shading *self, uint32_t block)
 {
     const shading_block *b = &self->block[block];
@@ -142,7 +141,7 @@ static void gather_block(shading *self, uint32_t block)
               SHADING_BLOCK);
 }
 
-/* One vertex; the bits of gather_block. */
+/* Computes one vertex, with the same bits as gather_block. */
 static void gather_lane(shading *self, uint32_t block, uint32_t lane)
 {
     const shading_block *b = &self->block[block];
@@ -165,7 +164,7 @@ static void gather_lane(shading *self, uint32_t block, uint32_t lane)
     normalise(self->normal[0] + slot, self->normal[1] + slot, self->normal[2] + slot, &all, 1);
 }
 
-/* So many that the whole block is found as quickly. */
+/* Returns whether computing the whole block is as fast. */
 static bool are_many(uint64_t lanes)
 {
     return __builtin_popcountll(lanes) * LANES_WORTH > SHADING_BLOCK;
@@ -230,8 +229,8 @@ static void rotate_block(shading *self, const rigid *pose, uint32_t block)
 
 /* ---- an update ---- */
 
-/* The fourth lane is of no use: it repeats the third so that this runs on whole vectors. */
-static void take_positions(shading *self, const float *const at[3], uint32_t block)
+/* The fourth lane is unused: it repeats the third so that this runs on whole vectors. */
+static void read_positions(shading *self, const float *const at[3], uint32_t block)
 {
     size_t first = (size_t)block * SHADING_BLOCK;
     float *restrict position = self->position[first].at;
@@ -246,20 +245,20 @@ static void take_positions(shading *self, const float *const at[3], uint32_t blo
     self->is_placed[block] = 1;
 }
 
-/* Where all corners of its triangles are now. */
-static void take_positions_around(shading *self, const float *const at[3], uint32_t block)
+/* Copies the current positions of all corners of its triangles. */
+static void read_positions_around(shading *self, const float *const at[3], uint32_t block)
 {
     const shading_block *b = &self->block[block];
     if (!self->is_placed[block])
-        take_positions(self, at, block);
+        read_positions(self, at, block);
     for (uint32_t i = 0; i < b->neighbour_count; ++i) {
         uint32_t other = self->neighbour[b->first_neighbour + i].block;
         if (!self->is_placed[other])
-            take_positions(self, at, other);
+            read_positions(self, at, other);
     }
 }
 
-/* The vertices of a block that share a triangle with one that was written. */
+/* Returns the vertices of a block that share a triangle with a written block. */
 static uint64_t lanes_touched(const shading *self, uint32_t block)
 {
     const shading_block *b = &self->block[block];
@@ -272,7 +271,7 @@ static uint64_t lanes_touched(const shading *self, uint32_t block)
     return lanes;
 }
 
-/* The vertices of a carried block of which some triangle is not carried with it. */
+/* Returns the vertices of a carried block with a triangle that is not carried by the same bone. */
 static uint64_t lanes_bent(const shading *self, const uint8_t *carrier, uint32_t block)
 {
     const shading_block *b = &self->block[block];
@@ -295,7 +294,7 @@ static void update_block(shading *self, const shading_shape *now, uint32_t block
             rotate_block(self, &now->pose[carrier], block);
     }
     if (lanes != 0) {
-        take_positions_around(self, now->at, block);
+        read_positions_around(self, now->at, block);
         gather_lanes(self, block, lanes);
     }
     stamps_mark(&self->written, block);
@@ -316,17 +315,17 @@ void shading_update(shading *self, const shading_shape *now)
         update_block(self, now, block);
 }
 
-/* ---- made: which triangles touch each block, and which blocks touch each other ---- */
+/* ---- creation: triangles of each block, and neighbouring blocks ---- */
 
-/* Which triangles each vertex has, while the blocks are made. */
+/* Triangles of each vertex, during creation. */
 typedef struct incidence {
-    arrays arrays; /* those below */
+    arrays arrays; /* the arrays below */
     const uint32_t *triangle, *smooth;
     uint32_t triangle_count, vertex_count, block_count;
-    uint32_t *start, *of; /* the triangles of each vertex that stands for others, ascending */
-    uint32_t *local;      /* triangle_count: its index in the block that has it last */
+    uint32_t *start, *of; /* triangles of each vertex that represents others, ascending */
+    uint32_t *local;      /* triangle_count: its index in the last block that has it */
     uint32_t *owner;      /* triangle_count: 1 + that block */
-    uint32_t *entry;      /* block_count: where the block is among the neighbours of `whose` */
+    uint32_t *entry;      /* block_count: its index among the neighbours of `whose` */
     uint32_t *whose;      /* block_count: 1 + the block */
 } incidence;
 
@@ -347,7 +346,7 @@ static uint32_t smooth_of(const incidence *s, uint32_t vertex)
     return s->smooth ? s->smooth[vertex] : vertex;
 }
 
-/* start is shifted by one while it is filled. */
+/* start is shifted by one during filling. */
 static void list_triangles(incidence *s)
 {
     size_t corners = (size_t)3 * s->triangle_count;
@@ -359,7 +358,7 @@ static void list_triangles(incidence *s)
         s->of[s->start[smooth_of(s, s->triangle[i]) + 1]++] = (uint32_t)(i / 3);
 }
 
-/* ---- made: one block ---- */
+/* ---- creation: one block ---- */
 
 static uint32_t lanes_of_block(const incidence *s, uint32_t block)
 {
@@ -380,8 +379,9 @@ static uint32_t local_of(incidence *s, uint32_t *corner, shading_block *b, uint3
     return s->local[t];
 }
 
-/* The table of a block and what is beyond it; self->corner and more NULL: only counts. */
-static void take_triangles(shading *self, incidence *s, uint32_t block)
+/* Fills the table of a block and the triangles that do not fit. If self->corner and more are NULL,
+ * only counts. */
+static void fill_triangles(shading *self, incidence *s, uint32_t block)
 {
     shading_block *b = &self->block[block];
     b->triangle_count = b->more_count = 0;
@@ -430,8 +430,8 @@ static void note_neighbour(shading *self, incidence *s, uint32_t block, uint32_t
         self->neighbour[b->first_neighbour + s->entry[other]].lanes |= (uint64_t)1 << lane;
 }
 
-/* self->neighbour NULL: only counts. */
-static void take_neighbours(shading *self, incidence *s, uint32_t block)
+/* If self->neighbour is NULL, only counts. */
+static void fill_neighbours(shading *self, incidence *s, uint32_t block)
 {
     self->block[block].neighbour_count = 0;
     for (uint32_t lane = 0; lane < lanes_of_block(s, block); ++lane) {
@@ -445,23 +445,23 @@ static void take_neighbours(shading *self, incidence *s, uint32_t block)
     }
 }
 
-/* ---- made: all blocks ---- */
+/* ---- creation: all blocks ---- */
 
-static void take_blocks(shading *self, incidence *s)
+static void fill_blocks(shading *self, incidence *s)
 {
     memset(s->owner, 0, s->triangle_count * sizeof *s->owner);
     memset(s->whose, 0, s->block_count * sizeof *s->whose);
     for (uint32_t block = 0; block < self->block_count; ++block) {
-        take_triangles(self, s, block);
-        take_neighbours(self, s, block);
+        fill_triangles(self, s, block);
+        fill_neighbours(self, s, block);
     }
 }
 
-/* Counted first, then filled. */
+/* Counts first, then fills. */
 static bool list_blocks(shading *self, incidence *s)
 {
     uint32_t triangles = 0, more = 0, neighbours = 0;
-    take_blocks(self, s);
+    fill_blocks(self, s);
     for (uint32_t block = 0; block < self->block_count; ++block) {
         shading_block *b = &self->block[block];
         b->first_triangle = triangles;
@@ -476,14 +476,14 @@ static bool list_blocks(shading *self, incidence *s)
     self->neighbour = malloc(((size_t)neighbours + 1) * sizeof *self->neighbour);
     if (!self->corner || !self->more || !self->neighbour)
         return false;
-    take_blocks(self, s);
+    fill_blocks(self, s);
     for (uint32_t block = 0; block < self->block_count; ++block)
         end_table(self, s, block);
     return true;
 }
 
-static bool take_in(shading *self, const uint32_t *triangle, uint32_t triangle_count,
-                    const uint32_t *smooth)
+static bool build_blocks(shading *self, const uint32_t *triangle, uint32_t triangle_count,
+                         const uint32_t *smooth)
 {
     incidence s = {.triangle = triangle,
                    .smooth = smooth,
@@ -521,8 +521,8 @@ static bool allocate(shading *self)
     return true;
 }
 
-/* The normals of the shape at rest, and which vertices have none. */
-static void take_rest(shading *self, const float *const rest[3])
+/* Stores the normals at rest, and the vertices without a normal. */
+static void store_rest(shading *self, const float *const rest[3])
 {
     for (uint32_t v = 0; v < self->vertex_count; ++v)
         self->position[v] = (shading_row){{rest[0][v], rest[1][v], rest[2][v], 0.0f}};
@@ -545,7 +545,7 @@ mrt_result shading_create(shading **out, const float *const rest[3], uint32_t ve
         self->vertex_count = vertex_count;
         self->block_count = vertex_count / SHADING_BLOCK + (vertex_count % SHADING_BLOCK != 0);
     }
-    if (!self || !allocate(self) || !take_in(self, triangle, triangle_count, smooth)) {
+    if (!self || !allocate(self) || !build_blocks(self, triangle, triangle_count, smooth)) {
         shading_destroy(self);
         return error_set(err, MRT_ERR_MEMORY, "no memory for the normals of %u triangles",
                          triangle_count);
@@ -555,7 +555,7 @@ mrt_result shading_create(shading **out, const float *const rest[3], uint32_t ve
         shading_destroy(self);
         return result;
     }
-    take_rest(self, rest);
+    store_rest(self, rest);
     *out = self;
     return MRT_OK;
 }
@@ -577,7 +577,7 @@ void shading_destroy(shading *self)
     free(self);
 }
 
-/* ---- what others see ---- */
+/* ---- results ---- */
 
 const float *shading_normal(const shading *self, uint32_t axis)
 {

@@ -1,10 +1,9 @@
-/* mesh/shading.h - the normals of a surface that moves by blocks of vertices: those of
- * normals_smooth, found anew only at vertices that share a triangle with a block that was written.
- * Where a bone carries a vertex and all its triangles rigidly, its normal may be the one at rest,
- * turned: it differs from that of normals_smooth by what float rounds, far less than a degree;
- * elsewhere, and where nothing moves, the bits are the same. Either way they follow from
- * the shape now, and never from the frames before. [frame] all but create and destroy: no
- * allocation. */
+/* mesh/shading.h - the normals of a surface that moves by blocks of vertices. They equal those of
+ * normals_smooth, but are computed only at vertices that share a triangle with a written block. If
+ * a bone carries a vertex and all its triangles rigidly, its normal may be the rotated one at rest.
+ * It then differs from that of normals_smooth by float rounding, much less than a degree.
+ * Elsewhere, and if nothing moves, the bits are the same. Normals depend only on the current shape,
+ * never on earlier frames. [frame] all except create and destroy: no allocation. */
 #ifndef MAROTTE_MESH_SHADING_H
 #define MAROTTE_MESH_SHADING_H
 #include "base/rigid.h"
@@ -15,27 +14,28 @@ enum { SHADING_BLOCK = 64, SHADING_LOOSE = 255 };
 typedef struct shading shading;
 
 /* x, y, z: vertex_count each, at rest, in blocks of SHADING_BLOCK; triangle: triangle_count by 3,
- * in the order in which their areas are added up. smooth: vertex_count: of the vertices that have
- * one normal, being at one position, the one that stands for all; NULL: each has its own. Nothing
- * of it is needed any more. */
+ * in the order of summation. smooth (vertex_count): for vertices at one position with one normal,
+ * the vertex that represents them; NULL: each has its own. The arguments may be freed after
+ * creation. */
 CHECKED mrt_result shading_create(shading **out, const float *const rest[3], uint32_t vertex_count,
                                   const uint32_t *triangle, uint32_t triangle_count,
                                   const uint32_t *smooth, error *err);
-void shading_destroy(shading *self); /* NULL is fine */
+void shading_destroy(shading *self); /* accepts NULL */
 
 typedef struct shading_shape {
-    const float *at[3];    /* x, y, z: whole blocks; what is beyond vertex_count is not looked at */
-    const stamps *written; /* blocks of it that have changed */
-    const uint8_t *carrier; /* of each block: the bone that moves it as it is at rest, or
-                               SHADING_LOOSE; a block where that changes has been written */
-    const rigid *pose;      /* of each bone */
+    const float *at[3];     /* x, y, z: whole blocks; values after vertex_count are ignored */
+    const stamps *written;  /* blocks that have changed */
+    const uint8_t *carrier; /* for each block: the bone that moves its rest shape rigidly, or
+                               SHADING_LOOSE; a block where that changes must be written */
+    const rigid *pose;      /* for each bone */
 } shading_shape;
-/* The normals become those of the shape. */
+/* Updates the normals to the shape. */
 void shading_update(shading *self, const shading_shape *now);
 
-/* Unit; +z where no triangle with area touches the vertex. axis: 0 to 2. Until destroy. */
+/* Returns unit normals; +z if no triangle with area touches the vertex. axis: 0 to 2. Valid until
+ * destroy. */
 const float *shading_normal(const shading *self, uint32_t axis);
-/* Which blocks of the normals have been written. */
+/* Returns which blocks of the normals were written. */
 const stamps *shading_written(const shading *self);
 
 #endif

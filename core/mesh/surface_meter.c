@@ -6,49 +6,51 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the mean edge: shorter ones are where a mesh pinches, and say nothing of the skin. */
+/* Share of the mean edge. Shorter edges are at pinched places of a mesh, and do not describe the
+ * skin. */
 static const double shortest = 1e-3;
 
 typedef struct surface_edge {
     uint32_t end[2];      /* vertices */
-    uint32_t triangle[2]; /* on both sides; both the same at a border */
+    uint32_t triangle[2]; /* on both sides; equal at a border */
     float inverse_square; /* of its length at rest; 0: too short to be measured */
-    float cosine, sine;   /* of the angle that it is bent by at rest */
+    float cosine, sine;   /* of its bend angle at rest */
 } surface_edge;
 
-typedef struct surface_normal { /* unit, or 0: squashed to nothing */
+typedef struct surface_normal { /* unit, or 0 for a collapsed triangle */
     float x, y, z;
-    float area; /* twice the triangle's */
+    float area; /* twice the area of the triangle */
 } surface_normal;
 
-typedef struct surface_made { /* of an edge, in all shapes that were learnt and at rest */
+typedef struct surface_made { /* of an edge, over all learnt shapes and rest */
     float inverse_square, cosine, sine;
 } surface_made;
 
-/* Things in spans of SPAN, and of each span the blocks of vertices that they touch. */
+/* Items in spans of SPAN, and for each span the blocks of vertices that they touch. */
 enum { SPAN = 32 };
 typedef struct surface_spans {
     uint32_t count;
-    uint32_t *first; /* of each span, and the end: where in `block` it begins */
+    uint32_t *first; /* for each span, and the end: its beginning in `block` */
     uint32_t *block;
 } surface_spans;
 
 struct surface_meter {
-    arrays arrays; /* those below */
+    arrays arrays; /* the arrays below */
     uint32_t vertex_count, triangle_count, edge_count;
     uint32_t *corner; /* triangle_count by 3 */
     surface_edge *edge;
     surface_made *made;     /* edge_count; NULL: no shape was learnt */
-    uint32_t *number;       /* of each triangle that was given; UINT32_MAX: left out */
+    uint32_t *number;       /* for each given triangle: its index; UINT32_MAX: left out */
     uint32_t (*edge_of)[3]; /* triangle_count */
     float *sharpest;        /* triangle_count: the least cosine of its edges at rest */
     float *inverse_area;    /* triangle_count: 1 over twice the area at rest */
-    surface_normal *normal; /* scratch: of each triangle */
-    uint8_t *against;       /* scratch: at so many edges it points against its neighbour */
-    surface_spans triangle_spans, edge_spans; /* of edges: with the corners of both triangles */
+    surface_normal *normal; /* scratch: for each triangle */
+    uint8_t *against; /* scratch: for each triangle, the number of edges where it points against its
+                         neighbour */
+    surface_spans triangle_spans, edge_spans; /* those of edges with both triangles' corners */
 };
 
-/* ---- made and unmade ---- */
+/* ---- creation ---- */
 
 typedef struct half_edge {
     uint32_t low, high, triangle;
@@ -105,7 +107,7 @@ static void list_triangles(surface_meter *self, const float *const rest[3],
     }
 }
 
-/* Which of a triangle's edges has these ends; edge i leads from corner i. */
+/* Returns which edge of a triangle has these ends; edge i begins at corner i. */
 static size_t side_of(const surface_meter *self, uint32_t triangle, uint32_t a, uint32_t b)
 {
     const uint32_t *corner = self->corner + (size_t)3 * triangle;
@@ -117,7 +119,8 @@ static size_t side_of(const surface_meter *self, uint32_t triangle, uint32_t a, 
     return 2;
 }
 
-/* Each edge once: with its two triangles; with one where it is a border, or where more meet. */
+/* Lists each edge once, with its two triangles; with one at a border, or where more than two
+ * meet. */
 static void list_edges(surface_meter *self, half_edge *half)
 {
     uint32_t count = 0, total = 3 * self->triangle_count;
@@ -163,7 +166,7 @@ static void measure_rest(surface_meter *self, const float *const rest[3])
     }
 }
 
-/* Adds a block that the span which is being listed does not have yet. */
+/* Adds a block to the span that is being listed, if it is not there yet. */
 static void add_block(surface_spans *s, uint32_t vertex)
 {
     uint32_t block = vertex / SURFACE_BLOCK, at = s->first[s->count], end = s->first[s->count + 1];
@@ -201,7 +204,7 @@ static void make_spans(surface_spans *out, arrays *a, size_t count, size_t touch
     out->block = arrays_add(a, touched * count, sizeof *out->block);
 }
 
-/* Whether the span touches one of these blocks. */
+/* Returns whether the span touches one of these blocks. */
 static bool span_has(const surface_spans *s, uint32_t span, const uint8_t *is_of)
 {
     uint32_t any = 0;
@@ -287,9 +290,9 @@ void surface_meter_destroy(surface_meter *self)
     free(self);
 }
 
-/* ---- measured ---- */
+/* ---- measurement ---- */
 
-/* The cosine of how far an edge is bent beyond an angle; 1 where it is not. */
+/* Returns the cosine of the bend of an edge beyond an angle; 1 if it is not bent further. */
 static float cosine_beyond(float angle_cosine, float angle_sine, float cosine)
 {
     float c = cosine > 1.0f ? 1.0f : cosine < -1.0f ? -1.0f : cosine;
@@ -327,13 +330,13 @@ void surface_meter_measure(surface_meter *self, surface_state *out, const float 
     out->bend_deg = acos(fmax((double)sharpest, -1.0)) * 180.0 / pi;
 }
 
-/* ---- a step is held back ---- */
+/* ---- limiting a step ---- */
 
-/* Of the room that is left before a limit so much may be taken by one step. */
+/* Share of the remaining distance to a limit that one step may use. */
 static const float room_taken = 0.5f;
 
-/* How much of a step may be taken that brings something from `before` to `after`, 1 being its
- * limit. */
+/* Returns the allowed share of a step that brings a value from `before` to `after`; the limit is
+ * 1. */
 static float share_of(float before, float after)
 {
     float room = before < 1.0f ? room_taken * (1.0f - before) : 0.0f;
@@ -348,10 +351,11 @@ static void lower(float *share, const uint32_t *vertex, uint32_t count, float to
 }
 
 typedef struct yield_limits {
-    float stretch, area, bend, crease; /* 1 over what may be gained */
-    float near_square;   /* of a length, times that at rest: up to that it is far from the limit */
-    float crease_cosine; /* edges that are bent further at rest are creases: what counts is how far
-                            they are bent beyond rest */
+    float stretch, area, bend, crease; /* 1 / allowed increase */
+    float near_square;   /* squared length, relative to rest, below which an edge is far from its
+                            limit */
+    float crease_cosine; /* edges that are bent further at rest are creases: their bend is measured
+                            relative to rest */
 } yield_limits;
 
 static yield_limits yield_of(const surface_limits *l)
@@ -367,7 +371,7 @@ static yield_limits yield_of(const surface_limits *l)
                           .crease_cosine = (float)cos(bend - crease)};
 }
 
-/* What has come so far is bounded from below by room_taken, see share_of. */
+/* Values up to room_taken cannot be limited, see share_of. */
 static bool may_count(float after)
 {
     return after > room_taken;
@@ -396,7 +400,7 @@ static float yield_stretch(const surface_edge *e, const yield_limits *l,
     return share_of((was - 1.0f) * l->stretch, now);
 }
 
-/* Of an edge that is bent by so much: 1 at the limit. */
+/* Returns the bend of an edge, relative to its limit: 1 at the limit. */
 static float bend_of(const surface_edge *e, const yield_limits *l, float cosine)
 {
     return e->cosine < l->crease_cosine
@@ -415,7 +419,7 @@ static float yield_bend(const surface_meter *self, const surface_edge *e, const 
     return share_of(bend_of(e, l, a.x * b.x + a.y * b.y + a.z * b.z), now);
 }
 
-/* Judges triangle t, one corner of which may have moved. */
+/* Judges triangle t, if one of its corners may have moved. */
 static float yield_moved(surface_meter *self, const yield_limits *l, uint32_t t,
                          const float *const before[3], const float *const after[3],
                          const uint8_t *is_changed, float *share)

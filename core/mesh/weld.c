@@ -4,9 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the diagonal of the mesh's box. */
+/* Share of the diagonal of the mesh's box. */
 static const double reach_part = 1e-6;
-/* Triangles that face each other at less than 60 degrees are two surfaces that touch. */
+/* Triangles that face each other at less than 60 degrees belong to two surfaces that touch. */
 static const double facing_cosine = -0.5, flat_sine = 1e-3;
 static const float smooth_cosine = 0.94f;
 
@@ -22,7 +22,7 @@ static const float *position_of(const mesh *m, uint32_t vertex)
 
 /* ---- coincident vertices ---- */
 
-typedef struct grid { /* cells of four reaches, hashed; a chain of vertices in each */
+typedef struct grid { /* cells with sides of four reaches, hashed; each has a chain of vertices */
     const mesh *m;
     double low[3], reach;
     uint32_t *first, *next; /* slot_count; vertex_count: UINT32_MAX ends a chain */
@@ -50,8 +50,8 @@ static bool are_near(const grid *g, uint32_t a, uint32_t b)
     return true;
 }
 
-/* The lowest vertex in the grid within reach; UINT32_MAX: none is. Looks into the neighbouring
- * cells only where the wall is within reach. */
+/* Returns the lowest vertex in the grid within reach; UINT32_MAX: none. Searches a neighbouring
+ * cell only if its wall is within reach. */
 static uint32_t find_near(const grid *g, uint32_t vertex)
 {
     uint64_t cell[3][2];
@@ -87,8 +87,8 @@ static void grid_add(grid *g, uint32_t vertex)
     g->first[slot] = vertex;
 }
 
-/* coincident: vertex_count: the first vertex at the same position, within reach. out_twice: how
- * many have one before them. */
+/* coincident: vertex_count: the first vertex at the same position, within reach. out_twice: number
+ * of vertices with an earlier one there. */
 static mrt_result find_coincident(uint32_t *coincident, uint32_t *out_twice, const mesh *m,
                                   error *err)
 {
@@ -126,17 +126,17 @@ static mrt_result find_coincident(uint32_t *coincident, uint32_t *out_twice, con
 
 typedef struct edge {     /* of a triangle, from a to b */
     uint32_t low, high;   /* its ends as coincident vertices */
-    uint32_t a, b, other; /* vertices, as they are one in the file; other: the triangle's third */
-    uint32_t looks[2];    /* a and b as the triangle has them, with their texture coordinates */
-    bool is_down;         /* from `high` to `low` */
+    uint32_t a, b, other; /* one in the file; other: the third vertex */
+    uint32_t looks[2]; /* the triangle's own vertices for a and b, with their texture coordinates */
+    bool is_down;      /* from `high` to `low` */
     bool is_paired;
-    uint32_t part; /* of the mesh */
+    uint32_t part; /* index of the part */
 } edge;
 
-/* Two that go on as one surface and differ in nothing: a slit, or vertices that were never shared.
- */
+/* Two edges that continue as one surface and have the same attributes: a slit, or vertices that
+ * were never shared. */
 typedef struct edge_pair {
-    uint32_t a[2], b[2]; /* the vertices of either end: of the one triangle, of the other */
+    uint32_t a[2], b[2]; /* vertices at both ends: of the first triangle, of the second */
 } edge_pair;
 
 typedef struct joining {
@@ -171,7 +171,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Unit, of the triangle at an edge; 0 where it has no area. */
+/* Computes the unit normal of the triangle at an edge; 0 if it has no area. */
 static void normal_of(double out[3], const mesh *m, const edge *e)
 {
     double u[3], v[3];
@@ -185,7 +185,8 @@ static void normal_of(double out[3], const mesh *m, const edge *e)
         out[i] = length > 0.0 ? out[i] / length : 0.0;
 }
 
-/* How straight the surface goes on from one edge to another, 1 to -1; -2: it does not. */
+/* Returns how straight the surface continues from one edge to another, 1 to -1; -2: it does not
+ * continue. */
 static double goes_on(const mesh *m, const edge *p, const edge *q)
 {
     double n[3], k[3], across[3];
@@ -249,9 +250,9 @@ static bool are_alike(const mesh *m, uint32_t a, uint32_t b)
     return are_smooth(m, a, b);
 }
 
-enum { CROWD = 8 }; /* coincident edges; more are no surface, and are left as they are */
+enum { CROWD = 8 }; /* coincident edges; more are not a surface, and are not joined */
 
-/* The straightest of the pairs that are left, again and again. */
+/* Joins the straightest of the remaining pairs repeatedly. */
 static void join_open(joining *j, edge *e, size_t count)
 {
     const mesh *m = j->m;
@@ -281,11 +282,11 @@ static void join_open(joining *j, edge *e, size_t count)
     }
 }
 
-/* ---- slits ----
- * Where there are texture coordinates or normals, nobody gives one point of one part two vertices
- * that have the same, unless none of his are shared, or the surface is to be open there: a mouth
- * with nothing behind it. Such edges are a slit where they are one chain that begins and ends at
- * vertices which both of its sides share, and not a short one. */
+/* ---- slits ---- Files with texture coordinates or normals normally do not repeat a vertex with
+ * the same values in one part. Two exceptions exist: files that share no vertices at all, and
+ * surfaces that are open on purpose, such as a mouth with nothing behind it. Such edges are a
+ * slit if they form one chain of at least SLIT_LEAST edges. Both ends of the chain must be
+ * vertices that its two sides share. */
 
 enum { SLIT_LEAST = 6 }; /* edges */
 
@@ -294,8 +295,9 @@ static uint32_t coincident_of(const uint32_t *coincident, const edge_pair *pair,
     return coincident[end == 0 ? pair->a[0] : pair->b[0]];
 }
 
-/* chain: of each place one that it hangs together with, itself at the end; ends: of each chain's
- * last place how many ends both sides share, and 4 for each place where it branches or is open. */
+/* chain: for each place another place of the same chain, or itself at the last one. ends: for the
+ * last place of each chain, the number of its ends that both sides share, plus 4 for each place
+ * where it branches or is open. */
 static void join_alike(joining *j, const uint32_t *coincident, uint32_t *chain, uint32_t *used,
                        uint32_t *ends)
 {
@@ -319,7 +321,7 @@ static void join_alike(joining *j, const uint32_t *coincident, uint32_t *chain, 
             ends[last] += used[at] == 2 && !is_shared ? 0 : used[at] == 1 && is_shared ? 1 : 4;
         }
     for (uint32_t v = 0; v < count; ++v)
-        used[v] = 0; /* from here on: edges of a chain */
+        used[v] = 0; /* now the number of edges of a chain */
     for (size_t i = 0; i < j->alike_count; ++i)
         used[root_of(chain, coincident_of(coincident, &j->alike[i], 0))] += 1;
     for (size_t i = 0; i < j->alike_count; ++i) {
@@ -329,7 +331,7 @@ static void join_alike(joining *j, const uint32_t *coincident, uint32_t *chain, 
     }
 }
 
-/* one: of each vertex the one that it is in the file. */
+/* one: for each vertex, its representative in the file. */
 static size_t list_edges(edge *out, const mesh *m, const uint32_t *coincident, const uint32_t *one,
                          const uint8_t *is_twice)
 {
@@ -359,7 +361,7 @@ static size_t list_edges(edge *out, const mesh *m, const uint32_t *coincident, c
     return count;
 }
 
-/* point: to begin with, what is one vertex in the file. */
+/* point: initially, vertices that are one in the file. */
 static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *coincident, error *err)
 {
     uint8_t *is_twice = calloc((size_t)m->vertex_count + 1, 1);
@@ -397,7 +399,8 @@ static mrt_result join_edges(uint32_t *point, const mesh *m, const uint32_t *coi
 
 enum { LEADERS_MAX = 32 };
 
-/* Each vertex with the first of its point that faces as it does, of the first few that differ. */
+/* Assigns each vertex to the first vertex of its point that faces the same way, among the first few
+ * that differ. */
 static mrt_result find_smooth(mesh *m, error *err)
 {
     uint32_t *next = malloc(((size_t)m->vertex_count + 1) * sizeof *next); /* leaders of a point */

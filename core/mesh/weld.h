@@ -1,18 +1,20 @@
-/* mesh/weld.h - which vertices of a mesh are one point of its surface. Files have a vertex twice
- * wherever a texture, a hard edge, a material or a part ends; the surface goes on there. [main] */
+/* mesh/weld.h - finds the vertices of a mesh that are one point of its surface. Files repeat a
+ * vertex wherever a texture, a hard edge, a material or a part ends, but the surface continues
+ * there. [main] */
 #ifndef MAROTTE_MESH_WELD_H
 #define MAROTTE_MESH_WELD_H
 #include "mesh/mesh.h"
 
-/* Finds m->point and m->smooth anew; what a reader says of m->point (m->smooth is NULL then) is
- * kept: those are one vertex in all that follows. Two open edges of triangles that coincide (within
- * a millionth of the mesh's size), in opposite directions, are one edge, and their ends are one
- * point: but not where the two triangles face each other, as lips that touch, or lie on each other.
- * Where more than two edges meet, those that go on straightest are one. A chain of such edges that
- * differ in nothing (texture, normals, part) and ends at vertices that both sides share is a slit,
- * and stays open. Vertices of one point get the position and the target offsets of its first
- * vertex, bit for bit; those whose normals in the file are less than 20 degrees apart are smooth
- * (without normals: all). */
+/* Sets m->point and m->smooth. Points that a reader has set in m->point (m->smooth is NULL then)
+ * are kept: their vertices are treated as one.
+ * Two open edges of triangles that coincide (within a millionth of the mesh's size), in opposite
+ * directions, are one edge, and their ends are one point. This does not apply if the two triangles
+ * face each other, like lips that touch, or are on each other. If more than two edges meet, the
+ * straightest continuations are joined.
+ * A chain of such edges with equal attributes (texture, normals, part) whose ends are vertices that
+ * both sides share is a slit, and stays open.
+ * Vertices of one point get exactly the position and the target offsets of its first vertex. Those
+ * whose normals in the file differ by less than 20 degrees are smooth (without normals: all). */
 CHECKED mrt_result mesh_weld(mesh *m, error *err);
 
 #endif

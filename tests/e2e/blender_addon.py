@@ -79,8 +79,8 @@ shutil.copy(path("first.glb"), path("take.glb"))
 with open(path("take.glb"), "rb") as file:
     whole = file.read()
 fails(lambda: addon.open_take(bpy.context, path("none.glb"), heads), "No such file")
-for bad, word in ((b"", "is no .glb"), (whole[:200], "damaged"), (whole[:len(whole) // 2], "damaged"),
-                  (whole.replace(b'"contentHash"', b'"contentHas_"'), "no performance of marotte"),
+for bad, word in ((b"", "not a .glb"), (whole[:200], "damaged"), (whole[:len(whole) // 2], "damaged"),
+                  (whole.replace(b'"contentHash"', b'"contentHas_"'), "not a performance of marotte"),
                   (whole.replace(b'"targetNames"', b'"targetName_"'), "damaged")):
     with open(path("bad.glb"), "wb") as file:
         file.write(bad)
@@ -227,7 +227,7 @@ for point, t, i in zip(points, times, range(9)):
     need(f"with its value: {point.co[1]}", abs(point.co[1] - 0.1 * i) < 1e-6)
 curves, _ = addon.curves_of(rig.animation_data.action, "OBJECT", "")
 need("the head's turn, too", len([c for c in curves if "J_Bip_C_Head" in c.data_path]) == 4)
-fails(lambda: bpy.ops.marotte.record() == bpy.ops.marotte.record(), "nothing came")
+fails(lambda: bpy.ops.marotte.record() == bpy.ops.marotte.record(), "no faces were received")
 
 # ---- hostile packets: nothing is shown, nothing ends ----
 good = [bundle(message("/VMC/Ext/Blend/Val", "sf", "MyOwn", 0.3), message("/VMC/Ext/Blend/Apply")),

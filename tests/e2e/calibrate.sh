@@ -42,7 +42,7 @@ refused 1 "the input ended in step 7 of 10, index alone" "$MAROTTE" calibrate \
     --input "log:$scratch/short.csv" --out "$user"
 cmp "$user" "$scratch/before.json" || fail "an incomplete calibration replaced the old one"
 echo '{"other": 1}' >"$scratch/other.json"
-refused 1 "not overwritten, since it is no calibration" "$MAROTTE" calibrate \
+refused 1 "not overwritten, because it is not a calibration" "$MAROTTE" calibrate \
     --input "log:$glove" --out "$scratch/other.json"
 grep -q other "$scratch/other.json" || fail "another file was overwritten"
 # One dead sensor is said, and keeps the shipped gain.
@@ -165,7 +165,7 @@ calibrate --from-virtualhand "$scratch/user.cal" --hand right --out "$scratch/vh
     >"$scratch/vh.txt" || fail "--from-virtualhand"
 grep -q "  imported *22" "$scratch/vh.txt" || fail "22 sensors are not imported"
 perform imported --calibration "$scratch/vh.json"
-refused 1 "say --hand left or --hand right" "$MAROTTE" calibrate \
+refused 1 "Use --hand left or --hand right" "$MAROTTE" calibrate \
     --from-virtualhand "$scratch/user.cal" --out "$scratch/out/a.json"
 echo "Device 1 2 3" >"$scratch/dcu.cal"
 refused 1 "Device Configuration Utility" "$MAROTTE" calibrate --from-virtualhand "$scratch/dcu.cal" \

@@ -52,7 +52,7 @@ bad 2 'needs {take} or {slate}' --all --export out/x.pc2
 bad 2 'are what a name may have' --all --export 'out/{face}.pc2'
 bad 2 'give a TAKE, or --all' --export out/x.pc2
 bad 2 'give a TAKE, or --all' 1 --all --export 'out/{take}.pc2'
-bad 2 'for shares of one take' 1 --jobs 2 --export out/x.pc2
+bad 2 'for parts of one take' 1 --jobs 2 --export out/x.pc2
 bad 2 'not a number from 1 to 64' --all --jobs 0 --export 'out/{take}.pc2'
 bad 2 'is not FIRST-LAST' 1 --frames 0-3 --export out/x.pc2
 bad 2 'is not FIRST-LAST' 1 --frames 5-3 --export out/x.pc2

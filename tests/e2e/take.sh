@@ -336,7 +336,7 @@ if command -v sqlite3 >/dev/null; then
     grep -q 'not the library that it was recorded with' "$scratch/stderr" ||
         fail "another version of a plugin is not said: $(cat "$scratch/stderr")"
     changed "UPDATE rig SET path = '/nowhere/a.rig.json'"
-    bad 1 '--face FILE says where it is now' export "$scratch/c.marotte" 1 --export "$scratch/out/a.glb"
+    bad 1 'cannot find the face of take' export "$scratch/c.marotte" 1 --export "$scratch/out/a.glb"
     [ "$(sum_of "$scratch/c.marotte" 1 --face "$puppet" --fps 30)" = "$first" ] ||
         fail "--face does not play it as it was"
     changed "UPDATE rig SET mesh_hash = '00'"

@@ -62,9 +62,9 @@ perform "${small[@]}" --seconds 1 --export again/
 [ "$(find again -mindepth 1 | wc -l)" -le 33 ] || fail "left behind: $(ls -A again)"
 [ -f again/notes.txt ] || fail "a file that is not ours is gone"
 mkdir others && touch others/00001.png
-refused 1 'name a folder that is empty' "$MAROTTE" perform "${performed[@]}" --export others/
+refused 1 'Choose an empty or a new folder' "$MAROTTE" perform "${performed[@]}" --export others/
 touch frames/00099.png
-refused 1 '00099.png is not of the 61 pictures' "$MAROTTE" perform "${performed[@]}" --export frames/
+refused 1 '00099.png is not one of the 61 pictures' "$MAROTTE" perform "${performed[@]}" --export frames/
 rm frames/00099.png
 printf x >nowhere
 refused 1 'nowhere: cannot create this folder' "$MAROTTE" perform "${performed[@]}" --export nowhere/frames/
@@ -159,7 +159,7 @@ refused 1 'out/a.mp4: ffmpeg was ended (Killed) after' env PATH="$scratch/bin:$P
 fake 'head -c 2000000 >/dev/null; echo "something else" >&2; echo "av_interleaved_write_frame(): No space left on device" >&2; exit 1'
 refused 1 'out/a.mp4: no space is left in out/' env PATH="$scratch/bin:$PATH" "$MAROTTE" take export s.marotte 1 "${small[@]}" --export out/a.mp4
 fake 'exit 3'
-refused 1 'it does not say why' env PATH="$scratch/bin:$PATH" "$MAROTTE" perform "${performed[@]}" "${small[@]}" --export out/a.mp4
+refused 1 'it gives no reason' env PATH="$scratch/bin:$PATH" "$MAROTTE" perform "${performed[@]}" "${small[@]}" --export out/a.mp4
 echo old >out/a.mp4
 PATH="$scratch/bin:$PATH" "$MAROTTE" take export s.marotte 1 "${small[@]}" --export out/a.mp4 >/dev/null 2>&1
 [ "$(cat out/a.mp4)" = old ] || fail "a failed export took the file that was there"

@@ -55,7 +55,7 @@ static void a_library_that_is_not_there_is_refused(void **state)
     (void)state;
     error err = {""};
     assert_true(check_quick("/nowhere/none.so", &err) < 0);
-    assert_non_null(strstr(err.text, "/nowhere/none.so is no file"));
+    assert_non_null(strstr(err.text, "/nowhere/none.so: not a file"));
 }
 
 static void every_rule_has_an_id_and_words_of_its_own(void **state)

@@ -52,7 +52,7 @@ static void reads_all_that_is_there(void **state)
     sensor = &file.sensor[SENSOR_MIDDLE_INDEX_SPREAD];
     assert_false(sensor->has_range || sensor->has_residual);
     assert_true(sensor->neutral_rad == sensor_table[SENSOR_MIDDLE_INDEX_SPREAD].neutral_rad);
-    assert_non_null(strstr(file.note, "anna.json: $.shoe: a key that this version does not know"));
+    assert_non_null(strstr(file.note, "anna.json: $.shoe: unknown key"));
     assert_non_null(strstr(file.note, "$.sensors[\"index.mpj\"].colour"));
     calibration_file_finish(&file);
 }
@@ -114,7 +114,7 @@ static void errors_name_the_file_the_place_and_what_was_expected(void **state)
     refused("\"left\"", "\"both\"", "$.hand: expected \"left\" or \"right\", found \"both\"");
     refused("count\": 2", "count\": 3", "$.sensor_count: expected 2");
     refused("182.5", "18", "$.hand_length_mm: expected a number from 50 to 400, found 18");
-    refused("\"index.mpj\"", "\"toe\"", "$.sensors.toe: there is no sensor of that name");
+    refused("\"index.mpj\"", "\"toe\"", "$.sensors.toe: unknown sensor");
     refused("\"measured\"", "\"guessed\"",
             "$.sensors[\"index.mpj\"].source: expected \"shipped\", \"zeroed\", \"measured\" or "
             "\"imported\", found \"guessed\"");

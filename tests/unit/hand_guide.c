@@ -462,7 +462,7 @@ static void a_joint_that_is_not_seen_stays_as_it_is(void **state)
     guide_judge(&judgement, s.guide, &file);
     assert_int_equal(judgement.flaw_count, 1);
     guide_flaw_text(&judgement.flaw[0], words, sizeof words);
-    assert_non_null(strstr(words, "little finger, end joint: hardly moved, so it stays as it is"));
+    assert_non_null(strstr(words, "little finger, end joint: hardly moved, so it is used as seen"));
     guide_destroy(s.guide);
 }
 

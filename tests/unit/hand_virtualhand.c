@@ -129,7 +129,7 @@ static void placeholders_are_left_out_and_said(void **state)
     assert_int_equal(parse(&file, text, MRT_NO_HAND, &err), MRT_OK);
     assert_int_equal(file.sensor[6].table.count, 0); /* index end joint: estimated */
     assert_int_equal(calibration_file_sensor_count(&file), 21);
-    assert_non_null(strstr(file.note, "index.dij: a gain of 0.4 rad per count is none"));
+    assert_non_null(strstr(file.note, "index.dij: a gain of 0.4 rad per count is impossible"));
     free(text);
 }
 
@@ -167,7 +167,7 @@ static void without_geometry_somebody_has_to_say_the_side(void **state)
     assert_int_equal(file.side, MRT_RIGHT);
     assert_true(file.hand_length_mm == 0.0);
     assert_true(parse(&file, calibration, MRT_NO_HAND, &err) < 0);
-    assert_non_null(strstr(err.text, "say --hand left or --hand right"));
+    assert_non_null(strstr(err.text, "Use --hand left or --hand right"));
 }
 
 static void dcu_files_are_refused_with_the_reason(void **state)

@@ -111,7 +111,7 @@ static void lies_about_draco_are_refused_by_name(void **state)
         {"'count':4,'type':'VEC3'},{", "'count':5,'type':'VEC3'},{", "differ"},
         {"'count':6", "'count':9", "has 4 vertices and 2 triangles, the file says 4 and 3"},
         {"'count':6", "'count':2000000000", "its counts make no sense"},
-        {"'count':6", "'count':60000000", "it asks for more than"},
+        {"'count':6", "'count':60000000", "it needs more than"},
         {"{'bufferView':0,'attr", "{'bufferView':3,'attr", "compressed data is not there"},
         {"{'bufferView':0,'attr", "{'bufferView':'x','attr", "compressed data is not there"},
         {"{'buffer':0,'byteLength':149}", "{'buffer':0,'byteLength':999}", "past the end"},

@@ -245,7 +245,7 @@ static void documents_that_unfold_without_end_are_refused(void **state)
     for (int i = 0; i < TARGETS; ++i)
         used += (size_t)sprintf(json + used, "%s{\"POSITION\":0}", i ? "," : "");
     used += (size_t)sprintf(json + used, "]}]}],\"nodes\":[{\"mesh\":0}]}");
-    assert_refused(json, used, "bytes of memory, which is all that a mesh of");
+    assert_refused(json, used, "bytes of memory, the limit for a mesh of");
     free(json);
 }
 
@@ -269,7 +269,7 @@ static void skins_that_unfold_without_end_are_refused(void **state)
     used += (size_t)sprintf(json + used, "]}");
     for (size_t i = 0; i < used; ++i)
         json[i] = json[i] == '\'' ? '"' : json[i];
-    assert_refused(json, used, "steps of work, which is all that a mesh of");
+    assert_refused(json, used, "steps of work, the limit for a mesh of");
     free(json);
 
     const document d = document_glb(
@@ -277,7 +277,7 @@ static void skins_that_unfold_without_end_are_refused(void **state)
         "{'componentType':5126,'count':16777215,'type':'MAT4'}],'meshes':[{'primitives':[{"
         "'attributes':{'POSITION':0}}]}],'skins':[{'joints':[0],'inverseBindMatrices':1}],"
         "'nodes':[{},{'mesh':0,'skin':0}]");
-    assert_refused(d.bytes, d.size, "steps of work, which is all that a mesh of");
+    assert_refused(d.bytes, d.size, "steps of work, the limit for a mesh of");
 }
 
 int main(void)

@@ -555,7 +555,7 @@ static void a_mouth_is_cut_where_lips_are_one_surface(void **state)
     static const uint32_t no_chain[] = {0, 100, 200, 300}, twice[] = {1, 2, 1, 3};
     uint32_t before = f.mesh.vertex_count;
     assert_int_equal(face_file_cut_mouth(&f, no_chain, 4, &err), MRT_ERR_FORMAT);
-    assert_non_null(strstr(err.text, "no edge of two triangles joins them"));
+    assert_non_null(strstr(err.text, "are not joined by an edge of two triangles"));
     assert_int_equal(face_file_cut_mouth(&f, twice, 4, &err), MRT_ERR_FORMAT);
     assert_int_equal(face_file_cut_mouth(&f, chain, 2, &err), MRT_ERR_FORMAT);
     assert_int_equal(f.mesh.vertex_count, before);

@@ -259,7 +259,7 @@ static void paint_that_many_regions_use_is_paid_out_of_the_budget(void **state)
         at += (size_t)snprintf(text + at, 32, "%s{\"painted\": \"p\"}", i ? "," : "");
     (void)snprintf(text + at, 32, "]}}]}");
     assert_int_equal(rig_from(&r, text, &err), MRT_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.text, "$.paints.p: it asks for more than"));
+    assert_non_null(strstr(err.text, "$.paints.p: it needs more than"));
 }
 
 static void paint_that_makes_no_sense_is_refused_with_its_place(void **state)

@@ -206,7 +206,7 @@ static void selectors_that_would_stall_the_program_are_refused_with_their_place(
     assert_int_equal(select_many(out, "{\"within\": {\"mm\": 1e6, \"of\": 3}}", 2000, &err),
                      MRT_ERR_UNSUPPORTED);
     assert_non_null(strstr(err.text, "$.regions[0].select.any[0].any["));
-    assert_non_null(strstr(err.text, "steps of work, which is all that a rig on a mesh of"));
+    assert_non_null(strstr(err.text, "steps of work, the limit for a rig on a mesh of"));
 }
 
 /* Each of them is a run over the mesh if it is done one vertex after the other. */

@@ -306,8 +306,8 @@ static void included_files_are_paid_out_of_one_budget(void **state)
     put("a.rig.json", "{\"marotte_rig\": 1, \"mesh\": \"m.obj\", \"include\": [\"d0.rig.json\", "
                       "\"d1.rig.json\", \"d2.rig.json\"]}");
     assert_int_equal(rig_read(&r, in_folder("a.rig.json"), &err), MRT_ERR_UNSUPPORTED);
-    assert_non_null(strstr(err.text, "d2.rig.json: it asks for more than"));
-    assert_non_null(strstr(err.text, "bytes of memory, which is all that a rig of"));
+    assert_non_null(strstr(err.text, "d2.rig.json: it needs more than"));
+    assert_non_null(strstr(err.text, "bytes of memory, the limit for a rig of"));
 }
 
 static void errors_in_included_files_name_them(void **state)

@@ -394,7 +394,7 @@ static void a_hostile_picture_harms_nothing(void **state)
         (void)snprintf(path, sizeof path, "%s/%s", s.folder, hostile[i].name);
         assert_int_equal(file_write(path, hostile[i].bytes, hostile[i].size, &err), MRT_OK);
         drop(&s, path);
-        (void)snprintf(said, sizeof said, "%s is not shown", hostile[i].name);
+        (void)snprintf(said, sizeof said, "%s cannot be shown", hostile[i].name);
         assert_true(scene_until(&s, has_news, said));
         assert_true(scene_until(&s, reads_nothing, NULL));
         assert_string_equal(kept_scenery_now(app_scenery(s.app))->picture, "");

@@ -13,14 +13,14 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* ---- measuring ---- */
+/* ---- measurement ---- */
 
 static double time_one(bench_work *work)
 {
     if (work->before)
         work->before(work->data);
     else
-        work->run(work->data); /* its data comes into the caches, the others' leave */
+        work->run(work->data); /* loads its data into the caches, in place of the others' */
     int64_t start_ns = clock_now_ns();
     work->run(work->data);
     return (double)(clock_now_ns() - start_ns);
@@ -47,12 +47,12 @@ uint32_t bench_measure(bench_work *work, uint32_t count, uint32_t rounds, double
     return round;
 }
 
-/* ---- what is promised ---- */
+/* ---- goals ---- */
 
 /* A machine is quiet while other programs use at most this share of one processor. */
 static const double quiet_share = 0.1;
 
-/* Other work on the machine takes from a ratio too: a gate asks for half of it. */
+/* Other programs affect ratios too, so a gate requires half of the goal. */
 static const double gate_share = 0.5;
 
 static void note(bench *self, const bench_promise *promise)
@@ -81,15 +81,15 @@ static bool is_kept(const bench_promise *p, double share)
     return p->is_most ? p->measured * share <= p->promised : p->measured >= p->promised * share;
 }
 
-/* Prints them. Returns how many ratios are not even half of what is promised. */
+/* Prints the results. Returns the number of ratios that miss half of their goal. */
 static uint32_t bench_promises(bench *self)
 {
     uint32_t broken = 0;
     if (self->promise_count > 0)
-        bench_title(self, "What is promised, of a quiet machine with two processors");
+        bench_title(self, "Goals, for a quiet machine with two processors");
     if (self->promise_count > 0 && self->others_busy > quiet_share)
         facts_warning(self->told, "others_busy_processors",
-                      "the machine is busy, figures may be too slow: other programs use",
+                      "the machine is busy, so that figures may be too slow: other programs use",
                       self->others_busy, 1, "processors");
     for (uint32_t i = 0; i < self->promise_count; ++i) {
         const bench_promise *p = &self->promise[i];
@@ -100,7 +100,7 @@ static uint32_t bench_promises(bench *self)
                               : is_broken                       ? "far missed"
                               : self->others_busy > quiet_share ? "not judged"
                                                                 : "missed";
-        snprintf(line, sizeof line, "%-40s %9.3f%s, promised at %s %g%s", p->what, p->measured,
+        snprintf(line, sizeof line, "%-40s %9.3f%s, goal: at %s %g%s", p->what, p->measured,
                  p->unit, p->is_most ? "most" : "least", p->promised, p->unit);
         const facts_cell cells[] = {
             {"what", p->what, 0.0, 0},
@@ -115,7 +115,7 @@ static uint32_t bench_promises(bench *self)
     return broken;
 }
 
-/* ---- what the machine can do ---- */
+/* ---- limits of the machine ---- */
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -188,14 +188,15 @@ void bench_roof_flush(void *roof)
     volatile float sink = 0.0f;
     float sum = 0.0f;
     for (size_t i = 0; i < self->bytes / sizeof(float); i += ALIGNMENT / sizeof(float))
-        sum += self->other[i]; /* read only: what is written would be written back later */
+        sum += self->other[i]; /* only read: written data would be written back to memory later */
     sink = sum;
     (void)sink;
 }
 
 /* ---- other programs ---- */
 
-/* Ticks of all processors since the system started: at work, and in all. False: unknown. */
+/* Reads the ticks of all processors since the start of the system: busy, and in total. Returns
+ * false if unknown. */
 static bool read_ticks(double *out_busy, double *out_all)
 {
     unsigned long long t[8] = {0};
@@ -208,11 +209,11 @@ static bool read_ticks(double *out_busy, double *out_all)
     *out_all = 0.0;
     for (int i = 0; i < 8; ++i)
         *out_all += (double)t[i];
-    *out_busy = *out_all - (double)t[3] - (double)t[4]; /* idle, and waiting for a disk */
+    *out_busy = *out_all - (double)t[3] - (double)t[4]; /* minus idle, and waiting for a disk */
     return count == 8;
 }
 
-/* How many processors other programs use, while this one waits for half a second. */
+/* Returns how many processors other programs use while this one sleeps for half a second. */
 static double others_busy(void)
 {
     double busy[2], all[2];
@@ -318,7 +319,7 @@ static mrt_result bench_machine(bench *self, error *err)
     return MRT_OK;
 }
 
-/* from a device to the face published */
+/* latency from a device to the published face */
 static void bench_memory(bench *self)
 {
     struct rusage usage;
@@ -340,8 +341,8 @@ static int read_part(void *to, const command *self, const char *name, const char
             *(const part **)to = &parts[i];
             return COMMAND_DONE;
         }
-    return command_usage(self, "--%s %s: there are grid, bones, factor, threads, frame, stage",
-                         name, text);
+    return command_usage(self, "--%s %s: choose grid, bones, factor, threads, frame or stage", name,
+                         text);
 }
 
 #define AT(member) .offset = offsetof(bench_options, member)
@@ -356,7 +357,7 @@ static const command_option option_table[] = {
 
 static mrt_result measure(bench *self, const part *only, error *err)
 {
-    pool_share_from((double)INFINITY); /* one thread, but where threads are the subject */
+    pool_share_from((double)INFINITY); /* one thread, except where threads are the subject */
     note_others(self);
     mrt_result result = bench_roof_create(&self->roof, (size_t)96 << 20, err);
     if (result >= 0)
@@ -394,8 +395,7 @@ static int run(int argc, char **argv)
     code = command_end(&command_bench, self.told, result, &err);
     if (code != COMMAND_DONE || !options.is_gate || self.broken_count == 0)
         return code;
-    fprintf(stderr, "marotte bench: %u of the ratios are not even half of what is promised\n",
-            self.broken_count);
+    fprintf(stderr, "marotte bench: %u ratios miss half of their goal\n", self.broken_count);
     return COMMAND_FAILED;
 }
 

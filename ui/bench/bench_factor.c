@@ -1,5 +1,5 @@
-/* Factorisation and solve of many centres: what a rig with pins, or a reader of scans, asks for.
- * And taking hold anew in front of pins that stay: tips alone are factored. */
+/* Factorisation and solution with many centres, as for a rig with pins or for reading a scan. Also
+ * taking hold again with unchanged pins, where only the tips are factored. */
 #include "bench/bench.h"
 #include "csrbf/saddle.h"
 
@@ -17,7 +17,7 @@ typedef struct head { /* centres spread evenly over an ellipsoid of a skull's si
     uint32_t count;
     csrbf_settings settings;
     csrbf_solver *solver;
-    saddle many; /* for many sides together */
+    saddle many; /* for many right-hand sides together */
     double *side;
     order_item *scratch;
     uint32_t round;
@@ -44,7 +44,7 @@ static void spread(head *self, uint32_t count)
     }
 }
 
-/* Tips in the skin in front of the skull, which pull. */
+/* Adds tips in the skin in front of the skull, which pull. */
 static void add_tips(head *self)
 {
     for (uint32_t i = 0; i < self->count * 3; ++i)
@@ -68,7 +68,7 @@ static void factor(head *self, const csrbf_settings *settings)
     note(self, csrbf_factor(self->solver, settings, self->centre, self->class, self->count, NULL));
 }
 
-/* All of it: no two rounds that follow each other are of one matrix. */
+/* Runs the whole factorisation. Consecutive rounds have different matrices. */
 static void run_factor(void *data)
 {
     head *self = data;
@@ -106,21 +106,21 @@ static void run_hold_again(void *data)
     run_solve(self);
 }
 
-/* As when tips have come and gone before: all that is kept of the pins is in its place. */
+/* Simulates earlier tips, so that all stored data of the pins is in place. */
 static void hold_some_times(void *data)
 {
     run_hold_again(data);
     run_hold_again(data);
 }
 
-static void tell(bench *self, const head *h, const bench_work work[3])
+static void report(bench *self, const head *h, const bench_work work[3])
 {
     char label[32], line[160];
     csrbf_diagnostics diagnosed = csrbf_diagnose(h->solver);
     snprintf(label, sizeof label, "%u R=%g", h->count, h->settings.radius);
     snprintf(line, sizeof line,
-             "factor %8.2f ms   three sides %7.2f ms   sixteen %7.2f ms   envelope %5.1f %% of the "
-             "triangle",
+             "factor %8.2f ms   three sides %7.2f ms   sixteen %7.2f ms   envelope %5.1f %% of "
+             "the triangle",
              work[0].least_ns * 1e-6, work[1].least_ns * 1e-6, work[2].least_ns * 1e-6,
              100.0 * (double)diagnosed.envelope_count /
                  (0.5 * (double)h->count * ((double)h->count + 1.0)));
@@ -143,7 +143,7 @@ static void measure(bench *self, head *h)
                          {.run = run_solve, .data = h},
                          {.run = run_solve_many, .data = h}};
     bench_measure(work, 3, self->rounds, self->seconds);
-    tell(self, h, work);
+    report(self, h, work);
     if (h->count == CENTRES_MAX && h->settings.radius <= radii_mm[1] &&
         h->settings.radius >= radii_mm[1])
         bench_at_most_ms(self, "3 000 centres factored", work[0].least_ns * 1e-6, 60.0);

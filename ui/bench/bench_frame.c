@@ -1,6 +1,6 @@
-/* The whole frame of a face, by phases, with and without each thing that was put around the engine.
- * A recording is performed several times. The shortest time of each frame counts, in processor time
- * of the thread: other programs can only make a frame slower. */
+/* The whole frame of a face, by phases, with and without each step around the engine. A recording
+ * is performed several times. The shortest time of each frame counts, in processor time of the
+ * thread: other programs can only make a frame slower. */
 #include "base/percentile.h"
 #include "bench/bench.h"
 #include "face/bones.h"
@@ -13,14 +13,14 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- what is performed ---- */
+/* ---- the performed recording ---- */
 
 enum { FRAMES_MAX = 2000, FRAMES_QUICK = 400, PASSES = 5, PASSES_QUICK = 3, TURN = 100 };
 
 typedef struct frame_hand {
     mrt_sample sample[FRAMES_MAX];
     uint32_t count;
-    int64_t length_ns; /* it begins again */
+    int64_t length_ns; /* time after which it repeats */
     channel_route route;
     mrt_channel channel[MRT_MAX_CHANNELS];
 } frame_hand;
@@ -66,7 +66,7 @@ static mrt_result read_hand(frame_hand *out, bench_face *on, const char *recordi
     return result;
 }
 
-/* Sample `frame` of the recording, which is played once more with each pass. */
+/* Returns sample `frame` of the recording. Each pass plays the recording once more. */
 static mrt_sample sample_of(const frame_hand *hand, uint32_t pass, uint32_t frame)
 {
     mrt_sample out = hand->sample[frame];
@@ -75,7 +75,7 @@ static mrt_sample sample_of(const frame_hand *hand, uint32_t pass, uint32_t fram
     return out;
 }
 
-/* ---- a face with all of it, and without one of the things around the engine ---- */
+/* ---- a face with all steps, and without one of them ---- */
 
 typedef enum frame_kind { WHOLE, NO_LIMIT, NO_SEAL, NO_SKULL, NO_SHAPES, BARE, KINDS } frame_kind;
 static const char *const kind_name[KINDS] = {
@@ -90,12 +90,12 @@ static const char *const kind_name[KINDS] = {
 enum { STEP_MAP, STEP_CONSTRAIN, STEP_DEFORM, STEP_PUBLISH, STEP_FRAME, STEPS };
 
 typedef struct frame_scene {
-    rig rig;        /* of the face, but for what is left out; its arrays are the face's */
+    rig rig;        /* copy of the face's rig without that step; shares its arrays */
     face_file file; /* likewise */
     instance mapping;
     performer *performer;
     live_board board;
-    double *took_ms[STEPS]; /* of each frame */
+    double *took_ms[STEPS]; /* times of each frame */
     uint32_t frames;
 } frame_scene;
 
@@ -104,7 +104,7 @@ static bool leaves_out(frame_kind kind, frame_kind what)
     return kind == what || kind == BARE;
 }
 
-/* Whether the face has it. */
+/* Returns whether the face has that step. */
 static bool has_kind(const bench_face *on, frame_kind kind)
 {
     const rig *r = on->file.rig;
@@ -189,7 +189,7 @@ static double lap_ms(double *from_ms)
     return took_ms;
 }
 
-/* As a stage does, for a window that takes each face. */
+/* Publishes as a stage does for a window that reads each face. */
 static void publish(frame_scene *self)
 {
     const live_view *taken;
@@ -217,7 +217,7 @@ static void run_frame(frame_scene *self, const frame_hand *hand, uint32_t pass, 
             self->took_ms[i][frame] = took_ms[i];
 }
 
-/* All kinds in turns, so that a processor that gets slower does so for all. */
+/* Runs all kinds in turns, so that a processor that slows down affects all of them. */
 static void run_turns(frame_scene scene[KINDS], const frame_hand *hand, uint32_t passes,
                       uint32_t frames)
 {
@@ -231,7 +231,7 @@ static void run_turns(frame_scene scene[KINDS], const frame_hand *hand, uint32_t
         scene[kind].frames = frames;
 }
 
-/* ---- told ---- */
+/* ---- results ---- */
 
 typedef struct frame_times {
     double p50_ms, p99_ms, worst_ms;
@@ -244,8 +244,8 @@ static frame_times times_of(const frame_scene *self, int step)
                          percentile(ms, self->frames, 1.0)};
 }
 
-static void tell_kind(bench *self, const frame_part *part, const frame_scene *scene, int kind,
-                      const frame_times *whole)
+static void report_kind(bench *self, const frame_part *part, const frame_scene *scene, int kind,
+                        const frame_times *whole)
 {
     const frame_times frame = times_of(scene, STEP_FRAME);
     const double map = times_of(scene, STEP_MAP).p50_ms,
@@ -292,7 +292,7 @@ static void promise(bench *self, const frame_part *part, const frame_times *whol
     }
 }
 
-static void tell_part(bench *self, bench_face *on, const frame_part *part, frame_scene *scene)
+static void report_part(bench *self, bench_face *on, const frame_part *part, frame_scene *scene)
 {
     char title[160];
     const frame_times whole = times_of(&scene[WHOLE], STEP_FRAME),
@@ -305,7 +305,7 @@ static void tell_part(bench *self, bench_face *on, const frame_part *part, frame
                "frame: p50  p99  worst", "everything over it");
     for (int kind = 0; kind < KINDS; ++kind)
         if (scene[kind].performer)
-            tell_kind(self, part, &scene[kind], kind, &whole);
+            report_kind(self, part, &scene[kind], kind, &whole);
     promise(self, part, &whole, &free);
 }
 
@@ -321,7 +321,7 @@ static mrt_result measure(bench *self, bench_face *on, const frame_part *part, f
         const uint32_t most = self->is_quick ? FRAMES_QUICK : FRAMES_MAX;
         run_turns(scene, hand, self->is_quick ? PASSES_QUICK : PASSES,
                   hand->count < most ? hand->count : most);
-        tell_part(self, on, part, scene);
+        report_part(self, on, part, scene);
     }
     for (int kind = 0; kind < KINDS; ++kind)
         close_scene(&scene[kind]);

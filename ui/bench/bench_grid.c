@@ -9,9 +9,9 @@
 typedef struct model {
     uint32_t quads;
     bool has_centres, is_large;
-    uint32_t paper_pairs[BENCH_RADII]; /* of Table 1; 0: not in it */
+    uint32_t paper_pairs[BENCH_RADII]; /* of Table 1; 0: not in the table */
 } model;
-/* 16 641 at 60 is printed as 115812 there: a digit too few, by its neighbours. */
+/* For 16 641 vertices at 60 the paper prints 115812: a wrong digit, as its neighbours show. */
 static const model models[] = {
     {32, false, false, {698, 2414, 7342, 10124, 10890}},
     {64, false, false, {2646, 9526, 28686, 39476, 42250}},
@@ -22,7 +22,7 @@ static const model models[] = {
 };
 enum { MODELS = sizeof models / sizeof models[0] };
 
-/* Frames a second that the paper prints, display included, on a computer of 2004. */
+/* Frames per second in the paper, display included, on a computer of 2004. */
 typedef struct paper_rate {
     uint32_t vertex_count;
     double radius_mm, anchored, unanchored;
@@ -49,11 +49,11 @@ typedef struct cell { /* one model at one radius */
     shape shape;
     csrbf_solver *solver;
     bench_naive naive;
-    csrbf_settings step; /* of the unanchored one */
+    csrbf_settings step; /* settings of the unanchored frame */
     double pull[BENCH_CONTROLS * 3], end[BENCH_CONTROLS * 3];
     mrt_result failed;
     uint32_t blocks;
-    double narrow_ns; /* of a direct frame at the least radius */
+    double narrow_ns; /* time of a direct frame at the smallest radius */
 } cell;
 
 static void run_anchored(void *data)
@@ -70,14 +70,14 @@ static void run_direct(void *data)
     self->blocks = csrbf_move(self->solver, &self->shape.shown, &self->shape.base);
 }
 
-/* The shape as it was before the step; not a part of what is measured. */
+/* Restores the shape before the step; this is not measured. */
 static void set_back(void *data)
 {
     cell *self = data;
     points_copy(&self->shape.shown, &self->shape.base);
 }
 
-/* All of a sample: order, factor, solve, slope, update; in one step, as the paper has it. */
+/* Performs a whole sample: order, factor, solve, slope, update; in one step, as in the paper. */
 static void run_step(void *data)
 {
     cell *self = data;
@@ -101,7 +101,7 @@ static mrt_result prepare(cell *self, double radius_mm, error *err)
     self->step = (csrbf_settings){.radius = radius_mm, .is_one_step = true};
     for (int i = 0; i < BENCH_CONTROLS * 3; ++i)
         self->end[i] = bench_control[i] + bench_pull[i];
-    shape_reset(&self->shape); /* engaging makes the shape shown the base */
+    shape_reset(&self->shape); /* engaging makes the shown shape the base */
     bench_naive_init(&self->naive, self->plane, radius_mm);
     mrt_result result = shape_engage(&self->shape, &settings, bench_control, BENCH_CONTROLS, err);
     if (result >= 0)
@@ -109,7 +109,7 @@ static mrt_result prepare(cell *self, double radius_mm, error *err)
     return result >= 0 ? csrbf_solve(self->solver, bench_pull, err) : result;
 }
 
-/* Furthest that two results are apart, over the largest displacement. */
+/* Returns the greatest distance between two results, divided by the largest displacement. */
 static double difference(const cell *self)
 {
     double furthest = 0.0, largest = 0.0;
@@ -134,11 +134,11 @@ typedef struct row {
     double radius_mm, took_ns, cold_ns, naive_ns, copy_ns, triad_ns;
     uint64_t bytes, pairs, paper_pairs;
     double off, paper_fps;
-    bool is_direct; /* the field alone, solved before */
+    bool is_direct; /* only the field, solved before */
     bool is_step;   /* unanchored: the whole step */
 } row;
 
-static void tell(bench *self, const bench_plane *plane, const row *r)
+static void report(bench *self, const bench_plane *plane, const row *r)
 {
     char line[256], label[32];
     double per_vertex = r->took_ns / (double)plane->vertex_count;
@@ -180,7 +180,7 @@ static void tell(bench *self, const bench_plane *plane, const row *r)
     facts_row(self->told, "grid", label, line, cells, sizeof cells / sizeof cells[0]);
 }
 
-/* What is promised is promised of the paper's largest model, and for the far caches. */
+/* Goals are for the paper's largest model, and for memory outside the caches. */
 static void promise(cell *self, const row *r)
 {
     bench *of = self->of;
@@ -209,7 +209,8 @@ static void promise(cell *self, const row *r)
     }
 }
 
-/* Base read, shown written, and the columns; or no column. */
+/* Bytes of a frame: the base is read, the result is written, and the columns are read. A direct
+ * frame has no columns. */
 static uint64_t bytes_of(cell *self, bool is_direct)
 {
     columns_weigh(&self->shape.response, self->pull, is_direct ? 0 : BENCH_CONTROLS);
@@ -288,7 +289,7 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
                      is_direct ? 0.0 : paper_fps(self->plane->vertex_count, radius_mm, !is_step),
                  .is_direct = is_direct,
                  .is_step = is_step};
-        tell(of, self->plane, &r);
+        report(of, self->plane, &r);
         promise(self, &r);
         result = is_direct ? MRT_OK : show_cell(self, &r, &work[1], err);
         if (result < 0)
@@ -296,10 +297,11 @@ static mrt_result measure(cell *self, double radius_mm, const model *m, uint32_t
     }
     if (self->failed < 0)
         return error_set(err, self->failed, "the engine refused a frame of the bench");
-    return prepare(self, radius_mm, err); /* a step lets go of the shape */
+    return prepare(self, radius_mm, err); /* a step releases the shape */
 }
 
-/* From memory, on the paper's largest model: the columns and no columns, in one comparison. */
+/* Measures from memory, on the paper's largest model: with columns and without, in one
+ * comparison. */
 static void measure_cold(cell *self)
 {
     bench *of = self->of;

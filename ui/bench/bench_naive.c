@@ -1,10 +1,10 @@
-/* The deformation as anybody would write it first: the paper's formula, in float, a vertex after
- * the other. Built as anybody would build it: with -O2 and nothing else (ui/CMakeLists.txt). */
+/* A naive deformation: the paper's formula in float, one vertex after the other. Built with -O2 and
+ * no other options (ui/CMakeLists.txt). */
 #include "bench/bench.h"
 
 #include <math.h>
 
-/* Gauss without pivoting: the matrix of a positive definite kernel. */
+/* Gauss elimination without pivoting: the matrix of a positive definite kernel needs none. */
 static void solve(double matrix[BENCH_CONTROLS][BENCH_CONTROLS], double rhs[BENCH_CONTROLS][3])
 {
     for (int row = 0; row < BENCH_CONTROLS; ++row)

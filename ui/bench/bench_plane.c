@@ -1,4 +1,4 @@
-/* The planar models; what bones and several threads cost a frame on them. */
+/* The planar models, and the cost of bones and of several threads on them. */
 #include "base/clock.h"
 #include "base/pool.h"
 #include "bench/bench.h"
@@ -26,22 +26,22 @@ static float coordinate(uint32_t half_steps, uint32_t quads)
     return (float)(((double)half_steps - (double)quads) * side_mm / (2.0 * (double)quads));
 }
 
-static void put_vertex(float *row, uint32_t half_column, uint32_t half_row, uint32_t quads)
+static void add_vertex(float *row, uint32_t half_column, uint32_t half_row, uint32_t quads)
 {
     row[0] = coordinate(half_column, quads);
     row[1] = coordinate(half_row, quads);
     row[2] = 0.0f;
 }
 
-static void put_vertices(bench_plane *self, uint32_t quads, bool has_centres)
+static void add_vertices(bench_plane *self, uint32_t quads, bool has_centres)
 {
     float *row = self->xyz;
     for (uint32_t y = 0; y <= quads; ++y)
         for (uint32_t x = 0; x <= quads; ++x, row += 3)
-            put_vertex(row, 2 * x, 2 * y, quads);
+            add_vertex(row, 2 * x, 2 * y, quads);
     for (uint32_t y = 0; has_centres && y < quads; ++y)
         for (uint32_t x = 0; x < quads; ++x, row += 3)
-            put_vertex(row, 2 * x + 1, 2 * y + 1, quads);
+            add_vertex(row, 2 * x + 1, 2 * y + 1, quads);
 }
 
 static uint32_t *put_triangle(uint32_t *at, uint32_t a, uint32_t b, uint32_t c)
@@ -52,7 +52,7 @@ static uint32_t *put_triangle(uint32_t *at, uint32_t a, uint32_t b, uint32_t c)
     return at + 3;
 }
 
-static void put_triangles(bench_plane *self, uint32_t quads, bool has_centres)
+static void add_triangles(bench_plane *self, uint32_t quads, bool has_centres)
 {
     uint32_t *at = self->triangle, stride = quads + 1;
     for (uint32_t y = 0; y < quads; ++y)
@@ -83,8 +83,8 @@ mrt_result bench_plane_create(bench_plane *out, uint32_t quads, bool has_centres
         bench_plane_destroy(out);
         return error_set(err, MRT_ERR_MEMORY, "no memory for a plane of %u quads a side", quads);
     }
-    put_vertices(out, quads, has_centres);
-    put_triangles(out, quads, has_centres);
+    add_vertices(out, quads, has_centres);
+    add_triangles(out, quads, has_centres);
     return MRT_OK;
 }
 
@@ -108,8 +108,8 @@ uint64_t bench_plane_pairs(const bench_plane *self, double radius_mm)
     return pairs;
 }
 
-/* ---- a frame with bones: four columns more for one that moves; and one whose field is held by
- * pins, whose number must not matter to a frame ---- */
+/* ---- a frame with bones: a moving bone adds four columns. And a frame whose field is held by
+ * pins; their number must not affect its time ---- */
 
 enum { PINS_MAX = 1000, BONE_COLUMNS = 4, COLUMNS = BENCH_CONTROLS + BONE_COLUMNS };
 static const double bones_radius_mm = 40.0;
@@ -137,8 +137,8 @@ static void run_bone(void *data)
     columns_move(&self->with_bone, &self->held.shown, &self->held.base, self->weight);
 }
 
-/* Pins around the controls, on the sheet's rim and behind it: none within a millimetre of another.
- */
+/* Places pins around the controls, on the rim of the sheet and behind it, at least a millimetre
+ * apart. */
 static void lay_pins(bone_scene *self, uint32_t count)
 {
     memcpy(self->start, bench_control, sizeof bench_control);
@@ -153,7 +153,8 @@ static void lay_pins(bone_scene *self, uint32_t count)
     }
 }
 
-/* The ten responses as they are, and a bone that moves half of the sheet: w x, w y, w z, w. */
+/* Makes the ten responses, and the four columns of a bone that moves half of the sheet: w x, w y, w
+ * z, w. */
 static mrt_result make_bone(bone_scene *self, error *err)
 {
     mrt_result result = columns_create(&self->with_bone, &self->held.base, COLUMNS, err);
@@ -179,8 +180,8 @@ static mrt_result make_bone(bone_scene *self, error *err)
     return MRT_OK;
 }
 
-static void tell_bones(bench *self, const char *what, uint32_t pins, double took_ns,
-                       double plain_ns)
+static void report_bones(bench *self, const char *what, uint32_t pins, double took_ns,
+                         double plain_ns)
 {
     char label[32], line[128];
     snprintf(label, sizeof label, "%u pins", pins);
@@ -195,7 +196,7 @@ static void tell_bones(bench *self, const char *what, uint32_t pins, double took
     facts_row(self->told, "bones", label, line, cells, sizeof cells / sizeof cells[0]);
 }
 
-/* Alternately with the same frame without pins. */
+/* Measures in turns with the same frame without pins. */
 static mrt_result measure_pins(bench *self, bone_scene *plain, bone_scene *held, uint32_t pins,
                                error *err)
 {
@@ -208,7 +209,7 @@ static mrt_result measure_pins(bench *self, bone_scene *plain, bone_scene *held,
     if (result >= 0) {
         bench_work work[] = {{.run = run_held, .data = plain}, {.run = run_held, .data = held}};
         bench_measure(work, 2, 4 * self->rounds, self->seconds);
-        tell_bones(self, "field held by pins", pins, work[1].least_ns, work[0].least_ns);
+        report_bones(self, "field held by pins", pins, work[1].least_ns, work[0].least_ns);
         if (pins == PINS_MAX || self->is_quick)
             bench_at_most(self, "a field held by pins, over one without",
                           work[1].least_ns / work[0].least_ns, 1.05);
@@ -235,7 +236,7 @@ static mrt_result measure_bones(bench *self, bone_scene *plain, bone_scene *held
         return result;
     bench_work work[] = {{.run = run_held, .data = plain}, {.run = run_bone, .data = plain}};
     bench_measure(work, 2, 4 * self->rounds, self->seconds);
-    tell_bones(self, "ten columns and a bone", 0, work[1].least_ns, work[0].least_ns);
+    report_bones(self, "ten columns and a bone", 0, work[1].least_ns, work[0].least_ns);
     bench_at_most(self, "fourteen columns, over ten", work[1].least_ns / work[0].least_ns, 1.5);
     for (size_t i = 0; i < sizeof pins / sizeof pins[0] && result >= 0; ++i)
         if (!self->is_quick || pins[i] < PINS_MAX)
@@ -259,9 +260,9 @@ mrt_result bench_bones(bench *self, error *err)
     return result;
 }
 
-/* ---- one thread beside as many as the pool has: a frame's work in a row, and after 3 ms of sleep
- * as between frames, when workers have to be woken. What the pool does of its own accord is told
- * too: its limits (base/pool.h) come of these rows ---- */
+/* ---- one thread beside all threads of the pool: the work of a frame without a break, and after 3
+ * ms of sleep, as between frames, when the workers must wake up. Also prints what the pool chooses
+ * itself: its limits (base/pool.h) are derived from these rows ---- */
 
 static const double threads_radius_mm = 80.0; /* every control reaches every vertex */
 static const struct {
@@ -335,14 +336,15 @@ static bool is_shared(thread_run usual)
     return pool_state_now().shared_count > before;
 }
 
-static void tell_threads(bench *self, const thread_scene *s, const char *kind,
-                         const bench_work work[4], bool shared)
+static void report_threads(bench *self, const thread_scene *s, const char *kind,
+                           const bench_work work[4], bool shared)
 {
     char label[48], line[160];
     double hot = work[0].least_ns / work[1].least_ns, paced = work[2].least_ns / work[3].least_ns;
     snprintf(label, sizeof label, "%u %s", s->plane.vertex_count, kind);
     snprintf(line, sizeof line,
-             "alone %8.3f ms   shared %8.3f ms: %5.2f x   after a rest %8.3f, %8.3f: %5.2f x   %s",
+             "alone %8.3f ms   shared %8.3f ms: %5.2f x   after a rest %8.3f, %8.3f: %5.2f x   "
+             "%s",
              work[0].least_ns * 1e-6, work[1].least_ns * 1e-6, hot, work[2].least_ns * 1e-6,
              work[3].least_ns * 1e-6, paced, shared ? "is shared" : "is not");
     const facts_cell cells[] = {
@@ -369,7 +371,7 @@ static void measure_kinds(bench *self, thread_scene *s)
             {.run = run_alternately, .data = &shared, .before = rest_a_while},
         };
         bench_measure(work, sizeof work / sizeof work[0], self->rounds, self->seconds);
-        tell_threads(self, s, kinds[i].name, work, is_shared(alone));
+        report_threads(self, s, kinds[i].name, work, is_shared(alone));
         progress_show(&self->shown, -1.0, "threads");
     }
 }

@@ -1,4 +1,4 @@
-/* The stage with its threads: from a sample to the face published and drawn. */
+/* The stage with its threads: from a sample to the published and drawn face. */
 #include "base/clock.h"
 #include "base/installed.h"
 #include "base/percentile.h"
@@ -30,7 +30,7 @@ void bench_face_close(bench_face *self)
     free(self->path);
 }
 
-/* The hand that performs it. */
+/* Lists the channels of the hand. */
 static void list_channels(mrt_channel out[MRT_ANGLES])
 {
     for (uint32_t i = 0; i < MRT_ANGLES; ++i)
@@ -51,7 +51,7 @@ typedef struct stage_scene {
     bench_face puppet;
     feed *hand;
     live *live;
-    draw_context *context; /* NULL: nothing can be drawn here */
+    draw_context *context; /* NULL: drawing is not possible */
     draw_face *drawn;
     double took_ms[SAMPLES_MAX], ready_ms[SAMPLES_MAX], sent_ms[SAMPLES_MAX];
     uint32_t count;
@@ -76,8 +76,8 @@ static mrt_result open_hand(stage_scene *self, error *err)
     return result;
 }
 
-/* What a window does with a new face before it draws. */
-static void take_over(stage_scene *self, const live_view *view)
+/* Reads a new face as a window does before it draws. */
+static void receive_face(stage_scene *self, const live_view *view)
 {
     int64_t at_ns = clock_now_ns();
     if (self->drawn)
@@ -89,7 +89,7 @@ static void take_over(stage_scene *self, const live_view *view)
     self->count += 1;
 }
 
-/* Looks as often as a window could at most, and gives the hand a new pose at its rate. */
+/* Polls at the highest rate of a window, and moves the hand at the rate of its samples. */
 static void perform_samples(stage_scene *self, uint32_t samples)
 {
     int64_t start_ns = clock_now_ns(), newest_ns = 0;
@@ -104,7 +104,7 @@ static void perform_samples(stage_scene *self, uint32_t samples)
             bool is_new = live_look(self->live, &view) && view->sample_ns > newest_ns;
             if (is_new && self->count < SAMPLES_MAX) {
                 newest_ns = view->sample_ns;
-                take_over(self, view);
+                receive_face(self, view);
             }
             clock_sleep_until_ns(at_ns + NS_PER_MS / 4);
         }
@@ -112,8 +112,8 @@ static void perform_samples(stage_scene *self, uint32_t samples)
     }
 }
 
-static void tell_stage(bench *self, stage_scene *s, const char *what, double *took_ms,
-                       const char *note)
+static void report_stage(bench *self, stage_scene *s, const char *what, double *took_ms,
+                         const char *note)
 {
     char line[160];
     double p50 = percentile(took_ms, s->count, 0.5);
@@ -128,21 +128,21 @@ static void tell_stage(bench *self, stage_scene *s, const char *what, double *to
     facts_row(self->told, "stage", what, line, cells, sizeof cells / sizeof cells[0]);
 }
 
-static void tell_all(bench *self, stage_scene *s, uint32_t samples)
+static void report_all(bench *self, stage_scene *s, uint32_t samples)
 {
     char note[96];
     live_status status;
     live_status_of(s->live, &status);
     snprintf(note, sizeof note, "   of %u samples given, %ju performed", samples,
              (uintmax_t)status.sample_count);
-    tell_stage(self, s, "sample to face", s->took_ms, note);
+    report_stage(self, s, "sample to face", s->took_ms, note);
     if (!s->drawn)
         return;
-    tell_stage(self, s, "sent to graphics", s->sent_ms, "");
-    tell_stage(self, s, "sample to draw", s->ready_ms, "   looked for each 0.25 ms");
+    report_stage(self, s, "sent to graphics", s->sent_ms, "");
+    report_stage(self, s, "sample to draw", s->ready_ms, "   looked for each 0.25 ms");
 }
 
-/* Without a context there is nothing to say of drawing, and the rest is measured. */
+/* Opens a context for drawing. If there is none, only the rest is measured. */
 static void open_drawing(stage_scene *self)
 {
     error ignored = {""};
@@ -178,7 +178,7 @@ mrt_result bench_stage(bench *self, error *err)
     if (result >= 0) {
         open_drawing(s);
         perform_samples(s, samples);
-        tell_all(self, s, samples);
+        report_all(self, s, samples);
     }
     if (s->live && live_stop(s->live, &ignored) < 0 && result >= 0)
         result = error_set(err, MRT_ERR_IO, "%s", ignored.text);

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""blender -b -P gltf_to_fbx.py -- FILE.glb FILE.fbx [FPS]: a performance of marotte as FBX, with its morph targets and their
-animation. FPS: frames a second of the FBX (as the performance says).
+"""blender -b -P gltf_to_fbx.py -- FILE.glb FILE.fbx [FPS]: converts a performance of marotte to FBX, with its morph
+targets and their animation. FPS: frames per second of the FBX (default: the rate of the performance).
 
-Unreal keeps the shape keys only of a mesh that has a skin: one that has none gets a rig of one bone, "root", that stays.
-Blender's exporter loses them of a mesh with any other modifier, and thins out curves unless it is told not to.
+Unreal keeps shape keys only if the mesh has a skin. A mesh without one gets a rig with one bone, "root", that does not
+move. Blender's exporter loses the shape keys of a mesh with any other modifier, and simplifies curves by default.
 """
 
 import json
@@ -13,23 +13,23 @@ import sys
 import bpy
 import numpy
 
-if "bool" not in vars(numpy):  # Debian 12's importer asks its NumPy for a name that it no longer has
+if "bool" not in vars(numpy):  # Debian 12's importer uses a name that its NumPy no longer has
     numpy.bool = bool
 
 
 def rate_of(path):
-    """Frames a second of the performance."""
+    """Returns the frames per second of the performance."""
     with open(path, "rb") as file:
         head = file.read(20)
         if len(head) < 20 or head[:4] != b"glTF":
-            sys.exit(f"{path}: is no .glb")
+            sys.exit(f"{path}: not a .glb file")
         gltf = json.loads(file.read(struct.unpack_from("<I", head, 12)[0]))
     rates = [a["extras"]["fps"] for a in gltf.get("animations", []) if "fps" in a.get("extras", {})]
     return float(rates[0]) if rates else 30.0
 
 
 def give_skin(thing):
-    """A rig of one bone that stays, where the mesh has none."""
+    """Adds a rig with one bone that does not move, if the mesh has no rig."""
     if any(m.type == "ARMATURE" for m in thing.modifiers):
         return
     rig = bpy.data.objects.new(f"{thing.name} rig", bpy.data.armatures.new("rig"))
@@ -62,7 +62,7 @@ def main():
     bpy.ops.import_scene.gltf(filepath=source)
     faces = [o for o in scene.objects if o.type == "MESH" and o.data.shape_keys]
     if not faces:
-        sys.exit(f"{source}: has no morph targets: nothing moves")
+        sys.exit(f"{source}: has no morph targets, so the face does not move")
     actions = []
     for thing in faces:
         for modifier in [m for m in thing.modifiers if m.type != "ARMATURE"]:
@@ -72,7 +72,7 @@ def main():
         if data and data.action:
             actions.append(data.action)
             for track in data.nla_tracks:
-                track.mute = True  # the importer leaves the same action there
+                track.mute = True  # the importer also puts the same action into a track
     scene.frame_start = 0
     scene.frame_end = max((int(round(a.frame_range[1])) for a in actions), default=0)
     bpy.ops.export_scene.fbx(

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""marotte for Blender: takes on a head that is there already, and faces as they are performed.
+"""marotte for Blender: takes on an existing head, and live faces.
 
-A take's export (.glb) becomes an action or an NLA strip on the shape keys of the selected meshes, by names; what a mesh
-lacks is added where it is the export's own mesh. When the take was edited and exported anew, the strip is updated in its
-place. Faces that are sent over VMC or as named floats in OSC are shown, and recorded with the times at which they were
-performed. One file, for Blender 3.4 and later. README.md beside it says how it is used.
+The export of a take (.glb) becomes an action or an NLA strip on the shape keys of the selected meshes, by their names.
+If the mesh is that of the export, missing shape keys are added. When the take is edited and exported again, the strip is
+updated in place. Faces that arrive by VMC, or as named floats in OSC, are shown and recorded with the times of their
+performance. One file, for Blender 3.4 and later. README.md in this folder is the guide.
 
 In reading order: F-curves in every Blender, exports, takes on heads, OSC, live faces, operators and the panel.
 """
@@ -37,14 +37,14 @@ bl_info = {
 
 
 class Refused(Exception):
-    """What a person is told: a file or a scene that cannot be used, and why."""
+    """An error message for the user: a file or a scene that cannot be used, and the reason."""
 
 
-# ---- F-curves in every Blender: actions have slots from 4.4 on, and nothing but slots from 5.0 on ----
+# ---- F-curves in all versions of Blender: 4.4 added slots to actions, 5.0 has only slots ----
 
 
 def curves_of(action, id_type, name):
-    """The F-curves of an action for one kind of data ('KEY', 'OBJECT'), and the slot to play them, or None."""
+    """Returns the F-curves of an action for one kind of data ('KEY', 'OBJECT'), and the slot to play them, or None."""
     if not hasattr(action, "slots"):
         return action.fcurves, None
     slot = next((s for s in action.slots if s.target_id_type in (id_type, "UNSPECIFIED")), None)
@@ -74,7 +74,7 @@ def value_path(key_name):
     return f'key_blocks["{bpy.utils.escape_identifier(key_name)}"].value'
 
 
-# ---- exports: what marotte wrote into a .glb ----
+# ---- exports: .glb files of marotte ----
 
 JSON_BYTES_MAX = 256 << 20
 ID_MAX = (1 << 63) - 1
@@ -82,20 +82,20 @@ FLOAT = 5126
 
 
 class Export:
-    """The curves of a .glb of marotte: by the name of a target its weight at each time."""
+    """The curves of a .glb of marotte: for each name of a target its weights over time."""
 
     def __init__(self, path):
         self.path = os.path.abspath(bpy.path.abspath(path))
         try:
-            if not stat.S_ISREG(os.stat(self.path).st_mode):  # a pipe would be waited for
-                raise Refused(f"{path}: is no .glb")
+            if not stat.S_ISREG(os.stat(self.path).st_mode):  # reading a pipe would block
+                raise Refused(f"{path}: not a .glb file")
             with open(self.path, "rb") as file:
                 head = file.read(20)
                 if len(head) < 20 or head[:4] != b"glTF" or head[16:20] != b"JSON":
-                    raise Refused(f"{path}: is no .glb")
+                    raise Refused(f"{path}: not a .glb file")
                 length = struct.unpack_from("<I", head, 12)[0]
                 if length > JSON_BYTES_MAX:
-                    raise Refused(f"{path}: is too large")
+                    raise Refused(f"{path}: too large")
                 self.json = json.loads(file.read(length))
                 self.binary = file.read()[8:]
             self.stamp = os.stat(self.path).st_mtime_ns
@@ -106,12 +106,12 @@ class Export:
             raise Refused(f"{path}: {error.strerror}") from error
         except (ValueError, KeyError, IndexError, TypeError, AttributeError, ArithmeticError, MemoryError, struct.error,
                 RecursionError) as error:
-            raise Refused(f"{path}: is damaged") from error
+            raise Refused(f"{path}: damaged") from error
 
     def read(self):
         animations = [a for a in self.json.get("animations", []) if "contentHash" in a.get("extras", {})]
         if not animations:
-            raise Refused(f"{self.path}: is no performance of marotte, or one of an older version")
+            raise Refused(f"{self.path}: not a performance of marotte, or one of an older version")
         animation = animations[0]
         extras = animation["extras"]
         take = extras.get("take", {})
@@ -136,9 +136,9 @@ class Export:
             for i, name in enumerate(names):
                 before = times_seen.get(name, 0)
                 times_seen[name] = before + 1
-                if before:  # as Blender calls what is there twice
+                if before:  # Blender's name for a duplicate
                     name = f"{name}.{before:03}"
-                if any(values[i::len(names)]) or name not in self.weights:  # meshes share names
+                if any(values[i::len(names)]) or name not in self.weights:  # several meshes may have the same name
                     self.weights[name] = values[i::len(names)]
         if not self.weights or not self.times:
             raise ValueError("no weights")
@@ -157,8 +157,8 @@ class Export:
 
 # ---- takes on heads ----
 
-# Custom properties: of an action which take it shows, as of which file and content; of a mesh which of its shape keys
-# came with takes, and with which.
+# Custom properties. An action has its take, file and hash of the content. A mesh has the shape keys that takes added,
+# each with its takes.
 TAKE, HASH, FILE, OWNED = "marotte_take", "marotte_hash", "marotte_file", "marotte_shapes"
 TRACK = "marotte"
 
@@ -168,7 +168,7 @@ def frames_a_second(scene):
 
 
 def owned_shapes(mesh):
-    """By the name of a shape key the takes that it came with."""
+    """Returns the takes that added each shape key, by the name of the key."""
     try:
         owned = json.loads(mesh.get(OWNED, "{}"))
         return {str(k): [str(t) for t in v] for k, v in owned.items()} if isinstance(owned, dict) else {}
@@ -177,7 +177,7 @@ def owned_shapes(mesh):
 
 
 class Visitor:
-    """The objects of a file, imported for as long as they are looked at; nothing of them stays."""
+    """The objects of a file, imported temporarily and removed completely."""
 
     KINDS = ("objects", "meshes", "materials", "images", "actions", "armatures", "cameras", "lights", "collections",
              "textures", "node_groups", "curves")
@@ -186,7 +186,7 @@ class Visitor:
         self.context, self.path = context, path
 
     def __enter__(self):
-        if "bool" not in vars(numpy):  # Debian 12's importer asks its NumPy for a name that it no longer has
+        if "bool" not in vars(numpy):  # Debian 12's importer uses a name that its NumPy no longer has
             numpy.bool = bool
         view = self.context.view_layer
         scene = self.context.scene
@@ -249,8 +249,8 @@ def same_places(head, source):
 
 
 def put_shape(head, name, offsets, take):
-    """The shape key of a head that shows these offsets for a take: one that is the head's own is left as it is, one that
-    came with this take alone is brought up to date, one of another take that shows something else stays beside it."""
+    """Returns the shape key of a head with these offsets for a take. A key of the head itself is not changed. A key that
+    only this take added is updated. A different key of another take is kept, and a second key is added."""
     owned = owned_shapes(head.data)
     if not head.data.shape_keys:
         head.shape_key_add(name="Basis", from_mix=False)
@@ -273,7 +273,7 @@ def put_shape(head, name, offsets, take):
 
 
 def drop_shapes(head, take, kept):
-    """Shape keys that came with a take alone and that it needs no longer."""
+    """Removes shape keys that only this take added, and that it no longer needs."""
     owned = owned_shapes(head.data)
     for name, takes in list(owned.items()):
         if take not in takes or name in kept:
@@ -288,12 +288,12 @@ def drop_shapes(head, take, kept):
 
 
 def plainly(name):
-    """A name as any program writes it: JawOpen, jawOpen, jaw_open, jaw.open."""
+    """Returns the same text for all spellings of a name: JawOpen, jawOpen, jaw_open, jaw.open."""
     return "".join(filter(str.isalnum, name)).lower()
 
 
 def keys_by_name(keys):
-    """A function that finds a shape key by its name, to the letter or plainly; never the basis."""
+    """Returns a function that finds a shape key by its exact name, else by another spelling; never the basis."""
     blocks = [b for b in keys.key_blocks if b != keys.reference_key]
     exact, plain = {b.name: b for b in blocks}, {plainly(b.name): b for b in reversed(blocks) if plainly(b.name)}
     return lambda name: exact.get(name) or plain.get(plainly(name))
@@ -304,7 +304,7 @@ def actions_of(take, keys):
 
 
 def put_strip(keys, action, slot, start, length):
-    """A strip of an action, brought up to date where it is one already: its place and scale stay."""
+    """Adds a strip for an action, or updates the existing one, and keeps its place and scale."""
     data = keys.animation_data_create()
     for track in data.nla_tracks:
         for strip in track.strips:
@@ -317,7 +317,7 @@ def put_strip(keys, action, slot, start, length):
             track.name = TRACK
         try:
             strip = track.strips.new(action.name, int(start), action)
-        except RuntimeError:  # no room beside the others
+        except RuntimeError:  # it would overlap other strips
             continue
         if slot is not None:
             strip.action_slot = slot
@@ -326,8 +326,8 @@ def put_strip(keys, action, slot, start, length):
 
 
 def bring_shapes(context, export, heads):
-    """What the heads lack of the export's shapes. By head the names of the keys by those of the targets, and what could
-    not be had."""
+    """Adds missing shapes of the export to the heads. Returns, for each head, the names of the keys by the names of the
+    targets, and messages about shapes that could not be added."""
     called = {head: {} for head in heads}
     news = []
     own = {head: set(head.data.shape_keys.key_blocks.keys() if head.data.shape_keys else ()) -
@@ -352,12 +352,12 @@ def bring_shapes(context, export, heads):
                 drop_shapes(head, export.take, set(called[head].values()))
                 break
             else:
-                news.append(f"{head.name} is another mesh than the export's: only shape keys of the same name move")
+                news.append(f"{head.name} is not the mesh of the export. Only shape keys with the same names move")
     return called, news
 
 
 def open_take(context, path, heads, how="STRIP", start=None, adds=True):
-    """An export as an action or a strip on the shape keys of these meshes. Says in a sentence what moves."""
+    """Adds an export as an action or a strip on the shape keys of these meshes. Returns a message about the result."""
     export = Export(path)
     scene = context.scene
     start = scene.frame_current if start is None else start
@@ -398,15 +398,15 @@ def open_take(context, path, heads, how="STRIP", start=None, adds=True):
         moved += 1
     followed[export.path] = export.stamp
     if moved == 0:
-        raise Refused("; ".join(news) or "none of the selected meshes has a shape key of the export's names")
+        raise Refused("; ".join(news) or "none of the selected meshes has a shape key with a name of the export")
     if missing:
-        news.append(f"nothing is called {', '.join(sorted(missing)[:4])}{' ...' if len(missing) > 4 else ''}")
+        news.append(f"no shape key is named {', '.join(sorted(missing)[:4])}{' ...' if len(missing) > 4 else ''}")
     return "; ".join([f"{export.name} moves {moved} mesh{'es' if moved > 1 else ''}"] + news)
 
 
 def update_takes(context, paths=None):
-    """All actions whose file has other content than they show: of these paths, else whatever the .blend names, as the
-    person asked for it. Returns how many, and what went wrong."""
+    """Updates all actions whose file has changed: those of these paths, or all paths in the .blend when the user presses
+    "Update Takes". Returns the number of updated actions, and error messages."""
     updated, news = 0, []
     stale = {}
     for action in bpy.data.actions:
@@ -427,7 +427,7 @@ def update_takes(context, paths=None):
         starts = [a["marotte_start"] for a in actions if "marotte_start" in a]
         try:
             if Export(path).take != take:
-                raise Refused(f"{path}: is another take now")
+                raise Refused(f"{path}: the file contains another take now")
             open_take(context, path, heads, "ACTION" if starts else "STRIP", starts[0] if starts else None)
             updated += len(actions)
         except Refused as error:
@@ -435,7 +435,7 @@ def update_takes(context, paths=None):
     return updated, news
 
 
-# ---- OSC: https://opensoundcontrol.stanford.edu, 1.0; whatever is not a whole packet is ignored ----
+# ---- OSC: https://opensoundcontrol.stanford.edu, 1.0; damaged packets are ignored ----
 
 PACKET_MAX, DEPTH_MAX, ARGUMENTS_MAX = 65536, 8, 1024
 IMMEDIATELY = 1
@@ -487,7 +487,7 @@ def osc_message(data):
 
 
 def osc_messages(data, stamp=IMMEDIATELY, depth=0):
-    """(time tag, address, arguments) of each message of a packet."""
+    """Yields (time tag, address, arguments) of each message of a packet."""
     if not data.startswith(b"#bundle\0"):
         yield (stamp, *osc_message(data))
         return
@@ -504,7 +504,7 @@ def osc_messages(data, stamp=IMMEDIATELY, depth=0):
 
 
 def osc_read(data):
-    """The messages of a packet; none of one that is damaged anywhere."""
+    """Returns the messages of a packet; none if any part of it is damaged."""
     if len(data) > PACKET_MAX:
         return []
     try:
@@ -520,9 +520,9 @@ TURNING = {"head": {"head"}, "neck": {"neck"}, "jaw": {"jaw", "jawmaster"},
            "lefteye": {"lefteye", "eyeleft", "leye", "eyel"}, "righteye": {"righteye", "eyeright", "reye", "eyer"}}
 NO_PART_OF_A_NAME = {"j", "c", "bip", "adj", "def", "org", "mixamorig", "face", "bone"}
 BEHIND_MAX_S = 0.5
-# In one tick; what is more waits in the socket, and the window goes on.
+# Limits of one tick, so that the window stays responsive; other packets wait in the socket.
 TICK_S, TICK_BYTES = 0.004, 65536
-# Of a recording, in memory: 20 minutes of 52 shapes at 60 faces a second, some 300 MB.
+# Limit of a recording in memory: 20 minutes of 52 shapes at 60 faces a second, some 300 MB.
 RECORDED_VALUES_MAX = 4_000_000
 
 
@@ -535,27 +535,27 @@ def is_name(value):
 
 
 class Face:
-    """What was sent: values by name, turns of bones by name, and when: seconds of the receiver's clock."""
+    """A received face: values by name, rotations of bones by name, and its time in seconds of the receiver's clock."""
 
     def __init__(self):
         self.values, self.turns, self.time = {}, {}, 0.0
 
 
 class Receiver:
-    """Packets into faces. VMC: /VMC/Ext/Blend/Val name value ... /VMC/Ext/Blend/Apply, /VMC/Ext/Bone/Pos name position
-    rotation of Head, Neck, Jaw, LeftEye, RightEye, /VMC/Ext/T seconds. Named floats: /marotte/1/face name value, in one
-    message or many, or /marotte/1/face/NAME value; they count at the end of their packet."""
+    """Converts packets to faces. VMC: /VMC/Ext/Blend/Val name value ... /VMC/Ext/Blend/Apply, /VMC/Ext/Bone/Pos name
+    position rotation of Head, Neck, Jaw, LeftEye, RightEye, /VMC/Ext/T seconds. Named floats: /marotte/1/face name value,
+    in one or many messages, or /marotte/1/face/NAME value; they are complete at the end of their packet."""
 
     def __init__(self):
-        self.face = Face()       # as it is now
+        self.face = Face()       # current face
         self.coming = {}         # values that wait for Apply
-        self.sender_s = None     # the sender's clock, as it said since the last face
-        self.anchor = None       # (sender, receiver): the same moment
+        self.sender_s = None     # last time of the sender's clock since the last face
+        self.anchor = None       # (sender, receiver): times of the same moment
         self.shown_s = -math.inf
         self.packets = self.ignored = 0
 
     def moment(self, stamp, now_s):
-        """When a packet was performed, by the sender's clock where it has one: arrival jitters."""
+        """Returns the time of performance of a packet: by the sender's clock if possible, because arrival has jitter."""
         sender_s, self.sender_s = self.sender_s, None
         if sender_s is None and stamp != IMMEDIATELY:
             sender_s = stamp / 2.0**32
@@ -566,7 +566,7 @@ class Receiver:
         return self.anchor[1] + sender_s - self.anchor[0]
 
     def take(self, packet, now_s):
-        """A new face, or None."""
+        """Reads a packet. Returns a new face, or None."""
         messages = osc_read(packet)
         self.packets += 1
         self.ignored += not messages
@@ -585,11 +585,11 @@ class Receiver:
 
     def put(self, into, name, value):
         if is_name(name) and (name in into or len(into) < NAMES_MAX):
-            into.pop(name, None)  # what was said last comes last, and counts where two names are one key
+            into.pop(name, None)  # the last value comes last, and is used if two names match one key
             into[sys.intern(name)] = value
 
     def hear(self, address, arguments):
-        """Whether a face is whole with this message."""
+        """Reads a message. Returns whether it completes a face."""
         if address == "/VMC/Ext/Blend/Val":
             if len(arguments) == 2 and is_number(arguments[1]):
                 self.put(self.coming, arguments[0], float(arguments[1]))
@@ -622,13 +622,13 @@ class Receiver:
 
 
 def turn_of_bone(bone, turn):
-    """VMC turns a bone about its parent's axes at rest, which are the world's; Blender about the bone's own."""
+    """Converts a rotation: VMC uses the parent's axes at rest, which are the world's; Blender uses the bone's axes."""
     rest = bone.matrix_local.to_quaternion()
     return rest.inverted() @ turn @ rest
 
 
 def bones_of(rig):
-    """Its bones that a face turns, by VMC's names: "Head", "J_Adj_L_FaceEye", "DEF-eye.L"."""
+    """Returns the bones that a face turns, by VMC's names: "Head", "J_Adj_L_FaceEye", "DEF-eye.L"."""
     out = {}
     for bone in rig.pose.bones:
         words = [w.lower() for w in re.findall("[A-Z]?[a-z]+|[A-Z]+(?![a-z])", bone.name)]
@@ -640,7 +640,7 @@ def bones_of(rig):
 
 
 class Live:
-    """A socket that is listened to, the meshes and rigs that it moves, and what is being recorded."""
+    """A socket, the meshes and rigs that its faces move, and the current recording."""
 
     def __init__(self, host, port, things):
         self.receiver = Receiver()
@@ -667,7 +667,7 @@ class Live:
         self.socket.close()
 
     def poll(self, now_s=None):
-        """What has arrived; the newest face is shown. Returns whether there was one."""
+        """Reads the packets that have arrived, and shows the newest face. Returns whether a face arrived."""
         newest, size = None, 0
         until_s = time.monotonic() + TICK_S
         while size < TICK_BYTES:
@@ -688,7 +688,7 @@ class Live:
         return newest is not None
 
     def keys_of(self, head, face):
-        """The values of a head's shape keys, by their names."""
+        """Returns the values of the shape keys of a head, by their names."""
         out, key_named = {}, keys_by_name(head.data.shape_keys)
         for name, value in face.values.items():
             key = key_named(name)
@@ -706,28 +706,28 @@ class Live:
                     if name in face.turns:
                         bone.rotation_mode = "QUATERNION"
                         bone.rotation_quaternion = turn_of_bone(bone.bone, face.turns[name])
-        except ReferenceError:  # deleted meanwhile
+        except ReferenceError:  # an object was deleted
             self.heads, self.rigs = [], []
 
     def record(self):
         self.recorded, self.recorded_values, self.is_full = [], 0, False
 
     def keep(self, face):
-        """As long as there is room; the rest is shown, and not recorded."""
+        """Records a face if there is space left."""
         if self.is_full:
             return
         self.recorded_values += 1 + len(face.values) + len(face.turns)
         if self.recorded_values > RECORDED_VALUES_MAX:
             self.is_full = True
-            print("marotte: the recording is full; what came until now is kept. End Recording makes actions of it")
+            print("marotte: the recording is full. The faces until now are kept; End Recording makes actions from them")
         else:
             self.recorded.append(face)
 
     def stop_recording(self, scene):
-        """Actions with a key for each face that came, where it was performed: frame times are not rounded."""
+        """Makes actions with a key for each face, at the time of its performance. Times are not rounded to frames."""
         faces, self.recorded = self.recorded or [], None
         if not faces:
-            raise Refused("nothing came while it was recorded")
+            raise Refused("no faces were received during the recording")
         frames = [scene.frame_current + (f.time - faces[0].time) * frames_a_second(scene) for f in faces]
         made = []
         for head in self.heads:
@@ -752,7 +752,7 @@ class Live:
                     if name in f.turns:
                         q = turn_of_bone(bone.bone, f.turns[name])
                         if before is not None and q.dot(before) < 0.0:
-                            q.negate()  # the same turn, the short way from the one before
+                            q.negate()  # the same rotation, nearer to the previous key
                         before = q
                         at.append((t, q))
                 path = f'pose.bones["{bpy.utils.escape_identifier(bone.name)}"].rotation_quaternion'
@@ -766,8 +766,8 @@ class Live:
 # ---- operators and the panel ----
 
 live = None
-# By file that the person opened or updated since Blender started: its time stamp when it was looked at last. A path that
-# a .blend names is data: nothing is looked at for it alone.
+# Files that the user opened or updated since Blender started, each with its last time stamp. A path in a .blend is only
+# data: such a file is not read automatically.
 followed = {}
 
 
@@ -788,21 +788,21 @@ class Operator(bpy.types.Operator):
 
 
 class MAROTTE_OT_open_take(Operator, ImportHelper):
-    """Plays an exported take on the selected meshes"""
+    """Play an exported take on the selected meshes"""
     bl_idname, bl_label = "marotte.open_take", "Open Take"
     filename_ext = ".glb"
     filter_glob: StringProperty(default="*.glb;*.vrm", options={"HIDDEN"})
-    how: EnumProperty(name="As", items=[("STRIP", "NLA strip", "Beside others; is updated in its place"),
-                                        ("ACTION", "Action", "The mesh's own animation")], default="STRIP")
+    how: EnumProperty(name="As", items=[("STRIP", "NLA strip", "A strip among others, updated in place"),
+                                        ("ACTION", "Action", "The animation of the mesh itself")], default="STRIP")
     adds: BoolProperty(name="Add missing shapes", default=True,
-                       description="Where the mesh is the export's own: shape keys that it lacks")
+                       description="Add missing shape keys, if the mesh is that of the export")
 
     def run(self, context):
         return open_take(context, self.filepath, selected_heads(context), self.how, None, self.adds)
 
 
 class MAROTTE_OT_update(Operator):
-    """Reads takes anew that were edited and exported again"""
+    """Update takes that were edited and exported again"""
     bl_idname, bl_label = "marotte.update", "Update Takes"
 
     def run(self, context):
@@ -813,7 +813,7 @@ class MAROTTE_OT_update(Operator):
 
 
 class MAROTTE_OT_live(Operator):
-    """Shows faces that are sent here on the selected meshes and rigs, or ends that"""
+    """Start or stop showing received faces on the selected meshes and rigs"""
     bl_idname, bl_label = "marotte.live", "Live"
 
     def run(self, context):
@@ -821,24 +821,24 @@ class MAROTTE_OT_live(Operator):
         if live:
             live.close()
             live = None
-            return "live faces end"
+            return "live faces stopped"
         scene = context.scene
         live = Live(scene.marotte_host, scene.marotte_port, context.selected_objects)
         if not bpy.app.timers.is_registered(tick_live):
             bpy.app.timers.register(tick_live)
-        return "listens to %s:%d" % live.address
+        return "listening at %s:%d" % live.address
 
 
 class MAROTTE_OT_record(Operator):
-    """Records the live face from the current frame on, or makes actions of what was recorded"""
+    """Record the live face, beginning at the current frame, or end the recording and make actions"""
     bl_idname, bl_label = "marotte.record", "Record"
 
     def run(self, context):
         if not live:
-            raise Refused("first Live: nothing is listened to")
+            raise Refused("press Live first")
         if live.recorded is None:
             live.record()
-            return "records"
+            return "recording"
         made, count = live.stop_recording(context.scene)
         return f"{count} faces in {len(made)} actions"
 
@@ -848,11 +848,11 @@ def tick_live():
         return None
     begun_s = time.monotonic()
     live.poll()
-    return max(1.0 / 120.0, time.monotonic() - begun_s)  # half of the time is the window's
+    return max(1.0 / 120.0, time.monotonic() - begun_s)  # leaves half of the time to the window
 
 
 def tick_follow():
-    """Takes that are followed are updated when their file is another one."""
+    """Updates takes whose file has changed."""
     scene = bpy.context.scene
     if not scene or not scene.marotte_follow:
         return 2.0
@@ -902,10 +902,10 @@ def register():
         bpy.utils.register_class(one)
     scene = bpy.types.Scene
     scene.marotte_host = StringProperty(name="Listen at", default="127.0.0.1",
-                                        description="127.0.0.1: this computer alone; 0.0.0.0: the network")
+                                        description="127.0.0.1: only this computer; 0.0.0.0: the network")
     scene.marotte_port = IntProperty(name="Port", default=39539, min=1, max=65535)
-    scene.marotte_follow = BoolProperty(name="Update by itself", default=True,
-                                        description="When the file of a take is written anew")
+    scene.marotte_follow = BoolProperty(name="Update automatically", default=True,
+                                        description="Update a take when its file changes")
     bpy.app.timers.register(tick_follow, first_interval=2.0, persistent=True)
 
 

@@ -1,6 +1,5 @@
-/* `marotte calibrate`: a glove or a bare hand, the guide (hand/guide.h), and a person at a terminal
- * or a script.
- */
+/* `marotte calibrate`: guides a person at a terminal, or a script, through the calibration of a
+ * glove or a bare hand (hand/guide.h). */
 #include "cli/command.h"
 #include "cli/facts.h"
 #include "cli/terminal.h"
@@ -26,23 +25,23 @@
 typedef struct screen {
     FILE *stream;
     bool is_terminal, has_keys;
-    int line_count; /* of the block that stands on the terminal; 0: none */
+    int line_count; /* lines of the block that is on the terminal now; 0: none */
     uint32_t sensors;
-    float raw_min, raw_max; /* of the bars */
-    float shown;            /* what a raw value is multiplied with: rad are shown in degrees */
+    float raw_min, raw_max; /* range of the bars */
+    float shown;            /* factor from raw value to displayed value: rad are shown in degrees */
     char news[512];
     bool is_away;
 } screen;
 
 typedef struct calibrate_options {
-    plugin_spec input; /* zeroed: none */
+    plugin_spec input; /* zeroed: not given */
     bool is_json;
     const char *out, *name, *show, *virtualhand;
-    uint32_t side; /* MRT_NO_HAND: not said */
+    uint32_t side; /* MRT_NO_HAND: not given */
     double hand_length_mm, timeout_s;
 } calibrate_options;
 
-/* ---- what the person sees ---- */
+/* ---- the screen ---- */
 
 enum { BAR_WIDTH = 18, COLUMNS = 2, WIDTH = 78 };
 
@@ -58,7 +57,7 @@ static void screen_begin(screen *self, FILE *stream, bool has_keys, const glove_
                      .shown = is_bare ? 57.29578f : 1.0f};
 }
 
-/* The step that begins now. */
+/* Prints the step that begins now. */
 static void screen_step(screen *self, const guide *of)
 {
     guide_step step = guide_current(of);
@@ -71,7 +70,7 @@ static void screen_step(screen *self, const guide *of)
 }
 
 /* "taken: flat hand", "not taken: ..." */
-static void screen_say(screen *self, const char *format, ...)
+static void screen_print(screen *self, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -83,7 +82,7 @@ static void screen_say(screen *self, const char *format, ...)
     fflush(self->stream);
 }
 
-/* ---- the block ---- */
+/* ---- the block of bars and instructions ---- */
 
 static void end_line(screen *self)
 {
@@ -91,7 +90,7 @@ static void end_line(screen *self)
     self->line_count += 1;
 }
 
-/* At most two lines, so that the block keeps its height. */
+/* Prints at most two lines, so that the height of the block stays the same. */
 static void draw_words(screen *self, const char *words)
 {
     size_t length = strlen(words), cut = length;
@@ -114,7 +113,7 @@ static int cell_of(const screen *self, float raw)
     return (int)(within * (float)(BAR_WIDTH - 1) + 0.5f);
 }
 
-/* "index.mpj   [...---#--......]  134": what was seen, and where it is now. */
+/* Prints "index.mpj   [...---#--......]  134": the range seen so far, and the current value. */
 static void draw_bar(screen *self, int sensor, float raw, float low, float high)
 {
     char bar[BAR_WIDTH + 1];
@@ -145,7 +144,7 @@ static void draw_bars(screen *self, const guide *of, const float *raw)
         end_line(self);
 }
 
-/* Redraws the block; where there is none, nothing. */
+/* Redraws the block. Does nothing where there is no terminal. */
 static void screen_draw(screen *self, const guide *of, const float *raw)
 {
     if (!self->is_terminal)
@@ -165,9 +164,8 @@ static void screen_draw(screen *self, const guide *of, const float *raw)
     draw_bars(self, of, raw);
     draw_words(self, self->news);
     if (self->has_keys) {
-        fputs(step < GUIDE_STEPS
-                  ? "Enter takes the pose now, r repeats the last, s skips, q quits"
-                  : "Enter saves, r repeats the pose that is named or the last, q quits",
+        fputs(step < GUIDE_STEPS ? "Enter takes the pose now, r repeats the last, s skips, q quits"
+                                 : "Enter saves, r repeats the named pose or the last one, q quits",
               self->stream);
         end_line(self);
     }
@@ -180,7 +178,7 @@ static const int64_t IDLE_NS = 4 * NS_PER_MS, DRAW_NS = 66 * NS_PER_MS;
 
 typedef struct guiding {
     const calibrate_options *options;
-    double timeout_s; /* for each pose, and without any sample; 0: none */
+    double timeout_s; /* limit for each pose, and for silence of the input; 0: no limit */
     log_queue *log;
     plugin_list plugins;
     instance_clock clock;
@@ -191,7 +189,7 @@ typedef struct guiding {
     double still_s;
     bool is_saved, is_quit;
     float raw[MRT_ANGLES];
-    int64_t heard_ns, drawn_ns; /* host clock: of the last sample, of the last drawing */
+    int64_t heard_ns, drawn_ns; /* host clock: time of the last sample, time of the last drawing */
 } guiding;
 
 /* ---- the glove ---- */
@@ -224,7 +222,7 @@ static void print_log(guiding *self)
         if (!self->screen.is_terminal)
             news_print_record(&record);
         else if (record.level > MRT_LOG_DEBUG && record.level <= MRT_LOG_ERROR)
-            screen_say(&self->screen, "%s: %s", record.source, record.text);
+            screen_print(&self->screen, "%s: %s", record.source, record.text);
     }
 }
 
@@ -242,8 +240,8 @@ static mrt_result judge(const guiding *self, guide_judgement *out, error *err)
     return result;
 }
 
-/* All poses are there: a person decides by this whether to save it. */
-static mrt_result say_judgement(guiding *self, error *err)
+/* Prints the judgement of all poses. The person uses it to decide whether to save. */
+static mrt_result print_judgement(guiding *self, error *err)
 {
     guide_judgement judgement;
     char words[96], first[200] = "";
@@ -253,11 +251,11 @@ static mrt_result say_judgement(guiding *self, error *err)
     guide_judgement_text(&judgement, words, sizeof words);
     if (judgement.flaw_count > 0)
         guide_flaw_text(&judgement.flaw[0], first, sizeof first);
-    screen_say(&self->screen, "%s%s%s", words, first[0] ? " " : "", first);
+    screen_print(&self->screen, "%s%s%s", words, first[0] ? " " : "", first);
     return MRT_OK;
 }
 
-/* At the end the pose that the judgement names, else the last one. */
+/* Repeats the last pose or, at the end, the pose that the judgement names. */
 static mrt_result repeat(guiding *self, error *err)
 {
     guide_judgement judgement = {.flaw_count = 0};
@@ -270,7 +268,7 @@ static mrt_result repeat(guiding *self, error *err)
         guide_repeat(self->guide);
     if (result < 0)
         return result;
-    screen_say(&self->screen, "again: %s", guide_step_name[guide_current(self->guide)]);
+    screen_print(&self->screen, "again: %s", guide_step_name[guide_current(self->guide)]);
     screen_step(&self->screen, self->guide);
     return MRT_OK;
 }
@@ -282,20 +280,20 @@ static mrt_result follow_news(guiding *self, guide_news news, guide_step step, e
     case GUIDE_NOTHING:
         return MRT_OK;
     case GUIDE_TAKEN:
-        screen_say(&self->screen, "taken: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
-                   reason);
+        screen_print(&self->screen, "taken: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
+                     reason);
         break;
     case GUIDE_SKIPPED:
-        screen_say(&self->screen, "skipped: %s", guide_step_name[step]);
+        screen_print(&self->screen, "skipped: %s", guide_step_name[step]);
         break;
     case GUIDE_REFUSED:
-        screen_say(&self->screen, "not taken: %s", reason);
+        screen_print(&self->screen, "not taken: %s", reason);
         return MRT_OK;
     case GUIDE_TIMED_OUT:
         return error_set(err, MRT_ERR_IO, "%s", reason);
     }
     screen_step(&self->screen, self->guide);
-    return guide_current(self->guide) == GUIDE_STEPS ? say_judgement(self, err) : MRT_OK;
+    return guide_current(self->guide) == GUIDE_STEPS ? print_judgement(self, err) : MRT_OK;
 }
 
 static mrt_result follow_keys(guiding *self, error *err)
@@ -306,7 +304,7 @@ static mrt_result follow_keys(guiding *self, error *err)
         if (key == '\n' && step == GUIDE_STEPS) {
             self->is_saved = true;
         } else if (key == '\n' && self->screen.is_away) {
-            screen_say(&self->screen, "not taken: the hand is away");
+            screen_print(&self->screen, "not taken: the hand is away");
         } else if (key == '\n') {
             result = follow_news(self, guide_next(self->guide), step, err);
         } else if (key == 's') {
@@ -337,14 +335,15 @@ static void follow_incidents(guiding *self)
     while (input_take_incident(self->input, &incident)) {
         self->screen.is_away = incident.kind == INPUT_WENT;
         if (incident.kind == INPUT_WENT)
-            screen_say(&self->screen, "the hand is away: waiting for it%s%s",
-                       incident.text[0] ? ": " : "", incident.text);
+            screen_print(&self->screen, "the hand is away: waiting for it%s%s",
+                         incident.text[0] ? ": " : "", incident.text);
         else
-            screen_say(&self->screen, "the hand is back");
+            screen_print(&self->screen, "the hand is back");
     }
 }
 
-/* Nothing came. Scripts do not wait for ever; people do, for a glove that was pulled out. */
+/* Handles a time without samples. Scripts give up after a timeout; a person may need time to plug
+ * the glove in again. */
 static mrt_result follow_silence(guiding *self, int64_t now_ns, error *err)
 {
     double timeout_s = self->timeout_s;
@@ -362,7 +361,7 @@ static bool is_over(const guiding *self)
     return state == INPUT_ENDED || state == INPUT_FAILED;
 }
 
-static mrt_result say_over(const guiding *self, error *err)
+static mrt_result report_end(const guiding *self, error *err)
 {
     guide_step step = guide_current(self->guide);
     const char *name = input_name(self->input);
@@ -376,7 +375,7 @@ static mrt_result say_over(const guiding *self, error *err)
                      name, number, count, guide_step_name[step], self->still_s);
 }
 
-/* Done: by itself in a script, by Enter where a person may want to repeat. */
+/* Done: a script is done after the last pose. A person may want to repeat, and ends with Enter. */
 static bool is_done(const guiding *self)
 {
     bool waits = self->screen.has_keys && self->clock == CLOCK_REAL;
@@ -388,7 +387,7 @@ static mrt_result follow_glove(guiding *self, error *err)
     mrt_sample sample;
     int64_t now_ns = clock_now_ns();
     mrt_result result = MRT_OK;
-    bool over = is_over(self); /* asked first: what came before the end is still in a ring */
+    bool over = is_over(self); /* read first: samples from before the end are still in the ring */
     bool has_sample = input_peek(self->input, &sample);
     follow_incidents(self);
     if (has_sample) {
@@ -396,7 +395,7 @@ static mrt_result follow_glove(guiding *self, error *err)
         self->heard_ns = now_ns;
         result = follow_sample(self, &sample, err);
     } else if (over || self->clock == CLOCK_VIRTUAL) {
-        return say_over(self, err);
+        return report_end(self, err);
     } else {
         result = follow_silence(self, now_ns, err);
     }
@@ -421,7 +420,7 @@ static mrt_result guide_person(guiding *self, error *err)
             result = follow_glove(self, err);
     }
     screen_draw(&self->screen, self->guide, self->raw);
-    self->screen.line_count = 0; /* the block stays, for what comes after it */
+    self->screen.line_count = 0; /* the block stays on the terminal; later output goes below it */
     return result;
 }
 
@@ -447,7 +446,7 @@ static mrt_result prepare(guiding *self, error *err)
     return MRT_OK;
 }
 
-/* Guides through every pose. `out` lacks name, date and hand length. */
+/* Guides through every pose. Does not set name, date and hand length of `out`. */
 static mrt_result run_guide(guiding *self, calibration_file *out, guide_judgement *out_judgement,
                             error *err)
 {
@@ -531,7 +530,7 @@ static int read_options(calibrate_options *out, int argc, char **argv)
     return code == COMMAND_DONE ? check_options(out) : code;
 }
 
-/* ---- what is in a calibration ---- */
+/* ---- contents of a calibration ---- */
 
 static int sensors_of(const calibration_file *file, calibration_source source)
 {
@@ -541,7 +540,7 @@ static int sensors_of(const calibration_file *file, calibration_source source)
     return count;
 }
 
-/* -1: none has a residual. */
+/* Returns -1 if no sensor has a residual. */
 static int worst_sensor(const calibration_file *file)
 {
     int worst = -1;
@@ -562,7 +561,8 @@ static void append(char *text, size_t capacity, const char *more)
         memcpy(text + used, more, strlen(more) + 1);
 }
 
-/* "index.mpj  measured  58..150 counts -4..92 deg, residual 1.2 deg, moves middle.mpj 0.21" */
+/* Prints "index.mpj  measured  58..150 counts -4..92 deg, residual 1.2 deg, moves middle.mpj
+ * 0.21". */
 static void report_sensor(const calibration_file *file, int index, facts *told)
 {
     const calibration_sensor *sensor = &file->sensor[index];
@@ -639,7 +639,7 @@ static void report(const calibration_file *file, const guide_judgement *judgemen
             report_sensor(file, i, told);
 }
 
-/* ---- making one ---- */
+/* ---- making a calibration ---- */
 
 static mrt_result import(calibration_file *out, guide_judgement *out_judgement,
                          const calibrate_options *options, error *err)
@@ -650,7 +650,7 @@ static mrt_result import(calibration_file *out, guide_judgement *out_judgement,
     return result;
 }
 
-/* old: what was at `path`; made: a scratch. */
+/* old: the calibration that `path` held before; made: scratch. */
 static mrt_result make_and_write(const calibrate_options *options, guiding *guided,
                                  const char *path, calibration_file *old, calibration_file *made,
                                  facts *told, error *err)
@@ -745,17 +745,17 @@ const command command_calibrate = {
         "marotte calibrate --from-virtualhand FILE.cal [--out FILE.json] [--name NAME] ...\n"
         "marotte calibrate --show FILE.json [--json]\n"
         "\n"
-        "A glove takes ten poses, a minute and a half. A hand from a camera, a headset or a VMC\n"
-        "sender takes three (flat, fist, spread), ten seconds. Each pose is taken when the hand\n"
-        "has moved into it and holds still. The file is written after the last pose; until then\n"
-        "an older file stays.\n"
+        "A glove needs ten poses, about 90 seconds. A hand from a camera, a headset or a VMC\n"
+        "sender needs three (flat, fist, spread), about 10 seconds. Each pose is taken when the\n"
+        "hand has moved into it and holds still. The file is written after the last pose. Until\n"
+        "then an older file is kept.\n"
         "\n"
         "  --input SPEC       the glove or hand, as for marotte perform: cyberglove, camera,\n"
         "                     openxr, osc:0.0.0.0:39539\n"
-        "  --out FILE         the file to write (NAME.json in the folder below; of a bare hand\n"
+        "  --out FILE         the file to write (NAME.json in the folder below; for a bare hand\n"
         "                     \"NAME, camera.json\" and so on)\n"
         "  --name NAME        the name of the performer\n"
-        "  --hand SIDE        left or right, if the device does not say it\n"
+        "  --hand SIDE        left or right, if the device does not report it\n"
         "  --hand-length MM   wrist to middle fingertip, for mappings\n"
         "  --timeout S        give up if no pose is taken for S seconds (60; at a terminal never)\n"
         "  --from-virtualhand FILE   import a calibration of VirtualHand 1.x (text)\n"

@@ -1,4 +1,5 @@
-/* `marotte camera`: where the camera's page is, and fetching what it needs. */
+/* `marotte camera`: prints the address of the camera page, and downloads the package that it
+ * needs. */
 #include "cli/command.h"
 #include "cli/facts.h"
 
@@ -24,7 +25,7 @@ typedef struct camera_options {
 static const char package_name[] = "@mediapipe/hands";
 static const int64_t npm_patience_ns = 900000000000;
 
-/* What the page loads, as version CAMERA_PAGE_VERSION of the package has it: SHA-256. */
+/* Files that the page loads, with their SHA-256 in version CAMERA_PAGE_VERSION of the package. */
 static const struct {
     const char *name, *sha256;
 } package_file[] = {
@@ -57,7 +58,7 @@ static mrt_result check_file(const char *folder, size_t index, error *err)
     mrt_result result = hash_file(sum, path, err);
     if (result < 0 || strcmp(sum, package_file[index].sha256) == 0)
         return result;
-    return error_set(err, MRT_ERR_FORMAT, "%s: not the file of %s %s: it is not used", path,
+    return error_set(err, MRT_ERR_FORMAT, "%s: not the file of %s %s. It is not used", path,
                      package_name, CAMERA_PAGE_VERSION);
 }
 
@@ -89,7 +90,7 @@ static mrt_result run_npm(const char *folder, error *err)
     const program_start how = {.program = arguments[0],
                                .words = arguments,
                                .in = STDIN_FILENO,
-                               .out = STDERR_FILENO, /* what it says is no fact */
+                               .out = STDERR_FILENO, /* npm's output is not part of the facts */
                                .err = STDERR_FILENO};
     const int failed = program_spawn(&pid, &how);
     if (failed)
@@ -101,7 +102,7 @@ static mrt_result run_npm(const char *folder, error *err)
     return error_set(err, MRT_ERR_IO, "npm could not download %s: see its messages above", what);
 }
 
-/* Fetched beside, checked, and only then where the page looks for it. */
+/* Downloads into a folder beside the final one, checks the files, and then renames the folder. */
 static mrt_result set_up(facts *told, error *err)
 {
     char folder[PATH_MAX], part[PATH_MAX + 32];
@@ -120,8 +121,9 @@ static mrt_result set_up(facts *told, error *err)
             folder);
     (void)snprintf(part, sizeof part, "%s.%d", folder, (int)getpid());
     fprintf(stderr,
-            "fetches %s %s (Apache-2.0, by Google; 24 MB) with npm into\n  %s\nIt runs in your "
-            "browser alone and finds hands in a webcam's pictures.\n",
+            "downloading %s %s (Apache-2.0, by Google; 24 MB) with npm into\n"
+            "  %s\n"
+            "It runs only in your browser, and finds hands in the pictures of a webcam.\n",
             package_name, CAMERA_PAGE_VERSION, folder);
     result = file_make_folders(part, err);
     if (result >= 0)
@@ -132,7 +134,7 @@ static mrt_result set_up(facts *told, error *err)
         result = error_set(err, MRT_ERR_IO, "%s: %s", folder, strerror(errno));
     if (result < 0)
         return result;
-    facts_text(told, "package", "package", "fetched and checked");
+    facts_text(told, "package", "package", "downloaded and checked");
     facts_text(told, "folder", "folder", folder);
     return MRT_OK;
 }
@@ -151,17 +153,18 @@ static bool is_listening(uint16_t port)
     return found;
 }
 
-static mrt_result tell(const camera_options *options, facts *told, error *err)
+static mrt_result report(const camera_options *options, facts *told, error *err)
 {
     const uint16_t port = (uint16_t)options->port;
     char address[CAMERA_PAGE_ADDRESS];
     error why;
     facts_text(told, "package", "package",
-               camera_page_has_package() ? "is there" : "is missing: marotte camera --setup");
+               camera_page_has_package() ? "is installed" : "is missing: marotte camera --setup");
     facts_text(told, "state", "state",
                is_listening(port)
                    ? "open: a browser finds the page at its address"
-                   : "not open: marotte stage, and \"Use the camera\"; or --input camera");
+                   : "not open. Start marotte stage and choose \"Use the camera\", or use "
+                     "--input camera");
     if (camera_page_address(address, port, &why) >= 0)
         facts_text(told, "address", "address", address);
     return options->is_show ? camera_page_show(port, err) : MRT_OK;
@@ -188,7 +191,7 @@ static int run(int argc, char **argv)
     facts *told = facts_create(options.is_json ? FACTS_JSON : FACTS_LINES);
     mrt_result result = !told              ? error_set(&err, MRT_ERR_MEMORY, "no memory")
                         : options.is_setup ? set_up(told, &err)
-                                           : tell(&options, told, &err);
+                                           : report(&options, told, &err);
     return command_end(&command_camera, told, result, &err);
 }
 

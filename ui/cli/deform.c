@@ -14,7 +14,7 @@ enum { FILE_CAP = 1 << 28, READ_STEP = 1 << 16 }; /* bytes */
 typedef struct options {
     const char *path; /* "-": stdin */
     deform_precision precision;
-    bool is_json; /* the result is in any case */
+    bool is_json; /* accepted, but the result is always JSON */
 } options;
 
 static int read_precision(void *to, const command *self, const char *name, const char *text)
@@ -128,7 +128,7 @@ static int run(int argc, char **argv)
     if (read_case(&c, o.path, &err) < 0)
         return command_failed(&command_deform, &err);
     if (c.unknown[0])
-        fprintf(stderr, "marotte deform: %s: unknown, ignored: %s\n", o.path, c.unknown);
+        fprintf(stderr, "marotte deform: %s: unknown keys, ignored: %s\n", o.path, c.unknown);
     mrt_result result = deform(&c, &o, &err);
     deform_case_destroy(&c);
     return result < 0 ? command_failed(&command_deform, &err) : COMMAND_DONE;

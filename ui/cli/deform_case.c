@@ -17,7 +17,7 @@ static mrt_result read_row(double *out, const json_node *at, error *err)
     return json_node_numbers(out, 3, at, -reach, reach, "three numbers [x, y, z]", err);
 }
 
-/* out: as many rows as the array has. */
+/* out: one row for each element of the array. */
 static mrt_result read_rows_into(double *out, const json_node *at, error *err)
 {
     mrt_result result = MRT_OK;
@@ -34,7 +34,7 @@ static mrt_result allocate(double **out, size_t count, error *err)
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for %zu numbers", count);
 }
 
-/* Rows of three at `key` of the object, at most row_cap of them. */
+/* Reads rows of three numbers at `key` of the object, at most row_cap rows. */
 static mrt_result read_rows(double **out, uint32_t *out_count, const json_node *object,
                             const char *key, uint32_t row_cap, error *err)
 {
@@ -73,7 +73,7 @@ static mrt_result read_frames(deform_case *c, const json_node *root, error *err)
     return result;
 }
 
-/* Notes keys of the object that are not in the NULL-ended list. */
+/* Lists the keys of the object that are not in the NULL-ended list `known`. */
 static void note_unknown(deform_case *c, const json_node *object, const char *const *known)
 {
     void *at = NULL;
@@ -120,7 +120,7 @@ static mrt_result read_axis(vec3 *out_point, vec3 *out_direction, const json_nod
     *out_point = (vec3){point[0], point[1], point[2]};
     *out_direction = vec3_normalised((vec3){direction[0], direction[1], direction[2]}, none);
     if (vec3_dot(*out_direction, *out_direction) == 0.0)
-        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, found no length",
+        return error_set(err, MRT_ERR_FORMAT, "%s: expected a direction, but its length is 0",
                          direction_at.path.text);
     return MRT_OK;
 }
@@ -158,7 +158,7 @@ static mrt_result read_jaw(deform_case *c, const json_node *root, error *err)
     return result;
 }
 
-/* The word at `at`; "": it is no word. */
+/* Returns the text at `at`, or "" if the value is not a text. */
 static const char *word_at(const json_node *at)
 {
     const char *word = json_string_value(at->value);
@@ -264,7 +264,7 @@ static void copy_rows(double *out, const double *row, uint32_t count)
         out[i] = row[i];
 }
 
-/* Positions of tips, skull and jaw at time 0 .. frame_count. */
+/* Writes the positions of tips, skull and jaw at one time, 0 .. frame_count. */
 static void controls_at(const deform_case *c, uint32_t time, double *out)
 {
     const double *tip =
@@ -282,11 +282,11 @@ static void controls_at(const deform_case *c, uint32_t time, double *out)
     }
 }
 
-/* What a run needs beside the case. */
+/* Memory of a run. */
 typedef struct run {
     csrbf_solver *solver;
     csrbf_class *class;
-    double *from, *to; /* controls by 3: positions, and then displacements in `to` */
+    double *from, *to; /* controls by 3: positions; `to` is then converted to displacements */
     points_order order;
     points rest, shown; /* float32 only */
     float *rows;        /* point_count by 3 */
@@ -326,7 +326,8 @@ static void run_destroy(run *r)
     points_destroy(&r->shown);
 }
 
-/* The field from the controls of one time to those of another. */
+/* Solves for the field that moves the controls from their places at one time to those at
+ * another. */
 static mrt_result solve_way(run *r, const deform_case *c, uint32_t from, uint32_t to, error *err)
 {
     uint32_t controls = control_count(c);
@@ -342,7 +343,8 @@ static mrt_result solve_way(run *r, const deform_case *c, uint32_t from, uint32_
     return csrbf_solve(r->solver, r->to, err);
 }
 
-/* out: point_count by 3, the positions after this frame; `before`: those that the field moves. */
+/* Writes the positions after this frame. out: point_count by 3; before: the positions that the
+ * field moves. */
 static void move_points(run *r, const deform_case *c, deform_precision precision,
                         const double *before, double *out)
 {

@@ -1,4 +1,5 @@
-/* `marotte devices`: what is plugged in, how it is doing and passing it on, learning a switch. */
+/* `marotte devices`: lists the connected devices, watches their samples, forwards them, and teaches
+ * a switch. */
 #include "cli/command.h"
 #include "cli/terminal.h"
 
@@ -31,7 +32,7 @@ typedef struct devices_options {
     bool is_json, is_watch;
 } devices_options;
 
-/* ---- what is plugged in ---- */
+/* ---- connected devices ---- */
 
 static const char *state_name(int32_t state)
 {
@@ -41,7 +42,7 @@ static const char *state_name(int32_t state)
                                         : "unsure";
 }
 
-/* ---- telling ---- */
+/* ---- output ---- */
 
 static void print_looked_for(const plugin_list *plugins)
 {
@@ -61,7 +62,7 @@ static void print_looked_for(const plugin_list *plugins)
 
 enum { SPEC_TEXT = 256 };
 
-/* What to write after --input. */
+/* Writes the value for --input. */
 static void write_spec(char out[SPEC_TEXT], const device_found *of)
 {
     (void)snprintf(out, SPEC_TEXT, "%.48s:%s", plugin_short_name(of->type), of->device.address);
@@ -110,7 +111,7 @@ static void devices_print_json(const device_list *found, const plugin_list *plug
     facts_print_json(all, JSON_INDENT(2));
 }
 
-/* ---- what whoever waits is woken by: inputs, and the signal to stop ---- */
+/* ---- wake-up: by inputs, and by the signal to stop ---- */
 
 static wake news;
 
@@ -119,19 +120,19 @@ static void wake_up(void)
     wake_signal(&news);
 }
 
-/* ---- how it is doing ---- */
+/* ---- watching: state ---- */
 
 enum { LINE_LENGTH = 512, WIDTH_LEAST = 40 };
 
-/* How often the lines are shown anew: in place on a terminal, else a line for each. */
+/* Interval between updates: in place on a terminal, otherwise one line for each input. */
 static const int64_t terminal_span_ns = 250 * NS_PER_MS, line_span_ns = NS_PER_S;
 
-/* A share of samples at an end of a channel's range that is worth telling. */
+/* Minimum share of samples at an end of the channel's range that is reported. */
 static const float saturated_least = 0.02f;
 
 static const double silent_least_s = 1.0;
 
-/* How often to look for what has been plugged in since. */
+/* Interval between searches for devices that were plugged in later. */
 static const int64_t look_span_ns = 2 * NS_PER_S;
 
 typedef struct forwarding {
@@ -146,13 +147,13 @@ typedef struct watch {
     plugin_list *plugins;
     log_queue *log;
     input *inputs[DEVICES_INPUTS_MAX];
-    mrt_device opened[DEVICES_INPUTS_MAX]; /* by finding it: where it is */
+    mrt_device opened[DEVICES_INPUTS_MAX]; /* of inputs that were found, not named */
     uint32_t input_count;
     forwarding forward;
     int64_t start_ns, shown_ns, looked_ns;
-    log_once logged; /* while looking for devices */
+    log_once logged; /* messages already printed while searching for devices */
     bool is_terminal;
-    uint32_t lines; /* shown last, to be written over */
+    uint32_t lines; /* number of lines printed last, to overwrite */
 } watch;
 
 /* ---- opening ---- */
@@ -196,8 +197,8 @@ static bool looks_for_devices(const watch *self)
     return self->options->input_count == 0;
 }
 
-/* Opens what is ready and not open yet. One that cannot be opened after all is told and left out.
- */
+/* Opens every ready device that is not open yet. Reports one that cannot be opened, and skips
+ * it. */
 static mrt_result open_ready(watch *self, error *err)
 {
     device_list found;
@@ -223,7 +224,7 @@ static mrt_result open_inputs(watch *self, error *err)
         return open_named(self, err);
     mrt_result result = open_ready(self, err);
     if (result >= 0 && self->input_count == 0)
-        fprintf(stderr, "note: no device is ready: waiting for one (marotte devices says what to "
+        fprintf(stderr, "note: no device is ready: waiting for one (marotte devices shows what to "
                         "do)\n");
     return result;
 }
@@ -322,7 +323,7 @@ static size_t terminal_width(void)
     return size.ws_col;
 }
 
-/* Takes the lines shown last away, so that something else can be said above them. */
+/* Removes the lines printed last, so that other output can be printed above them. */
 static void clear_lines(watch *self)
 {
     if (self->lines)
@@ -354,7 +355,7 @@ static void show_lines(watch *self)
         show_line(self, line);
     }
     if (self->forward.open) {
-        add(line, &length, "passed on to %s: %ju samples", self->options->forward,
+        add(line, &length, "forwarded to %s: %ju samples", self->options->forward,
             (uintmax_t)self->forward.sent);
         if (self->forward.failed)
             add(line, &length, ", %ju could not be sent", (uintmax_t)self->forward.failed);
@@ -428,7 +429,7 @@ static void pass_on(watch *self, const input *in, const mrt_sample *sample)
         forward->sent += 1;
 }
 
-static void tell_incident(watch *self, const input *in, const input_incident *what)
+static void report_incident(watch *self, const input *in, const input_incident *what)
 {
     double time_s = (double)(what->time_ns - self->start_ns) / 1e9;
     clear_lines(self);
@@ -440,7 +441,7 @@ static void tell_incident(watch *self, const input *in, const input_incident *wh
                 (double)what->away_ns / 1e9);
 }
 
-static void tell_news(watch *self)
+static void report_news(watch *self)
 {
     log_record record;
     while (log_pop(self->log, &record)) {
@@ -450,20 +451,20 @@ static void tell_news(watch *self)
     }
 }
 
-/* Takes all that there is. False: no input will ever give anything again. */
-static bool take_all(watch *self)
+/* Reads all samples that are ready. Returns false if no input will deliver any more. */
+static bool read_all(watch *self)
 {
     bool is_any_alive = false;
     for (uint32_t i = 0; i < self->input_count; ++i) {
         input *in = self->inputs[i];
-        input_state state = input_state_of(in); /* asked first: what came before the end counts */
+        input_state state = input_state_of(in); /* read first: samples from before the end count */
         mrt_sample sample;
         input_incident incident;
         is_any_alive |= state == INPUT_RUNNING || state == INPUT_LOST;
         for (; input_peek(in, &sample); input_take(in))
             pass_on(self, in, &sample);
         while (input_take_incident(in, &incident))
-            tell_incident(self, in, &incident);
+            report_incident(self, in, &incident);
     }
     return is_any_alive;
 }
@@ -491,9 +492,9 @@ static mrt_result follow(watch *self, error *err)
         mrt_result result = look_again(self, err);
         if (result < 0)
             return result;
-        bool goes_on = (take_all(self) || looks_for_devices(self)) && !cancel_is_asked();
+        bool goes_on = (read_all(self) || looks_for_devices(self)) && !cancel_is_asked();
         int64_t now_ns = clock_now_ns();
-        tell_news(self);
+        report_news(self);
         goes_on &= now_ns < end_ns;
         if (now_ns >= self->shown_ns + span_ns || !goes_on || (redraws && self->lines == 0))
             show(self, now_ns);
@@ -504,11 +505,12 @@ static mrt_result follow(watch *self, error *err)
     }
     if (self->input_count == 0)
         return error_set(err, MRT_ERR_IO,
-                         "no device is ready. marotte devices says why; --input names one");
+                         "no device is ready. marotte devices shows why. --input opens a chosen "
+                         "one");
     return MRT_OK;
 }
 
-/* Until it is stopped, the time is over, or every input is. */
+/* Runs until the signal to stop, until the time is over, or until every input has ended. */
 static mrt_result devices_watch(const devices_options *options, plugin_list *plugins,
                                 log_queue *log, error *err)
 {
@@ -530,9 +532,9 @@ static const int64_t learn_span_ns = 100 * NS_PER_MS;
 
 typedef enum lesson { LESSON_GOES_ON = 0, LESSON_DONE, LESSON_GIVEN_UP } lesson;
 
-/* Plugins begin what they say of it with "learn:", and end with "learn: done" or "learn: given up".
- */
-static lesson listen(log_queue *log)
+/* Prints the plugin's messages about learning, which begin with "learn:". The last one is "learn:
+ * done" or "learn: given up". */
+static lesson read_lesson(log_queue *log)
 {
     lesson so_far = LESSON_GOES_ON;
     log_record record;
@@ -551,7 +553,7 @@ static lesson listen(log_queue *log)
     return so_far;
 }
 
-/* What is measured meanwhile is of no use here. */
+/* Discards samples that arrive during learning. */
 static void drain(input *in)
 {
     mrt_sample sample;
@@ -571,7 +573,7 @@ static mrt_result attend(input *in, const devices_options *options, log_queue *l
         uint32_t seen = wake_seen(&news);
         input_state state = input_state_of(in);
         drain(in);
-        lesson so_far = listen(log);
+        lesson so_far = read_lesson(log);
         if (so_far == LESSON_DONE)
             return MRT_OK;
         if (so_far == LESSON_GIVEN_UP)
@@ -714,8 +716,8 @@ const command command_devices = {
         "device that cannot be used.\n"
         "\n"
         "  --watch          open all ready devices and print their rate, jitter, latency, lost\n"
-        "                   samples, clock drift and sensors at the end of their range. A device\n"
-        "                   that is unplugged or plugged in later is waited for\n"
+        "                   samples, clock drift and sensors at the end of their range. Waits\n"
+        "                   for devices that are unplugged, or plugged in later\n"
         "  --input SPEC     only this input: PLUGIN[:ADDRESS][,key=value]...; up to 8 times\n"
         "  --seconds N      end after N seconds (at Ctrl-C)\n"
         "  --forward H:P    watch, and send every sample to the marotte that listens on host H\n"

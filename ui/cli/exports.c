@@ -50,7 +50,7 @@ const char *exports_opener(exports_format format)
     return openers[format];
 }
 
-/* Of two endings that fit the longer one. */
+/* If two endings match, the longer one counts. */
 exports_format exports_format_of(const char *path)
 {
     exports_format best = EXPORTS_NONE;
@@ -67,7 +67,8 @@ exports_format exports_format_of(const char *path)
     return best;
 }
 
-/* Written frame by frame while it is performed; all others from a clip. */
+/* A video is written frame by frame during the performance, the other formats afterwards from a
+ * clip. */
 static bool exports_is_video(exports_format format)
 {
     return format == EXPORTS_MP4 || format == EXPORTS_FOLDER;
@@ -123,7 +124,7 @@ mrt_result exports_check(const exports_file *file, uint32_t count, error *err)
         if (video_is_stream(file[i].path))
             continue;
         result = file_make_parent(file[i].path, err);
-        if (result >= 0 && file[i].format != EXPORTS_FOLDER) /* a folder is checked by its video */
+        if (result >= 0 && file[i].format != EXPORTS_FOLDER) /* the video checks its folder */
             result = check_export(file[i].path, err);
     }
     return result;
@@ -139,7 +140,7 @@ mrt_result exports_check_face(const exports_file *file, uint32_t count, const me
     return MRT_OK;
 }
 
-/* Caches have a size that is known: every vertex at every frame. */
+/* The size of a cache is known before: every vertex in every frame. */
 mrt_result exports_check_room(const exports_file *file, uint32_t count, const mesh *m,
                               int64_t frame_count, error *err)
 {
@@ -161,8 +162,8 @@ mrt_result exports_check_room(const exports_file *file, uint32_t count, const me
     return MRT_OK;
 }
 
-/* "gain 1, no soft reach." of "Paper: gain 1, no soft reach.": what a choice means beside its name.
- */
+/* Returns the meaning of a choice: "gain 1, no soft reach." for the label "Paper" in the help text
+ * "Paper: gain 1, no soft reach." */
 static const char *explanation_of(const char *help, const char *label)
 {
     size_t length = strlen(label);
@@ -177,7 +178,7 @@ void exports_tell_params(char *out, size_t capacity, const mrt_plugin_type *type
     const char *between = ": ";
     for (uint32_t i = 0; i < type->param_count && used > 0 && (size_t)used < capacity; ++i) {
         const mrt_param *p = &type->params[i];
-        /* A show may say anything. */
+        /* A value that a show stores may be out of range. */
         double at = value[i] >= p->min && value[i] <= p->max ? value[i] : p->initial;
         const char *label = p->labels ? p->labels[(size_t)(at - p->min + 0.5)] : NULL;
         bool is_off =
@@ -210,9 +211,9 @@ static void on_export(void *data, double done)
     progress_show(data, done, "");
 }
 
-/* prefix: of the facts' names: "gltf". */
-static void tell_targets(const gltf_report *report, const clip *frames, const char *prefix,
-                         facts *told)
+/* prefix: first part of the names of the facts, such as "gltf". */
+static void report_targets(const gltf_report *report, const clip *frames, const char *prefix,
+                           facts *told)
 {
     const bool is_named = clip_is_named(frames);
     const struct {
@@ -225,7 +226,7 @@ static void tell_targets(const gltf_report *report, const clip *frames, const ch
         {"targets", "morph targets", report->target_count, 0, "", false},
         {"named_targets", "  of them named", report->exact_target_count, 0, "", !is_named},
         {"remainder_mm", "remainder", report->remainder_mm, 2,
-         "mm at most, that the others show: bones turn, skin slides, clay", !is_named},
+         "mm at most, shown by the other targets: bones turn, skin slides, clay", !is_named},
         {"mean_remainder_mm", "  on average", report->mean_remainder_mm, 2, "mm", !is_named},
         {"exact_targets", "  of them exact", report->exact_target_count, 0, "", is_named},
         {"max_error_mm", "greatest error", report->max_error_mm, 4, "mm", false},
@@ -251,7 +252,7 @@ static mrt_result write_glb(const char *path, const clip *frames, const exports_
         return result;
     if (report.why_bare.text[0])
         facts_text(told, "gltf_bare", "mesh alone", report.why_bare.text);
-    tell_targets(&report, frames, "gltf", told);
+    report_targets(&report, frames, "gltf", told);
     return MRT_OK;
 }
 
@@ -279,7 +280,7 @@ static mrt_result write_usd(const char *path, const clip *frames, const exports_
     mrt_result result =
         usd_write(path, frames, &options, unit_of(settings, 1.0), steps, &report, err);
     if (result >= 0)
-        tell_targets(&report, frames, "usd", told);
+        report_targets(&report, frames, "usd", told);
     return result;
 }
 
@@ -301,7 +302,7 @@ static mrt_result write_bvh(const char *path, const clip *frames, const exports_
 typedef mrt_result write_cache(const char *path, const clip *c, const cache_options *options,
                                const export_progress *progress, error *err);
 
-/* "face.3.teeth.pc2" of "face.pc2": a name that every file system takes. */
+/* Returns "face.3.teeth.pc2" for "face.pc2": a name that every file system accepts. */
 static char *path_of_part(const char *path, uint32_t number, const char *part)
 {
     char name[96];
@@ -318,8 +319,8 @@ static char *path_of_part(const char *path, uint32_t number, const char *part)
     return out;
 }
 
-/* Neighbours of one name are one: a glTF mesh of several primitives, an OBJ group of several
- * materials. */
+/* Neighbouring parts with the same name are one part: several primitives of a glTF mesh, several
+ * materials of an OBJ group. */
 static mrt_result write_by_part(write_cache *write, const char *path, const clip *frames,
                                 cache_options options, const export_progress *steps, facts *told,
                                 error *err)
@@ -380,8 +381,8 @@ static mrt_result write_livelink(const char *path, const clip *frames,
                                      used > 0 ? " " : "", arkit_name[i]);
     if (arkit->shape_count + arkit->turn_count == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: this face has no shape or pose with a name of ARKit's, and no head "
-                         "or eyes that turn",
+                         "%s: this face has no shape or pose with an ARKit name, and no head or "
+                         "eyes that turn",
                          path);
     facts_number(told, "arkit_shapes", "ARKit shapes", arkit->shape_count, 0, "of 52");
     facts_number(told, "arkit_turns", "  turns", arkit->turn_count, 0, "of 9, of head and eyes");
@@ -397,7 +398,7 @@ static mrt_result write_vrma(const char *path, const clip *frames, const exports
     return vrma_write(path, frames, steps, err);
 }
 
-/* From a clip; NULL: a video, written while it is performed. */
+/* Writers that read a clip. NULL: a video, which is written during the performance. */
 static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *frames,
                                                 const exports_settings *settings,
                                                 const export_progress *steps, facts *told,
@@ -410,7 +411,7 @@ static mrt_result (*const writers[EXPORTS_END])(const char *path, const clip *fr
     [EXPORTS_BVH] = write_bvh,
 };
 
-/* Says itself what it wrote, where that is a file for each part. */
+/* Returns whether the writer lists its files itself, because it may write one for each part. */
 static bool is_cache(exports_format format)
 {
     return format == EXPORTS_PC2 || format == EXPORTS_MDD;
@@ -475,7 +476,7 @@ mrt_result exports_video_add(exports_video *self, composer *from, error *err)
     mrt_result result = video_add(self->video, face_shown(f), face_order(f), err);
     if (result >= 0 && !self->is_told && video_has_failed(self->video, &why)) {
         self->is_told = true;
-        fprintf(stderr, "warning: %s; the performance goes on\n", why.text);
+        fprintf(stderr, "warning: %s; the performance continues\n", why.text);
     }
     return result;
 }
@@ -494,8 +495,7 @@ mrt_result exports_video_finish(exports_video *self, facts *told, error *err)
     facts_text(told, "picture_size", "  size", size);
     if (report.repeated_count)
         facts_warning(told, "pictures_repeated", "pictures repeated", (double)report.repeated_count,
-                      0,
-                      "could not be drawn in time: --record, then marotte take export, draws all");
+                      0, "not drawn in time. Use --record, then marotte take export, to draw all");
     for (uint32_t i = 0; i < self->count; ++i)
         facts_file(told, self->file[i].path,
                    video_is_stream(self->file[i].path)

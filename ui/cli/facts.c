@@ -19,7 +19,8 @@ struct facts {
     char warning[WARNINGS_MAX][WARNING_LENGTH]; /* FACTS_BRIEF */
 };
 
-/* Names in it may be those of files that somebody else has made. */
+/* Replaces characters that are not printable: the text may contain file names from an untrusted
+ * source. */
 static void print_text(const char *text)
 {
     char *shown = strdup(text);
@@ -76,7 +77,7 @@ mrt_result facts_save(const facts *self, const char *path, error *err)
     size_t length = text ? strlen(text) : 0;
     mrt_result result = text ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for %s", path);
     if (result >= 0) {
-        text[length] = '\n'; /* in the place of its 0 */
+        text[length] = '\n'; /* replaces the final 0 */
         result = file_write(path, text, length + 1, err);
     }
     free(text);

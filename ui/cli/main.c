@@ -1,4 +1,5 @@
-/* The program: finds the command and runs it; and what all commands share (command.h). */
+/* The program: finds the command and runs it. Also the functions that all commands share
+ * (command.h). */
 #include "cli/command.h"
 
 #include "base/installed.h"
@@ -25,9 +26,9 @@
 
 enum { SHOWN_WORD = 40, TYPED_MAX = 8192 };
 
-/* ---- what was typed, and how a command ends ---- */
+/* ---- the typed command line, and the end of a command ---- */
 
-/* "log:/a/long/way/plugins/log/hand.csv,end=8" becomes "log:…/log/hand.csv,end=8". */
+/* Shortens "log:/a/long/way/plugins/log/hand.csv,end=8" to "log:…/log/hand.csv,end=8". */
 static const char *shortened(char *word)
 {
     char *end = strrchr(word, '/'), *colon = strchr(word, ':');
@@ -38,7 +39,7 @@ static const char *shortened(char *word)
     while (folder > path && *folder != '/')
         --folder;
     if (folder - path < 4)
-        return word; /* what would be gained is less than it hides */
+        return word; /* too short to be worth it */
     static const char ellipsis[] = "…";
     memcpy(path, ellipsis, sizeof ellipsis - 1);
     memmove(path + sizeof ellipsis - 1, folder, strlen(folder) + 1);
@@ -61,7 +62,7 @@ void command_typed(char *out, size_t capacity)
         fclose(stream);
     line[size] = '\0';
     out[0] = '\0';
-    bool is_written = false; /* a file that is written: where it lies is no part of how */
+    bool is_written = false; /* the next word is an output file: its folder is left out */
     for (char *word = line; word < line + size && used < capacity;) {
         char *next = word + strlen(word) + 1, quoted[TYPED_MAX];
         const char *slash = is_written ? strrchr(word, '/') : NULL;
@@ -117,7 +118,7 @@ int command_end(const command *self, facts *told, mrt_result result, const error
 
 /* ---- options ---- */
 
-enum { OPTION_FIRST = 256 }; /* what getopt_long answers for the first row */
+enum { OPTION_FIRST = 256 }; /* value that getopt_long returns for the first row */
 
 static void list_options(struct option out[COMMAND_OPTIONS_MAX], const command_option *table)
 {
@@ -144,7 +145,8 @@ static int read_number(const command *self, const command_option *which, const c
                          which->least, which->most);
 }
 
-static int put(void *options, const command *self, const command_option *which, const char *text)
+static int set_option(void *options, const command *self, const command_option *which,
+                      const char *text)
 {
     void *to = (char *)options + which->offset;
     double number = 0.0;
@@ -179,8 +181,8 @@ static int put(void *options, const command *self, const command_option *which, 
     return code;
 }
 
-/* The words that are no options, in the rows of COMMAND_WORD. */
-static int put_words(void *options, const command *self, const command_option *table, int count,
+/* Stores the words without dashes in the rows of COMMAND_WORD, in order. */
+static int set_words(void *options, const command *self, const command_option *table, int count,
                      char **word)
 {
     int code = COMMAND_DONE;
@@ -190,12 +192,12 @@ static int put_words(void *options, const command *self, const command_option *t
             ++row;
         if (!row->name)
             return command_usage(self, "unexpected argument \"%s\"", word[i]);
-        code = put(options, self, row, word[i]);
+        code = set_option(options, self, row, word[i]);
     }
     return code;
 }
 
-/* "--fsp=3" is one of the table's with a typing mistake, or not. */
+/* Reports an unknown option such as "--fsp=3", and suggests a similar one from the table. */
 static int no_such_option(const command *self, const command_option *table, const char *typed)
 {
     char word[64], name[64];
@@ -224,13 +226,13 @@ int command_options(void *options, const command *self, const command_option *ta
         else if (option == '?')
             code = no_such_option(self, table, argv[optind - 1]);
         else
-            code = put(options, self, &table[option - OPTION_FIRST], optarg);
+            code = set_option(options, self, &table[option - OPTION_FIRST], optarg);
     }
-    return code == COMMAND_DONE ? put_words(options, self, table, argc - optind, argv + optind)
+    return code == COMMAND_DONE ? set_words(options, self, table, argc - optind, argv + optind)
                                 : code;
 }
 
-/* ---- what several commands read ---- */
+/* ---- readers of option values that several commands use ---- */
 
 int command_read_unit(void *to_mm, const command *self, const char *name, const char *text)
 {
@@ -309,7 +311,7 @@ static bool asks_for_help(int argc, char **argv)
     return false;
 }
 
-/* Everything that was printed has to have arrived somewhere: a full disk is a failure. */
+/* Returns failure if stdout could not be written, for example to a full disk. */
 static int flushed(int code)
 {
     bool failed = ferror(stdout) != 0;
@@ -347,7 +349,7 @@ static const command *find_command(const char *name)
     return NULL;
 }
 
-/* The word is neither a command nor a file that is opened. */
+/* Reports a word that is neither a command nor a file that can be opened. */
 static int refuse(const char *word, const char *expected)
 {
     char text[512];
@@ -384,7 +386,7 @@ static int help(int argc, char **argv)
 int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
+    signal(SIGXFSZ, SIG_IGN); /* a write beyond the file size limit then fails with an error */
     memory_set_up();
     error err = {""};
     if (isa_check(&err) < 0 || pool_check(&err) < 0 || trace_start(&err) < 0) {

@@ -24,29 +24,30 @@
 /* ---- the command line ---- */
 
 typedef struct perform_options {
-    char *face;       /* a path; owned */
-    mesh_frame frame; /* of a mesh alone: --unit, --up, --forward */
+    char *face;       /* owned path */
+    mesh_frame frame; /* frame of a mesh file without a rig: --unit, --up, --forward */
     plugin_spec input[PERFORM_INPUTS_MAX];
-    const char *input_text[PERFORM_INPUTS_MAX]; /* as they were typed */
+    const char *input_text[PERFORM_INPUTS_MAX]; /* as typed */
     uint32_t input_count;
     plugin_spec map;
-    const char *output[PERFORM_OUTPUTS_MAX]; /* where the face is sent; in real time then */
+    const char *output[PERFORM_OUTPUTS_MAX]; /* receivers of the face; then the performance is in
+                                                real time */
     uint32_t output_count;
-    const char *curves; /* a table to perform in place of hands; NULL: none */
+    const char *curves; /* table to perform instead of hands; NULL: none */
     exports_file exports[EXPORTS_MAX];
     uint32_t export_count;
-    video_look look; /* of the videos among them */
+    video_look look; /* look of the videos among the exports */
     double fps, seconds, tolerance_mm, hand_length_mm;
     const char *calibration[PERFORM_CALIBRATIONS_MAX]; /* paths, or one "none" */
     uint32_t calibration_count, rezero_pedal;
     uint32_t max_targets;
-    bool is_bare;    /* glTF exports have the mesh alone */
+    bool is_bare;    /* glTF exports contain only the mesh */
     bool is_by_part; /* exports_settings */
     double export_mm_per_unit;
-    const char *patch;        /* its file; NULL: none */
-    const char *record;       /* the show; NULL: nothing is recorded */
-    const char *scene, *shot; /* of the take; "" */
-    bool has_sound;           /* of the microphone */
+    const char *patch;        /* path; NULL: none */
+    const char *record;       /* path of the show; NULL: not recorded */
+    const char *scene, *shot; /* slate of the take; "" if not given */
+    bool has_sound;           /* record the microphone */
     isolate_which isolation;
     bool watches_plugins, is_realtime, is_json, is_verbose;
 } perform_options;
@@ -171,7 +172,7 @@ static const command_option option_table[] = {
     {.name = NULL},
 };
 
-/* What the look cannot be of. */
+/* Checks that each .mp4 can be made with this look. */
 static int check_look(const perform_options *out, const command *self)
 {
     error err;
@@ -182,7 +183,7 @@ static int check_look(const perform_options *out, const command *self)
     return COMMAND_DONE;
 }
 
-/* COMMAND_DONE, or COMMAND_USAGE after saying why. */
+/* Returns COMMAND_DONE, or reports the mistake and returns COMMAND_USAGE. */
 static int read_options(perform_options *out, int argc, char **argv)
 {
     *out = (perform_options){.scene = "", .shot = "", .look = video_look_usual()};
@@ -217,30 +218,30 @@ static int read_options(perform_options *out, int argc, char **argv)
 
 /* ---- a performance ---- */
 
-typedef struct take_recording { /* --record; zeroed: nothing is recorded */
+typedef struct take_recording { /* --record; zeroed: not recorded */
     show *show;
     recorder *recorder;
-    sound *sound;         /* of the microphone; NULL: none */
-    char sound_told[256]; /* the last thing that was said of it */
+    sound *sound;         /* microphone; NULL: none */
+    char sound_told[256]; /* the last warning that was printed */
     char *calibration[2];
     int64_t take;
-    bool is_waiting_told; /* that the disk does not take it now */
+    bool is_waiting_told; /* reported that the disk is not writable now */
 } take_recording;
 
-/* Everything that a performance needs, made in this order and destroyed in reverse. */
+/* All parts of a performance, created in this order and destroyed in reverse. */
 typedef struct performance {
     const perform_options *options;
     log_queue *log;
     plugin_list plugins;
     face_file face;
     perform_inputs inputs;
-    double duration_s; /* of the whole performance; 0: not known */
+    double duration_s; /* of the whole performance; 0: unknown */
     perform_hands hands;
     perform_mapping mapping;
     patch patch;
     performer *performer;
     perform_outputs outputs;
-    uint32_t mark_count; /* presses so far */
+    uint32_t mark_count; /* number of presses so far */
     recording recording;
     take_recording record;
     exports_video videos;
@@ -248,8 +249,8 @@ typedef struct performance {
     progress progress;
 } performance;
 
-/* ---- the microphone beside a performance: what was said becomes the sound of its take; one that
- * is missing or fails stops nothing ---- */
+/* ---- the microphone: what it records becomes the sound of the take. If it is missing or fails,
+ * the performance continues ---- */
 
 static const int64_t patience_ns = 3 * NS_PER_S;
 
@@ -261,12 +262,12 @@ static mrt_result start_sound(take_recording *self, error *err)
     return result < 0 ? result : sound_arm(self->sound, recorder_writer(self->recorder), 0, err);
 }
 
-static void say(take_recording *self, const char *text)
+static void warn(take_recording *self, const char *text)
 {
     if (!text[0] || strcmp(self->sound_told, text) == 0)
         return;
     snprintf(self->sound_told, sizeof self->sound_told, "%s", text);
-    fprintf(stderr, "warning: %s; the hands are recorded all the same\n", text);
+    fprintf(stderr, "warning: %s; the hands are still recorded\n", text);
 }
 
 static void update_sound(take_recording *self)
@@ -276,11 +277,11 @@ static void update_sound(take_recording *self)
         return;
     sound_update(self->sound);
     sound_in_look(self->sound, &status);
-    say(self, status.device.text);
-    say(self, status.record.text);
+    warn(self, status.device.text);
+    warn(self, status.record.text);
 }
 
-/* The microphone is off, and all of it is with the writer. */
+/* Stops the microphone, and waits until the writer has all of its sound. */
 static void stop_sound(take_recording *self)
 {
     if (!self->sound)
@@ -293,7 +294,7 @@ static void stop_sound(take_recording *self)
     }
 }
 
-/* What was recorded becomes the take's sound; the writer has been flushed or stopped. */
+/* Attaches the recorded sound to the take. The writer has been flushed or stopped. */
 static mrt_result attach_sound(take_recording *self, facts *told, error *err)
 {
     sound_in_status status;
@@ -314,7 +315,7 @@ static mrt_result attach_sound(take_recording *self, facts *told, error *err)
     facts_number(told, "sound_s", "  length", (double)audio.frame_count / (double)audio.rate_hz, 2,
                  "s");
     facts_number(told, "sound_drift_ppm", "  drift", status.record.drift_ppm, 1,
-                 "ppm of its clock against the samples'");
+                 "ppm of its clock, compared with that of the samples");
     if (status.record.gap_count)
         facts_warning(told, "sound_gaps", "gaps in the sound", status.record.gap_count, 0, "");
     return MRT_OK;
@@ -322,8 +323,8 @@ static mrt_result attach_sound(take_recording *self, facts *told, error *err)
 
 /* ---- recording into a show ---- */
 
-/* For what it keeps; NULL: nothing is recorded, or the show is new, or cannot be read, which
- * start_recording tells. */
+/* Opens the show that already exists, for its settings. Returns NULL if nothing is recorded, or if
+ * the show is new or unreadable; start_recording reports that. */
 static show *open_earlier_show(const perform_options *options)
 {
     show *out = NULL;
@@ -334,7 +335,8 @@ static show *open_earlier_show(const perform_options *options)
     return out;
 }
 
-/* How the show solves into which it is recorded, so that the take shows what is performed now. */
+/* Returns the solver settings of the show that is recorded into, so that the take later shows the
+ * same face. */
 static csrbf_settings choose_solver(const performance *self)
 {
     show *earlier = open_earlier_show(self->options);
@@ -355,8 +357,8 @@ static mrt_result open_show(take_recording *out, const char *path, error *err)
     return error_set(err, MRT_ERR_IO, "%s", show_notice(out->show));
 }
 
-/* Opens the show, or makes it; a take begins with the first sample. Does nothing without --record.
- */
+/* Opens or creates the show. The take begins with the first sample. Does nothing without
+ * --record. */
 static mrt_result start_recording(performance *self, error *err)
 {
     const perform_options *options = self->options;
@@ -403,7 +405,7 @@ static mrt_result start_recording(performance *self, error *err)
     return start_sound(out, err);
 }
 
-/* Now and then: says what the person should know: the disk is full, the file was deleted. */
+/* Reports problems of the recording: the disk is full, the file was deleted. Called repeatedly. */
 static void watch_recording(take_recording *self)
 {
     if (!self->recorder)
@@ -412,7 +414,7 @@ static void watch_recording(take_recording *self)
     perform_record_watch_writer(recorder_writer(self->recorder), &self->is_waiting_told);
 }
 
-/* The take ends, and all is written. */
+/* Ends the take, and waits until everything is written. */
 static mrt_result end_recording(performance *of, facts *told, error *err)
 {
     take_recording *self = &of->record;
@@ -433,7 +435,7 @@ static mrt_result end_recording(performance *of, facts *told, error *err)
     error later = {""};
     mrt_result stopped = recorder_stop(self->recorder, &later);
     self->recorder = NULL;
-    if (stopped < 0) /* it says more than what failed before it */
+    if (stopped < 0) /* this error explains more than the earlier one */
         result = error_set(err, stopped, "%s", later.text);
     if (result < 0)
         return result;
@@ -461,9 +463,9 @@ static mrt_result finish_recording(take_recording *self, mrt_result so_far, erro
     return result;
 }
 
-/* ---- prepared ---- */
+/* ---- preparation ---- */
 
-/* The scene of the show that is recorded into, unless another one was chosen. */
+/* Uses the scene of the show that is recorded into, unless another look was chosen. */
 static mrt_result open_look(performance *self, error *err)
 {
     if (self->options->export_count == 0)
@@ -559,7 +561,8 @@ static mrt_result finish(performance *self, mrt_result so_far, error *err)
     return result;
 }
 
-/* Nonsense from a plugin: on stage the last good pull is held; an offline performance fails. */
+/* Checks the pulls of the plugin. On stage an invalid pull is replaced by the last valid one; an
+ * offline performance fails. */
 static mrt_result check_pulls(const performance *self, error *err)
 {
     const performer_counts *counts = performer_counted(self->performer);
@@ -588,7 +591,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     return recording_add(&self->recording, self->performer, work_ns, err);
 }
 
-/* What the patch presses; recording is --record's. */
+/* Performs the actions that a patch triggers. --record decides about recording. */
 static void apply_patch_actions(performance *self, int64_t time_ns)
 {
     const patch_bay *bay = layer_bay(performer_layer(self->performer));
@@ -687,13 +690,13 @@ static void report_devices(const performance *self, facts *told)
         return;
     facts_warning(told, "went_away", "went away", report->went_count, 0, "times");
     facts_number(told, "came_back", "came back", report->came_count, 0, "times");
-    facts_number(told, "away_s", "away", report->away_s, 2, "s, those that came back");
+    facts_number(told, "away_s", "away", report->away_s, 2, "s, of those that came back");
     for (uint32_t i = 0; i < self->inputs.count; ++i)
         if (input_state_of(self->inputs.input[i]) == INPUT_LOST)
             facts_warning_list(told, "still_away", "still away", input_name(self->inputs.input[i]));
 }
 
-/* The title of the picture: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
+/* Writes the title of the picture: "moai.rig.json: log demo_hand.csv + cyberglove, anchored". */
 static void name_performance(const performance *self, char *out, size_t capacity)
 {
     const char *slash = strrchr(self->options->face, '/');
@@ -706,7 +709,7 @@ static void name_performance(const performance *self, char *out, size_t capacity
                        plugin_short_name(self->mapping.instance.type));
 }
 
-/* ---- the lines that a person always reads ---- */
+/* ---- lines that are always printed ---- */
 
 static void print_motion(const recording *of, facts *told)
 {
@@ -781,7 +784,7 @@ static void report_performance(performance *self, facts *told)
     perform_outputs_report(self->outputs.outputs, told);
 }
 
-/* With a rig: what its constraints held. */
+/* Reports the constraints of the rig. */
 static void report_constraints(performance *self, facts *told)
 {
     const recording *kept = &self->recording;
@@ -792,8 +795,8 @@ static void report_constraints(performance *self, facts *told)
                  "in which skin slid over the skull");
 }
 
-/* What it takes to make it again. */
-static void tell_making(const performance *self, char *out, size_t capacity)
+/* Writes the information that is needed to repeat the performance. */
+static void describe_making(const performance *self, char *out, size_t capacity)
 {
     const instance *mapping =
         self->mapping.current ? self->mapping.current : &self->mapping.instance;
@@ -813,7 +816,7 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
 {
     char title[256], making[4096];
     name_performance(self, title, sizeof title);
-    tell_making(self, making, sizeof making);
+    describe_making(self, making, sizeof making);
     exports_settings settings = {.tolerance_mm = self->options->tolerance_mm,
                                  .max_targets = self->options->max_targets,
                                  .is_bare = self->options->is_bare,
@@ -826,7 +829,8 @@ static mrt_result write_exports(performance *self, facts *told, error *err)
                          &settings, &self->progress, told, err);
 }
 
-/* The sound of the first recording that has one, into the .mp4. A damaged one is left out. */
+/* Adds the sound of the first recording that has one to the .mp4. Skips a damaged sound, with a
+ * warning. */
 static mrt_result add_sound_of_input(performance *self, const char *mp4, double length_s,
                                      error *err)
 {
@@ -847,7 +851,7 @@ static mrt_result add_sound_of_input(performance *self, const char *mp4, double 
     return result;
 }
 
-/* What was recorded of the microphone, or what a recording sounds, into the .mp4. */
+/* Adds sound to the .mp4: that of the microphone, else that of a recording. */
 static mrt_result add_sound(performance *self, error *err)
 {
     char *wav = NULL;
@@ -870,14 +874,14 @@ static mrt_result add_sound(performance *self, error *err)
     return result;
 }
 
-/* ---- --curves: a table (io/curves.h) performs, row by row, in place of hands: what --export
- * FILE.csv has written, with or without changes, or what another program has ---- */
+/* ---- --curves: instead of hands, a table (io/curves.h) performs row by row: one that --export
+ * FILE.csv wrote, edited or not, or one of another program ---- */
 
-/* Columns of the table; CURVE_TABLE_NONE: it has none of that name. */
+/* Columns of the table; CURVE_TABLE_NONE: no such column. */
 typedef struct curve_columns {
     uint32_t dof[MRT_MAX_DOFS];
-    uint32_t *contact;                  /* 3 for each */
-    uint32_t point[MRT_MAX_VECTORS][6]; /* of free points: start, end */
+    uint32_t *contact;                  /* 3 for each contact */
+    uint32_t point[MRT_MAX_VECTORS][6]; /* of free points: start and end */
     uint32_t anchor, commit, radius, kernel, polynomial, stretch_most;
     uint32_t used_count;
 } curve_columns;
@@ -895,7 +899,7 @@ typedef struct curve_performance {
     double fps;
 } curve_performance;
 
-/* ---- which column is what ---- */
+/* ---- columns ---- */
 
 static mrt_result find_column(curve_performance *self, uint32_t *out, const char *name, error *err)
 {
@@ -962,14 +966,16 @@ static mrt_result find_columns(curve_performance *self, error *err)
         result = find_column(self, solver[i].column, solver[i].name, err);
     if (result >= 0 && found == 0)
         result = error_set(err, MRT_ERR_FORMAT,
-                           "%s: no column is a degree of freedom or contact of %s; such as \"%s\"",
+                           "%s: no column is a degree of freedom or contact of %s, such as "
+                           "\"%s\"",
                            self->options->curves, self->options->face,
                            about->dof_count > 0 ? about->dofs[0].name : "control1.start.x");
     return result;
 }
 
-/* It labels a row, or says what the pulls made of the head's own shapes. */
-static bool is_told_only(const curve_performance *self, const char *column)
+/* Returns whether the column only labels the row, or only reports how much the pulls moved the
+ * shapes of the mesh file. */
+static bool is_label_only(const curve_performance *self, const char *column)
 {
     static const char *const labels[] = {"frame", "timecode", "time_s", "shape"};
     const face *f = composer_face(self->composer);
@@ -981,20 +987,20 @@ static bool is_told_only(const curve_performance *self, const char *column)
     return is;
 }
 
-/* What nobody has used: a mistake in a name, or another face's. */
-static void tell_unused(const curve_performance *self)
+/* Reports columns that nothing uses: a misspelt name, or a column for another face. */
+static void note_unused(const curve_performance *self)
 {
     uint32_t told_only = 0, unused = self->table.column_count - self->at.used_count;
     for (uint32_t i = 0; i < self->table.column_count; ++i)
-        told_only += is_told_only(self, self->table.name[i]);
+        told_only += is_label_only(self, self->table.name[i]);
     if (unused > told_only)
         fprintf(stderr, "note: %u columns of %s do not match anything in this face\n",
                 unused - told_only, self->options->curves);
 }
 
-/* ---- what a row says ---- */
+/* ---- values of a row ---- */
 
-/* NaN: nothing. */
+/* Returns NaN if the cell is empty or the column is missing. */
 static double cell(const curve_performance *self, uint32_t row, uint32_t column)
 {
     if (column == CURVE_TABLE_NONE)
@@ -1009,7 +1015,7 @@ static double cell_or(const curve_performance *self, uint32_t row, uint32_t colu
     return isnan(value) ? otherwise : value;
 }
 
-/* False: none of the three is said. */
+/* Returns false if all three cells are empty. */
 static bool read_vector(const curve_performance *self, uint32_t row, const uint32_t column[3],
                         mrt_vec3 *out)
 {
@@ -1043,7 +1049,7 @@ static void read_pulls(const curve_performance *self, uint32_t row, mrt_pull *ou
             add_vector(out, 0, start, way);
 }
 
-/* A degree of freedom is written as it was posed: the pose softens what comes near its limit. */
+/* The table has the values after softening near the limits, so the softening is inverted here. */
 static void read_dofs(const curve_performance *self, uint32_t row, float *out)
 {
     const mrt_face *about = composer_about(self->composer);
@@ -1067,7 +1073,7 @@ static void read_pull(const curve_performance *self, uint32_t row, mrt_pull *out
         out->solve = MRT_SOLVE_LINEAR;
 }
 
-/* Of the first row that says it; each row has a radius of its own. */
+/* Returns the solver settings of the first row that has them. Each row has its own radius. */
 static csrbf_settings solver_of(const curve_performance *self)
 {
     csrbf_settings out = {0};
@@ -1085,9 +1091,9 @@ static csrbf_settings solver_of(const curve_performance *self)
     return out;
 }
 
-/* ---- performed ---- */
+/* ---- performing ---- */
 
-/* Of the column time_s, unless --fps says it. */
+/* Computes the frame rate from the column time_s, unless --fps is given. */
 static mrt_result find_rate(curve_performance *self, error *err)
 {
     const curve_table *t = &self->table;
@@ -1110,7 +1116,7 @@ static mrt_result find_rate(curve_performance *self, error *err)
     return MRT_OK;
 }
 
-/* Time code goes on from the table's. */
+/* Continues the time code of the table. */
 static void label_clip(curve_performance *self)
 {
     timecode_rate rate;
@@ -1181,8 +1187,8 @@ static mrt_result perform_rows(curve_performance *self, error *err)
     return result;
 }
 
-/* Rows whose shape the numbers alone do not give. */
-static void tell_others(const curve_performance *self)
+/* Reports rows whose shape cannot be computed from the numbers alone. */
+static void note_others(const curve_performance *self)
 {
     if (self->table.other_shapes > 0)
         fprintf(stderr,
@@ -1202,8 +1208,8 @@ static mrt_result perform_curves(const perform_options *options, facts *told, er
                                        .look = &self.videos.look};
     mrt_result result = prepare_curves(&self, err);
     if (result >= 0) {
-        tell_unused(&self);
-        tell_others(&self);
+        note_unused(&self);
+        note_others(&self);
         result = perform_rows(&self, err);
     }
     if (result >= 0) {
@@ -1276,7 +1282,7 @@ static int run(int argc, char **argv)
     if (result >= 0)
         result = write_exports(&self, told, &err);
     if (result >= 0 && self.report.input_failed)
-        result = error_set(&err, MRT_ERR_IO, "%s: the input failed; what came before was performed",
+        result = error_set(&err, MRT_ERR_IO, "%s: the input failed; the performance ends there",
                            input_name(self.inputs.input[0]));
     result = finish(&self, result, &err);
     finish_options(&options);

@@ -23,7 +23,7 @@ mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uin
             return result;
         const mrt_input *functions = plugin_interface(type[i], MRT_INPUT);
         if (!(functions->flags & MRT_INPUT_RECORDED))
-            out->clock = CLOCK_REAL; /* a device: life sets the pace */
+            out->clock = CLOCK_REAL; /* a device performs in real time */
     }
     for (; out->count < count; ++out->count) {
         const plugin_spec *of = &spec[out->count];
@@ -75,9 +75,9 @@ static const char *const side_name[2] = {"left", "right"};
 
 /* ---- which calibration ---- */
 
-/* Which kind of calibration this hand wants (hand_calibration): "" of a glove that gives counts,
- * before any bare hand's. NULL: none; else whose hand it is. A recording in rad is performed as it
- * was recorded. */
+/* Returns the input that needs a calibration for this hand, and writes the kind of calibration
+ * (hand_calibration): "" for a glove in counts, which is preferred to a bare hand. NULL: none. A
+ * recording in rad is performed unchanged. */
 static const input *find_hand(char out[HAND_INPUT], const perform_inputs *from, uint32_t side)
 {
     const input *bare = NULL;
@@ -99,7 +99,7 @@ static const input *find_hand(char out[HAND_INPUT], const perform_inputs *from, 
     return bare;
 }
 
-/* "osc:0.0.0.0:39539", as it was asked for. */
+/* Writes the address as it was given: "osc:0.0.0.0:39539". */
 static void write_address(char *out, size_t capacity, const perform_inputs *from, const input *of)
 {
     out[0] = '\0';
@@ -109,7 +109,7 @@ static void write_address(char *out, size_t capacity, const perform_inputs *from
                            from->spec[i].address[0] ? ":" : "", from->spec[i].address);
 }
 
-/* Takes what is needed of the file, and finishes it; path: taken over. */
+/* Copies the needed parts of the file, and finishes it. Takes ownership of path. */
 static void use_calibration(perform_hands *self, calibration_file *file, char *path)
 {
     uint32_t side = file->side;
@@ -235,7 +235,7 @@ mrt_result perform_hands_text(char *out[2], const char *path, error *err)
     return result;
 }
 
-/* ---- while it goes on, and afterwards ---- */
+/* ---- hands during and after the performance ---- */
 
 void perform_hands_report(const perform_hands *self, const performer *p, facts *told)
 {
@@ -259,7 +259,8 @@ static uint32_t rezero(performer *p)
         error why = {""};
         if (performer_rezero(p, side, &why) == MRT_OK) {
             done |= 1u << side;
-            fprintf(stderr, "note: the %s hand's pose is its neutral pose now\n", side_name[side]);
+            fprintf(stderr, "note: the pose of the %s hand is its neutral pose now\n",
+                    side_name[side]);
         } else {
             fprintf(stderr, "note: not re-zeroed: %s\n", why.text);
         }
@@ -329,7 +330,7 @@ void perform_mapping_step(perform_mapping *self, performer *of, recorder *into)
         recorder_change_mapping(into, reload_identity(self->reload));
 }
 
-/* Of the first and of the one that performs now; those between are gone. */
+/* Sums the counts of the first mapping and of the current one. Those between are closed. */
 static isolate_counts counts_of(const perform_mapping *self)
 {
     isolate_counts sum = {0};
@@ -358,7 +359,7 @@ void perform_mapping_report(const perform_mapping *self, facts *told)
 {
     isolate_counts counts = counts_of(self);
     if (self->isolate)
-        facts_text(told, "isolated", "isolated", "in a process of its own");
+        facts_text(told, "isolated", "isolated", "in a separate process");
     if (counts.failed) {
         facts_warning(told, "mapping_failed", "mapping failed", counts.failed, 0, "times");
         facts_number(told, "mapping_restarted", "  restarted", counts.restarted, 0, "times");
@@ -383,7 +384,8 @@ void perform_mapping_close(perform_mapping *self)
 
 /* ---- outputs ---- */
 
-/* As live: samples that come faster are not each drawn, and drawing gets a quarter of the time. */
+/* Minimum interval between drawn faces, so that drawing takes at most about a quarter of the time;
+ * the same as on the live stage. */
 static const int64_t least_apart_ns = 4 * NS_PER_MS;
 
 mrt_result perform_outputs_open(perform_outputs *out, const char *const *text, uint32_t count,
@@ -460,8 +462,8 @@ void perform_outputs_report(outputs *of, facts *told)
         facts_row(told, "outputs", "output", line, cells, sizeof cells / sizeof cells[0]);
     }
     if (count > 0)
-        facts_number(told, "residual_mm", "said in weights", outputs_residual_mm(of), 2,
-                     "mm off, the last face");
+        facts_number(told, "residual_mm", "expressed in weights", outputs_residual_mm(of), 2,
+                     "mm error of the last face");
 }
 
 void perform_outputs_close(perform_outputs *self)
@@ -479,7 +481,7 @@ void perform_patch_tell(const layer *of)
     news_print_notes(plan ? patch_plan_note(plan) : NULL);
 }
 
-/* ---- a show that is recorded into ---- */
+/* ---- the show that is recorded into ---- */
 
 void perform_record_watch_writer(writer *of, bool *is_told)
 {

@@ -1,5 +1,5 @@
-/* ui/cli/perform_session.h - what `perform` and `take record` share: the inputs, whose hands perform,
- * through which mapping, with the face sent where. [main] */
+/* ui/cli/perform_session.h - shared by `perform` and `take record`: the inputs, the calibrations of
+ * the hands, the mapping and the outputs. [main] */
 #ifndef MAROTTE_UI_PERFORM_SESSION_H
 #define MAROTTE_UI_PERFORM_SESSION_H
 #include "cli/facts.h"
@@ -18,65 +18,67 @@ enum { PERFORM_INPUTS_MAX = 8, PERFORM_OUTPUTS_MAX = 8, PERFORM_CALIBRATIONS_MAX
 /* ---- inputs ---- */
 
 typedef struct perform_inputs {
-    const plugin_spec *spec; /* borrowed: what was asked for */
+    const plugin_spec *spec; /* borrowed: inputs to open */
     input *input[PERFORM_INPUTS_MAX];
-    uint32_t count;       /* that are open */
-    instance_clock clock; /* the host's as soon as one of them is a device */
+    uint32_t count;       /* number of open inputs */
+    instance_clock clock; /* CLOCK_REAL if at least one input is a device */
 } perform_inputs;
 
-/* clock: when all are recordings. To be closed whatever the result. */
+/* clock: used if all inputs are recordings. Close it, whatever the result. */
 CHECKED mrt_result perform_inputs_open(perform_inputs *out, const plugin_spec *spec, uint32_t count,
                                        plugin_list *plugins, log_queue *log, instance_clock clock,
                                        error *err);
-/* Until the last of them ends; 0: not known, as one is a device or plays for ever. */
+/* Time until the last input ends; 0: unknown, because one is a device or repeats. */
 double perform_inputs_duration_s(const perform_inputs *self);
-void perform_inputs_close(perform_inputs *self); /* zeroed is fine */
-/* Says that one went away or came back; into: the recorder that is told too, or NULL. */
+void perform_inputs_close(perform_inputs *self); /* accepts a zeroed struct */
+/* Reports that an input was disconnected or came back. into: recorder that also receives the
+ * incident, or NULL. */
 void perform_inputs_incident(const perform_inputs *self, recorder *into, const input *from,
                              const input_incident *what, double time_s);
 
-/* ---- hands: which calibration each gets, and the keys of a live performance ---- */
+/* ---- hands: their calibrations, and the keys of a live performance ---- */
 
 typedef struct perform_hands {
-    char *path[2]; /* left, right: of the calibration in use; NULL: none */
+    char *path[2]; /* left, right: path of the calibration in use; NULL: none */
     double length_mm[2];
     hand_calibration use[2];
 } perform_hands;
 
-/* The calibrations at these paths (one "none": shipped defaults), else for every hand that comes in
- * counts the newest of the user's folder. Says on stderr what is used, and what an uncalibrated
- * hand can do. Owned by `out`, which can be finished whatever the result. */
+/* Loads the calibrations at these paths; one "none": the shipped defaults. Without a path, each
+ * hand in counts gets the newest calibration of the user's folder. Reports on stderr which is used,
+ * and what to do for an uncalibrated hand. `out` owns them; finish it whatever the result. */
 CHECKED mrt_result perform_hands_choose(perform_hands *out, const char *const *path, uint32_t count,
                                         const perform_inputs *from, error *err);
-void perform_hands_finish(perform_hands *self); /* zeroed is fine */
+void perform_hands_finish(perform_hands *self); /* accepts a zeroed struct */
 
-/* NULL: shipped defaults. */
+/* NULL: the shipped defaults. */
 const hand_calibration *perform_hands_calibration(const perform_hands *self, uint32_t side);
 
-/* A calibration's file as text, to be freed: in place of what was there of its hand, left or right.
- */
+/* Reads the text of a calibration file, and replaces the text in `out` for the same hand, left or
+ * right. The caller frees it. */
 CHECKED mrt_result perform_hands_text(char *out[2], const char *path, error *err);
 
 void perform_hands_report(const perform_hands *self, const performer *p, facts *told);
 
-/* Takes the keys that were pressed: z re-zeroes the hands, q sets *stop. Returns which hands were
- * re-zeroed: bits by side. Says what it did. */
+/* Handles the pressed keys: z re-zeroes the hands, q sets *stop. Reports what it did. Returns the
+ * hands that were re-zeroed, as bits by side. */
 uint32_t perform_hands_keys(performer *p, _Atomic bool *stop, progress *shown);
 
 /* ---- the patch ---- */
 
-/* What of the layer's patch its face and mapping do not have, on stderr. */
+/* Reports on stderr the targets of the layer's patch that its face and mapping do not have. */
 void perform_patch_tell(const layer *of);
 
-/* ---- the mapping: in a process of its own or not, reloaded when its library is rebuilt ---- */
+/* ---- the mapping: in this process or in a separate one, reloaded when its library is rebuilt
+ * ---- */
 
 typedef struct perform_mapping {
-    instance instance; /* the first; a rebuilt one is performer's */
+    instance instance; /* the first one; the performer owns rebuilt ones */
     isolate *isolate;  /* NULL: it runs in this process */
     isolate_settings settings;
     const char *library;
-    reload *reload;          /* NULL: nobody watches */
-    const instance *current; /* the one that performs */
+    reload *reload;          /* NULL: not reloaded */
+    const instance *current; /* the one in use */
 } perform_mapping;
 
 typedef struct perform_mapping_settings {
@@ -86,49 +88,50 @@ typedef struct perform_mapping_settings {
     isolate_which isolation;
 } perform_mapping_settings;
 
-/* Must not move; the spec must outlive it. To be closed whatever the result. */
+/* Must not move; the spec must outlive it. Close it, whatever the result. */
 CHECKED mrt_result perform_mapping_open(perform_mapping *out, const plugin_spec *spec,
                                         const perform_mapping_settings *with, error *err);
-/* From here on rebuilt libraries are taken. */
+/* Starts to reload rebuilt libraries. */
 CHECKED mrt_result perform_mapping_watch(perform_mapping *self, performer *of, log_queue *log,
                                          error *err);
-/* [frame] Before a sample. recorder: NULL: nothing is recorded. */
+/* [frame] Call it before each sample. recorder: NULL: not recorded. */
 void perform_mapping_step(perform_mapping *self, performer *of, recorder *into);
-/* A process that has failed: on stage the face was held; an offline performance fails. */
+/* Checks a separate process. If it has failed, the face is held on stage, and an offline
+ * performance fails. */
 CHECKED mrt_result perform_mapping_check(const perform_mapping *self, error *err);
 void perform_mapping_report(const perform_mapping *self, facts *told);
-void perform_mapping_close(perform_mapping *self); /* after the performer; zeroed is fine */
+void perform_mapping_close(perform_mapping *self); /* after the performer; accepts zeroed */
 
-/* ---- outputs: the face is sent on while it is performed ---- */
+/* ---- outputs: send the face during the performance ---- */
 
 typedef struct perform_outputs { /* zeroed: none */
     outputs *outputs;
-    face_board *board;         /* of the face that is performed */
-    int64_t drawn_ns, draw_ns; /* when it was drawn last; how long that took */
-    int64_t step_ns;           /* of the newest step's sample */
-    bool is_behind;            /* that step was not shown yet */
+    face_board *board;         /* for the performed face */
+    int64_t drawn_ns, draw_ns; /* time of the last drawing, and its duration */
+    int64_t step_ns;           /* time of the newest step's sample */
+    bool is_behind;            /* the newest step is not shown yet */
 } perform_outputs;
 
-/* text: as --output says them, which may name libraries. To be closed whatever the result. */
+/* text: values of --output; may name library files. Close it, whatever the result. */
 CHECKED mrt_result perform_outputs_open(perform_outputs *out, const char *const *text,
                                         uint32_t count, const perform_mapping_settings *with,
                                         composer *of, const face_file *file, error *err);
-/* Live, after each step: the face is drawn and shown, unless that is too soon after the last. */
+/* Live, after each step: draws and sends the face, unless the last one was too recent. */
 void perform_outputs_step(perform_outputs *self, performer *p, int64_t sample_ns);
-/* Live, after a frame was drawn: what is not shown yet is, and what an output asked for again. */
+/* Live, after each frame: sends a face that is not sent yet, or that an output requested again. */
 void perform_outputs_frame(perform_outputs *self, performer *p);
-/* The face that is drawn; time_ns and take_ns as in mrt_face_sample. */
+/* Sends the drawn face; time_ns and take_ns as in mrt_face_sample. */
 void perform_outputs_show(perform_outputs *self, performer *p, int64_t time_ns, int64_t take_ns);
-void perform_outputs_report(outputs *of, facts *told); /* NULL is fine */
+void perform_outputs_report(outputs *of, facts *told); /* accepts NULL */
 void perform_outputs_close(perform_outputs *self);
 
-/* ---- a show that is recorded into ---- */
+/* ---- the show that is recorded into ---- */
 
-/* Now and then: says that the disk does not take it now, and when it does again. */
+/* Reports when the disk becomes unwritable, and when it is writable again. Called repeatedly. */
 void perform_record_watch_writer(writer *of, bool *is_told);
-/* When the show's file was deleted, moved or replaced while it was open: a whole copy beside it,
- * and says where. An error where the copy lies elsewhere or could not be made; `so_far` is what
- * failed before. When nothing is recorded any more. NULL is fine. */
+/* If the show's file was deleted, moved or replaced while it was open, saves a complete copy beside
+ * it and reports its path. Returns an error if the copy is elsewhere or could not be made. so_far:
+ * result until now. Call it when recording has ended; accepts NULL. */
 CHECKED mrt_result perform_record_rescue(show *of, mrt_result so_far, error *err);
 
 #endif

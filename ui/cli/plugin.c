@@ -1,4 +1,4 @@
-/* marotte plugin. */
+/* marotte plugin: lists, checks and creates plugins. */
 #include "base/clock.h"
 #include "base/file.h"
 #include "base/program.h"
@@ -24,7 +24,7 @@
 
 /* ---- plugin list ---- */
 
-/* "input and output" */
+/* Writes the kinds of a plugin, such as "input and output". */
 static const char *kind_of(const mrt_plugin_type *type, char out[64])
 {
     static const char *const kind[][2] = {{MRT_INPUT, "input"},
@@ -146,9 +146,9 @@ typedef struct check_options {
     bool as_json, lists_rules;
 } check_options;
 
-/* ---- the words ---- */
+/* ---- option values ---- */
 
-/* Of --seed from 0, of --repeat from 1. */
+/* Reads an integer: --seed from 0, --repeat from 1. */
 static int read_whole(void *to, const command *self, const char *name, const char *text)
 {
     const int least = strcmp(name, "repeat") == 0;
@@ -302,7 +302,7 @@ static int check_often(check_options *o, json_t *all)
 
 static int plugin_check_run(int argc, char **argv)
 {
-    /* Another seed each time, short enough to be typed. */
+    /* A different seed for each run, short enough to type. */
     check_options o = {.repeat = 1, .seed = clock_now_ns() / 1000 % 1000000};
     int code = command_options(&o, &command_plugin, check_option_table, argc, argv);
     if (code == COMMAND_DONE && !o.path && !o.lists_rules)
@@ -319,7 +319,7 @@ static int plugin_check_run(int argc, char **argv)
     }
     json_t *all = o.as_json ? json_array() : NULL;
     code = check_often(&o, all);
-    if (json_array_size(all) > 0) /* one report; an array of them when there were more */
+    if (json_array_size(all) > 0) /* one report, or an array if there are several */
         facts_print_json(json_incref(json_array_size(all) == 1 ? json_array_get(all, 0) : all),
                          JSON_INDENT(2));
     json_decref(all);
@@ -331,8 +331,8 @@ static int plugin_check_run(int argc, char **argv)
 enum { KINDS = 3 };
 typedef struct plugin_kind {
     const char *name;
-    const template_file *files; /* TEMPLATE_FILES of them */
-    const char *try_it;         /* the command that shows it: before its library, behind it */
+    const template_file *files; /* TEMPLATE_FILES elements */
+    const char *try_it; /* command that tries the plugin: the text before and after its name */
     const char *and_then;
 } plugin_kind;
 static const plugin_kind kinds[KINDS] = {
@@ -344,7 +344,7 @@ static const plugin_kind kinds[KINDS] = {
      "perform --face puppet --input log:take.csv --map one_hand --output build/",
      ".so:127.0.0.1:9200"}};
 
-/* With "org.example." before it a name fits into one line of the log. */
+/* With "org.example." before it, a name of this length fits into one line of the log. */
 enum { NAME_MAX_LETTERS = 24 };
 
 static const char placeholder[] = "template_name";
@@ -377,13 +377,14 @@ static bool is_word_of_the_language(const char *name)
 static int check_name(const char *name)
 {
     size_t length = strlen(name);
-    char shown[80]; /* one line, whatever it holds */
+    char shown[80]; /* one line, also for an invalid name */
     text_copy(shown, sizeof shown, text_view_of(name, length));
     bool begins_well = name[0] >= 'a' && name[0] <= 'z';
     if (!begins_well || strspn(name, name_letters) != length || length > NAME_MAX_LETTERS)
         return command_usage(&command_plugin,
-                             "new: \"%s\" cannot be a plugin's name: lower-case letters, digits "
-                             "and _, a letter first, at most %d (as in slow_jaw)",
+                             "new: \"%s\" cannot be a plugin's name. Use lower-case letters, "
+                             "digits and _, a letter first, at most %d characters, as in "
+                             "slow_jaw",
                              shown, NAME_MAX_LETTERS);
     if (is_word_of_the_language(name))
         return command_usage(&command_plugin,
@@ -424,7 +425,8 @@ static int read_options(new_options *out, int argc, char **argv)
 
 /* ---- files ---- */
 
-/* The text with the plugin's name in it, ended by a 0. NULL: no memory. */
+/* Returns the text with the plugin's name in place of the placeholder, ended by a 0. NULL: no
+ * memory. */
 static char *named(const char *text, size_t size, const char *name, size_t *out_size)
 {
     size_t name_length = strlen(name), used = 0;
@@ -503,7 +505,7 @@ static void remove_all(const new_options *w, const char *folder)
     rmdir(folder);
 }
 
-/* All files, or nothing. */
+/* Writes all files, or none. */
 static mrt_result write_all(const new_options *w, error *err)
 {
     char folder[INSTALLED_LENGTH];
@@ -518,7 +520,7 @@ static mrt_result write_all(const new_options *w, error *err)
     return result;
 }
 
-/* ---- what is next ---- */
+/* ---- next steps ---- */
 
 static bool is_on_path(const char *program)
 {
@@ -530,7 +532,7 @@ static bool is_on_path(const char *program)
         char *real = written > 0 && written < INSTALLED_LENGTH && length > 0
                          ? realpath(candidate, NULL)
                          : NULL;
-        if (real) { /* the first one is the one that runs */
+        if (real) { /* the shell would run the first one */
             bool is_it = strcmp(real, program) == 0;
             free(real);
             return is_it;
@@ -549,7 +551,7 @@ static void print_program(void)
         terminal_print_quoted(program);
 }
 
-/* What cmake does not find by itself. */
+/* Prints the path of the headers if cmake cannot find it by itself. */
 static void print_prefix(void)
 {
     char prefix[INSTALLED_LENGTH];
@@ -566,8 +568,9 @@ static void print_next(const new_options *w)
     char folder[INSTALLED_LENGTH];
     snprintf(folder, sizeof folder, "%s/%s", w->parent, w->name);
     const char *shown = strncmp(folder, "./", 2) == 0 ? folder + 2 : folder;
-    terminal_print("wrote %s: %s.c is the %s, README.md says the rest. Next:\n  cd ", shown,
-                   w->name, w->kind->name);
+    terminal_print("wrote %s: %s.c is the %s, README.md explains the rest. Next:\n"
+                   "  cd ",
+                   shown, w->name, w->kind->name);
     terminal_print_quoted(shown);
     fputs(" && cmake -B build", stdout);
     print_prefix();

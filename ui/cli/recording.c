@@ -110,9 +110,9 @@ static mrt_result make_room(recording *self, uint32_t count, error *err)
     return MRT_OK;
 }
 
-/* The columns of bones are lengths in mm; other programs like morph targets near 1. Divides the
- * column by the least power of two that is not less than its greatest value, if that is above 1:
- * with the vector multiplied by it, the bits of the product are the same. */
+/* Columns of bones are lengths in mm, but other programs expect morph targets near 1. Divides the
+ * column by the smallest power of two that is at least its greatest value, if that is above 1.
+ * Multiplying the vector by the same power keeps the product equal to the bit. */
 static double normalise_column(float *column, uint32_t count)
 {
     float greatest = 0.0f;
@@ -126,9 +126,10 @@ static double normalise_column(float *column, uint32_t count)
     return scale;
 }
 
-/* ---- what a person would edit ---- */
+/* ---- curves that a person edits ---- */
 
-/* How a face moves when one degree of freedom alone goes to `to`, mm from rest; NULL: no memory. */
+/* Returns the offsets of the face in mm when only one degree of freedom moves to `to`. NULL: no
+ * memory. */
 static float *shape_of_dof(const recording *self, const face *f, uint32_t dof, float to)
 {
     const binding *held = face_binding(f);
@@ -181,7 +182,7 @@ static mrt_result add_dof_curve(recording *self, const face *f, uint32_t dof, er
     return result;
 }
 
-/* How far a contact is pulled along each axis. */
+/* Adds three curves: how far a contact is pulled along each axis. */
 static mrt_result add_contact_curves(recording *self, const mrt_contact *contact, error *err)
 {
     mrt_result result = MRT_OK;
@@ -193,7 +194,7 @@ static mrt_result add_contact_curves(recording *self, const mrt_contact *contact
     return result;
 }
 
-/* Of the mesh's target of that name; NULL: none. */
+/* Returns the offsets of the mesh's target with that name. NULL: none. */
 static const float *own_offset(const recording *self, const char *name)
 {
     for (uint32_t i = 0; i < self->mesh->target_count; ++i)
@@ -202,8 +203,8 @@ static const float *own_offset(const recording *self, const char *name)
     return NULL;
 }
 
-/* What the bones do of a shape, or what would fold, may be taken out of it: where that is much, it
- * is another shape than the file's. */
+/* Returns whether the learnt shape is still that of the file. Motion of bones, and motion that
+ * would fold, is removed from a learnt shape. If much was removed, it is another shape. */
 static bool is_as_in_file(const float *learnt, const float *own, size_t count)
 {
     double apart = 0.0, whole = 0.0;
@@ -247,7 +248,7 @@ static mrt_result add_shape_curve(recording *self, const face *f, uint32_t index
     return result;
 }
 
-/* The head's own. */
+/* Adds curves for the shapes of the mesh file. */
 static mrt_result add_shape_curves(recording *self, const face *f, error *err)
 {
     mrt_result result = MRT_OK;
@@ -257,13 +258,13 @@ static mrt_result add_shape_curves(recording *self, const face *f, error *err)
     return result;
 }
 
-/* How the face is held: of the engagement and the field, as numbers. */
+/* Names of the curves that describe the engagement and the field. */
 static const char *const solver_curve[] = {"solver.anchor",     "solver.commit",
                                            "solver.radius",     "solver.kernel",
                                            "solver.polynomial", "solver.stretch_most"};
 enum { SOLVER_CURVES = sizeof solver_curve / sizeof *solver_curve };
 
-/* Bones that turn, parents first; self->bone: which of the rig's each is. */
+/* Adds the bones that turn, parents first. self->bone: their index in the rig. */
 static mrt_result add_bones(recording *self, const face *f, error *err)
 {
     const bones *b = face_bones(f);
@@ -313,7 +314,7 @@ static mrt_result add_pose(recording *self, const face *f, error *err)
     return clip_add_pose(self->clip, out, err);
 }
 
-/* The degrees of freedom, the contacts, then the solver. */
+/* Adds all curves: degrees of freedom, contacts, shapes, then the solver. */
 static mrt_result add_curves(recording *self, const face *f, error *err)
 {
     uint32_t contact_count;
@@ -346,7 +347,8 @@ static bool has_rig(const face *f)
     return face_bones(f)->dof_count + contact_count > 0;
 }
 
-/* Adds a column to the response of its control, which is the sum of the control's columns. */
+/* Adds a column to the response of its control. The response is the sum of the control's
+ * columns. */
 static void add_response(recording *self, const face_column *of, uint32_t j)
 {
     const uint32_t vertex_count = self->mesh->vertex_count;
@@ -356,9 +358,9 @@ static void add_response(recording *self, const face_column *of, uint32_t j)
         response[v] += column[v];
 }
 
-/* The controls of the segment: what each moves (add_response), and how far it is pulled is the
- * weight of the column of its main bone, so that what turns with a head is told as it is seen.
- * columns: as in self->column, before they are scaled. */
+/* Sets the controls of the segment: name, place and response (add_response). The pull of a control
+ * is the weight of the column of its main bone. So a control on the head is described in the frame
+ * of the head. columns: as in self->column, before scaling. */
 static mrt_result set_pulls(recording *self, const face *f, uint32_t column_count, error *err)
 {
     const bool has_response = self->use != RECORDING_TABLES;
@@ -397,7 +399,7 @@ static mrt_result set_pulls(recording *self, const face *f, uint32_t column_coun
     return MRT_OK;
 }
 
-static void put_solver(double *out, composer *from)
+static void write_solver(double *out, composer *from)
 {
     const csrbf_settings settings = face_settings(composer_face(from));
     out[0] = composer_pull(from)->anchor;
@@ -408,14 +410,14 @@ static void put_solver(double *out, composer *from)
     out[5] = settings.stretch_most;
 }
 
-static void put_vec3(double *out, vec3 at)
+static void write_vec3(double *out, vec3 at)
 {
     out[0] = at.x;
     out[1] = at.y;
     out[2] = at.z;
 }
 
-/* What the curves say in the frame that was added last, and its free points. */
+/* Adds the values of the curves, and the free points, of the last added frame. */
 static mrt_result add_named(recording *self, composer *from, const face_columns *now, error *err)
 {
     const face *f = composer_face(from);
@@ -428,16 +430,16 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
         value[i] = i < dof_count ? (double)face_metered(f)->dof[i] : (double)NAN;
     for (uint32_t k = 0; k < asked_count; ++k) {
         if (asked[k].contact > 0) {
-            put_vec3(value + dof_count + 3 * (asked[k].contact - 1), asked[k].way);
+            write_vec3(value + dof_count + 3 * (asked[k].contact - 1), asked[k].way);
             continue;
         }
-        put_vec3(free_point + 6 * free_count, asked[k].start);
-        put_vec3(free_point + 6 * free_count++ + 3, asked[k].end);
+        write_vec3(free_point + 6 * free_count, asked[k].start);
+        write_vec3(free_point + 6 * free_count++ + 3, asked[k].end);
     }
     for (uint32_t i = 0; i < face_shape_count(f); ++i)
         value[self->first_shape + i] = face_shape_weight(f, i);
     if (asked_count > 0)
-        put_solver(value + count - SOLVER_CURVES, from);
+        write_solver(value + count - SOLVER_CURVES, from);
     bool is_pulled = composer_is_anchored(from) && self->pull_count > 0;
     for (uint32_t k = 0; is_pulled && k < self->pull_count; ++k)
         if (self->main[k] != RECORDING_NO_COLUMN)
@@ -448,7 +450,7 @@ static mrt_result add_named(recording *self, composer *from, const face_columns 
     return result < 0 ? result : clip_add_controls(self->clip, free_point, free_count, err);
 }
 
-/* What the frame that was added last is in names. */
+/* Adds the weights of ARKit shapes of the last added frame. */
 static mrt_result add_names(recording *self, const face *f, error *err)
 {
     if (!self->weights)
@@ -462,7 +464,7 @@ static mrt_result add_names(recording *self, const face *f, error *err)
 
 /* ---- frames ---- */
 
-/* A segment without columns: tables need its first frame and its controls only. */
+/* Begins a segment without columns: tables need only its first frame and its controls. */
 static mrt_result begin_bare_segment(recording *self, const face *f, const face_columns *now,
                                      error *err)
 {
@@ -473,7 +475,7 @@ static mrt_result begin_bare_segment(recording *self, const face *f, const face_
     return result < 0 ? result : clip_set_pulls(self->clip, self->pull, self->pull_count, err);
 }
 
-/* The columns of the face as a segment, in the file's order. */
+/* Begins a segment with the columns of the face, in the order of the file. */
 static mrt_result begin_segment(recording *self, const face *f, const face_columns *now, error *err)
 {
     const points_order *order = face_order(f);
@@ -509,7 +511,7 @@ static void meter_folds(recording *self, const face *f)
     self->min_determinant = fmin(self->min_determinant, determinant);
 }
 
-/* The mesh as it is shown, whatever moved it. */
+/* Measures the shown mesh, whatever moved it. */
 static void meter_surface(recording *self, const face *f)
 {
     face_surface now = face_judge(f);
@@ -550,7 +552,7 @@ static void measure_motion(recording *self, const face *f)
     self->furthest_mm = fmax(self->furthest_mm, sqrt((double)furthest));
 }
 
-/* The hand of that side that is seen above all others; NULL: none. */
+/* Returns the hand of that side in the topmost layer where it is visible. NULL: none. */
 static const mrt_hand *hand_shown(performer *from, uint32_t side)
 {
     const mrt_hand *best = NULL;
@@ -604,7 +606,7 @@ static mrt_result keep_frame(recording *self, composer *from, const face_columns
     return result < 0 ? result : add_names(self, f, err);
 }
 
-/* The composer counts since its face was there: what is told last is the whole. */
+/* The composer counts from its creation on, so its last counts are the totals. */
 static void meter_steps(recording *self, const composer_counts *counts)
 {
     self->folded_steps = counts->folded_steps;

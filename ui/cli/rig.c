@@ -1,4 +1,4 @@
-/* marotte rig. */
+/* marotte rig: checks, drafts, draws, fits and measures rigs. */
 #include "base/file.h"
 #include "base/suggest.h"
 #include "base/text.h"
@@ -20,7 +20,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* A rig, not a mesh alone. To be destroyed whatever the result. */
+/* Reads a rig; a mesh file alone is an error. Destroy `out` whatever the result. */
 static mrt_result read_rig(face_file *out, const char *path, face_file_strictness strictness,
                            error *err)
 {
@@ -126,7 +126,7 @@ static int rigcheck_run(int argc, char **argv)
 enum { PATH_TEXT = 4096 };
 
 typedef struct drafting {
-    const char *mesh_path, *given_path; /* NULL: beside the mesh, of its name */
+    const char *mesh_path, *given_path; /* NULL: beside the mesh, with its name */
     char out_path[PATH_TEXT];
     mesh_frame frame;
     bool may_replace, cuts_mouth;
@@ -145,7 +145,7 @@ static const command_option new_options[] = {
 };
 #undef AT
 
-/* False: the path is too long. */
+/* Returns false if the path is too long. */
 static bool choose_out_path(drafting *d)
 {
     const char *slash = strrchr(d->mesh_path, '/');
@@ -166,7 +166,7 @@ static void print_lines(const char *prefix, const char *lines)
     }
 }
 
-/* Where rigs may not name it, a person must be told. */
+/* Warns about a mesh path that a rig must not contain. */
 static void warn_mesh_path(const drafting *d)
 {
     error err = {""};
@@ -248,7 +248,7 @@ static int rignew_run(int argc, char **argv)
 
 typedef struct fitting_teeth {
     char *path;
-    const char *out_path; /* NULL: print them */
+    const char *out_path; /* NULL: print the entries */
 } fitting_teeth;
 
 #define AT(member) .offset = offsetof(fitting_teeth, member)
@@ -313,12 +313,12 @@ static int rigteeth_run(int argc, char **argv)
 typedef struct showing {
     char *path; /* owned */
     const char *out_path;
-    double yaw_deg, pitch_deg; /* NAN: not said */
+    double yaw_deg, pitch_deg; /* NAN: not given */
     rigpicture_view view[RIGPICTURE_VIEWS_MAX];
-    uint32_t view_count; /* 0: from the usual sides */
-    bool has_poses;      /* --poses: them instead of the rig */
-    const char *only;    /* of these names, commas between; NULL: all */
-    video_look look;     /* its size */
+    uint32_t view_count; /* 0: the standard views */
+    bool has_poses;      /* --poses: draw the poses instead of the rig */
+    const char *only;    /* names of poses, separated by commas; NULL: all */
+    video_look look;     /* only its size is used */
 } showing;
 
 static const double radian_per_degree = 0.017453292519943295;
@@ -359,7 +359,7 @@ static void use_usual_views(showing *s)
     s->view_count = 3;
 }
 
-/* A line for each turn that goes with another one. */
+/* Prints a line for each degree of freedom that follows another one. */
 static void print_follows(const rig *r)
 {
     for (uint32_t i = 0; i < r->bone_count; ++i)
@@ -373,7 +373,7 @@ static void print_follows(const rig *r)
         }
 }
 
-/* One line. */
+/* Prints one line about the mouth. */
 static void print_mouth(const face_file *f, const bind_lips *lips)
 {
     const rig_mouth *mouth = &f->rig->mouth;
@@ -420,7 +420,8 @@ static mrt_result show_rig(showing *s, const face_file *f, error *err)
 
 /* ---- its poses ---- */
 
-/* The poses that are asked for come first, in the order of the names. Returns how many. */
+/* Moves the selected poses to the front, in the order of their names in --only. Returns their
+ * number. */
 static mrt_result choose_poses(uint32_t *out_count, const showing *s, rig *r, error *err)
 {
     *out_count = s->only ? 0 : r->pose_count;
@@ -441,7 +442,7 @@ static mrt_result choose_poses(uint32_t *out_count, const showing *s, rig *r, er
     return MRT_OK;
 }
 
-/* Of a head on a body only the head. */
+/* If the head is on a body, only the head is framed. */
 static void add_to_frame(rigportraits_frame *frame, const rig_poses_stage *stage)
 {
     const mesh *m = stage->mesh;
@@ -486,7 +487,7 @@ static mrt_result draw_poses(const showing *s, rig_poses_stage *stage, uint32_t 
     char title[256], typed[1024];
     uint32_t drawn = count < RIGPORTRAITS_MAX ? count : RIGPORTRAITS_MAX;
     command_typed(typed, sizeof typed);
-    stage->solver.stretch_most = stage->rig.solver.stretch_most; /* as they are performed */
+    stage->solver.stretch_most = stage->rig.solver.stretch_most; /* as in a performance */
     (void)snprintf(title, sizeof title, "%s: %u poses", stage->rig.name, count);
     const rigpicture_about about = {title, typed, s->look.width, s->look.height};
     mrt_result result = rigportraits_write(s->out_path, stage, drawn, frame, &about, err);
@@ -555,20 +556,20 @@ static int rigshow_run(int argc, char **argv)
 enum { SUGGEST_MAX = 256 };
 
 typedef struct fitting {
-    char *rig_path; /* owned */
+    char *rig_path; /* owned path */
     const char *targets_path, *set_name, *out_path, *poses_path;
     uint32_t suggest_count;
     bool as_json;
     face_file face;
     mesh targets;
-    uint32_t *contact; /* those that may be pulled */
+    uint32_t *contact; /* contacts that may be pulled */
     uint32_t contact_count;
-    fit_result *result; /* targets.target_count */
+    fit_result *result; /* one for each morph target */
     uint32_t result_count;
     uint32_t suggested[SUGGEST_MAX], suggested_count;
 } fitting;
 
-/* ---- what is asked ---- */
+/* ---- options ---- */
 
 #define AT(member) .offset = offsetof(fitting, member)
 static const command_option fit_options_table[] = {
@@ -619,7 +620,7 @@ static mrt_result read_files(fitting *f, error *err)
     return choose_contacts(f, err);
 }
 
-/* ---- the work ---- */
+/* ---- fitting ---- */
 
 static mrt_result fit(fitting *f, error *err)
 {
@@ -643,7 +644,7 @@ static mrt_result suggest_contacts(fitting *f, error *err)
                        &file->topology, &f->targets, &file->rig->solver, err);
 }
 
-/* ---- the faces as a file ---- */
+/* ---- the fitted faces as a file ---- */
 
 static void targets_finish(mesh_target *target, uint32_t count)
 {
@@ -683,7 +684,7 @@ static mrt_result write_fitted(const fitting *f, error *err)
 
 /* ---- poses ---- */
 
-/* To what a file needs: 0.01 degrees, 0.01 mm. */
+/* Rounds to the precision of a file: 0.01 degrees, 0.01 mm. */
 static double rounded(double value)
 {
     return round(100.0 * value) / 100.0;
@@ -726,8 +727,8 @@ static bool fill_pose(rig_pose *out, const fitting *f, const bones *b, const fit
     return true;
 }
 
-/* In the place of a pose of that name, or after the others. */
-static mrt_result put_pose(rig *r, rig_pose *pose, error *err)
+/* Replaces the pose with the same name, or appends the pose. */
+static mrt_result set_pose(rig *r, rig_pose *pose, error *err)
 {
     for (uint32_t i = 0; i < r->pose_count; ++i) {
         if (strcmp(r->pose[i].name, pose->name) != 0)
@@ -749,11 +750,11 @@ static mrt_result save_poses(fitting *f, error *err)
 {
     rig *r = f->face.rig;
     bones b;
-    mrt_result result = bones_init(&b, r, (vec3){0}, err); /* for the names alone */
+    mrt_result result = bones_init(&b, r, (vec3){0}, err); /* only for the names */
     for (uint32_t i = 0; result >= 0 && i < f->result_count; ++i) {
         rig_pose pose;
         result = fill_pose(&pose, f, &b, &f->result[i])
-                     ? put_pose(r, &pose, err)
+                     ? set_pose(r, &pose, err)
                      : error_set(err, MRT_ERR_MEMORY, "no memory for a pose");
         if (result < 0)
             rig_pose_finish(&pose);
@@ -761,13 +762,13 @@ static mrt_result save_poses(fitting *f, error *err)
     return result < 0 ? result : rig_write(r, f->poses_path, err);
 }
 
-/* ---- what is said ---- */
+/* ---- output ---- */
 
 typedef struct means {
     double residual, paper_residual, worst_mm, rigid_mm, penetration_mm, determinant;
 } means;
 
-/* Means of the residuals; the worst of the rest. */
+/* Returns the means of the residuals, and the worst of the other figures. */
 static means summarise(const fitting *f)
 {
     means out = {.determinant = (double)INFINITY};
@@ -925,7 +926,7 @@ const command command_rig = {
     .summary = "draft, check, show and measure rigs",
     .help =
         "marotte rig check FILE.rig.json [--json]\n"
-        "  Lists everything that needs attention, errors first, with its place in the file.\n"
+        "  Lists all problems of the rig, errors first, with their places in the file.\n"
         "  Exit code 1: the rig has errors. The names of installed rigs (puppet) work here too.\n"
         "\n"
         "marotte rig show FILE.rig.json --out PICTURE.png [--yaw DEGREES] [--pitch DEGREES]\n"
@@ -933,18 +934,18 @@ const command command_rig = {
         "  Draws the rig from the front, from three quarters and from the side: a colour for each\n"
         "  bone (pale: cannot be pulled), the contacts with their names, the axis of the jaw, the\n"
         "  rims of the mouth.\n"
-        "  --yaw and --pitch: only one view, from there; yaw turns to the subject's left.\n"
+        "  --yaw and --pitch: draw only one view, from there; yaw turns to the subject's left.\n"
         "\n"
         "marotte rig show FILE.rig.json --poses [--only NAME,NAME...] [--out PICTURE.png]\n"
         "                [--yaw DEGREES] [--pitch DEGREES] [--size WxH]\n"
         "  Lists the rig's poses: the least determinant (above 0: no fold), the penetration of\n"
-        "  skin into the skull, the vertex furthest from rest. --out: a portrait of each pose.\n"
+        "  skin into the skull, the vertex furthest from rest. --out: draw each pose.\n"
         "\n"
         "marotte rig new MESH [--out NAME.rig.json] [--unit mm|cm|m|MM] [--up AXIS]\n"
         "        [--forward AXIS] [--cut-mouth] [--force]\n"
         "  Drafts a rig for a mesh from its shape and the names of its parts, and lists what to\n"
-        "  confirm. --cut-mouth: opens closed lips and puts a dark bag behind them; the mesh file\n"
-        "  stays as it is. --out: the file (the mesh's name with .rig.json). --force: overwrite.\n"
+        "  confirm. --cut-mouth: open closed lips and add a dark bag behind them; the mesh file\n"
+        "  is not changed. --out: the file (the mesh's name with .rig.json). --force: overwrite.\n"
         "\n"
         "marotte rig fit RIG.rig.json TARGETS.glb [--contacts SET] [--json] [--out FITTED.glb]\n"
         "                [--save-poses OUT.rig.json] [--suggest N]\n"
@@ -952,12 +953,15 @@ const command command_rig = {
         "  For each: the error that the best bone poses and pulls leave, relative to the target,\n"
         "  its worst vertex, the motion of rigid parts, the penetration into the skull, the\n"
         "  smallest Jacobian (above 0: no fold), and the error of the paper's unconstrained warp.\n"
-        "  --contacts: a name in the rig's contact_sets. --out: the fitted faces as targets.\n"
-        "  --save-poses: the rig with a pose for each. --suggest: proposes N contacts in pairs.\n"
+        "  --contacts: a name in the rig's contact_sets. --out: write the fitted faces as "
+        "targets.\n"
+        "  --save-poses: write the rig with a pose for each target. --suggest: propose N more\n"
+        "  contacts, in pairs.\n"
         "\n"
         "marotte rig teeth RIG.rig.json [--out OUT.rig.json]\n"
-        "  Fits the shapes that lips stop at to the upper and lower teeth of the rig's mesh, and\n"
-        "  prints them as entries of skull_proxy. --out: the rig with them instead of its own.\n",
+        "  Fits the collision shapes of the lips to the upper and lower teeth of the mesh, and\n"
+        "  prints them as entries of skull_proxy. --out: write the rig with them in place of its\n"
+        "  own.\n",
     .examples = "rig new girl.glb --out out/girl.rig.json\n"
                 "rig check puppet\n"
                 "rig show moai --out out/moai_rig.png\n"

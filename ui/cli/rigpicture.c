@@ -30,7 +30,7 @@ static const float upper_ink[4] = {1.0f, 1.0f, 1.0f, 1.0f},
 typedef struct label {
     const char *name;
     float at[2];
-    bool is_right; /* stands at the right edge of its view; half of them do */
+    bool is_right; /* the label is at the right edge of its view; half of the labels are */
 } label;
 
 typedef struct picture {
@@ -38,11 +38,11 @@ typedef struct picture {
     const mesh *m;
     const binding *b;
     offscreen offscreen;
-    label *label; /* of one view */
+    label *label; /* labels of one view */
     uint32_t label_count;
     draw_stroke *stroke;
     uint32_t stroke_count;
-    float *number; /* LABELS_MAX by 2, scratch */
+    float *number; /* scratch, LABELS_MAX by 2 */
     float *rgb;    /* vertex_count by 3 */
     const rigpicture_about *about;
     uint32_t view_width, view_height; /* pixels */
@@ -63,7 +63,7 @@ rigpicture_colour rigpicture_bone_colour(const rig *r, uint32_t bone)
     return others[bone % (sizeof others / sizeof *others)];
 }
 
-/* Bones mixed by weight; grey is mixed in as mobility goes. */
+/* Mixes the colours of the bones by weight, and adds grey where the mobility is low. */
 static void colour_vertices(picture *p)
 {
     for (uint32_t v = 0; v < p->m->vertex_count; ++v) {
@@ -82,14 +82,14 @@ static void colour_vertices(picture *p)
 
 /* ---- labels ---- */
 
-/* Labels that stand at their distance, as one. */
+/* Labels that touch each other and move together. */
 typedef struct label_pile {
-    double wanted; /* mean of where its first label should stand */
+    double wanted; /* mean of the wanted positions of its first label */
     uint32_t count;
 } label_pile;
 
-/* Least squares: piles that would overlap become one, which stands at the mean of what they want
- * (pool adjacent violators). */
+/* Least squares: piles that would overlap are merged, at the mean of their wanted positions (pool
+ * adjacent violators). */
 static uint32_t pile_up(label_pile *pile, const float *wanted, uint32_t count, double gap)
 {
     uint32_t pile_count = 0;
@@ -113,7 +113,7 @@ void rigpicture_spread(float *out_y, const float *wanted, uint32_t count, float 
     uint32_t pile_count = pile_up(pile, wanted, count, (double)gap), i = 0;
     double most = (double)high - (double)gap * ((double)count - 1.0);
     for (uint32_t k = 0; k < pile_count; ++k) {
-        double top = fmax(fmin(pile[k].wanted, most), (double)low); /* too many: from low on */
+        double top = fmax(fmin(pile[k].wanted, most), (double)low); /* too many: from `low` on */
         for (uint32_t end = i + pile[k].count; i < end; ++i)
             out_y[i] = (float)(top + (double)gap * (double)i);
     }
@@ -158,7 +158,7 @@ static double height_of(const mesh *m)
     return (double)high[1] - (double)low[1];
 }
 
-/* How far along the unit direction from a point the triangle is; < 0: not at all. */
+/* Returns the distance along the unit direction from a point to the triangle; < 0: no hit. */
 static double ray_meets(vec3 from, vec3 direction, const vec3 corner[3])
 {
     vec3 a = vec3_sub(corner[1], corner[0]), b = vec3_sub(corner[2], corner[0]);
@@ -173,10 +173,10 @@ static double ray_meets(vec3 from, vec3 direction, const vec3 corner[3])
     return vec3_dot(b, t) / determinant;
 }
 
-/* Nothing of the face, but for what is right at the contact, is between it and the eye. */
+/* Returns whether the contact is visible from the eye. Ignores triangles close to the contact. */
 static bool is_visible(const picture *p, vec3 at, const draw_camera *camera)
 {
-    const double near_mm = 0.05 * height_of(p->m); /* brows lie on the skin */
+    const double near_mm = 0.05 * height_of(p->m); /* brows are on the skin */
     double yaw = (double)camera->yaw_rad, pitch = (double)camera->pitch_rad;
     vec3 back = {sin(yaw) * cos(pitch), sin(pitch), cos(yaw) * cos(pitch)};
     vec3 target = {(double)camera->target[0], (double)camera->target[1], (double)camera->target[2]};
@@ -210,7 +210,8 @@ static void collect_labels(picture *p, const draw_camera *camera, const uint32_t
     qsort(p->label, p->label_count, sizeof *p->label, compare_labels);
 }
 
-/* One side's labels in a column at the edge of the view, with lines to their contacts. */
+/* Places the labels of one side in a column at the edge of the view, with lines to their
+ * contacts. */
 static void place_column(picture *p, uint32_t first, uint32_t count, const uint32_t rectangle[4])
 {
     float *wanted = p->number, *y = p->number + LABELS_MAX;
@@ -254,7 +255,7 @@ static void draw_axis(picture *p, const draw_camera *camera, const uint32_t rect
     }
 }
 
-/* The rims of the mouth: the upper one white, the lower one yellow. */
+/* Draws the rims of the mouth: the upper one white, the lower one yellow. */
 static void draw_rims(picture *p, const draw_camera *camera, const uint32_t rectangle[4])
 {
     const bind_lips *lips = &p->b->lips;
@@ -309,7 +310,9 @@ static void draw_legend(picture *p)
 {
     float x = MARGIN;
     char words[160];
-    (void)snprintf(words, sizeof words, "%s: what rides on which bone; pale: cannot be pulled",
+    (void)snprintf(words, sizeof words,
+                   "%s: colours show which bone moves the skin; pale: "
+                   "cannot be pulled",
                    p->r->name);
     const float room = (float)p->offscreen.width - 2 * MARGIN;
     offscreen_words(&p->offscreen, words, x, 10.0f, TITLE_SIZE, room, ink);
@@ -380,12 +383,12 @@ mrt_result rigpicture_write(const char *path, const rig *r, const mesh *m, const
 
 /* ---- portraits of its poses ---- */
 
-/* Shares of a panel's width, and of a header's height. */
+/* Shares of the width of a panel, and of the height of a header. */
 static const float name_size = 0.065f, name_top = 0.0175f, name_margin = 0.04f;
 static const float title_size = 0.28f, made_size = 0.16f, header_margin = 0.13f;
-static const float least_px = 9; /* smaller letters cannot be read */
+static const float least_px = 9; /* letters smaller than this are unreadable */
 static const double field_of_view_rad = 0.42;
-static const double air = 0.025; /* of a panel, at each edge that the faces come near */
+static const double air = 0.025; /* margin at each touched edge, as a share of a panel */
 static const float title_ink[4] = {0.92f, 0.93f, 0.95f, 1.0f};
 
 rigpicture_view rigportraits_usual_view(void)
@@ -416,8 +419,8 @@ rigportraits_frame rigportraits_frame_empty(rigpicture_view view)
                                 .depth = {INFINITY, -INFINITY}};
 }
 
-/* A point is within the right edge of a view from distance d if right <= slope (d - depth), so it
- * is the greatest right + slope depth that counts; the other edges likewise. */
+/* A point is inside the right edge of a view at distance d if right <= slope (d - depth). So the
+ * greatest value of right + slope depth is stored. The other edges are computed the same way. */
 void rigportraits_frame_add(rigportraits_frame *self, const float *position, uint32_t vertex_count)
 {
     view_axes axes = axes_of(self->view);
@@ -442,7 +445,7 @@ draw_camera rigportraits_frame_camera(const rigportraits_frame *self)
                           .pitch_rad = self->view.pitch_rad,
                           .field_of_view_rad = (float)field_of_view_rad};
     if (!(self->depth[1] >= self->depth[0]))
-        return camera; /* nothing to show */
+        return camera; /* empty frame */
     view_axes axes = axes_of(self->view);
     double middle = 0.5 * (self->depth[0] + self->depth[1]), eye = self->depth[1] + 1.0;
     vec3 target = vec3_scale(axes.axis[2], middle);
@@ -460,7 +463,7 @@ draw_camera rigportraits_frame_camera(const rigportraits_frame *self)
 
 /* ---- the picture ---- */
 
-/* In so many columns; the panels as large as they can be. */
+/* Lays out the panels in this number of columns, as large as possible. */
 static rigportraits_grid lay_out_columns(rigportraits_grid g, uint32_t count, uint32_t column_count)
 {
     const float caption = (float)RIGPORTRAITS_CAPTION / RIGPORTRAITS_WIDTH;
@@ -508,7 +511,7 @@ rigportraits_grid rigportraits_lay_out(uint32_t count, uint32_t width, uint32_t 
     return best;
 }
 
-/* The title, and in two lines how to make it again. */
+/* Writes the title, and two lines that explain how to repeat the picture. */
 static void write_header(offscreen *e, const rigportraits_grid *g, const rigpicture_about *about)
 {
     const float unit = (float)g->header, margin = header_margin * unit;
@@ -530,7 +533,7 @@ static mrt_result draw_portrait(offscreen *e, const rigportraits_grid *g, rig_po
     const uint32_t x = g->left + pose % g->columns * g->panel_width;
     const uint32_t y = g->top + pose / g->columns * (g->panel_height + g->caption);
     if (x + g->panel_width > g->width || y + g->panel_height > g->height)
-        return MRT_OK; /* a tiny picture has no room for all */
+        return MRT_OK; /* the picture is too small for a header */
     const char *name = stage->rig.pose[pose].name;
     const float panel = (float)g->panel_width, size = fmaxf(name_size * panel, least_px);
     const float room = (1.0f - 2.0f * name_margin) * panel;

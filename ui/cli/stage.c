@@ -1,4 +1,4 @@
-/* marotte: the stage, in a window or without one. */
+/* marotte: the stage, with or without a window. */
 #include "cli/command.h"
 
 #include "base/cancel.h"
@@ -26,12 +26,12 @@ enum { INPUTS_MAX = 8, WIDTH = 1280, HEIGHT = 720, WARM_FRAMES = 120 };
 typedef struct stage_options {
     app_options app;
     const char *input[INPUTS_MAX];
-    uint32_t width, height; /* points; 0: as last time */
+    uint32_t width, height; /* points; 0: size of the last run */
     double scale, seconds;
-    app_picture streamed; /* given: some of it was */
+    app_picture streamed; /* which options of it were given */
     bool has_picture;
     const char *script, *picture;
-    const char *file; /* neither show nor face; NULL: none */
+    const char *file; /* file that is neither show nor face; NULL: none */
     bool is_hidden, is_json;
 } stage_options;
 
@@ -40,13 +40,13 @@ typedef struct stage {
     app *app;
     window *window;
     workspace *workspace;
-    wake *changed; /* of the window */
+    wake *changed; /* signal of the window */
     script *script;
     app_face_ahead *ahead;
     uint64_t sample_count;
     double warm_mb, end_mb;
     int64_t began_ns;
-    char settings_note[1024]; /* of the first time they were read */
+    char settings_note[1024]; /* note of the first reading of the settings */
 } stage;
 
 /* ---- options ---- */
@@ -78,7 +78,8 @@ static int add_input(void *to, const command *self, const char *name, const char
     return COMMAND_DONE;
 }
 
-/* ---- the picture for other programs: what is not said of it is as usual, not as last time ---- */
+/* ---- the picture for other programs: options that are not given have their defaults, not the
+ * values of the last run ---- */
 
 static int read_ground(void *to, const command *self, const char *name, const char *text)
 {
@@ -121,7 +122,7 @@ static int read_stream_look(void *to, const command *self, const char *name, con
                : command_usage(self, "--%s %s: expected WxH@RATE, as in 1280x720@30", name, text);
 }
 
-/* A show, a face, or what is opened once the stage is there. */
+/* Reads a show, a face, or another file that is opened after the stage. */
 static int read_file(void *to, const command *self, const char *name, const char *text)
 {
     stage_options *out = to;
@@ -185,12 +186,12 @@ static int read_options(stage_options *out, int argc, char **argv)
 /* ---- the stage ---- */
 
 typedef struct left {
-    double width, height; /* as --size or the last run says, else the usual ones */
+    double width, height; /* from --size, else from the last run, else the default */
     bool is_maximised;
 } left;
 
-/* A settings file that cannot be one is refused here, before there is a window. A damaged default
- * file is renamed here already: the application finds none, and receives the note. */
+/* Reads the settings. Rejects an invalid settings file before a window opens. Renames a damaged
+ * default file; the application then finds none, and receives the note. */
 static mrt_result read_left(stage *self, left *out, error *err)
 {
     const stage_options *options = self->options;
@@ -212,7 +213,7 @@ static mrt_result read_left(stage *self, left *out, error *err)
         }
         out->is_maximised = settings_number(kept, "window.maximised", 0.0) > 0.5;
     }
-    if (options->app.face_path || !options->app.show_path) /* a show has its own */
+    if (options->app.face_path || !options->app.show_path) /* a show has its own face */
         self->ahead = app_face_ahead_start(options->app.face_path, kept);
     settings_close(kept);
     return MRT_OK;
@@ -241,7 +242,7 @@ static mrt_result open_stage(stage *self, error *err)
     mrt_result result = MRT_OK;
     if (self->options->script)
         result = script_read(&self->script, self->options->script, err);
-    if (result >= 0) /* first: without a display nothing is left behind */
+    if (result >= 0) /* opened first: without a display, nothing must be left behind */
         result = open_window(self, err);
     if (result >= 0)
         self->changed = window_signal(self->window);
@@ -255,13 +256,13 @@ static mrt_result open_stage(stage *self, error *err)
     if (result >= 0)
         result = workspace_create(&self->workspace, self->app, self->window, err);
     if (result >= 0 && self->options->file)
-        (void)!open_any(self->app, self->options->file); /* the news say what is wrong */
+        (void)!open_any(self->app, self->options->file); /* the application reports the error */
     if (result >= 0 && self->script)
         ui_note_words(workspace_ui(self->workspace), true);
     return result;
 }
 
-/* < 0: said on stderr. */
+/* Returns < 0 for an error, which is already printed. */
 static mrt_result close_stage(stage *self)
 {
     workspace_destroy(self->workspace);
@@ -276,7 +277,7 @@ static double resident_mb(void)
     return (double)memory_resident() / 1e6;
 }
 
-/* MRT_END: the script is over. */
+/* Returns MRT_END at the end of the script. */
 static mrt_result step_script(stage *self, error *err)
 {
     const uint32_t width = window_width_px(self->window), height = window_height_px(self->window);
@@ -318,9 +319,9 @@ static mrt_result run(stage *self, error *err)
     return result < 0 ? result : MRT_OK;
 }
 
-/* ---- what it did ---- */
+/* ---- results ---- */
 
-static void tell(const stage *self)
+static void report(const stage *self)
 {
     workspace_counts counts;
     struct rusage used;
@@ -371,7 +372,7 @@ static int stage_run(int argc, char **argv)
     if (result >= 0)
         result = run(&self, &err);
     if (result >= 0 && (options.is_json || options.is_hidden || options.script))
-        tell(&self);
+        report(&self);
     const mrt_result closed = close_stage(&self);
     if (result >= 0)
         return closed >= 0 ? COMMAND_DONE : COMMAND_FAILED;
@@ -379,7 +380,7 @@ static int stage_run(int argc, char **argv)
     return COMMAND_FAILED;
 }
 
-/* ---- is it meant ---- */
+/* ---- whether an argument is for the stage ---- */
 
 bool stage_is_meant(const char *first)
 {
@@ -410,13 +411,14 @@ static int print_help(int argc, char **argv)
         "  --input SPEC     a device or a recording, once for each: log:demo,loop=1\n"
         "                   (the last ones, or all connected devices)\n"
         "  --remote [HOST:]PORT  let a phone, a Stream Deck or a script record, mark and pose,\n"
-        "                   by OSC and WebSocket (as last time; first off). 0.0.0.0:9110\n"
-        "                   lets other computers in, with the pairing code that is shown\n"
+        "                   by OSC and WebSocket (the last setting, initially off).\n"
+        "                   0.0.0.0:9110 also accepts other computers, with a pairing code\n"
         "  --stream TARGET  send the picture to other programs, up to 4: pipewire (a camera),\n"
         "                   /dev/videoN (v4l2loopback), srt://HOST:PORT, udp://HOST:PORT (ffmpeg)\n"
         "  --stream-look WxH@RATE  the size and rate of that picture (1280x720@30)\n"
-        "  --background C   the background there and in the output window: transparent or #00b140\n"
-        "  --size WxH       the size of the window, in points (as last time)\n"
+        "  --background C   background of that picture and of the output window: transparent\n"
+        "                   or #00b140\n"
+        "  --size WxH       the size of the window, in points (the last size)\n"
         "  --settings FILE  the settings ($XDG_CONFIG_HOME/marotte/window.json; with --hidden:\n"
         "                   none); \"\": none\n"
         "\n"

@@ -152,7 +152,7 @@ const char *take_option_name(take_option option)
     return options[option].name;
 }
 
-/* "SHOW TAKE [VALUE]": so many must be there, so many may be. */
+/* Counts the words of "SHOW TAKE [VALUE]": required ones, and all. */
 static void count_words(const char *words, uint32_t *out_least, uint32_t *out_most)
 {
     *out_least = *out_most = 0;
@@ -171,7 +171,7 @@ static bool has_word(const char *words, const char *word)
     return false;
 }
 
-/* What may stand on the verb's command line. */
+/* Lists the options and words that the subcommand accepts. */
 static void list_options(command_option out[COMMAND_OPTIONS_MAX], const take_verb *verb,
                          uint32_t word_most)
 {
@@ -180,14 +180,15 @@ static void list_options(command_option out[COMMAND_OPTIONS_MAX], const take_ver
     for (int i = 0; i < TAKE_OPTION_COUNT; ++i)
         if (i == TAKE_JSON || has_word(verb->options, options[i].name))
             out[count++] = options[i];
-    assert(count == named_most + 1); /* each name of the verb's is an option */
+    assert(count == named_most + 1); /* each name in verb->options is a known option */
     for (uint32_t i = 0; i < word_most; ++i)
         out[count++] = (command_option){"WORD", COMMAND_WORD,
                                         .offset = offsetof(take_call, word) + i * sizeof(char *)};
     out[count] = (command_option){.name = NULL};
 }
 
-/* argv[0]: the subcommand's name. COMMAND_DONE, or COMMAND_USAGE after saying why. */
+/* argv[0]: name of the subcommand. Returns COMMAND_DONE, or reports the mistake and returns
+ * COMMAND_USAGE. */
 static int take_options_read(take_call *out, const take_verb *verb, int argc, char **argv)
 {
     command_option known[COMMAND_OPTIONS_MAX];
@@ -205,7 +206,7 @@ static int take_options_read(take_call *out, const take_verb *verb, int argc, ch
     return code;
 }
 
-/* ---- what was asked for, as numbers, times and rates ---- */
+/* ---- numbers, times and rates of options ---- */
 
 mrt_result take_misused(take_call *call, error *err, const char *format, ...)
 {
@@ -262,13 +263,14 @@ mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *
     return take_misused(call, err, "--fps: %s", why);
 }
 
-/* Frames in a second of labels. */
+/* Number of time code labels per second. */
 static int64_t nominal(timecode_rate rate)
 {
     return ((int64_t)rate.num + rate.den - 1) / rate.den;
 }
 
-/* The same hours, minutes and seconds, and as much of the second, at another rate. */
+/* Returns the label with the same hours, minutes, seconds and share of the second at another
+ * rate. */
 static int64_t relabel(timecode_rate from, timecode_rate to, int64_t frame)
 {
     char text[TIMECODE_TEXT + 32];
@@ -279,7 +281,7 @@ static int64_t relabel(timecode_rate from, timecode_rate to, int64_t frame)
     if (sscanf(text, "%lld:%lld:%lld%*[:;]%lld", &hours, &minutes, &seconds, &frames) != 4)
         return frame;
     frames = frames * nominal(to) / nominal(from);
-    for (; frames < nominal(to); ++frames) { /* drop-frame leaves labels out */
+    for (; frames < nominal(to); ++frames) { /* drop-frame skips labels */
         (void)snprintf(text, sizeof text, "%02lld:%02lld:%02lld%c%02lld", hours, minutes, seconds,
                        to.is_drop ? ';' : ':', frames);
         if (timecode_parse(&out, to, text, &ignored) >= 0)
@@ -344,7 +346,7 @@ mrt_result take_time(take_call *call, take_option option, const take *t, int64_t
     return take_time_of(call, what, call->text[option], t, out, err);
 }
 
-/* ---- the show, and what in it is meant ---- */
+/* ---- the show, and the take, clip or layer in it ---- */
 
 static mrt_result take_open_show(take_call *call, error *err)
 {
@@ -368,7 +370,7 @@ static mrt_result take_open_show(take_call *call, error *err)
     return MRT_OK;
 }
 
-/* ---- which take ---- */
+/* ---- finding a take ---- */
 
 static void list_ids(char *out, size_t capacity, const show_take *takes, size_t count)
 {
@@ -379,7 +381,7 @@ static void list_ids(char *out, size_t capacity, const show_take *takes, size_t 
                                  (long long)takes[i].id);
 }
 
-/* The slate is an edit away from how the take was made. */
+/* Edits can change the slate, so the take is read with its edits. */
 static bool has_slate(take_call *call, const show_take *of, const char *text)
 {
     take t;
@@ -443,12 +445,12 @@ mrt_result take_read(take_call *call, const char *text, take *out, error *err)
         return MRT_OK;
     if (out->id == 0)
         return error_set(err, result, "%s", why.text);
-    fprintf(stderr, "warning: take %lld: %s; what was before that edit is used\n", (long long)id,
+    fprintf(stderr, "warning: take %lld: %s; the edits before that one are used\n", (long long)id,
             why.text);
     return MRT_OK;
 }
 
-/* ---- which clip, which layer ---- */
+/* ---- finding a clip or a layer ---- */
 
 static mrt_result id_of(take_call *call, take_option option, uint32_t *out, error *err)
 {
@@ -509,7 +511,7 @@ mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error 
     return MRT_OK;
 }
 
-/* ---- the subcommands that perform takes, or read what was recorded ---- */
+/* ---- subcommands that perform takes, or read recorded samples ---- */
 
 static const take_verb play_verbs[] = {
     {"play", "SHOW TAKE",
@@ -549,7 +551,7 @@ static const take_verb play_verbs[] = {
      "  --wav          also write the sound, beside the first file\n"
      "  --fps RATE     24, 25, 29.97, 30, 30000/1001, 29.97df ... (the take's, or 30)\n"
      "  --in T, --out T   a range of the take\n"
-     "  --frames A-B   only frames A to B of that range, from 1: a share of a video, silent\n"
+     "  --frames A-B   only frames A to B of that range, from 1: a part of a video, without sound\n"
      "  --all          export every take; the names of the files contain {show}, {take}, {slate},\n"
      "                 {scene}, {shot}, {number} or {name}. Complete, current files are skipped\n"
      "  --jobs N       takes that are exported at the same time (1)\n"
@@ -575,7 +577,7 @@ static const take_verb play_verbs[] = {
      "  --hand-length MM  wrist to middle fingertip\n"
      "  --filter min_cutoff=HZ,beta=N   a One-Euro filter of the angles, of a camera too\n"
      "  --scene S, --shot S   the slate of the new take (that of the old one)\n"
-     "The old take stays as it is. Prints how much the two differ.\n",
+     "The old take is not changed. Prints how much the two differ.\n",
      "perform a take again with other settings, as a new take",
      "map patch face calibration hand-length filter scene shot", TAKE_WRITES, .run = take_remap_run,
      .examples = "take remap show.marotte last --map one_hand,smile_gain=130\n"
@@ -646,7 +648,7 @@ static void print_help(const take_verb *verb)
     command_print_examples(verb->examples);
 }
 
-/* ---- which one ---- */
+/* ---- finding the subcommand ---- */
 
 static bool is_named(const take_verb *verb, int argc, char **argv, int *out_used)
 {
@@ -707,7 +709,7 @@ static int run_call(take_call *call)
                           : command_failed(&call->self, &err);
 }
 
-/* The verb that was typed is none. */
+/* Reports an unknown subcommand. */
 static int refuse(int argc, char **argv)
 {
     char word[64];

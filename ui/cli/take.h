@@ -1,7 +1,7 @@
-/* ui/cli/take.h - what the subcommands of `marotte take` share: the table of them, their command line,
- * the show and take that they work on, and times as a person writes them. take_edit.c edits takes,
- * take_show.c reads shows, take_stage.c performs takes, for take_export.c, take_record.c and
- * take_diff.c. [main] */
+/* ui/cli/take.h - shared by the subcommands of `marotte take`: their table, their command line,
+ * the show and the take, and times as a person writes them. take_edit.c edits takes, take_show.c
+ * reads shows, and take_stage.c performs takes for take_export.c, take_record.c and take_diff.c.
+ * [main] */
 #ifndef MAROTTE_UI_TAKE_H
 #define MAROTTE_UI_TAKE_H
 #include "cli/command.h"
@@ -13,11 +13,11 @@
 #include "show/show.h"
 #include "base/timecode.h"
 
-/* Every option of every subcommand; take.c has their names. */
+/* All options of all subcommands; take.c has their names. */
 typedef enum take_option {
     TAKE_JSON = 0,
     TAKE_IN,
-    TAKE_OUT, /* a time, or of `log` and `recover` a file */
+    TAKE_OUT, /* a time; a file for `log` and `recover` */
     TAKE_AT,
     TAKE_CLIP,
     TAKE_LAYER,
@@ -82,7 +82,7 @@ typedef enum take_option {
 enum { TAKE_WORDS_MAX = 4 };
 
 enum { TAKE_CHANGE_MAX = 4 };
-typedef struct take_change { /* edits that a subcommand asks for */
+typedef struct take_change { /* edits of one subcommand */
     edit edit[TAKE_CHANGE_MAX];
     uint32_t count;
 } take_change;
@@ -91,13 +91,13 @@ struct take_verb;
 typedef struct take_call { /* one run of a subcommand */
     const struct take_verb *verb;
     char name[32];                    /* "take trim" */
-    command self;                     /* for what is said of how it was called */
-    const char *word[TAKE_WORDS_MAX]; /* as the verb has them: SHOW, TAKE ... */
+    command self;                     /* for messages about wrong usage */
+    const char *word[TAKE_WORDS_MAX]; /* in the order of the verb's words: SHOW, TAKE ... */
     uint32_t word_count;
-    const char *text[TAKE_OPTION_COUNT]; /* NULL: not given; "" for those without a value */
+    const char *text[TAKE_OPTION_COUNT]; /* NULL: not given; "" for options without a value */
     exports_file exports[EXPORTS_MAX];
     uint32_t export_count;
-    const char *wav; /* --export NAME.wav; NULL */
+    const char *wav; /* --export NAME.wav; NULL: not given */
     const char *calibration[PERFORM_CALIBRATIONS_MAX];
     uint32_t calibration_count;
     const char *input[PERFORM_INPUTS_MAX];
@@ -107,28 +107,28 @@ typedef struct take_call { /* one run of a subcommand */
     show *show;
     facts *told;
     progress shown;
-    bool is_usage; /* what failed is how it was called */
-    bool is_told;  /* its facts count, although it failed */
+    bool is_usage; /* the error is wrong usage */
+    bool is_told;  /* print the facts although it failed */
 } take_call;
 
-typedef enum take_use { /* of the show */
+typedef enum take_use { /* access to the show */
                         TAKE_READS = 0,
                         TAKE_WRITES,
-                        TAKE_RECORDS, /* writes, and keeps what was performed however it ends */
+                        TAKE_RECORDS, /* writes, and keeps the performance even after an error */
                         TAKE_OPENS_ITSELF
 } take_use;
 
 typedef struct take_verb {
     const char *name;  /* "trim", "layer add" */
-    const char *words; /* "SHOW TAKE": how many there must be; "[..]" may be left out */
+    const char *words; /* "SHOW TAKE": required words; those in "[..]" are optional */
     const char *options_text, *summary;
-    const char *options; /* their names, with blanks; --json goes without saying */
+    const char *options; /* option names, separated by blanks; --json is always accepted */
     take_use use;
     CHECKED mrt_result (*run)(take_call *call, error *err);
-    /* In place of run: the edits to be done to the take that the call names. */
+    /* Used instead of run: returns the edits for the take on the command line. */
     CHECKED mrt_result (*ask)(take_call *call, const take *t, take_change *out, error *err);
-    edit_kind kind;       /* for an `ask` of several verbs */
-    const char *examples; /* as command_print_examples takes them */
+    edit_kind kind;       /* for an `ask` that several subcommands share */
+    const char *examples; /* for command_print_examples */
 } take_verb;
 
 typedef struct take_verbs {
@@ -142,50 +142,51 @@ extern const take_verbs take_edit_verbs, take_layer_verbs, take_file_verbs, take
 
 const char *take_option_name(take_option option); /* "in" */
 
-/* ---- what was asked for, as numbers ---- */
+/* ---- values of options as numbers ---- */
 
-/* Wrong usage: exit code 2. */
+/* Sets the error and marks it as wrong usage: exit code 2. */
 __attribute__((format(printf, 3, 4))) mrt_result take_misused(take_call *call, error *err,
                                                               const char *format, ...);
 CHECKED mrt_result take_need(take_call *call, take_option option, error *err);
-/* Left as it is when it was not given. */
+/* Leaves *out unchanged if the option is not given. */
 CHECKED mrt_result take_number(take_call *call, take_option option, double least, double most,
                                double *out, error *err);
 CHECKED mrt_result take_number_of(take_call *call, const char *what, const char *text, double least,
                                   double most, double *out, error *err);
-/* Seconds ("2.1") or, with a ':', time code at --fps or the take's rate. */
+/* Reads seconds ("2.1") or, with a ':', time code at --fps or the take's rate. */
 CHECKED mrt_result take_time(take_call *call, take_option option, const take *t, int64_t *out,
                              error *err);
-/* Of --fps, else the take's, else 30. */
+/* Returns the rate of --fps, else of the take, else 30. */
 CHECKED mrt_result take_rate(take_call *call, const take *t, timecode_rate *out, error *err);
-/* The time code of a frame counted from the take's start; at another rate than the take's, the
- * label of the start is kept: the same hours, minutes and seconds. */
+/* Returns the time code of a frame, counted from the start of the take. At another rate than the
+ * take's, the start keeps its hours, minutes and seconds. */
 int64_t take_label_frame(const take *t, timecode_rate rate, int64_t frame);
 
 /* ---- the show and what is in it ---- */
 
-/* "3", "last", "scene/shot/2". */
+/* Accepts "3", "last", "scene/shot/2". */
 CHECKED mrt_result take_find(take_call *call, const char *text, int64_t *out_id, error *err);
-/* The take as its edits make it. An edit that cannot be applied is told as a warning; what can be
- * shown is given. */
+/* Reads the take with its edits. If an edit cannot be applied, prints a warning, and returns the
+ * take with the edits before it. */
 CHECKED mrt_result take_read(take_call *call, const char *text, take *out, error *err);
-/* By --clip; else the only one. Within at_ns only, unless that is EDIT_UNSAID. */
+/* Finds the clip of --clip, else the only one. Only clips at at_ns count, unless it is
+ * EDIT_UNSAID. */
 CHECKED mrt_result take_find_clip(take_call *call, const take *t, int64_t at_ns, uint32_t *out,
                                   error *err);
-/* By --layer, an id or a name; else the only one. */
+/* Finds the layer of --layer, by number or name, else the only one. */
 CHECKED mrt_result take_find_layer(take_call *call, const take *t, uint32_t *out, error *err);
 
 /* ---- take_edit.c ---- */
 
-/* Asks the verb for edits, and does them to the take. */
+/* Gets the edits of the subcommand and applies them to the take. */
 CHECKED mrt_result take_change_run(take_call *call, error *err);
-/* Comma-separated patterns, or names of regions: into own of the edit. */
+/* Reads patterns or names of regions, separated by commas, into `own` of the edit. */
 CHECKED mrt_result take_read_own(take_call *call, const char *text, edit *out, error *err);
-/* Comma-separated names of regions: bits by own_region. */
+/* Reads names of regions, separated by commas, as bits by own_region. */
 CHECKED mrt_result take_read_regions(take_call *call, const char *text, uint32_t *out, error *err);
 
-/* ---- take_stage.c: a take performed without a window: its face, its sequencer, and which frames
- * of it are wanted ---- */
+/* ---- take_stage.c: performs a take without a window: its face, its sequencer, and its frames
+ * ---- */
 
 typedef struct take_stage {
     log_queue *log;
@@ -193,18 +194,18 @@ typedef struct take_stage {
     face_file face;
     char *face_path; /* owned */
     sequencer *sequencer;
-    take take; /* as its edits make it; owned */
+    take take; /* with its edits; owned */
 } take_stage;
 
-/* The take that `text` names, on the face `other` or (NULL) on the one that it was performed on:
- * which must be there; that it has changed is said. To be finished whatever the result. */
+/* Opens the take that `text` names, on the face `other` or (NULL) on its own face. That face must
+ * exist; a note reports if it has changed. Finish it, whatever the result. */
 CHECKED mrt_result take_stage_open(take_stage *out, take_call *call, const char *text,
                                    const char *other, error *err);
-void take_stage_finish(take_stage *self); /* zeroed is fine */
-/* Tells what is not as it was when it was recorded, and the news of plugins. */
+void take_stage_finish(take_stage *self); /* accepts a zeroed struct */
+/* Reports what changed since the recording, and the messages of plugins. */
 void take_stage_tell(take_stage *self);
 
-/* The face of a take: of its first clip that is heard. */
+/* Reads the face of the first audible clip of a take. */
 CHECKED mrt_result take_face_read(face_file *out, char **out_path, take_call *call, const take *t,
                                   const char *other, error *err);
 
@@ -212,15 +213,16 @@ typedef struct take_frames { /* frame `first` + i begins at timecode_time_ns(rat
     timecode_rate rate;
     int64_t first, count;
 } take_frames;
-/* By --fps, --in and --out: the frames that begin in that range; of the whole take without. */
+/* Computes the frames that begin between --in and --out, at --fps; without them, all frames of the
+ * take. */
 CHECKED mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err);
 
-/* Brings the face to each frame in turn. `each` reads sequencer_performer, drawn. */
+/* Moves the face to each frame and calls `each`, which reads the drawn sequencer_performer. */
 CHECKED mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
                                    mrt_result (*each)(void *data, take_stage *from, error *err),
                                    void *data, error *err);
 
-/* ---- subcommands of take.c's own table ---- */
+/* ---- subcommands in the table of take.c ---- */
 
 CHECKED mrt_result take_diff_run(take_call *call, error *err);
 CHECKED mrt_result take_export_run(take_call *call, error *err);
@@ -230,7 +232,7 @@ CHECKED mrt_result take_record_run(take_call *call, error *err);
 CHECKED mrt_result take_log_run(take_call *call, error *err);
 CHECKED mrt_result take_remap_run(take_call *call, error *err);
 
-/* How far apart two takes move the face, by regions, and when most. */
+/* Reports the difference between two takes, by region, and its worst moment. */
 CHECKED mrt_result take_diff_tell(take_call *call, const char *a, const char *b, error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* marotte take diff: two takes performed side by side. */
+/* marotte take diff: performs two takes side by side and measures their difference. */
 #include "base/file.h"
 #include "stage/playback/diff.h"
 #include "cli/take.h"
@@ -14,10 +14,10 @@ typedef struct comparison {
     take_stage a, b;
     take_frames frames;
     diff *by;
-    diff_frame *frame; /* frames.count */
+    diff_frame *frame; /* frames.count elements */
     int64_t at;
     float *rows[2]; /* vertex_count by 3 */
-    uint32_t parts; /* bits: which are told */
+    uint32_t parts; /* bits: regions to report */
 } comparison;
 
 static mrt_result check_meshes(const take_stage *a, const take_stage *b, error *err)
@@ -59,7 +59,7 @@ static mrt_result make(comparison *self, error *err)
                        composer_solver(shown).radius, err);
 }
 
-/* The frames that both have. */
+/* Chooses the frames that both takes have. */
 static mrt_result choose_frames(comparison *self, take_call *call, error *err)
 {
     take shorter = self->a.take;
@@ -94,7 +94,7 @@ static mrt_result each(void *data, take_stage *from, error *err)
     return MRT_OK;
 }
 
-/* ---- told ---- */
+/* ---- report ---- */
 
 static void label(char out[TIMECODE_TEXT], const comparison *self, uint32_t frame)
 {
@@ -108,7 +108,7 @@ static double time_s(const comparison *self, uint32_t frame)
     return (double)timecode_time_ns(self->frames.rate, self->frames.first + frame) / 1e9;
 }
 
-static void tell_part(take_call *call, const comparison *self, uint32_t part)
+static void report_part(take_call *call, const comparison *self, uint32_t part)
 {
     diff_total sum;
     char line[160], at[TIMECODE_TEXT];
@@ -126,7 +126,7 @@ static void tell_part(take_call *call, const comparison *self, uint32_t part)
     facts_row(call->told, "regions", diff_part_name(part), line, cells, 6);
 }
 
-static void tell_worst(take_call *call, const comparison *self)
+static void report_worst(take_call *call, const comparison *self)
 {
     uint32_t worst[WORST_COUNT];
     uint32_t apart = (uint32_t)timecode_frame(self->frames.rate, worst_apart_ns) + 1;
@@ -175,8 +175,8 @@ static mrt_result tell(take_call *call, const comparison *self, error *err)
 {
     facts_number(call->told, "frames", "frames compared", (double)self->frames.count, 0, "");
     for (uint32_t part = 0; part < DIFF_PART_COUNT; ++part)
-        tell_part(call, self, part);
-    tell_worst(call, self);
+        report_part(call, self, part);
+    report_worst(call, self);
     if (!call->text[TAKE_CSV])
         return MRT_OK;
     mrt_result result = write_csv(self, call->text[TAKE_CSV], err);

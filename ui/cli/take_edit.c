@@ -13,7 +13,7 @@
 
 /* ---- a list of edits, applied to a take through its history ---- */
 
-/* The next edit of the list. */
+/* Returns the next free edit of the list. */
 static edit *take_change_add(take_change *change, edit_kind kind)
 {
     edit *out = &change->edit[change->count++];
@@ -78,7 +78,7 @@ mrt_result take_read_regions(take_call *call, const char *text, uint32_t *out, e
     }
 }
 
-/* ---- done ---- */
+/* ---- applying edits ---- */
 
 static mrt_result do_all(take_call *call, history *of, const take_change *change, error *err)
 {
@@ -108,7 +108,7 @@ static mrt_result change(take_call *call, history *of, error *err)
     return result;
 }
 
-/* Opens the take that the call names, and works on its history. */
+/* Opens the take on the command line, and calls `work` with its history. */
 static mrt_result with_history(take_call *call,
                                mrt_result (*work)(take_call *call, history *of, error *err),
                                error *err)
@@ -136,7 +136,7 @@ mrt_result take_change_run(take_call *call, error *err)
     return with_history(call, change, err);
 }
 
-/* --in and --out, both of which are needed. */
+/* Reads --in and --out; both are required. */
 static mrt_result read_in_out(take_call *call, const take *t, edit *e, error *err)
 {
     mrt_result result = take_need(call, TAKE_IN, err);
@@ -149,7 +149,7 @@ static mrt_result read_in_out(take_call *call, const take *t, edit *e, error *er
 
 /* ---- clips ---- */
 
-static mrt_result ask_trim(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_trim(take_call *call, const take *t, take_change *out, error *err)
 {
     if (!call->text[TAKE_IN] && !call->text[TAKE_OUT])
         return take_misused(call, err, "--in or --out is missing");
@@ -166,7 +166,7 @@ static mrt_result ask_trim(take_call *call, const take *t, take_change *out, err
     return result < 0 || !is_clip ? result : take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
 }
 
-static mrt_result ask_split(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_split(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_CLIP_SPLIT);
     mrt_result result = take_need(call, TAKE_AT, err);
@@ -175,7 +175,7 @@ static mrt_result ask_split(take_call *call, const take *t, take_change *out, er
     return result < 0 ? result : take_find_clip(call, t, e->at_ns, &e->clip, err);
 }
 
-static mrt_result ask_move(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_move(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_CLIP_MOVE);
     if (!call->text[TAKE_TO] && !call->text[TAKE_LAYER])
@@ -188,7 +188,7 @@ static mrt_result ask_move(take_call *call, const take *t, take_change *out, err
     return result;
 }
 
-/* "0:0,2:1.5": timeline to source, seconds. */
+/* Reads "0:0,2:1.5": pairs of timeline and source, in seconds. */
 static mrt_result read_points(take_call *call, const char *text, edit *out, error *err)
 {
     text_view rest = text_view_of(text, strlen(text)), field, half;
@@ -211,7 +211,7 @@ static mrt_result read_points(take_call *call, const char *text, edit *out, erro
     return MRT_OK;
 }
 
-static mrt_result ask_retime(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_retime(take_call *call, const take *t, take_change *out, error *err)
 {
     bool is_curve = call->text[TAKE_POINTS] != NULL;
     if (is_curve == (call->text[TAKE_SPEED] != NULL))
@@ -226,7 +226,7 @@ static mrt_result ask_retime(take_call *call, const take *t, take_change *out, e
     return result < 0 ? result : take_time(call, TAKE_AT, t, &e->at_ns, err);
 }
 
-static mrt_result ask_smooth(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_smooth(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_CLIP_SMOOTH);
     mrt_result result = take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
@@ -235,9 +235,9 @@ static mrt_result ask_smooth(take_call *call, const take *t, take_change *out, e
                : take_number_of(call, "SECONDS", call->word[2], 0.0, 10.0, &e->smooth_s, err);
 }
 
-/* A layer where one is named, else a clip. */
-static mrt_result ask_target(take_call *call, const take *t, take_change *out, edit_kind of_layer,
-                             edit_kind of_clip, edit **out_edit, error *err)
+/* Targets the layer if --layer is given, else a clip. */
+static mrt_result make_target(take_call *call, const take *t, take_change *out, edit_kind of_layer,
+                              edit_kind of_clip, edit **out_edit, error *err)
 {
     bool is_layer = call->text[TAKE_LAYER] != NULL;
     if (is_layer && call->text[TAKE_CLIP])
@@ -247,24 +247,24 @@ static mrt_result ask_target(take_call *call, const take *t, take_change *out, e
                     : take_find_clip(call, t, EDIT_UNSAID, &e->clip, err);
 }
 
-static mrt_result ask_mute(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_mute(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = NULL;
-    mrt_result result = ask_target(call, t, out, EDIT_LAYER_MUTE, EDIT_CLIP_MUTE, &e, err);
+    mrt_result result = make_target(call, t, out, EDIT_LAYER_MUTE, EDIT_CLIP_MUTE, &e, err);
     if (result >= 0)
         e->is_muted = call->text[TAKE_OFF] == NULL;
     return result;
 }
 
-static mrt_result ask_gain(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_gain(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = NULL;
-    mrt_result result = ask_target(call, t, out, EDIT_LAYER_GAIN, EDIT_CLIP_GAIN, &e, err);
+    mrt_result result = make_target(call, t, out, EDIT_LAYER_GAIN, EDIT_CLIP_GAIN, &e, err);
     return result < 0 ? result
                       : take_number_of(call, "GAIN", call->word[2], 0.0, 10.0, &e->gain, err);
 }
 
-static mrt_result ask_fade(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_fade(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_CLIP_FADE);
     if (!call->text[TAKE_FADE_IN] && !call->text[TAKE_FADE_OUT])
@@ -282,7 +282,7 @@ static mrt_result ask_fade(take_call *call, const take *t, take_change *out, err
     return result;
 }
 
-static mrt_result ask_cut(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_cut(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_RANGE_CUT);
     mrt_result result = read_in_out(call, t, e, err);
@@ -294,7 +294,7 @@ static mrt_result ask_cut(take_call *call, const take *t, take_change *out, erro
     return result;
 }
 
-static mrt_result ask_insert(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_insert(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_RANGE_INSERT);
     mrt_result result = take_need(call, TAKE_AT, err);
@@ -309,16 +309,16 @@ static mrt_result ask_insert(take_call *call, const take *t, take_change *out, e
     return result;
 }
 
-static mrt_result ask_delete(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_delete(take_call *call, const take *t, take_change *out, error *err)
 {
     bool is_clip = call->text[TAKE_CLIP] != NULL;
     edit *e = take_change_add(out, is_clip ? EDIT_CLIP_REMOVE : EDIT_TAKE_DELETE);
     return is_clip ? take_find_clip(call, t, EDIT_UNSAID, &e->clip, err) : MRT_OK;
 }
 
-/* ---- what is written on it ---- */
+/* ---- name, note, slate, markers and time code ---- */
 
-static mrt_result put_text(take_call *call, char *out, size_t size, const char *text, error *err)
+static mrt_result copy_text(take_call *call, char *out, size_t size, const char *text, error *err)
 {
     if (strlen(text) >= size)
         return take_misused(call, err, "\"%.40s...\" is too long: at most %zu bytes", text,
@@ -327,24 +327,24 @@ static mrt_result put_text(take_call *call, char *out, size_t size, const char *
     return MRT_OK;
 }
 
-static mrt_result ask_slate(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_slate(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_TAKE_SLATE);
     double number = (double)t->number;
     const char *scene = call->text[TAKE_SCENE], *shot = call->text[TAKE_SHOT];
     if (!scene && !shot && !call->text[TAKE_NUMBER])
         return take_misused(call, err, "--scene, --shot or --number is missing");
-    mrt_result result = put_text(call, e->scene, sizeof e->scene, scene ? scene : t->scene, err);
+    mrt_result result = copy_text(call, e->scene, sizeof e->scene, scene ? scene : t->scene, err);
     if (result >= 0)
-        result = put_text(call, e->shot, sizeof e->shot, shot ? shot : t->shot, err);
+        result = copy_text(call, e->shot, sizeof e->shot, shot ? shot : t->shot, err);
     if (result >= 0)
         result = take_number(call, TAKE_NUMBER, 1, 99999, &number, err);
     e->number = (uint32_t)number;
     return result;
 }
 
-/* SHOW TAKE [VALUE]: the edit of the verb's kind with that value, be it words or a number. */
-static mrt_result ask_value(take_call *call, const take *t, take_change *out, error *err)
+/* SHOW TAKE [VALUE]: returns the edit of the verb's kind with that text or number. */
+static mrt_result make_value(take_call *call, const take *t, take_change *out, error *err)
 {
     const char *value = call->word[2];
     double number = 0.0;
@@ -353,9 +353,9 @@ static mrt_result ask_value(take_call *call, const take *t, take_change *out, er
     (void)t;
     switch (e->kind) {
     case EDIT_TAKE_RENAME:
-        return put_text(call, e->name, sizeof e->name, value, err);
+        return copy_text(call, e->name, sizeof e->name, value, err);
     case EDIT_TAKE_NOTE:
-        return put_text(call, e->note, sizeof e->note, value, err);
+        return copy_text(call, e->note, sizeof e->note, value, err);
     case EDIT_TAKE_RATE:
         result = take_number_of(call, "STARS", value, 0, 5, &number, err);
         e->rating = (uint32_t)number;
@@ -366,22 +366,22 @@ static mrt_result ask_value(take_call *call, const take *t, take_change *out, er
         break;
     case EDIT_AUDIO_GAIN:
         return take_number_of(call, "GAIN", value, 0.0, 10.0, &e->gain, err);
-    default: /* without one */
+    default: /* edits without a value */
         break;
     }
     return result;
 }
 
-static mrt_result ask_mark(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_mark(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_MARKER_ADD);
     mrt_result result = take_need(call, TAKE_AT, err);
     if (result >= 0)
         result = take_time(call, TAKE_AT, t, &e->at_ns, err);
-    return result < 0 ? result : put_text(call, e->text, sizeof e->text, call->word[2], err);
+    return result < 0 ? result : copy_text(call, e->text, sizeof e->text, call->word[2], err);
 }
 
-static mrt_result ask_timecode(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_timecode(take_call *call, const take *t, take_change *out, error *err)
 {
     timecode_rate rate;
     if (!call->text[TAKE_FPS] && !call->text[TAKE_START])
@@ -401,7 +401,7 @@ static mrt_result ask_timecode(take_call *call, const take *t, take_change *out,
     return result;
 }
 
-static mrt_result ask_edit(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_edit(take_call *call, const take *t, take_change *out, error *err)
 {
     (void)t;
     edit parsed;
@@ -419,27 +419,27 @@ static const take_verb edit_verbs[] = {
     {"trim", "SHOW TAKE",
      "  --in T       start of the range (0)\n  --out T      end of the range\n"
      "  --clip N     trim this clip, not the take\n" FPS_HELP,
-     "keep a range of a take", "in out clip fps", TAKE_WRITES, .ask = ask_trim,
+     "keep a range of a take", "in out clip fps", TAKE_WRITES, .ask = make_trim,
      .examples = "take trim show.marotte last --in 1 --out 3\n"
                  "take trim show.marotte 2 --in 01:00:00:12 --fps 25\n"},
     {"cut", "SHOW TAKE",
      "  --in T --out T   the range\n  --ripple     close the gap: later clips move up\n" LAYER_HELP
          FPS_HELP,
-     "remove a range from a take", "in out ripple layer fps", TAKE_WRITES, .ask = ask_cut,
+     "remove a range from a take", "in out ripple layer fps", TAKE_WRITES, .ask = make_cut,
      .examples = "take cut show.marotte last --in 1 --out 2\n"
                  "take cut show.marotte last --in 1 --out 2 --ripple\n"},
     {"insert", "SHOW TAKE",
      "  --at T       where the gap begins\n  --length S   its length in seconds\n" FPS_HELP,
-     "insert a gap into a take", "at length fps", TAKE_WRITES, .ask = ask_insert,
+     "insert a gap into a take", "at length fps", TAKE_WRITES, .ask = make_insert,
      .examples = "take insert show.marotte last --at 1 --length 0.5\n"
                  "take insert show.marotte 1 --at 01:00:01:00 --length 2\n"},
     {"split", "SHOW TAKE", "  --at T       where\n" CLIP_HELP FPS_HELP, "split a clip in two",
-     "at clip fps", TAKE_WRITES, .ask = ask_split,
+     "at clip fps", TAKE_WRITES, .ask = make_split,
      .examples = "take split show.marotte 2 --at 1.5\n"
                  "take split show.marotte 2 --at 01:00:01:12 --clip 2\n"},
     {"move", "SHOW TAKE",
      "  --to T       its new start\n  --layer L    move it to this layer\n" CLIP_HELP FPS_HELP,
-     "move a clip", "to layer clip fps", TAKE_WRITES, .ask = ask_move,
+     "move a clip", "to layer clip fps", TAKE_WRITES, .ask = make_move,
      .examples = "take move show.marotte 2 --to 0.5\n"
                  "take move show.marotte last --clip 4 --layer performance --to 5\n"},
     {"retime", "SHOW TAKE",
@@ -448,68 +448,68 @@ static const take_verb edit_verbs[] = {
      "  --points A:S,A:S...   a curve: at A s of the timeline play the clip's second S\n" CLIP_HELP
          FPS_HELP,
      "play a clip faster, slower or along a curve", "speed at points clip fps", TAKE_WRITES,
-     .ask = ask_retime,
+     .ask = make_retime,
      .examples = "take retime show.marotte 2 --speed 0.5\n"
                  "take retime show.marotte 2 --points 0:0,1:0.5,4:4\n"},
     {"smooth", "SHOW TAKE SECONDS", CLIP_HELP, "smooth a clip; 0 ends the smoothing", "clip",
-     TAKE_WRITES, .ask = ask_smooth,
+     TAKE_WRITES, .ask = make_smooth,
      .examples = "take smooth show.marotte 2 0.1\ntake smooth show.marotte 2 0\n"},
     {"mute", "SHOW TAKE", "  --off        unmute\n" CLIP_HELP LAYER_HELP, "mute a clip or a layer",
-     "off clip layer", TAKE_WRITES, .ask = ask_mute,
+     "off clip layer", TAKE_WRITES, .ask = make_mute,
      .examples = "take mute show.marotte last --layer brows\n"
                  "take mute show.marotte last --layer brows --off\n"},
     {"gain", "SHOW TAKE GAIN", CLIP_HELP LAYER_HELP, "scale a clip or a layer, 0 to 10",
-     "clip layer", TAKE_WRITES, .ask = ask_gain,
+     "clip layer", TAKE_WRITES, .ask = make_gain,
      .examples = "take gain show.marotte 2 0.8\n"
                  "take gain show.marotte last 1.5 --layer brows\n"},
     {"fade", "SHOW TAKE", "  --fade-in S, --fade-out S   seconds\n" CLIP_HELP,
-     "fade a clip in or out", "fade-in fade-out clip", TAKE_WRITES, .ask = ask_fade,
+     "fade a clip in or out", "fade-in fade-out clip", TAKE_WRITES, .ask = make_fade,
      .examples = "take fade show.marotte 2 --fade-in 0.3\n"
                  "take fade show.marotte 2 --fade-in 0.3 --fade-out 0.5\n"},
     {"delete", "SHOW TAKE", "  --clip N     delete this clip, not the take\n",
-     "delete a take; take restore brings it back", "clip", TAKE_WRITES, .ask = ask_delete,
+     "delete a take; take restore brings it back", "clip", TAKE_WRITES, .ask = make_delete,
      .examples = "take delete show.marotte last\ntake delete show.marotte 2 --clip 2\n"},
-    {"restore", "SHOW TAKE", "", "restore a deleted take", "", TAKE_WRITES, .ask = ask_value,
+    {"restore", "SHOW TAKE", "", "restore a deleted take", "", TAKE_WRITES, .ask = make_value,
      .kind = EDIT_TAKE_RESTORE,
      .examples = "take restore show.marotte 1\ntake restore show.marotte last\n"},
-    {"rename", "SHOW TAKE NAME", "", "name a take", "", TAKE_WRITES, .ask = ask_value,
+    {"rename", "SHOW TAKE NAME", "", "name a take", "", TAKE_WRITES, .ask = make_value,
      .kind = EDIT_TAKE_RENAME,
      .examples = "take rename show.marotte last best\n"
                  "take rename show.marotte 2 \"the laugh\"\n"},
     {"slate", "SHOW TAKE", "  --scene S, --shot S, --number N   the new values; the others stay\n",
-     "change the slate of a take", "scene shot number", TAKE_WRITES, .ask = ask_slate,
+     "change the slate of a take", "scene shot number", TAKE_WRITES, .ask = make_slate,
      .examples = "take slate show.marotte last --scene 12 --shot a\n"
                  "take slate show.marotte 2 --number 7\n"},
-    {"note", "SHOW TAKE TEXT", "", "write a note on a take", "", TAKE_WRITES, .ask = ask_value,
+    {"note", "SHOW TAKE TEXT", "", "write a note on a take", "", TAKE_WRITES, .ask = make_value,
      .kind = EDIT_TAKE_NOTE,
      .examples = "take note show.marotte last \"good until the sneeze\"\n"
                  "take note show.marotte 2 safety\n"},
-    {"rate", "SHOW TAKE STARS", "", "rate a take, 0 to 5 stars", "", TAKE_WRITES, .ask = ask_value,
+    {"rate", "SHOW TAKE STARS", "", "rate a take, 0 to 5 stars", "", TAKE_WRITES, .ask = make_value,
      .kind = EDIT_TAKE_RATE,
      .examples = "take rate show.marotte last 5\ntake rate show.marotte 2 0\n"},
     {"mark", "SHOW TAKE TEXT", "  --at T       where\n" FPS_HELP, "add a marker to a take",
-     "at fps", TAKE_WRITES, .ask = ask_mark,
+     "at fps", TAKE_WRITES, .ask = make_mark,
      .examples = "take mark show.marotte last blink --at 1.2\n"
                  "take mark show.marotte 2 \"door slams\" --at 01:00:01:00\n"},
     {"timecode", "SHOW TAKE",
      "  --fps RATE   24, 25, 29.97, 30000/1001 ...\n"
      "  --start TC   time code of its first frame: 01:00:00:00, drop-frame 01:00:00;00\n",
-     "set the frame rate and time code of a take", "fps start", TAKE_WRITES, .ask = ask_timecode,
+     "set the frame rate and time code of a take", "fps start", TAKE_WRITES, .ask = make_timecode,
      .examples = "take timecode show.marotte last --fps 25 --start 01:00:00:00\n"
                  "take timecode show.marotte 1 --fps 29.97 --start \"01:00:00;00\"\n"},
     {"edit", "SHOW TAKE JSON",
      "  JSON: an edit as the show stores it: {\"op\":\"clip.trim\",\"clip\":2,\"start_ns\":0}\n",
-     "apply any edit", "", TAKE_WRITES, .ask = ask_edit,
+     "apply any edit", "", TAKE_WRITES, .ask = make_edit,
      .examples = "take edit show.marotte last '{\"op\":\"take.rate\",\"rating\":4}'\n"
                  "take edit show.marotte 2 '{\"op\":\"take.note\",\"note\":\"again\"}'\n"},
 };
 const take_verbs take_edit_verbs = {"Edit", edit_verbs, sizeof edit_verbs / sizeof edit_verbs[0]};
 
-/* ---- layers, and what they take from other takes ---- */
+/* ---- layers, and parts of other takes ---- */
 
 /* ---- one layer: SHOW TAKE LAYER [VALUE] ---- */
 
-static mrt_result put_name(take_call *call, char out[TAKE_NAME], const char *text, error *err)
+static mrt_result copy_name(take_call *call, char out[TAKE_NAME], const char *text, error *err)
 {
     if (strlen(text) >= TAKE_NAME)
         return take_misused(call, err, "a name has at most %d bytes", TAKE_NAME - 1);
@@ -517,12 +517,12 @@ static mrt_result put_name(take_call *call, char out[TAKE_NAME], const char *tex
     return MRT_OK;
 }
 
-static mrt_result ask_layer_add(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_layer_add(take_call *call, const take *t, take_change *out, error *err)
 {
     (void)t;
     edit *e = take_change_add(out, EDIT_LAYER_ADD);
     double position = -1.0;
-    mrt_result result = put_name(call, e->name, call->word[2], err);
+    mrt_result result = copy_name(call, e->name, call->word[2], err);
     if (result >= 0 && call->text[TAKE_OWN])
         result = take_read_own(call, call->text[TAKE_OWN], e, err);
     if (result >= 0)
@@ -532,8 +532,8 @@ static mrt_result ask_layer_add(take_call *call, const take *t, take_change *out
     return result;
 }
 
-/* SHOW TAKE LAYER [VALUE]: the edit of the verb's kind with that value, or with --off. */
-static mrt_result ask_layer(take_call *call, const take *t, take_change *out, error *err)
+/* SHOW TAKE LAYER [VALUE]: returns the edit of the verb's kind with that value, or with --off. */
+static mrt_result make_layer(take_call *call, const take *t, take_change *out, error *err)
 {
     const char *value = call->word[3];
     const bool is_on = call->text[TAKE_OFF] == NULL;
@@ -545,7 +545,7 @@ static mrt_result ask_layer(take_call *call, const take *t, take_change *out, er
         return result;
     switch (e->kind) {
     case EDIT_LAYER_RENAME:
-        return put_name(call, e->name, value, err);
+        return copy_name(call, e->name, value, err);
     case EDIT_LAYER_OWN:
         return strcmp(value, "all") == 0 ? MRT_OK : take_read_own(call, value, e, err);
     case EDIT_LAYER_MUTE:
@@ -567,13 +567,13 @@ static mrt_result ask_layer(take_call *call, const take *t, take_change *out, er
         result = take_number_of(call, "PLACE", value, 0, EDIT_LAYERS_MAX - 1, &number, err);
         e->place = (uint32_t)number;
         break;
-    default: /* EDIT_LAYER_REMOVE: without one */
+    default: /* EDIT_LAYER_REMOVE has no value */
         break;
     }
     return result;
 }
 
-/* ---- what another take shows ---- */
+/* ---- material from another take ---- */
 
 static bool can_speak_of(const take_layer *on, const edit *e)
 {
@@ -590,7 +590,7 @@ static bool can_speak_of(const take_layer *on, const edit *e)
     return is_any;
 }
 
-/* The topmost clip that speaks of what is wanted at that instant. */
+/* Finds the topmost clip at that instant that moves the wanted parts. */
 static const take_clip *find_material(const take *of, const edit *e, int64_t at_ns,
                                       int64_t *out_at_ns)
 {
@@ -606,9 +606,10 @@ static const take_clip *find_material(const take *of, const edit *e, int64_t at_
     return NULL;
 }
 
-/* At its speed there, be it a curve. later_ns: from the clip's time to that of the edit. */
-static mrt_result put_material(edit *e, const take_clip *c, int64_t at_ns, int64_t later_ns,
-                               error *err)
+/* Copies the clip's speed or curve into the edit. later_ns: from the clip's time to that of the
+ * edit. */
+static mrt_result copy_material(edit *e, const take_clip *c, int64_t at_ns, int64_t later_ns,
+                                error *err)
 {
     e->performance = c->performance;
     e->from_ns = c->from_ns;
@@ -638,7 +639,7 @@ static mrt_result read_material(take_call *call, edit *e, error *err)
     result = take_time(call, TAKE_SOURCE, &of, &at_ns, err);
     const take_clip *c = result < 0 ? NULL : find_material(&of, e, at_ns, &clip_at_ns);
     if (c)
-        result = put_material(e, c, clip_at_ns, e->in_ns - clip_at_ns, err);
+        result = copy_material(e, c, clip_at_ns, e->in_ns - clip_at_ns, err);
     else if (result >= 0)
         result = error_set(err, MRT_ERR_ARGUMENT, "take %lld does not move these parts at %.9g s",
                            (long long)of.id, (double)at_ns / 1e9);
@@ -656,7 +657,7 @@ static mrt_result read_span(take_call *call, const take *t, edit *e, error *err)
     return result;
 }
 
-static mrt_result ask_layer_comp(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_layer_comp(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_COMP);
     if ((call->text[TAKE_REGION] == NULL) == (call->text[TAKE_OWN] == NULL))
@@ -669,7 +670,7 @@ static mrt_result ask_layer_comp(take_call *call, const take *t, take_change *ou
     return result < 0 ? result : read_material(call, e, err);
 }
 
-static mrt_result ask_layer_punch(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_layer_punch(take_call *call, const take *t, take_change *out, error *err)
 {
     edit *e = take_change_add(out, EDIT_PUNCH);
     mrt_result result = read_span(call, t, e, err);
@@ -678,9 +679,9 @@ static mrt_result ask_layer_punch(take_call *call, const take *t, take_change *o
     return result < 0 ? result : read_material(call, e, err);
 }
 
-/* ---- back and forth ---- */
+/* ---- undo and redo ---- */
 
-static mrt_result tell_count(take_call *call, const history *of)
+static mrt_result report_count(take_call *call, const history *of)
 {
     facts_number(call->told, "edits_in_force", "edits in force", (double)history_head(of), 0, "");
     facts_number(call->told, "edit_count", "of", (double)history_last(of), 0, "");
@@ -702,9 +703,9 @@ static mrt_result step(take_call *call, history *of, bool is_undo, error *err)
         if (result == MRT_END)
             break;
         if (result >= 0)
-            facts_list(call->told, "edits", is_undo ? "undone" : "done again", words);
+            facts_list(call->told, "edits", is_undo ? "undone" : "redone", words);
     }
-    return result < 0 ? result : tell_count(call, of);
+    return result < 0 ? result : report_count(call, of);
 }
 
 static mrt_result undo(take_call *call, history *of, error *err)
@@ -717,7 +718,7 @@ static mrt_result redo(take_call *call, history *of, error *err)
     return step(call, of, false, err);
 }
 
-static mrt_result tell_history(take_call *call, history *of, error *err)
+static mrt_result report_history(take_call *call, history *of, error *err)
 {
     (void)err;
     for (int64_t n = 1; n <= history_last(of); ++n) {
@@ -726,7 +727,7 @@ static mrt_result tell_history(take_call *call, history *of, error *err)
         (void)snprintf(label, sizeof label, "%lld%s", (long long)n, is_undone ? " (undone)" : "");
         facts_list(call->told, is_undone ? "undone" : "edits", label, history_words(of, n));
     }
-    return tell_count(call, of);
+    return report_count(call, of);
 }
 
 static mrt_result run_undo(take_call *call, error *err)
@@ -741,7 +742,7 @@ static mrt_result run_redo(take_call *call, error *err)
 
 static mrt_result run_history(take_call *call, error *err)
 {
-    return with_history(call, tell_history, err);
+    return with_history(call, report_history, err);
 }
 
 #define OFF_HELP "  --off        switch it off again\n"
@@ -759,56 +760,56 @@ static const take_verb layer_verbs[] = {
     {"layer add", "SHOW TAKE NAME",
      "  --own NAMES  the parts of the face that it moves (all):\n" OWN_HELP
      "  --place N    its place, counted from the bottom, 0 (on top)\n",
-     "add a layer", "own place", TAKE_WRITES, .ask = ask_layer_add,
+     "add a layer", "own place", TAKE_WRITES, .ask = make_layer_add,
      .examples = "take layer add show.marotte last lids\n"
                  "take layer add show.marotte last lips --own mouth,jaw --place 0\n"},
-    {"layer remove", "SHOW TAKE LAYER", "", "remove a layer", "", TAKE_WRITES, .ask = ask_layer,
+    {"layer remove", "SHOW TAKE LAYER", "", "remove a layer", "", TAKE_WRITES, .ask = make_layer,
      .kind = EDIT_LAYER_REMOVE,
      .examples = "take layer remove show.marotte last brows\n"
                  "take layer remove show.marotte last brows --json\n"},
     {"layer rename", "SHOW TAKE LAYER NAME", "", "rename a layer", "", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_RENAME,
+     .ask = make_layer, .kind = EDIT_LAYER_RENAME,
      .examples = "take layer rename show.marotte last brows \"both brows\"\n"
                  "take layer rename show.marotte last 1 hand\n"},
     {"layer own", "SHOW TAKE LAYER NAMES", "  NAMES:       all, or\n" OWN_HELP,
-     "choose the parts of the face that a layer moves", "", TAKE_WRITES, .ask = ask_layer,
+     "choose the parts of the face that a layer moves", "", TAKE_WRITES, .ask = make_layer,
      .kind = EDIT_LAYER_OWN,
      .examples = "take layer own show.marotte last brows brows,lids\n"
                  "take layer own show.marotte last brows \"mouth.*,jaw.open\"\n"
                  "take layer own show.marotte last brows all\n"},
     {"layer mute", "SHOW TAKE LAYER", OFF_HELP, "mute a layer", "off", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_MUTE,
+     .ask = make_layer, .kind = EDIT_LAYER_MUTE,
      .examples = "take layer mute show.marotte last brows\n"
                  "take layer mute show.marotte last brows --off\n"},
     {"layer solo", "SHOW TAKE LAYER", OFF_HELP, "play only layers that are solo", "off",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_SOLO,
+     TAKE_WRITES, .ask = make_layer, .kind = EDIT_LAYER_SOLO,
      .examples = "take layer solo show.marotte last brows\n"
                  "take layer solo show.marotte last brows --off\n"},
     {"layer additive", "SHOW TAKE LAYER", OFF_HELP, "add a layer to the layers below", "off",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_ADDITIVE,
+     TAKE_WRITES, .ask = make_layer, .kind = EDIT_LAYER_ADDITIVE,
      .examples = "take layer additive show.marotte last brows\n"
                  "take layer additive show.marotte last brows --off\n"},
     {"layer gain", "SHOW TAKE LAYER GAIN", "", "scale a layer, 0 to 10", "", TAKE_WRITES,
-     .ask = ask_layer, .kind = EDIT_LAYER_GAIN,
+     .ask = make_layer, .kind = EDIT_LAYER_GAIN,
      .examples = "take layer gain show.marotte last brows 0.5\n"
                  "take layer gain show.marotte last brows 1\n"},
     {"layer offset", "SHOW TAKE LAYER SECONDS", "", "play a layer later, or earlier", "",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_OFFSET,
+     TAKE_WRITES, .ask = make_layer, .kind = EDIT_LAYER_OFFSET,
      .examples = "take layer offset show.marotte last brows 0.08\n"
                  "take layer offset show.marotte last brows 0\n"},
     {"layer order", "SHOW TAKE LAYER PLACE", "", "move a layer; place 0 is the bottom", "",
-     TAKE_WRITES, .ask = ask_layer, .kind = EDIT_LAYER_ORDER,
+     TAKE_WRITES, .ask = make_layer, .kind = EDIT_LAYER_ORDER,
      .examples = "take layer order show.marotte last brows 0\n"
                  "take layer order show.marotte last 1 1\n"},
     {"comp", "SHOW TAKE",
      "  --region R,R or --own NAMES   the parts of the face:\n" OWN_HELP SPAN_HELP,
      "take parts of the face from another take", SPAN_OPTIONS " region own", TAKE_WRITES,
-     .ask = ask_layer_comp,
+     .ask = make_layer_comp,
      .examples = "take comp show.marotte last --from 1 --region mouth --in 1 --out 2\n"
                  "take comp show.marotte last --from 1 --own jaw.open --in 1 --out 2 --fade 0.2\n"},
     {"punch", "SHOW TAKE", "  --layer L    the layer, by its number or name\n" SPAN_HELP,
      "show a span of another take in a layer", SPAN_OPTIONS " layer", TAKE_WRITES,
-     .ask = ask_layer_punch,
+     .ask = make_layer_punch,
      .examples =
          "take punch show.marotte 2 --from 1 --in 1 --out 2\n"
          "take punch show.marotte last --layer brows --from 1 --in 1 --out 2 --source 0.5\n"},
@@ -826,7 +827,7 @@ const take_verbs take_layer_verbs = {"Layers, other takes, undo", layer_verbs,
 
 /* ---- the sound ---- */
 
-static mrt_result ask_sound_attach(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_sound_attach(take_call *call, const take *t, take_change *out, error *err)
 {
     (void)t;
     double offset_s = 0.0, gain = 1.0;
@@ -845,7 +846,7 @@ static mrt_result ask_sound_attach(take_call *call, const take *t, take_change *
     return result;
 }
 
-static mrt_result ask_sound_trim(take_call *call, const take *t, take_change *out, error *err)
+static mrt_result make_sound_trim(take_call *call, const take *t, take_change *out, error *err)
 {
     if (!call->text[TAKE_IN] && !call->text[TAKE_OUT])
         return take_misused(call, err, "--in or --out is missing");
@@ -859,22 +860,22 @@ static const take_verb audio_verbs[] = {
      "  --offset S   its start on the take's timeline, seconds (0)\n"
      "  --gain G     0 to 10 (1)\n"
      "Reads WAV, FLAC, Ogg, AIFF and others. The show stores every sample.\n",
-     "add a sound file to a take", "offset gain", TAKE_WRITES, .ask = ask_sound_attach,
+     "add a sound file to a take", "offset gain", TAKE_WRITES, .ask = make_sound_attach,
      .examples = "take audio attach show.marotte last voice.wav\n"
                  "take audio attach show.marotte last voice.wav --offset 0.25 --gain 0.8\n"},
     {"audio offset", "SHOW TAKE SECONDS", "", "move the sound of a take", "", TAKE_WRITES,
-     .ask = ask_value, .kind = EDIT_AUDIO_OFFSET,
+     .ask = make_value, .kind = EDIT_AUDIO_OFFSET,
      .examples = "take audio offset show.marotte 2 0.5\ntake audio offset show.marotte 2 0\n"},
     {"audio trim", "SHOW TAKE",
      "  --in T, --out T   the audible range, on the take's timeline\n" FPS_HELP,
-     "trim the sound of a take", "in out fps", TAKE_WRITES, .ask = ask_sound_trim,
+     "trim the sound of a take", "in out fps", TAKE_WRITES, .ask = make_sound_trim,
      .examples = "take audio trim show.marotte 2 --in 0.2 --out 0.8\n"
                  "take audio trim show.marotte 2 --out 0.5\n"},
     {"audio gain", "SHOW TAKE GAIN", "", "set the volume of the sound, 0 to 10", "", TAKE_WRITES,
-     .ask = ask_value, .kind = EDIT_AUDIO_GAIN,
+     .ask = make_value, .kind = EDIT_AUDIO_GAIN,
      .examples = "take audio gain show.marotte 2 0.7\ntake audio gain show.marotte 2 1\n"},
     {"audio detach", "SHOW TAKE", "", "remove the sound from a take", "", TAKE_WRITES,
-     .ask = ask_value, .kind = EDIT_AUDIO_DETACH,
+     .ask = make_value, .kind = EDIT_AUDIO_DETACH,
      .examples = "take audio detach show.marotte 2\ntake audio detach show.marotte 2 --json\n"},
 };
 const take_verbs take_audio_verbs = {"Sound", audio_verbs,

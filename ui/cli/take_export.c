@@ -1,4 +1,4 @@
-/* Takes out of the program. */
+/* marotte take export and marotte take log. */
 #include "base/cancel.h"
 #include "base/file.h"
 #include "base/text.h"
@@ -11,9 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- take export: frames at a true frame rate, sound, and the sum of all vertices ---- */
+/* ---- take export: frames at an exact frame rate, and sound ---- */
 
-/* ---- what the videos look like ---- */
+/* ---- the look of videos ---- */
 
 static mrt_result read_look(take_call *call, video_look *out, error *err)
 {
@@ -36,10 +36,10 @@ static mrt_result read_look(take_call *call, video_look *out, error *err)
 
 /* ---- frames ---- */
 
-typedef struct frame_sinks { /* where each frame goes */
+typedef struct frame_sinks { /* destinations of each frame */
     recording measured;
     exports_video *videos;
-    char *sound; /* of the videos; owned */
+    char *sound; /* sound of the videos; owned */
     uint64_t frame_count;
 } frame_sinks;
 
@@ -68,8 +68,8 @@ static void label_first(clip_start *out, const show *from, const take *t, const 
     (void)snprintf(out->timecode, sizeof out->timecode, "%s", text);
 }
 
-static void tell_frames(take_call *call, const take_stage *stage, const clip_start *start,
-                        const take_frames *frames, const recording *measured)
+static void report_frames(take_call *call, const take_stage *stage, const clip_start *start,
+                          const take_frames *frames, const recording *measured)
 {
     facts *told = call->told;
     char rate[32];
@@ -132,20 +132,20 @@ static mrt_result play_frames(take_call *call, take_stage *stage, const take_fra
         return result;
     if (into->measured.clip)
         clip_set_start(into->measured.clip, &start);
-    tell_frames(call, stage, &start, frames, &into->measured);
+    report_frames(call, stage, &start, frames, &into->measured);
     return exports_video_finish(into->videos, call->told, err);
 }
 
-/* What a performance was made from: its mapping and how it was set when it began, its face, its
- * hands. Returns what was written. */
-static size_t tell_performance(char *out, size_t capacity, take_call *call, take_stage *stage,
-                               int64_t id)
+/* Describes a performance: its mapping with the parameters at its beginning, its face, its hands.
+ * Returns the number of bytes written. */
+static size_t describe_performance(char *out, size_t capacity, take_call *call, take_stage *stage,
+                                   int64_t id)
 {
     show_performance of;
     error ignored;
     size_t used = 0;
     if (show_performance_read(call->show, id, &of, &ignored) < 0)
-        return 0; /* damage is told elsewhere */
+        return 0; /* damage is reported elsewhere */
     const take_performance *p = &of.performance;
     const mrt_plugin_type *type = NULL;
     char mapping[128];
@@ -175,8 +175,8 @@ static size_t tell_performance(char *out, size_t capacity, take_call *call, take
     return used < capacity ? used : capacity - 1;
 }
 
-/* What it takes to make a sheet again: the command, and what the take itself was made from. */
-static void tell_making(char *out, size_t capacity, take_call *call, take_stage *stage)
+/* Writes how to repeat the sheet: the command, and the sources of the take. */
+static void describe_making(char *out, size_t capacity, take_call *call, take_stage *stage)
 {
     const take *t = &stage->take;
     int64_t told = 0;
@@ -188,7 +188,7 @@ static void tell_making(char *out, size_t capacity, take_call *call, take_stage 
         for (uint32_t k = 0; k < t->layer[i].clip_count; ++k) {
             int64_t id = t->layer[i].clip[k].performance;
             if (id != told && used + 1 < capacity)
-                used += tell_performance(out + used, capacity - used, call, stage, id);
+                used += describe_performance(out + used, capacity - used, call, stage, id);
             told = id;
         }
 }
@@ -202,7 +202,7 @@ static mrt_result export_frames(take_call *call, take_stage *stage, const take_f
     char title[sizeof slate.text + 8];
     (void)snprintf(title, sizeof title, "take %s", slate.text);
     char making[4096];
-    tell_making(making, sizeof making, call, stage);
+    describe_making(making, sizeof making, call, stage);
     exports_settings settings = {.title = stage->take.name[0] ? stage->take.name : title,
                                  .made_from = making,
                                  .look = &videos->look};
@@ -245,7 +245,7 @@ static mrt_result export_sound(take_call *call, const take *t, const take_frames
     return MRT_OK;
 }
 
-/* --wav: beside the first export, of its name. */
+/* --wav: returns the name of the first export, with .wav. */
 static char *wav_path(const take_call *call)
 {
     if (call->wav)
@@ -265,7 +265,7 @@ static char *wav_path(const take_call *call)
     return out;
 }
 
-/* Of a take that moves nothing there is still its sound. */
+/* A take that moves nothing can still have sound. */
 static mrt_result export_all(take_call *call, take_stage *stage, exports_video *videos,
                              const char *wav, error *err)
 {
@@ -290,7 +290,7 @@ static mrt_result export_all(take_call *call, take_stage *stage, exports_video *
     if (result >= 0 && wav && stage->take.audio.audio == 0)
         result = error_set(err, MRT_ERR_ARGUMENT, "take %lld has no sound to export",
                            (long long)stage->take.id);
-    cancel_on_signals(CANCEL_WAITS, NULL); /* what is half written is taken away, frame by frame */
+    cancel_on_signals(CANCEL_WAITS, NULL); /* then incomplete files are removed */
     if (result >= 0)
         result = export_frames(call, stage, &frames, videos, err);
     if (result >= 0 && wav)
@@ -309,7 +309,7 @@ mrt_result take_export_run(take_call *call, error *err)
     if (is_all != (call->word_count == 1))
         return take_misused(call, err, "give a TAKE, or --all");
     if (call->text[TAKE_JOBS] && !is_all)
-        return take_misused(call, err, "--jobs needs --all. Use --frames for shares of one take");
+        return take_misused(call, err, "--jobs needs --all. Use --frames for parts of one take");
     if (is_all)
         return take_export_all(call, err);
     mrt_result result = read_look(call, &look, err);
@@ -332,13 +332,13 @@ mrt_result take_export_run(take_call *call, error *err)
 
 static const char *const wrist_name[7] = {"x", "y", "z", "qx", "qy", "qz", "qw"};
 
-/* ---- which track, and when ---- */
+/* ---- the track and its span ---- */
 
 typedef struct log_span {
     int64_t track, from_ns, to_ns;
 } log_span;
 
-/* Of all tracks behind the take's clips: what of them is shown. */
+/* Adds the tracks behind a clip to the list, each with the span that is shown. */
 static mrt_result add_performance(take_call *call, const take_clip *c, log_span *list,
                                   uint32_t *count, error *err)
 {
@@ -388,7 +388,7 @@ static mrt_result choose(take_call *call, const take *t, log_span *out, error *e
 
 /* ---- the table ---- */
 
-/* Whether a log may call a column so. */
+/* Returns whether a log can have a column with this name. */
 static bool is_column(const char *name)
 {
     return name[0] != '\0' && strlen(name) < 40 &&
@@ -396,7 +396,7 @@ static bool is_column(const char *name)
            name[0] != ' ' && name[strlen(name) - 1] != ' ';
 }
 
-static void put_column(FILE *stream, const take_channel *c, uint32_t i)
+static void write_column(FILE *stream, const take_channel *c, uint32_t i)
 {
     const char *side = c->hand == MRT_LEFT ? "left" : "right";
     if (c->semantic >= MRT_CH_PEDAL && c->semantic < MRT_CH_PEDAL + MRT_MAX_PEDALS)
@@ -412,14 +412,14 @@ static void put_column(FILE *stream, const take_channel *c, uint32_t i)
         fprintf(stream, ",channel.%u", i + 1);
 }
 
-/* Of an angle, as the input `log` reads them. */
+/* Returns whether the input `log` reads angles in this unit. */
 static bool is_log_unit(const char *unit)
 {
     return strcmp(unit, "count") == 0 || strcmp(unit, MRT_UNIT_LANDMARKS) == 0;
 }
 
-/* What has no meaning but its name has a range instead. */
-static void put_unit(FILE *stream, const take_channel *c)
+/* A channel that is known only by its name has a range instead of a unit. */
+static void write_unit(FILE *stream, const take_channel *c)
 {
     if (c->semantic >= MRT_CH_ANGLE && c->semantic < MRT_CH_ANGLE + MRT_ANGLES)
         fprintf(stream, ",%s", is_log_unit(c->unit) ? c->unit : "rad");
@@ -429,19 +429,19 @@ static void put_unit(FILE *stream, const take_channel *c)
         fputc(',', stream);
 }
 
-static void put_head(FILE *stream, const show_track *of)
+static void write_head(FILE *stream, const show_track *of)
 {
     fputs("# a track of a marotte take, as it was measured\ntime_ns", stream);
     for (uint32_t i = 0; i < of->track.channel_count; ++i)
-        put_column(stream, &of->track.channel[i], i);
+        write_column(stream, &of->track.channel[i], i);
     fputs("\nunit", stream);
     for (uint32_t i = 0; i < of->track.channel_count; ++i)
-        put_unit(stream, &of->track.channel[i]);
+        write_unit(stream, &of->track.channel[i]);
     fputc('\n', stream);
 }
 
-static mrt_result put_samples(FILE *stream, show_reader *reader, const log_span *span,
-                              uint64_t *out_count, error *err)
+static mrt_result write_samples(FILE *stream, show_reader *reader, const log_span *span,
+                                uint64_t *out_count, error *err)
 {
     mrt_sample sample;
     mrt_result result;
@@ -474,8 +474,8 @@ static mrt_result write_table(take_call *call, const log_span *span, const char 
     if (result >= 0)
         result = file_writer_open(&file, path, err);
     if (result >= 0) {
-        put_head(file.stream, &of);
-        result = put_samples(file.stream, reader, span, &count, err);
+        write_head(file.stream, &of);
+        result = write_samples(file.stream, reader, span, &count, err);
         if (result >= 0)
             result = file_writer_commit(&file, err);
         else

@@ -1,7 +1,7 @@
-/* marotte take export --all: every take of a show into files whose names are a pattern. Each take
- * is exported by a process of its own, so that one that fails costs no other, and so many at a time
- * as --jobs says. What is complete and still true is not done again: a list beside the files says
- * what each was made from. */
+/* marotte take export --all: exports every take of a show to files named by a pattern. Each take is
+ * exported in a separate process, so that an error affects only that take; --jobs sets how many run
+ * at a time. Complete and current files are skipped: a list beside the files records the sources of
+ * each. */
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/file.h"
@@ -27,21 +27,22 @@
 enum { JOBS_MAX = 64, FILES_MAX = EXPORTS_MAX + 1, LIST_BYTES_MAX = 64 << 20 };
 static const char list_name[] = "marotte_exports.json";
 
-typedef struct job { /* a take */
+typedef struct job { /* one take */
     char id[24], slate[TAKE_NAME * 2 + 32];
-    char *path[FILES_MAX]; /* as the call has its exports, then --export NAME.wav; owned */
+    char *path[FILES_MAX]; /* paths in the order of call->exports, then that of --export NAME.wav;
+                              owned */
     uint32_t path_count;
-    char made_from[TAKE_HASH]; /* "": not known, so it is always done */
-    pid_t pid;                 /* 0: it does not run */
-    FILE *child_stderr;        /* what it says on stderr */
+    char made_from[TAKE_HASH]; /* hash of the sources; "": unknown, always export */
+    pid_t pid;                 /* 0: not running */
+    FILE *child_stderr;        /* stderr of the process */
 } job;
 
 typedef struct batch {
     take_call *call;
     job *job;
     size_t count;
-    char folder[PATH_MAX]; /* of the list, ends in '/', or "" */
-    json_t *list;          /* of files: what they were made from, size and time */
+    char folder[PATH_MAX]; /* folder of the list, ends with '/', or "" */
+    json_t *list;          /* for each file: hash of its sources, size and time */
     uint32_t jobs, running, done, kept, failed, unread_count;
 } batch;
 
@@ -60,7 +61,7 @@ static mrt_result name_file(char **out, const char *pattern, const take *t, take
     return *out ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory");
 }
 
-/* ---- what is made from what ---- */
+/* ---- hash of the sources ---- */
 
 static void add_text(hash_sum *sum, const char *text)
 {
@@ -81,7 +82,7 @@ static bool add_face(hash_sum *sum, take_call *call, const take_performance *p)
     return true;
 }
 
-/* As usual where nothing is known. */
+/* Returns the default scene if it cannot be read. */
 static scenery scenery_of(show *of)
 {
     scenery out;
@@ -90,7 +91,8 @@ static scenery scenery_of(show *of)
     return out;
 }
 
-/* What a take shows, on which face, and how it is asked for: samples never change. */
+/* Computes the hash of everything that determines the files: the edits, the face and the options.
+ * Samples never change. */
 static void sum_up(char out[TAKE_HASH], take_call *call, const show_take *row, const take *t)
 {
     show_edits edits;
@@ -130,7 +132,7 @@ static void sum_up(char out[TAKE_HASH], take_call *call, const show_take *row, c
         out[0] = '\0';
 }
 
-/* ---- the list of what is complete ---- */
+/* ---- the list of complete files ---- */
 
 static const char *key_of(const batch *self, const char *path)
 {
@@ -138,7 +140,8 @@ static const char *key_of(const batch *self, const char *path)
     return strncmp(path, self->folder, length) == 0 ? path + length : path;
 }
 
-/* Of a folder of pictures its note, which is written last. */
+/* Reads size and time of a file. For a folder of pictures, uses its frames.json, which is written
+ * last. */
 static bool look_at(const char *path, json_int_t *out_bytes, json_int_t *out_time_ns)
 {
     char file[PATH_MAX];
@@ -217,7 +220,7 @@ static mrt_result note_complete(batch *self, const job *of, error *err)
     return write_list(self, err);
 }
 
-/* ---- which takes ---- */
+/* ---- choosing the takes ---- */
 
 static mrt_result check_names(const batch *self, error *err)
 {
@@ -278,9 +281,9 @@ static mrt_result list_takes(batch *self, error *err)
     return result < 0 ? result : check_names(self, err);
 }
 
-/* ---- done, each in a process ---- */
+/* ---- running the processes ---- */
 
-typedef struct words { /* of a command line */
+typedef struct words { /* words of a command line */
     char *word[8 + 2 * (FILES_MAX + TAKE_OPTION_COUNT)];
     char option[TAKE_OPTION_COUNT][32];
     uint32_t count;
@@ -292,7 +295,7 @@ static void add(words *out, const char *word)
     out->word[out->count] = NULL;
 }
 
-/* marotte take export, as this one was called, of one take. */
+/* Builds the command line of marotte take export for one take. */
 static void list_words(words *out, const batch *self, const job *of)
 {
     const take_call *call = self->call;
@@ -333,7 +336,7 @@ static mrt_result start(batch *self, job *of, error *err)
                                .in = -1,
                                .out = -1,
                                .err = of->child_stderr ? fileno(of->child_stderr) : -1,
-                               /* The terminal asks this process, and this one asks once. */
+                               /* Only this process receives Ctrl-C, and forwards it once. */
                                .signals = PROGRAM_OWN_GROUP};
     const int failed = of->child_stderr ? program_spawn(&of->pid, &how) : errno;
     if (failed) {
@@ -368,7 +371,8 @@ static mrt_result finish(batch *self, job *of, int status, error *err)
     return is_done ? note_complete(self, of, err) : MRT_OK;
 }
 
-/* Those that have ended; they are asked to end once, when the person asks. */
+/* Collects the processes that have ended. After the user's request to stop, ends the others
+ * once. */
 static mrt_result look_after(batch *self, bool *is_asked, error *err)
 {
     mrt_result result = MRT_OK;
@@ -416,7 +420,7 @@ static mrt_result run_jobs(batch *self, error *err)
     return result;
 }
 
-static mrt_result tell(batch *self, error *err)
+static mrt_result report(batch *self, error *err)
 {
     facts *told = self->call->told;
     facts_number(told, "exported", "takes exported", self->done, 0, "");
@@ -453,12 +457,12 @@ mrt_result take_export_all(take_call *call, error *err)
         result = read_list(&self, err);
     if (result >= 0)
         result = list_takes(&self, err);
-    show_close(call->show); /* each process opens it */
+    show_close(call->show); /* each process opens the show itself */
     call->show = NULL;
     if (result >= 0)
         result = run_jobs(&self, err);
     if (result >= 0)
-        result = tell(&self, err);
+        result = report(&self, err);
     for (size_t i = 0; i < self.count; ++i)
         for (uint32_t k = 0; k < self.job[i].path_count; ++k)
             free(self.job[i].path[k]);

@@ -1,4 +1,4 @@
-/* New takes made of one that is there. */
+/* Subcommands that make new takes from an existing one. */
 #include "base/cancel.h"
 #include "base/clock.h"
 #include "base/text.h"
@@ -16,9 +16,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- take record: somebody performs over a take that plays ---- */
+/* ---- take record: perform over a take that plays ---- */
 
-typedef struct performing { /* made in this order, destroyed in reverse */
+typedef struct performing { /* created in this order, destroyed in reverse */
     take_call *call;
     log_queue *log;
     plugin_list plugins;
@@ -32,16 +32,16 @@ typedef struct performing { /* made in this order, destroyed in reverse */
     plugin_spec map;
     perform_mapping mapping;
     patch patch; /* of --patch */
-    edit own;    /* what the new layer moves */
+    edit own;    /* parts of the face that the new layer moves */
     overdub *overdub;
-    sound *sound; /* of the take, heard while it is performed over; NULL: none */
+    sound *sound; /* sound of the take, played during the performance; NULL: none */
     player_report report;
-    bool is_waiting_told; /* that the disk does not take it now */
+    bool is_waiting_told; /* reported that the disk is not writable now */
 } performing;
 
-/* ---- who performs ---- */
+/* ---- inputs and mapping ---- */
 
-/* --map, as it was given. */
+/* Opens the mapping of --map. */
 static mrt_result open_mapping(take_call *call, plugin_spec *spec, perform_mapping *out,
                                const perform_mapping_settings *with, error *err)
 {
@@ -73,7 +73,7 @@ static mrt_result choose_hands(performing *self, error *err)
     return result;
 }
 
-/* ---- what is made of it ---- */
+/* ---- settings of the overdub ---- */
 
 static mrt_result read_count(take_call *call, take_option option, double most, uint32_t *out,
                              error *err)
@@ -210,9 +210,9 @@ static mrt_result finish(performing *self, mrt_result so_far, error *err)
     return result;
 }
 
-/* ---- while it goes on ---- */
+/* ---- during the performance ---- */
 
-/* A sound that cannot be heard stops nothing. */
+/* If the sound cannot be played, the performance continues without it. */
 static void start_sound(performing *self)
 {
     error err = {""};
@@ -221,7 +221,7 @@ static void start_sound(performing *self)
     if (self->inputs.clock == CLOCK_VIRTUAL || audio->audio == 0)
         return;
     if (sound_create(&self->sound, &settings, &err) < 0 || sound_load(self->sound, audio, &err) < 0)
-        fprintf(stderr, "warning: %s; it is performed in silence\n", err.text);
+        fprintf(stderr, "warning: %s; the take plays without sound\n", err.text);
 }
 
 static void move_sound(performing *self)
@@ -236,7 +236,7 @@ static void move_sound(performing *self)
     sound_move(self->sound, &motion);
 }
 
-/* Offline a mapping that has failed ends it; on a stage the face is held. */
+/* Offline, a failed mapping ends the performance. On stage the face is held. */
 static mrt_result check_mappings(const performing *self, error *err)
 {
     mrt_result result = perform_mapping_check(&self->mapping, err);
@@ -305,11 +305,11 @@ static void tell(performing *self, const overdub_made *made)
     facts_number(told, "in_s", "from", (double)made->from_ns / 1e9, 3, "s");
     facts_number(told, "out_s", "to", (double)made->to_ns / 1e9, 3, "s");
     snprintf(text, sizeof text, "%lld", (long long)made->raw_take);
-    facts_text(told, "raw_take", "by itself", text);
-    facts_number(told, "edits", "edits", made->edit_count, 0, "(undo --steps: all of it)");
+    facts_text(told, "raw_take", "own take", text);
+    facts_number(told, "edits", "edits", made->edit_count, 0, "(undo all: take undo --steps)");
 }
 
-/* However it ended: what was performed until then becomes a part of the take. */
+/* Adds the performance so far to the take, however it ended. */
 static mrt_result keep(performing *self, mrt_result performed, error *err)
 {
     overdub_made made;
@@ -323,7 +323,7 @@ static mrt_result keep(performing *self, mrt_result performed, error *err)
     if (result < 0)
         return error_set(err, result, "%s", later.text);
     return self->report.input_failed
-               ? error_set(err, MRT_ERR_IO, "an input failed; what came before is kept")
+               ? error_set(err, MRT_ERR_IO, "an input failed; everything before that is kept")
                : MRT_OK;
 }
 
@@ -336,36 +336,36 @@ mrt_result take_record_run(take_call *call, error *err)
     return finish(&self, result, err);
 }
 
-/* ---- take remap: the tracks of a take through another mapping, calibration, filter, or onto
- * another face ---- */
+/* ---- take remap: performs the tracks of a take again with another mapping, calibration, filter or
+ * face ---- */
 
 enum { PERFORMANCES_MAX = 256 };
 
 typedef struct remap {
     take_call *call;
     take old;
-    show_take made; /* how the old one was made */
+    show_take made; /* row of the old take */
     log_queue *log;
     plugin_list plugins;
     plugin_spec map;         /* of --map */
-    perform_mapping mapping; /* of it; in a process of its own, or not */
+    perform_mapping mapping; /* in this process or in a separate one */
     face_file face;          /* of --face */
     char *calibration[2];
     char *patch;           /* of --patch; NULL: none */
-    double hand_length_mm; /* 0: as it was */
-    take_again filter;     /* the filter's part of it */
+    double hand_length_mm; /* 0: unchanged */
+    take_again filter;     /* settings of the filter */
     int64_t then[PERFORMANCES_MAX], now[PERFORMANCES_MAX];
     uint32_t count;
     show_edits edits;
-    char **json; /* of the new take: the old one's, then others */
+    char **json; /* edits of the new take: those of the old one, then others */
     size_t json_count;
     show_span *span;
     size_t span_count;
 } remap;
 
-/* ---- what is to be different ---- */
+/* ---- the changed settings ---- */
 
-/* "min_cutoff=1,beta=0.02" */
+/* Reads "min_cutoff=1,beta=0.02". */
 static mrt_result read_filter(remap *self, error *err)
 {
     const char *text = self->call->text[TAKE_FILTER];
@@ -472,7 +472,7 @@ static mrt_result describe(remap *self, take_performance *p, error *err)
     return result;
 }
 
-static mrt_result perform_anew(remap *self, int64_t performance, error *err)
+static mrt_result perform_again(remap *self, int64_t performance, error *err)
 {
     show_performance of;
     for (uint32_t i = 0; i < self->count; ++i)
@@ -495,9 +495,10 @@ static mrt_result perform_anew(remap *self, int64_t performance, error *err)
     return result;
 }
 
-/* ---- the take ---- */
+/* ---- the new take ---- */
 
-/* The old one's edits say what its clips are; the new one's slate and place are its own. */
+/* The edits of the old take define its clips, so they are copied. Slate, deletion and restoring are
+ * not: the new take has its own. */
 static bool is_copied(const char *json)
 {
     edit e;
@@ -513,7 +514,7 @@ static bool is_copied(const char *json)
 static mrt_result perform_clip(remap *self, const take_clip *c, error *err)
 {
     edit e;
-    mrt_result result = perform_anew(self, c->performance, err);
+    mrt_result result = perform_again(self, c->performance, err);
     if (result < 0)
         return result;
     edit_init(&e, EDIT_CLIP_PERFORM);
@@ -607,7 +608,7 @@ static void finish_remap(remap *self)
     take_finish(&self->old);
 }
 
-static mrt_result tell_remap(remap *self, int64_t id, error *err)
+static mrt_result report_remap(remap *self, int64_t id, error *err)
 {
     take now;
     char a[24], b[24];
@@ -618,11 +619,11 @@ static mrt_result tell_remap(remap *self, int64_t id, error *err)
     facts_text(call->told, "take", "take", take_slate_text(now.scene, now.shot, now.number).text);
     facts_number(call->told, "take_id", "take id", (double)id, 0, "");
     facts_text(call->told, "origin", "origin", now.origin);
-    facts_number(call->told, "performances", "performed anew", self->count, 0, "");
+    facts_number(call->told, "performances", "performed again", self->count, 0, "");
     take_finish(&now);
     (void)snprintf(a, sizeof a, "%lld", (long long)self->old.id);
     (void)snprintf(b, sizeof b, "%lld", (long long)id);
-    call->text[TAKE_FACE] = NULL; /* each on its own */
+    call->text[TAKE_FACE] = NULL; /* each take on its own face */
     error why = {""};
     if (take_diff_tell(call, a, b, &why) < 0)
         fprintf(stderr, "note: the two takes are not compared: %s\n", why.text);
@@ -648,7 +649,7 @@ mrt_result take_remap_run(take_call *call, error *err)
     if (result >= 0)
         result = make_take(self, &id, err);
     if (result >= 0)
-        result = tell_remap(self, id, err);
+        result = report_remap(self, id, err);
     finish_remap(self);
     free(self);
     return result;

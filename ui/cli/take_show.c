@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- take show: what a take is made of ---- */
+/* ---- take show: contents of a take ---- */
 
 static double seconds(int64_t time_ns)
 {
@@ -29,7 +29,7 @@ static void join_own(char *out, size_t capacity, const take_layer *l)
         used += (size_t)snprintf(out + used, capacity - used, "%s%s", i ? "," : "", l->own[i]);
 }
 
-static void tell_clip(take_call *call, const take_layer *l, const take_clip *c)
+static void report_clip(take_call *call, const take_layer *l, const take_clip *c)
 {
     char label[24], line[256];
     (void)snprintf(label, sizeof label, "  clip %u", c->id);
@@ -52,7 +52,7 @@ static void tell_clip(take_call *call, const take_layer *l, const take_clip *c)
     facts_row(call->told, "clips", label, line, cells, sizeof cells / sizeof cells[0]);
 }
 
-static void tell_layer(take_call *call, const take_layer *l)
+static void report_layer(take_call *call, const take_layer *l)
 {
     char label[24], line[512], own[256];
     join_own(own, sizeof own, l);
@@ -70,12 +70,12 @@ static void tell_layer(take_call *call, const take_layer *l)
                                 {"additive", NULL, l->is_additive, -1}};
     facts_row(call->told, "layers", label, line, cells, sizeof cells / sizeof cells[0]);
     for (uint32_t i = 0; i < l->clip_count; ++i)
-        tell_clip(call, l, &l->clip[i]);
+        report_clip(call, l, &l->clip[i]);
 }
 
 /* ---- performances and tracks ---- */
 
-static mrt_result tell_track(take_call *call, int64_t id, error *err)
+static mrt_result report_track(take_call *call, int64_t id, error *err)
 {
     show_track of;
     char label[24], line[512];
@@ -97,7 +97,7 @@ static mrt_result tell_track(take_call *call, int64_t id, error *err)
     return MRT_OK;
 }
 
-static mrt_result tell_performance(take_call *call, int64_t id, error *err)
+static mrt_result report_performance(take_call *call, int64_t id, error *err)
 {
     show_performance of;
     char label[32], line[512], again[64] = "";
@@ -106,7 +106,7 @@ static mrt_result tell_performance(take_call *call, int64_t id, error *err)
         return result;
     const take_performance *p = &of.performance;
     if (p->again.of)
-        (void)snprintf(again, sizeof again, ", %lld anew", (long long)p->again.of);
+        (void)snprintf(again, sizeof again, ", repeats %lld", (long long)p->again.of);
     int id_length = (int)strcspn(p->mapping, " ");
     (void)snprintf(label, sizeof label, "performance %lld", (long long)id);
     (void)snprintf(line, sizeof line, "%.*s on %.300s%s", id_length, p->mapping, p->rig, again);
@@ -118,12 +118,12 @@ static mrt_result tell_performance(take_call *call, int64_t id, error *err)
                                 {"again_of", NULL, (double)p->again.of, 0}};
     facts_row(call->told, "performances", label, line, cells, sizeof cells / sizeof cells[0]);
     for (uint32_t i = 0; i < p->track_count && result >= 0; ++i)
-        result = tell_track(call, p->track[i], err);
+        result = report_track(call, p->track[i], err);
     show_performance_finish(&of);
     return result;
 }
 
-static mrt_result tell_performances(take_call *call, const take *t, error *err)
+static mrt_result report_performances(take_call *call, const take *t, error *err)
 {
     int64_t told[64];
     uint32_t count = 0;
@@ -136,7 +136,7 @@ static mrt_result tell_performances(take_call *call, const take *t, error *err)
             if (at < count || count == 64)
                 continue;
             told[count++] = id;
-            mrt_result result = tell_performance(call, id, err);
+            mrt_result result = report_performance(call, id, err);
             if (result < 0)
                 return result;
         }
@@ -145,7 +145,7 @@ static mrt_result tell_performances(take_call *call, const take *t, error *err)
 
 /* ---- edits, events ---- */
 
-static mrt_result tell_edits(take_call *call, int64_t id, error *err)
+static mrt_result report_edits(take_call *call, int64_t id, error *err)
 {
     edit_store *store;
     history *of;
@@ -177,7 +177,7 @@ static const char *kind_of(const take_event *e)
     return kinds[e->kind <= TAKE_EVENT_MARK ? e->kind : 0];
 }
 
-static mrt_result tell_events(take_call *call, const take *t, error *err)
+static mrt_result report_events(take_call *call, const take *t, error *err)
 {
     take_event *event;
     size_t count;
@@ -202,7 +202,7 @@ static mrt_result tell_events(take_call *call, const take *t, error *err)
 
 /* ---- the take itself ---- */
 
-static void tell_take(take_call *call, const take *t)
+static void report_take(take_call *call, const take *t)
 {
     facts *told = call->told;
     facts_number(told, "take_id", "take id", (double)t->id, 0, "");
@@ -225,12 +225,14 @@ static void tell_take(take_call *call, const take *t)
         facts_number(told, "audio", "sound", (double)t->audio.audio, 0, "");
         facts_number(told, "audio_offset_s", "  starts at", seconds(t->audio.offset_ns), 3, "s");
         if (t->audio.in_ns)
-            facts_number(told, "audio_in_s", "  heard from", seconds(t->audio.in_ns), 3, "s of it");
+            facts_number(told, "audio_in_s", "  plays from", seconds(t->audio.in_ns), 3,
+                         "s of the sound");
         if (t->audio.out_ns)
-            facts_number(told, "audio_out_s", "  heard to", seconds(t->audio.out_ns), 3, "s of it");
+            facts_number(told, "audio_out_s", "  plays to", seconds(t->audio.out_ns), 3,
+                         "s of the sound");
     }
     for (uint32_t i = 0; i < t->layer_count; ++i)
-        tell_layer(call, &t->layer[i]);
+        report_layer(call, &t->layer[i]);
     for (uint32_t i = 0; i < t->marker_count; ++i) {
         char line[160];
         (void)snprintf(line, sizeof line, "%.3f s: %s", seconds(t->marker[i].at_ns),
@@ -258,7 +260,7 @@ static mrt_result add_frame(void *data, take_stage *from, error *err)
     return MRT_OK;
 }
 
-static mrt_result tell_hash(take_call *call, error *err)
+static mrt_result report_hash(take_call *call, error *err)
 {
     take_stage stage;
     take_frames frames;
@@ -290,23 +292,22 @@ static mrt_result run_show(take_call *call, error *err)
     mrt_result result = take_read(call, call->word[1], &t, err);
     if (result < 0)
         return result;
-    tell_take(call, &t);
-    result = tell_performances(call, &t, err);
+    report_take(call, &t);
+    result = report_performances(call, &t, err);
     error problem = {""};
-    if (result >= 0 && tell_edits(call, t.id, &problem) < 0)
+    if (result >= 0 && report_edits(call, t.id, &problem) < 0)
         facts_list(call->told, "problems", "problem", problem.text);
     if (result >= 0)
-        result = tell_events(call, &t, err);
+        result = report_events(call, &t, err);
     take_finish(&t);
-    return result < 0 || !call->text[TAKE_HASH_OPTION] ? result : tell_hash(call, err);
+    return result < 0 || !call->text[TAKE_HASH_OPTION] ? result : report_hash(call, err);
 }
 
-/* ---- a show as a whole: what is in it, what is made of what was not recorded on purpose, what can
- * be saved of a damaged one ---- */
+/* ---- the show: list, keep the newest seconds, pack, recover, check ---- */
 
 /* ---- list ---- */
 
-static void tell_row(take_call *call, const show_take *made, const take *t, const char *problem)
+static void report_row(take_call *call, const show_take *made, const take *t, const char *problem)
 {
     char label[24], line[512], stars[8] = "";
     for (uint32_t i = 0; i < t->rating && i < 5; ++i)
@@ -346,7 +347,7 @@ static mrt_result run_list(take_call *call, error *err)
         error problem = {""};
         if (edit_store_take_of(&t, call->show, &takes[i], &problem) < 0 && !problem.text[0])
             (void)error_set(&problem, MRT_ERR_FORMAT, "damaged");
-        tell_row(call, &takes[i], &t, problem.text);
+        report_row(call, &takes[i], &t, problem.text);
         take_finish(&t);
     }
     show_look_end(call->show);
@@ -363,7 +364,7 @@ typedef struct keep {
     size_t count;
 } keep;
 
-/* What was performed live in that time; the first pass finds where it ends. */
+/* Visits the live performances. The first pass finds their end, the second stores the spans. */
 static mrt_result visit(take_call *call, const int64_t *ids, size_t count, keep *out, error *err)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -388,8 +389,8 @@ static mrt_result visit(take_call *call, const int64_t *ids, size_t count, keep 
     return MRT_OK;
 }
 
-/* One performance goes on at a time, but recordings that are performed faster than life lie over
- * each other: the newer one is kept, and of the older what came before it. */
+/* Live performances do not overlap, but recordings performed faster than real time can. Then the
+ * newer one is kept, and the part of the older one before it. */
 static void keep_one_at_a_time(keep *out)
 {
     size_t left = out->count;
@@ -460,7 +461,7 @@ static mrt_result run_keep(take_call *call, error *err)
 
 /* ---- pack ---- */
 
-/* For each performance, whatever becomes of the others; the last failure. */
+/* Calls `each` for all performances, also after a failure. Returns the last failure. */
 static mrt_result
 for_performances(show *s, mrt_result (*each)(void *data, const take_performance *p, error *err),
                  void *data, error *err)
@@ -485,7 +486,7 @@ for_performances(show *s, mrt_result (*each)(void *data, const take_performance 
 
 typedef struct packing {
     take_call *call;
-    const char *copied_to; /* the show that gets what `call` has packed; NULL: packed anew */
+    const char *copied_to; /* show that gets the packed faces; NULL: pack again */
     uint32_t packed_count, there_count, failed_count;
 } packing;
 
@@ -523,8 +524,7 @@ static mrt_result run_pack(take_call *call, error *err)
 
 /* ---- recover ---- */
 
-/* The faces that travelled with a damaged show go with what was saved of it; what is missing of
- * them is said. */
+/* Copies the packed faces of a damaged show to the recovered one. Reports missing faces. */
 static mrt_result recover_pack(take_call *call, error *err)
 {
     packing self = {.call = call, .copied_to = call->text[TAKE_OUT]};
@@ -554,7 +554,7 @@ static mrt_result run_recover(take_call *call, error *err)
     return recover_pack(call, err);
 }
 
-/* ---- take check: everything is read once ---- */
+/* ---- take check: reads everything once ---- */
 
 enum { TOLD_MAX = 100, PIECE_BYTES = 1 << 16 };
 
@@ -562,7 +562,7 @@ typedef struct checking {
     take_call *call;
     uint32_t problem_count;
     uint64_t sample_count;
-    char rig[TAKE_HASH], mesh[TAKE_HASH]; /* of the packed face that was looked at last */
+    char rig[TAKE_HASH], mesh[TAKE_HASH]; /* hashes of the packed face checked last */
     uint32_t packed_count;
 } checking;
 
@@ -675,7 +675,7 @@ static mrt_result check_sound(checking *self, int64_t id, error *err)
     return MRT_OK;
 }
 
-/* One after the other, and tells how many there are. */
+/* Checks each item of a list, and reports their number. */
 static mrt_result
 check_all(checking *self, mrt_result (*list)(show *s, int64_t **out, size_t *out_count, error *err),
           mrt_result (*check)(checking *self, int64_t id, error *err), const char *name, error *err)
@@ -696,7 +696,7 @@ check_all(checking *self, mrt_result (*list)(show *s, int64_t **out, size_t *out
     return result;
 }
 
-/* Once for each face that many performances in a row have. */
+/* Checks each face once, also if many performances in a row have it. */
 static mrt_result check_packed(void *data, const take_performance *p, error *err)
 {
     checking *self = data;
@@ -712,7 +712,7 @@ static mrt_result check_packed(void *data, const take_performance *p, error *err
     return MRT_OK;
 }
 
-/* A performance that cannot be read was told by others. */
+/* Checks the packed faces. A performance that cannot be read was already reported. */
 static void check_pack(checking *self)
 {
     error ignored;
@@ -754,7 +754,7 @@ static mrt_result run_check(take_call *call, error *err)
                      call->word[0], self.problem_count, quoted[0] ? quoted : "SHOW");
 }
 
-/* ---- the verbs ---- */
+/* ---- table of subcommands ---- */
 
 static const take_verb file_verbs[] = {
     {"list", "SHOW", "", "list the takes of a show", "", TAKE_READS, .run = run_list,
@@ -781,7 +781,7 @@ static const take_verb file_verbs[] = {
      "Sounds, calibrations and mapping settings are in the show already.\n",
      "copy the faces of a show into a folder beside it", "", TAKE_READS, .run = run_pack,
      .examples = "take pack show.marotte\ntake pack show.marotte --json\n"},
-    {"recover", "SHOW", "  --out NEW      the new show; it must not exist. SHOW stays as it is\n",
+    {"recover", "SHOW", "  --out NEW      the new show; it must not exist. SHOW is not changed\n",
      "copy all readable parts of a damaged show", "out", TAKE_OPENS_ITSELF, .run = run_recover,
      .examples = "take recover show.marotte --out out/recovered.marotte\n"
                  "take recover show.marotte --out rescued.marotte --json\n"},

@@ -18,7 +18,7 @@
 
 enum { RIG_BYTES_MAX = 16 << 20 };
 
-/* ---- the face that it was performed on ---- */
+/* ---- the face of a performance ---- */
 
 static mrt_result hash_rig(char out[TAKE_HASH], const char *path, error *err)
 {
@@ -42,8 +42,8 @@ static json_t *pose_named(json_t *poses, const char *name)
     return NULL;
 }
 
-/* A rig that has more poses than then performs what it did; one with other poses too, where no
- * patch moved the face by them. */
+/* Returns whether the current rig performs like the recorded one. Additional poses do not matter.
+ * Changed poses matter only if a patch moved the face by them. */
 static bool performs_as_then(const char *then, const char *path, bool has_patch)
 {
     json_error_t ignored;
@@ -65,7 +65,7 @@ static bool performs_as_then(const char *then, const char *path, bool has_patch)
     return is_same;
 }
 
-/* What of the performance's hashes does not fit the file. */
+/* Compares the hashes of the performance with the files. out_change: the file that differs. */
 static mrt_result compare(const char *path, const take_performance *p, const rig *r,
                           error *out_change, error *err)
 {
@@ -96,7 +96,7 @@ static int64_t first_performance(const take *t)
     return 0;
 }
 
-/* The unit that was said then is that mesh's, not another one's. */
+/* The recorded unit is only valid for the same mesh. */
 static mesh_frame frame_for(const char *path, const take_performance *p, const char *other)
 {
     char now[TAKE_HASH];
@@ -126,9 +126,8 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
         path = packed;
     if (!other && result == MRT_END && access(path, F_OK) != 0)
         result = error_set(err, MRT_ERR_IO,
-                           "the face that take %lld was performed on is not there any more: %s; "
-                           "--face FILE says where it is now, or which one to take; marotte take "
-                           "pack, where it still is, lets a show travel with it",
+                           "cannot find the face of take %lld: %s. Use --face FILE. To move a "
+                           "show with its faces, use marotte take pack",
                            (long long)t->id, path);
     const mesh_frame frame = frame_for(path, &of.performance, other);
     if (result >= 0)
@@ -145,7 +144,7 @@ mrt_result take_face_read(face_file *out, char **out_path, take_call *call, cons
     return result;
 }
 
-/* ---- opened and closed ---- */
+/* ---- opening and closing ---- */
 
 mrt_result take_stage_open(take_stage *out, take_call *call, const char *text, const char *other,
                            error *err)
@@ -195,7 +194,8 @@ static int64_t first_frame_from(timecode_rate rate, int64_t time_ns)
     return timecode_time_ns(rate, frame) < time_ns ? frame + 1 : frame;
 }
 
-/* A show of a few rows may say that a take lasts for days, and an export would fill the disk. */
+/* Limits the length of a take: a damaged show of a few rows may claim that a take lasts for days,
+ * and its export would fill the disk. */
 static mrt_result check_length(const take_call *call, const take *t, error *err)
 {
     const double allowed_s =
@@ -209,7 +209,7 @@ static mrt_result check_length(const take_call *call, const take *t, error *err)
         (long long)t->id, length_s, (unsigned long long)show_file_size(call->show));
 }
 
-/* --frames A-B */
+/* Reads --frames A-B. */
 static mrt_result take_share(take_frames *out, take_call *call, error *err)
 {
     const char *text = call->text[TAKE_FRAMES], *dash = text ? strchr(text, '-') : NULL;
@@ -228,7 +228,7 @@ static mrt_result take_share(take_frames *out, take_call *call, error *err)
     return MRT_OK;
 }
 
-/* --in and --out; all of it without. */
+/* Reads --in and --out; without them, the whole take. */
 static mrt_result read_range(take_call *call, const take *t, int64_t *in_ns, int64_t *out_ns,
                              error *err)
 {
@@ -297,20 +297,20 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
     return result;
 }
 
-/* ---- take play: into outputs, in its own time ---- */
+/* ---- take play: sends a take to outputs in real time ---- */
 
-static const int64_t ahead_ns = 200 * NS_PER_MS;     /* before its first instant is due */
-static const int64_t slice_ns = 100 * NS_PER_MS;     /* after which a signal is answered */
-static const int64_t least_apart_ns = 4 * NS_PER_MS; /* of the take: two that are shown */
-/* Later than this it is left out, unless for so long none was shown. */
+static const int64_t ahead_ns = 200 * NS_PER_MS;     /* time before the first instant is due */
+static const int64_t slice_ns = 100 * NS_PER_MS;     /* maximum delay of the reaction to a signal */
+static const int64_t least_apart_ns = 4 * NS_PER_MS; /* minimum interval of shown instants */
+/* An instant that is later than late_ns is skipped, unless no face was shown for pause_ns. */
 static const int64_t late_ns = 10 * NS_PER_MS, pause_ns = 50 * NS_PER_MS;
 
 typedef struct playing {
     take_call *call;
     take_stage stage;
     perform_outputs outputs;
-    int64_t in_ns, out_ns, begun_ns; /* begun: of the host's clock, when in_ns is due */
-    int64_t shown_at_ns;             /* of the take */
+    int64_t in_ns, out_ns, begun_ns; /* begun_ns: host clock, when in_ns is due */
+    int64_t shown_at_ns;             /* take time of the last shown instant */
 } playing;
 
 static mrt_result open_outputs(playing *self, error *err)
@@ -322,7 +322,8 @@ static mrt_result open_outputs(playing *self, error *err)
                                 performer_composer(p), &self->stage.face, err);
 }
 
-/* A machine that is too slow for all of them leaves instants out; the others keep their time. */
+/* Returns whether to show this instant. A slow machine skips instants; the others keep their
+ * times. */
 static bool is_wanted(const playing *self, int64_t at_ns)
 {
     int64_t late_by_ns = clock_now_ns() - (self->begun_ns + (at_ns - self->in_ns));
@@ -330,7 +331,7 @@ static bool is_wanted(const playing *self, int64_t at_ns)
            (late_by_ns < late_ns || at_ns - self->shown_at_ns >= pause_ns);
 }
 
-/* The instant that the sequencer stands at is shown when it is due: it is found before that. */
+/* Shows the current instant of the sequencer when it is due. It is computed before that. */
 static void show_when_due(playing *self, int64_t at_ns)
 {
     performer *p = sequencer_performer(self->stage.sequencer);
@@ -361,7 +362,7 @@ static mrt_result play(playing *self, error *err)
         if (result >= 0 && sequencer_check(s, err) < 0)
             result = MRT_ERR_FORMAT;
     }
-    /* The receivers keep the last face. */
+    /* Show the last face, because the receivers keep it. */
     if (result == MRT_END && !cancel_is_asked() && sequencer_now_ns(s) > self->shown_at_ns)
         show_when_due(self, sequencer_now_ns(s));
     return result;

@@ -12,7 +12,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-/* ---- lines of a command's own ---- */
+/* ---- printed lines ---- */
 
 void terminal_print(const char *format, ...)
 {
@@ -47,7 +47,7 @@ void terminal_print_quoted(const char *word)
     free(quoted);
 }
 
-/* ---- news ---- */
+/* ---- log messages ---- */
 
 void news_print_record(const log_record *record)
 {
@@ -65,7 +65,7 @@ void news_print_notes(const char *lines)
     }
 }
 
-/* Every layer of a take says the same of its mapping. */
+/* Each layer of a take reports the same messages of its mapping. */
 static bool is_repeated(const log_record *record, const log_record *last)
 {
     return record->level == last->level && strcmp(record->source, last->source) == 0 &&
@@ -156,7 +156,7 @@ bool progress_part(void *shown, double done)
 
 /* ---- keys ---- */
 
-static struct termios before; /* of the terminal, to be put back */
+static struct termios before; /* settings of the terminal, restored at the end */
 static bool is_changed, is_registered;
 
 void keys_end(void)
@@ -170,7 +170,7 @@ bool keys_begin(void)
 {
     if (is_changed)
         return true;
-    /* Changing the terminal from the background would stop the process. */
+    /* Changing the terminal from a background process would stop this process. */
     if (isatty(STDIN_FILENO) != 1 || tcgetpgrp(STDIN_FILENO) != getpgrp() ||
         tcgetattr(STDIN_FILENO, &before) != 0)
         return false;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is drawn lies over the face, in the target's pixels. */
+/* Begins drawing over the face, in pixels of the target. */
 static void begin_over(gl_state *before, draw_target *target, GLuint program, GLint target_size)
 {
     gl_state_enter(before);
@@ -28,9 +28,9 @@ static void begin_over(gl_state *before, draw_target *target, GLuint program, GL
 
 enum {
     ATLAS = 1024,       /* side in texels */
-    GLYPHS_MAX = 2048,  /* a power of two; kept at most three quarters full */
+    GLYPHS_MAX = 2048,  /* a power of two; at most three quarters are used */
     QUADS_MAX = 256,    /* per draw call */
-    LETTERS_MAX = 4096, /* of one text; the rest is cut */
+    LETTERS_MAX = 4096, /* per text; the rest is cut */
     SHIFTS = 4          /* subpixel positions of a glyph */
 };
 static const float size_min_px = 4.0f, size_max_px = 256.0f;
@@ -49,8 +49,8 @@ typedef struct glyph {
     bool used;
     FT_UInt index;
     FT_F26Dot6 em;           /* size */
-    int shift;               /* 1/SHIFTS pixel to the right */
-    int left, top;           /* of the bitmap, from the pen, up */
+    int shift;               /* offset to the right, in 1/SHIFTS pixel */
+    int left, top;           /* of the bitmap, relative to the pen, upwards */
     int x, y, width, height; /* in the atlas */
 } glyph;
 
@@ -66,7 +66,7 @@ struct letters {
     GLint target_size, ink;
     glyph glyphs[GLYPHS_MAX];
     uint32_t glyph_count;
-    int shelf_x, shelf_y, shelf_height; /* where the next bitmap goes */
+    int shelf_x, shelf_y, shelf_height; /* position of the next bitmap */
     corner corners[QUADS_MAX * 6];
     uint32_t quad_count;
 };
@@ -149,7 +149,7 @@ const char *letters_font(const letters *self)
     return self->path;
 }
 
-/* The next code point of UTF-8; U+FFFD for bytes that are none. Never passes the final 0. */
+/* Returns the next code point of UTF-8, or U+FFFD for invalid bytes. Never passes the final 0. */
 static FT_ULong next_letter(const char **at)
 {
     const unsigned char *c = (const unsigned char *)*at;
@@ -169,7 +169,8 @@ static FT_ULong next_letter(const char **at)
     return letter < 0x20 ? ' ' : letter;
 }
 
-/* Sets the font's size; pixels from the top of the line to its baseline. */
+/* Sets the size of the font. Returns the distance in pixels from the top of the line to its
+ * baseline. */
 static float set_size(letters *self, float size_px, FT_F26Dot6 *out_em)
 {
     float size = size_px >= size_min_px ? size_px : size_min_px; /* also for NaN */
@@ -212,7 +213,7 @@ static void flush(letters *self)
     self->quad_count = 0;
 }
 
-/* Forgets every glyph; what was drawn with them is flushed first. */
+/* Removes all glyphs. Draws the waiting quads first, because they use them. */
 static void clear_atlas(letters *self)
 {
     flush(self);
@@ -239,7 +240,7 @@ static bool allocate_in_atlas(letters *self, int width, int height, glyph *out)
     return true;
 }
 
-/* The bitmap of the glyph just loaded into the atlas. */
+/* Adds the bitmap of the loaded glyph to the atlas. */
 static void add_bitmap(letters *self, glyph *out)
 {
     FT_GlyphSlot slot = self->face->glyph;
@@ -309,7 +310,7 @@ static void write_line(letters *self, const char *words, float x, float y, float
         FT_UInt index = FT_Get_Char_Index(self->face, next_letter(&words));
         if (FT_Load_Glyph(self->face, index, FT_LOAD_NO_BITMAP | FT_LOAD_TARGET_LIGHT) != 0)
             continue;
-        float advance = advance_px(self); /* before the slot is drawn into */
+        float advance = advance_px(self); /* read before find_glyph draws into the slot */
         float pen = floorf(x);
         int shift = (int)((x - pen) * SHIFTS);
         const glyph *g = find_glyph(self, index, em, shift < SHIFTS ? shift : SHIFTS - 1);

@@ -1,16 +1,16 @@
-/* draw/annotations.h - words, lines and dots over a picture. Words by FreeType: the adapter. One
- * font, left to right, no kerning beyond the font's advances; without a font it draws nothing and
- * says so when asked. The thread of the context. */
+/* draw/annotations.h - text, lines and dots over a picture. The adapter of FreeType. One font, left
+ * to right, no kerning. Without a font it draws no text, and letters_font returns NULL. [thread of
+ * the context] */
 #ifndef MAROTTE_UI_DRAW_ANNOTATIONS_H
 #define MAROTTE_UI_DRAW_ANNOTATIONS_H
 #include "draw/draw.h"
 
 typedef struct letters letters;
 
-/* Where fonts are usually found, best first; ends with NULL. */
+/* Usual paths of fonts, best first; ends with NULL. */
 extern const char *const letters_fonts[];
 
-/* Takes the first font that can be read; none is no error. NULL: failed. */
+/* Uses the first readable font; having none is not an error. NULL: failed. */
 letters *letters_create(const char *const *paths, error *err);
 void letters_destroy(letters *self);
 const char *letters_font(const letters *self); /* the path of the font in use, or NULL */

@@ -85,7 +85,7 @@ void camera_ray(const draw_camera *camera, float aspect, const float on_screen[2
         out[i] = (float)(way[i] / sqrt(squared));
 }
 
-/* rows: the view directions, scaled; out = rows (x - origin) + offset, as one matrix. */
+/* Returns rows (x - origin) + offset as one matrix. rows: scaled view directions. */
 static matrix4 from_rows(const double rows[4][3], const double origin[3], const double offset[4])
 {
     matrix4 out;
@@ -166,7 +166,7 @@ draw_camera draw_camera_framing(const float low[3], const float high[3], float a
     double width = isfinite(aspect) && aspect > 0.0f ? (double)aspect : 1.0;
     double slope = tan(half_view);
     double tall = half[1] / slope;
-    /* Turned to the side, depth and width change places: both must fit. */
+    /* When the face turns to the side, depth and width are exchanged. Both must fit. */
     double front = fmax(tall, half[0] / (slope * width)) * air + half[2];
     double side = fmax(tall, half[2] / (slope * width)) * air + half[0];
     camera.distance_mm = (float)fmax(fmax(front, side), 1.0);

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- how much of the room each vertex sees ---- */
+/* ---- ambient occlusion of each vertex ---- */
 
 /* MAP: side of the depth pictures in pixels. */
 enum { MAP = 256, VIEWS_MIN = 12, VIEWS_MAX = 32, SMOOTHING_PASSES = 2 };
@@ -56,7 +56,7 @@ static void bake_finish(bake *self)
     free(self->possible);
 }
 
-/* Spread evenly over the sphere (Fibonacci). */
+/* Returns directions that are spread evenly over the sphere (Fibonacci). */
 static void view_direction(float out[3], uint32_t view, uint32_t view_count)
 {
     double up = 1.0 - (2.0 * view + 1.0) / view_count;
@@ -76,7 +76,8 @@ static void draw_depth(const bake *self, const draw_face *face, const matrix4 *p
     glReadPixels(0, 0, MAP, MAP, GL_DEPTH_COMPONENT, GL_FLOAT, self->depth);
 }
 
-/* How much of the four pixels around a point of the map is not before the depth. */
+/* Returns the visible share of a point: how much of the four pixels around it is not nearer than
+ * `depth`. */
 static float map_visibility(const float *map, float x, float y, float depth)
 {
     float fx = x * MAP - 0.5f, fy = y * MAP - 0.5f;
@@ -93,7 +94,7 @@ static float map_visibility(const float *map, float x, float y, float depth)
 static void add_view(bake *self, const draw_face *face, const float *position,
                      const float direction[3], const matrix4 *to_map)
 {
-    float lift_mm = 3.0f * 2.0f * face->radius_mm / MAP; /* off its own surface */
+    float lift_mm = 3.0f * 2.0f * face->radius_mm / MAP; /* lifts the point off its own surface */
     const float *m = to_map->m;
     for (uint32_t v = 0; v < face->vertex_count; ++v) {
         const float *p = position + (size_t)v * 3, *n = face->normal + (size_t)v * 3;
@@ -110,7 +111,7 @@ static void add_view(bake *self, const draw_face *face, const float *position,
     }
 }
 
-/* Each vertex becomes the mean of itself and its triangles' corners. */
+/* Replaces each vertex by the mean of itself and the corners of its triangles. */
 static void smooth(float *value, float *sum, float *weight, const draw_face *face)
 {
     for (uint32_t v = 0; v < face->vertex_count; ++v) {
@@ -187,8 +188,8 @@ mrt_result occlusion_bake(float *out_openness, const draw_face *face, const floa
 
 /* ---- surfaces ---- */
 
-static const float dry_roughness = 0.8f;  /* what is rougher has a grain */
-static const float hard_roughness = 0.4f; /* what is smoother lets no light in */
+static const float dry_roughness = 0.8f;  /* rougher materials get a grain */
+static const float hard_roughness = 0.4f; /* smoother materials let no light in */
 
 static const char *const felt_words[] = {"felt",    "fleece", "wool",   "fur",  "hair",
                                          "cloth",   "foam",   "fabric", "skin", "brow",
@@ -201,7 +202,7 @@ static bool is_letter(char c)
     return isalpha((unsigned char)c) != 0;
 }
 
-/* "lid" is a word of "lid_upper.l" and of "Lids", not of "solid". */
+/* Returns whether a word is in a name: "lid" is in "lid_upper.l" and "Lids", but not in "solid". */
 static bool has_word(const char *name, const char *word)
 {
     size_t length = strlen(word);
@@ -226,7 +227,7 @@ static bool has_any(const char *name, const char *const *word, size_t count)
 }
 #define HAS_ANY(name, words) has_any(name, words, sizeof words / sizeof *words)
 
-/* What the file itself says of more than one colour. */
+/* Returns whether the file describes more than one colour. */
 static bool is_painted(const mesh_material *m)
 {
     return m->base.image || m->normal.image || m->emission.image || m->surface.image ||
@@ -284,8 +285,8 @@ static float cosine(const float *normal, uint32_t a, uint32_t b)
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
 }
 
-/* Pairs coincident vertices with the first of them that faces the same way. Few leaders:
- * they differ by the least angle from each other. */
+/* Pairs each vertex with the first coincident vertex that faces the same way, its leader. Leaders
+ * are few, because they differ by at least the angle of least_cosine. */
 static void pair_vertices(seams *out, const seam_vertex *sorted, uint32_t count,
                           const float *normal, float least_cosine)
 {
@@ -363,22 +364,22 @@ void seams_join(const seams *s, float *nx, float *ny, float *nz)
     }
 }
 
-/* ---- another shape ---- */
+/* ---- updating the shape ---- */
 
-enum { BRIDGED = 2 }; /* parts that have not changed and go along, so that fewer runs are sent */
+enum { BRIDGED = 2 }; /* unchanged parts sent along, so that fewer runs are sent */
 
 static uint32_t min_of(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
 }
 
-/* of DRAW_ROWS vertices each; the last may have fewer */
+/* Returns the number of parts of DRAW_ROWS vertices; the last may be shorter. */
 static uint32_t face_parts(const draw_face *self)
 {
     return self->vertex_count / DRAW_ROWS + (self->vertex_count % DRAW_ROWS != 0);
 }
 
-/* ---- the ball around it ---- */
+/* ---- bounding ball ---- */
 
 static void measure_part(draw_face *self, const float *position, uint32_t part)
 {
@@ -399,7 +400,8 @@ static void measure_part(draw_face *self, const float *position, uint32_t part)
     self->box[part] = box;
 }
 
-/* The ball around the shape; changed: the parts that are new to self->seen; NULL: all. */
+/* Computes the ball around the shape. changed: parts that self->seen does not have yet; NULL:
+ * all. */
 static void face_measure(draw_face *self, const float *position, const stamps *changed)
 {
     float square = 0.0f;
@@ -430,7 +432,7 @@ static void replace(GLuint buffer, const float *value, uint32_t vertex_count)
                  GL_STREAM_DRAW);
 }
 
-/* The end of a run of parts of which the first has changed. */
+/* Returns the end of a run of parts that begins with a changed part. */
 static uint32_t end_of_run(const draw_face *self, const stamps *changed, uint32_t first)
 {
     uint32_t end = first + 1;
@@ -456,7 +458,7 @@ static void replace_changed(const draw_face *self, GLuint buffer, const float *v
     }
 }
 
-/* self->normal := smooth normals of the shape, joined at seams. */
+/* Computes self->normal: smooth normals of the shape, joined at seams. */
 static void face_compute_normals(draw_face *self, const float *position)
 {
     float *const *lane = self->lane;
@@ -499,7 +501,7 @@ bool draw_face_follow(draw_face *self, const float *position, const float *norma
         stamps_read(&self->seen, changed);
         return false;
     }
-    if (count > changed->count / 2) { /* a new buffer: nobody waits for who still draws the old */
+    if (count > changed->count / 2) { /* a new buffer: drawing may still use the old one */
         draw_face_update(self, position, normal);
         stamps_read(&self->seen, changed);
         return true;
@@ -536,15 +538,14 @@ static mrt_result allocate(draw_face *self, uint32_t material_count, error *err)
     return enough ? MRT_OK : no_memory(err);
 }
 
-/* Own alpha of a mesh that says nothing of blending counts too. */
+/* A mesh without blend mode may still have an alpha below 1. */
 static bool is_clear(const mesh_material *look)
 {
     return look->alpha == MESH_ALPHA_BLEND ||
            (look->alpha == MESH_ALPHA_OPAQUE && look->base_colour[3] < 0.999f);
 }
 
-/* Where each material's batch begins, those that are clear behind the others; index_count is left
- * 0. */
+/* Sets the beginning of each material's batch, transparent ones last. Leaves index_count at 0. */
 static void lay_out_batches(draw_face *self, const mesh *m)
 {
     self->batch_count = m->material_count;
@@ -586,7 +587,7 @@ static void find_centre(face_batch *batch, const draw_face *self, const mesh *m)
 
 enum { LAYERS = 32 };
 
-/* 0 .. LAYERS - 1: how far behind the frontmost point a triangle lies. */
+/* Returns how far a triangle is behind the frontmost point: 0 .. LAYERS - 1. */
 static int layer_of(const draw_face *self, const mesh *m, const uint32_t *corner)
 {
     float z = 0.0f;
@@ -597,9 +598,8 @@ static int layer_of(const draw_face *self, const mesh *m, const uint32_t *corner
     return layer < 0 ? 0 : layer < LAYERS ? layer : LAYERS - 1;
 }
 
-/* Triangles of a batch from the front of the face to its back, in the file's order where they are
- * as far: mostly a face is seen from the front, and what is hidden when it is drawn is not shaded.
- */
+/* Sorts the triangles of a batch from front to back, and keeps the order of the file at equal
+ * depth. A face is mostly seen from the front, and hidden pixels are then not shaded. */
 static mrt_result sort_by_depth(draw_face *self, const mesh *m, error *err)
 {
     uint32_t *sorted = malloc(((size_t)self->triangle_count * 3 + 1) * sizeof *sorted);
@@ -624,7 +624,7 @@ static mrt_result sort_by_depth(draw_face *self, const mesh *m, error *err)
     return MRT_OK;
 }
 
-/* One batch per material, in their order; triangles keep the file's order in it. */
+/* Makes one batch per material, in their order. Triangles keep the order of the file. */
 static void sort_by_material(draw_face *self, const mesh *m)
 {
     lay_out_batches(self, m);
@@ -639,7 +639,7 @@ static void sort_by_material(draw_face *self, const mesh *m)
     for (uint32_t i = 0; i < self->batch_count; ++i)
         if (self->batch[i].is_clear)
             find_centre(&self->batch[i], self, m);
-    if (m->triangle_count == 0) { /* points */
+    if (m->triangle_count == 0) { /* the mesh is drawn as points */
         self->batch_count = 1;
         self->batch[0] = (face_batch){.look = mesh_material_grey()};
     }
@@ -687,7 +687,8 @@ static GLuint make_texture(const mesh_image *image, const face_texture *wanted)
     return name;
 }
 
-/* Makes it, unless another material has the same; 0: there is no such picture. */
+/* Creates a texture, or reuses that of another material. Returns 0 if the picture does not
+ * exist. */
 static GLuint texture_of(draw_face *self, const mesh *m, const mesh_texture *wanted, bool is_colour)
 {
     if (!wanted->image || !m->uv || !m->image[wanted->image - 1].rgba)
@@ -770,7 +771,7 @@ static mrt_result fill(draw_face *self, const mesh *m, error *err)
     float low[3], high[3];
     mesh_bounds(m, low, high);
     self->height_mm = high[1] - low[1] > self->radius_mm ? high[1] - low[1] : self->radius_mm;
-    face_compute_normals(self, m->position); /* no seams yet */
+    face_compute_normals(self, m->position); /* seams are not known yet */
     const float *normal = m->normal ? m->normal : self->normal;
     result = seams_init(&self->seam, m->position, normal, m->vertex_count,
                         m->normal ? seam_cosine_given : seam_cosine_computed, err);

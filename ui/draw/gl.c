@@ -34,15 +34,15 @@ mrt_result gl_check_current(error *err)
                          "no OpenGL context is current on this thread: create one first");
     if (!epoxy_is_desktop_gl() || epoxy_gl_version() < 33)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "the graphics driver offers \"%s\", OpenGL 3.3 is needed: update the "
-                         "driver, or install libgl1-mesa-dri for drawing without one",
+                         "the graphics driver offers \"%s\", but OpenGL 3.3 is needed. Update "
+                         "the driver, or install libgl1-mesa-dri to draw without a graphics card",
                          (const char *)glGetString(GL_VERSION));
     return MRT_OK;
 }
 
 mrt_result gl_check_error(const char *what, error *err)
 {
-    enum { MOST_PENDING = 32 }; /* a lost context reports for ever */
+    enum { MOST_PENDING = 32 }; /* a lost context reports errors endlessly */
     GLenum first = glGetError();
     for (int i = 0; i < MOST_PENDING && glGetError() != GL_NO_ERROR; ++i)
         ;
@@ -104,7 +104,7 @@ GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *def
         glAttachShader(program, fragment);
         glLinkProgram(program);
     }
-    glDeleteShader(vertex); /* goes with the program; 0 is ignored */
+    glDeleteShader(vertex); /* deleted together with the program; 0 is ignored */
     glDeleteShader(fragment);
     if (!program)
         return 0;
@@ -120,7 +120,7 @@ GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *def
     return 0;
 }
 
-/* What drawing here starts from, and leaves behind. */
+/* Sets the state at the beginning and at the end of drawing. */
 static void set_usual_state(void)
 {
     static const GLenum off[] = {GL_BLEND,
@@ -194,15 +194,15 @@ void gl_read_picture(uint8_t *out_rgba, uint32_t width, uint32_t height)
 }
 
 /* Works around a use after free in Mesa's software renderer (llvmpipe; 22.3.6, and main when this
- * was written): it frees the fence of a scene as soon as all of its threads have counted it down,
- * though the last one may still be unlocking the mutex in the fence. That writes four zero bytes
+ * was written). It frees the fence of a scene as soon as all of its threads have counted it down.
+ * But the last thread may still be unlocking the mutex in the fence. That writes four zero bytes
  * into freed memory, and the allocator crashes some time later. Each thread works on the scenes in
- * order, so when a later scene is done nobody is inside an earlier fence. Until then a reference is
- * kept here. tests/window/late_fence.sh */
+ * order. So when a later scene is done, all threads have left the earlier fences. Until then a
+ * reference is kept here. tests/window/late_fence.sh */
 
-enum { KEPT = 16 }; /* scenes of one frame or two: drawing may lag that far behind */
+enum { KEPT = 16 }; /* scenes of one or two frames: drawing may lag that far behind */
 
-typedef struct kept_scenes { /* of the context of this thread */
+typedef struct kept_scenes { /* for the context of this thread */
     GLsync fence[KEPT];
     uint32_t first, count;
     bool is_known, is_llvmpipe;
@@ -270,7 +270,7 @@ void gl_forget_scenes(void)
 /* ---- a context without a window ---- */
 
 struct draw_context {
-    EGLDisplay display; /* of the process: other contexts may use it, so it is never terminated */
+    EGLDisplay display; /* shared by the whole process, so it is never terminated */
     EGLContext context;
 };
 
@@ -283,7 +283,7 @@ static bool library_exists(const char *name)
     return true;
 }
 
-/* libepoxy ends the process when it does not find these. */
+/* Checks for the libraries, because libepoxy ends the process if it does not find them. */
 static mrt_result check_libraries(error *err)
 {
     if (!library_exists("libEGL.so.1"))
@@ -307,8 +307,7 @@ static mrt_result open_display(EGLDisplay *out, error *err)
     *out = eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
     if (*out == EGL_NO_DISPLAY || !eglInitialize(*out, NULL, NULL))
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "EGL finds no driver to draw with (error 0x%04x): install "
-                         "libgl1-mesa-dri",
+                         "EGL finds no driver (error 0x%04x): install libgl1-mesa-dri",
                          (unsigned)eglGetError());
     return MRT_OK;
 }

@@ -1,6 +1,5 @@
-/* draw/gl.h - what every drawing file needs of OpenGL: is there a context, does this program
- * compile, where one scene ends, and the state that drawing starts from and leaves. The thread of
- * the context. */
+/* draw/gl.h - OpenGL functions that all drawing files use: checks of context and errors, programs,
+ * the end of a scene, and the state before and after drawing. [thread of the context] */
 #ifndef MAROTTE_UI_DRAW_GL_H
 #define MAROTTE_UI_DRAW_GL_H
 #include "base/error.h"
@@ -9,17 +8,18 @@
 
 #include <stddef.h>
 
-/* Whether this thread has a current context, by EGL or GLX. libepoxy ends the process when a GL
- * function is called without one, so this is asked first. */
+/* Returns whether this thread has a current context, of EGL or GLX. Check this first: libepoxy ends
+ * the process if a GL function is called without one. */
 bool gl_is_current(void);
-/* The above, and that the context is OpenGL 3.3 or newer. */
+/* Checks that there is a current context, of OpenGL 3.3 or newer. */
 CHECKED mrt_result gl_check_current(error *err);
-/* MRT_OK, or what glGetError says about `what`; clears every pending error. */
+/* Returns MRT_OK, or the error of glGetError with `what` as its subject. Clears all pending
+ * errors. */
 CHECKED mrt_result gl_check_error(const char *what, error *err);
 
-/* ---- programs; the texts of shaders/ are built into the library ---- */
+/* ---- programs; the source texts in shaders/ are built into the library ---- */
 
-typedef struct gl_source { /* GLSL without a #version line; not 0-ended */
+typedef struct gl_source { /* GLSL without a #version line, not terminated by 0 */
     const char *name, *text;
     size_t size;
 } gl_source;
@@ -31,36 +31,38 @@ extern const gl_source shaders_common, shaders_screen_vert, shaders_background_f
     shaders_overlay_solid_vert, shaders_overlay_solid_frag;
 
 typedef enum gl_stage { GL_STAGE_VERTEX, GL_STAGE_FRAGMENT, GL_STAGE_COUNT } gl_stage;
-/* 0: failed. Every stage sees `defines` ("" or lines of #define) and the text of common.glsl before
- * its own. */
+/* Returns 0 on failure. Each stage begins with `defines` ("" or lines of #define) and the text of
+ * common.glsl. */
 GLuint gl_program_create(const gl_source stages[GL_STAGE_COUNT], const char *defines, error *err);
 
-/* Mesa's software renderer. */
+/* Returns whether the driver is Mesa's software renderer. */
 bool gl_is_llvmpipe(void);
 
-/* Framebuffers are bound by this alone: what was drawn into the one before is a scene. */
+/* Binds a framebuffer, and ends the scene that was drawn into the previous one. Nothing else binds
+ * framebuffers. */
 void gl_bind_framebuffer(GLenum target, GLuint framebuffer);
-/* Before what ends a scene otherwise: a blit, reading pixels, showing a window, changing a texture
- * that was drawn with. */
+/* Ends a scene. Call it before a blit, reading pixels, showing a window, or changing a texture that
+ * was drawn with. */
 void gl_end_scene(void);
-/* A context that is new was made current on this thread: what is kept of one before is not its. */
+/* Forgets the scenes of the previous context. Call it after a new context was made current on this
+ * thread. */
 void gl_begin_scenes(void);
-/* Before a thread's context is destroyed or let go. */
+/* Call it before the context of a thread is destroyed or released. */
 void gl_forget_scenes(void);
 
-/* Of the framebuffer that is bound for reading; RGBA, rows from the top (OpenGL's first row is the
- * lowest). */
+/* Reads the framebuffer that is bound for reading: RGBA, rows from the top (OpenGL's first row is
+ * the lowest). */
 void gl_read_picture(uint8_t *out_rgba, uint32_t width, uint32_t height);
 
-enum { GL_UNITS = 5 };    /* of textures, that drawing here uses */
-typedef struct gl_state { /* of the caller: where it draws */
+enum { GL_UNITS = 5 };    /* number of texture units that are used here */
+typedef struct gl_state { /* state of the caller */
     GLint draw_framebuffer, read_framebuffer, viewport[4];
 } gl_state;
-/* Saves it, then sets what drawing here starts from: nothing enabled, everything written, nothing
- * bound. */
+/* Saves the state of the caller, and sets the state for drawing: everything disabled, all writes
+ * enabled, nothing bound. */
 void gl_state_enter(gl_state *out);
-/* The same, drawn to the caller's framebuffers again: textures and buffers are bound anew by
- * whoever uses them. */
+/* Sets the same state, and binds the caller's framebuffers. Textures and buffers are not restored;
+ * their users bind them again. */
 void gl_state_leave(const gl_state *state);
 
 #endif

@@ -8,7 +8,8 @@
 
 const lighting_look lighting_looks[LIGHTING_LOOKS] = {
     {"Studio",
-     "A soft key from the left, a cool rim: every part is seen. The look of all pictures so far.",
+     "A soft key light from the left and a cool rim light. All parts of the face are visible. "
+     "The default look.",
      {.lamp = {{{-0.5571f, 0.5970f, 0.5772f}, {3.10f, 2.92f, 2.66f}, 1.0f},
                {{0.8165f, 0.0272f, 0.5767f}, {0.22f, 0.26f, 0.34f}, 1.0f},
                {{0.5388f, 0.5089f, -0.6713f}, {0.80f, 0.90f, 1.05f}, 1.0f}},
@@ -16,7 +17,8 @@ const lighting_look lighting_looks[LIGHTING_LOOKS] = {
       .wall_edge = {0.078f, 0.082f, 0.092f},
       .wall_light = {0.200f, 0.208f, 0.224f}}},
     {"Theatre",
-     "A warm spot from high up, a strong blue rim, little else: for felt and strong features.",
+     "A warm spot from high up, a strong blue rim and little else. Suits felt and strong "
+     "features.",
      {.lamp = {{{-0.3015f, 0.7035f, 0.6436f}, {4.30f, 3.45f, 2.40f}, 1.0f},
                {{0.8165f, 0.0272f, 0.5767f}, {0.16f, 0.12f, 0.22f}, 1.0f},
                {{0.6324f, 0.3953f, -0.6662f}, {1.30f, 1.90f, 3.30f}, 1.0f}},
@@ -24,7 +26,8 @@ const lighting_look lighting_looks[LIGHTING_LOOKS] = {
       .wall_edge = {0.045f, 0.030f, 0.040f},
       .wall_light = {0.235f, 0.110f, 0.105f}}},
     {"Daylight",
-     "A wide soft light and a bright wall, hardly a shadow: for children's films and cut-outs.",
+     "A wide soft light and a bright wall, with almost no shadow. Suits children's films and "
+     "cut-outs.",
      {.lamp = {{{0.4360f, 0.5970f, 0.6735f}, {2.05f, 2.02f, 1.92f}, 1.0f},
                {{-0.8165f, 0.1500f, 0.5575f}, {0.62f, 0.68f, 0.76f}, 1.0f},
                {{-0.5388f, 0.5089f, -0.6713f}, {0.60f, 0.60f, 0.56f}, 1.0f}},
@@ -82,12 +85,13 @@ void lighting_write(const lighting *of, char out[LIGHTING_TEXT])
             (size_t)snprintf(out + length, LIGHTING_TEXT - length, " %.9g", (double)number[i]);
 }
 
-static bool take_lamp(lighting_lamp *out, const float *number)
+static bool read_lamp(lighting_lamp *out, const float *number)
 {
     const float far = sqrtf(number[0] * number[0] + number[1] * number[1] + number[2] * number[2]);
     if (!(far > 0.5f && far < 2.0f))
         return false;
-    const float unit = fabsf(far - 1.0f) < 1e-3f ? 1.0f : far; /* what was written comes back */
+    const float unit =
+        fabsf(far - 1.0f) < 1e-3f ? 1.0f : far; /* same numbers after write and read */
     for (int i = 0; i < 3; ++i) {
         out->direction[i] = number[i] / unit;
         out->rgb[i] = number[3 + i];
@@ -115,7 +119,7 @@ bool lighting_parse(lighting *out, const char *text)
         return false;
     const float *at = number;
     for (int i = 0; i < LIGHTING_LAMPS; ++i, at += 7)
-        if (!take_lamp(&made.lamp[i], at))
+        if (!read_lamp(&made.lamp[i], at))
             return false;
     made.room = *at++;
     for (int i = 0; i < 6; ++i)

@@ -75,7 +75,8 @@ void offscreen_words(offscreen *self, const char *words, float x, float y, float
     while (length > 0 && draw_text_width(self->renderer, line, size_px) > width_px) {
         do
             --length;
-        while (length > 0 && ((unsigned char)line[length] & 0xc0) == 0x80); /* whole letters */
+        while (length > 0 &&
+               ((unsigned char)line[length] & 0xc0) == 0x80); /* keeps whole letters */
         memcpy(line + length, "…", sizeof "…");
     }
     draw_text(self->renderer, self->target, line, x, y, size_px, rgba);
@@ -96,7 +97,7 @@ static size_t letter_bytes(const char *at)
     return bytes;
 }
 
-/* Letters stand side by side (annotations.h): their widths add up. */
+/* There is no kerning (annotations.h), so widths can be added. */
 static float letter_width(offscreen *self, const char *at, size_t bytes, float size_px)
 {
     char letter[8];
@@ -104,7 +105,7 @@ static float letter_width(offscreen *self, const char *at, size_t bytes, float s
     return draw_text_width(self->renderer, letter, size_px);
 }
 
-/* How much of the words goes on one line: at least a letter. */
+/* Returns how many bytes of the text fit on one line; at least one letter. */
 static size_t line_length(offscreen *self, const char *words, float size_px, float width_px)
 {
     size_t length = 0, broken = 0;

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- where a ray meets the face ---- */
+/* ---- where a ray hits the face ---- */
 
 typedef struct ray {
     float eye[3], way[3]; /* way: unit */
@@ -46,10 +46,10 @@ static void subtract3(float out[3], const float a[3], const float b[3])
         out[i] = a[i] - b[i];
 }
 
-static const float edge = 1e-4f; /* triangles overlap a little: no ray slips through between two */
+static const float edge = 1e-4f; /* tolerance, so that no ray passes between two triangles */
 
-/* Moeller and Trumbore 1997, for triangles that face the eye. share: of the second and third
- * corner. Comparisons are such that NaN is no hit. */
+/* Möller and Trumbore 1997, for triangles that face the eye. share: barycentric coordinates of the
+ * second and third corner. NaN gives no hit. */
 static bool meets(const ray *r, const float *a, const float *b, const float *c, float share[2],
                   float *out_distance)
 {
@@ -57,7 +57,7 @@ static bool meets(const ray *r, const float *a, const float *b, const float *c, 
     subtract3(ab, b, a);
     subtract3(ac, c, a);
     cross3(across, r->way, ac);
-    float facing = dot3(ab, across); /* twice the area seen along the ray */
+    float facing = dot3(ab, across); /* twice the area of the triangle, seen along the ray */
     if (!(facing > 0.0f))
         return false;
     subtract3(from, r->eye, a);
@@ -136,7 +136,7 @@ bool draw_unproject(float out[3], const draw_camera *camera, const uint32_t rect
     return true;
 }
 
-/* ---- what lies over it ---- */
+/* ---- items ---- */
 
 static void set_point(float out[3], vec3 at)
 {
@@ -161,11 +161,11 @@ overlay_item overlay_dot(vec3 at, float width_px, const float rgba[4])
     return out;
 }
 
-typedef struct overlays_view { /* of one drawing */
-    draw_camera camera;        /* made safe */
-    matrix4 projection;        /* that of the face */
-    uint32_t width, height;    /* of the rectangle */
-    float lift_mm;             /* towards the eye, of lines and dots */
+typedef struct overlays_view { /* values of one drawing */
+    draw_camera camera;        /* with valid numbers */
+    matrix4 projection;        /* the same as that of the face */
+    uint32_t width, height;    /* size of the rectangle */
+    float lift_mm;             /* offset of lines and dots towards the eye */
     float to_light[3];
 } overlays_view;
 
@@ -173,7 +173,7 @@ enum { SIDES = 16, RINGS = 5, RING_POINTS = 64, SPHERE_RINGS = 3 };
 enum { CAPSULE_ROWS = 2 * RINGS, CAPSULE_VERTICES = CAPSULE_ROWS * SIDES };
 enum { CAPSULE_INDICES = (CAPSULE_ROWS - 1) * SIDES * 6 };
 
-/* Of what the face hides. */
+/* Opacity of items that the face hides. */
 static const float hidden_solid = 0.22f, hidden_line = 0.45f, hidden_ring = 0.15f;
 static const float bone_taper = 0.7f;
 
@@ -194,8 +194,8 @@ struct overlays {
     overlays_program line, solid;
     GLuint shape_buffer, index_buffer;
     line_instance *lines;
-    solid_instance *solids;                         /* bones and balls, then skins */
-    uint32_t line_count, ring_count, line_capacity; /* rings' pieces come first */
+    solid_instance *solids;                         /* bones and balls first, then skins */
+    uint32_t line_count, ring_count, line_capacity; /* pieces of rings first */
     uint32_t solid_count, skin_count, solid_capacity;
 };
 
@@ -247,7 +247,8 @@ static void point_at_solids(size_t start)
     add_attribute(5, 1, stride, start + offsetof(solid_instance, is_skin));
 }
 
-/* Rows from the pole behind `from` to the one before `to`; the equator is there twice. */
+/* Makes rows of vertices from the pole behind `from` to the one beyond `to`. The row of the equator
+ * is doubled. */
 static void shape_capsule(float (*out)[4], uint16_t *out_index)
 {
     const double pi = 3.14159265358979;
@@ -338,7 +339,7 @@ void overlays_destroy(overlays *self)
 
 /* ---- from items to instances ---- */
 
-/* False: no memory; what does not fit is left out. */
+/* Returns false if there is no memory. Items that do not fit are then left out. */
 static bool reserve(void **array, uint32_t *capacity, uint32_t wanted, size_t size)
 {
     if (wanted <= *capacity)
@@ -521,7 +522,7 @@ static void draw_hidden(const overlays *self, uint32_t opaque_count)
     draw_lines(self, self->ring_count, self->line_count - self->ring_count, hidden_line);
 }
 
-/* Solids first by their depth alone: a faint one is not seen through itself. */
+/* Writes the depth of the solids first, so that a transparent one does not show its own back. */
 static void draw_visible(const overlays *self, uint32_t opaque_count)
 {
     glDepthMask(GL_TRUE);
@@ -537,7 +538,7 @@ static void draw_visible(const overlays *self, uint32_t opaque_count)
     draw_lines(self, 0, self->line_count, 1.0f);
 }
 
-static const float lift_share = 0.008f; /* of the face's height */
+static const float lift_share = 0.008f; /* share of the height of the face */
 
 void overlays_draw(overlays *self, draw_target *target, const draw_face *face,
                    const draw_camera *camera, const float to_light[3], const uint32_t rectangle[4],

@@ -1,5 +1,5 @@
-/* draw_preview MESH OUT.png [yaw_deg pitch_deg]... : a mesh file from several sides on one picture,
- * for whoever models a face. */
+/* draw_preview MESH OUT.png [yaw_deg pitch_deg]... : draws a mesh file from several sides into one
+ * picture, for people who model faces. */
 #include "draw/offscreen.h"
 #include "io/mesh_file.h"
 
@@ -21,7 +21,7 @@ static bool read_angle(const char *word, float *out)
     return end != word && *end == '\0' && value >= -360.0 && value <= 360.0;
 }
 
-/* 0: wrong usage. */
+/* Returns 0 for wrong usage. */
 static uint32_t read_views(int argc, char **argv, view_angles out[VIEWS_MAX])
 {
     static const view_angles usual[4] = {

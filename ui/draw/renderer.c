@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Texels of the shadow map on a side: as many as the picture is high, or more. */
+/* Sides of the shadow map in texels: at least the height of the picture, within these limits. */
 enum { SHADOW_MIN = 512, SHADOW_MAX = 1024 };
-static const float shadow_reach = 4.5f / SHADOW_MAX; /* of the map: how soft shadows are */
+static const float shadow_reach = 4.5f / SHADOW_MAX; /* share of the map: softness of shadows */
 
 static void find_face_uniforms(renderer_face_program *out)
 {
@@ -106,7 +106,7 @@ static mrt_result create_no_textures(draw_renderer *self, error *err)
     return gl_check_error("the textures of plain surfaces", err);
 }
 
-/* The map is bound. */
+/* Expects that the map is bound. */
 static void size_shadow(draw_renderer *self, GLsizei side)
 {
     self->shadow_side = side;
@@ -186,16 +186,17 @@ void draw_renderer_destroy(draw_renderer *self)
 
 typedef struct view { /* one draw_render */
     draw_camera camera;
-    GLint x, y; /* of the rectangle, from the bottom left */
+    GLint x, y; /* of the rectangle, pixels from the bottom left */
     GLsizei width, height;
-    GLint side; /* of a pixel of the picture, in pixels of the framebuffer: all four are of those */
+    GLint side; /* pixels of the framebuffer on each side of a pixel of the picture; x, y, width and
+                   height count pixels of the framebuffer */
     float light[LIGHTING_LAMPS][3];
     matrix4 shadow_projection; /* mm to clip space of the key light */
     float shadow_radius_mm;
 } view;
 
-/* Unit, towards the light. Lights turn with the camera like a studio around a turntable, so that
- * every view is lit. */
+/* Computes a unit vector towards the light. The lights turn with the camera, like a studio around a
+ * turntable, so that every view is lit. */
 static void turn_light(const draw_renderer *self, float out[3], lighting_lamp_name lamp,
                        float camera_yaw_rad)
 {
@@ -237,7 +238,7 @@ static void clear_ground(const draw_renderer *self)
     glClear(GL_COLOR_BUFFER_BIT);
 }
 
-/* How much of the picture the rectangle spans, to each side. */
+/* Computes the share of the picture that the rectangle covers, in both directions. */
 static void picture_scale(const draw_renderer *self, const view *v, float out[2])
 {
     const float wider = (float)v->width / (float)v->height / self->backdrop->aspect;
@@ -246,7 +247,7 @@ static void picture_scale(const draw_renderer *self, const view *v, float out[2]
     out[1] = is_full_width ? 1.0f / wider : 1.0f;
 }
 
-/* Where nothing solid stands before it. */
+/* Draws the wall where nothing solid is in front of it. */
 static void draw_wall(const draw_renderer *self, const view *v)
 {
     const renderer_wall_program *u = self->backdrop ? &self->picture : &self->wall;
@@ -298,10 +299,11 @@ static void set_face_uniforms(const draw_renderer *self, const renderer_face_pro
     glUniform1i(u->has_own_colours, face->colour_buffer != 0);
 }
 
-/* What of a painted surface is drawn, by its alpha: a < low and a >= high are left out. */
+/* Passes of a painted surface, by alpha. Pixels with a < low or a >= high are skipped. */
 typedef enum pass {
     PASS_SOLID = 0,   /* opaque and masked surfaces */
-    PASS_CLEAR_SOLID, /* of clear ones, what is as good as opaque: it may hide what is behind */
+    PASS_CLEAR_SOLID, /* almost opaque pixels of transparent surfaces: they may hide what is behind
+                         them */
     PASS_CLEAR
 } pass;
 
@@ -351,7 +353,7 @@ static void set_painted(const draw_renderer *self, const renderer_face_program *
                     which == PASS_CLEAR ? as_good_as_opaque : 2.0f);
 }
 
-/* What lips, gums and tongue throw back onto teeth in the shadow of a lip. */
+/* Light that lips, gums and tongue reflect onto teeth in the shadow of a lip. */
 static const float mouth_bounce = 0.3f;
 
 static void draw_batch(const draw_renderer *self, const draw_face *face, const face_batch *batch,
@@ -381,7 +383,7 @@ static void draw_batch(const draw_renderer *self, const draw_face *face, const f
     glDisable(GL_CULL_FACE);
 }
 
-/* Own colours are opaque. */
+/* Colours of draw_face_colour are opaque. */
 static bool is_drawn_clear(const draw_face *face, const face_batch *batch)
 {
     return batch->is_clear && !face->colour_buffer;
@@ -404,7 +406,8 @@ static float distance_of(const face_batch *batch, const float eye[3])
     return x * x + y * y + z * z;
 }
 
-/* The farthest that is nearer than `last` (or as near, and later); NULL: none is left. */
+/* Returns the farthest batch that is nearer than `last`, or as near and later in order. NULL: none
+ * is left. */
 static const face_batch *next_clear(const draw_face *face, const float eye[3],
                                     const face_batch *last)
 {
@@ -455,7 +458,7 @@ static void draw_face_lit(const draw_renderer *self, const draw_face *face, cons
     draw_clear(self, face, v);
 }
 
-/* What is behind the face; false: it cannot be compared. */
+/* Describes what is behind the face. Returns false if it cannot be compared. */
 static bool describe_scene(target_scene *out, const draw_renderer *self, const GLint viewport[4])
 {
     memset(out, 0, sizeof *out);
@@ -467,8 +470,8 @@ static bool describe_scene(target_scene *out, const draw_renderer *self, const G
     return self->has_ground || !self->backdrop;
 }
 
-/* Left, bottom, right, top of what the face covers, in pixels of the framebuffer; with a margin for
- * rounding. */
+/* Computes the pixels of the framebuffer that the face may cover: left, bottom, right, top, with a
+ * margin for rounding. */
 static void find_covered(GLint out[4], const draw_face *face, const view *v)
 {
     const float margin = 4.0f, size[2] = {(float)v->width, (float)v->height};
@@ -486,7 +489,8 @@ static void find_covered(GLint out[4], const draw_face *face, const view *v)
     }
 }
 
-/* Where the target has the same scene already, only what the face covered or covers is drawn. */
+/* Limits drawing to the pixels that the face covered or covers, if the target already has the same
+ * scene. */
 static void narrow(const draw_renderer *self, draw_target *target, const draw_face *face,
                    const view *v, bool had_scene)
 {

@@ -11,7 +11,7 @@
 
 static const char views_note[] = "views", picture_note[] = "background";
 static const char *const fits[] = {[DRAW_COVER] = "cover", [DRAW_CONTAIN] = "contain"};
-enum { NOTE = 32 * SCENERY_VIEWS * DRAW_VIEW_NUMBERS }; /* of any of them */
+enum { NOTE = 32 * SCENERY_VIEWS * DRAW_VIEW_NUMBERS }; /* maximum length of any note */
 _Static_assert((int)NOTE >= (int)LIGHTING_TEXT, "a note of lights has room");
 
 scenery scenery_usual(void)
@@ -81,7 +81,7 @@ static void write_views(const scenery *self, char out[NOTE])
                                    self->view[i / DRAW_VIEW_NUMBERS].number[i % DRAW_VIEW_NUMBERS]);
 }
 
-/* ---- of a show ---- */
+/* ---- notes of a show ---- */
 
 static bool parse_light(scenery *out, const char *text)
 {
@@ -91,11 +91,10 @@ static bool parse_light(scenery *out, const char *text)
 static const struct {
     const char *key, *trouble;
     bool (*parse)(scenery *, const char *);
-} notes[] = {{LIGHTING_NOTE, "its lights make no sense: the studio's are on", parse_light},
-             {picture_note,
-              "what it says of a picture behind the face makes no sense: the wall is there",
+} notes[] = {{LIGHTING_NOTE, "the lights are invalid. The studio lights are used", parse_light},
+             {picture_note, "the picture behind the face is invalid. The wall is shown",
               scenery_parse_picture},
-             {views_note, "its camera views make no sense: there are none", scenery_parse_views}};
+             {views_note, "the camera views are invalid and ignored", scenery_parse_views}};
 
 mrt_result scenery_read(scenery *out, show *from, error *err)
 {
@@ -150,7 +149,7 @@ mrt_result scenery_picture_decode(scenery_picture *out, const void *bytes, size_
         why = job.failed;
     }
     if (result < 0)
-        return error_set(err, result, "%s is not shown: %s", name, why.text);
+        return error_set(err, result, "%s cannot be shown: %s", name, why.text);
     decode_image_size is;
     memcpy(&is, job.out, sizeof is);
     memmove(job.out, (uint8_t *)job.out + sizeof is, job.out_size - sizeof is);
@@ -168,7 +167,7 @@ mrt_result scenery_picture_read(scenery_picture *out, const scenery *of, show *f
     mrt_result result = show_picture_read(from, of->picture, &bytes, &size, err);
     if (result == MRT_END)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: the picture behind the face, %s, is not in it any more",
+                         "%s: the picture behind the face, %s, is missing in the show",
                          show_path(from), of->picture_name);
     if (result >= 0)
         result = scenery_picture_decode(out, bytes, size, of->picture_name, err);

@@ -7,9 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- which frames show it best ---- */
+/* ---- choosing the frames ---- */
 
-enum { TRIED_MAX = 32 }; /* frames of an eighth: more of them show nothing else to a person */
+enum { TRIED_MAX = 32 }; /* maximum of frames examined in each eighth: more would look the same */
 
 static double distance_from_rest_mm(const mesh *m, const float *position)
 {
@@ -61,14 +61,14 @@ mrt_result thumbnails_choose(thumbnail out[THUMBNAILS_MAX], uint32_t *out_count,
 
 /* ---- the sheet ---- */
 
-/* Pixels of a sheet of SHEET_WIDTH by SHEET_HEIGHT; another one's are in proportion. */
+/* Pixels of a sheet of SHEET_WIDTH by SHEET_HEIGHT; scaled for other sizes. */
 static const float margin_px = 28, title_px = 34, legend_px = 19, small_px = 16, label_px = 20,
                    gap_px = 16;
-/* Smaller letters cannot be read: words are left out then. */
+/* Smaller letters are unreadable: text is left out then. */
 static const float least_px = 9;
 static const float view_aspect = 200.0f / 326.0f;
-/* Of the sheet's height: what a header may take at most, else there are no words; and what it was
- * made from, else that is shrunk and then cut. */
+/* Shares of the height of the sheet. header_share: limit for the header, above which text is left
+ * out. made_share: limit for made_from, above which it is shrunk and then cut. */
 static const float header_share = 0.24f, made_share = 0.2f;
 
 static const float ink_strong[4] = {0.92f, 0.93f, 0.95f, 1.0f};
@@ -79,7 +79,7 @@ typedef struct sheet {
     const mesh *mesh;
     thumbnail moment[THUMBNAILS_MAX];
     uint32_t moment_count;
-    float *position; /* of one frame */
+    float *position; /* positions of one frame */
     offscreen offscreen;
     const sheet_about *about;
     sheet_grid grid;
@@ -111,8 +111,8 @@ static mrt_result sheet_init(sheet *s, const clip *c, const sheet_about *about, 
                                err);
 }
 
-/* Grows the box by the shape, at most by `limit` beyond its first size: one wild moment must not
- * make all the others tiny. */
+/* Extends the box by the shape, but at most to least and most: one extreme moment must not make all
+ * the others tiny. */
 static void include_shape(float low[3], float high[3], const float least[3], const float most[3],
                           const float *position, uint32_t vertex_count)
 {
@@ -126,7 +126,7 @@ static void include_shape(float low[3], float high[3], const float least[3], con
         }
 }
 
-/* One framing for all moments. */
+/* Computes one framing for all moments. */
 static mrt_result frame_all(sheet *s, float aspect, draw_camera *out, error *err)
 {
     float low[3], high[3], least[3], most[3];
@@ -154,7 +154,7 @@ static draw_camera three_quarter(const draw_camera *front)
     return camera;
 }
 
-/* "1.25 s" within the first minute of a short clip, "2:01.25" in longer ones. */
+/* Writes "1.25 s" within the first minute of a short clip, "2:01.25" in longer ones. */
 static void format_time(char *out, size_t capacity, const clip *c, uint32_t frame)
 {
     double time_s = frame / clip_fps(c), end_s = clip_frame_count(c) / clip_fps(c);
@@ -167,9 +167,9 @@ static void format_time(char *out, size_t capacity, const clip *c, uint32_t fram
     snprintf(out, capacity, "%.0f:%05.2f", minutes, (hundredths - minutes * 6000.0) / 100.0);
 }
 
-/* ---- where everything stands ---- */
+/* ---- layout ---- */
 
-/* The pairs of views in so many columns. */
+/* Lays out the pairs of views in this number of columns. */
 static void lay_out_columns(sheet_grid *g, uint32_t width, uint32_t height, uint32_t columns)
 {
     const float across_px = (float)width - 2 * g->margin;
@@ -221,9 +221,9 @@ void sheet_place(uint32_t out[2], const sheet_grid *of, uint32_t which, uint32_t
     out[1] = y + which / of->columns * of->row_height;
 }
 
-/* ---- the words at the top ---- */
+/* ---- text at the top ---- */
 
-/* Draws, or (ink NULL) only counts. */
+/* Draws the lines, or only counts them if ink is NULL. */
 static uint32_t write_lines(sheet *s, const char *lines, float top, float size_px,
                             uint32_t max_lines, const float *ink)
 {
@@ -241,7 +241,7 @@ static uint32_t write_lines(sheet *s, const char *lines, float top, float size_p
     return count;
 }
 
-/* Smaller letters before anything is cut. Returns how high it is. */
+/* Shrinks the letters before cutting text. Returns the height of the text. */
 static float write_made_from(sheet *s)
 {
     const sheet_grid *g = &s->grid;
@@ -264,12 +264,12 @@ static void describe_moments(char *out, size_t capacity, const clip *c)
         snprintf(out, capacity, "The face at rest: the performance has no frames.");
     else
         snprintf(out, capacity,
-                 "%u frame%s at %g per second, %.2f s. In each eighth of it the moment furthest "
-                 "from rest: its time, and how far the vertices are (root mean square).",
+                 "%u frame%s at %g per second, %.2f s. Each moment is the frame of one eighth that "
+                 "is furthest from rest, with its time and distance (root mean square).",
                  frame_count, frame_count == 1 ? "" : "s", clip_fps(c), frame_count / clip_fps(c));
 }
 
-/* Afterwards the views have what is left. */
+/* Writes the header, and gives the rest of the sheet to the views. */
 static void write_header(sheet *s)
 {
     char legend[256];
@@ -297,7 +297,7 @@ static void write_label(sheet *s, const char *words, float x, float y, float wid
         draw_text(s->offscreen.renderer, s->offscreen.target, words, x, y, size, ink);
 }
 
-/* A tiny sheet has no room for all of them. */
+/* Skips views that do not fit on a tiny sheet. */
 static void draw_view(sheet *s, const draw_camera *camera, uint32_t which, uint32_t view)
 {
     const sheet_grid *g = &s->grid;
@@ -359,14 +359,14 @@ static mrt_result draw_moments(sheet *s, error *err)
     mrt_result result = frame_all(s, view_aspect, &front, err);
     if (result != MRT_OK)
         return result;
-    draw_face_update(s->offscreen.face, s->mesh->position, NULL); /* shaded as the moments are */
+    draw_face_update(s->offscreen.face, s->mesh->position, NULL); /* shaded like the moments */
     draw_rest(s, &front);
     for (uint32_t i = 0; i < s->moment_count && result == MRT_OK; ++i)
         result = draw_moment(s, i, &front, err);
     return result;
 }
 
-/* Two large views in the middle. */
+/* Draws two large views in the middle. */
 static mrt_result draw_rest_alone(sheet *s, error *err)
 {
     draw_camera front;
@@ -400,7 +400,8 @@ mrt_result sheet_write(const char *path, const clip *c, const sheet_about *about
         error_set(err, MRT_OK, "%s",
                   draw_text_font(s.offscreen.renderer)
                       ? ""
-                      : "the contact sheet has no words: no font was found, install fonts-inter");
+                      : "the contact sheet has no text, because no font was found. Install "
+                        "fonts-inter");
     sheet_finish(&s);
     return result;
 }

@@ -138,7 +138,7 @@ static void clear(draw_target *self)
 {
     gl_bind_framebuffer(GL_FRAMEBUFFER, self->framebuffer);
     glViewport(0, 0, framebuffer_width(self), framebuffer_height(self));
-    glClearColor(0.052f, 0.055f, 0.062f, 1.0f); /* a page a little darker than the wall */
+    glClearColor(0.052f, 0.055f, 0.062f, 1.0f); /* slightly darker than the wall */
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     target_change(self);
 }

@@ -1,15 +1,15 @@
-/* draw/target.h - the inside of a target: its samples, and the picture that is made from them when
- * somebody looks. A graphics card has four samples in each pixel; llvmpipe draws four pixels
- * instead: setting up a small triangle costs it several times more with samples, and it shades what
- * is hidden too. The thread of the context. */
+/* draw/target.h - internals of a target: its samples, and the picture that is made from them on
+ * demand. A graphics card uses four samples per pixel. llvmpipe draws four pixels instead: with
+ * samples the setup of a small triangle costs it several times more, and it shades hidden pixels
+ * too. [thread of the context] */
 #ifndef MAROTTE_UI_DRAW_TARGET_H
 #define MAROTTE_UI_DRAW_TARGET_H
 #include "draw/draw.h"
 #include "draw/gl.h"
 
-typedef struct target_scene { /* what draw_render has behind a face, and where */
+typedef struct target_scene { /* what draw_render draws behind a face, and where */
     GLint viewport[4];
-    float edge[3], light[3]; /* of the wall */
+    float edge[3], light[3]; /* colours of the wall */
     float ground[4];
     bool has_ground;
 } target_scene;
@@ -17,26 +17,27 @@ typedef struct target_scene { /* what draw_render has behind a face, and where *
 struct draw_target {
     uint32_t width, height;
     GLint sample_count;
-    uint32_t
-        side; /* pixels of the framebuffer to a side of the picture's: 1, or 2 without samples */
-    GLuint samples, depth, framebuffer;   /* what is drawn into */
+    uint32_t side; /* pixels of the framebuffer per pixel of the picture, on each side: 1, or 2
+                      without samples */
+    GLuint samples, depth, framebuffer;   /* multisampled buffers */
     GLuint picture, picture_framebuffer;  /* one sample per pixel, sRGB-coded */
     GLuint resolve_program, vertex_array; /* vertex_array: without attributes */
-    GLint keeps_alpha;                    /* of the resolve program */
+    GLint keeps_alpha;                    /* uniform of the resolve program */
     bool stale;                           /* the picture is older than the samples */
-    GLint changed[4];                     /* left, bottom, right, top of what is */
-    bool has_scene;     /* nothing else was drawn than a face: around `covered` is the scene */
-    target_scene scene; /* compared byte by byte */
-    GLint covered[4];   /* by the face; as changed */
-    bool is_clear;      /* alpha is coverage; else the picture is opaque */
+    GLint changed[4];                     /* left, bottom, right, top of the stale part */
+    bool has_scene;                       /* only a face was drawn: the scene is around `covered` */
+    target_scene scene;                   /* compared byte by byte */
+    GLint covered[4];                     /* covered by the face; left, bottom, right, top */
+    bool is_clear;                        /* alpha is coverage; else the picture is opaque */
 };
 
-/* A rectangle (x, y from the top left, width, height) in pixels of the framebuffer, y from below;
- * false: nothing of it is in the target, or it is larger than any picture. */
+/* Converts a rectangle (x, y from the top left, width, height) to pixels of the framebuffer, y from
+ * the bottom. Returns false if it is outside the target, or larger than the maximum size of a
+ * picture. */
 bool target_viewport(GLint out[4], const draw_target *self, const uint32_t rectangle[4]);
-/* Of all of it: the picture is older, and the scene unknown. */
+/* Marks the whole picture as stale, and the scene as unknown. */
 void target_change(draw_target *self);
-/* Everything is drawn there, and nowhere else, until gl_state_leave. */
+/* Limits all drawing to the viewport of the target, until gl_state_leave. */
 void target_begin(draw_target *self, const GLint viewport[4]);
 
 #endif

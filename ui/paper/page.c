@@ -7,7 +7,7 @@
 
 enum { TEXT_MAX = 4096, SHORT_WORD = 40 };
 
-typedef struct half { /* the page in one of its two forms */
+typedef struct half { /* one of the two forms of the page */
     FILE *stream;
     char *text;
     size_t size;
@@ -15,11 +15,11 @@ typedef struct half { /* the page in one of its two forms */
 
 struct page {
     half html, markdown;
-    bool has_numbers[PAGE_COLUMNS_MAX]; /* of the table that is open: its columns */
+    bool has_numbers[PAGE_COLUMNS_MAX]; /* columns of the open table */
     uint32_t column_count;
 };
 
-/* Colours are those of the drawings. */
+/* The same colours as in the drawings. */
 static const char style[] =
     ":root{color-scheme:light dark;--paper:#fcfcfa;--ink:#1c1e22;--calm:#5b6068;--line:#d5d7d2;"
     "--wash:#f0f1ec;--link:#0b5fa5}\n"
@@ -54,8 +54,8 @@ static const char style[] =
 
 /* ---- writing into both ---- */
 
-/* As HTML and XML have it. */
-static void put_letter(FILE *out, char letter)
+/* Escapes for HTML and XML. */
+static void write_letter(FILE *out, char letter)
 {
     static const char special[] = "&<>\"";
     static const char *const written[] = {"&amp;", "&lt;", "&gt;", "&quot;"};
@@ -66,18 +66,18 @@ static void put_letter(FILE *out, char letter)
         fputc(letter, out);
 }
 
-static void put_escaped(FILE *out, const char *text)
+static void write_escaped(FILE *out, const char *text)
 {
     for (; *text; ++text)
-        put_letter(out, *text);
+        write_letter(out, *text);
 }
 
-static void put_html(FILE *out, const char *text)
+static void write_html(FILE *out, const char *text)
 {
     bool is_code = false;
     for (; *text; ++text) {
         if (*text != '`') {
-            put_letter(out, *text);
+            write_letter(out, *text);
             continue;
         }
         is_code = !is_code;
@@ -85,8 +85,8 @@ static void put_html(FILE *out, const char *text)
     }
 }
 
-/* What Markdown would take for its own is escaped; in code only what ends a table's cell. */
-static void put_markdown(FILE *out, const char *text)
+/* Escapes the special characters of Markdown; in code only those that end a cell of a table. */
+static void write_markdown(FILE *out, const char *text)
 {
     bool is_code = false;
     for (; *text; ++text) {
@@ -97,18 +97,18 @@ static void put_markdown(FILE *out, const char *text)
     }
 }
 
-static void put_both(page *self, const char *before, const char *text, const char *after,
-                     const char *mark)
+static void write_both(page *self, const char *before, const char *text, const char *after,
+                       const char *mark)
 {
     fputs(before, self->html.stream);
-    put_html(self->html.stream, text);
+    write_html(self->html.stream, text);
     fputs(after, self->html.stream);
     fputs(mark, self->markdown.stream);
-    put_markdown(self->markdown.stream, text);
+    write_markdown(self->markdown.stream, text);
     fputs("\n\n", self->markdown.stream);
 }
 
-/* ---- from the top ---- */
+/* ---- beginning of the page ---- */
 
 static bool open_half(half *self)
 {
@@ -136,9 +136,9 @@ page *page_create(const char *title)
           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
           "<meta name=\"generator\" content=\"marotte " MAROTTE_VERSION "\">\n<title>",
           html);
-    put_html(html, title);
+    write_html(html, title);
     fprintf(html, "</title>\n<style>\n%s</style>\n</head>\n<body>\n", style);
-    put_both(self, "<h1>", title, "</h1>\n", "# ");
+    write_both(self, "<h1>", title, "</h1>\n", "# ");
     return self;
 }
 
@@ -153,12 +153,12 @@ void page_destroy(page *self)
 
 void page_heading(page *self, const char *text)
 {
-    put_both(self, "<h2>", text, "</h2>\n", "## ");
+    write_both(self, "<h2>", text, "</h2>\n", "## ");
 }
 
 void page_subheading(page *self, const char *text)
 {
-    put_both(self, "<h3>", text, "</h3>\n", "### ");
+    write_both(self, "<h3>", text, "</h3>\n", "### ");
 }
 
 void page_text(page *self, const char *format, ...)
@@ -168,7 +168,7 @@ void page_text(page *self, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    put_both(self, "<p>", text, "</p>\n", "");
+    write_both(self, "<p>", text, "</p>\n", "");
 }
 
 void page_caption(page *self, const char *format, ...)
@@ -178,10 +178,10 @@ void page_caption(page *self, const char *format, ...)
     va_start(arguments, format);
     (void)vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    put_both(self, "<p class=\"caption\">", text, "</p>\n", "");
+    write_both(self, "<p class=\"caption\">", text, "</p>\n", "");
 }
 
-/* Lines are broken between its words; within one only where it is long. */
+/* Breaks lines between words, and within a word only if it is long. */
 void page_command(page *self, const char *command)
 {
     FILE *html = self->html.stream;
@@ -192,7 +192,7 @@ void page_command(page *self, const char *command)
         bool is_short = length < SHORT_WORD;
         (void)snprintf(text, sizeof text, "%.*s", (int)length, word);
         fputs(is_short ? "<span>" : "", html);
-        put_html(html, text);
+        write_html(html, text);
         fputs(is_short ? "</span>" : "", html);
         word += length;
         for (; *word == ' '; ++word)
@@ -204,17 +204,17 @@ void page_command(page *self, const char *command)
 
 /* ---- tables and pictures ---- */
 
-static void put_cells(page *self, const char *const *cell, const char *tag)
+static void write_cells(page *self, const char *const *cell, const char *tag)
 {
     FILE *html = self->html.stream, *markdown = self->markdown.stream;
     fputs("<tr>", html);
     fputc('|', markdown);
     for (uint32_t i = 0; i < self->column_count; ++i) {
         fprintf(html, "<%s%s>", tag, self->has_numbers[i] ? " class=\"n\"" : "");
-        put_html(html, cell[i]);
+        write_html(html, cell[i]);
         fprintf(html, "</%s>", tag);
         fputc(' ', markdown);
-        put_markdown(markdown, cell[i]);
+        write_markdown(markdown, cell[i]);
         fputs(" |", markdown);
     }
     fputs("</tr>\n", html);
@@ -230,7 +230,7 @@ void page_table(page *self, const char *const *head, uint32_t column_count)
         word[i] = head[i] + self->has_numbers[i];
     }
     fputs("<div class=\"wide\"><table>\n<thead>\n", self->html.stream);
-    put_cells(self, word, "th");
+    write_cells(self, word, "th");
     fputs("</thead>\n<tbody>\n", self->html.stream);
     fputc('|', self->markdown.stream);
     for (uint32_t i = 0; i < self->column_count; ++i)
@@ -240,7 +240,7 @@ void page_table(page *self, const char *const *head, uint32_t column_count)
 
 void page_row(page *self, const char *const *cell)
 {
-    put_cells(self, cell, "td");
+    write_cells(self, cell, "td");
 }
 
 void page_table_end(page *self)
@@ -258,10 +258,10 @@ void page_picture(page *self, const char *file, const char *what, uint32_t least
     if (most_px)
         fprintf(html, ";max-width:%upx", most_px);
     fputs("\" alt=\"", html);
-    put_html(html, what);
+    write_html(html, what);
     fputs("\"></a></div>\n", html);
     fputs("![", markdown);
-    put_markdown(markdown, what);
+    write_markdown(markdown, what);
     fprintf(markdown, "](%s)\n\n", file);
 }
 
@@ -288,7 +288,7 @@ mrt_result page_write(page *self, const char *html_path, const char *markdown_pa
 static const char *const ink_class[SVG_INKS] = {"ink", "calm", "line", "wash", "a", "b"};
 static const char *const anchor_name[] = {"start", "middle", "end"};
 
-/* The same colours as the page's (style). In full for each class: programs other than
+/* The same colours as in the page (style). Written in full for each class: programs other than
  * browsers know classes, but neither variables nor the dark theme. */
 #define FILL_AND_STROKE(name, colour) ".f-" name "{fill:" colour "}.s-" name "{stroke:" colour "}"
 #define THEME(ink, calm, line, wash, a, b, paper)                                                  \
@@ -319,7 +319,7 @@ mrt_result svg_open(svg *out, const char *path, uint32_t width, uint32_t height,
             "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %u %u\" width=\"%u\" "
             "height=\"%u\" role=\"img\">\n<title>",
             width, height, width, height);
-    put_escaped(stream, title);
+    write_escaped(stream, title);
     fprintf(stream, "</title>\n%s<rect class=\"f-paper\" width=\"%u\" height=\"%u\"/>\n", svg_style,
             width, height);
     return MRT_OK;
@@ -380,7 +380,7 @@ void svg_point(svg *self, svg_ink ink, svg_mark mark, double x, double y, double
 
 void svg_arrow(svg *self, svg_ink ink, const double from[2], const double to[2])
 {
-    /* Along an axis, as all arrows here. */
+    /* all arrows here follow an axis */
     double way[2] = {(to[0] > from[0]) - (to[0] < from[0]), (to[1] > from[1]) - (to[1] < from[1])};
     const double neck[2] = {to[0] - 8.0 * way[0], to[1] - 8.0 * way[1]};
     svg_line(self, ink, 1.6, from, neck);
@@ -389,34 +389,34 @@ void svg_arrow(svg *self, svg_ink ink, const double from[2], const double to[2])
             neck[0] - 4.5 * way[1], neck[1] - 4.5 * way[0]);
 }
 
-static void put_words(svg *self, svg_ink ink, double size, svg_anchor anchor, const char *more,
-                      double x, double y, const char *words)
+static void write_words(svg *self, svg_ink ink, double size, svg_anchor anchor, const char *more,
+                        double x, double y, const char *words)
 {
     FILE *out = self->writer.stream;
     fprintf(out,
             "<text class=\"f-%s\" font-size=\"%g\" text-anchor=\"%s\" x=\"%.2f\" y=\"%.2f\"%s>",
             ink_class[ink], size, anchor_name[anchor], x, y, more);
-    put_escaped(out, words);
+    write_escaped(out, words);
     fputs("</text>\n", out);
 }
 
 void svg_words(svg *self, svg_ink ink, double size, svg_anchor anchor, double x, double y,
                const char *words)
 {
-    put_words(self, ink, size, anchor, "", x, y, words);
+    write_words(self, ink, size, anchor, "", x, y, words);
 }
 
 void svg_strong_words(svg *self, svg_ink ink, double size, svg_anchor anchor, double x, double y,
                       const char *words)
 {
-    put_words(self, ink, size, anchor, " font-weight=\"600\"", x, y, words);
+    write_words(self, ink, size, anchor, " font-weight=\"600\"", x, y, words);
 }
 
 void svg_words_upwards(svg *self, svg_ink ink, double size, double x, double y, const char *words)
 {
     char transform[64];
     (void)snprintf(transform, sizeof transform, " transform=\"rotate(-90 %.2f %.2f)\"", x, y);
-    put_words(self, ink, size, SVG_MIDDLE, transform, x, y, words);
+    write_words(self, ink, size, SVG_MIDDLE, transform, x, y, words);
 }
 
 void svg_cells_begin(svg *self, svg_ink ink)

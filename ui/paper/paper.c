@@ -1,4 +1,4 @@
-/* marotte paper: the paper beside the program, on one page. */
+/* marotte paper: compares the paper with the program, on one page. */
 #include "paper/paper.h"
 
 #include "base/cancel.h"
@@ -39,7 +39,7 @@ static const char help[] =
     "  --json        print the figures as one JSON object\n"
     "\n"
     "It takes a minute or two and needs no display. If it is stopped or fails, an older page\n"
-    "stays as it was.\n";
+    "is kept.\n";
 
 mrt_result paper_check_stop(error *err)
 {
@@ -76,7 +76,7 @@ mrt_result paper_add_file(paper *self, char out_path[PATH_MAX], const char *name
     return path_in(out_path, self->meanwhile, name, err);
 }
 
-/* A folder that has something in it is only used when a page of ours is part of that. */
+/* Uses a folder that is not empty only if it contains a page of marotte. */
 static mrt_result check_entries(const char *folder, error *err)
 {
     char path[PATH_MAX];
@@ -127,7 +127,7 @@ static mrt_result make_folder(paper *self, const char *given, error *err)
     return path_in(self->meanwhile, meanwhile, "/", err);
 }
 
-/* Pictures first, the page that names them last. */
+/* Moves the pictures first, and the page that names them last. */
 static mrt_result move_files(paper *self, error *err)
 {
     mrt_result result = MRT_OK;
@@ -143,7 +143,7 @@ static mrt_result move_files(paper *self, error *err)
     return result;
 }
 
-/* What is not finished goes, and the folder if it was made for it. */
+/* Removes unfinished files, and the folder if it was created for them. */
 static void remove_unfinished(paper *self)
 {
     for (uint32_t i = 0; self->meanwhile[0] && i < self->file_count; ++i) {
@@ -158,9 +158,7 @@ static void remove_unfinished(paper *self)
         (void)rmdir(self->folder);
 }
 
-/* ---- what can only be said: the paper's misprints, and each default of ours that is otherwise
- * ----
- */
+/* ---- texts: the misprints of the paper, and each default of ours that differs ---- */
 
 typedef struct misprint {
     const char *printed, *meant, *how;
@@ -168,7 +166,7 @@ typedef struct misprint {
 
 static const misprint misprints[] = {
     {"Table 1, 32 768 polygons, R = 60: 115 812 pairs", "155 812",
-     "9.34 and 9.37 pairs a vertex stand above and below it in the same column; 115 812 would be "
+     "9.34 and 9.37 pairs a vertex are above and below it in the same column. 115 812 would be "
      "6.96, 155 812 is 9.36. Our own points give 156 670."},
     {"“65 536 polygons ... 28 frames a second at R = 80”", "13.4, or 32 768 polygons",
      "Table 1 has 13.4 for 65 536 polygons; 28.0 is its row of 32 768."},
@@ -192,49 +190,49 @@ static void add_misprints(paper *of)
     page_table_end(of->page);
 }
 
-/* Where a parameter of a mapping is meant, what stands here is read from the mapping itself. */
+/* If a mapping is named, `here` is replaced by the value of its parameter. */
 typedef struct departure {
-    const char *what, *mapping, *group, *name; /* mapping NULL: `here` says it */
+    const char *what, *mapping, *group, *name; /* mapping NULL: use `here` */
     const char *here, *paper, *reason;
 } departure;
 
 static const departure departures[] = {
     {"Kernel", NULL, NULL, NULL, "Wendland C2",
      "a compactly supported function of its reference [11]; which one is not in our notes",
-     "twice smooth and the cheapest that is; C0, C4 and C6 can be chosen"},
+     "twice differentiable, and the cheapest such kernel; C0, C4 and C6 can be chosen"},
     {"Polynomial", NULL, NULL, NULL, "none", "linear, over all of space (equations 1 to 3)",
      "with it the back of the head moves 4 to 10 times further than the fingers"},
     {"Radius, anchored", "anchored", "Pull", "Radius", NULL, "a length, the same for every model",
-     "a share of the face feels alike on a doll and on a statue"},
+     "a share of the face feels the same on a doll and on a statue"},
     {"Radius, unanchored", "unanchored", "Pull", "Radius", NULL,
      "a length, the same for every model", "likewise"},
     {"Gain, anchored", "anchored", "Pull", "Gain", NULL, "1",
-     "a hand that talks moves further than a face should"},
+     "a talking hand moves further than a face should"},
     {"Gain, unanchored", "unanchored", "Pull", "Gain", NULL, "1",
-     "clay keeps every push, so each counts for less"},
+     "clay keeps every push, so each one counts for less"},
     {"Soft end of a pull", "anchored", "Pull", "Reach", NULL, "none",
      "one fingertip that pulls further than 64/135 R folds the surface"},
     {"Stretch of an edge, at most", "anchored", "Solver", "Stretch", NULL, "no limit",
-     "near it less is given: skin that is pulled further looks torn, or folds"},
-    {"Steps of an unanchored sample", NULL, NULL, NULL, "as many as keep it from folding, up to 32",
+     "near the limit the pull is reduced: skin that is pulled further looks torn, or folds"},
+    {"Steps of an unanchored sample", NULL, NULL, NULL, "as many as prevent folds, up to 32",
      "one a frame", "one step of a quick hand turns the surface inside out"},
-    {"“Within radius?”, anchored", NULL, NULL, NULL, "asked once, of the starts",
-     "asked of the end points",
-     "else the face would freeze when a finger pulls further than the radius"},
-    {"Unit of time", NULL, NULL, NULL, "a sample of the gloves", "a frame that is drawn",
-     "a performance must not depend on how fast the picture is drawn"},
+    {"“Within radius?”, anchored", NULL, NULL, NULL, "tested once, for the starts",
+     "tested for the end points",
+     "otherwise the face would freeze when a finger pulls further than the radius"},
+    {"Unit of time", NULL, NULL, NULL, "a sample of the gloves", "a drawn frame",
+     "a performance must not depend on the drawing speed"},
     {"An anchored frame", NULL, NULL, NULL, "sums responses computed at engage",
-     "evaluates its field anew", "the same result, several times as fast at any radius"},
+     "evaluates its field again", "the same result, several times as fast at any radius"},
     {"Order of centres", NULL, NULL, NULL, "Morton curve up to 64, then the longest axis", "octree",
-     "the envelope is smaller, and the result has the same bits however they are numbered"},
+     "the envelope is smaller, and the result has the same bits for any numbering"},
     {"Factorisation", NULL, NULL, NULL, "Cholesky within the envelope", "of a band",
-     "sorting along an octree narrows the envelope, hardly the band"},
+     "sorting along an octree narrows the envelope, but hardly the band"},
     {"Centres at one place", NULL, NULL, NULL, "merged below R / 1000", "not in our notes",
      "two fingertips that meet must not tear the face"},
-    {"Angles", NULL, NULL, NULL, "smoothed by a One-Euro filter, a camera's by its own",
-     "not in our notes", "a glove's noise shows on a face that holds still"},
+    {"Angles", NULL, NULL, NULL, "smoothed by a One-Euro filter; cameras have their own",
+     "not in our notes", "the noise of a glove is visible on a face that holds still"},
     {"Where the hand is laid", "anchored", "Placement", "Posture", NULL, "not in our notes",
-     "a hand without a tracker has to stand somewhere; the placement is the performer's to change"},
+     "a hand without a tracker needs a place; the performer can change it"},
     {"Constraints", NULL, NULL, NULL, "bones, regions and a skull, where a face has a rig",
      "none; named as future work", "a jaw that opens needs a hinge, and teeth must not bend"},
 };
@@ -252,7 +250,7 @@ static const mrt_param *param_of(plugin_list *plugins, const departure *d)
     return NULL;
 }
 
-/* False: the mapping has no such parameter. */
+/* Returns false if the mapping has no such parameter. */
 static bool write_default(char out[64], plugin_list *plugins, const departure *d)
 {
     if (!d->mapping) {
@@ -322,17 +320,17 @@ static void introduce(paper *self)
     page_text(
         self->page,
         "“3D Freeform Design: Interactive Shape Deformations by the Use of CyberGlove” lets a "
-        "performer in two gloves take hold of a face with ten fingertips: compactly supported "
-        "radial basis functions carry what the fingertips do to the surface, in an anchored "
-        "and an unanchored way. This page holds its tables and figures beside what `marotte` "
-        "does, measured and drawn on one machine in one run by `marotte paper`.");
+        "performer in two gloves take hold of a face with ten fingertips. Compactly supported "
+        "radial basis functions carry the motion of the fingertips to the surface, in an "
+        "anchored and an unanchored way. This page compares its tables and figures with "
+        "`marotte`, measured and drawn on one machine in one run of `marotte paper`.");
     page_text(self->page,
-              "marotte %s, %s. Processor: %s, one thread, instruction set %s. Pictures: %s. Where "
-              "a number of the paper is missing, it is not in our notes of it, and nothing stands "
-              "in its place. The paper's times are of a computer of its day, its display included: "
-              "they are here for the shape of the table, not as a race.%s",
+              "marotte %s, %s. Processor: %s, one thread, instruction set %s. Pictures: %s. A "
+              "missing number of the paper is not in our notes of it. The paper's times are "
+              "from a computer of its day, with its display: compare the shape of the table, "
+              "not the speed.%s",
               MAROTTE_VERSION, date, processor, isa_name(isa_now()),
-              self->drawn_by[0] ? self->drawn_by : "none could be drawn here",
+              self->drawn_by[0] ? self->drawn_by : "none, because drawing is not possible here",
               self->is_quick ? " This page was made with --quick: its times are rough." : "");
     facts_text(self->told, "version", "version", MAROTTE_VERSION);
     facts_text(self->told, "date", "date", date);
@@ -388,7 +386,7 @@ static mrt_result make(paper *self, const char *folder, error *err)
         result = error_set(err, MRT_ERR_MEMORY, "no memory for a page");
     if (result < 0)
         return result;
-    pool_share_from((double)INFINITY); /* one thread: what is compared is the work */
+    pool_share_from((double)INFINITY); /* one thread: the amount of work is compared */
     int64_t start_ns = clock_now_ns();
     progress_start(&self->shown, "writing the page");
     result = fill_page(self, err);
@@ -401,7 +399,7 @@ static mrt_result make(paper *self, const char *folder, error *err)
     return result;
 }
 
-static void tell(const paper *self)
+static void print_summary(const paper *self)
 {
     for (uint32_t i = 0; i < self->file_count; ++i)
         printf("%-18s %s%s\n", "wrote", self->folder, self->file[i]);
@@ -439,7 +437,7 @@ static int run(int argc, char **argv)
     facts_abandon(self.told);
     if (result < 0)
         return command_failed(&command_paper, &err);
-    tell(&self);
+    print_summary(&self);
     return COMMAND_DONE;
 }
 

@@ -1,4 +1,4 @@
-/* Figure 1, a hand and its tree, and Figure 2, the way of the data. */
+/* Figure 1, a hand and its tree, and Figure 2, the data flow. */
 #include "paper/paper.h"
 
 #include "draw/offscreen.h"
@@ -9,7 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the hand as a surface: rounded bones, blended, cut from a grid by surface nets ---- */
+/* ---- the hand as a surface: rounded bones are blended, and a surface is extracted from a grid by
+ * surface nets ---- */
 
 enum { FINGERS = 5, BONES_MAX = 48 };
 static const double step_mm = 2.0, air_mm = 8.0;
@@ -35,7 +36,8 @@ static vec3 between(vec3 a, vec3 b, double share)
     return vec3_add(vec3_scale(a, 1.0 - share), vec3_scale(b, share));
 }
 
-/* A hand that is about to take hold: relaxed, a little spread. Angles in the order of sensors. */
+/* Poses a hand that is about to take hold: relaxed, slightly spread. Angles in the order of
+ * sensors. */
 static void pose_hand(flesh *self, const hand_skeleton *skeleton)
 {
     static const float angle_rad[MRT_ANGLES] = {
@@ -89,14 +91,14 @@ static double distance_to(const bone *b, vec3 at)
     return sqrt(vec3_dot(beside, beside)) - (b->from_mm + share * (b->to_mm - b->from_mm));
 }
 
-/* The smaller of two, with a fillet of about width k where they meet. */
+/* Returns the smaller of two distances, with a fillet of about width k where they meet. */
 static double blended(double a, double b, double k)
 {
     double h = fmax(k - fabs(a - b), 0.0) / k;
     return fmin(a, b) - 0.25 * h * h * k;
 }
 
-/* mm from the skin; inside is negative. */
+/* Returns the distance from the skin in mm; negative inside. */
 static double distance_to_skin(const flesh *self, vec3 at)
 {
     double palm = INFINITY, out = INFINITY;
@@ -117,7 +119,7 @@ typedef struct grid {
     vec3 low;
     uint32_t count[3]; /* of corners */
     float *value;      /* at each corner: distance_to_skin */
-    uint32_t *vertex;  /* of each cell: 1 + its vertex, 0: the skin does not cross it */
+    uint32_t *vertex;  /* for each cell: 1 + index of its vertex; 0: the skin does not cross it */
 } grid;
 
 static size_t corner_of(const grid *g, uint32_t x, uint32_t y, uint32_t z)
@@ -134,7 +136,7 @@ static bool fill_grid(grid *g, const flesh *f)
         high = (vec3){fmax(high.x, at.x), fmax(high.y, at.y), fmax(high.z, at.z)};
     }
     const double room = 24.0 + air_mm;
-    g->low = (vec3){low.x - room, low.y - room, low.z - 24.0}; /* the forearm is cut */
+    g->low = (vec3){low.x - room, low.y - room, low.z - 24.0}; /* the forearm is cut off here */
     const double size[3] = {high.x - low.x + 2 * room, high.y - low.y + 2 * room,
                             high.z - low.z + room + 24.0};
     for (int i = 0; i < 3; ++i)
@@ -150,12 +152,13 @@ static bool fill_grid(grid *g, const flesh *f)
                 vec3 at = vec3_add(g->low, (vec3){step_mm * x, step_mm * y, step_mm * z});
                 double d = distance_to_skin(f, at);
                 g->value[corner_of(g, x, y, z)] =
-                    (float)(z == 0 ? fmax(d, 0.5) : d); /* closed where it is cut */
+                    (float)(z == 0 ? fmax(d, 0.5) : d); /* closes the surface at the cut */
             }
     return true;
 }
 
-/* Where the edges of a cell cross the skin, in the mean. False: none does. */
+/* Places a vertex at the mean of the points where the edges of a cell cross the skin. Returns false
+ * if none does. */
 static bool place_vertex(const grid *g, const uint32_t cell[3], float out[3])
 {
     double sum[3] = {0.0};
@@ -197,7 +200,7 @@ static uint32_t place_vertices(grid *g, float *out)
     return count;
 }
 
-/* For each edge that crosses the skin the four cells around it, as two triangles. */
+/* For each edge that crosses the skin, joins the four cells around it by two triangles. */
 static uint32_t place_triangles(const grid *g, uint32_t *out)
 {
     uint32_t count = 0;
@@ -296,7 +299,7 @@ static void draw_bones(offscreen *e, const draw_camera *camera, const flesh *f, 
     }
 }
 
-/* The hand is drawn standing: its fingers up, its palm away. */
+/* Turns the hand upright: its fingers up, its palm away. */
 static void stand_up(mesh *m, flesh *f)
 {
     for (uint32_t v = 0; v < m->vertex_count; ++v) {
@@ -401,16 +404,16 @@ static mrt_result add_tree(paper *of, error *err)
     svg_line(&s, SVG_CALM, 1.4, (double[]){144, middle}, (double[]){176, middle});
     draw_node(&s, 20, middle - 0.5 * NODE_HEIGHT, 124, "Parent", "wrist");
     svg_words(&s, SVG_CALM, 13, SVG_START, 20, TREE_HEIGHT - 22,
-              "Each node stores where it stands in its parent in the default shape; a pose is "
-              "computed from the wrist outwards and stored nowhere.");
+              "Each node stores its place in its parent in the default shape. A pose is "
+              "computed from the wrist outwards, and not stored.");
     result = svg_finish(&s, err);
     if (result < 0)
         return result;
     page_picture(of->page, name, what, 640, 0);
     page_caption(of->page,
-                 "Twenty-two angles of a glove turn the Joints (`core/hand/hand.c`). The "
-                 "hand is %d mm long and surfaced for this picture; a performance needs only its "
-                 "fingertips, and at will eight points of its palm.",
+                 "Twenty-two angles of a glove turn the Joints (`core/hand/hand.c`). The hand "
+                 "is %d mm long, and was given a surface for this picture. A performance needs "
+                 "only its fingertips and, optionally, eight points of its palm.",
                  HAND_LENGTH_MM);
     return MRT_OK;
 }
@@ -436,7 +439,7 @@ typedef struct flow_step {
     const char *title, *where;
 } flow_step;
 
-/* One way of the two, from the top down, and back again. */
+/* Draws one of the two ways, from the top down and back again. */
 static void draw_way(svg *s, svg_ink ink, double x, double width, const char *title,
                      const flow_step step[4], const char *back, double back_x)
 {
@@ -460,19 +463,19 @@ static void draw_way(svg *s, svg_ink ink, double x, double width, const char *ti
 static mrt_result add_flow(paper *of, error *err)
 {
     static const char name[] = "figure2_data.svg",
-                      what[] = "The way of the data: from the gloves over the fingertips to the "
-                               "face, anchored and unanchored";
+                      what[] = "The data flow: from the gloves over the fingertips to the face, "
+                               "anchored and unanchored";
     static const flow_step anchored[4] = {
-        {"Within radius? Asked once, of the starts", "s := tips; no vertex near: wait"},
+        {"Within radius? Tested once, for the starts", "s := tips; no vertex near: wait"},
         {"Sort, factor, unit responses B", "core/csrbf: once for each hold"},
         {"Shown := base + B (tips − s)", "every frame; never from the last frame"},
         {"Commit: base := shown", "the pedal or key; nothing jumps"},
     };
     static const flow_step unanchored[4] = {
-        {"Within radius? Asked of every sample", "no tip near the shape shown: nothing moves"},
+        {"Within radius? Tested for every sample", "no tip near the shape shown: nothing moves"},
         {"s := last tips, e := tips", "every sample of the gloves counts"},
         {"Sort, factor, solve", "core/csrbf: in steps that do not fold"},
-        {"Shown := shown + d (shown)", "clay: what was pushed stays"},
+        {"Shown := shown + d (shown)", "clay: every push stays"},
     };
     char path[PATH_MAX];
     svg s;
@@ -501,15 +504,15 @@ static mrt_result add_flow(paper *of, error *err)
     result = svg_finish(&s, err);
     if (result < 0)
         return result;
-    page_heading(of->page, "Figure 2: the way of the data");
+    page_heading(of->page, "Figure 2: the data flow");
     page_picture(of->page, name, what, 640, 0);
     page_caption(
         of->page,
-        "“Within Radius?” stands in the paper's flow chart as a question about end points. Asked "
-        "of every frame in the anchored way it would freeze the face as soon as a finger pulls "
-        "further than R; so there it is asked once, of the starts, when the hands take hold. "
-        "Unanchored the end points of a sample are the start points of the next, and it is asked "
-        "each time.");
+        "“Within Radius?” is a question about end points in the flow chart of the paper. If it "
+        "were tested for every frame in the anchored way, the face would freeze as soon as a "
+        "finger pulls further than R. So there it is tested once, for the starts, when the "
+        "hands take hold. In the unanchored way the end points of a sample are the start points "
+        "of the next, and it is tested each time.");
     return MRT_OK;
 }
 

@@ -1,5 +1,5 @@
 /* Figures 4 and 5: the Moai in the hands of a performer, anchored and unanchored. Each picture is
- * made by the very command that stands below it, in a process of its own. */
+ * made by exactly the command that is printed below it, in a separate process. */
 #include "paper/paper.h"
 
 #include "base/clock.h"
@@ -16,14 +16,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* How often it is looked after; from being asked to end to its end. */
+/* Interval of checks; time from the request to end to the end. */
 static const int64_t turn_ns = 20 * NS_PER_MS, goodbye_ns = 5 * NS_PER_S;
 
-/* ---- a command of this program's, run ---- */
+/* ---- running a command of this program ---- */
 
 enum { WORDS_MAX = 24 };
 
-/* posix_spawn does not write to the words: it is only declared so. */
+/* posix_spawn does not write to the words, although its declaration allows it. */
 static bool start(pid_t *out, const char *const *word, FILE *told, FILE *trouble)
 {
     char program[INSTALLED_LENGTH];
@@ -35,7 +35,7 @@ static bool start(pid_t *out, const char *const *word, FILE *told, FILE *trouble
     return installed_program(program) && program_spawn(out, &how) == 0;
 }
 
-/* Until it ends, or somebody wants this program to. */
+/* Waits until the process ends, or until the user wants to stop. */
 static mrt_result wait_for(paper *of, pid_t pid, int *out_status, error *err)
 {
     mrt_result result = MRT_OK;
@@ -51,7 +51,7 @@ static mrt_result wait_for(paper *of, pid_t pid, int *out_status, error *err)
     return result;
 }
 
-/* The last line of what it said. */
+/* Reads the last line of its messages. */
 static void read_reason(char *out, int capacity, FILE *trouble)
 {
     out[0] = '\0';
@@ -60,7 +60,7 @@ static void read_reason(char *out, int capacity, FILE *trouble)
         out[strcspn(out, "\n")] = '\0';
 }
 
-/* told, trouble: files without a name, for what it prints. */
+/* told, trouble: files without a name, for its stdout and stderr. */
 static mrt_result run_into(paper *of, const char *const *word, FILE *told, FILE *trouble,
                            json_t **out_facts, error *err)
 {
@@ -101,14 +101,15 @@ typedef struct figure {
 static const figure figures[] = {
     {"figure4_anchored.png", "Figure 4: the Moai, anchored",
      "Eight moments of the Moai, held by ten fingertips in the anchored way", "anchored",
-     "Ten fingertips take hold of the face where they are, and pull; what they let go is where it "
-     "was."},
+     "Ten fingertips take hold of the face where they are, and pull. When they let go, the face "
+     "returns to its shape."},
     {"figure5_unanchored.png", "Figure 5: the Moai, unanchored",
      "Eight moments of the Moai, kneaded by ten fingertips in the unanchored way", "unanchored",
-     "The same two hands knead the stone as clay: what was pushed stays."},
+     "The same two hands knead the stone as clay: every push stays."},
 };
 
-/* As the paper has it, where the mapping can do that: what our defaults are there for is seen. */
+/* Figures with the paper's own settings, where the mapping has them. They show the purpose of our
+ * defaults. */
 static const figure to_the_letter[] = {
     {"figure4_letter.png", "Figure 4 to the letter of the paper",
      "The Moai in the anchored way with the paper's own settings", "anchored,preset=paper",
@@ -119,7 +120,7 @@ static const figure to_the_letter[] = {
      "Likewise, with one step for each sample, however quick the hand."},
 };
 
-/* A recording that comes with marotte: from a clone what stands there, else what was installed. */
+/* Finds a recording that comes with marotte: in the source tree, else in the installation. */
 static void name_recording(char out[INSTALLED_LENGTH], const char *file)
 {
     char cloned[INSTALLED_LENGTH];
@@ -133,7 +134,7 @@ static double fact_of(const json_t *told, const char *key)
     return json_number_value(json_object_get(told, key));
 }
 
-/* Facts of perform that the page repeats: the key, and the words around the number. */
+/* Facts of perform that the page repeats: the key, and the text around the number. */
 static const struct {
     const char *key, *before, *behind;
     int decimals;
@@ -148,7 +149,7 @@ static const struct {
 };
 enum { TOLD_FACTS = sizeof told_facts / sizeof told_facts[0] };
 
-static void say_facts(paper *of, const figure *f, const json_t *told)
+static void add_facts(paper *of, const figure *f, const json_t *told)
 {
     char line[512] = "";
     facts_cell cells[TOLD_FACTS + 3] = {{"file", f->file, 0.0, 0},
@@ -165,14 +166,15 @@ static void say_facts(paper *of, const figure *f, const json_t *told)
         cells[count++] = (facts_cell){told_facts[i].key, NULL, value, 4};
     }
     page_caption(of->page,
-                 "%s Eight moments, in each eighth of %.0f frames the one furthest from rest, from "
-                 "the front and from three quarters. The face %s.",
+                 "%s Eight moments, each the frame furthest from rest in one eighth of %.0f "
+                 "frames, from the front and from three quarters. The face %s.",
                  f->text, fact_of(told, "frames"), line);
     facts_row(of->told, "figures", "", "", cells, count);
 }
 
-/* As one types it: the picture beside, and no --json. */
-static void say_command(paper *of, const figure *f, const char *const *word)
+/* Prints the command as a person types it: with the picture in the current folder, and without
+ * --json. */
+static void add_command(paper *of, const figure *f, const char *const *word)
 {
     char line[3 * INSTALLED_LENGTH] = "marotte";
     size_t used = strlen(line);
@@ -213,8 +215,8 @@ static mrt_result add_figure(paper *of, const figure *f, error *err)
         return result;
     page_heading(of->page, f->heading);
     page_picture(of->page, f->file, f->what, 720, 0);
-    say_command(of, f, word);
-    say_facts(of, f, told);
+    add_command(of, f, word);
+    add_facts(of, f, told);
     json_decref(told);
     return MRT_OK;
 }
@@ -227,7 +229,7 @@ static bool can_be_paper(const mrt_plugin_type *mapping)
     return false;
 }
 
-/* Of both mappings, or of none. */
+/* Returns whether both mappings have the preset. */
 static bool have_paper_preset(void)
 {
     plugin_list plugins = {0};

@@ -1,5 +1,5 @@
-/* What the paper says of its solver, shown: what sorting does to the matrix; and the engine beside
- * a plain reference solve. */
+/* The paper's claims about its solver: the effect of sorting on the matrix, and the engine beside a
+ * plain reference solve. */
 #include "paper/paper.h"
 
 #include "base/clock.h"
@@ -26,14 +26,14 @@ static const char *const order_name[ORDERS] = {"unsorted", "along a Morton curve
 typedef struct centres {
     uint32_t count;
     double radius_mm;
-    order_item *item, *scratch; /* scratch: count */
+    order_item *item, *scratch; /* scratch: count elements */
 } centres;
 
 typedef struct fill {
     uint32_t nonzero, profile, half_band; /* of the lower triangle, diagonal included */
-    double factor_ms, operations;         /* of the factorisation in its envelope */
-    uint8_t cell[RASTER][RASTER];         /* 0 nothing, 1 in the envelope, 2 has a nonzero */
-    uint32_t raster;                      /* cells a side */
+    double factor_ms, operations;         /* of the factorisation within its envelope */
+    uint8_t cell[RASTER][RASTER]; /* 0: zero; 1: within the envelope; 2: has a nonzero entry */
+    uint32_t raster;              /* cells on each side */
 } fill;
 
 static mrt_result create_centres(centres *out, uint32_t count, double radius_mm, error *err)
@@ -44,7 +44,7 @@ static mrt_result create_centres(centres *out, uint32_t count, double radius_mm,
     return out->item ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory for %u centres", count);
 }
 
-static void take_few(centres *out)
+static void place_few(centres *out)
 {
     for (uint32_t i = 0; i < FEW; ++i) {
         memcpy(out->item[i].at, bench_control + (size_t)3 * i, sizeof out->item[i].at);
@@ -52,8 +52,9 @@ static void take_few(centres *out)
     }
 }
 
-/* Spread evenly over an ellipsoid of a skull's size; in no order: by a fixed shuffle. */
-static void take_many(centres *out)
+/* Spreads centres evenly over an ellipsoid of the size of a skull, and shuffles them in a fixed
+ * way. */
+static void place_many(centres *out)
 {
     uint64_t state = 2005;
     for (uint32_t i = 0; i < out->count; ++i)
@@ -94,7 +95,7 @@ static void note_cells(fill *out, uint32_t count, uint32_t i, uint32_t from, uin
     }
 }
 
-/* Fills the matrix into `matrix`; rows begin together as the factorisation takes them. */
+/* Fills the matrix into `matrix`; rows begin together, as the factorisation needs it. */
 static void fill_matrix(fill *out, envelope *matrix, const centres *c)
 {
     uint32_t first = 0;
@@ -262,15 +263,14 @@ static void add_fill_table(paper *of, const centres *few, const centres *many, c
     page_table_end(of->page);
     page_caption(
         of->page,
-        "Shares of the lower triangle. The ten are Table 1's at R = %g mm; the many lie all "
-        "over a head of a skull's size, R = %g mm, and come shuffled; a cell of the drawing there "
-        "stands for many entries. With as few as "
-        "ten the order saves nothing that could be timed; it is kept, because centres "
-        "sorted the same way give the same bits however they were numbered. With "
-        "thousands the claim is right for the envelope, not for a band: along the Morton "
-        "curve of an octree single rows reach far back, so that the half band stays wide. "
-        "The engine sorts up to 64 centres along the curve, and more along the longest "
-        "axis, and stores each row from its first entry on (`core/csrbf/saddle.h`).",
+        "Shares of the lower triangle. The ten are those of Table 1 at R = %g mm. The many are "
+        "spread over a head of the size of a skull, R = %g mm, and shuffled; a cell of their "
+        "drawing represents many entries. With only ten centres, sorting saves no measurable "
+        "time. It is kept, because sorted centres give the same bits for any numbering. With "
+        "thousands the claim is right for the envelope, but not for a band: along the Morton "
+        "curve of an octree, single rows reach far back, so that the half band stays wide. The "
+        "engine sorts up to 64 centres along the curve, and more along the longest axis, and "
+        "stores each row from its first entry on (`core/csrbf/saddle.h`).",
         few->radius_mm, many->radius_mm);
 }
 
@@ -283,8 +283,8 @@ static mrt_result add_fill(paper *of, error *err)
     if (result >= 0)
         result = create_centres(&many, of->is_quick ? MANY_QUICK : MANY, many_radius_mm, err);
     if (result >= 0) {
-        take_few(&few);
-        take_many(&many);
+        place_few(&few);
+        place_many(&many);
         page_heading(of->page, "The solver: what sorting does");
         page_text(of->page, "The paper sorts its centres by an octree, so that the matrix becomes "
                             "a band and solving stays cheap. The lower triangle of the matrix, in "
@@ -305,14 +305,14 @@ static mrt_result add_fill(paper *of, error *err)
 
 /* ---- a plain reference ---- */
 
-/* The formulas as the paper has them, in long double, the whole saddle matrix at once, Gauss with
- * pivots: nothing of the engine's is used. */
+/* The formulas of the paper in long double: the whole saddle matrix at once, Gauss elimination with
+ * pivots. It uses nothing of the engine. */
 typedef struct reference {
     uint32_t count, terms, size; /* size = count + terms */
     csrbf_kernel kernel;
     double radius;
     const double *centre; /* count by 3 */
-    long double *matrix;  /* size by size + 3: the right-hand sides behind it */
+    long double *matrix;  /* size by size + 3: the right-hand sides are the last columns */
 } reference;
 
 static long double phi(csrbf_kernel kernel, long double r)
@@ -403,7 +403,7 @@ static void displace(const reference *self, const double *at, long double out[3]
     }
 }
 
-/* ---- beside the engine ---- */
+/* ---- compared with the engine ---- */
 
 enum { TIPS = 10, PINS = 300 };
 
@@ -418,7 +418,7 @@ typedef struct deviation { /* greatest, mm */
     double f64_mm, f32_mm, at_controls_mm;
 } deviation;
 
-/* Each the vertex that is furthest from those before it; pulls of at most 10 mm. */
+/* Chooses vertices, each the furthest from those before it, with pulls of at most 10 mm. */
 static mrt_result choose_centres(comparison *self, error *err)
 {
     const mesh *m = self->mesh;
@@ -597,10 +597,11 @@ static mrt_result add_reference(paper *of, error *err)
     if (result >= 0) {
         page_subheading(of->page, "Beside a plain reference");
         page_text(of->page,
-                  "The same equations a second time, as one writes them down: the whole matrix, "
-                  "Gauss with pivots, 80-bit numbers, no sorting, nothing of the engine's. How far "
-                  "the two are apart at most, over all %u vertices of the Moai (300 mm high), for "
-                  "pulls of up to 8.7 mm; and how far the controls land from where they should:",
+                  "The same equations, solved again in the plainest way: the whole matrix, "
+                  "Gauss elimination with pivots, 80-bit numbers, no sorting, and nothing of "
+                  "the engine. The greatest difference between the two, over all %u vertices of "
+                  "the Moai (300 mm high), for pulls of up to 8.7 mm; and the distance of the "
+                  "controls from their targets:",
                   moai.mesh.vertex_count);
         result = compare_cases(of, self, err);
     }

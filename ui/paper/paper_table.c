@@ -30,18 +30,18 @@ typedef struct table {
     paper *of;
     row row[CELLS];
     uint32_t row_count;
-    /* what shows a cell; NULL: nothing can be drawn here */
+    /* context to draw a cell; NULL: drawing is not possible */
     draw_context *context;
     draw_target *target;
     draw_renderer *renderer;
     draw_face *face;
     uint8_t *pixels;
-    float *xyz; /* of the model that is shown; in the file's order */
+    float *xyz; /* of the current model, in the order of the file */
     uint32_t width, height, face_vertices;
     draw_camera camera;
     const bench_cell *cell;
-    int64_t display_ns; /* spent on whole frames */
-    int decade_low;     /* of the plot: 10^0, or 10^-1 where something is slower */
+    int64_t display_ns; /* time spent on whole frames */
+    int decade_low;     /* least decade of the plot: 10^0, or 10^-1 if a rate is below 1 */
 } table;
 
 /* ---- the whole frame ---- */
@@ -94,7 +94,7 @@ static mrt_result show_model(table *self, const bench_cell *cell, error *err)
     return self->face ? MRT_OK : MRT_ERR_UNSUPPORTED;
 }
 
-/* Deformed, shaded, drawn, and as pixels in memory. */
+/* Deforms, shades and draws, and reads the pixels into memory. */
 static void run_whole(void *data)
 {
     table *self = data;
@@ -107,8 +107,8 @@ static void run_whole(void *data)
     draw_read(self->target, self->pixels);
 }
 
-/* The best of some frames; each is the next one's warming up. Where drawing is slow, one frame of
- * each of the last cells is all that there is time for. */
+/* Returns the best rate of some frames; each frame warms up the next. If drawing is slow, the last
+ * cells get one frame each, to limit the time. */
 static double measure_whole(table *self, const bench_cell *cell)
 {
     const uint32_t rounds = self->of->is_quick ? 1 : 12,
@@ -145,7 +145,7 @@ static row *row_of(table *self, const bench_cell *cell)
     return added;
 }
 
-/* The last of them: its largest model at its largest radius. */
+/* The last cell: the largest model at the largest radius. */
 static bool is_drawn_in_quick(const bench_cell *cell)
 {
     return cell->vertex_count > 33000 && cell->radius_mm > 79.0;
@@ -198,7 +198,7 @@ static mrt_result measure(table *self, error *err)
 
 /* ---- as a table ---- */
 
-/* "39 195", "13.4", "–". */
+/* Writes "39 195", "13.4", "–". */
 static void write_rate(char out[32], double fps)
 {
     if (fps <= 0.0)
@@ -235,7 +235,7 @@ static void add_row(table *self, const row *r)
     page_row(self->of->page, cell);
 }
 
-static void tell_row(table *self, const row *r)
+static void report_row(table *self, const row *r)
 {
     for (int i = 0; i < METHODS; ++i) {
         const facts_cell cells[] = {
@@ -263,15 +263,15 @@ static void add_table(table *self)
         ">unanchored: paper", ">unanchored: engine", ">unanchored, with display"};
     page *on = self->of->page;
     page_heading(on, "Table 1: frames a second");
-    page_text(
-        on, "Ten control vectors on a plane, without polynomial. “Pairs” are vertices and "
-            "controls within the radius of support of each other. The paper does not say where "
-            "its ten points lay; ours were fitted once to its counts of pairs (square of 66.12 mm "
-            "a side), so that the work is the paper's to within two in a hundred.");
+    page_text(on,
+              "Ten control vectors on a plane, without polynomial. “Pairs” are vertices and "
+              "controls within the radius of support of each other. The paper does not give the "
+              "positions of its ten points. Ours were fitted once to its counts of pairs (square "
+              "of 66.12 mm a side), so that the work is that of the paper within 2 %%.");
     page_table(on, head, sizeof head / sizeof head[0]);
     for (uint32_t i = 0; i < self->row_count; ++i) {
         add_row(self, &self->row[i]);
-        tell_row(self, &self->row[i]);
+        report_row(self, &self->row[i]);
         double off = fabs(pairs_off(&self->row[i]));
         self->of->worst_pairs_off = fmax(self->of->worst_pairs_off, off);
     }
@@ -279,15 +279,14 @@ static void add_table(table *self)
     page_caption(
         on,
         "Frames a second, the best of several rounds. Engine: one thread; anchored a frame, "
-        "unanchored all of a sample: sort, factor, solve, slope, update. With display: the same "
-        "step, then normals, light and %u × %u pixels in "
-        "memory, drawn by %s%s. –: the paper's number is not in our notes%s. The pair count "
-        "that the paper prints for 32 768 polygons at R = 60, 115 812, is a misprint (see "
-        "below); 155 812 stands here.",
+        "unanchored a whole sample: sort, factor, solve, slope, update. With display: the same "
+        "step, then normals, light and %u × %u pixels in memory, drawn by %s%s. –: the paper's "
+        "number is not in our notes%s. The pair count that the paper prints for 32 768 polygons "
+        "at R = 60, 115 812, is a misprint (see below); the table has 155 812.",
         self->width, self->height,
-        self->of->drawn_by[0] ? self->of->drawn_by : "nobody: no picture can be made here",
-        self->of->is_quick ? "; with --quick, of the last row alone" : "",
-        self->of->drawn_by[0] ? "" : ", or nothing can be drawn here");
+        self->of->drawn_by[0] ? self->of->drawn_by : "nothing: drawing is not possible here",
+        self->of->is_quick ? "; with --quick, only for the last row" : "",
+        self->of->drawn_by[0] ? "" : ", or drawing is not possible here");
     facts_number(self->of->told, "worst_pairs_off", "pairs off", self->of->worst_pairs_off, 5, "");
 }
 
@@ -302,7 +301,7 @@ enum {
     PLOT_BOTTOM = 488
 };
 static const double radius_end_mm = 90.0;
-static const int decade_high = 6; /* and -1 the least: "0.1" */
+static const int decade_high = 6; /* -1 at least: "0.1" */
 
 static double plot_x(double radius_mm)
 {
@@ -359,7 +358,7 @@ static svg_mark mark_of(int method, speed which)
                                 : (method == ANCHORED ? SVG_DOT : SVG_SQUARE);
 }
 
-/* Of the largest model. */
+/* Draws the curve of the largest model. */
 static void draw_curve(const table *self, svg *s, int method, speed which)
 {
     double point[2 * BENCH_RADII];
@@ -433,11 +432,11 @@ static mrt_result plot(table *self, error *err)
     return MRT_OK;
 }
 
-static void say_what_is_seen(const table *self)
+static void describe_plot(const table *self)
 {
     const row *narrow = &self->row[CELLS - BENCH_RADII], *wide = &self->row[CELLS - 1];
     bool has_order = true;
-    double least = INFINITY, most = 0.0; /* of the paper's anchored over its unanchored */
+    double least = INFINITY, most = 0.0; /* paper: gain of anchored over unanchored */
     for (const row *r = narrow; r <= wide; ++r) {
         const result *held = &r->of[ANCHORED], *clay = &r->of[UNANCHORED];
         has_order = has_order && held->engine_fps > clay->engine_fps;
@@ -449,11 +448,10 @@ static void say_what_is_seen(const table *self)
     page_caption(
         self->of->page,
         "As in the paper, %s. There the anchored way is %.0f to %.0f %% faster, display "
-        "included; here the engine alone is %.1f times as fast anchored at R = 10 and %.1f "
-        "times at R = 80: an anchored frame sums responses that were computed when the "
-        "hands took hold, whatever the radius, while an unanchored one evaluates its field "
-        "anew, at more vertices the larger the radius. With the display both are as fast "
-        "as the display.",
+        "included. Here the engine alone is %.1f times as fast anchored at R = 10 and %.1f "
+        "times at R = 80: an anchored frame adds responses that were computed when the hands "
+        "took hold, at any radius. An unanchored frame evaluates its field again, at more "
+        "vertices for a larger radius. With the display both are as fast as the display.",
         has_order ? "anchored is the faster way at every radius"
                   : "anchored should be the faster way, but was not in this run",
         100.0 * (least - 1.0), 100.0 * (most - 1.0),
@@ -473,7 +471,7 @@ mrt_result paper_table(paper *of, error *err)
         made = plot(&self, err);
     }
     if (made >= 0)
-        say_what_is_seen(&self);
+        describe_plot(&self);
     close_display(&self);
     return made;
 }

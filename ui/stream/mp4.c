@@ -7,21 +7,21 @@
 #define CODE(a, b, c, d) ((uint32_t)(a) << 24 | (uint32_t)(b) << 16 | (uint32_t)(c) << 8 | (d))
 
 enum {
-    BOXES_MAX = 4096, /* of one file: a film of ours has some dozens */
+    BOXES_MAX = 4096, /* limit for one file; our films have a few dozen */
     DEPTH_MAX = 8
 };
 
 typedef struct box {
     uint32_t type;
-    uint64_t begin, end; /* of its content, in the file */
+    uint64_t begin, end; /* of its content in the file, bytes */
 } box;
 
 typedef struct reader {
     int fd;
     uint32_t boxes_left;
     bool has_index;
-    uint32_t handler; /* of the track that is read */
-    uint32_t samples; /* of that track */
+    uint32_t handler; /* of the current track */
+    uint32_t samples; /* of the current track */
     mp4_facts *out;
 } reader;
 
@@ -54,7 +54,8 @@ static bool read_number(const reader *self, const box *in, uint64_t offset, uint
     return true;
 }
 
-/* A size of 0 means "to the end of the file", which writers note until they know the size. */
+/* Reads the header of a box. Size 0 means "to the end of the file"; writers use it until they know
+ * the size. */
 static bool read_box(box *out, int fd, uint64_t at, uint64_t end)
 {
     uint8_t head[16];

@@ -1,7 +1,7 @@
-/* stream/mp4.h - whether an .mp4 that another program wrote is complete: it has an index, its boxes
+/* stream/mp4.h - checks whether an .mp4 of another program is complete: it has an index, its boxes
  * (ISO/IEC 14496-12) end where the file ends, and the index counts the pictures. Leaves out what
- * the pictures show. Reads headers alone, so that a film of any size costs the same. Any thread
- * that may block. */
+ * the pictures show. Reads only headers, so that the time does not depend on the length of the
+ * film. [any thread that may block] */
 #ifndef MAROTTE_UI_STREAM_MP4_H
 #define MAROTTE_UI_STREAM_MP4_H
 #include <stdbool.h>

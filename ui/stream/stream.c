@@ -16,7 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- srt:// and udp://: the program ffmpeg sends them, as it writes video files (video.h).
+/* ---- srt:// and udp://: sent by the program ffmpeg, in the same way as video files (video.h).
  * Without alpha. ---- */
 
 typedef struct encoder {
@@ -55,8 +55,7 @@ static void ffmpeg_close(void *data, error *why)
 {
     encoder *self = data;
     if (!video_ffmpeg_abandon(self->ffmpeg))
-        error_set(why, MRT_ERR_IO, "%s: ffmpeg did not end when it was asked to, and was killed",
-                  self->target);
+        error_set(why, MRT_ERR_IO, "%s: ffmpeg did not end in time, and was killed", self->target);
     free(self);
 }
 
@@ -74,7 +73,7 @@ typedef struct device {
 
 static const int green[3] = {0x00, 0xb1, 0x40};
 
-/* BT.601, limited range; of colour c 0..255. */
+/* Returns the luma of colour c, 0..255: BT.601, limited range. */
 static uint8_t luma(const int c[3])
 {
     return (uint8_t)(16 + ((66 * c[0] + 129 * c[1] + 25 * c[2] + 128) >> 8));
@@ -141,7 +140,7 @@ static mrt_result v4l2_open(void **out, const char *target, const stream_look *l
                             const _Atomic bool *stop, error *err)
 {
     device *self = calloc(1, sizeof *self);
-    (void)stop; /* nothing here waits */
+    (void)stop; /* this target never waits */
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory for %s", target);
     self->path = target;
@@ -176,11 +175,11 @@ static mrt_result v4l2_give(void *data, const uint8_t *rgba, error *err)
 
 static const stream_way stream_v4l2 = {v4l2_open, v4l2_give, v4l2_close};
 
-/* ---- a target: its thread, and the one that hands pictures over ---- */
+/* ---- a target: its thread, and the pictures that are handed to it ---- */
 
 enum { PICTURES = 3 };
 static const int64_t retry_ns = 2 * NS_PER_S;
-static const int64_t stall_ns = 3 * NS_PER_S; /* without progress: the status reports it */
+static const int64_t stall_ns = 3 * NS_PER_S; /* without progress: reported in the status */
 
 struct stream_target {
     const stream_way *way;
@@ -190,7 +189,7 @@ struct stream_target {
     uint8_t *picture[PICTURES];
     pthread_t thread;
     bool has_thread, has_mutex;
-    _Atomic bool stop; /* set under the mutex, which guards what follows */
+    _Atomic bool stop; /* set under the mutex, which also guards the members below */
     pthread_mutex_t mutex;
     pthread_cond_t wake;
     bool is_new;
@@ -210,7 +209,7 @@ static bool wait_for_picture(stream_target *self)
     return goes_on;
 }
 
-/* given: 1 for a picture that was taken */
+/* given: 1 if a picture was delivered */
 static void note(stream_target *self, bool is_open, uint64_t given, const char *says)
 {
     pthread_mutex_lock(&self->mutex);
@@ -220,8 +219,8 @@ static void note(stream_target *self, bool is_open, uint64_t given, const char *
     pthread_mutex_unlock(&self->mutex);
 }
 
-/* Gives one picture and waits until it is taken: a listener may wait hours for its first caller.
- * MRT_TIMEOUT: the stream was stopped meanwhile. */
+/* Delivers one picture, and waits for that: a listener may wait hours for its first caller.
+ * MRT_TIMEOUT: the stream was stopped during the wait. */
 static mrt_result give(stream_target *self, void *way, error *err)
 {
     const uint8_t *rgba = self->picture[slot_front(&self->slot)];
@@ -272,7 +271,7 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
-/* /dev/videoN to the letter: no other name leads to a device, or out of its folder. */
+/* Accepts exactly /dev/videoN: any other name could lead to another file. */
 static bool is_video_device(const char *target)
 {
     static const char prefix[] = "/dev/video";

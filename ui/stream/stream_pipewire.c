@@ -1,5 +1,5 @@
 /* A PipeWire camera: a Video/Source node of RGBA frames with straight alpha. The only file that
- * uses libpipewire. Without a viewer it costs a copy a frame. Nothing waits for the daemon. */
+ * uses libpipewire. Without a viewer it only copies each frame. It never waits for the daemon. */
 #include "stream/stream.h"
 
 #include <pipewire/pipewire.h>
@@ -16,12 +16,12 @@ typedef struct camera {
     struct pw_core *core;
     struct pw_stream *stream;
     struct spa_hook core_listener, stream_listener;
-    uint8_t *frame; /* guarded by the loop's lock, as what follows */
+    uint8_t *frame; /* guarded by the lock of the loop, like the members below */
     bool is_gone, is_streaming;
     char why[128];
 } camera;
 
-/* ---- what PipeWire says: on its loop, with the lock ---- */
+/* ---- callbacks of PipeWire: on its loop, with the lock ---- */
 
 static void on_core_error(void *data, uint32_t id, int sequence, int result, const char *message)
 {
@@ -86,7 +86,7 @@ static const struct pw_stream_events stream_events = {.version = PW_VERSION_STRE
                                                       .param_changed = on_param,
                                                       .process = on_process};
 
-/* ---- opened and closed ---- */
+/* ---- opening and closing ---- */
 
 static void pipewire_close(void *data, error *why)
 {
@@ -134,7 +134,7 @@ static mrt_result pipewire_open(void **out, const char *target, const stream_loo
                                 const _Atomic bool *stop, error *err)
 {
     const char *colon = strchr(target, ':');
-    (void)stop; /* nothing here waits for the daemon */
+    (void)stop; /* this target never waits for the daemon */
     pw_init(NULL, NULL);
     camera *self = calloc(1, sizeof *self);
     if (!self) {
@@ -158,7 +158,8 @@ static mrt_result pipewire_open(void **out, const char *target, const stream_loo
     pipewire_close(self, NULL);
     return error_set(err, MRT_ERR_IO,
                      has_daemon ? "PipeWire refuses the camera"
-                                : "PipeWire is not running: the camera appears once it is");
+                                : "PipeWire is not running. The camera appears when PipeWire "
+                                  "starts");
 }
 
 static mrt_result pipewire_give(void *data, const uint8_t *rgba, error *err)
@@ -171,7 +172,8 @@ static mrt_result pipewire_give(void *data, const uint8_t *rgba, error *err)
         (void)pw_stream_trigger_process(self->stream);
     pw_thread_loop_unlock(self->loop);
     return is_gone ? error_set(err, MRT_ERR_IO,
-                               "PipeWire was lost (%s): the camera returns when it does", self->why)
+                               "PipeWire was lost (%s). The camera returns when PipeWire is back",
+                               self->why)
                    : MRT_OK;
 }
 

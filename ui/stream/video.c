@@ -28,13 +28,13 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- how the face is seen ---- */
+/* ---- view and background ---- */
 
 enum { SIDE_MIN = 16, SIDE_MAX = 16384 };
 
 const char video_look_sizes[] = "WIDTHxHEIGHT in pixels, 16 to 16384 each, such as 1920x1080";
 static const char look_views[] =
-    "front, side or three-quarter, or 1 to 6, a camera view that the show keeps";
+    "front, side or three-quarter, or 1 to 6, a camera view of the show";
 const char video_look_grounds[] = "transparent, or a colour such as #00b140, or a .png or .jpg";
 static const char look_scenes[] = "studio, theatre or daylight, or a show (.marotte)";
 
@@ -72,7 +72,7 @@ bool video_look_size(video_look *self, const char *text)
     return true;
 }
 
-/* "0.3,0.1,1,0,0,0" */
+/* Reads "0.3,0.1,1,0,0,0". */
 static bool read_own_view(video_look *self, const char *text)
 {
     scenery made = scenery_usual();
@@ -215,7 +215,7 @@ mrt_result video_look_open(video_look *self, show *from, log_queue *log, error *
         result = open_picture(self, err);
     if (result >= 0 && self->kept_view > self->scene.view_count)
         result = error_set(err, MRT_ERR_ARGUMENT,
-                           "--view %u: the show keeps %u camera views (Scene, Keep this view)",
+                           "--view %u: the show has %u camera views (Scene, Keep this view)",
                            self->kept_view, self->scene.view_count);
     return result < 0 ? result : MRT_OK;
 }
@@ -230,19 +230,20 @@ mrt_result video_look_check_mp4(const video_look *self, const char *path, error 
     uint32_t width = self->width + self->width % 2, height = self->height + self->height % 2;
     if (self->ground == VIDEO_NOTHING)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: an .mp4 cannot be transparent: --export FOLDER/ writes pictures that "
-                         "can, or choose --background #rrggbb",
+                         "%s: an .mp4 cannot be transparent. Choose --background #rrggbb, or "
+                         "write pictures with --export FOLDER/",
                          path);
     if (width != self->width || height != self->height)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: an .mp4 has an even number of pixels a side: --size %ux%u", path,
-                         width, height);
+                         "%s: an .mp4 needs an even number of pixels on each side: --size %ux%u",
+                         path, width, height);
     return MRT_OK;
 }
 
 draw_camera video_look_camera(const video_look *self, const float low[3], const float high[3])
 {
-    const float chin = 0.03f, nearer = 0.92f; /* the face is the picture, and nothing turns */
+    const float chin = 0.03f,
+                nearer = 0.92f; /* the view does not turn, so the face may fill more */
     const float lowest[3] = {low[0], low[1] - chin * (high[1] - low[1]), low[2]};
     draw_camera camera =
         draw_camera_framing(lowest, high, (float)self->width / (float)self->height);
@@ -278,10 +279,10 @@ enum { DIGITS = 5, NOTE_BYTES_MAX = 1 << 16, FRAMES_MAX = 99999999 };
 static const char note_name[] = "frames.json";
 
 struct video_folder {
-    char path[PATH_MAX];      /* ends in '/' */
-    char meanwhile[PATH_MAX]; /* a folder within it, ends in '/'; "" none */
-    bool was_made;            /* the folder is ours to remove */
-    uint32_t earlier_count;   /* pictures of the sequence that is replaced */
+    char path[PATH_MAX];      /* ends with '/' */
+    char meanwhile[PATH_MAX]; /* temporary folder within it, ends with '/'; "": none */
+    bool was_made;            /* we created the folder, and may remove it */
+    uint32_t earlier_count;   /* number of pictures of the sequence that is replaced */
     uint32_t count;
     video_folder_about about;
     char timecode[TIMECODE_TEXT];
@@ -302,7 +303,7 @@ static mrt_result picture_in(char out[PATH_MAX], const char *folder, uint32_t nu
     return name_in(out, folder, name, err);
 }
 
-/* The number of a picture of a sequence, 0: it is called otherwise. */
+/* Returns the number of a picture of a sequence; 0: another name. */
 static uint32_t number_of(const char *name)
 {
     char *end;
@@ -312,9 +313,9 @@ static uint32_t number_of(const char *name)
     return strcmp(end, ".png") == 0 && number <= FRAMES_MAX ? (uint32_t)number : 0;
 }
 
-/* ---- what is there ---- */
+/* ---- the existing folder ---- */
 
-/* Pictures that our note speaks of; 0: no note of ours. */
+/* Returns the number of pictures in our note; 0: no note of ours. */
 static uint32_t noted_count(const char *folder)
 {
     char path[PATH_MAX];
@@ -339,13 +340,13 @@ static mrt_result check_entry(const char *path, const char *name, uint32_t earli
         return MRT_OK;
     if (earlier_count == 0)
         return error_set(err, MRT_ERR_IO,
-                         "%s: has %s in it and no pictures that marotte wrote there: name a folder "
-                         "that is empty or not there yet",
+                         "%s: contains %s and no pictures that marotte wrote. Choose an empty "
+                         "or a new folder",
                          path, name);
     if (number > earlier_count)
         return error_set(err, MRT_ERR_IO,
-                         "%s: %s is not of the %u pictures that marotte wrote there: move it away, "
-                         "or name another folder",
+                         "%s: %s is not one of the %u pictures that marotte wrote there. Move "
+                         "it away, or choose another folder",
                          path, name, earlier_count);
     return MRT_OK;
 }
@@ -377,7 +378,7 @@ static mrt_result check_parent(const char *path, error *err)
     if (stat(folder, &status) != 0)
         return error_set(err, MRT_ERR_IO, "%s: the folder %s: %s", path, folder, strerror(errno));
     if (!S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0)
-        return error_set(err, MRT_ERR_IO, "%s: no folder can be made in %s", path, folder);
+        return error_set(err, MRT_ERR_IO, "%s: cannot create a folder in %s", path, folder);
     return MRT_OK;
 }
 
@@ -390,18 +391,18 @@ mrt_result video_folder_check(const char *path, error *err)
         return errno == ENOENT ? check_parent(path, err)
                                : error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
     if (access(path, R_OK | W_OK | X_OK) != 0)
-        return error_set(err, MRT_ERR_IO, "%s: no pictures can be written into it: %s", path,
+        return error_set(err, MRT_ERR_IO, "%s: cannot write pictures into it: %s", path,
                          strerror(errno));
     return check_entries(path, noted_count(path), err);
 }
 
-/* ---- written ---- */
+/* ---- writing ---- */
 
 static mrt_result make_folders(video_folder *self, error *err)
 {
     self->was_made = mkdir(self->path, 0777) == 0;
     if (!self->was_made && errno != EEXIST)
-        return error_set(err, MRT_ERR_IO, "%s: cannot be made: %s", self->path, strerror(errno));
+        return error_set(err, MRT_ERR_IO, "%s: cannot create it: %s", self->path, strerror(errno));
     char meanwhile[PATH_MAX];
     mrt_result result = name_in(meanwhile, self->path, "unfinished.XXXXXX", err);
     if (result < 0)
@@ -443,12 +444,13 @@ mrt_result video_folder_add(video_folder *self, const uint8_t *rgba, error *err)
     mrt_result result = picture_in(path, self->meanwhile, self->count + 1, err);
     if (result < 0)
         return result;
-    if (access(self->meanwhile, F_OK) != 0) /* else png_write_as makes it again: with gaps */
+    if (access(self->meanwhile, F_OK) != 0) /* otherwise png_write_as would create the folder again,
+                                               and the sequence would have gaps */
         return error_set(err, MRT_ERR_IO, "%s%0*u.png: cannot write: %s", self->path, DIGITS,
                          self->count + 1, strerror(errno));
     result = png_write_as(path, rgba, self->about.width, self->about.height,
                           self->about.has_alpha ? PNG_WITH_ALPHA : PNG_OPAQUE, &why);
-    if (result < 0) { /* where it lies meanwhile is nobody's concern */
+    if (result < 0) { /* the message names the final path, not the temporary one */
         const char *reason = strstr(why.text, "cannot write: ");
         return error_set(err, result, "%s%0*u.png: %s", self->path, DIGITS, self->count + 1,
                          reason ? reason : why.text);
@@ -499,7 +501,7 @@ static void remove_pictures(const char *folder, uint32_t first, uint32_t last)
 
 mrt_result video_folder_commit(video_folder *self, error *err)
 {
-    /* Should it end midway, all that is there is known to be ours. */
+    /* If this is interrupted, the note already covers all pictures in the folder. */
     uint32_t moved = 0,
              most = self->count > self->earlier_count ? self->count : self->earlier_count;
     mrt_result result = write_note(self, most, err);
@@ -529,35 +531,36 @@ void video_folder_abandon(video_folder *self)
 
 /* ---- the ffmpeg program ---- */
 
-static const int64_t usual_patience_ns = 30 * NS_PER_S; /* of an encoder that stands still */
-static const int64_t slice_ns = 100 * NS_PER_MS;        /* between two looks at who gives up */
-static const int64_t goodbye_ns = NS_PER_S;             /* to end in, when it is asked to */
-/* An encoder of a file that computes for less than a 300th of the patience stands still. */
+static const int64_t usual_patience_ns = 30 * NS_PER_S; /* for an encoder without progress */
+static const int64_t slice_ns = 100 * NS_PER_MS;        /* interval of checks for a cancel */
+static const int64_t goodbye_ns = NS_PER_S;             /* time for a regular end */
+/* An encoder of a file counts as busy if it uses at least a 300th of the patience as processor
+ * time. */
 enum { BUSY_PART = 300 };
 
 enum { WORDS_MAX = 64, WORD = PATH_MAX + 64, STDERR_MAX = 4096 };
 
-typedef struct ffmpeg_signs { /* of life of a running ffmpeg, beside the bytes that it takes */
+typedef struct ffmpeg_signs { /* signs of life of ffmpeg, besides the bytes that it reads */
     int64_t busy_ns;          /* processor time */
-    struct timespec written;  /* the last change of its file */
+    struct timespec written;  /* last change of its file */
 } ffmpeg_signs;
 
 struct video_ffmpeg {
     file_writer file;   /* ffmpeg writes into its temporary file */
-    FILE *child_stderr; /* what ffmpeg says: a file without a name */
+    FILE *child_stderr; /* stderr of ffmpeg, a file without a name */
     pid_t pid;          /* 0: not running */
-    int fd;             /* to ffmpeg; -1 */
-    int status;         /* how it ended */
+    int fd;             /* pipe to ffmpeg; -1: closed */
+    int status;         /* exit status */
     bool is_live, has_sound;
-    const _Atomic bool *gives_up; /* NULL: nobody */
+    const _Atomic bool *gives_up; /* set to cancel; NULL: never */
     int64_t patience_ns;
-    size_t picture_size, written; /* bytes of a picture; and of it, those that ffmpeg has */
-    uint64_t count;               /* of pictures that ffmpeg has */
-    ffmpeg_signs signs;           /* the last that were new */
-    int64_t signs_ns;             /* when they came */
+    size_t picture_size, written; /* bytes of a picture; bytes of it already written */
+    uint64_t count;               /* number of pictures that ffmpeg has read */
+    ffmpeg_signs signs;           /* the last that showed progress */
+    int64_t signs_ns;             /* time of these signs */
 };
 
-/* ---- which one ---- */
+/* ---- finding the program ---- */
 
 static bool is_program(const char *path)
 {
@@ -584,7 +587,7 @@ static mrt_result find(char out[PATH_MAX], const char *path, error *err)
     if (find_program(out))
         return MRT_OK;
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "%s: needs the program ffmpeg, which is not installed (package ffmpeg); "
+                     "%s: needs the program ffmpeg, which is not installed (package ffmpeg). "
                      "--export FOLDER/ writes pictures without it",
                      path);
 }
@@ -597,7 +600,7 @@ mrt_result video_ffmpeg_check(const char *path, error *err)
 
 /* ---- its command line ---- */
 
-typedef struct words { /* of a command line */
+typedef struct words { /* words of a command line */
     char text[WORDS_MAX][WORD];
     char *word[WORDS_MAX + 1];
     uint32_t count;
@@ -612,7 +615,7 @@ static void add_word(words *w, const char *word)
     w->word[++w->count] = NULL;
 }
 
-/* Blanks part them. */
+/* Adds words that are separated by blanks. */
 static void add_words(words *w, const char *text)
 {
     char word[256];
@@ -622,7 +625,7 @@ static void add_words(words *w, const char *text)
     }
 }
 
-/* A file's name may look like an option or a protocol: this one is neither. */
+/* Adds a file so that ffmpeg does not read its name as an option or a protocol. */
 static void add_file(words *w, const char *path)
 {
     char word[WORD];
@@ -630,7 +633,7 @@ static void add_file(words *w, const char *path)
     add_word(w, word);
 }
 
-/* Whole rates up to 120 and those of film and television have time code. */
+/* Time code exists for whole rates up to 120, and for the rates of film and television. */
 static bool can_time_code(const video_ffmpeg_about *about)
 {
     const timecode_rate rate = about->rate;
@@ -643,7 +646,7 @@ bool video_is_stream(const char *path)
     return strncmp(path, "srt://", 6) == 0 || strncmp(path, "udp://", 6) == 0;
 }
 
-/* Quickly, and so that whoever comes later sees a picture within a second. */
+/* Fast encoding, with a key frame every second for receivers that connect later. */
 static void describe_stream(words *w, const video_ffmpeg_about *about, const char *path)
 {
     char text[64];
@@ -700,7 +703,7 @@ static void describe_sound(words *w, const char *program, const char *pictures, 
     add_file(w, path);
 }
 
-/* ---- started ---- */
+/* ---- starting it ---- */
 
 static mrt_result run_ffmpeg(video_ffmpeg *self, words *w, int in_fd, error *err)
 {
@@ -730,7 +733,7 @@ static mrt_result run_with_pipe(video_ffmpeg *self, words *w, error *err)
     if (result < 0)
         return result;
     self->fd = end[1];
-    (void)fcntl(self->fd, F_SETFL, O_NONBLOCK); /* of this end alone */
+    (void)fcntl(self->fd, F_SETFL, O_NONBLOCK); /* only this end of the pipe */
     result = run_ffmpeg(self, w, end[0], err);
     close(end[0]);
     return result;
@@ -779,9 +782,10 @@ mrt_result video_ffmpeg_open(video_ffmpeg **out, const char *path, const video_f
     return result;
 }
 
-/* ---- waited for ---- */
+/* ---- waiting for it ---- */
 
-/* Of one that writes a file. One that waits for a receiver computes, too. */
+/* Returns signs only if it writes a file: an ffmpeg that waits for a receiver also uses processor
+ * time. */
 static ffmpeg_signs signs_of(const video_ffmpeg *self)
 {
     ffmpeg_signs out = {.busy_ns = 0};
@@ -809,7 +813,7 @@ static mrt_result stopped(const char *path, uint64_t frame, error *err)
                      (uintmax_t)frame);
 }
 
-/* < 0: ffmpeg has shown no sign of life for its patience, or the caller gives up. */
+/* Returns < 0 if ffmpeg has made no progress for its patience, or if the caller cancels. */
 static mrt_result check_patience(video_ffmpeg *self, error *err)
 {
     if (self->gives_up && atomic_load(self->gives_up))
@@ -848,9 +852,9 @@ static mrt_result wait_for_end(video_ffmpeg *self, error *err)
     return result;
 }
 
-/* ---- judged: by its file and its words, not by its exit code alone ---- */
+/* ---- the result: judged by the file and the messages of ffmpeg, not only by its exit code ---- */
 
-/* The end of what ffmpeg said, without the blanks behind it. */
+/* Reads the end of ffmpeg's messages, without trailing blanks. */
 static void read_stderr(video_ffmpeg *self, char out[STDERR_MAX])
 {
     out[0] = '\0';
@@ -866,7 +870,7 @@ static void read_stderr(video_ffmpeg *self, char out[STDERR_MAX])
     out[length] = '\0';
 }
 
-/* Why ffmpeg could not write; 0: it does not say. */
+/* Returns the errno of the message why ffmpeg could not write; 0: unknown. */
 static int write_error_of(const char *said)
 {
     static const int reasons[] = {ENOSPC, EDQUOT, EFBIG, EIO, EROFS};
@@ -889,11 +893,14 @@ static mrt_result explain_write(const video_ffmpeg *self, int reason, error *err
     const char *folder = directory && directory[0] ? directory : "./";
     mrt_result result = MRT_ERR_IO;
     if (reason == ENOSPC || reason == EDQUOT || (reason == 0 && is_full(folder)))
-        error_set(err, result, "%s: no space is left in %s: free some, or export to another folder",
+        error_set(err, result,
+                  "%s: no space is left in %s. Free some, or export to another "
+                  "folder",
                   path, folder);
     else if (reason == EFBIG)
         error_set(err, result,
-                  "%s: %s takes no file of this size: export a shorter range, or to another folder",
+                  "%s: %s takes no file of this size. Export a shorter range, or to another "
+                  "folder",
                   path, folder);
     else if (reason != 0)
         error_set(err, result, "%s: ffmpeg could not write into %s: %s", path, folder,
@@ -920,8 +927,8 @@ static mrt_result check_file(const video_ffmpeg *self, error *err)
     return MRT_OK;
 }
 
-/* ffmpeg exits with 0 though it could not write the end of its file (5.1): its file and its words
- * count, too. */
+/* ffmpeg 5.1 exits with 0 even if it could not write the end of its file. So its file and its
+ * messages are checked, too. */
 static mrt_result judge(video_ffmpeg *self, error *err)
 {
     char said[STDERR_MAX];
@@ -947,10 +954,10 @@ static mrt_result judge(video_ffmpeg *self, error *err)
                          (uintmax_t)self->count);
     const char *newline = strrchr(said, '\n'), *line = newline ? newline + 1 : said;
     return error_set(err, MRT_ERR_IO, "%s: ffmpeg failed after %ju frames: %.400s", self->file.path,
-                     (uintmax_t)self->count, line[0] ? line : "it does not say why");
+                     (uintmax_t)self->count, line[0] ? line : "it gives no reason");
 }
 
-/* ffmpeg takes no more: why. */
+/* Reports why ffmpeg accepts no more pictures. */
 static mrt_result stopped_taking(video_ffmpeg *self, int reason, error *err)
 {
     mrt_result result = judge(self, err);
@@ -960,7 +967,7 @@ static mrt_result stopped_taking(video_ffmpeg *self, int reason, error *err)
                      self->file.path, (uintmax_t)self->count, strerror(reason));
 }
 
-/* ---- given pictures ---- */
+/* ---- writing pictures to it ---- */
 
 mrt_result video_ffmpeg_offer(video_ffmpeg *self, const uint8_t *rgba, error *err)
 {
@@ -1011,7 +1018,8 @@ mrt_result video_ffmpeg_commit(video_ffmpeg *self, error *err)
     return result;
 }
 
-/* What is live is asked to end, so that its receiver is told; of a file nothing is kept. */
+/* A live ffmpeg is asked to end, so that the receiver is informed. One that writes a file is
+ * killed, and the file is removed. */
 bool video_ffmpeg_abandon(video_ffmpeg *self)
 {
     if (!self)
@@ -1029,7 +1037,7 @@ bool video_ffmpeg_abandon(video_ffmpeg *self)
     return has_ended;
 }
 
-/* The pictures of an .mp4; 0: it is none. */
+/* Returns the number of pictures of an .mp4; 0: not an .mp4. */
 static uint64_t pictures_of(const char *path)
 {
     mp4_facts file = {.picture_count = 0};
@@ -1066,22 +1074,22 @@ mrt_result video_ffmpeg_add_sound(const char *path, const char *sound, error *er
 /* ---- frames to pictures ---- */
 
 enum { QUEUE = 4 };
-static const uint64_t paired_area_max = 9u << 20; /* pixels; larger ones have one target: memory */
+static const uint64_t paired_area_max = 9u << 20; /* pixels; larger: one target, to save memory */
 
-typedef struct sink { /* one of them */
+typedef struct sink { /* one output of a video */
     video_folder *folder;
     video_ffmpeg *ffmpeg;
 } sink;
 
-typedef struct frame { /* that waits to be drawn */
-    float *position;   /* vertex_count by 3, the file's order */
-    uint32_t repeats;  /* of its picture */
+typedef struct frame { /* a frame to draw */
+    float *position;   /* vertex_count by 3, in the order of the file */
+    uint32_t repeats;  /* how often its picture is repeated */
 } frame;
 
 typedef enum video_state {
     VIDEO_OPENS = 0,
     VIDEO_RUNS,
-    VIDEO_ENDS, /* draws what waits, then ends */
+    VIDEO_ENDS, /* draws the waiting frames, then ends */
     VIDEO_GIVES_UP
 } video_state;
 
@@ -1089,26 +1097,26 @@ struct video {
     video_settings settings;
     video_file file[VIDEO_FILES_MAX];
     uint32_t file_count;
-    uint64_t frame_count; /* added */
+    uint64_t frame_count; /* number of added frames */
     pthread_t thread;
     bool has_thread;
     pthread_mutex_t lock;
     pthread_cond_t changed;
-    /* under the lock */
+    /* guarded by the lock */
     video_state state;
-    bool has_ended;        /* the thread has nothing more to do */
-    _Atomic bool gives_up; /* as the state, for whatever waits for ffmpeg; without the lock */
+    bool has_ended;        /* the thread has ended its work */
+    _Atomic bool gives_up; /* cancels waits for ffmpeg; needs no lock */
     frame queue[QUEUE];
-    uint32_t first, count; /* of those that wait */
-    mrt_result result;     /* < 0: failed, for `why` */
+    uint32_t first, count; /* of the waiting frames */
+    mrt_result result;     /* < 0: failed, see `why` */
     error why;
-    /* of the thread; [main] after it */
+    /* used by the thread, then by [main] */
     offscreen offscreen;
-    draw_target *target[2]; /* one is drawn into while the other is read; may be the same */
+    draw_target *target[2]; /* one is drawn into while the other is read; may be equal */
     float *drawn;           /* positions of the latest picture, as in frame */
     bool has_drawn;
-    uint32_t latest; /* target of the latest picture */
-    uint32_t owed;   /* how often it must still be written; 0: its pixels were read already */
+    uint32_t latest; /* index of the target with the latest picture */
+    uint32_t owed;   /* number of times it must still be written; 0: already read */
     draw_camera camera;
     sink sink[VIDEO_FILES_MAX];
     video_report report;
@@ -1179,7 +1187,7 @@ static void close_drawing(video *self)
     offscreen_finish(&self->offscreen);
 }
 
-/* Issues the commands and does not wait for them. */
+/* Issues the drawing commands without waiting for them. */
 static void draw_picture(video *self, const float *position)
 {
     const video_look *look = &self->settings.look;
@@ -1228,7 +1236,7 @@ static bool is_drawn(const video *self, const float *position)
     return self->has_drawn && memcmp(self->drawn, position, size) == 0;
 }
 
-/* The picture before is read and written while this one is drawn. A face that did not move is not
+/* Reads and writes the previous picture while this one is drawn. A face that has not moved is not
  * drawn again. */
 static mrt_result show_frame(video *self, frame *next, error *err)
 {
@@ -1256,7 +1264,8 @@ static mrt_result commit(video *self, error *err)
 {
     mrt_result result = MRT_OK;
     if (self->report.picture_count == 0)
-        return error_set(err, MRT_ERR_FORMAT, "%s: there is no frame to show", self->file[0].path);
+        return error_set(err, MRT_ERR_FORMAT, "%s: the performance has no frames",
+                         self->file[0].path);
     for (uint32_t i = 0; i < self->file_count && result >= 0; ++i) {
         sink s = self->sink[i];
         self->sink[i] = (sink){0};
@@ -1273,8 +1282,8 @@ static bool is_to_be_kept(video *self)
     return is_kept;
 }
 
-/* Waits for a frame, the thread's until give_back; NULL: the video has ended. */
-static frame *take_frame(video *self)
+/* Waits for a frame, and lends it to the thread until give_back. NULL: the video has ended. */
+static frame *next_frame(video *self)
 {
     pthread_mutex_lock(&self->lock);
     while (self->count == 0 && self->state == VIDEO_RUNS)
@@ -1298,7 +1307,7 @@ static mrt_result work(video *self, error *err)
 {
     frame *next;
     mrt_result result = MRT_OK;
-    while (result >= 0 && (next = take_frame(self))) {
+    while (result >= 0 && (next = next_frame(self))) {
         result = show_frame(self, next, err);
         give_back(self);
     }
@@ -1310,7 +1319,7 @@ static mrt_result work(video *self, error *err)
                                : stopped(self->file[0].path, self->report.picture_count, err);
 }
 
-static void tell(video *self, video_state state, mrt_result result, const error *why)
+static void set_state(video *self, video_state state, mrt_result result, const error *why)
 {
     pthread_mutex_lock(&self->lock);
     if (self->state == VIDEO_OPENS)
@@ -1328,7 +1337,7 @@ static void *run(void *data)
     video *self = data;
     error err = {""};
     mrt_result result = open_drawing(self, &err);
-    tell(self, VIDEO_RUNS, result, &err);
+    set_state(self, VIDEO_RUNS, result, &err);
     if (result >= 0)
         result = work(self, &err);
     for (uint32_t i = 0; i < self->file_count; ++i) {
@@ -1336,7 +1345,7 @@ static void *run(void *data)
         (void)video_ffmpeg_abandon(self->sink[i].ffmpeg);
     }
     close_drawing(self);
-    tell(self, VIDEO_RUNS, result, &err);
+    set_state(self, VIDEO_RUNS, result, &err);
     pthread_mutex_lock(&self->lock);
     self->has_ended = true;
     pthread_cond_broadcast(&self->changed);
@@ -1344,7 +1353,8 @@ static void *run(void *data)
     return NULL;
 }
 
-/* Signals are for others; a pipe that nobody reads is an error like any other. */
+/* The thread blocks all signals, so that other threads receive them. Writing to a closed pipe is
+ * then an ordinary error. */
 static mrt_result start_thread(video *self, error *err)
 {
     sigset_t all, before;
@@ -1407,8 +1417,8 @@ static bool is_cancelled(const video *self)
     return self->settings.cancel && atomic_load(self->settings.cancel);
 }
 
-/* Under the lock: until something changes, or it is time to look for a cancel, which wakes nobody.
- */
+/* Called under the lock. Waits for a change, or until it is time to check for a cancel, which does
+ * not wake the thread. */
 static void wait_for_change(video *self)
 {
     struct timespec until;
@@ -1451,7 +1461,8 @@ void video_destroy(video *self)
     free(self);
 }
 
-/* Under the lock. NULL: nowhere to put a frame; it failed, is cancelled, or is live and late. */
+/* Called under the lock. Returns NULL if a frame cannot be added: the video has failed, was
+ * cancelled, or is live and late. */
 static frame *room(video *self)
 {
     bool waits = self->settings.pace == VIDEO_EVERY_FRAME;

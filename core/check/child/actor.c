@@ -11,11 +11,11 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- what a pull may hold ---- */
+/* ---- valid pulls ---- */
 
 typedef struct pull_limits {
     const mrt_face *face;
-    const double *centre; /* mm, three */
+    const double *centre; /* mm, three numbers */
     double reach_mm;
 } pull_limits;
 
@@ -42,8 +42,8 @@ static bool judge_point(mrt_vec3 p, const char *what, uint32_t i, const pull_lim
     if (far_mm <= limits->reach_mm)
         return true;
     tell_failed(RULE_MAPPING_REACH,
-                "%s: the %s of vector %u is %.4g mm from the face's centre, the guard stops at "
-                "%.4g mm",
+                "%s: the %s of vector %u is %.4g mm from the face's centre. The guard limits "
+                "that to %.4g mm",
                 where, what, i, far_mm, limits->reach_mm);
     return false;
 }
@@ -57,8 +57,9 @@ static bool judge_vectors(const mrt_pull *pull, const pull_limits *limits, const
             return false;
         if (v->contact > limits->face->contact_count) {
             tell_failed(RULE_MAPPING_CONTACT,
-                        "%s: vector %u pulls contact %u, the face has %u: 1 to %u, or 0", where, i,
-                        v->contact, limits->face->contact_count, limits->face->contact_count);
+                        "%s: vector %u pulls contact %u, but the face has %u: use 1 to %u, or 0",
+                        where, i, v->contact, limits->face->contact_count,
+                        limits->face->contact_count);
             return false;
         }
     }
@@ -88,7 +89,8 @@ static bool judge_scalars(const mrt_pull *pull, const char *where)
     return is_good;
 }
 
-/* False: it breaks a rule, which was told. `where`: "frame 12 of a random walk". */
+/* Returns false if the pull breaks a rule, which is reported. where: "frame 12 of a random
+ * walk". */
 static bool pull_judge(const mrt_pull *pull, const pull_limits *limits, const char *where)
 {
     if (pull->mode > MRT_UNANCHORED) {
@@ -104,28 +106,28 @@ static bool pull_judge(const mrt_pull *pull, const pull_limits *limits, const ch
     return judge_vectors(pull, limits, where) && is_good;
 }
 
-/* ---- from one to the next ---- */
+/* ---- consecutive pulls ---- */
 
 static bool is_same_point(mrt_vec3 a, mrt_vec3 b)
 {
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* Both anchored: starts stay while anchor stays. */
+/* Both are anchored: starts must not change while `anchor` does not change. */
 static void pull_judge_anchor(const mrt_pull *before, const mrt_pull *now, const char *where)
 {
     if (now->anchor != before->anchor)
         return;
     if (now->count != before->count)
         tell_failed(RULE_MAPPING_ANCHOR,
-                    "%s: %u anchored vectors became %u, and anchor stayed at %u", where,
+                    "%s: %u anchored vectors became %u, but anchor is still %u", where,
                     before->count, now->count, now->anchor);
     for (uint32_t i = 0; i < now->count && i < before->count; ++i)
         if (!is_same_point(now->vector[i].start, before->vector[i].start) ||
             now->vector[i].contact != before->vector[i].contact) {
             tell_failed(RULE_MAPPING_ANCHOR,
-                        "%s: the start of vector %u (or its contact) changed, and anchor stayed at "
-                        "%u",
+                        "%s: the start of vector %u (or its contact) changed, but anchor is "
+                        "still %u",
                         where, i, now->anchor);
             return;
         }
@@ -143,8 +145,8 @@ static double distance_mm(mrt_vec3 a, mrt_vec3 b)
     return sqrt(x * x + y * y + z * z);
 }
 
-/* How far what this vector holds goes at once: from where the last hold of the same place had it,
- * or from where it is. */
+/* Returns the jump of a vector: the least distance of its displacement from 0, or from that of the
+ * same point in the last hold. */
 static double jump_mm(const mrt_pull *before, const mrt_vector *v)
 {
     mrt_vec3 way = way_of(v);
@@ -156,7 +158,7 @@ static double jump_mm(const mrt_pull *before, const mrt_vector *v)
     return least;
 }
 
-/* now: the first pull of a new hold; before: the last of the one before, or NULL. */
+/* now: first pull of a new hold; before: last pull of the previous one, or NULL. */
 static void pull_judge_hold(const mrt_pull *before, const mrt_pull *now, double max_jump_mm,
                             const char *where)
 {
@@ -165,15 +167,16 @@ static void pull_judge_hold(const mrt_pull *before, const mrt_pull *now, double 
         if (mm <= max_jump_mm)
             continue;
         tell_failed(RULE_MAPPING_JUMP,
-                    "%s: a new hold begins %.3g mm away from where the face is (vector %u)", where,
-                    mm, i);
+                    "%s: a new hold begins %.3g mm away from the current place of the face "
+                    "(vector %u)",
+                    where, mm, i);
         return;
     }
 }
 
-/* ---- the same ---- */
+/* ---- comparison ---- */
 
-/* NaNs are all alike: not driven. */
+/* All NaNs are equal: not driven. */
 static float plain(float dof)
 {
     return isnan(dof) ? NAN : dof;
@@ -200,7 +203,7 @@ static void say_points(char *out, size_t capacity, const char *what, uint32_t i,
                    (double)b.z);
 }
 
-/* "vector 3 ends at (1, 2, 3) and (1, 2, 4)"; "": they are the same, bit for bit. */
+/* Writes the difference: "vector 3 ends at (1, 2, 3) and (1, 2, 4)"; "": equal to the bit. */
 static void pull_difference(const mrt_pull *a, const mrt_pull *b, char *out, size_t capacity)
 {
     out[0] = '\0';
@@ -239,11 +242,11 @@ static void pull_difference(const mrt_pull *a, const mrt_pull *b, char *out, siz
                    (double)a->leak_per_s, (double)b->radius_mm, (double)b->leak_per_s);
 }
 
-/* ---- a mapping at work ---- */
+/* ---- a running mapping ---- */
 
 enum { CANARY = 0xa5 };
 
-/* ---- what may not be done on the frame thread ---- */
+/* ---- forbidden calls on the frame thread ---- */
 
 void actor_frame_enter(void)
 {
@@ -269,7 +272,7 @@ void actor_frame_leave(const char *function)
             tell_failed(rules[kind], "%s called %s", function, caught);
 }
 
-/* ---- made and activated ---- */
+/* ---- creation and activation ---- */
 
 static uint64_t sum_poses(face_poses poses, const mrt_face *face)
 {
@@ -312,7 +315,7 @@ static bool activate(actor *self, const mrt_face *face, face_poses poses, bool *
     if (result >= 0)
         return true;
     if (self->host.error_count == errors_before)
-        tell_failed(RULE_RUN_EXPLAINED, "activate() returned %d, and logged no error", result);
+        tell_failed(RULE_RUN_EXPLAINED, "activate() returned %d, but logged no error", result);
     return false;
 }
 
@@ -416,7 +419,7 @@ static bool is_intact(const unsigned char *canary)
     return true;
 }
 
-static float channel_values[MRT_MAX_INPUTS][MRT_MAX_CHANNELS]; /* before a frame */
+static float channel_values[MRT_MAX_INPUTS][MRT_MAX_CHANNELS]; /* values before the frame */
 
 static void copy_values(const mrt_frame *frame, float out[MRT_MAX_INPUTS][MRT_MAX_CHANNELS])
 {
@@ -472,7 +475,7 @@ static void judge_result(actor *self, const char *where)
     tell_failed(RULE_MAPPING_RESULT, "%s: process() returned %d%s", where, self->result,
                 host_words(&self->host, words));
     if (self->result < 0 && self->host.error_count == 0)
-        tell_failed(RULE_RUN_EXPLAINED, "%s: process() returned %d, and logged no error", where,
+        tell_failed(RULE_RUN_EXPLAINED, "%s: process() returned %d, but logged no error", where,
                     self->result);
 }
 
@@ -482,7 +485,7 @@ void actor_step(actor *self)
     char where[160];
     mrt_frame frame;
     size_t params_size = self->type->param_count * sizeof *params;
-    memcpy(&frame, &self->frame, sizeof frame); /* with what lies between its fields */
+    memcpy(&frame, &self->frame, sizeof frame); /* a copy, including the padding between fields */
     if (params_size > 0)
         memcpy(params, frame.params, params_size);
     copy_values(&frame, channel_values);
@@ -499,7 +502,7 @@ void actor_step(actor *self)
     memcpy(&self->frame, &frame, sizeof frame);
     judge_result(self, where);
     if (self->result == MRT_HOLD && memcmp(&self->room.pull, &self->good, sizeof self->good) != 0)
-        tell_failed(RULE_MAPPING_HOLD, "%s: process() wrote to the pull and returned MRT_HOLD",
+        tell_failed(RULE_MAPPING_HOLD, "%s: process() wrote to the pull, but returned MRT_HOLD",
                     where);
     const pull_limits limits = {self->face, self->centre, self->reach_mm};
     if (self->result != MRT_OK || !pull_judge(&self->room.pull, &limits, where)) {
@@ -515,13 +518,13 @@ uint64_t actor_sum(const actor *self)
     return pull_sum(&self->good);
 }
 
-/* The first difference of two, for people; "": there is none. */
+/* Writes the first difference for a message; "": none. */
 static void actor_difference(const actor *a, const actor *b, char *out, size_t capacity)
 {
     pull_difference(&a->good, &b->good, out, capacity);
 }
 
-/* ---- a stretch of a stream ---- */
+/* ---- playing a part of a stream ---- */
 
 bool play_open(actor *out, stream *out_hands, const examination *e, stream_kind kind, uint64_t seed)
 {

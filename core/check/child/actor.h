@@ -1,5 +1,6 @@
-/* check/child/actor.h - a mapping at work, as the stage runs it, under close watch: what it may not
- * do on the frame thread, what a pull may not hold, what it may not write to. Findings are told. */
+/* check/child/actor.h - runs a mapping as the stage does, and watches it: forbidden calls on the
+ * frame thread, invalid values in a pull, writes to memory that it must not change. Findings are
+ * reported. */
 #ifndef MAROTTE_CHECK_CHILD_ACTOR_H
 #define MAROTTE_CHECK_CHILD_ACTOR_H
 #include "check/child/cases.h"
@@ -10,67 +11,71 @@ enum { ACTOR_CANARIES = 64 };
 typedef struct actor {
     const mrt_plugin_type *type;
     const mrt_mapping *functions;
-    const mrt_rig_poses *rig_poses; /* NULL: it has no such functions */
+    const mrt_rig_poses *rig_poses; /* NULL: the mapping does not have this interface */
     mrt_plugin *self;
     host host;
     const mrt_face *face; /* NULL: not active */
-    face_poses poses;     /* of the rig, until it is deactivated */
+    face_poses poses;     /* poses of the rig, valid until deactivation */
     uint64_t poses_sum;
     double centre[3], reach_mm;
-    double max_jump_mm; /* at a new hold; 0: not judged */
+    double max_jump_mm; /* limit at a new hold; 0: not judged */
     mrt_frame frame;
-    struct { /* what lies around the pull must stay */
+    struct { /* guard bytes around the pull */
         unsigned char before[ACTOR_CANARIES];
         mrt_pull pull;
         unsigned char after[ACTOR_CANARIES];
     } room;
-    mrt_pull good;     /* the last that made sense */
-    mrt_pull anchored; /* the last one in MRT_ANCHORED; count 0: none since reset */
+    mrt_pull good;     /* last valid pull */
+    mrt_pull anchored; /* last pull in MRT_ANCHORED; count 0: none since reset */
     bool has_anchored;
-    mrt_result result; /* of the last process() */
-    int64_t cpu_ns;    /* that it took; 0 unless measured */
+    mrt_result result; /* result of the last process() */
+    int64_t cpu_ns;    /* duration of the last process(); 0 unless measured */
     bool is_measured;
     uint32_t frame_count;
 } actor;
 
-/* Made, activated on the face, reset. False: it is not, and the rule that this breaks was told
- * (life.create, run.explained; for a refused face: *out_refused). */
+/* Creates the mapping, activates it on the face, and resets it. Returns false on failure; the
+ * broken rule was reported (life.create, run.explained), or *out_refused is set for a rejected
+ * face. */
 bool actor_open(actor *out, const mrt_plugin_type *type, const mrt_face *face, bool *out_refused);
-/* With these poses instead of the face's own, if the type asks for any. */
+/* The same with these poses instead of those of the face, if the type supports poses. */
 bool actor_open_posed(actor *out, const mrt_plugin_type *type, const mrt_face *face,
                       face_poses poses, bool *out_refused);
 void actor_close(actor *self);
 
-/* Deactivates, and activates on another face. As actor_open. */
+/* Deactivates, and activates on another face. Results as for actor_open. */
 bool actor_move(actor *self, const mrt_face *face, bool *out_refused);
-/* Both halves of it; the second one also resets. A false one is not active. */
+/* The two halves of actor_move; the second one also resets. If it returns false, the mapping is not
+ * active. */
 void actor_deactivate(actor *self);
 bool actor_activate(actor *self, const mrt_face *face, face_poses poses, bool *out_refused);
 
 void actor_reset(actor *self);
-/* process() for self->frame. */
+/* Calls process() for self->frame. */
 void actor_step(actor *self);
 
-/* What the face shows of it now: a sum over all that the host looks at. */
+/* Returns a checksum of the last valid pull, over everything that the host reads. */
 uint64_t actor_sum(const actor *self);
 
-/* Before and after a call that is [frame]: what is caught in between is told for `function`. */
+/* Call them before and after a [frame] function. Forbidden calls in between are reported for
+ * `function`. */
 void actor_frame_enter(void);
 void actor_frame_leave(const char *function);
 
-/* ---- a stretch of a stream ---- */
+/* ---- playing a part of a stream ---- */
 
 enum { PLAY_SPAN = 500 };
 
-/* On the usual face, with that stream. False: it could not be made; nothing to judge. */
+/* Opens on the usual face with that stream. Returns false if it could not be created: nothing can
+ * be judged. */
 bool play_open(actor *out, stream *out_hands, const examination *e, stream_kind kind,
                uint64_t seed);
 void play_frames(actor *mapping, stream *hands, uint32_t count);
-/* Both go on by that many frames, each with its own copy of the same stream. Fails `rule` at the
- * first difference: "TEXT: frame 12: vector 3 ends at ..."; false then. */
+/* Runs both for that many frames, each with its own copy of the same stream. At the first
+ * difference `rule` fails, with "TEXT: frame 12: vector 3 ends at ...", and the result is false. */
 bool play_same(actor *a, stream *a_hands, actor *b, stream *b_hands, uint32_t count,
                check_rule rule, const char *text);
-/* Tells that the rules of frames and pulls were judged. */
+/* Reports that the rules of frames and pulls were judged. */
 void play_judged(void);
 
 #endif

@@ -1,5 +1,5 @@
-/* check/child/cases.h - the cases: each is run in a process of its own, judges rules, and tells
- * what it found. A rule that a case told to be ok was judged and nothing was found. */
+/* check/child/cases.h - the cases: each runs in a separate process, judges rules, and reports its
+ * findings. A rule that a case reports as ok was judged without a finding. */
 #ifndef MAROTTE_CHECK_CHILD_CASES_H
 #define MAROTTE_CHECK_CHILD_CASES_H
 #include <marotte/plugin.h>
@@ -13,12 +13,12 @@ typedef struct types {
     const mrt_plugin_type *type[TYPES_MAX];
 } types;
 
-/* False: told (library.load, library.symbol, library.abi). */
+/* Returns false after reporting the broken rule (library.load, library.symbol, library.abi). */
 bool types_load(types *out, const char *path);
 
 const void *types_interface(const mrt_plugin_type *type, const char *id);
 
-/* A sum over the tables and all that they point to. */
+/* Returns a checksum of the tables and of everything that they point to. */
 uint64_t types_sum(const mrt_plugin_type *type);
 
 /* ---- cases ---- */
@@ -26,11 +26,11 @@ uint64_t types_sum(const mrt_plugin_type *type);
 typedef struct examination {
     const mrt_plugin_type *type;
     uint64_t seed;
-    const char *input_address, *output_address; /* NULL: none was named */
+    const char *input_address, *output_address; /* NULL: not given */
 } examination;
 
-void cases_tables(const types *all);   /* of the library: before all others */
-void cases_type(const examination *e); /* its tables: before all that follow */
+void cases_tables(const types *all);   /* for the library; runs before all others */
+void cases_type(const examination *e); /* for the tables of a type; runs before the rest */
 void cases_smoke(const examination *e);
 void cases_life(const examination *e);
 void cases_destroy_null(const examination *e);

@@ -12,9 +12,9 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- what all that opens an address has in common ---- */
+/* ---- shared by everything that opens an address ---- */
 
-/* Returns how many errors were logged before. */
+/* Returns the number of errors logged before. */
 static uint32_t begin_open(const host *of, const char *address)
 {
     tell_doing(RULE_COUNT, "open(\"%s\")", address);
@@ -26,39 +26,39 @@ static mrt_result judge_open(const host *of, const char *address, uint32_t error
                              mrt_result result)
 {
     if (result < 0 && of->error_count == errors_before)
-        tell_failed(RULE_RUN_EXPLAINED, "open(\"%s\") returned %d, and logged no error", address,
+        tell_failed(RULE_RUN_EXPLAINED, "open(\"%s\") returned %d, but logged no error", address,
                     result);
     return result;
 }
 
-/* Letters with a blank among them: more than a code. */
+/* Returns whether the text has letters and a blank, so that it is more than a code. */
 static bool is_sentence(const char *words)
 {
     return strlen(words) >= 12 && strchr(words, ' ');
 }
 
-/* What open() made of an address at which nothing is. */
+/* Judges the result of open() for an address without a device. */
 static void judge_absent(check_rule rule, const host *of, const char *address, mrt_result result)
 {
     if (result >= 0)
-        tell_skipped(rule, "it opens any address, \"%s\" too", address);
+        tell_skipped(rule, "it opens any address, even \"%s\"", address);
     else if (!is_sentence(of->last_log))
-        tell_failed(rule, "open(\"%s\") says \"%s\": no sentence that helps", address,
+        tell_failed(rule, "open(\"%s\") says \"%s\": write a sentence that helps the user", address,
                     of->last_log);
     else
         tell_ok(rule, "\"%s\"", of->last_log);
 }
 
-/* ---- inputs, as far as they can be opened here: what is not there, channels, samples, waiting
+/* ---- inputs, as far as they can be opened here: missing devices, channels, samples, waiting
  * ---- */
 
 enum { SAMPLES_RECORDED = 3000, READS_LIVE = 400, ROUNDS = 30, STOP_READS = 4, STOP_WAITS = 200 };
 static const int64_t live_ns = 1500 * NS_PER_MS, span_ns = 20 * NS_PER_MS;
-static const int64_t late_ns = 250 * NS_PER_MS; /* on a machine that does much else */
+static const int64_t late_ns = 250 * NS_PER_MS; /* tolerance for a busy machine */
 static const int64_t early_ns = 1 * NS_PER_MS;
 enum { LATE_READS = 3, EARLY_READS = 3 };
 
-/* An address at which nothing of any kind is. */
+/* An address that no device has. */
 static const char nowhere[] = "/nowhere/there-is-no-such-device";
 
 typedef struct reader {
@@ -72,7 +72,7 @@ typedef struct reader {
     bool has_last;
     mrt_sample last;
     uint32_t late_reads, early_reads, sample_count;
-    int64_t waited_ns, cpu_ns; /* of reads that gave nothing */
+    int64_t waited_ns, cpu_ns; /* during reads without a sample */
 } reader;
 
 static bool make(reader *out, const examination *e, host_clock clock, int64_t start_ns)
@@ -136,7 +136,7 @@ static bool is_meaning(uint32_t semantic)
            semantic == MRT_CH_TIMECODE || semantic == MRT_CH_TIMECODE + 1;
 }
 
-/* Others are told apart by their names. */
+/* Channels with other meanings are identified by their names. */
 static bool means_one_thing(uint32_t semantic)
 {
     return semantic != MRT_CH_OTHER && semantic != MRT_CH_BUTTON;
@@ -162,8 +162,8 @@ static bool judge_channel(const mrt_channel *all, uint32_t i)
     for (uint32_t k = 0; k < i; ++k)
         if (means_one_thing(c->semantic) && all[k].semantic == c->semantic &&
             all[k].hand == c->hand) {
-            tell_failed(RULE_INPUT_CHANNELS, "channels %u and %u \"%.60s\" mean the same", k, i,
-                        c->name);
+            tell_failed(RULE_INPUT_CHANNELS, "channels %u and %u \"%.60s\" have the same meaning",
+                        k, i, c->name);
             return false;
         }
     return true;
@@ -175,7 +175,7 @@ static bool take_channels(reader *self)
     watch_next();
     const mrt_channel *channels = self->functions->channels(self->self, &self->channel_count);
     if (!channels || self->channel_count == 0 || self->channel_count > MRT_MAX_CHANNELS) {
-        tell_failed(RULE_INPUT_CHANNELS, "channels() says %u%s, 1 to %d are possible",
+        tell_failed(RULE_INPUT_CHANNELS, "channels() returned %u%s, but 1 to %d are possible",
                     self->channel_count, channels ? "" : " and NULL", MRT_MAX_CHANNELS);
         return false;
     }
@@ -205,7 +205,7 @@ static bool has_same_channels(reader *self, const mrt_channel *as, uint32_t coun
 static void judge_values(const reader *self, const mrt_sample *sample)
 {
     if (sample->count != self->channel_count) {
-        tell_failed(RULE_INPUT_COUNT, "sample %u has %u values, channels() said %u",
+        tell_failed(RULE_INPUT_COUNT, "sample %u has %u values, but channels() returned %u",
                     self->sample_count, sample->count, self->channel_count);
         return;
     }
@@ -220,13 +220,15 @@ static void judge_values(const reader *self, const mrt_sample *sample)
 static void judge_order(const reader *self, const mrt_sample *sample, int64_t now_ns)
 {
     if (sample->time_ns > now_ns)
-        tell_failed(RULE_INPUT_FUTURE, "sample %u is of %.6f s from now", self->sample_count,
-                    (double)(sample->time_ns - now_ns) / 1e9);
+        tell_failed(RULE_INPUT_FUTURE, "the time of sample %u is %.6f s in the future",
+                    self->sample_count, (double)(sample->time_ns - now_ns) / 1e9);
     if (!self->has_last)
         return;
     if (sample->time_ns < self->last.time_ns)
-        tell_failed(RULE_INPUT_ORDER, "sample %u is %.6f s before the last one", self->sample_count,
-                    (double)(self->last.time_ns - sample->time_ns) / 1e9);
+        tell_failed(RULE_INPUT_ORDER,
+                    "the time of sample %u is %.6f s before that of the last "
+                    "one",
+                    self->sample_count, (double)(self->last.time_ns - sample->time_ns) / 1e9);
     uint32_t ahead = sample->sequence - self->last.sequence;
     if (ahead == 0 || ahead > UINT32_MAX / 2)
         tell_failed(RULE_INPUT_ORDER, "the sequence of sample %u goes from %u to %u",
@@ -242,15 +244,15 @@ static int64_t process_cpu_ns(void)
 
 static void judge_punctual(reader *self, mrt_result result, int64_t deadline_ns, int64_t now_ns)
 {
-    bool is_exact = self->host.clock != HOST_REAL; /* the clock goes only where it is told */
+    bool is_exact = self->host.clock != HOST_REAL; /* that clock moves only by waiting */
     int64_t slack_ns = is_exact ? 0 : late_ns;
     if (self->host.clock != HOST_LATE && now_ns > deadline_ns + slack_ns &&
         (is_exact || ++self->late_reads >= LATE_READS))
-        tell_failed(RULE_INPUT_DEADLINE, "read() came back %.1f ms after its deadline",
+        tell_failed(RULE_INPUT_DEADLINE, "read() returned %.1f ms after its deadline",
                     (double)(now_ns - deadline_ns) / 1e6);
     if (result == MRT_TIMEOUT && now_ns < deadline_ns - (is_exact ? 0 : early_ns) &&
         (is_exact || ++self->early_reads >= EARLY_READS))
-        tell_failed(RULE_INPUT_TIMEOUT, "read() says MRT_TIMEOUT %.1f ms before its deadline",
+        tell_failed(RULE_INPUT_TIMEOUT, "read() returned MRT_TIMEOUT %.1f ms before its deadline",
                     (double)(deadline_ns - now_ns) / 1e6);
 }
 
@@ -272,7 +274,7 @@ static mrt_result read_one(reader *self, int64_t deadline_ns, mrt_sample *out)
     if (result > MRT_END)
         tell_failed(RULE_INPUT_RESULT, "read() returned %d", result);
     if (result < 0 && self->host.error_count == errors_before)
-        tell_failed(RULE_RUN_EXPLAINED, "read() returned %d, and logged no error", result);
+        tell_failed(RULE_RUN_EXPLAINED, "read() returned %d, but logged no error", result);
     else if (result < 0 && result != MRT_ERR_IO)
         tell_failed(RULE_INPUT_RESULT, "read() returned %d%s", result,
                     host_words(&self->host, words));
@@ -306,7 +308,7 @@ static void read_all(reader *self)
     }
 }
 
-/* A share of the time that was waited: a wait costs next to nothing, a spin all that it gets. */
+/* Compares processor time with the time waited: a wait uses almost none, a spin uses all. */
 static void judge_spin(const reader *self)
 {
     if (self->host.clock != HOST_REAL || self->waited_ns < 100 * NS_PER_MS)
@@ -338,7 +340,7 @@ static int open_files(void)
     return count;
 }
 
-/* Closed and opened again and again: the same channels, nothing left over. */
+/* Closes and opens it repeatedly: channels must be the same, and nothing may leak. */
 static void judge_reopening(reader *self)
 {
     mrt_channel channel[MRT_MAX_CHANNELS];
@@ -352,12 +354,11 @@ static void judge_reopening(reader *self)
         self->has_last = false;
         close_input(self);
         if (open_named(self) < 0) {
-            tell_failed(RULE_INPUT_REOPEN, "closed and opened again it says: %s",
-                        self->host.last_log);
+            tell_failed(RULE_INPUT_REOPEN, "after close(), open() says: %s", self->host.last_log);
             return;
         }
         if (!has_same_channels(self, channel, count))
-            tell_failed(RULE_INPUT_REOPEN, "closed and opened again it has other channels");
+            tell_failed(RULE_INPUT_REOPEN, "after close() and open() it has other channels");
         tell_doing(RULE_COUNT, "read(), opened again");
         (void)read_one(self, host_now_ns(&self->host) + span_ns, &sample);
         if (i == 1) {
@@ -366,15 +367,15 @@ static void judge_reopening(reader *self)
         }
     }
     if (rounds < ROUNDS) {
-        tell_skipped(RULE_INPUT_GROWTH, "a device is not opened and closed so often");
+        tell_skipped(RULE_INPUT_GROWTH, "a device is not opened and closed that often");
         return;
     }
     long heap = (long)trap_heap_bytes() - (long)heap_before;
     if (heap >= 64 * (ROUNDS - 2))
-        tell_failed(RULE_INPUT_GROWTH, "each open() and close() leaves %ld bytes",
+        tell_failed(RULE_INPUT_GROWTH, "each open() and close() leaks %ld bytes",
                     heap / (ROUNDS - 2));
     else if (open_files() - files_before >= ROUNDS / 2)
-        tell_failed(RULE_INPUT_GROWTH, "open() and close() leave files open");
+        tell_failed(RULE_INPUT_GROWTH, "open() and close() leak open files");
     tell_ok(RULE_INPUT_GROWTH, "%d times", ROUNDS);
 }
 
@@ -397,7 +398,7 @@ void cases_input(const examination *e)
         read_all(&input);
         judge_spin(&input);
         if (!has_same_channels(&input, input.channel, input.channel_count))
-            tell_failed(RULE_INPUT_CHANNELS, "channels() says something else after reading");
+            tell_failed(RULE_INPUT_CHANNELS, "channels() returns other channels after reading");
         tell_ok(RULE_INPUT_CHANNELS, "%u", input.channel_count);
         for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
             tell_ok(rules[i], "%u samples", input.sample_count);
@@ -408,9 +409,9 @@ void cases_input(const examination *e)
     finish(&input);
 }
 
-/* ---- records at any speed ---- */
+/* ---- recordings at any speed ---- */
 
-/* Times count from the first sample. */
+/* Times are relative to the first sample. */
 static bool is_same_sample(const mrt_sample *a, int64_t a_start_ns, const mrt_sample *b,
                            int64_t b_start_ns)
 {
@@ -457,7 +458,7 @@ void cases_recorded(const examination *e)
                        (of_exact != MRT_OK || is_same_sample(&a, a_start_ns, &b, b_start_ns));
         if (!is_same)
             tell_failed(RULE_INPUT_RECORDED,
-                        "sample %d is another one when the host's clock runs otherwise", i);
+                        "sample %d is different when the host's clock runs at another speed", i);
         if (!is_same || of_exact != MRT_OK)
             break;
     }
@@ -489,9 +490,9 @@ void cases_stop(const examination *e)
         close_input(&input);
     double took_s = (double)(clock_now_ns() - began_ns) / 1e9;
     if (input.host.wait_count > STOP_WAITS)
-        tell_failed(RULE_INPUT_STOP, "it went on waiting %u times", input.host.wait_count);
+        tell_failed(RULE_INPUT_STOP, "it continued to wait, %u times", input.host.wait_count);
     else if (took_s > 5)
-        tell_failed(RULE_INPUT_STOP, "it took %.1f s to give up", took_s);
+        tell_failed(RULE_INPUT_STOP, "it took %.1f s to stop", took_s);
     if (!is_open && input.host.wait_count == 0)
         tell_skipped(RULE_INPUT_STOP,
                      "nothing could be opened (%.300s): name one with --input ADDRESS",
@@ -502,7 +503,7 @@ void cases_stop(const examination *e)
 }
 
 enum { DEVICES_MAX = 32, GUARD_BYTE = 0x7b, SAMPLES = 200, OUTPUT_ROUNDS = 20 };
-static const char no_receiver[] = "no place to send to";
+static const char no_receiver[] = "no address to send to";
 
 static double params[TYPES_PARAMS_MAX];
 static host with;
@@ -528,13 +529,13 @@ static const char *device_fault(const mrt_device *d)
 {
     if (!ends(d->address, sizeof d->address) || !ends(d->name, sizeof d->name) ||
         !ends(d->advice, sizeof d->advice))
-        return "a text without an end";
+        return "a text without a final 0";
     if (d->address[0] == '\0' || d->name[0] == '\0')
         return "no address or no name";
     if (d->state < MRT_DEVICE_READY || d->state > MRT_DEVICE_UNSURE)
-        return "a state that is none";
+        return "an invalid state";
     if (d->state != MRT_DEVICE_READY && d->advice[0] == '\0')
-        return "no advice, and is not ready";
+        return "no advice, although it is not ready";
     return NULL;
 }
 
@@ -577,7 +578,7 @@ void cases_devices(const examination *e)
     tell_doing(RULE_COUNT, "current()");
     watch_next();
     if (functions->current(self, &current))
-        tell_failed(RULE_DEVICES_CURRENT, "current() names a device, and none was opened");
+        tell_failed(RULE_DEVICES_CURRENT, "current() returns a device, although none was opened");
     tell_ok(RULE_DEVICES_CURRENT, "%s", "");
     tell_doing(RULE_COUNT, "destroy()");
     e->type->destroy(self);
@@ -589,7 +590,7 @@ typedef struct output {
     const mrt_output *plain; /* NULL: a face output */
     const mrt_face_output *face;
     mrt_plugin *self;
-    mrt_face_wants wants; /* of a face output */
+    mrt_face_wants wants; /* of face outputs */
 } output;
 
 static mrt_result open_output(output *self, const char *address)
@@ -617,7 +618,7 @@ static void judge_output_reopening(output *self, const char *address, check_rule
     for (int i = 0; i < OUTPUT_ROUNDS; ++i) {
         close_output(self);
         if (open_output(self, address) < 0) {
-            tell_failed(rule, "closed and opened again it says: %s", with.last_log);
+            tell_failed(rule, "after close(), open() says: %s", with.last_log);
             return;
         }
         if (i == 1)
@@ -625,7 +626,7 @@ static void judge_output_reopening(output *self, const char *address, check_rule
     }
     long heap = (long)trap_heap_bytes() - (long)before;
     if (heap > 64 * OUTPUT_ROUNDS)
-        tell_failed(rule, "each open() and close() leaves %ld bytes", heap / (OUTPUT_ROUNDS - 2));
+        tell_failed(rule, "each open() and close() leaks %ld bytes", heap / (OUTPUT_ROUNDS - 2));
     tell_ok(rule, "%d times", OUTPUT_ROUNDS);
 }
 
@@ -687,7 +688,7 @@ void cases_output(const examination *e)
 /* ---- face outputs ---- */
 
 enum { BONES = 4, SHAPES = 3, WEIGHTS = 95, VERTICES = 12, CONTACTS_MAX = 64 };
-static const double usual_ns = 20.0 * NS_PER_MS; /* of send(), on a quiet machine at most */
+static const double usual_ns = 20.0 * NS_PER_MS; /* maximum time of send() on a quiet machine */
 
 static const char *const bone_name[BONES] = {"skull", "jaw", "eye.l", "eye.r"};
 static const int32_t parent[BONES] = {-1, 0, 0, 0};
@@ -735,7 +736,7 @@ static mrt_face_sample sample_of(uint32_t index, const mrt_face_wants *wants)
         contact[i] = (mrt_vec3){part, -part, 0};
     return (mrt_face_sample){.time_ns = host_now_ns(&with),
                              .take_ns = index % 2 ? -1 : (int64_t)index * 10000000,
-                             .number = index / 2 + 1, /* each of them is said twice */
+                             .number = index / 2 + 1, /* each number has two entries */
                              .bones = bone,
                              .dofs = dof,
                              .contacts = contact,
@@ -768,7 +769,7 @@ static void send_samples(output *self, face_kind kind)
     }
     const double median_ns = percentile(took_ns, SAMPLES, 0.5);
     if (median_ns > usual_ns)
-        tell_failed(RULE_FACE_OUTPUT_TIME, "send() takes %.1f ms, half of the time or more often",
+        tell_failed(RULE_FACE_OUTPUT_TIME, "send() takes %.1f ms in at least half of the calls",
                     median_ns / 1e6);
 }
 

@@ -1,4 +1,4 @@
-/* What can be seen of a library without running anything. */
+/* Rules that can be checked without running a plugin. */
 #include "check/child/cases.h"
 #include "base/hash.h"
 #include "check/child/tell.h"
@@ -20,9 +20,10 @@
 static const void *open_library(const char *path)
 {
     struct stat status;
-    char whole[PATH_MAX]; /* dlopen looks for a name without a slash in the system's folders */
+    char whole[PATH_MAX]; /* dlopen would search the system's folders for a name without a slash */
     if (!realpath(path, whole) || stat(whole, &status) != 0 || !S_ISREG(status.st_mode)) {
-        tell_failed(RULE_LIBRARY_LOAD, "%s is no file: name the .so that the build made", path);
+        tell_failed(RULE_LIBRARY_LOAD, "%s: not a file. Name the .so file that the build made",
+                    path);
         return NULL;
     }
     tell_doing(RULE_LIBRARY_LOAD, "loading the library");
@@ -37,8 +38,8 @@ static const void *open_library(const char *path)
     const void *table = dlsym(library, "marotte_plugins");
     if (!table)
         tell_failed(RULE_LIBRARY_SYMBOL,
-                    "it exports no marotte_plugins: write MRT_EXPORT const mrt_plugin_type *const "
-                    "marotte_plugins[] = {&type, NULL}; (in C++ within extern \"C\")");
+                    "it does not export marotte_plugins. Write MRT_EXPORT const mrt_plugin_type "
+                    "*const marotte_plugins[] = {&type, NULL}; (in C++ within extern \"C\")");
     return table;
 }
 
@@ -57,7 +58,9 @@ bool types_load(types *out, const char *path)
         }
         const mrt_plugin_type *type = table[out->count];
         if (type->abi != MRT_ABI) {
-            tell_failed(RULE_LIBRARY_ABI, "it is built for abi %u, this is %u: build it again",
+            tell_failed(RULE_LIBRARY_ABI,
+                        "it was built for abi %u, but this is %u: build it "
+                        "again",
                         type->abi, MRT_ABI);
             return false;
         }
@@ -76,7 +79,7 @@ const void *types_interface(const mrt_plugin_type *type, const char *id)
     return NULL;
 }
 
-/* CONCERNS_* of rules.h */
+/* Returns the CONCERNS_* of rules.h for a type. */
 static uint32_t types_concerns(const mrt_plugin_type *type)
 {
     static const struct {
@@ -99,7 +102,7 @@ static uint32_t types_concerns(const mrt_plugin_type *type)
     return concerns;
 }
 
-/* ---- the tables as a number ---- */
+/* ---- checksum of the tables ---- */
 
 static uint64_t sum_words(uint64_t sum, const char *words)
 {
@@ -154,7 +157,7 @@ static void judge_words(const mrt_plugin_type *type)
         tell_failed(RULE_TYPE_WORDS, "its %s is empty", missing);
 }
 
-/* "org.marotte.one_hand": names with dots between them. */
+/* Accepts names with dots between them: "org.marotte.one_hand". */
 static bool is_well_formed(const char *id)
 {
     int dots = 0;
@@ -183,7 +186,7 @@ static void judge_id(const mrt_plugin_type *type)
 
 typedef void any_function(void);
 
-/* Whether one of the functions at the head of the struct is missing. */
+/* Returns whether one of the functions at the head of the struct is missing. */
 static bool lacks(const void *functions, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
@@ -229,7 +232,7 @@ static void judge_interface(const mrt_interface *all, int i)
                     interface->id);
     for (int k = 0; k < i; ++k)
         if (strcmp(all[k].id, interface->id) == 0)
-            tell_failed(RULE_TYPE_INTERFACES, "\"%.80s\" is there twice", interface->id);
+            tell_failed(RULE_TYPE_INTERFACES, "\"%.80s\" is listed twice", interface->id);
     if (!interface->functions)
         tell_failed(RULE_TYPE_FUNCTIONS, "%.80s has no functions", interface->id);
     else if (is_known(interface->id, &functions) && lacks(interface->functions, functions))
@@ -243,11 +246,13 @@ static void judge_interfaces(const mrt_plugin_type *type)
     while (type->interfaces && count < TYPES_INTERFACES_MAX && type->interfaces[count].id)
         judge_interface(type->interfaces, count++);
     if (count == TYPES_INTERFACES_MAX)
-        tell_failed(RULE_TYPE_INTERFACES, "no id is NULL among the first %d: the table has no end",
+        tell_failed(RULE_TYPE_INTERFACES,
+                    "none of the first %d ids is NULL: the table has no "
+                    "end",
                     TYPES_INTERFACES_MAX);
     if (!types_interface(type, MRT_INPUT) && !types_interface(type, MRT_MAPPING) &&
         !types_interface(type, MRT_OUTPUT) && !types_interface(type, MRT_FACE_OUTPUT))
-        tell_failed(RULE_TYPE_INTERFACES, "it is none of %s, %s, %s, %s", MRT_INPUT, MRT_MAPPING,
+        tell_failed(RULE_TYPE_INTERFACES, "it has none of %s, %s, %s, %s", MRT_INPUT, MRT_MAPPING,
                     MRT_OUTPUT, MRT_FACE_OUTPUT);
 }
 
@@ -266,7 +271,7 @@ static void judge_param_words(const mrt_param *p)
                           : is_empty(p->help) ? "help"
                                               : NULL;
     if (missing)
-        tell_failed(RULE_PARAM_WORDS, "parameter %u \"%.60s\" lacks its %s", p->id, name_of(p),
+        tell_failed(RULE_PARAM_WORDS, "parameter %u \"%.60s\" has no %s", p->id, name_of(p),
                     missing);
 }
 
@@ -275,8 +280,8 @@ static void judge_range(const mrt_param *p)
     bool is_good = isfinite(p->min) && isfinite(p->max) && isfinite(p->initial) &&
                    p->min < p->max && p->min <= p->initial && p->initial <= p->max;
     if (!is_good)
-        tell_failed(RULE_PARAM_RANGE, "\"%.60s\" goes from %g to %g and begins at %g", name_of(p),
-                    p->min, p->max, p->initial);
+        tell_failed(RULE_PARAM_RANGE, "\"%.60s\" has the range %g to %g and the initial value %g",
+                    name_of(p), p->min, p->max, p->initial);
 }
 
 static bool is_whole(double value)
@@ -288,7 +293,7 @@ static void judge_flags(const mrt_param *p)
 {
     const uint32_t known = MRT_PARAM_STEPPED | MRT_PARAM_TRIGGER | MRT_PARAM_HIDDEN;
     if (p->flags & ~known)
-        tell_failed(RULE_PARAM_FLAGS, "\"%.60s\" has the flags 0x%x, of which 0x%x means nothing",
+        tell_failed(RULE_PARAM_FLAGS, "\"%.60s\" has the flags 0x%x, of which 0x%x are unknown",
                     name_of(p), p->flags, p->flags & ~known);
     if ((p->flags & MRT_PARAM_STEPPED) &&
         (!is_whole(p->min) || !is_whole(p->max) || !is_whole(p->initial)))
@@ -306,7 +311,7 @@ static void judge_labels(const mrt_param *p)
     if (!p->labels)
         return;
     if (!(p->flags & MRT_PARAM_STEPPED)) {
-        tell_failed(RULE_PARAM_LABELS, "\"%.60s\" has labels, and is not MRT_PARAM_STEPPED",
+        tell_failed(RULE_PARAM_LABELS, "\"%.60s\" has labels, but is not MRT_PARAM_STEPPED",
                     name_of(p));
         return;
     }
@@ -315,14 +320,14 @@ static void judge_labels(const mrt_param *p)
     while (count <= wanted && p->labels[(size_t)count])
         count += 1;
     if (count < wanted || count > wanted) {
-        tell_failed(RULE_PARAM_LABELS, "\"%.60s\" has %s labels for its %g values, and then NULL",
+        tell_failed(RULE_PARAM_LABELS, "\"%.60s\" has %s labels before NULL for its %g values",
                     name_of(p), count < wanted ? "too few" : "too many", wanted);
         return;
     }
     for (size_t i = 0; (double)i < wanted; ++i)
         for (size_t k = 0; k <= i; ++k)
             if (is_empty(p->labels[i]) || (k < i && strcmp(p->labels[k], p->labels[i]) == 0)) {
-                tell_failed(RULE_PARAM_LABELS, "label %zu of \"%.60s\" is empty, or there twice", i,
+                tell_failed(RULE_PARAM_LABELS, "label %zu of \"%.60s\" is empty or duplicate", i,
                             name_of(p));
                 return;
             }
@@ -346,8 +351,8 @@ static void judge_keys(const mrt_plugin_type *type, uint32_t index)
         return;
     if (strpbrk(p->name, ",=") || strpbrk(p->group, ",="))
         tell_failed(RULE_PARAM_KEYS,
-                    "\"%.60s\" in \"%.60s\": \"group.name=value,...\" cannot be "
-                    "written with a ',' or '=' in it",
+                    "\"%.60s\" in \"%.60s\" contains ',' or '=', which \"group.name=value,...\" "
+                    "cannot express",
                     p->name, p->group);
     for (uint32_t k = 0; k < index; ++k) {
         const mrt_param *other = &type->params[k];
@@ -357,8 +362,8 @@ static void judge_keys(const mrt_plugin_type *type, uint32_t index)
         if (!is_empty(other->name) && other->group && is_same_key(other->name, p->name) &&
             is_same_key(other->group, p->group))
             tell_failed(RULE_PARAM_KEYS,
-                        "\"%.60s\" is there twice in \"%.60s\": the keys differ by "
-                        "more than case and blanks",
+                        "\"%.60s\" exists twice in \"%.60s\": keys must differ by more than "
+                        "case and blanks",
                         p->name, p->group);
     }
 }
@@ -391,7 +396,7 @@ static void judge_ids(const types *all)
         for (uint32_t k = 0; k < i; ++k)
             if (all->type[i]->id && all->type[k]->id &&
                 strcmp(all->type[i]->id, all->type[k]->id) == 0)
-                tell_failed(RULE_LIBRARY_IDS, "two types are called \"%.80s\"", all->type[i]->id);
+                tell_failed(RULE_LIBRARY_IDS, "two types have the id \"%.80s\"", all->type[i]->id);
 }
 
 void cases_type(const examination *e)
@@ -409,7 +414,7 @@ void cases_type(const examination *e)
     for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
         tell_ok(rules[i], "%s", "");
     if (type->param_count > TYPES_PARAMS_MAX || (type->param_count > 0 && !type->params))
-        tell_failed(RULE_PARAM_WORDS, "there are %u parameters in the table, %d at most",
+        tell_failed(RULE_PARAM_WORDS, "the table has %u parameters, but %d is the maximum",
                     type->param_count, type->params ? TYPES_PARAMS_MAX : 0);
     else if (type->param_count > 0)
         judge_params(type);

@@ -1,4 +1,4 @@
-/* Every type: made and destroyed. Mappings: at work. */
+/* Cases for all types: creation and destruction. Cases for mappings: running. */
 #include "check/child/actor.h"
 #include "base/hash.h"
 #include "base/percentile.h"
@@ -17,11 +17,11 @@
 #include <string.h>
 #include <time.h>
 
-/* ---- made and destroyed: once, a hundred times, and what is left of it ---- */
+/* ---- creation and destruction: once and a hundred times, and leaks ---- */
 
 enum { WARM_UPS = 10, ROUNDS = 100, SMOKE_FRAMES = 300 };
 
-/* ---- what the process holds ---- */
+/* ---- resources of the process ---- */
 
 typedef struct holdings {
     size_t heap_bytes;
@@ -64,7 +64,7 @@ static void judge_growth(check_rule rule, const char *what, const holdings *befo
     holdings now = hold_now();
     long heap = (long)now.heap_bytes - (long)before->heap_bytes;
     if (heap >= 8 * ROUNDS)
-        tell_failed(rule, "after %d times %s %ld bytes more are in use: %ld each time", ROUNDS,
+        tell_failed(rule, "after %d times %s %ld more bytes are in use: %ld each time", ROUNDS,
                     what, heap, heap / ROUNDS);
     else if (now.files - before->files >= ROUNDS / 2)
         tell_failed(rule, "after %d times %s %d more files are open", ROUNDS, what,
@@ -73,7 +73,7 @@ static void judge_growth(check_rule rule, const char *what, const holdings *befo
         tell_failed(rule, "after %d times %s %d more threads run", ROUNDS, what,
                     now.threads - before->threads);
     else if (now.maps - before->maps >= ROUNDS / 2)
-        tell_failed(rule, "after %d times %s %d more mappings of memory are there", ROUNDS, what,
+        tell_failed(rule, "after %d times %s %d more memory mappings exist", ROUNDS, what,
                     now.maps - before->maps);
     tell_ok(rule, "%d times", ROUNDS);
 }
@@ -89,7 +89,7 @@ static mrt_plugin *create(const examination *e, host *with)
     mrt_plugin *self = e->type->create(&with->plugin);
     if (!self)
         tell_failed(RULE_LIFE_CREATE, "create() returned NULL%s",
-                    host_words(with, words)[0] ? words : ", and logged no error");
+                    host_words(with, words)[0] ? words : ", but logged no error");
     return self;
 }
 
@@ -102,7 +102,7 @@ static void perform_a_little(const examination *e)
     tell_doing(RULE_COUNT, "activate() on %s", faces_name(FACE_USUAL));
     if (!actor_open(&mapping, e->type, faces_of(FACE_USUAL), &is_refused)) {
         if (is_refused)
-            tell_failed(RULE_MAPPING_ACTIVATE, "it refuses a face with the usual names%s",
+            tell_failed(RULE_MAPPING_ACTIVATE, "it rejects a face with the usual names%s",
                         host_words(&mapping.host, words));
         return;
     }
@@ -131,7 +131,7 @@ void cases_smoke(const examination *e)
     if (types_interface(e->type, MRT_MAPPING))
         perform_a_little(e);
     if (types_sum(e->type) != before)
-        tell_failed(RULE_TYPE_CONST, "its tables are not what they were before it ran");
+        tell_failed(RULE_TYPE_CONST, "its tables changed while it ran");
     tell_ok(RULE_TYPE_CONST, "%s", "");
     tell_ok(RULE_RUN_CRASH, "%s", "");
     tell_ok(RULE_RUN_HANG, "%s", "");
@@ -182,10 +182,10 @@ void cases_growth(const examination *e)
     actor_close(&mapping);
 }
 
-/* ---- any face, any hands, a hundred thousand frames, in time ---- */
+/* ---- any face, any hands, a hundred thousand frames, and the time limit ---- */
 
 enum {
-    WALK_FRAMES = 25000, /* four children walk: 100 000 */
+    WALK_FRAMES = 25000, /* for each of four processes: 100 000 together */
     FACE_FRAMES = 600,
     HANDS_FRAMES = 3000,
     ENGAGE_FRAMES = 1500,
@@ -207,21 +207,21 @@ static bool perform_on(actor *self, stream *with, const examination *e, face_kin
     return true;
 }
 
-/* On the usual face it is as one that never had another. */
+/* On the usual face it must behave like an instance that never had another face. */
 static void judge_return(const examination *e, face_kind from)
 {
     bool is_refused;
     tell_doing(RULE_COUNT, "%s, after %s", stream_name(STREAM_WALK), faces_name(from));
     if (!actor_move(&tried, faces_of(FACE_USUAL), &is_refused)) {
         if (is_refused)
-            tell_failed(RULE_MAPPING_FACES, "after %s it refuses the usual face", faces_name(from));
+            tell_failed(RULE_MAPPING_FACES, "after %s it rejects the usual face", faces_name(from));
         return;
     }
     actor_reset(&tried_fresh);
     if (stream_begin(&tried_hands, STREAM_WALK, e->seed + 2, e->type) &&
         stream_begin(&tried_fresh_hands, STREAM_WALK, e->seed + 2, e->type))
         (void)play_same(&tried, &tried_hands, &tried_fresh, &tried_fresh_hands, PLAY_SPAN,
-                        RULE_MAPPING_FACES, "something of the face before is left");
+                        RULE_MAPPING_FACES, "something of the previous face is left");
 }
 
 void cases_faces(const examination *e)
@@ -241,15 +241,15 @@ void cases_faces(const examination *e)
         if (!tried.face)
             return;
     }
-    tell_ok(RULE_MAPPING_FACES, "%d faces, %u refused", FACE_KINDS, refused_count);
+    tell_ok(RULE_MAPPING_FACES, "%d faces, %u rejected", FACE_KINDS, refused_count);
     actor_close(&tried);
     actor_close(&tried_fresh);
 }
 
 /* ---- poses of the rig ---- */
 
-/* What a mapping is given, one after the other: all, none, others, all at another address, and a
- * null pointer. */
+/* Poses that a mapping gets in turn: all, none, others, all at another address, and a null
+ * pointer. */
 typedef struct posed_turn {
     uint32_t count;
     float scale;
@@ -259,7 +259,7 @@ static const posed_turn posed_turns[] = {
     {3, 1.0f, false}, {0, 1.0f, false}, {2, -0.5f, false}, {3, 1.0f, false}, {0, 1.0f, true}};
 enum { POSED_TURNS = sizeof posed_turns / sizeof *posed_turns };
 
-/* A new instance that never had other poses. False: it refuses them. */
+/* Opens a new instance that never had other poses. Returns false if it rejects them. */
 static bool open_posed(const examination *e, face_poses poses)
 {
     bool is_refused;
@@ -274,7 +274,7 @@ static bool open_posed(const examination *e, face_poses poses)
     return true;
 }
 
-/* `before` is gone, and `now` is there. */
+/* `before` became invalid, and `now` is valid. */
 static void judge_posed_turn(const examination *e, posed_pages *before, face_poses now)
 {
     bool is_refused;
@@ -286,12 +286,14 @@ static void judge_posed_turn(const examination *e, posed_pages *before, face_pos
     tell_doing(RULE_RIG_POSES_VALID, "%s, with %u poses after %u others",
                stream_name(STREAM_RESTLESS), now.count, before->poses.count);
     if (actor_activate(&tried, faces_of(FACE_USUAL), now, &is_refused) != takes)
-        tell_failed(RULE_RIG_POSES_CHANGE, "it %s %u poses after %u others, a new one does not",
+        tell_failed(RULE_RIG_POSES_CHANGE,
+                    "it %s %u poses after %u others, but a new instance "
+                    "does not",
                     takes ? "refuses" : "takes", now.count, before->poses.count);
     else if (takes && stream_begin(&tried_hands, STREAM_RESTLESS, e->seed, e->type) &&
              stream_begin(&tried_fresh_hands, STREAM_RESTLESS, e->seed, e->type))
         (void)play_same(&tried, &tried_hands, &tried_fresh, &tried_fresh_hands, PLAY_SPAN,
-                        RULE_RIG_POSES_CHANGE, "something of the poses before is left");
+                        RULE_RIG_POSES_CHANGE, "something of the previous poses is left");
 }
 
 void cases_rig_poses(const examination *e)
@@ -322,7 +324,7 @@ void cases_rig_poses(const examination *e)
 
 /* ---- hands ---- */
 
-/* A mapping that is far too slow is told so by frame.deadline: it need not walk to the end. */
+/* frame.deadline reports a mapping that is far too slow, so the walk may end early. */
 static const double budget_s = 6.0;
 
 static bool has_time(void)
@@ -361,7 +363,7 @@ void cases_hands(const examination *e)
 
 /* ---- holds ---- */
 
-/* A fiftieth of the face's largest extent is what a calm hand cannot do in a frame. */
+/* A fiftieth of the face's largest extent is more than a calm hand moves in one frame. */
 static const double jump_in_faces = 0.02;
 
 void cases_engage(const examination *e)
@@ -383,22 +385,22 @@ void cases_engage(const examination *e)
     tell_ok(RULE_MAPPING_JUMP, "%u holds", holds);
 }
 
-/* ---- in time ---- */
+/* ---- the time limit ---- */
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-static const double limit_us = 1000.0; /* this build is slow itself */
+static const double limit_us = 1000.0; /* this build itself is slow */
 #else
 static const double limit_us = 200.0;
 #endif
 
-/* Of the processor time of process(). */
+/* Returns the 99th percentile of the processor time of process(). */
 static double p99_us(const examination *e)
 {
     static double took_us[DEADLINE_FRAMES];
     if (!play_open(&tried, &tried_hands, e, STREAM_RESTLESS, e->seed))
         return -1;
     tried.is_measured = true;
-    play_frames(&tried, &tried_hands, PLAY_SPAN); /* warms the caches up */
+    play_frames(&tried, &tried_hands, PLAY_SPAN); /* warms up the caches */
     for (uint32_t i = 0; i < DEADLINE_FRAMES; ++i) {
         play_frames(&tried, &tried_hands, 1);
         took_us[i] = (double)tried.cpu_ns / 1e3;
@@ -407,7 +409,8 @@ static double p99_us(const examination *e)
     return percentile(took_us, DEADLINE_FRAMES, 0.99);
 }
 
-/* A slow plugin is slow every time: the best of some passes does not blame it for others. */
+/* A slow plugin is slow in every pass. The best of some passes excludes the influence of other
+ * programs. */
 void cases_deadline(const examination *e)
 {
     double best_us = p99_us(e);
@@ -423,15 +426,16 @@ void cases_deadline(const examination *e)
     tell_ok(RULE_FRAME_DEADLINE, "p99 %.1f us", best_us);
 }
 
-/* ---- same take, same bits: again, beside another instance, after a reset, in another process ----
- */
+/* ---- same take, same bits: again, beside another instance, after a reset, in another process
+ * ---- */
 
 enum { TAKE_FRAMES = 2000, RESETS = 6 };
 static actor first, second, third, other;
 static stream first_hands, second_hands, third_hands, other_hands;
 static uint64_t sums[TAKE_FRAMES];
 
-/* New memory of the heap is not zero but this: what is read before it is written shows. */
+/* Fills new heap memory with this value instead of zeros, so that reading uninitialised memory has
+ * an effect. */
 static void soil(int with)
 {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -448,7 +452,7 @@ static bool open_soiled(actor *out, stream *out_hands, const examination *e, str
     return play_open(out, out_hands, e, kind, seed);
 }
 
-/* The first frame at which the take is not as in sums[]; TAKE_FRAMES: it is the same. */
+/* Returns the first frame where the take differs from sums[]; TAKE_FRAMES: none. */
 static uint32_t compare_take(actor *mapping, stream *hands, actor *beside, stream *beside_hands)
 {
     for (uint32_t i = 0; i < TAKE_FRAMES; ++i) {
@@ -476,9 +480,9 @@ static bool judge_again(const examination *e)
     actor_close(&second);
     if (at < TAKE_FRAMES)
         tell_failed(RULE_REPLAY_SAME,
-                    "the same take through a new instance differs from frame %u on: it depends on "
-                    "memory that was never written, on a variable that outlives the instance, on "
-                    "time or on chance",
+                    "the same take differs from frame %u on with a new instance. It depends on "
+                    "uninitialised memory, on a variable that outlives the instance, on time or "
+                    "on random numbers",
                     at);
     tell_ok(RULE_REPLAY_SAME, "%d frames", TAKE_FRAMES);
     return at == TAKE_FRAMES;
@@ -492,23 +496,22 @@ static void judge_beside(const examination *e)
     uint32_t at = compare_take(&first, &first_hands, &other, &other_hands);
     if (at < TAKE_FRAMES)
         tell_failed(RULE_REPLAY_INSTANCES,
-                    "the take differs from frame %u on when another instance performs beside it: "
-                    "they share a variable",
+                    "the take differs from frame %u on when another instance performs beside "
+                    "it. They share a variable",
                     at);
     tell_ok(RULE_REPLAY_INSTANCES, "%s", "");
     actor_close(&first);
     actor_close(&other);
 }
 
-/* ---- each part of a life on a thread of its own, as a host that loads beside the stage has it
- * ---- */
+/* ---- each part of a life on another thread, as in a host that loads beside the stage ---- */
 
 enum { LIFE_PARTS = 4 }; /* begin, two halves of the take, end */
 typedef struct life {
     const examination *e;
     int part;
     bool is_open, has_no_thread;
-    uint32_t differs_at; /* TAKE_FRAMES: nowhere */
+    uint32_t differs_at; /* TAKE_FRAMES: none */
 } life;
 
 static void play_life(life *of, uint32_t from, uint32_t to)
@@ -520,8 +523,8 @@ static void play_life(life *of, uint32_t from, uint32_t to)
     }
 }
 
-/* One part, then the next on another thread; this one stays until that has ended, so that no two
- * are the same. */
+/* Runs one part, then the next on another thread. This thread lives until that has ended, so that
+ * all threads are different. */
 static void *live_part(void *data)
 {
     life *of = data;
@@ -548,18 +551,18 @@ static void judge_threads(const examination *e)
     (void)live_part(&of);
     if (of.has_no_thread) {
         actor_close(&first);
-        tell_skipped(RULE_LIFE_THREADS, "no thread could be started");
+        tell_skipped(RULE_LIFE_THREADS, "cannot start a thread");
         return;
     }
     if (of.differs_at < TAKE_FRAMES)
         tell_failed(RULE_LIFE_THREADS,
-                    "the take differs from frame %u on when create(), process() and destroy() come "
-                    "from threads of their own: it keeps something by thread",
+                    "the take differs from frame %u on when create(), process() and destroy() "
+                    "are called on different threads. It stores something per thread",
                     of.differs_at);
     tell_ok(RULE_LIFE_THREADS, "%s", "");
 }
 
-/* False: nothing more can be judged. */
+/* Returns false if nothing more can be judged. */
 static bool judge_reset_after(const examination *e, stream_kind kind, uint64_t seed)
 {
     if (!open_soiled(&first, &first_hands, e, kind, seed, 0x11))
@@ -571,7 +574,7 @@ static bool judge_reset_after(const examination *e, stream_kind kind, uint64_t s
         !stream_begin(&first_hands, kind, seed + 1, e->type))
         return false;
     bool is_same = play_same(&first, &first_hands, &second, &second_hands, TAKE_FRAMES,
-                             RULE_REPLAY_RESET, "one that was reset, and a new one");
+                             RULE_REPLAY_RESET, "an instance after reset(), and a new one");
     actor_close(&first);
     actor_close(&second);
     return is_same;
@@ -608,14 +611,14 @@ void cases_sum(const examination *e)
     tell_fact(WIRE_SUM, "%016" PRIx64, sum);
 }
 
-/* ---- state and resume: bytes out and back, nothing beside them, and nothing from elsewhere ----
- */
+/* ---- state and resume: saving and loading bytes, without other effects, and without accepting
+ * invalid bytes ---- */
 
 enum { SIZE_MAX_BYTES = 16 << 20, GUARD = 32, GUARD_BYTE = 0x5c, TRIES = 60 };
 static const size_t odd_sizes[] = {0, 1, 3, 8, 31, 200, 4096};
 enum { ODD_SIZES = sizeof odd_sizes / sizeof *odd_sizes };
 
-/* A pair of functions that save and load, of whichever interface. */
+/* The functions that save and load, of either interface. */
 typedef struct store {
     size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
@@ -624,7 +627,7 @@ typedef struct store {
 } store;
 
 typedef struct kept {
-    unsigned char *bytes; /* and GUARD more */
+    unsigned char *bytes; /* with GUARD more bytes */
     size_t size;
 } kept;
 
@@ -658,7 +661,8 @@ static bool is_guarded(const unsigned char *at)
     return true;
 }
 
-/* What the plugin says with that much room; false: it wrote beyond, or says another size. */
+/* Judges save() with that capacity. Returns false if it wrote beyond it, or returned another
+ * size. */
 static bool judge_capacity(const store *s, actor *mapping, const kept *of, size_t capacity)
 {
     memset(of->bytes, GUARD_BYTE, of->size + GUARD);
@@ -666,21 +670,23 @@ static bool judge_capacity(const store *s, actor *mapping, const kept *of, size_
     if (!is_guarded(of->bytes + capacity))
         tell_failed(s->size_rule, "save() wrote beyond its capacity of %zu bytes", capacity);
     else if (size != of->size)
-        tell_failed(s->size_rule, "save() says %zu bytes with a capacity of %zu, and %zu with none",
+        tell_failed(s->size_rule,
+                    "save() returned %zu bytes with a capacity of %zu, but %zu "
+                    "with none",
                     size, capacity, of->size);
     else
         return true;
     return false;
 }
 
-/* Saved bytes; NULL bytes: there are none. */
+/* Returns the saved bytes; NULL: none. */
 static kept keep(const store *s, actor *mapping)
 {
     kept out = {.size = save(s, mapping, NULL, 0)};
     if (out.size == 0)
         return out;
     if (out.size > SIZE_MAX_BYTES) {
-        tell_failed(s->size_rule, "save() wants %zu bytes", out.size);
+        tell_failed(s->size_rule, "save() needs %zu bytes", out.size);
         return out;
     }
     out.bytes = malloc(out.size + GUARD);
@@ -699,16 +705,16 @@ static bool is_same_kept(const kept *a, const kept *b)
     return a->size == b->size && memcmp(a->bytes, b->bytes, a->size) == 0;
 }
 
-/* ---- what is refused ---- */
+/* ---- rejected bytes ---- */
 
-/* False: it took them. */
+/* Returns false if load() accepted them. */
 static bool refuses(const store *s, actor *mapping, const void *bytes, size_t size,
                     const char *what)
 {
     mrt_result result = load(s, mapping, bytes, size);
     if (result < 0)
         return true;
-    tell_failed(s->refuses_rule, "load() took %zu bytes that are %s", size, what);
+    tell_failed(s->refuses_rule, "load() accepted %zu bytes that are %s", size, what);
     return false;
 }
 
@@ -719,20 +725,20 @@ static void judge_random(const store *s, actor *mapping, const kept *good, uint6
     for (int i = 0; bytes && i < TRIES; ++i) {
         size_t size = i % 2 ? good->size : odd_sizes[(size_t)i / 2 % ODD_SIZES];
         random_bytes(&seed, bytes, size);
-        if (!refuses(s, mapping, bytes, size, size ? "random" : "none at all"))
+        if (!refuses(s, mapping, bytes, size, size ? "random" : "empty"))
             break;
     }
     free(bytes);
 }
 
-/* Cut short, and with a bit turned. */
+/* Judges truncated bytes, and bytes with one flipped bit. */
 static void judge_damaged(const store *s, actor *mapping, const kept *good, uint64_t seed)
 {
     unsigned char *bytes = malloc(good->size);
     for (int i = 0; bytes && i < TRIES; ++i) {
         size_t size = random_below(&seed, (uint32_t)good->size);
         memcpy(bytes, good->bytes, good->size);
-        if (!refuses(s, mapping, bytes, size, "cut short"))
+        if (!refuses(s, mapping, bytes, size, "truncated"))
             break;
         size_t at = random_below(&seed, (uint32_t)good->size);
         bytes[at] ^= (unsigned char)(1u << random_below(&seed, 8));
@@ -746,25 +752,26 @@ static void judge_damaged(const store *s, actor *mapping, const kept *good, uint
 
 static void judge_explained(const store *s, actor *mapping)
 {
-    static const char nonsense[] = "no state at all";
+    static const char nonsense[] = "empty";
     uint32_t before = mapping->host.error_count;
     if (load(s, mapping, nonsense, sizeof nonsense) < 0 && mapping->host.error_count == before)
-        tell_failed(RULE_RUN_EXPLAINED, "load() of %s refused bytes, and logged no error", s->name);
+        tell_failed(RULE_RUN_EXPLAINED, "load() of %s rejected bytes, but logged no error",
+                    s->name);
 }
 
 static void judge_state_round(const store *s, const kept *good)
 {
     mrt_result result = load(s, &second, good->bytes, good->size);
     if (result < 0) {
-        tell_failed(RULE_STATE_ROUND, "load() returned %d for what save() wrote", result);
+        tell_failed(RULE_STATE_ROUND, "load() returned %d for bytes of save()", result);
         return;
     }
     kept again = keep(s, &second);
     if (again.bytes && !is_same_kept(&again, good))
-        tell_failed(RULE_STATE_ROUND, "loaded and saved again its %zu bytes are others (%zu)",
+        tell_failed(RULE_STATE_ROUND, "after load() and save() its %zu bytes are different (%zu)",
                     good->size, again.size);
     else if (!again.bytes && !tell_has_failed(s->size_rule))
-        tell_failed(RULE_STATE_ROUND, "after load() save() has nothing to say");
+        tell_failed(RULE_STATE_ROUND, "after load() save() returns nothing");
     free(again.bytes);
 }
 
@@ -772,7 +779,8 @@ static void judge_state_unchanged(const store *s, const kept *before)
 {
     kept after = keep(s, &first);
     if (after.bytes && !is_same_kept(&after, before))
-        tell_failed(s->whole_rule, "after load() refused bytes save() gives others than before");
+        tell_failed(s->whole_rule, "after load() rejected bytes, save() gives other bytes than "
+                                   "before");
     free(after.bytes);
 }
 
@@ -787,16 +795,16 @@ static void judge_poses(const examination *e, const kept *good)
         memset(angle_rad, 0, sizeof angle_rad);
         mrt_result result = functions->pose(good->bytes, good->size, id, angle_rad);
         if (result != MRT_OK && result != MRT_END)
-            tell_failed(RULE_STATE_POSES,
-                        "pose() of parameter %u returned %d for what save() wrote", id, result);
+            tell_failed(RULE_STATE_POSES, "pose() of parameter %u returned %d for bytes of save()",
+                        id, result);
         for (int k = 0; k < MRT_ANGLES; ++k)
             if (!isfinite(angle_rad[k]))
-                tell_failed(RULE_STATE_POSES, "parameter %u: angle %d is none", id, k);
+                tell_failed(RULE_STATE_POSES, "parameter %u: angle %d is not a number", id, k);
     }
     const uint32_t an_id = e->type->param_count ? e->type->params[0].id : 0;
     if (functions->pose(good->bytes, good->size - 1, an_id, angle_rad) != MRT_ERR_FORMAT ||
         functions->pose("nonsense", 8, an_id, angle_rad) != MRT_ERR_FORMAT)
-        tell_failed(RULE_STATE_POSES, "pose() takes bytes that are not what save() wrote");
+        tell_failed(RULE_STATE_POSES, "pose() accepts bytes that save() did not write");
     tell_ok(RULE_STATE_POSES, "%s", "");
 }
 
@@ -814,8 +822,8 @@ void cases_state(const examination *e)
     kept good = keep(&s, &first);
     if (good.size == 0) {
         for (size_t i = 0; i < sizeof rules / sizeof *rules; ++i)
-            tell_skipped(rules[i], "save() has nothing to keep");
-        tell_skipped(RULE_STATE_POSES, "save() has nothing to keep");
+            tell_skipped(rules[i], "save() returns no bytes");
+        tell_skipped(RULE_STATE_POSES, "save() returns no bytes");
         return;
     }
     if (!good.bytes)
@@ -837,11 +845,11 @@ void cases_state(const examination *e)
 enum { MOMENTS = 12 };
 static const uint32_t moments[MOMENTS] = {0,    3,    41,   137,  307,  700, /* frames */
                                           1103, 1499, 2000, 2617, 3301, 4001};
-static uint64_t alone_sums[PLAY_SPAN]; /* of what nobody interrupted */
-static stream then_hands;              /* at the moment */
-static actor then;                     /* the host's own part of it */
+static uint64_t alone_sums[PLAY_SPAN]; /* sums of an uninterrupted instance */
+static stream then_hands;              /* at that moment */
+static actor then;                     /* the host's state */
 
-/* The first of the coming frames that is not as in alone_sums[]; PLAY_SPAN: none. */
+/* Returns the first coming frame that differs from alone_sums[]; PLAY_SPAN: none. */
 static uint32_t go_on(actor *mapping, stream *hands, const char *doing)
 {
     tell_doing(RULE_COUNT, "%s, %s", stream_name(then_hands.kind), doing);
@@ -853,7 +861,8 @@ static uint32_t go_on(actor *mapping, stream *hands, const char *doing)
     return PLAY_SPAN;
 }
 
-/* As the stage takes a take up: a new instance, and the host's own part as it was. */
+/* Opens a new instance and loads the state, as the stage resumes a take. The host's own state is
+ * copied. */
 static bool open_loaded(const store *s, const examination *e, const kept *good)
 {
     actor_close(&second);
@@ -861,7 +870,7 @@ static bool open_loaded(const store *s, const examination *e, const kept *good)
         return false;
     mrt_result result = load(s, &second, good->bytes, good->size);
     if (result < 0) {
-        tell_failed(RULE_RESUME_SAME, "load() returned %d for what save() wrote", result);
+        tell_failed(RULE_RESUME_SAME, "load() returned %d for bytes of save()", result);
         return false;
     }
     second_hands = then_hands;
@@ -877,11 +886,11 @@ static void judge_resumed(const store *s, const examination *e, const kept *good
 {
     if (!open_loaded(s, e, good))
         return;
-    uint32_t at = go_on(&second, &second_hands, "taken up");
+    uint32_t at = go_on(&second, &second_hands, "resumed");
     if (at < PLAY_SPAN) {
         tell_failed(RULE_RESUME_SAME,
-                    "taken up at frame %u it goes on as before for %u frames, then differs", moment,
-                    at);
+                    "resumed at frame %u, it continues the same for %u frames, then differs",
+                    moment, at);
         return;
     }
     if (!open_loaded(s, e, good))
@@ -889,11 +898,11 @@ static void judge_resumed(const store *s, const examination *e, const kept *good
     judge_random(s, &second, good, e->seed);
     judge_damaged(s, &second, good, e->seed);
     if (!tell_has_failed(s->refuses_rule) &&
-        go_on(&second, &second_hands, "after load() refused") < PLAY_SPAN)
-        tell_failed(s->whole_rule, "after load() refused bytes it does not go on as before");
+        go_on(&second, &second_hands, "after load() rejected") < PLAY_SPAN)
+        tell_failed(s->whole_rule, "after load() rejected bytes, it continues differently");
 }
 
-/* False: nothing more can be judged. */
+/* Returns false if nothing more can be judged. */
 static bool judge_moment(const store *s, const examination *e, stream_kind kind, uint32_t moment)
 {
     if (!play_open(&first, &first_hands, e, kind, e->seed) ||
@@ -910,9 +919,9 @@ static bool judge_moment(const store *s, const examination *e, stream_kind kind,
     kept good = keep(s, &first);
     bool can_go_on = good.bytes != NULL;
     if (good.size == 0)
-        tell_skipped(RULE_RESUME_SAME, "save() had nothing to keep at frame %u", moment);
+        tell_skipped(RULE_RESUME_SAME, "save() returned no bytes at frame %u", moment);
     if (can_go_on && go_on(&first, &first_hands, "after save()") < PLAY_SPAN) {
-        tell_failed(RULE_RESUME_SILENT, "saved at frame %u it does not go on as one that was not",
+        tell_failed(RULE_RESUME_SILENT, "after save() at frame %u it continues differently",
                     moment);
         can_go_on = false;
     }

@@ -105,7 +105,7 @@ static void plugin_request_restart(const mrt_host *plugin)
     (void)plugin;
 }
 
-/* As the stage reads them (services.h, which is above this room). */
+/* Reads them like the stage (services.h, which is in a higher layer). */
 static void read_landmarks(const mrt_host *plugin, const mrt_landmarks *seen,
                            mrt_hand_reading *reading)
 {
@@ -156,7 +156,7 @@ const char *host_words(const host *self, char out[300])
 
 enum { CONTACTS_MAX = 64, POSES = 3, USUAL_CONTACTS = 27, USUAL_DOFS = 13 };
 
-/* As a puppet's: 270 mm high. */
+/* Similar to the puppet: 270 mm high. */
 static const mrt_contact usual_contact[USUAL_CONTACTS] = {
     {"brow.inner.l", "skull", {18, 100, 70}, {0, 0, 1}},
     {"brow.inner.r", "skull", {-18, 100, 70}, {0, 0, 1}},
@@ -278,7 +278,7 @@ static void shape(face_room *out, face_kind kind)
     if (kind == FACE_BARE)
         out->face.contact_count = out->face.dof_count = 0;
     if (kind == FACE_ONE) {
-        out->contact[0] = usual_contact[14]; /* a corner of the mouth, without its twin */
+        out->contact[0] = usual_contact[14]; /* one corner of the mouth, without the other */
         out->dof[0] = usual_dof[2];
         out->face.contact_count = out->face.dof_count = 1;
     }
@@ -373,7 +373,7 @@ bool posed_pages_create(posed_pages *out, const mrt_face *face, uint32_t count, 
 void posed_pages_forbid(posed_pages *self)
 {
     if (mprotect(self->pages, self->size, PROT_NONE) != 0)
-        abort(); /* a test that sees nothing must not pass */
+        abort(); /* otherwise the test would detect nothing */
 }
 
 const mrt_face *faces_of(face_kind kind)
@@ -510,7 +510,7 @@ static void move_one_pedal(stream *self)
 
 /* ---- hands ---- */
 
-/* Beyond its clinical range too: calibrations are not perfect. */
+/* Also beyond its clinical range, because calibrations are not perfect. */
 static double any_angle(stream *self, int sensor)
 {
     double low = (double)sensor_table[sensor].low_deg * rad_per_deg;
@@ -520,7 +520,7 @@ static double any_angle(stream *self, int sensor)
         return random_between(&self->random, low - margin, high + margin);
     uint32_t end = random_below(&self->random, 5);
     if (end == 4)
-        return random_one_in(&self->random, 2) ? -3.1415 : 3.1415; /* as far as a filter lets */
+        return random_one_in(&self->random, 2) ? -3.1415 : 3.1415; /* limits of the filter */
     return end == 0 ? low : end == 1 ? high : end == 2 ? low - margin : high + margin;
 }
 
@@ -560,7 +560,7 @@ static void come_and_go(stream *self)
 static void write_hand(const stream_hand *from, int side, mrt_hand *out)
 {
     if (!from->present) {
-        out->present = false; /* the rest is the last known */
+        out->present = false; /* the other values are the last known ones */
         return;
     }
     rigid wrist = rigid_identity();
@@ -577,7 +577,7 @@ static void write_hand(const stream_hand *from, int side, mrt_hand *out)
 static int64_t step_ns(stream *self)
 {
     if (self->kind != STREAM_CALM && random_one_in(&self->random, 200))
-        return random_one_in(&self->random, 2) ? 0 : 400000000; /* twice the same; a gap */
+        return random_one_in(&self->random, 2) ? 0 : 400000000; /* the same time twice, or a gap */
     return frame_ns + (int64_t)random_below(&self->random, 200000);
 }
 
@@ -614,12 +614,12 @@ static const mrt_channel *phone_channels(void)
     return out;
 }
 
-/* Faders are there from the first frame on; a phone comes later, and may exceed its ranges. */
+/* Faders are present from the first frame on. A phone appears later, and may exceed its ranges. */
 static void move_channels(stream *self, mrt_frame *out)
 {
     static const uint32_t phone_comes = 50;
     if (self->kind == STREAM_ABSENT)
-        return; /* no input but pedals */
+        return; /* only pedals */
     if (self->index == 0)
         self->channel_random = 0x9e3779b97f4a7c15u;
     for (uint32_t i = 0; i < STREAM_INPUTS; ++i) {

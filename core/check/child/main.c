@@ -1,6 +1,6 @@
-/* marotte-plugincheck FILE CASE TYPE SEED INPUT OUTPUT: one case of `marotte plugin check`, in a
- * process of its own because what it examines may take it down. Tells what it finds on descriptor 3
- * (wire.h); not for people. INPUT and OUTPUT: addresses, "-" for none. */
+/* marotte-plugincheck FILE CASE TYPE SEED INPUT OUTPUT: runs one case of `marotte plugin check`, in
+ * a separate process because the plugin may crash it. Writes its findings to descriptor 3 (wire.h);
+ * not for people. INPUT and OUTPUT: addresses, "-" for none. */
 #include "base/text.h"
 #include "check/child/cases.h"
 #include "check/child/tell.h"
@@ -50,7 +50,7 @@ static const char *address_of(const char *word)
     return strcmp(word, "-") == 0 ? NULL : word;
 }
 
-/* What hot reload wants to know. */
+/* Checks needed before hot reload. */
 static void run_quick(const types *all, uint64_t seed)
 {
     cases_tables(all);
@@ -95,5 +95,5 @@ int main(int argc, char **argv)
     run(argv);
     watch_end();
     tell_end();
-    _exit(0); /* whatever the plugin left behind: threads, handlers at exit */
+    _exit(0); /* skips threads and exit handlers of the plugin */
 }

@@ -16,7 +16,7 @@ void tell_to(int fd)
     out = fd;
 }
 
-/* One write per line: whole or not at all (PIPE_BUF). */
+/* Writes a line with one write(), so that it is complete or absent (PIPE_BUF). */
 static void send_line(char kind, const char *name, const char *text)
 {
     char line[WIRE_LINE];
@@ -32,7 +32,7 @@ static void send_line(char kind, const char *name, const char *text)
     (void)written;
 }
 
-/* Formats into a text of its own, cut to fit. NOLINTBEGIN(bugprone-macro-parentheses) */
+/* Formats into its own text, cut to fit. NOLINTBEGIN(bugprone-macro-parentheses) */
 #define FORMAT_TEXT(text, format)                                                                  \
     char text[WIRE_TEXT];                                                                          \
     va_list arguments;                                                                             \

@@ -1,14 +1,14 @@
-/* check/child/tell.h - what a case found out, line by line to the parent (wire.h), at once: a line
- * that was told stays told when the plugin takes the process down. Of each rule the first failure
- * counts. One thread. */
+/* check/child/tell.h - reports the findings of a case to the parent, line by line (wire.h),
+ * immediately: a reported line is kept even if the plugin crashes the process. Only the first
+ * failure of each rule counts. One thread. */
 #ifndef MAROTTE_CHECK_CHILD_TELL_H
 #define MAROTTE_CHECK_CHILD_TELL_H
 #include "check/rules.h"
 
 void tell_to(int fd);
 
-/* What is being done, for whoever reads why it crashed: "process() of a random walk". `blamed`: the
- * rule that is broken if it does not come back; RULE_COUNT: run.crash, run.hang or run.exit. */
+/* Sets the current action, for the report of a crash: "process() of a random walk". blamed: rule
+ * that is broken if the call does not return; RULE_COUNT: run.crash, run.hang or run.exit. */
 __attribute__((format(printf, 2, 3))) void tell_doing(check_rule blamed, const char *format, ...);
 const char *tell_what(void);
 check_rule tell_blamed(void);
@@ -16,14 +16,14 @@ check_rule tell_blamed(void);
 __attribute__((format(printf, 2, 3))) void tell_failed(check_rule rule, const char *format, ...);
 bool tell_has_failed(check_rule rule);
 bool tell_has_failed_any(void);
-/* Judged, and nothing was found; the text may be "". */
+/* Reports that the rule was judged without a finding; the text may be "". */
 __attribute__((format(printf, 2, 3))) void tell_ok(check_rule rule, const char *format, ...);
 __attribute__((format(printf, 2, 3))) void tell_skipped(check_rule rule, const char *format, ...);
-/* Something that the parent wants to know. */
+/* Reports a value to the parent. */
 __attribute__((format(printf, 2, 3))) void tell_fact(const char *name, const char *format, ...);
-/* The case came to its end. */
+/* Reports the end of the case. */
 void tell_end(void);
-/* The plugin took the process down: told for the rule that is blamed, or else for `rule`. */
+/* Reports that the plugin ended the process, for the blamed rule, or else for `rule`. */
 void tell_down(check_rule rule, const char *how);
 
 #endif

@@ -18,7 +18,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-/* ---- where it happened ---- */
+/* ---- the place in the plugin ---- */
 
 typedef ElfW(Ehdr) elf_header;
 typedef ElfW(Shdr) elf_section;
@@ -26,7 +26,7 @@ typedef ElfW(Sym) elf_symbol;
 
 enum { LIBRARY_SIZE_MAX = 256 << 20, SYMBOL_FUNCTION = 2 /* STT_FUNC */ };
 
-static uintptr_t low, high; /* of the library in memory */
+static uintptr_t low, high; /* address range of the library */
 static const char *library_name = "";
 static file_bytes image;
 static const elf_symbol *symbols;
@@ -34,7 +34,7 @@ static size_t symbol_count;
 static const char *names;
 static size_t names_size;
 
-/* ---- where it lies ---- */
+/* ---- the address range of the library ---- */
 
 static void learn_mapping(const char *path)
 {
@@ -64,8 +64,8 @@ static const void *piece(uint64_t offset, uint64_t size)
     return offset <= image.size && size <= image.size - offset ? image.data + offset : NULL;
 }
 
-/* The symbols of a section, if they are whole. */
-static bool take_symbols(const elf_section *sections, unsigned count, const elf_section *from)
+/* Reads the symbols of a section, if they are complete. */
+static bool read_symbols(const elf_section *sections, unsigned count, const elf_section *from)
 {
     if (from->sh_link >= count)
         return false;
@@ -95,12 +95,12 @@ static void learn_symbols(const char *path)
     for (size_t k = 0; sections && k < sizeof wanted / sizeof *wanted; ++k)
         for (unsigned i = 0; i < header->e_shnum; ++i)
             if (sections[i].sh_type == wanted[k] &&
-                take_symbols(sections, header->e_shnum, &sections[i]))
+                read_symbols(sections, header->e_shnum, &sections[i]))
                 return;
     symbol_count = 0;
 }
 
-/* The stack of the caller. No allocation after call_stack_set_library. */
+/* Copies the stack of the caller. Does not allocate after call_stack_set_library. */
 static void call_stack_take(call_stack *out)
 {
     out->count = backtrace(out->frame, CALL_STACK_FRAMES);
@@ -119,7 +119,7 @@ void call_stack_set_library(const char *library_path)
     call_stack_take(&first);
 }
 
-/* Whether the address lies in the plugin. */
+/* Returns whether the address is in the plugin. */
 static bool is_inside_library(const void *address)
 {
     return (uintptr_t)address >= low && (uintptr_t)address < high;
@@ -136,14 +136,15 @@ static const elf_symbol *find_symbol(uintptr_t offset)
     return NULL;
 }
 
-/* The innermost function of the plugin; false, and "an unknown place": none is on the stack. */
+/* Writes the innermost function of the plugin. Returns false and "an unknown place" if none is on
+ * the stack. */
 static bool call_stack_name(const call_stack *where, char *out, size_t capacity)
 {
     for (int i = 0; i < where->count; ++i) {
         if (!is_inside_library(where->frame[i]))
             continue;
         uintptr_t offset = (uintptr_t)where->frame[i] - low;
-        const elf_symbol *symbol = find_symbol(offset - 1); /* behind the call */
+        const elf_symbol *symbol = find_symbol(offset - 1); /* in the call */
         if (symbol)
             (void)snprintf(out, capacity, "%s+0x%zx (%s+0x%zx)", names + symbol->st_name,
                            (size_t)(offset - symbol->st_value), library_name, (size_t)offset);
@@ -155,10 +156,10 @@ static bool call_stack_name(const call_stack *where, char *out, size_t capacity)
     return false;
 }
 
-/* ---- what it may not call ---- */
+/* ---- forbidden calls ---- */
 
 typedef struct trap_hit {
-    const char *function; /* NULL: nothing was caught */
+    const char *function; /* NULL: none */
     call_stack where;
 } trap_hit;
 
@@ -181,7 +182,7 @@ void trap_note(trap_kind kind, const char *function)
 {
     if (!trap_catches(kind) || hits[kind].function)
         return;
-    uint32_t kinds = trap_set(0); /* looking at the stack is not the plugin's doing */
+    uint32_t kinds = trap_set(0); /* reading the stack is not caused by the plugin */
     hits[kind].function = function;
     call_stack_take(&hits[kind].where);
     (void)trap_set(kinds);
@@ -211,7 +212,7 @@ size_t trap_heap_bytes(void)
 }
 #endif
 
-/* ---- what does not come back ---- */
+/* ---- calls that do not return ---- */
 
 enum { STACK_BYTES = 1 << 16, TICKS_MAX = 20, FRAME_TICKS_MAX = 2 };
 static const struct itimerval tick = {{0, 500000}, {0, 500000}}; /* of CPU time */
@@ -219,8 +220,8 @@ static const struct itimerval tick = {{0, 500000}, {0, 500000}}; /* of CPU time 
 static unsigned char stack[STACK_BYTES];
 static volatile sig_atomic_t is_over, is_in_frame, ticks;
 
-/* The process is lost and nothing else runs: what is not safe in a handler elsewhere is worth the
- * risk here, the parent copes with a child that says nothing. */
+/* Reports from a signal handler and ends the process. This is not async-signal-safe, but the
+ * process is lost anyway, and the parent handles a child without a report. */
 static void go_down(check_rule rule, const char *how)
 {
     char where[256], text[512];
@@ -252,16 +253,16 @@ static void on_tick(int signal_number)
 static void on_alarm(int signal_number)
 {
     (void)signal_number;
-    go_down(RULE_RUN_HANG, "no end");
+    go_down(RULE_RUN_HANG, "infinite loop");
 }
 
 static void on_exit_called(void)
 {
     if (!is_over)
-        go_down(RULE_RUN_EXIT, "the process was ended");
+        go_down(RULE_RUN_EXIT, "the process exited");
 }
 
-/* What a sanitizer finds ends in on_crash. Without sanitizers nobody asks. */
+/* Reports of a sanitizer end in on_crash. Without sanitizers these functions are not called. */
 MRT_EXPORT const char *__asan_default_options(void);
 MRT_EXPORT const char *__ubsan_default_options(void);
 

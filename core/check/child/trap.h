@@ -1,14 +1,15 @@
-/* check/child/trap.h - catches what a plugin does that it may not: where in it something happened;
- * functions of libc that it may not call where it is; calls that do not come back. Linux, glibc. */
+/* check/child/trap.h - detects forbidden actions of a plugin and their place in its code:
+ * functions of libc that it must not call on the current thread, and calls that do not return.
+ * Linux, glibc. */
 #ifndef MAROTTE_CHECK_CHILD_TRAP_H
 #define MAROTTE_CHECK_CHILD_TRAP_H
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
-/* ---- where it happened ---- */
+/* ---- the place in the plugin ---- */
 
-/* After dlopen: finds where the library lies in memory. Without it every place is unknown. */
+/* Call it after dlopen: finds the addresses of the library. Without it every place is unknown. */
 void call_stack_set_library(const char *library_path);
 
 enum { CALL_STACK_FRAMES = 32 };
@@ -17,7 +18,7 @@ typedef struct call_stack {
     int count;
 } call_stack;
 
-/* ---- what it may not call ---- */
+/* ---- forbidden calls ---- */
 
 typedef enum trap_kind {
     TRAP_ALLOCATION = 0,
@@ -27,40 +28,40 @@ typedef enum trap_kind {
     TRAP_CLOCK,
     TRAP_SLEEP,
     TRAP_PROCESS,
-    TRAP_HOST, /* a host service that is not for this thread: told by fixture.c */
+    TRAP_HOST, /* a host service that is forbidden on this thread; reported by fixture.c */
     TRAP_KINDS
 } trap_kind;
 enum { TRAP_ALL = (1 << TRAP_KINDS) - 1 };
 
-/* From now on, on this thread, kinds (1 << TRAP_*; 0: none) are caught, and what would wait does
- * not. Returns those that were caught before, for what the host does for the plugin and is not the
- * plugin's doing. */
+/* Sets the kinds of calls (1 << TRAP_*; 0: none) that are caught on this thread. Functions that
+ * would wait return immediately then. Returns the previous kinds, so that the host can disable
+ * catching for its own calls. */
 uint32_t trap_set(uint32_t kinds);
 
-/* A function of that kind is being called: trap_libc.c, fixture.c. */
+/* Records a call of a function of that kind: called by trap_libc.c and fixture.c. */
 void trap_note(trap_kind kind, const char *function);
-/* Whether that kind is being caught now: what would wait must not. */
+/* Returns whether that kind is caught now, so that a waiting function must return. */
 bool trap_catches(trap_kind kind);
 
-/* Which function was caught first since the last call of this for that kind, and from where:
- * "malloc() in grow+0x12 (a.so+0x1152)"; false: none. */
+/* Describes the first caught call of that kind since the last call of this function: "malloc() in
+ * grow+0x12 (a.so+0x1152)". Returns false if there was none. */
 bool trap_caught(trap_kind kind, char *out, size_t capacity);
 
-/* Bytes of the heap in use. */
+/* Returns the bytes of the heap in use. */
 size_t trap_heap_bytes(void);
 
-/* ---- what does not come back ---- */
+/* ---- calls that do not return ---- */
 
-/* From now on. The case may take `limit_s` of wall time, a single call 10 s of CPU time, and a call
- * on the frame thread 1 s. */
+/* Starts the limits: `limit_s` of wall time for the case, 10 s of CPU time for one call, and 1 s
+ * for a call on the frame thread. */
 void watch_begin(unsigned limit_s);
-/* The case came to its end. */
+/* Ends the limits, at the end of the case. */
 void watch_end(void);
 
-/* Around each call on the frame thread. */
+/* Call them around each call on the frame thread. */
 void watch_frame_enter(void);
 void watch_frame_leave(void);
-/* Before any other call. */
+/* Call it before any other call. */
 void watch_next(void);
 
 #endif

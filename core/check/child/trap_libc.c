@@ -1,5 +1,5 @@
-/* The functions of libc that are caught (trap.h): each notes that it was called and goes on to
- * libc's own. */
+/* The functions of libc that are caught (trap.h): each records its call and calls the function of
+ * libc. */
 #include "check/child/trap.h"
 
 #include "base/program.h"
@@ -29,18 +29,18 @@
 #include <time.h>
 #include <unistd.h>
 
-/* libc's headers name their parameters __file and the like.
+/* The headers of libc name their parameters __file and the like.
  * NOLINTBEGIN(readability-inconsistent-declaration-parameter-name,bugprone-macro-parentheses) */
 
-/* RTLD_NEXT, which glibc shows to GNU C only: the libraries behind this program. */
+/* RTLD_NEXT, which glibc defines only for GNU C: the libraries after this program. */
 #define NEXT_LIBRARIES ((void *)-1L)
 
-/* libc's function of that name (or a sanitizer's in front of it), into a function pointer. */
+/* Stores libc's function of that name (or that of a sanitizer) in a function pointer. */
 static void find_real(const char *name, void *out_function, size_t size)
 {
     void *address = dlsym(NEXT_LIBRARIES, name);
     if (!address)
-        abort(); /* not glibc: the traps cannot be set */
+        abort(); /* not glibc: calls cannot be caught */
     memcpy(out_function, &address, size);
 }
 
@@ -58,7 +58,7 @@ static void find_real(const char *name, void *out_function, size_t size)
     }                                                                                              \
     extern type name params
 
-/* What would wait gives `instead` while it is caught. */
+/* A waiting function returns `instead` while it is caught. */
 #define CATCH_WAIT(type, name, params, arguments, waits, instead)                                  \
     MRT_EXPORT type name params                                                                    \
     {                                                                                              \
@@ -154,7 +154,7 @@ MRT_EXPORT int pthread_mutex_lock(pthread_mutex_t *mutex)
     trap_note(TRAP_LOCK, "pthread_mutex_lock");
     if (!trap_catches(TRAP_LOCK))
         return real(mutex);
-    (void)pthread_mutex_trylock(mutex); /* a deadlock would hide what was found */
+    (void)pthread_mutex_trylock(mutex); /* a deadlock would hide the findings */
     return 0;
 }
 
@@ -202,7 +202,7 @@ CATCH(TRAP_CLOCK, time_t, time, (time_t * out), (out));
 
 static mode_t mode_of(int flags, va_list arguments)
 {
-    const int nameless = 020000000; /* O_TMPFILE's own bit */
+    const int nameless = 020000000; /* the flag of O_TMPFILE itself */
     return flags & (O_CREAT | nameless) ? (mode_t)va_arg(arguments, int) : 0;
 }
 
@@ -219,7 +219,7 @@ static mode_t mode_of(int flags, va_list arguments)
     }                                                                                              \
     extern int name params
 
-/* Programs built for large files call these. */
+/* Programs with large file support call these. */
 int open64(const char *path, int flags, ...);
 int openat64(int folder, const char *path, int flags, ...);
 FILE *fopen64(const char *path, const char *mode);
@@ -257,7 +257,7 @@ CATCH(TRAP_FILE, int, rename, (const char *from, const char *to), (from, to));
 CATCH(TRAP_FILE, int, mkdir, (const char *path, mode_t mode), (path, mode));
 CATCH(TRAP_FILE, DIR *, opendir, (const char *path), (path));
 
-/* Calls of printf become these, or puts and the like, which are above. */
+/* Calls of printf are compiled to these, or to puts and similar functions above. */
 int __printf_chk(int flag, const char *format, ...);
 int __fprintf_chk(FILE *stream, int flag, const char *format, ...);
 
