@@ -47,6 +47,7 @@ typedef struct trial {
     bool has_pictures;
     /* what was seen */
     uint64_t made, commands, refused, performed, finding_count;
+    uint64_t unchecked; /* commands whose leaks could not be looked for */
     double longest_s, most_bytes;
     char longest_what[PATH];
 } trial;
@@ -603,6 +604,9 @@ static int run(trial *t, const char *line, size_t size)
         report(t, "takes too long", line);
     else if (code < 0)
         report(t, strsignal(WTERMSIG(status)), line);
+    else if (says(t, "LeakSanitizer has encountered a fatal error") && !says(t, "ERROR:") &&
+             !says(t, "runtime error:"))
+        ++t->unchecked; /* the leak checker could not stop a thread; the program itself had ended */
     else if (says(t, "Sanitizer") || says(t, "runtime error:") || says(t, "Assertion"))
         report(t, "a sanitizer's report", line);
     else if (code > 1)
@@ -752,11 +756,12 @@ int main(int argc, char **argv)
     }
     printf(
         "%llu heads of %zu, %llu commands (%llu refused, %llu performances): %llu findings; seeds "
-        "from %llu; the longest took %.1f s (%s); at most %.0f MB\n",
+        "from %llu; leaks of %llu commands not checked; the longest took %.1f s (%s); at most %.0f "
+        "MB\n",
         (unsigned long long)t->made, t->head_count, (unsigned long long)t->commands,
         (unsigned long long)t->refused, (unsigned long long)t->performed,
-        (unsigned long long)t->finding_count, (unsigned long long)first, t->longest_s,
-        t->longest_what, t->most_bytes / 1e6);
+        (unsigned long long)t->finding_count, (unsigned long long)first,
+        (unsigned long long)t->unchecked, t->longest_s, t->longest_what, t->most_bytes / 1e6);
     const bool failed = t->finding_count > 0;
     shell("rm -rf \"$1\"", t->folder, "");
     free(t);
