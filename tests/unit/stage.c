@@ -227,9 +227,9 @@ static void play(outcome *out, const table *const *tables, uint32_t table_count,
     player_events events = {.frame = on_frame, .data = out};
     assert_int_equal(player_run(p, inputs, table_count, &player, &events, &out->report, &err),
                      MRT_OK);
-    performer_draw(p);
-    out->hash = hash_of(performer_face(p));
-    out->counts = *performer_counted(p);
+    composer_draw(p->composer);
+    out->hash = hash_of(composer_face(p->composer));
+    out->counts = p->counts;
     performer_destroy(p);
     instance_destroy(&mapping);
     for (uint32_t i = 0; i < table_count; ++i)

@@ -64,7 +64,7 @@ static uint32_t compare(live_fixture *d, int64_t take_id, const seen *s)
     const sequencer_settings settings = {
         .show = reading, .plugins = &d->plugins, .log = d->log, .face = &d->face};
     fixture_must(sequencer_create(&plays, &settings, &t, &err), &err);
-    composer *shown = performer_composer(sequencer_performer(plays));
+    composer *shown = sequencer_performer(plays)->composer;
     size_t size = (size_t)d->view->vertex_count * 3;
     float *rows = malloc(size * sizeof *rows);
     int64_t start_ns = d->live->take_begun_ns;

@@ -1,6 +1,6 @@
-/* ui/cli/take.h - what the subcommands of `marotte take` share: the table of them, their command line,
- * the show and take that they work on, and times as a person writes them. take_edit.c edits takes,
- * take_show.c reads shows, take_stage.c performs takes, for take_export.c, take_record.c and
+/* ui/cli/take.h - what the subcommands of `marotte take` share: the table of them, their command
+ * line, the show and take that they work on, and times as a person writes them. take_edit.c edits
+ * takes, take_show.c reads shows, take_stage.c performs takes, for take_export.c, take_record.c and
  * take_diff.c. [main] */
 #ifndef MAROTTE_UI_TAKE_H
 #define MAROTTE_UI_TAKE_H
@@ -215,9 +215,10 @@ typedef struct take_frames { /* frame `first` + i begins at timecode_time_ns(rat
 /* By --fps, --in and --out: the frames that begin in that range; of the whole take without. */
 CHECKED mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err);
 
-/* Brings the face to each frame in turn. `each` reads sequencer_performer, drawn. */
+/* Brings the face to each frame in turn, draws it and publishes it: frame.publish, with data. */
 CHECKED mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
-                                   mrt_result (*each)(void *data, take_stage *from, error *err),
+                                   mrt_result (*publish)(void *data, const stage_frame *f,
+                                                         error *err),
                                    void *data, error *err);
 
 /* ---- subcommands of take.c's own table ---- */

@@ -57,11 +57,11 @@ bool live_look(live *self, const live_view **out);
 /* ---- how it does ---- */
 
 enum { LIVE_PHASES = 4, LIVE_HISTORY = 240 };
-typedef enum live_phase {                       /* of the frame: ARCHITECTURE.md, Phases */
-                          LIVE_PHASE_MAP = 0,   /* 3 to 5 */
-                          LIVE_PHASE_CONSTRAIN, /* 6 */
-                          LIVE_PHASE_DEFORM,    /* 7 */
-                          LIVE_PHASE_PUBLISH    /* 8 */
+typedef enum live_phase { /* phases of frame.h that the panel shows as one line */
+                          LIVE_PHASE_MAP = 0,   /* 1 to 6 */
+                          LIVE_PHASE_CONSTRAIN, /* 7 and 8 */
+                          LIVE_PHASE_DEFORM,    /* 9 */
+                          LIVE_PHASE_PUBLISH    /* 10 */
 } live_phase;
 typedef struct live_status {
     bool can_record;

@@ -119,7 +119,7 @@ void live_scene_destroy(live_scene *scene)
 /* Its owner is the performer's face; whoever makes another face of it copies it. */
 static void share_binding(live_scene *scene)
 {
-    const face *f = performer_face(scene->performer);
+    const face *f = composer_face(scene->performer->composer);
     scene->ready = *scene->file;
     if (!scene->ready.bound)
         scene->ready.bound = (binding *)(uintptr_t)face_binding(f);
@@ -162,10 +162,9 @@ static mrt_result create_scene(live *self, const face_file *file, const char *pa
     if (result >= 0)
         share_binding(scene);
     if (result >= 0)
-        result = live_board_create(&scene->board, performer_composer(scene->performer), err);
+        result = live_board_create(&scene->board, scene->performer->composer, err);
     if (result >= 0)
-        result =
-            face_board_create(&scene->outgoing, performer_composer(scene->performer), file, err);
+        result = face_board_create(&scene->outgoing, scene->performer->composer, file, err);
     if (result < 0) {
         live_scene_destroy(scene);
         return result;
@@ -202,7 +201,7 @@ static recorder_settings cast_settings(live *self, const live_scene *scene, live
         .input_text = self->cast_text,
         .input_count = count,
         .calibration = {self->hand[MRT_LEFT].text, self->hand[MRT_RIGHT].text},
-        .layer = performer_layer(scene->performer),
+        .layer = scene->performer->voice[0].layer,
         .mapping = mapping_now(role),
         .performer = moves_face ? scene->performer : NULL,
         .face_path = scene->path,
@@ -277,7 +276,7 @@ static mrt_result save_taught(live_stage *stage, void *data, error *err)
 {
     (void)err;
     taught *out = data;
-    out->size = taught_save(layer_mapping(performer_layer(stage->scene->performer)), out->bytes,
+    out->size = taught_save(stage->scene->performer->voice[0].layer->mapping, out->bytes,
                             sizeof out->bytes);
     return MRT_OK;
 }
@@ -307,10 +306,10 @@ size_t live_taught(live *self, void *bytes, size_t capacity)
 static mrt_result teach_now(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
-    layer *of = performer_layer(stage->scene->performer);
+    layer *of = stage->scene->performer->voice[0].layer;
     if (layer_is_fading(of))
         return MRT_HOLD;
-    mrt_result result = taught_load(layer_mapping(of), c->taught, c->taught_size, err);
+    mrt_result result = taught_load(of->mapping, c->taught, c->taught_size, err);
     if (result < 0)
         return result;
     layer_crossfade(of);
@@ -402,7 +401,7 @@ static mrt_result patch_now(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
     patch_plan *old;
-    if (!layer_set_patch(performer_layer(stage->scene->performer), c->plan, &old)) {
+    if (!patch_bay_set(&stage->scene->performer->voice[0].layer->bay, c->plan, &old)) {
         mrt_result result = live_frame_tick(stage, err);
         return result < 0 ? result : MRT_HOLD;
     }
@@ -436,7 +435,7 @@ mrt_result live_set_patch(live *self, const patch *p, error *err)
 
 const char *live_patch_note(const live *self)
 {
-    const patch_plan *plan = layer_bay(performer_layer(self->scene->performer))->plan;
+    const patch_plan *plan = self->scene->performer->voice[0].layer->bay.plan;
     return plan ? patch_plan_note(plan) : "";
 }
 
@@ -446,10 +445,10 @@ const char *live_patch_note(const live *self)
 static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
-    layer *of = performer_layer(stage->scene->performer);
+    layer *of = stage->scene->performer->voice[0].layer;
     if (layer_is_fading(of))
         return MRT_HOLD;
-    const face *posed = composer_face(performer_composer(stage->scene->performer));
+    const face *posed = composer_face(stage->scene->performer->composer);
     c->old = layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->dof);
     stage->role = c->role;
     stage->reload = NULL;
@@ -460,7 +459,7 @@ static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
 static mrt_result activate(live *self, live_mapping_role *role, error *err)
 {
     const mrt_mapping *functions = plugin_interface(role->instance.type, MRT_MAPPING);
-    const mapped_face *mapped = composer_mapped(performer_composer(self->scene->performer));
+    const mapped_face *mapped = composer_mapped(self->scene->performer->composer);
     mrt_result result = instance_activate(&role->instance, mapped, err);
     if (result < 0)
         return result;
@@ -481,14 +480,13 @@ static void watch(live *self)
 {
     error err = {""};
     live_mapping_role *role = self->role;
-    const reload_settings settings = {
-        .library = role->library,
-        .mapping = &role->instance,
-        .mapped = composer_mapped(performer_composer(self->scene->performer)),
-        .log = self->settings.log,
-        .clock = CLOCK_REAL,
-        .isolate = role->isolate ? &role->isolation : NULL,
-        .is_asked = true};
+    const reload_settings settings = {.library = role->library,
+                                      .mapping = &role->instance,
+                                      .mapped = composer_mapped(self->scene->performer->composer),
+                                      .log = self->settings.log,
+                                      .clock = CLOCK_REAL,
+                                      .isolate = role->isolate ? &role->isolation : NULL,
+                                      .is_asked = true};
     mrt_result result = role->library ? reload_start(&role->reload, &settings, &err) : MRT_OK;
     if (result >= 0)
         result = live_ask(self, watch_role, role->reload, &err);
@@ -596,7 +594,7 @@ static void retire(live *self, live_scene *scene, live_mapping_role *role)
     destroy_mapping(role);
     scene->before = self->old_scene;
     self->old_scene = scene;
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    const mrt_face *about = composer_about(self->scene->performer->composer);
     for (; scene; scene = scene->before)
         for (int i = 0; i < 3; ++i)
             scene->board.view[i].about = about;
@@ -604,7 +602,7 @@ static void retire(live *self, live_scene *scene, live_mapping_role *role)
 
 static void publish_first(live_scene *scene)
 {
-    composer *of = performer_composer(scene->performer);
+    composer *of = scene->performer->composer;
     live_view *view = live_board_fill(&scene->board, of, clock_now_ns());
     view->about = composer_about(of);
     view->solver = composer_solver(of);
@@ -696,7 +694,7 @@ static bool takes(live *self, const char *id, const mapped_face *mapped)
 void live_list_fitting(live *self, char *out, size_t capacity)
 {
     const plugin_list *plugins = self->settings.plugins;
-    const mapped_face *mapped = composer_mapped(performer_composer(self->scene->performer));
+    const mapped_face *mapped = composer_mapped(self->scene->performer->composer);
     size_t used = 0;
     out[0] = '\0';
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {

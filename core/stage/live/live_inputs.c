@@ -299,7 +299,7 @@ static mrt_result recalibrate(live_stage *stage, void *data, error *err)
     live_change *c = data;
     player_calibrate(stage->loop, c->side, c->calibration);
     c->skeleton =
-        hands_change(layer_hands(performer_layer(stage->scene->performer)), c->side, c->skeleton);
+        hands_change(stage->scene->performer->voice[0].layer->hands, c->side, c->skeleton);
     return live_cast_begin(stage, c, err);
 }
 
@@ -380,13 +380,12 @@ const char *live_calibration(const live *self, uint32_t side)
 static mrt_result rezero(live_stage *stage, void *data, error *err)
 {
     (void)data, (void)err;
-    performer *p = stage->scene->performer;
-    const mrt_hand *hand = layer_frame(performer_layer(p))->hand;
+    layer *of = stage->scene->performer->voice[0].layer;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         error why = {""};
-        if (!hand[side].present)
+        if (!of->frame.hand[side].present)
             continue;
-        if (performer_rezero(p, side, &why) != MRT_OK)
+        if (hands_rezero(of->hands, side, of->frame.time_ns, &why) != MRT_OK)
             log_pushf(stage->log, MRT_LOG_INFO, "stage", "%s hand not re-zeroed: %s",
                       side_name[side], why.text);
         else if (stage->recorder)
@@ -404,7 +403,7 @@ void live_rezero(live *self)
 static mrt_result change_pedal(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
-    hands_set_rezero_pedal(layer_hands(performer_layer(stage->scene->performer)), c->pedal);
+    hands_set_rezero_pedal(stage->scene->performer->voice[0].layer->hands, c->pedal);
     return live_cast_begin(stage, c, err);
 }
 

@@ -55,9 +55,33 @@ typedef struct live_scene {
     struct live_scene *before;
 } live_scene;
 
-/* A take on the stage. To bring it to an instant means files, memory, processes: that is done on a
- * thread of its own, which has the sequencer for that long. Else the frame thread has it, or [main]
- * while it is held (live_stage.is_held). */
+/* Who has the sequencer of a take. live_timeline_move makes all transitions.
+ *
+ *   frame thread:  HERE, ARRIVED --send--> AWAY    BACK --receive--> ARRIVED --publish--> HERE
+ *   take's thread: AWAY --done--> BACK             RECALLED --done--> HELD
+ *   [main]:        AWAY --hold--> RECALLED         HERE, BACK, ARRIVED --hold--> HELD
+ *                  RECALLED --release--> AWAY      HELD --release--> HERE
+ */
+typedef enum live_timeline_state {
+    LIVE_TIMELINE_HERE = 0, /* the frame thread has it */
+    LIVE_TIMELINE_AWAY,     /* its own thread has it and brings it to to_ns */
+    LIVE_TIMELINE_BACK,     /* its thread has brought it; the frame thread has not looked yet */
+    LIVE_TIMELINE_ARRIVED,  /* the frame thread has it; that instant has not been published yet */
+    LIVE_TIMELINE_RECALLED, /* its thread still has it, then [main] */
+    LIVE_TIMELINE_HELD      /* [main] has it */
+} live_timeline_state;
+
+typedef enum live_timeline_event {
+    LIVE_TIMELINE_SEND, /* frame thread */
+    LIVE_TIMELINE_RECEIVE,
+    LIVE_TIMELINE_PUBLISH,
+    LIVE_TIMELINE_HOLD,    /* frame thread, in a command of [main] */
+    LIVE_TIMELINE_RELEASE, /* likewise */
+    LIVE_TIMELINE_DONE     /* its thread */
+} live_timeline_event;
+
+/* A take on the stage. Bringing it to an instant takes files, memory and processes, so a thread of
+ * its own does that. */
 typedef struct live_timeline {
     show *show; /* its own handle */
     sequencer *sequencer;
@@ -66,7 +90,7 @@ typedef struct live_timeline {
     bool has_thread;
     wake work, *done; /* of its thread; of the frame thread */
     _Atomic bool stop;
-    _Atomic bool is_away; /* its thread has the sequencer and brings it to to_ns */
+    _Atomic uint32_t state; /* live_timeline_state */
     int64_t to_ns;
     bool is_seek; /* sequencer_seek, not sequencer_play_to */
     error failed; /* "" it was brought there */
@@ -98,6 +122,7 @@ typedef struct live_pulse { /* how the frame thread does */
 
 typedef struct live_stage { /* the frame thread's; [main]'s while it runs a command or has ended */
     player_loop *loop;
+    stage_frame frame; /* of each step and of each published face; its time until the last face */
     live_scene *scene;
     live_mapping_role *role;
     reload *reload;     /* of the role; NULL: it is not watched */
@@ -112,10 +137,8 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     live_timeline *timeline;
     publish_slot motion_slot; /* transports from [main] */
     transport motion[3];
-    bool is_seek;       /* the transport has changed: the next instant is sought, not played to */
-    bool is_held;       /* [main] has the timeline's sequencer */
-    bool is_on_its_way; /* the timeline's thread was sent to an instant, and is not back */
-    bool has_arrived;   /* it is back, and that instant has not been published yet */
+    bool
+        has_pending_seek; /* the transport has changed: the next instant is sought, not played to */
     int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
     sound *sound;          /* NULL: none */
     live_click click;
@@ -128,9 +151,8 @@ typedef struct live_stage { /* the frame thread's; [main]'s while it runs a comm
     wake *changed;                     /* of [main]; NULL: it does not wait */
     mrt_vec3 hand_from[2][MRT_JOINTS]; /* mm: where each hand was as it moved last */
     int64_t hand_until_ns[2];          /* it counts as moving until then */
-    int64_t published_ns;
+    int64_t drawn_ns, published_ns;    /* the last face: when drawing it began and ended */
     int64_t sample_ns;
-    double phase_ms[LIVE_PHASES]; /* since the last published face */
     double min_determinant, penetration_mm;
     surface_state skin;
     int64_t metered_ns;
@@ -257,6 +279,8 @@ void live_frame_pulse(live_stage *stage);
 /* [main] The thread of a timeline. */
 CHECKED mrt_result live_timeline_start(live_timeline *self, wake *done, error *err);
 void live_timeline_stop(live_timeline *self);
+/* Returns the new state. An event that does not fit the state changes nothing. */
+live_timeline_state live_timeline_move(live_timeline *self, live_timeline_event event);
 /* [frame] What is performed over the take ends here. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
 /* [frame] What the sound does from now on: it is told of each change. */

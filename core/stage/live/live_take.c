@@ -100,7 +100,7 @@ static int64_t first_performance(const take *t)
 
 static bool has_contacts_in_common(const live *self, const char *rig_json)
 {
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    const mrt_face *about = composer_about(self->scene->performer->composer);
     char quoted[80];
     for (uint32_t i = 0; i < about->contact_count && rig_json; ++i) {
         snprintf(quoted, sizeof quoted, "\"%.70s\"", about->contacts[i].name);
@@ -169,10 +169,9 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
     if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
         fade_over(stage);
     stage->timeline = s->timeline;
-    stage->is_on_its_way = stage->has_arrived = false;
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = 0;
-    stage->is_seek = stage->is_dirty = true;
+    stage->has_pending_seek = stage->is_dirty = true;
     return MRT_OK;
 }
 
@@ -183,17 +182,17 @@ static mrt_result change_take(live_stage *stage, void *data, error *err)
     if (stage->mode == LIVE_PERFORMS)
         fade_over(stage);
     stage->mode = LIVE_SHOWS;
-    stage->is_held = false;
+    (void)live_timeline_move(stage->timeline, LIVE_TIMELINE_RELEASE);
     stage->hold_until_ns = 0;
-    stage->is_seek = stage->is_dirty = true;
+    stage->has_pending_seek = stage->is_dirty = true;
     live_take_tell_transport(s->live);
     return MRT_OK;
 }
 
-static mrt_result hold(live_stage *stage, void *data, error *err)
+static mrt_result move_timeline(live_stage *stage, void *data, error *err)
 {
     (void)err;
-    stage->is_held = *(const bool *)data;
+    (void)live_timeline_move(stage->timeline, *(const live_timeline_event *)data);
     return MRT_OK;
 }
 
@@ -201,17 +200,17 @@ static mrt_result hold(live_stage *stage, void *data, error *err)
 static void live_take_hold(live *self)
 {
     error ignored = {""};
-    bool is_held = true;
-    (void)!live_ask(self, hold, &is_held, &ignored);
-    while (atomic_load(&self->timeline->is_away))
+    live_timeline_event event = LIVE_TIMELINE_HOLD;
+    (void)!live_ask(self, move_timeline, &event, &ignored);
+    while (atomic_load(&self->timeline->state) != LIVE_TIMELINE_HELD)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
 }
 
 static void live_take_release(live *self)
 {
     error ignored = {""};
-    bool is_held = false;
-    (void)!live_ask(self, hold, &is_held, &ignored);
+    live_timeline_event event = LIVE_TIMELINE_RELEASE;
+    (void)!live_ask(self, move_timeline, &event, &ignored);
 }
 
 static mrt_result show_hands(live_stage *stage, void *data, error *err)
@@ -231,7 +230,6 @@ static mrt_result drop_timeline(live_stage *stage, void *data, error *err)
     mrt_result result = show_hands(stage, NULL, err);
     s->old = stage->timeline;
     stage->timeline = NULL;
-    stage->is_on_its_way = stage->has_arrived = false;
     return result;
 }
 
@@ -441,7 +439,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
 {
     beginning *b = data;
     sequencer *s = stage->timeline->sequencer;
-    layer *of = performer_layer(stage->scene->performer);
+    layer *of = stage->scene->performer->voice[0].layer;
     layer_begin_anew(of);
     sequencer_set_live(s, of, b->owned, b->is_additive);
     b->cast = recorder_change(stage->recorder, b->cast);
@@ -449,7 +447,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     stage->over = b->run;
     stage->owned = b->owned;
     stage->mode = LIVE_OVERDUBS;
-    stage->is_held = stage->is_on_its_way = stage->has_arrived = false;
+    (void)live_timeline_move(stage->timeline, LIVE_TIMELINE_RELEASE);
     b->overdub_count = ++stage->now.overdub_count;
     stage->hold_until_ns = 0;
     return live_frame_tick(stage, err);
@@ -502,7 +500,7 @@ static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *
     if (!b->run)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
     overdub_run_init(b->run, plan, &self->shown);
-    const composer *shown = performer_composer(self->scene->performer); /* as the take's */
+    const composer *shown = self->scene->performer->composer; /* as the take's */
     mrt_result result =
         overdub_plan_own(plan, &self->shown, shown, &b->owned, &b->is_additive, err);
     const recorder_settings as = live_cast_settings(self, false);

@@ -10,8 +10,6 @@
 #include "stage/perform/composer.h"
 #include "stage/perform/layer.h"
 
-typedef struct performer performer;
-
 typedef struct performer_settings {
     csrbf_settings solver; /* radius: used when a pull names none; 0: the rig's, or a quarter of the
                               height */
@@ -20,19 +18,6 @@ typedef struct performer_settings {
     uint32_t rezero_pedal;    /* hands.h; 0: none */
     const patch *patch;       /* copied; NULL: none */
 } performer_settings;
-
-/* [main] The face file and the mapping must outlive it; the mapping is activated and reset, and
- * voice 0 is its layer's. mapping: NULL: nobody performs yet. */
-CHECKED mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
-                                    const performer_settings *settings, error *err);
-void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
-/* [main] A layer for a voice of this performer, which must outlive it: layer_destroy it. */
-CHECKED mrt_result performer_make_layer(const performer *self, instance *mapping,
-                                        const performer_settings *as, layer **out, error *err);
-
-/* [main] A patch on the face of this performer, for layer_set_patch. */
-CHECKED mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out,
-                                        error *err);
 
 /* ---- voices ---- */
 
@@ -54,29 +39,6 @@ typedef struct performer_voice {
     int64_t smooth_ns;
     mrt_pull smooth;
 } performer_voice;
-/* The caller may change it between steps; zeroed: an unused one. */
-performer_voice *performer_voice_of(performer *self, uint32_t voice);
-
-/* performer_step in two: phases 3 to 5 of the voice s->voice; and phase 6 for all of them, after
- * that voice has performed, at now_ns by its clock. PERFORMER_NOBODY: none has, but the voices were
- * changed. */
-void performer_map(performer *self, const sample_step *s);
-void performer_constrain(performer *self, uint32_t voice, int64_t now_ns);
-/* Phases 3 to 6, and 7 while unanchored. A step older than the last one of its voice counts as
- * simultaneous. */
-void performer_step(performer *self, const sample_step *s);
-/* Phase 7 for drawing: the shape shown and its normals. */
-void performer_draw(performer *self);
-
-/* ---- seen ---- */
-
-composer *performer_composer(performer *self);
-/* The face; its shape is that of performer_draw, in the engine's order. */
-face *performer_face(performer *self);
-/* How the last pull's fields are solved: as it says, else as the face's rig has it; radius > 0. */
-csrbf_settings performer_solver(const performer *self);
-/* True while the frames are anchored: face_columns_now tells them exactly. */
-bool performer_is_anchored(const performer *self);
 
 typedef struct performer_counts { /* of both: layer.h and composer.h say what each is */
     uint64_t samples, steps, solves, bad_pulls;
@@ -84,16 +46,40 @@ typedef struct performer_counts { /* of both: layer.h and composer.h say what ea
     double min_determinant;
     error first_problem;
 } performer_counts;
-const performer_counts *performer_counted(const performer *self);
 
-/* ---- voice 0 ---- */
+typedef struct performer {
+    composer *composer;
+    performer_voice voice[PERFORMER_VOICES_MAX]; /* the caller may change them between steps */
+    layer *own; /* made with the performer; voice 0 at first; NULL: none */
+    performer_counts counts;
+} performer;
 
-layer *performer_layer(performer *self);
-/* What its mapping pulls, after the guard. */
-const mrt_pull *performer_pull(const performer *self);
-/* Between samples: the pose held now becomes the neutral one, as hands_rezero says. */
-CHECKED mrt_result performer_rezero(performer *self, uint32_t side, error *why);
-const rezero_counts *performer_rezeros(const performer *self);
+/* [main] The face file and the mapping must outlive it; the mapping is activated and reset, and
+ * voice 0 is its layer's. mapping: NULL: nobody performs yet. */
+CHECKED mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
+                                    const performer_settings *settings, error *err);
+void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
+/* [main] A layer for a voice of this performer, which must outlive it: layer_destroy it. */
+CHECKED mrt_result performer_make_layer(const performer *self, instance *mapping,
+                                        const performer_settings *as, layer **out, error *err);
+
+/* [main] A patch on the face of this performer, for layer_set_patch. */
+CHECKED mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out,
+                                        error *err);
+
+/* ---- for frame.c: what of the voices reaches the face ---- */
+
+typedef struct performer_parts {
+    composer_part part[COMPOSER_PARTS_MAX];
+    uint32_t count;
+} performer_parts;
+/* The parts of all voices that are seen, bottom first, at now_ns of the clock of whoever performs.
+ * fresh: the voice that performed in this step; PERFORMER_NOBODY: none has. */
+void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performer_parts *out);
+/* Takes the counts of the composer over. */
+void performer_count(performer *self);
+
+/* ---- kept: of voice 0 ---- */
 
 /* All that frames to come depend on while it performs alone, as bytes (at most `capacity` are
  * written; NULL: none); returns the size that it takes. 0: the mapping cannot say. */

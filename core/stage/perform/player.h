@@ -5,7 +5,7 @@
 #ifndef MAROTTE_STAGE_PLAYER_H
 #define MAROTTE_STAGE_PLAYER_H
 #include "stage/input/input.h"
-#include "stage/perform/performer.h"
+#include "stage/perform/frame.h"
 
 typedef struct player_settings {
     double fps;           /* of drawn frames, > 0 */
@@ -17,9 +17,12 @@ typedef struct player_settings {
 } player_settings;
 
 typedef struct player_events {
-    /* After performer_draw of frame `index`, time_s from the start of the performance. work_ns:
-     * what phases 3 to 7 took since the last drawn frame. < 0 ends the performance with that
-     * result. May be NULL. */
+    /* Draws the face as it is at time_ns. NULL: frame_draw does. MRT_END: the performance is over.
+     */
+    CHECKED mrt_result (*draw)(void *data, int64_t time_ns, error *err);
+    /* After drawn frame `index`, time_s from the start of the performance. work_ns: time that all
+     * phases took since the last drawn frame. < 0 ends the performance with that result. May be
+     * NULL. */
     mrt_result (*frame)(void *data, uint32_t index, double time_s, int64_t work_ns, error *err);
     /* A device went away or came back, time_s from the start of the performance. May be NULL. */
     void (*incident)(void *data, const input *from, const input_incident *what, double time_s);
@@ -42,25 +45,15 @@ typedef struct player_report {
 
 enum { PLAYER_INPUTS_MAX = STEP_SAMPLES_MAX };
 
-/* Who performs what the inputs give. Times are the inputs' clock. [frame] */
-typedef struct player_stage {
-    void *self;
-    /* A step is performed, and recorded if it is to be; later than the last one, if by a
-     * nanosecond. */
-    CHECKED mrt_result (*step)(void *self, const sample_step *s, error *err);
-    /* The face as it is to be seen at time_ns. MRT_END: the performance is over. */
-    CHECKED mrt_result (*draw)(void *self, int64_t time_ns, error *err);
-} player_stage;
-
 /* ---- a stage that goes on, whether there are inputs or not, in real time: it is drawn from its
  * beginning, and frames that are late are left out ---- */
 
 typedef struct player_loop player_loop;
 
-/* All are copied; what they point to must outlive it. [main] */
-CHECKED mrt_result player_create(player_loop **out, const player_stage *stage,
-                                 const player_settings *settings, const player_events *events,
-                                 error *err);
+/* Each step is performed by frame_step of f, which must outlive the player; its sources become
+ * those of the player. The settings and events are copied. [main] */
+CHECKED mrt_result player_create(player_loop **out, stage_frame *f, const player_settings *settings,
+                                 const player_events *events, error *err);
 void player_destroy(player_loop *self); /* its inputs have been removed or stopped; NULL is fine */
 /* Until *settings->stop. [frame] */
 CHECKED mrt_result player_go_on(player_loop *self, error *err);
@@ -82,9 +75,8 @@ void player_show_until(player_loop *self, int64_t time_ns);
 
 /* ---- one that ends with its inputs ---- */
 
-CHECKED mrt_result player_run_stage(const player_stage *stage, input *const *inputs,
-                                    uint32_t input_count, const player_settings *settings,
-                                    const player_events *events, player_report *out_report,
-                                    error *err);
+CHECKED mrt_result player_run_stage(stage_frame *f, input *const *inputs, uint32_t input_count,
+                                    const player_settings *settings, const player_events *events,
+                                    player_report *out_report, error *err);
 
 #endif

@@ -67,7 +67,7 @@ void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration 
  * now_ns: of the host's clock, SCHEDULE_LIVE only. */
 CHECKED mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out,
                                   int64_t *out_until_ns, error *err);
-/* What scheduler_next gave is taken, and gets its time. */
+/* What scheduler_next gave is taken from its sources; all its samples get the time of the step. */
 void scheduler_take(scheduler *self, sample_step *s);
 /* The same for a step that no source gave. */
 void scheduler_insert(scheduler *self, sample_step *s);

@@ -110,7 +110,7 @@ static uint32_t regions_of(const char *name)
 
 static mrt_result list_regions(activity *self, error *err)
 {
-    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
+    const mrt_face *about = composer_about(self->world.scratch->composer);
     self->region_of_contact =
         calloc((size_t)about->contact_count + 1, sizeof *self->region_of_contact);
     self->region_of_dof = calloc((size_t)about->dof_count + 1, sizeof *self->region_of_dof);
@@ -149,7 +149,7 @@ static double squared_mm(mrt_vec3 a, mrt_vec3 b)
 /* A free point counts where the nearest contact is. */
 static uint32_t regions_at(const activity *self, mrt_vec3 position)
 {
-    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
+    const mrt_face *about = composer_about(self->world.scratch->composer);
     uint32_t out = 1u << ALL;
     double least = INFINITY;
     for (uint32_t i = 0; i < about->contact_count; ++i) {
@@ -164,7 +164,7 @@ static uint32_t regions_at(const activity *self, mrt_vec3 position)
 
 static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double dt_s)
 {
-    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
+    const mrt_face *about = composer_about(self->world.scratch->composer);
     double scale = 1.0 / self->unit_mm;
     if (pull->mode == MRT_IDLE)
         return;
@@ -188,8 +188,8 @@ static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double
 static void measure(const activity *self, float out[ACTIVITY_LANES])
 {
     const layer *of = replay_layer(self->replay);
-    const pointer *finger = layer_pointer(of);
-    double dt_s = layer_frame(of)->dt_s;
+    const pointer *finger = &of->pointer;
+    double dt_s = of->frame.dt_s;
     sums s = {{0}, {0}};
     add_pull(self, &s, layer_pull(of), dt_s);
     add_pull(self, &s, &finger->pull, dt_s);
@@ -309,7 +309,7 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
     float value[ACTIVITY_LANES];
     bool has_looked = false, has_more = true;
     for (uint32_t n = 0; n < samples_max;) {
-        mrt_result result = self->replay ? replay_step(self->replay, INT64_MAX, err) : MRT_END;
+        mrt_result result = self->replay ? replay_pull(self->replay, INT64_MAX, err) : MRT_END;
         if (result < 0)
             return result;
         if (result == MRT_END) {

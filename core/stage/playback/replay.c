@@ -5,8 +5,6 @@
 #include "stage/mapping/isolate.h"
 #include "stage/mapping/null_mapping.h"
 #include "stage/perform/patch_file.h"
-#include "stage/perform/performer.h"
-#include "stage/perform/scheduler.h"
 #include "show/hash.h"
 
 #include <math.h>
@@ -37,7 +35,8 @@ struct replay {
     layer *layer;
     track track[TAKE_TRACKS_MAX];
     uint32_t track_count;
-    scheduler scheduler; /* of the tracks, while it is performed by itself */
+    stage_frame frame;   /* of its steps, while it is performed by itself */
+    scheduler scheduler; /* of the tracks, likewise */
     scheduler_entry entry[TAKE_TRACKS_MAX];
     bool has_ahead;      /* nothing is read, and no process asked */
     int64_t ahead_to_ns; /* show time: of the last sample in memory */
@@ -292,7 +291,7 @@ static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
 /* Bytes of the largest state of this face. */
 static size_t most_kept(const replay *self)
 {
-    const points *rest = face_rest(performer_face(self->world.scratch));
+    const points *rest = face_rest(composer_face(self->world.scratch->composer));
     return REPLAY_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
 }
 
@@ -341,7 +340,7 @@ static mrt_result set_patch(replay *self, error *err)
         result = performer_make_patch(self->world.scratch, p, &plan, err);
     free(p);
     if (result >= 0)
-        (void)layer_set_patch(self->layer, plan, &none);
+        (void)patch_bay_set(&self->layer->bay, plan, &none);
     return result;
 }
 
@@ -369,6 +368,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
         goto fail;
     const sample_source alone = {.voice = 0};
     scheduler_init(&self->scheduler, SCHEDULE_RECORDED, self->entry, NULL, TAKE_TRACKS_MAX);
+    self->frame = (stage_frame){.performer = world->scratch, .sources = &self->scheduler};
     replay_schedule(self, &self->scheduler, &alone);
     const take_performance *p = &self->info.performance;
     layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
@@ -379,7 +379,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
     for (int side = 0; side < 2; ++side)
         settings.hands.length_mm[side] =
             p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
-    const composer *shown = performer_composer(world->scratch);
+    const composer *shown = world->scratch->composer;
     settings.reach_mm = composer_reach_mm(shown, &settings.centre);
     result = layer_create(&self->layer, &self->mapping, composer_mapped(shown), &settings, err);
     if (result >= 0)
@@ -405,7 +405,7 @@ void replay_forget_ahead(replay *self)
     show_checkpoint_finish(&self->ahead_state);
     answers_finish(&self->answers);
     if (self->layer)
-        layer_set_answers(self->layer, NULL);
+        self->layer->answers = NULL;
     self->has_ahead = false;
     self->missing[0] = '\0';
 }
@@ -462,8 +462,8 @@ void replay_prepare(replay *self, const sample_step *s)
             break;
         if (e->kind == TAKE_EVENT_PARAM)
             set_param(&self->mapping, e->param, e->value);
-        else if (hands_rezero(layer_hands(self->layer), e->hand, layer_frame(self->layer)->time_ns,
-                              &why) != MRT_OK)
+        else if (hands_rezero(self->layer->hands, e->hand, self->layer->frame.time_ns, &why) !=
+                 MRT_OK)
             continue; /* as it was refused then */
     }
     self->now_ns = s->time_ns;
@@ -471,26 +471,32 @@ void replay_prepare(replay *self, const sample_step *s)
 
 static void perform_alone(replay *self, performer *on)
 {
-    performer_voice *alone = performer_voice_of(on, 0);
+    performer_voice *alone = &on->voice[0];
     if (alone->layer != self->layer)
         *alone =
             (performer_voice){.layer = self->layer, .is_seen = true, .weight = 1.0, .gain = 1.0};
 }
 
-mrt_result replay_step(replay *self, int64_t before_ns, error *err)
+static mrt_result perform_next(replay *self, int64_t before_ns, error *err)
 {
-    sample_step next;
+    sample_step *next = &self->frame.step;
     int64_t ignored_ns;
-    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    mrt_result result = scheduler_next(&self->scheduler, 0, next, &ignored_ns, err);
     if (result < 0)
         return result;
-    if (result != MRT_OK || next.time_ns >= before_ns)
+    if (result != MRT_OK || next->time_ns >= before_ns)
         return MRT_END;
-    scheduler_take(&self->scheduler, &next);
     perform_alone(self, self->world.scratch);
-    replay_prepare(self, &next);
-    performer_map(self->world.scratch, &next);
-    return MRT_OK;
+    replay_prepare(self, next);
+    return frame_step(&self->frame, err);
+}
+
+mrt_result replay_pull(replay *self, int64_t before_ns, error *err)
+{
+    self->frame.is_pull_only = true;
+    mrt_result result = perform_next(self, before_ns, err);
+    self->frame.is_pull_only = false;
+    return result;
 }
 
 /* ---- to any instant ---- */
@@ -537,7 +543,7 @@ static mrt_result rewind_all(replay *self, error *err)
         taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
         log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
     layer_reset(self->layer);
-    composer_reset(performer_composer(self->world.scratch));
+    composer_reset(self->world.scratch->composer);
     return position(self, err);
 }
 
@@ -593,8 +599,8 @@ mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
         result = rewind_all(self, err);
     if (result < 0)
         return result;
-    while ((result = replay_step(self, time_ns, err)) == MRT_OK)
-        performer_constrain(self->world.scratch, 0, self->now_ns);
+    while (result == MRT_OK)
+        result = perform_next(self, time_ns, err);
     return result < 0 ? result : MRT_OK;
 }
 
@@ -667,7 +673,7 @@ static mrt_result read_ahead(replay *self, error *err)
         result = read_track_ahead(self, &self->track[i], from_ns, err);
     self->has_ahead = result >= 0;
     self->answers.is_given = self->has_ahead && self->isolate;
-    layer_set_answers(self->layer, self->answers.is_given ? &self->answers : NULL);
+    self->layer->answers = self->answers.is_given ? &self->answers : NULL;
     return result;
 }
 
@@ -709,10 +715,8 @@ mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
     if (result == MRT_HOLD)
         result = rewind_all(self, err);
     while (self->isolate && result >= 0 && !why &&
-           (result = replay_step(self, INT64_MAX, err)) == MRT_OK) {
-        performer_constrain(self->world.scratch, 0, self->now_ns);
+           (result = perform_next(self, INT64_MAX, err)) == MRT_OK)
         why = why_not_on(self, until_ns);
-    }
     if (why)
         end_ahead(self, self->now_ns - 1, why);
     self->answers.is_given = self->isolate != NULL;

@@ -1,14 +1,13 @@
-/* stage/playback/replay.h - a performance that was recorded, performed again: its tracks are sources of
- * samples like any other, its parameters change where they changed then, and its mapping gives the
- * same pulls, bit for bit. Leaves out what of it a take shows (sequencer.h). Opened, brought to an
- * instant and closed on [main] or any one thread that may read the show; not for two threads at
- * once. */
+/* stage/playback/replay.h - a performance that was recorded, performed again: its tracks are
+ * sources of samples like any other, its parameters change where they changed then, and its mapping
+ * gives the same pulls, bit for bit. Leaves out what of it a take shows (sequencer.h). Opened,
+ * brought to an instant and closed on [main] or any one thread that may read the show; not for two
+ * threads at once. */
 #ifndef MAROTTE_STAGE_REPLAY_H
 #define MAROTTE_STAGE_REPLAY_H
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/taught.h"
-#include "stage/perform/performer.h"
-#include "stage/perform/scheduler.h"
+#include "stage/perform/frame.h"
 #include "show/show.h"
 
 /* What all of a take share; must outlive them. */
@@ -56,9 +55,9 @@ void replay_prepare(replay *self, const sample_step *s);
 /* Show time of the step performed last; INT64_MIN: none since the start. */
 int64_t replay_now_ns(const replay *self);
 
-/* By itself: phases 3 to 5 of its next step on voice 0 of the scratch performer. MRT_END: none is
- * left before that show time. */
-CHECKED mrt_result replay_step(replay *self, int64_t before_ns, error *err);
+/* By itself: its next step on voice 0 of the scratch performer, up to the guard: the pull, without
+ * the face. MRT_END: none is left before that show time. */
+CHECKED mrt_result replay_pull(replay *self, int64_t before_ns, error *err);
 /* As if it had performed from its start, all samples before time_ns. The scratch performer's face
  * is then as that performance left it. */
 CHECKED mrt_result replay_seek(replay *self, int64_t time_ns, error *err);

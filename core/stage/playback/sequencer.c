@@ -42,6 +42,7 @@ struct sequencer {
     replay_world world;
     take take;
     performer *performer, *scratch;
+    stage_frame frame;   /* of each step that plays */
     scheduler scheduler; /* of the tracks of all that plays, due on the timeline */
     scheduler_entry *entry;
     play play[PLAYS_MAX];
@@ -139,7 +140,7 @@ static void close_play(sequencer *self, play *p) /* its replay stays open for a 
     if (p->replay)
         keep_spare(self, p->replay);
     *p = (play){0};
-    *performer_voice_of(self->performer, (uint32_t)(p - self->play)) = (performer_voice){0};
+    self->performer->voice[(uint32_t)(p - self->play)] = (performer_voice){0};
 }
 
 static void close_plays(sequencer *self)
@@ -199,8 +200,7 @@ static void schedule_plays(sequencer *self)
 /* Its voice, which is seen when weigh_voices says so; what was smoothed of another goes. */
 static void cast_play(sequencer *self, const play *p)
 {
-    performer_voice_of(self->performer, (uint32_t)(p - self->play))->layer =
-        replay_layer(p->replay);
+    self->performer->voice[(uint32_t)(p - self->play)].layer = replay_layer(p->replay);
 }
 
 static play *find_play(sequencer *self, uint32_t lane, uint32_t clip)
@@ -217,7 +217,7 @@ static play *find_play(sequencer *self, uint32_t lane, uint32_t clip)
 static void weigh_voices(sequencer *self, int64_t at_ns)
 {
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
-        performer_voice_of(self->performer, slot)->is_seen = false;
+        self->performer->voice[slot].is_seen = false;
     for (uint32_t i = 0; i < self->take.layer_count; ++i) {
         const take_layer *l = &self->take.layer[i];
         take_voice heard[2];
@@ -226,7 +226,7 @@ static void weigh_voices(sequencer *self, int64_t at_ns)
             const play *p = find_play(self, i, heard[j].clip->id);
             if (!p)
                 continue;
-            performer_voice *v = performer_voice_of(self->performer, (uint32_t)(p - self->play));
+            performer_voice *v = &self->performer->voice[(uint32_t)(p - self->play)];
             v->is_seen = true;
             v->lane = i;
             v->rank = j;
@@ -237,7 +237,7 @@ static void weigh_voices(sequencer *self, int64_t at_ns)
             v->owns = l->own_count > 0 ? self->owned + i * self->owned_row : NULL;
         }
     }
-    performer_voice *live = performer_voice_of(self->performer, LIVE_VOICE);
+    performer_voice *live = &self->performer->voice[LIVE_VOICE];
     live->is_seen = live->weight > 0.0;
     live->lane = self->take.layer_count;
 }
@@ -281,12 +281,12 @@ static bool begins_with_its_shape(const sequencer *self, const play *p)
 
 static mrt_result begin_with_its_shape(sequencer *self, error *err)
 {
-    composer *then = performer_composer(self->scratch);
+    composer *then = self->scratch->composer;
     size_t size = composer_save(then, NULL, 0);
     if (!reserve(self, size))
         return error_set(err, MRT_ERR_MEMORY, "no memory for the shape");
     composer_save(then, self->scratch_bytes, size);
-    return composer_load(performer_composer(self->performer), self->scratch_bytes, size, err);
+    return composer_load(self->performer->composer, self->scratch_bytes, size, err);
 }
 
 static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *clip,
@@ -362,7 +362,7 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
 static void be_untouched(sequencer *self)
 {
     self->is_touched = false;
-    performer_voice_of(self->performer, LIVE_VOICE)->weight = 0.0;
+    self->performer->voice[LIVE_VOICE].weight = 0.0;
 }
 
 /* Before the first instant, its clips ready. */
@@ -370,7 +370,7 @@ static mrt_result restart(sequencer *self, error *err)
 {
     bool is_changed;
     close_plays(self);
-    composer_reset(performer_composer(self->performer));
+    composer_reset(self->performer->composer);
     self->now_ns = BEFORE_ALL;
     be_untouched(self);
     return cross_boundary(self, 0, &is_changed, err);
@@ -382,7 +382,7 @@ static mrt_result restart(sequencer *self, error *err)
 static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
 {
     const play *p = &self->play[slot];
-    const performer_voice *v = performer_voice_of(self->performer, slot);
+    const performer_voice *v = &self->performer->voice[slot];
     size_t size = replay_save(p->replay, NULL, 0);
     if (size == 0)
         return false;
@@ -412,7 +412,7 @@ static size_t put_all(sequencer *self, unsigned char *bytes, size_t capacity)
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
         if (self->play[slot].replay && !put_play(self, &out, slot))
             return 0;
-    composer *shown = performer_composer(self->performer);
+    composer *shown = self->performer->composer;
     size_t size = composer_save(shown, NULL, 0);
     if (out.data && out.size + size <= out.capacity)
         composer_save(shown, out.data + out.size, size);
@@ -434,7 +434,7 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     if (in->failed || slot >= PLAYS_MAX || !clip)
         return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
     play *p = &self->play[slot];
-    performer_voice *v = performer_voice_of(self->performer, slot);
+    performer_voice *v = &self->performer->voice[slot];
     *p = (play){.of = self, .clip = clip, .lane = lane};
     v->has_smooth = bytes_take_u32(in) != 0;
     if (v->has_smooth) {
@@ -464,8 +464,7 @@ static mrt_result take_up(sequencer *self, const checkpoint *m, error *err)
     for (uint32_t i = 0; i < count && result >= 0; ++i)
         result = take_play(self, &in, err);
     if (result >= 0)
-        result = composer_load(performer_composer(self->performer), in.at, (size_t)(in.end - in.at),
-                               err);
+        result = composer_load(self->performer->composer, in.at, (size_t)(in.end - in.at), err);
     schedule_plays(self);
     self->now_ns = m->at_ns;
     be_untouched(self);
@@ -724,7 +723,7 @@ void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *o
 
 static mrt_result list_owned(sequencer *self, error *err)
 {
-    const mrt_face *about = composer_about(performer_composer(self->performer));
+    const mrt_face *about = composer_about(self->performer->composer);
     size_t row = about->contact_count + about->dof_count + 1;
     free(self->owned);
     self->owned = calloc(row, (size_t)self->take.layer_count + 1);
@@ -732,7 +731,7 @@ static mrt_result list_owned(sequencer *self, error *err)
     if (!self->owned)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the take");
     for (uint32_t i = 0; i < self->take.layer_count; ++i)
-        sequencer_mark_owned(performer_composer(self->performer), &self->take.layer[i],
+        sequencer_mark_owned(self->performer->composer, &self->take.layer[i],
                              self->owned + i * row);
     return MRT_OK;
 }
@@ -742,13 +741,13 @@ static mrt_result list_owned(sequencer *self, error *err)
 /* The next thing that happens, if it is not after to_ns. MRT_END: nothing does. */
 static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, error *err)
 {
-    sample_step next;
+    sample_step *next = &self->frame.step;
     int64_t ignored_ns, boundary_ns = next_boundary_ns(self);
     *out_is_sample = false;
-    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    mrt_result result = scheduler_next(&self->scheduler, 0, next, &ignored_ns, err);
     if (result < 0)
         return result;
-    int64_t sample_ns = result == MRT_OK ? next.due_ns : INT64_MAX;
+    int64_t sample_ns = result == MRT_OK ? next->due_ns : INT64_MAX;
     int64_t first_ns = boundary_ns < sample_ns ? boundary_ns : sample_ns;
     if (first_ns > to_ns || first_ns == INT64_MAX)
         return MRT_END;
@@ -758,17 +757,16 @@ static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, er
         self->now_ns = boundary_ns;
         weigh_voices(self, boundary_ns);
         if (result >= 0 && is_changed)
-            performer_constrain(self->performer, PERFORMER_NOBODY, boundary_ns);
+            frame_recompose(self->performer, boundary_ns);
         return result;
     }
-    scheduler_take(&self->scheduler, &next);
-    replay_prepare(self->play[next.voice].replay, &next);
+    replay_prepare(self->play[next->voice].replay, next);
     self->now_ns = sample_ns;
-    self->sample_count += next.count;
+    self->sample_count += next->count;
     weigh_voices(self, sample_ns);
-    performer_step(self->performer, &next);
     *out_is_sample = true;
-    return keep_checkpoint(self, err);
+    result = frame_step(&self->frame, err);
+    return result < 0 ? result : keep_checkpoint(self, err);
 }
 
 /* ---- prepared ---- */
@@ -933,6 +931,7 @@ mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings,
         result = performer_create(&self->performer, settings->face, NULL, &as, err);
     if (result >= 0)
         result = performer_create(&self->scratch, settings->face, NULL, &as, err);
+    self->frame = (stage_frame){.performer = self->performer, .sources = &self->scheduler};
     self->world = (replay_world){.show = settings->show,
                                  .plugins = settings->plugins,
                                  .log = settings->log,
@@ -992,23 +991,20 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
 
 void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive)
 {
-    *performer_voice_of(self->performer, LIVE_VOICE) =
+    self->performer->voice[LIVE_VOICE] =
         (performer_voice){.layer = of, .owns = owns, .is_additive = is_additive, .gain = 1.0};
     self->is_prepared = self->is_prepared && of;
 }
 
-void sequencer_live_step(sequencer *self, const sample_step *s, double weight)
+void sequencer_perform_over(sequencer *self, stage_frame *f, double weight)
 {
-    sample_step over = *s;
-    performer_voice *live = performer_voice_of(self->performer, LIVE_VOICE);
-    if (!live->layer)
-        return;
-    over.voice = LIVE_VOICE;
-    over.due_ns = self->now_ns;
+    performer_voice *live = &self->performer->voice[LIVE_VOICE];
+    f->performer = self->performer;
+    f->step.voice = LIVE_VOICE;
+    f->step.due_ns = self->now_ns;
     live->weight = weight;
     self->is_touched = true;
     weigh_voices(self, self->now_ns);
-    performer_step(self->performer, &over);
 }
 
 /* ---- what others see ---- */

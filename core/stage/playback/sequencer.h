@@ -1,10 +1,10 @@
-/* stage/playback/sequencer.h - plays a take: at each instant of its timeline the clips of its layers
- * say which performances are shown, and at which of their own instants; their samples are performed
- * in the order of the timeline, and the pulls become one face. A function of the take and of what
- * was recorded: the same at every speed and frame rate, whether played, scrubbed or exported.
- * Leaves out the clock (transport.h) and where frames go. Its memory grows with what is shown at a
- * time, not with the take's length, but for checkpoints, which are thinned to a bound. [main], or
- * any one thread that may read the show. */
+/* stage/playback/sequencer.h - plays a take: at each instant of its timeline the clips of its
+ * layers say which performances are shown, and at which of their own instants; their samples are
+ * performed in the order of the timeline, and the pulls become one face. A function of the take and
+ * of what was recorded: the same at every speed and frame rate, whether played, scrubbed or
+ * exported. Leaves out the clock (transport.h) and where frames go. Its memory grows with what is
+ * shown at a time, not with the take's length, but for checkpoints, which are thinned to a bound.
+ * [main], or any one thread that may read the show. */
 #ifndef MAROTTE_STAGE_SEQUENCER_H
 #define MAROTTE_STAGE_SEQUENCER_H
 #include "stage/playback/replay.h"
@@ -46,7 +46,7 @@ int64_t sequencer_now_ns(const sequencer *self);        /* -1: before the first 
 uint64_t sequencer_sample_count(const sequencer *self); /* performed since create */
 size_t sequencer_kept_bytes(const sequencer *self);     /* of checkpoints */
 
-/* Who performs all of it: performer_draw it. */
+/* Who performs all of it; composer_draw or frame_draw draws its face. */
 performer *sequencer_performer(sequencer *self);
 /* An error that says which mapping's process has failed, if one has: the face is held. */
 CHECKED mrt_result sequencer_check(const sequencer *self, error *err);
@@ -58,9 +58,9 @@ const char *sequencer_note(const sequencer *self);
 /* A layer that is performed now lies above all others: a voice of the same performer. It must
  * outlive that, as what it owns (composer_part). of: NULL: nobody performs. */
 void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive);
-/* Its newest step is performed at an instant that has been played to; weight: how much of it is
- * seen from then on, 0..1. */
-void sequencer_live_step(sequencer *self, const sample_step *s, double weight);
+/* From frame.record: the layer performs this step at the instant that has been played to. weight:
+ * how much of it is seen from then on, 0..1. */
+void sequencer_perform_over(sequencer *self, stage_frame *f, double weight);
 /* What a layer of these patterns owns: as composer_part, for composer_about's face. `out` has
  * contact_count + dof_count + 1 places. */
 void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out);

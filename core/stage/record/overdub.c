@@ -220,14 +220,14 @@ mrt_result overdub_run_play_to(overdub_run *self, sequencer *of, recorder *into,
     return sequencer_play_to(of, self->at_ns, err);
 }
 
-mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, const sample_step *s,
+mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, stage_frame *f,
                             error *err)
 {
-    mrt_result result = overdub_run_play_to(self, of, into, s->time_ns, err);
+    mrt_result result = overdub_run_play_to(self, of, into, f->step.time_ns, err);
     if (self->is_over)
         return result < 0 ? result : MRT_END;
-    note_step(self, into, s->time_ns);
-    sequencer_live_step(of, s, weight_of(self));
+    note_step(self, into, f->step.time_ns);
+    sequencer_perform_over(of, f, weight_of(self));
     return result;
 }
 
@@ -465,6 +465,7 @@ struct overdub {
     recorder *recorder;
     uint8_t *owned;
     overdub_run run;
+    stage_frame frame;
 };
 
 /* ---- made and unmade ---- */
@@ -483,7 +484,7 @@ static mrt_result create_live(overdub *self, error *err)
     if (result < 0)
         return result;
     bool is_additive;
-    result = overdub_plan_own(&self->run.plan, &self->take, performer_composer(shown), &self->owned,
+    result = overdub_plan_own(&self->run.plan, &self->take, shown->composer, &self->owned,
                               &is_additive, err);
     if (result < 0)
         return result;
@@ -565,26 +566,26 @@ bool overdub_is_recording(const overdub *self)
     return overdub_run_is_recording(&self->run);
 }
 
-static mrt_result on_step(void *of, const sample_step *s, error *err)
+static mrt_result record(void *of, stage_frame *f, error *err)
 {
     overdub *self = of;
-    recorder_step(self->recorder, s);
-    mrt_result result = overdub_run_step(&self->run, self->sequencer, self->recorder, s, err);
-    return result < 0 ? result : MRT_OK;
+    recorder_step(self->recorder, &f->step);
+    return overdub_run_step(&self->run, self->sequencer, self->recorder, f, err);
 }
 
-static mrt_result on_draw(void *of, int64_t time_ns, error *err)
+static mrt_result show_at(void *of, stage_frame *f, int64_t time_ns, error *err)
 {
     overdub *self = of;
     mrt_result result =
         overdub_run_play_to(&self->run, self->sequencer, self->recorder, time_ns, err);
-    performer_draw(sequencer_performer(self->sequencer));
+    f->performer = sequencer_performer(self->sequencer);
     return result >= 0 && self->run.is_over ? MRT_END : result;
 }
 
-player_stage overdub_stage(overdub *self)
+stage_frame *overdub_frame(overdub *self)
 {
-    return (player_stage){self, on_step, on_draw};
+    self->frame = (stage_frame){.self = self, .record = record, .show = show_at};
+    return &self->frame;
 }
 
 /* ---- it becomes a part of the take ---- */
@@ -612,7 +613,7 @@ mrt_result overdub_finish(overdub *self, overdub_made *out, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result < 0)
         return result;
-    taught_keep_now(self->settings.recorder.show, layer_mapping(self->layer),
+    taught_keep_now(self->settings.recorder.show, self->layer->mapping,
                     self->settings.recorder.log);
     edit_store *store = NULL;
     history *h = NULL;

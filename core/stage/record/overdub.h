@@ -69,10 +69,10 @@ void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
  * that ends is a take by itself; the next pass is another. < 0: what could not be recorded. */
 CHECKED mrt_result overdub_run_play_to(overdub_run *self, sequencer *of, recorder *into,
                                        int64_t clock_ns, error *err);
-/* A step is performed over it, after recorder_step. MRT_END: it came behind the end, and was not.
- */
+/* From frame.record, after recorder_step: the take is brought to the instant of the step, which
+ * will be performed over it. MRT_END: the step came behind the end, and is not performed. */
 CHECKED mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into,
-                                    const sample_step *s, error *err);
+                                    stage_frame *f, error *err);
 /* It ends here. */
 CHECKED mrt_result overdub_run_end(overdub_run *self, recorder *into, error *err);
 /* A take for the pass that comes. */
@@ -110,7 +110,7 @@ CHECKED mrt_result overdub_create(overdub **out, const overdub_settings *setting
 void overdub_destroy(overdub *self); /* NULL is fine; what was recorded stays */
 
 /* For player_run_stage. It ends by itself at the end of the last pass. */
-player_stage overdub_stage(overdub *self);
+stage_frame *overdub_frame(overdub *self);
 performer *overdub_performer(overdub *self); /* whose face tests look at */
 recorder *overdub_recorder(overdub *self);
 /* Where the timeline is now, and whether what is performed is kept. */

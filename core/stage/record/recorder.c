@@ -144,7 +144,7 @@ static mrt_result describe_performance(const recorder *self, recorder_cast *cast
                                        const recorder_settings *of, error *err)
 {
     take_performance *p = &cast->performance;
-    instance *mapping = of->mapping ? of->mapping : layer_mapping(cast->layer);
+    instance *mapping = of->mapping ? of->mapping : cast->layer->mapping;
     mrt_result result = recorder_face_identity(p, of->face, of->face_path, of->unit_mm, err);
     if (result < 0)
         return result;
@@ -372,7 +372,7 @@ static void share_tracks(recorder_cast *old, recorder_cast *cast)
 void recorder_leave(recorder *self)
 {
     if (self->watched)
-        layer_watch_params(self->watched, NULL, NULL);
+        self->watched->on_param = NULL;
     self->watched = NULL;
 }
 
@@ -422,7 +422,7 @@ static size_t state_capacity(const recorder_settings *s)
 {
     if (!s->performer)
         return s->state_bytes;
-    const points *rest = face_rest(performer_face(s->performer));
+    const points *rest = face_rest(composer_face(s->performer->composer));
     size_t size = state_bytes + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
     return size > s->state_bytes ? size : s->state_bytes;
 }
@@ -613,8 +613,7 @@ static void keep_state(recorder *self, int64_t time_ns)
     if (!buffer)
         return; /* the disk does not keep up: the next one then */
     int64_t offset_ns = writer_show_ns(self->writer, 0);
-    size_t size =
-        replay_keep(layer_mapping(cast->layer), cast->performer, offset_ns, buffer, capacity);
+    size_t size = replay_keep(cast->layer->mapping, cast->performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
     writer_checkpoint(self->writer, cast->performance.id, time_ns, REPLAY_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);
@@ -625,7 +624,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 {
     recorder_cast *cast = self->cast;
     bool goes_on = self->has_begun;
-    recorder_param_values(&cast->performance, layer_mapping(cast->layer));
+    recorder_param_values(&cast->performance, cast->layer->mapping);
     mrt_result result =
         writer_follow_performance(self->writer, &cast->performance, cast->texts, time_ns, err);
     self->is_to_begin = result < 0; /* with the next sample then */
@@ -633,7 +632,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
         return result;
     self->has_begun = true;
     self->begun_ns = self->checkpoint_ns = time_ns;
-    bool is_taught = taught_save(layer_mapping(self->cast->layer), NULL, 0) > 0;
+    bool is_taught = taught_save(self->cast->layer->mapping, NULL, 0) > 0;
     if (is_taught || (goes_on && self->cast->performer)) /* it does not start at rest */
         keep_state(self, time_ns - 1);
     return MRT_OK;
@@ -710,9 +709,9 @@ void recorder_step(recorder *self, const sample_step *s)
     if (s->count == 0)
         return;
     self->current = s->of[0].input;
-    if (!self->watched)
-        layer_watch_params(self->cast->layer, on_param, self);
     self->watched = self->cast->layer;
+    self->watched->on_param = on_param;
+    self->watched->on_param_data = self;
     for (uint32_t i = 0; i < s->count && result >= 0; ++i) {
         result = follow_version(self, s->of[i].input, s->time_ns, &err);
         follow_code(self, &s->of[i]);
@@ -739,8 +738,8 @@ void recorder_performed(recorder *self, const sample_step *s)
 {
     if (!self->cast->performer)
         return;
-    int64_t span_ns =
-        performer_is_anchored(self->cast->performer) ? anchored_span_ns : unanchored_span_ns;
+    int64_t span_ns = composer_is_anchored(self->cast->performer->composer) ? anchored_span_ns
+                                                                            : unanchored_span_ns;
     if (self->has_begun && s->time_ns - self->checkpoint_ns >= span_ns)
         keep_state(self, s->time_ns);
 }
