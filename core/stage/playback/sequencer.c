@@ -746,7 +746,7 @@ static mrt_result list_owned(sequencer *self, error *err)
 
 /* ---- playback ---- */
 
-/* Performs the next sample or clip boundary up to to_ns. MRT_END: nothing is left to perform. */
+/* Performs the next sample or clip boundary up to to_ns. MRT_END: all are performed. */
 static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, error *err)
 {
     sample_step next;
