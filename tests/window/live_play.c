@@ -163,7 +163,7 @@ static void take_is_solved_as_its_show_says_wherever_it_plays(void **state)
     assert_false(none.is_kept);
     fixture_must(show_note_write(d.show, "solver", "thin_plate none 3", &err), &err);
     assert_true(kept_solver_read(&none, d.show, &err) < 0);
-    assert_true(strstr(err.text, "\"thin_plate none 3\", is not known here") != NULL);
+    assert_true(strstr(err.text, "solver \"thin_plate none 3\" is unknown") != NULL);
     pack_up(&before);
     pack_up(&after);
     take_finish(&t);

@@ -327,7 +327,7 @@ static void changes_are_refused_while_a_take_is_recorded(void **state)
     demo_input(text, sizeof text, "");
     fixture_must(live_record(d.live, &slate, &err), &err);
     assert_true(fixture_add_input(&d, text, &err) < 0);
-    assert_true(strstr(err.text, "not while a take is recorded") != NULL);
+    assert_true(strstr(err.text, "not possible while a take is recorded") != NULL);
     assert_true(live_set_mapping(d.live, "anchored", &err) < 0);
     assert_true(live_set_face(d.live, &d.face, d.face_path, 0.0, &err) < 0);
     assert_true(live_calibrate(d.live, MRT_LEFT, NULL, &err) < 0);

@@ -3,9 +3,11 @@
 
 #include <string.h>
 
-/* The frame thread. First the timeline: a take that stands, is played, scrubbed, performed over. */
+/* The frame thread. First section: the timeline of a take that is paused, played, scrubbed or
+ * overdubbed. */
 
-/* So long a drawn instant waits for samples that are on the way. */
+/* Delay of the drawn instant during an overdub: samples that are still in transit arrive before
+ * it. */
 static const int64_t wait_ns = 15 * NS_PER_MS;
 
 static const transport still = {.speed = 1.0};
@@ -55,7 +57,7 @@ int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
 
 /* ---- commands of [main] ---- */
 
-/* How long [main] sleeps at a time while the frame thread is busy. */
+/* Longest sleep of [main] before it checks again whether the frame thread has finished. */
 static const int64_t patience_ns = 50 * NS_PER_MS;
 
 mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
@@ -73,18 +75,18 @@ mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
     }
 }
 
-/* [frame] The one that waits, if one does. */
+/* [frame] Runs the pending command, if any. */
 static void run_command(live *self)
 {
     live_command *waiting = atomic_load(&self->command);
     if (!waiting)
         return;
     waiting->result = waiting->run(&self->stage, waiting->data, waiting->err);
-    atomic_store(&self->command, NULL); /* it is [main]'s again */
+    atomic_store(&self->command, NULL); /* [main] owns the command again */
     wake_signal(&self->answered);
 }
 
-/* ---- the take's own thread ---- */
+/* ---- the thread of the timeline ---- */
 
 static live_timeline_state next_state(live_timeline_state from, live_timeline_event event)
 {
@@ -155,7 +157,7 @@ mrt_result live_timeline_start(live_timeline *self, wake *done, error *err)
     atomic_init(&self->stop, false);
     atomic_init(&self->state, LIVE_TIMELINE_HERE);
     if (pthread_create(&self->thread, NULL, run_timeline, self) != 0)
-        return error_set(err, MRT_ERR_MEMORY, "no thread to play a take on");
+        return error_set(err, MRT_ERR_MEMORY, "cannot create the playback thread of the take");
     self->has_thread = true;
     return MRT_OK;
 }
@@ -175,14 +177,14 @@ static live_timeline_state state_of(const live_stage *stage)
     return (live_timeline_state)atomic_load(&stage->timeline->state);
 }
 
-/* Whether the frame thread has the timeline's sequencer. */
+/* Returns whether the frame thread owns the sequencer of the timeline. */
 static bool live_time_is_here(const live_stage *stage)
 {
     return stage->timeline &&
            (state_of(stage) == LIVE_TIMELINE_HERE || state_of(stage) == LIVE_TIMELINE_ARRIVED);
 }
 
-/* Looks whether the timeline's thread has brought it to the instant it was sent to. */
+/* Accepts the result of the timeline's thread after it has finished its last seek or playback. */
 static void receive(live_stage *stage)
 {
     if (!stage->timeline || state_of(stage) != LIVE_TIMELINE_BACK)
@@ -193,7 +195,7 @@ static void receive(live_stage *stage)
         tell_error(stage, &stage->timeline->failed);
 }
 
-/* Between steps: whether what is shown could be published. */
+/* Between steps: returns whether a face is ready to be published. */
 static bool live_time_may_show(live_stage *stage, int64_t now_ns)
 {
     receive(stage);
@@ -202,7 +204,7 @@ static bool live_time_may_show(live_stage *stage, int64_t now_ns)
             (state_of(stage) == LIVE_TIMELINE_ARRIVED || !stage->has_pending_seek));
 }
 
-/* However often it was sought: only the newest instant is gone to. */
+/* Sends the timeline's thread to the newest requested instant. Earlier requests are dropped. */
 static void live_time_send(live_stage *stage, int64_t now_ns)
 {
     receive(stage);
@@ -220,9 +222,10 @@ static void live_time_send(live_stage *stage, int64_t now_ns)
     wake_signal(&to->work);
 }
 
-/* ---- over the take ---- */
+/* ---- overdub ---- */
 
-/* The last face of it stays until the take is shown with what was made of it. */
+/* The last face of the overdub stays until the take is shown with the new layer, or for
+ * LIVE_HOLD_NS. */
 static void end_over(live_stage *stage, int64_t now_ns)
 {
     sequencer_set_live(stage->timeline->sequencer, NULL, NULL, false);
@@ -253,7 +256,7 @@ static performer *shown_over(live_stage *stage, int64_t now_ns)
     return sequencer_performer(stage->timeline->sequencer);
 }
 
-/* Who is seen now; NULL: what is shown stays as it is. */
+/* Returns the performer whose face is shown now. NULL: the published face stays. */
 static performer *live_time_shown(live_stage *stage, int64_t now_ns)
 {
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
@@ -267,10 +270,11 @@ static performer *live_time_shown(live_stage *stage, int64_t now_ns)
     return sequencer_performer(stage->timeline->sequencer);
 }
 
-/* ---- samples are performed and recorded, the newest face is published ---- */
+/* ---- perform and record samples, publish the newest face ---- */
 
 static const int64_t meter_span_ns = 250 * NS_PER_MS;
-/* Between two faces of which nobody takes the first: many inputs do not fill the thread. */
+/* Minimum interval between published faces that [main] has not read, so that fast inputs cannot
+ * saturate the thread. */
 static const int64_t least_apart_ns = 4 * NS_PER_MS;
 
 static void tell_main(const live_stage *stage)
@@ -296,7 +300,7 @@ static void follow_reload(live_stage *stage)
         recorder_change_mapping(stage->recorder, reload_identity(r));
 }
 
-/* The frame's record: before any phase looks at the samples. Chooses who performs the step. */
+/* stage_frame.record: runs before any phase reads the samples, and chooses the performer. */
 static mrt_result record_step(void *data, stage_frame *f, error *err)
 {
     live *self = data;
@@ -346,8 +350,9 @@ static void on_incident(void *data, const input *from, const input_incident *wha
         if (player_input(stage->loop, i) == from)
             recorder_incident(stage->recorder, i, what);
     if (what->kind == INPUT_WENT)
-        log_pushf(stage->log, MRT_LOG_WARNING, input_name(from), "%s; the pose is held",
-                  what->text[0] ? what->text : "the device went away");
+        log_pushf(stage->log, MRT_LOG_WARNING, input_name(from),
+                  "%s. The face keeps its last pose.",
+                  what->text[0] ? what->text : "the device was disconnected");
     else
         log_pushf(stage->log, MRT_LOG_INFO, input_name(from), "is back after %.1f s",
                   (double)what->away_ns / 1e9);
@@ -380,7 +385,8 @@ static void describe_face(live_stage *stage, live_view *view, composer *of)
 {
     const face *f = composer_face(of);
     float dof[MRT_MAX_DOFS] = {0.0f};
-    /* A take's face is the same, but goes when another take is shown: the view outlives it. */
+    /* Uses the description of the live scene. The description of the take's face is equal, but it
+     * is freed when another take is shown, and the view lives longer. */
     view->about = composer_about(stage->scene->performer->composer);
     view->contact_count = view->about->contact_count < LIVE_CONTACTS_MAX
                               ? view->about->contact_count
@@ -419,8 +425,9 @@ static void describe_stage(live_stage *stage, live_view *view)
     }
 }
 
-/* While no joint of a hand moves further than tremble_mm, the shown hand does not move. After a
- * larger movement it is exact for hand_moves_ns, so that a slow movement has no steps. */
+/* The displayed hand stays still while no joint moves further than tremble_mm. After a larger
+ * movement it follows exactly for hand_moves_ns, so that a slow movement is displayed without
+ * steps. */
 static const float tremble_mm = 1.5f;
 static const int64_t hand_moves_ns = 400 * NS_PER_MS;
 
@@ -466,7 +473,7 @@ static bool is_same_stage(const live_view *a, const live_view *b)
 }
 #undef IS_SAME
 
-/* Whether [main] would see the same as it sees now. */
+/* Returns whether the view equals the view that [main] displays now. */
 static bool is_seen(live_stage *stage, const live_view *view, int64_t now_ns)
 {
     const live_board *board = &stage->scene->board;
@@ -501,7 +508,8 @@ static void note_frame(live_stage *stage)
     memset(stage->frame.took_ns, 0, sizeof stage->frame.took_ns);
 }
 
-/* To the outputs. Of a take, with its own time: when this instant of it was due. */
+/* Publishes the face to the outputs. A face of a take gets the host time at which its instant was
+ * due. */
 static void send_on(live_stage *stage, performer *shown, int64_t now_ns)
 {
     int64_t time_ns = stage->sample_ns, take_ns = -1;
@@ -605,7 +613,7 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     return MRT_OK;
 }
 
-/* ---- between samples ---- */
+/* ---- between steps ---- */
 
 static bool on_between(void *data)
 {
@@ -614,7 +622,8 @@ static bool on_between(void *data)
     run_command(self);
     if (slot_take(&stage->motion_slot))
         stage->has_pending_seek = stage->is_dirty = true;
-    /* The newest is replaced before it is taken too, so that what is taken is new. */
+    /* A face that [main] has not read is also replaced (after least_apart_ns), so that [main]
+     * always reads a new one. */
     int64_t now_ns = clock_now_ns();
     return live_time_may_show(stage, now_ns) && stage->is_dirty &&
            (live_board_is_taken(&stage->scene->board) ||
@@ -659,7 +668,7 @@ void live_frame_stop(live *self)
 mrt_result live_frame_run(live *self, error *err)
 {
     if (pthread_create(&self->thread, NULL, run, self) != 0)
-        return error_set(err, MRT_ERR_MEMORY, "no thread to perform on");
+        return error_set(err, MRT_ERR_MEMORY, "cannot create the frame thread");
     self->has_thread = true;
     return MRT_OK;
 }

@@ -13,7 +13,8 @@
 #include <string.h>
 
 enum { NOTE = 512 };
-/* Of samples that are read ahead, of a performance; and of its mapping's answers. */
+/* Default memory limit of the samples read ahead of one performance, and again of its mapping's
+ * answers. */
 static const size_t ahead_bytes_default = (size_t)64 << 20;
 
 typedef struct track { /* one input of the performance */
@@ -23,43 +24,43 @@ typedef struct track { /* one input of the performance */
     channel_route route;
     bool has_pending;
     mrt_sample pending;
-    mrt_sample *ahead; /* read ahead, by time; NULL: none */
+    mrt_sample *ahead; /* samples read ahead, by time; NULL: none */
     size_t ahead_count, ahead_at;
 } track;
 
 struct replay {
     replay_world world;
     show_performance info;
-    isolate *isolate; /* NULL: the mapping runs here */
+    isolate *isolate; /* NULL: the mapping runs in this process */
     instance mapping;
     layer *layer;
     track track[TAKE_TRACKS_MAX];
     uint32_t track_count;
-    stage_frame frame;   /* of its steps, while it is performed by itself */
-    scheduler scheduler; /* of the tracks, likewise */
+    stage_frame frame;   /* its steps, while it performs alone */
+    scheduler scheduler; /* its tracks, likewise */
     scheduler_entry entry[TAKE_TRACKS_MAX];
-    bool has_ahead;      /* nothing is read, and no process asked */
-    int64_t ahead_to_ns; /* show time: of the last sample in memory */
+    bool has_ahead;      /* plays from memory, without files and processes */
+    int64_t ahead_to_ns; /* show time of the last usable sample in memory */
     int64_t asked_from_ns, asked_to_ns;
-    answers answers;             /* to the samples in memory, of a mapping in its own process */
-    char missing[160];           /* why ahead_to_ns is not as far as was asked for */
-    show_checkpoint ahead_state; /* from which the first of them go on; no bytes: none */
-    double length_mm[2];         /* of the hands, by their calibrations; 0: not said */
-    take_event *event;           /* of the whole performance, by time */
+    answers answers;   /* answers of the isolated mapping to the samples in memory */
+    char missing[160]; /* reason why ahead_to_ns is earlier than requested */
+    show_checkpoint
+        ahead_state;     /* stored state before the first sample in memory; no bytes: none */
+    double length_mm[2]; /* hand lengths of the calibrations; 0: unknown */
+    take_event *event;   /* events of the whole performance, by time */
     size_t event_count, next_event;
     int64_t now_ns;
-    unsigned char
-        *taught; /* what its mapping had been taught when it began; NULL: it learns nothing */
+    unsigned char *taught; /* taught values at the start of the performance; NULL: none */
     size_t taught_size;
-    bool keeps_taught;   /* it was recorded by a program that keeps it when it resets */
-    bool is_same_plugin; /* stored states are of this very library */
-    error damage;        /* what of it was told last */
+    bool keeps_taught;   /* the recording program kept taught values over a reset of the mapping */
+    bool is_same_plugin; /* the library is the one that wrote the stored states */
+    error damage;        /* last reported error of damaged data */
     char note[NOTE];
 };
 
-/* ---- the mapping as it was ---- */
+/* ---- the mapping of the recording ---- */
 
-/* The words of "org.marotte.anchored 1.0 0123abcd": type id, version, hash. */
+/* Fields of a text such as "org.marotte.anchored 1.0 0123abcd": type id, version, hash. */
 typedef struct plugin_words {
     char id[128], version[32], hash[TAKE_HASH];
 } plugin_words;
@@ -71,7 +72,8 @@ static plugin_words words_of(const char *text)
     return out;
 }
 
-/* As on the stage: what does not come with the program may crash without taking it along. */
+/* Runs a mapping that is not built in in its own process, as on the stage, so that a crash does not
+ * end the program. */
 static mrt_result isolate_foreign(replay *self, const char *library, const mrt_plugin_type **type,
                                   error *err)
 {
@@ -102,8 +104,8 @@ static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, e
     if (!self->is_same_plugin)
         snprintf(
             self->note, sizeof self->note,
-            "%s is not the library that it was recorded with (then %s, now %.40s): the same hands "
-            "may move the face otherwise",
+            "%s: the recording used another library (version %s, now %.40s). The same hands may "
+            "move the face differently.",
             then.id, then.version[0] ? then.version : "unknown", (*out_type)->version);
     return isolate_foreign(self, path, out_type, err);
 }
@@ -189,7 +191,7 @@ static bool is_of_track(const replay *self, const take_event *e)
     return false;
 }
 
-/* Those that change how it is performed. */
+/* Reads the events that change the performance: re-zeros and parameters. */
 static mrt_result read_events(replay *self, error *err)
 {
     mrt_result result = show_events(self->world.show, self->info.from_ns, self->info.to_ns,
@@ -209,7 +211,7 @@ static mrt_result read_events(replay *self, error *err)
     return MRT_OK;
 }
 
-/* Damaged chunks are passed over, and told once: what can be read is performed. */
+/* Skips damaged chunks and logs each error once. The readable samples are performed. */
 static mrt_result read_sample(replay *self, track *t, error *err)
 {
     mrt_result result;
@@ -260,16 +262,16 @@ void replay_schedule(replay *self, scheduler *into, const sample_source *as)
     }
 }
 
-/* ---- what its mapping was taught ---- */
+/* ---- taught values of the mapping ---- */
 
-/* Of a kept state: what its mapping had been taught, and the rest. */
+/* Parts of a stored state: the taught values of the mapping, and the rest. */
 typedef struct kept_parts {
     int64_t show_offset_ns;
     const unsigned char *taught, *state;
     size_t taught_size, state_size;
 } kept_parts;
 
-enum { WITHOUT_TAUGHT = 2 }; /* version */
+enum { WITHOUT_TAUGHT = 2 }; /* last version without taught values */
 
 static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
 {
@@ -288,14 +290,14 @@ static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
     return true;
 }
 
-/* Bytes of the largest state of this face. */
+/* Returns the largest possible size of a stored state of this face. */
 static size_t most_kept(const replay *self)
 {
     const points *rest = face_rest(composer_face(self->world.scratch->composer));
     return REPLAY_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
 }
 
-/* As it was when the performance began: what a reset leads back to. */
+/* Reads the taught values at the start of the performance. A reset restores them. */
 static mrt_result read_taught(replay *self, error *err)
 {
     show_checkpoint kept;
@@ -324,7 +326,7 @@ static mrt_result read_taught(replay *self, error *err)
     return MRT_OK;
 }
 
-/* ---- opened and closed ---- */
+/* ---- open and close ---- */
 
 static mrt_result set_patch(replay *self, error *err)
 {
@@ -451,7 +453,7 @@ int64_t replay_now_ns(const replay *self)
     return self->now_ns;
 }
 
-/* ---- step by step ---- */
+/* ---- step ---- */
 
 void replay_prepare(replay *self, const sample_step *s)
 {
@@ -464,7 +466,7 @@ void replay_prepare(replay *self, const sample_step *s)
             set_param(&self->mapping, e->param, e->value);
         else if (hands_rezero(self->layer->hands, e->hand, self->layer->frame.time_ns, &why) !=
                  MRT_OK)
-            continue; /* as it was refused then */
+            continue; /* the re-zero was refused in the recording too */
     }
     self->now_ns = s->time_ns;
 }
@@ -499,7 +501,7 @@ mrt_result replay_pull(replay *self, int64_t before_ns, error *err)
     return result;
 }
 
-/* ---- to any instant ---- */
+/* ---- seek ---- */
 
 static size_t count_before(const track *t, int64_t time_ns)
 {
@@ -514,7 +516,7 @@ static size_t count_before(const track *t, int64_t time_ns)
     return low;
 }
 
-/* Behind the samples up to now_ns. */
+/* Moves the tracks and events to the first one after now_ns. */
 static mrt_result position(replay *self, error *err)
 {
     mrt_result result = MRT_OK;
@@ -547,7 +549,7 @@ static mrt_result rewind_all(replay *self, error *err)
     return position(self, err);
 }
 
-/* Takes up what replay_keep has written. */
+/* Restores a state that replay_keep wrote. */
 static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
 {
     perform_alone(self, into);
@@ -574,7 +576,7 @@ mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, perfor
         result = show_checkpoint_before(self->world.show, self->info.performance.id, time_ns - 1,
                                         most_kept(self), &kept, err);
     if (result == MRT_ERR_FORMAT)
-        return MRT_HOLD; /* damaged: the samples themselves tell it too */
+        return MRT_HOLD; /* damaged: perform the samples instead, which reports the damage */
     if (result < 0)
         return result;
     kept_parts parts;
@@ -604,14 +606,14 @@ mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
     return result < 0 ? result : MRT_OK;
 }
 
-/* ---- from memory ---- */
+/* ---- play from memory ---- */
 
 static size_t ahead_bytes(const replay *self)
 {
     return self->world.ahead_bytes ? self->world.ahead_bytes : ahead_bytes_default;
 }
 
-/* There is nothing behind this show time. */
+/* Ends the usable span in memory at a show time. */
 static void end_ahead(replay *self, int64_t at_ns, const char *why)
 {
     int64_t since_ns = at_ns > self->info.from_ns ? at_ns - self->info.from_ns : 0;
@@ -619,11 +621,12 @@ static void end_ahead(replay *self, int64_t at_ns, const char *why)
     for (uint32_t i = 0; i < self->track_count; ++i)
         self->track[i].ahead_count = count_before(&self->track[i], at_ns + 1);
     (void)snprintf(self->missing, sizeof self->missing,
-                   "performing over the take, performance %lld is held from its %.1f s on: %s",
+                   "during the overdub, performance %lld keeps its last pose after %.1f s: %s",
                    (long long)self->info.performance.id, (double)since_ns * 1e-9, why);
 }
 
-/* To the last sample up to ahead_to_ns, which is where there is no more room. */
+/* Reads samples up to ahead_to_ns. If the memory limit is reached, ahead_to_ns moves to the last
+ * sample that fits. */
 static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, error *err)
 {
     size_t most = ahead_bytes(self) / sizeof *t->ahead / self->track_count, capacity = 0;
@@ -632,14 +635,14 @@ static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, erro
         if (t->pending.time_ns > self->ahead_to_ns)
             break;
         if (t->ahead_count == most) {
-            end_ahead(self, t->pending.time_ns - 1, "it is too long to be kept in memory");
+            end_ahead(self, t->pending.time_ns - 1, "its samples exceed the memory limit");
             break;
         }
         if (t->ahead_count == capacity) {
             capacity = capacity * 2 + 256;
             mrt_sample *grown = realloc(t->ahead, capacity * sizeof *grown);
             if (!grown)
-                return error_set(err, MRT_ERR_MEMORY, "no memory to read a take ahead");
+                return error_set(err, MRT_ERR_MEMORY, "no memory to read the take ahead");
             t->ahead = grown;
         }
         t->ahead[t->ahead_count++] = t->pending;
@@ -647,7 +650,8 @@ static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, erro
     return result < 0 ? result : MRT_OK;
 }
 
-/* The last state that was kept before what was asked for; without one, all from the start. */
+/* Reads the last stored state before the requested span. Returns the show time of the first sample
+ * to read: after that state, or the start of the performance. */
 static int64_t read_state_ahead(replay *self)
 {
     kept_parts parts;
@@ -690,24 +694,25 @@ mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error
     return result < 0 ? result : placed;
 }
 
-/* NULL: it may go on. */
+/* Returns why replay_answer_ahead must stop. NULL: continue. */
 static const char *why_not_on(const replay *self, int64_t until_ns)
 {
     error ignored = {""};
     if (replay_check(self, &ignored) < 0)
-        return "its mapping's process has failed";
+        return "the process of its mapping has failed";
     if (clock_now_ns() >= until_ns)
-        return "its mapping answers too slowly";
+        return "its mapping is too slow";
     bool is_too_much = self->answers.is_full || answers_size(&self->answers) > ahead_bytes(self);
-    return is_too_much ? "its mapping's answers are too many to be kept in memory" : NULL;
+    return is_too_much ? "the answers of its mapping exceed the memory limit" : NULL;
 }
 
 mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
 {
     const char *why = NULL;
-    self->answers.is_given = false; /* asked, they are written down */
+    self->answers.is_given = false; /* call the mapping and store its answers */
     mrt_result result = replay_recall(self, INT64_MAX, INT64_MIN, self->world.scratch, err);
-    if (result == MRT_HOLD && self->ahead_state.bytes) { /* that state is refused: without it */
+    if (result == MRT_HOLD &&
+        self->ahead_state.bytes) { /* the state cannot be loaded: perform from the start */
         self->is_same_plugin = false;
         result = read_ahead(self, err) < 0 ? MRT_ERR_IO : MRT_HOLD;
         self->answers.is_given = false;
@@ -728,7 +733,7 @@ const char *replay_missing(const replay *self)
     return self->missing;
 }
 
-/* ---- kept ---- */
+/* ---- states ---- */
 
 size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
                    size_t capacity)
@@ -764,7 +769,7 @@ mrt_result replay_load(replay *self, const void *bytes, size_t size, error *err)
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     bytes_take(&in, &self->now_ns, sizeof self->now_ns);
     if (in.failed)
-        return error_set(err, MRT_ERR_FORMAT, "the state of a performance is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "the saved state of a performance is damaged");
     mrt_result result = layer_load(self->layer, in.at, (size_t)(in.end - in.at), err);
     return result < 0 ? result : position(self, err);
 }

@@ -9,29 +9,29 @@
 #include <string.h>
 
 enum {
-    PLAYS_MAX = PERFORMER_VOICES_MAX - 1,  /* a play's index is its voice */
-    LIVE_VOICE = PERFORMER_VOICES_MAX - 1, /* who performs over the take */
-    SPARES_KEPT = 16,                      /* replays kept open */
-    OPEN_MAX = 64,                         /* with those that play, while it is prepared */
+    PLAYS_MAX = PERFORMER_VOICES_MAX - 1,  /* the index of a play is its voice */
+    LIVE_VOICE = PERFORMER_VOICES_MAX - 1, /* the live performer of an overdub */
+    SPARES_KEPT = 16,                      /* replays that stay open */
+    OPEN_MAX = 64,                         /* open replays in total, while an overdub is prepared */
     SOURCES_MAX = PLAYS_MAX * TAKE_TRACKS_MAX,
-    BEFORE_ALL = -1 /* now_ns before the first instant */
+    BEFORE_ALL = -1 /* value of now_ns before the first instant */
 };
 
 static const size_t checkpoint_bytes_default = (size_t)256 << 20;
 static const int64_t span_min_ns = NS_PER_S / 2;
-/* That all processes together are asked ahead. */
+/* Timeout for all isolated mappings together, see replay_answer_ahead. */
 static const int64_t answers_patience_ns = 30 * NS_PER_S;
-static const char unprepared[] = "more clips come than can be opened at once: some are left out";
+static const char unprepared[] = "too many clips to open together: some clips are not played";
 
-typedef struct play { /* a clip that is shown now */
+typedef struct play { /* a clip that plays now */
     const sequencer *of;
     const take_clip *clip;
     uint32_t lane;  /* index of its layer */
-    replay *replay; /* NULL: free */
-    bool is_wanted; /* within cross_boundary */
+    replay *replay; /* NULL: this play is unused */
+    bool is_wanted; /* used by cross_boundary */
 } play;
 
-typedef struct checkpoint { /* what is kept of an instant */
+typedef struct checkpoint { /* saved state at one instant */
     int64_t at_ns;
     unsigned char *bytes;
     size_t size;
@@ -42,13 +42,13 @@ struct sequencer {
     replay_world world;
     take take;
     performer *performer, *scratch;
-    stage_frame frame;   /* of each step that plays */
-    scheduler scheduler; /* of the tracks of all that plays, due on the timeline */
+    stage_frame frame;   /* the step that plays */
+    scheduler scheduler; /* tracks of all plays, due in timeline time */
     scheduler_entry *entry;
     play play[PLAYS_MAX];
-    replay *spare[OPEN_MAX]; /* open, of no clip: the oldest first */
+    replay *spare[OPEN_MAX]; /* open replays that no clip uses, oldest first */
     uint32_t spare_count;
-    int64_t *boundary; /* ascending: when clips of heard layers start and end */
+    int64_t *boundary; /* ascending: starts and ends of the clips of audible layers */
     size_t boundary_count;
     uint8_t *owned; /* layer_count rows */
     size_t owned_row;
@@ -56,15 +56,16 @@ struct sequencer {
     uint64_t sample_count;
     char note[1024];
     error failed;     /* of a mapping whose clip has ended */
-    bool is_touched;  /* by somebody live: the face is not the take's alone */
-    bool is_prepared; /* nothing is opened, read, asked or closed now */
-    bool is_ahead;    /* its replays perform from memory */
-    checkpoint start; /* while it is prepared: of where it stood then; size 0: none */
+    bool is_touched;  /* a live layer has moved the face, or the replays lost their state: do not
+                         continue from here */
+    bool is_prepared; /* files and processes must not be opened, read or closed */
+    bool is_ahead;    /* the replays play from memory */
+    checkpoint start; /* state at the start of the prepared span; size 0: none */
 
-    checkpoint *checkpoint; /* by at_ns */
+    checkpoint *checkpoint; /* sorted by at_ns */
     size_t checkpoint_count, checkpoint_capacity, checkpoint_bytes;
-    int64_t checkpoint_span_ns; /* at least so far apart; 0: not chosen yet */
-    bool is_unkeepable;         /* some mapping cannot say its state */
+    int64_t checkpoint_span_ns; /* minimum distance between checkpoints; 0: not chosen yet */
+    bool is_unkeepable;         /* a mapping cannot save its state */
     unsigned char *scratch_bytes;
     size_t scratch_capacity;
 };
@@ -76,7 +77,7 @@ static void add_note(sequencer *self, const char *text)
         snprintf(self->note + used, sizeof self->note - used, "%s\n", text);
 }
 
-static bool reserve(sequencer *self, size_t size) /* scratch_bytes; false: no memory */
+static bool reserve(sequencer *self, size_t size) /* of scratch_bytes; false: out of memory */
 {
     if (size <= self->scratch_capacity)
         return true;
@@ -88,7 +89,7 @@ static bool reserve(sequencer *self, size_t size) /* scratch_bytes; false: no me
     return true;
 }
 
-/* ---- replays, opened and closed ---- */
+/* ---- open and close replays ---- */
 
 static replay *take_spare(sequencer *self, uint32_t index)
 {
@@ -99,9 +100,9 @@ static replay *take_spare(sequencer *self, uint32_t index)
     return out;
 }
 
-/* One that is open already, or a new one; wherever it is: to be sought or loaded. What opening
- * takes (a file's hash, a process) is done once for all the clips of a performance. MRT_HOLD: none
- * was prepared. */
+/* Returns a spare replay of the performance or opens a new one. The caller must then seek or load
+ * it. The cost of opening (hash of a file, start of a process) is paid once for all clips of a
+ * performance. MRT_HOLD: no replay was prepared. */
 static mrt_result open_replay(sequencer *self, int64_t performance, replay **out, error *err)
 {
     for (uint32_t i = 0; i < self->spare_count; ++i)
@@ -119,7 +120,7 @@ static void keep_spare(sequencer *self, replay *r)
     self->spare[self->spare_count++] = r;
     if (self->is_prepared)
         return;
-    if (replay_check(r, &ignored) < 0) /* another process, next time */
+    if (replay_check(r, &ignored) < 0) /* its process has failed: start another one next time */
         replay_close(take_spare(self, self->spare_count - 1));
     while (self->spare_count > SPARES_KEPT)
         replay_close(take_spare(self, 0));
@@ -132,7 +133,7 @@ static void close_spares(sequencer *self)
     self->spare_count = 0;
 }
 
-static void close_play(sequencer *self, play *p) /* its replay stays open for a while */
+static void close_play(sequencer *self, play *p) /* its replay stays open as a spare */
 {
     error why = {""};
     if (p->replay && replay_check(p->replay, &why) < 0 && !self->failed.text[0])
@@ -171,9 +172,9 @@ mrt_result sequencer_check(const sequencer *self, error *err)
     return result;
 }
 
-/* ---- who plays, and when ---- */
+/* ---- schedule and voices ---- */
 
-/* When a sample of a clip's performance is due on the timeline. */
+/* Returns the time on the timeline at which a sample of the clip's performance is due. */
 static int64_t due_ns(void *clock, int64_t show_ns)
 {
     const play *p = clock;
@@ -197,7 +198,8 @@ static void schedule_plays(sequencer *self)
     }
 }
 
-/* Its voice, which is seen when weigh_voices says so; what was smoothed of another goes. */
+/* Sets the voice of a play. weigh_voices decides whether it is seen. The smoothing of the previous
+ * play is discarded. */
 static void cast_play(sequencer *self, const play *p)
 {
     self->performer->voice[(uint32_t)(p - self->play)].layer = replay_layer(p->replay);
@@ -213,7 +215,7 @@ static play *find_play(sequencer *self, uint32_t lane, uint32_t clip)
     return NULL;
 }
 
-/* What is seen of each at that instant. */
+/* Sets the weight of each voice at an instant. */
 static void weigh_voices(sequencer *self, int64_t at_ns)
 {
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
@@ -242,14 +244,14 @@ static void weigh_voices(sequencer *self, int64_t at_ns)
     live->lane = self->take.layer_count;
 }
 
-/* ---- clips come and go ---- */
+/* ---- start and end of clips ---- */
 
 static int64_t show_time_ns(const take_clip *clip, int64_t source_ns)
 {
     return clip->from_ns + source_ns;
 }
 
-/* A clip that goes on where another of its layer ended, as after a split, takes over from it. */
+/* Returns the play that a clip continues: the same performance, without a gap, as after a split. */
 static play *find_predecessor(sequencer *self, uint32_t lane, const take_clip *clip,
                               int64_t show_ns)
 {
@@ -273,7 +275,8 @@ static play *free_play(sequencer *self)
     return NULL;
 }
 
-/* The very first clip of the lowest layer brings the shape along that its performance had. */
+/* At the start of a take, the lowest clip also restores the face shape that its performance started
+ * with. */
 static bool begins_with_its_shape(const sequencer *self, const play *p)
 {
     return self->now_ns == BEFORE_ALL && p == &self->play[0];
@@ -284,7 +287,7 @@ static mrt_result begin_with_its_shape(sequencer *self, error *err)
     composer *then = self->scratch->composer;
     size_t size = composer_save(then, NULL, 0);
     if (!reserve(self, size))
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the shape");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the face shape");
     composer_save(then, self->scratch_bytes, size);
     return composer_load(self->performer->composer, self->scratch_bytes, size, err);
 }
@@ -301,7 +304,7 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     }
     p = free_play(self);
     if (!p) {
-        add_note(self, "more clips at an instant than can be played: some are left out");
+        add_note(self, "too many clips at the same time: some clips are not played");
         return MRT_OK;
     }
     *p = (play){.of = self, .clip = clip, .lane = lane, .is_wanted = true};
@@ -323,7 +326,8 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     return MRT_OK;
 }
 
-/* The clips of this instant play, and no others. True in out_changed: the face is concerned. */
+/* Starts and ends plays so that exactly the clips at at_ns play. *out_changed: the face must be
+ * solved again. */
 static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_changed, error *err)
 {
     mrt_result result = MRT_OK;
@@ -358,14 +362,14 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
     return result;
 }
 
-/* The face is the take's alone: who performs over it is not seen until its next step. */
+/* Marks the face as the take's alone. The live layer stays hidden until its next step. */
 static void be_untouched(sequencer *self)
 {
     self->is_touched = false;
     self->performer->voice[LIVE_VOICE].weight = 0.0;
 }
 
-/* Before the first instant, its clips ready. */
+/* Goes before the first instant and starts the clips of instant 0. */
 static mrt_result restart(sequencer *self, error *err)
 {
     bool is_changed;
@@ -376,8 +380,8 @@ static mrt_result restart(sequencer *self, error *err)
     return cross_boundary(self, 0, &is_changed, err);
 }
 
-/* ---- checkpoints: what is kept of an instant, so that scrubbing need not play from the start; one
- * that is taken up again goes on with the same bits ---- */
+/* ---- checkpoints: saved states, so that scrubbing need not play from the start. Playback from a
+ * checkpoint gives the same bits ---- */
 
 static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
 {
@@ -401,7 +405,7 @@ static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
     return true;
 }
 
-/* 0: it cannot be kept. */
+/* Returns the size of the state. 0: it cannot be saved. */
 static size_t put_all(sequencer *self, unsigned char *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = capacity};
@@ -432,7 +436,7 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     uint32_t slot = bytes_take_u32(in), lane = bytes_take_u32(in);
     const take_clip *clip = find_clip(&self->take, lane, bytes_take_u32(in));
     if (in->failed || slot >= PLAYS_MAX || !clip)
-        return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
     play *p = &self->play[slot];
     performer_voice *v = &self->performer->voice[slot];
     *p = (play){.of = self, .clip = clip, .lane = lane};
@@ -443,7 +447,7 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     }
     size_t size = bytes_take_u32(in);
     if (in->failed || size > (size_t)(in->end - in->at))
-        return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
     mrt_result result = open_replay(self, clip->performance, &p->replay, err);
     if (result == MRT_HOLD)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s", unprepared);
@@ -471,7 +475,7 @@ static mrt_result take_up(sequencer *self, const checkpoint *m, error *err)
     return result;
 }
 
-/* Every second one goes; those to come are twice as far apart. */
+/* Removes every second checkpoint and doubles the distance between later ones. */
 static void thin_out(sequencer *self)
 {
     size_t kept = 0;
@@ -555,13 +559,14 @@ static void forget_checkpoints(sequencer *self)
     self->is_unkeepable = false;
 }
 
-/* Nobody performs over it any more, and what was prepared for that is there yet. */
+/* Returns whether an overdub has ended while its prepared data is still loaded. */
 static bool is_left(const sequencer *self)
 {
     return self->is_ahead && !self->is_prepared;
 }
 
-/* Its replays ask the show and their processes again, and have to be sought. */
+/* Drops the prepared data. The replays read the show and call their processes again, and must be
+ * sought. */
 static void forget_ahead(sequencer *self)
 {
     replay *open[OPEN_MAX + PLAYS_MAX];
@@ -574,7 +579,8 @@ static void forget_ahead(sequencer *self)
     self->is_touched = true;
 }
 
-/* Its mapping's part is left out where that is not asked. */
+/* Saves the state at the start. The state of a mapping that is played from stored answers is left
+ * out. */
 static mrt_result keep_start(sequencer *self, error *err)
 {
     size_t size = put_all(self, NULL, 0);
@@ -589,7 +595,8 @@ static mrt_result keep_start(sequencer *self, error *err)
     return MRT_OK;
 }
 
-/* A take that shows one performance as it was: what was kept while it was recorded serves too. */
+/* Returns the clip of a take that plays one unedited performance. NULL: other takes. For such a
+ * take the checkpoints of the recording are usable too. */
 static const take_clip *only_clip(const sequencer *self)
 {
     const take *t = &self->take;
@@ -604,7 +611,7 @@ static const take_clip *only_clip(const sequencer *self)
     return is_plain ? c : NULL;
 }
 
-/* MRT_HOLD: nothing that was recorded helps. */
+/* Goes to a checkpoint of the recording. MRT_HOLD: it would not help. */
 static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns, error *err)
 {
     const take_clip *clip = only_clip(self);
@@ -624,7 +631,7 @@ static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns,
     return MRT_OK;
 }
 
-/* The last that was kept at or before at_ns; NULL: none. */
+/* Returns the last checkpoint at or before at_ns. NULL: none. */
 static const checkpoint *kept_before(const sequencer *self, int64_t at_ns)
 {
     size_t count = count_until(self, at_ns);
@@ -633,7 +640,7 @@ static const checkpoint *kept_before(const sequencer *self, int64_t at_ns)
     return is_start && (!best || best->at_ns <= self->start.at_ns) ? &self->start : best;
 }
 
-/* To the last instant at or before at_ns from which playing on is quickest. */
+/* Goes to an instant at or before at_ns from which playback to at_ns is fastest. */
 static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
 {
     if (is_left(self))
@@ -657,7 +664,7 @@ static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
         if (result != MRT_HOLD)
             return result;
         if (self->play[0].replay && replay_now_ns(self->play[0].replay) != before_ns)
-            may_go_on = false; /* what was kept was damaged */
+            may_go_on = false; /* the checkpoint of the recording was damaged */
     }
     if (may_go_on)
         return MRT_OK;
@@ -667,7 +674,7 @@ static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
     return restart(self, err);
 }
 
-/* ---- the timeline's instants at which clips come and go ---- */
+/* ---- clip boundaries ---- */
 
 static int compare_times(const void *a, const void *b)
 {
@@ -709,7 +716,7 @@ static int64_t next_boundary_ns(const sequencer *self)
     return low < self->boundary_count ? self->boundary[low] : INT64_MAX;
 }
 
-/* ---- what a layer may move ---- */
+/* ---- contacts and degrees of freedom that a layer owns ---- */
 
 void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out)
 {
@@ -736,9 +743,9 @@ static mrt_result list_owned(sequencer *self, error *err)
     return MRT_OK;
 }
 
-/* ---- time goes on ---- */
+/* ---- playback ---- */
 
-/* The next thing that happens, if it is not after to_ns. MRT_END: nothing does. */
+/* Performs the next sample or clip boundary up to to_ns. MRT_END: all are performed. */
 static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, error *err)
 {
     sample_step *next = &self->frame.step;
@@ -751,7 +758,7 @@ static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, er
     int64_t first_ns = boundary_ns < sample_ns ? boundary_ns : sample_ns;
     if (first_ns > to_ns || first_ns == INT64_MAX)
         return MRT_END;
-    if (boundary_ns <= sample_ns) { /* a clip that ends does not show what comes then */
+    if (boundary_ns <= sample_ns) { /* boundary first: a clip does not show a sample at its end */
         bool is_changed;
         result = cross_boundary(self, boundary_ns, &is_changed, err);
         self->now_ns = boundary_ns;
@@ -769,7 +776,7 @@ static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, er
     return result < 0 ? result : keep_checkpoint(self, err);
 }
 
-/* ---- prepared ---- */
+/* ---- prepare an overdub ---- */
 
 static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, int64_t from_ns,
                      int64_t to_ns)
@@ -779,7 +786,8 @@ static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, i
            c->start_ns + offset_ns < to_ns && c->end_ns + offset_ns > from_ns;
 }
 
-/* How many clips of a performance play at an instant of the span, or end or begin there. */
+/* Counts the clips of a performance that play at at_ns (including their ends) and are shown in
+ * from_ns..to_ns. */
 static uint32_t count_playing(const sequencer *self, int64_t performance, int64_t at_ns,
                               int64_t from_ns, int64_t to_ns)
 {
@@ -810,7 +818,8 @@ static void close_what_is_not_shown(sequencer *self, int64_t from_ns, int64_t to
     }
 }
 
-/* As many replays as the clip and those beside it need are open, and have read what they need. */
+/* Opens enough replays for all clips that play together with this one, and reads their samples of
+ * the span. */
 static mrt_result prepare_clip(sequencer *self, uint32_t lane, const take_clip *clip,
                                int64_t from_ns, int64_t to_ns, error *err)
 {
@@ -861,7 +870,7 @@ mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, er
         forget_ahead(self);
         result = sequencer_seek(self, at_ns, err);
     }
-    from_ns -= span_min_ns; /* an instant that is kept may lie so far before */
+    from_ns -= span_min_ns; /* the nearest checkpoint may lie this far before */
     self->is_ahead = true;
     close_what_is_not_shown(self, from_ns, to_ns);
     for (uint32_t i = 0; i < self->take.layer_count; ++i)
@@ -905,7 +914,7 @@ mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err)
     return result < 0 ? result : sequencer_play_to(self, at_ns, err);
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings, const take *t,
                             error *err)
@@ -974,7 +983,7 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
     int64_t at_ns = self->now_ns;
     forget_ahead(self);
     close_plays(self);
-    close_spares(self); /* performances may have become longer */
+    close_spares(self); /* a performance may have become longer */
     forget_checkpoints(self);
     take_finish(&self->take);
     self->take = fresh;
@@ -987,7 +996,7 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
     return result >= 0 && at_ns >= 0 ? sequencer_seek(self, at_ns, err) : result;
 }
 
-/* ---- live ---- */
+/* ---- live layer ---- */
 
 void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive)
 {
@@ -1007,7 +1016,7 @@ void sequencer_perform_over(sequencer *self, stage_frame *f, double weight)
     weigh_voices(self, self->now_ns);
 }
 
-/* ---- what others see ---- */
+/* ---- state ---- */
 
 int64_t sequencer_now_ns(const sequencer *self)
 {
