@@ -1,4 +1,4 @@
-/* stage/mapping/guard.h - phase 5 of the frame: whether what a mapping pulls makes sense. Pure. */
+/* stage/mapping/guard.h - phase 6 of a frame: checks the pull of a mapping. Pure. */
 #ifndef MAROTTE_STAGE_GUARD_H
 #define MAROTTE_STAGE_GUARD_H
 #include "base/rigid.h"

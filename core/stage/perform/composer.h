@@ -1,4 +1,4 @@
-/* stage/perform/composer.h - phases 6 and 7 of the frame: the pulls of all layers become one face.
+/* stage/perform/composer.h - phases 8 and 9 of a frame: the pulls of all layers become one face.
  * Anchored pulls are joined in one solve; unanchored ones knead the shape one after the other.
  * Leaves out where pulls come from (layer.h) and when (player.h, sequencer.h).
  *
@@ -61,7 +61,7 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
 /* For mrt_frame.near of the next frame. Asked of shapes that do not depend on when frames are
  * drawn: the base while engaged, and what unanchored samples left. */
 bool composer_is_near(const composer *self, const mrt_pull *pull);
-/* Phase 7 for drawing: the shape shown and its normals. */
+/* Phase 9: the shape shown and its normals. */
 void composer_draw(composer *self);
 /* The rest shape, nobody speaking. */
 void composer_reset(composer *self);

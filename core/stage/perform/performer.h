@@ -1,10 +1,8 @@
-/* stage/perform/performer.h - performs a face. A performer has up to PERFORMER_VOICES_MAX voices,
- * as a synthesizer has: each is a layer (phases 3 to 5) with the weight at which it shows; one
- * composer (phases 6 and 7) blends what all of them pull. Live hands are one voice; of a take each
- * clip that is shown is one, and what is performed over it is one more. Phases 3 to 6 run once per
- * step of samples, in time order; phase 7 per step while unanchored and once per drawn frame while
- * anchored: a performance is a function of its samples alone. Leaves out whose samples come next
- * (scheduler.h). [frame] after create; no allocation then. */
+/* stage/perform/performer.h - a face and its voices. A performer has up to PERFORMER_VOICES_MAX
+ * voices, as a synthesizer has. Each voice is a layer and the weight with which it shows; one
+ * composer blends the pulls of all voices. Live hands are one voice, each clip that a take shows is
+ * one, and an overdub is one more. Leaves out the phases of a step (frame.h) and which samples come
+ * next (scheduler.h). [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_PERFORMER_H
 #define MAROTTE_STAGE_PERFORMER_H
 #include "stage/perform/composer.h"
@@ -28,14 +26,14 @@ enum {
 };
 typedef struct performer_voice {
     layer *layer;        /* NULL: unused */
-    bool is_seen;        /* false: it performs, but nothing of it reaches the face */
-    uint32_t lane, rank; /* lanes are laid over each other, bottom first; the voices of one lane are
-                            cross-faded, in the order of their ranks */
-    bool is_additive;    /* composer_part says what each is */
+    bool is_seen;        /* false: it performs, but its pulls do not reach the face */
+    uint32_t lane, rank; /* lanes lie over each other, bottom first; the voices of one lane are
+                            cross-faded in the order of their ranks */
+    bool is_additive;    /* this and the next three: see composer_part */
     double weight, gain;
     const uint8_t *owns;
-    double smooth_s; /* anchored pulls are eased with this time constant; 0: not */
-    bool has_smooth; /* so far */
+    double smooth_s; /* time constant that smooths anchored pulls; 0: off */
+    bool has_smooth; /* `smooth` is valid */
     int64_t smooth_ns;
     mrt_pull smooth;
 } performer_voice;
@@ -54,16 +52,17 @@ typedef struct performer {
     performer_counts counts;
 } performer;
 
-/* [main] The face file and the mapping must outlive it; the mapping is activated and reset, and
- * voice 0 is its layer's. mapping: NULL: nobody performs yet. */
+/* [main] The face file and the mapping must outlive it. The mapping is activated and reset, and its
+ * layer becomes voice 0. mapping NULL: no voice yet. */
 CHECKED mrt_result performer_create(performer **out, const face_file *file, instance *mapping,
                                     const performer_settings *settings, error *err);
-void performer_destroy(performer *self); /* deactivates the mapping; NULL is fine */
-/* [main] A layer for a voice of this performer, which must outlive it: layer_destroy it. */
+void performer_destroy(performer *self); /* deactivates the mapping; accepts NULL */
+/* [main] Creates a layer for a voice of this performer. Free it with layer_destroy before the
+ * performer is destroyed. */
 CHECKED mrt_result performer_make_layer(const performer *self, instance *mapping,
                                         const performer_settings *as, layer **out, error *err);
 
-/* [main] A patch on the face of this performer, for layer_set_patch. */
+/* [main] Creates a patch on the face of this performer, for patch_bay_set. */
 CHECKED mrt_result performer_make_patch(const performer *self, const patch *p, patch_plan **out,
                                         error *err);
 
@@ -81,12 +80,14 @@ void performer_count(performer *self);
 
 /* ---- kept: of voice 0 ---- */
 
-/* All that frames to come depend on while it performs alone, as bytes (at most `capacity` are
- * written; NULL: none); returns the size that it takes. 0: the mapping cannot say. */
+/* Serializes everything that later frames depend on while voice 0 performs alone. Writes at most
+ * `capacity` bytes; bytes may be NULL. Returns the size of the state. 0: the mapping has no state.
+ */
 size_t performer_save(performer *self, void *bytes, size_t capacity);
-/* [main] On error its layer is reset, and so is the composer. Parameters are as they were then. */
+/* [main] Restores that state, parameters included. On error the layer and the composer are reset.
+ */
 CHECKED mrt_result performer_load(performer *self, const void *bytes, size_t size, error *err);
-/* The same of what the pointer made of the face alone: hands and mapping go on as they are. [frame]
+/* The same for what the pointer made of the face: hands and mapping are left as they are. [frame]
  * no allocation. On error nothing has changed, or the face is at rest. */
 size_t performer_save_pulled(performer *self, void *bytes, size_t capacity);
 CHECKED mrt_result performer_load_pulled(performer *self, const void *bytes, size_t size,
