@@ -580,7 +580,7 @@ static void kills_never_make_the_face_jump(void **state)
         }
         held += stand_counts(&s).failed;
         assert_true(stand_counts(&s).failed >= 1);
-        assert_int_equal(s.performer->counts.samples, n);
+        assert_int_equal(s.performer->counts->samples, n);
         if (watch.worst_excess_mm > 0)
             fail_msg("kill %u at sample %u: the face jumped by %.3f mm more than it may", kill_at,
                      at, watch.worst_excess_mm);

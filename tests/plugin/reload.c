@@ -319,8 +319,8 @@ static void many_reloads_leak_nothing_and_miss_no_sample(void **state)
         }
     }
     assert_int_equal(open_files(), files);
-    assert_int_equal(w.stand.performer->counts.samples, w.n);
-    assert_int_equal(w.stand.performer->counts.bad_pulls, 0);
+    assert_int_equal(w.stand.performer->counts->samples, w.n);
+    assert_int_equal(w.stand.performer->counts->bad_pulls, 0);
     check_continuity(&w);
     qsort(took_ns, count, sizeof *took_ns, by_size);
     double median_ms = (double)took_ns[count / 2] * 1e-6;

@@ -98,7 +98,7 @@ static void no_sample_allocates(void **state)
         uint64_t before = atomic_load(&allocation_count);
         perform(p, &plugin, &route);
         uint64_t after = atomic_load(&allocation_count);
-        const performer_counts *counts = &p->counts;
+        const composer_counts *counts = p->counts;
         print_message("%s: %ju samples, %ju engagements, %ju substeps, %ju allocations\n", names[n],
                       (uintmax_t)counts->samples, (uintmax_t)counts->engagements,
                       (uintmax_t)counts->substeps, (uintmax_t)(after - before));

@@ -166,7 +166,7 @@ static inline double bench_least_determinant(const char *name, const char *on, c
             least = fmin(least, face_min_determinant(composer_face(s.performer->composer)));
         }
     }
-    const performer_counts *counts = &s.performer->counts;
+    const composer_counts *counts = s.performer->counts;
     assert_int_equal(counts->bad_pulls, 0);
     assert_int_equal(counts->held_pulls, 0);
     assert_int_equal(counts->folded_steps, 0);

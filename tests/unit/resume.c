@@ -24,7 +24,7 @@ typedef struct story { /* a performance from its first sample to its last */
     mrt_pull pull[SAMPLES];
     uint64_t hash[SAMPLES];
     kept kept[KEPT];
-    performer_counts counts;
+    composer_counts counts;
     rezero_counts rezeros;
 } story;
 
@@ -53,7 +53,7 @@ static void tell(story *out, const scene_play *play, const face_file *file)
         out->pull[n] = *layer_pull(s.performer->voice[0].layer);
         out->hash[n] = scene_hash(composer_face(s.performer->composer));
     }
-    out->counts = s.performer->counts;
+    out->counts = *s.performer->counts;
     out->rezeros = *hands_rezeros(s.performer->voice[0].layer->hands);
     scene_lay_down(&s);
 }

@@ -149,9 +149,9 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
     f->take_id = recorder_take(f->recorder);
     f->rezeros = *hands_rezeros(f->performer->voice[0].layer->hands);
     assert_string_equal(recorder_problem(f->recorder), "");
-    assert_int_equal(f->performer->counts.bad_pulls, 0);
+    assert_int_equal(f->performer->counts->bad_pulls, 0);
     scene_must(recorder_stop(f->recorder, &err), &err);
-    f->solves = f->performer->counts.solves;
+    f->solves = f->performer->counts->solves;
     performer_destroy(f->performer);
     f->performer = NULL;
     f->recorder = NULL;

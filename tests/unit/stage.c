@@ -176,7 +176,7 @@ static void fill_table(table *out, uint32_t hand, uint32_t count, int64_t first_
 
 typedef struct outcome {
     player_report report;
-    performer_counts counts;
+    composer_counts counts;
     uint64_t hash; /* of the shape at the end, in file order */
     double first_time_s, last_time_s;
     int64_t work_ns;
@@ -229,7 +229,7 @@ static void play(outcome *out, const table *const *tables, uint32_t table_count,
                      MRT_OK);
     composer_draw(p->composer);
     out->hash = hash_of(composer_face(p->composer));
-    out->counts = p->counts;
+    out->counts = *p->counts;
     performer_destroy(p);
     instance_destroy(&mapping);
     for (uint32_t i = 0; i < table_count; ++i)

@@ -562,7 +562,7 @@ static mrt_result finish(performance *self, mrt_result so_far, error *err)
 /* Nonsense from a plugin: on stage the last good pull is held; an offline performance fails. */
 static mrt_result check_pulls(const performance *self, error *err)
 {
-    const performer_counts *counts = &self->performer->counts;
+    const composer_counts *counts = self->performer->counts;
     if (counts->bad_pulls == 0 || self->inputs.clock == CLOCK_REAL)
         return perform_mapping_check(&self->mapping, err);
     return error_set(err, MRT_ERR_FORMAT, "%s (sample %ju)", counts->first_problem.text,
@@ -676,7 +676,7 @@ static mrt_result perform(performance *self, error *err)
 
 static void report_pulls(const performance *self, facts *told)
 {
-    const performer_counts *counts = &self->performer->counts;
+    const composer_counts *counts = self->performer->counts;
     if (counts->limited_steps)
         facts_number(told, "limited_steps", "limited steps", (double)counts->limited_steps, 0,
                      "samples in which the hand was faster than the surface can follow");
@@ -756,7 +756,7 @@ static void print_performance(const performance *self, facts *told)
 
 static void report_performance(performance *self, facts *told)
 {
-    const performer_counts *counts = &self->performer->counts;
+    const composer_counts *counts = self->performer->counts;
     const player_report *report = &self->report;
     print_performance(self, told);
     facts_text(told, "face", "face", self->options->face);

@@ -76,7 +76,7 @@ typedef struct live_status {
     int64_t journal_ns;  /* time before now that live_keep can save */
     size_t kept_bytes;   /* size of the checkpoints of the shown take, at most 64 MiB */
     uint64_t sample_count;
-    performer_counts counts;
+    composer_counts counts;
     rezero_counts rezeros;
     uint64_t patch_speaks; /* one bit per connection: set after it has taken effect */
     uint32_t patch_pressed[PATCH_ACTIONS]; /* number of presses on this face */

@@ -251,7 +251,7 @@ static performer *shown_over(live_stage *stage, int64_t now_ns)
                             now_ns - wait_ns, &err) < 0)
         tell_error(stage, &err);
     player_show_until(stage->loop, stage->over->played_ns);
-    if (stage->over->is_over)
+    if (stage->over->state == OVERDUB_OVER)
         end_over(stage, now_ns);
     return sequencer_performer(stage->timeline->sequencer);
 }
@@ -323,7 +323,7 @@ static mrt_result record_step(void *data, stage_frame *f, error *err)
         return MRT_OK;
     if (overdub_run_step(stage->over, stage->timeline->sequencer, stage->recorder, f, err) < 0)
         tell_error(stage, err);
-    if (stage->over->is_over) /* the hand alone performs this step */
+    if (stage->over->state == OVERDUB_OVER) /* the hand alone performs this step */
         end_over(stage, s->time_ns);
     return MRT_OK;
 }
@@ -582,7 +582,7 @@ void live_frame_pulse(live_stage *stage)
 {
     const performer *p = stage->scene->performer;
     live_pulse *now = &stage->now;
-    now->counts = p->counts;
+    now->counts = *p->counts;
     now->rezeros = *hands_rezeros(p->voice[0].layer->hands);
     describe_patch(now, &stage->scene->performer->voice[0].layer->bay);
     now->mode = stage->mode;

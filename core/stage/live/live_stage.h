@@ -105,7 +105,7 @@ typedef struct live_sample_board {
 
 typedef struct live_pulse { /* statistics of the frame thread */
     uint64_t sample_count;
-    performer_counts counts;
+    composer_counts counts;
     rezero_counts rezeros;
     uint64_t patch_speaks;
     bool is_patch_moving; /* a filter or a fade is still running */

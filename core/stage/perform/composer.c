@@ -1277,7 +1277,7 @@ bool composer_is_anchored(const composer *self)
     return self->engaged;
 }
 
-const composer_counts *composer_counted(const composer *self)
+composer_counts *composer_counted(composer *self)
 {
     return &self->counts;
 }

@@ -92,16 +92,18 @@ size_t composer_save(composer *self, void *bytes, size_t capacity);
 CHECKED mrt_result composer_load(composer *self, const void *bytes, size_t size, error *err);
 
 typedef struct composer_counts {
-    uint64_t held_pulls;    /* the engine could not use a pull: the shape was held */
-    uint64_t limited_steps; /* unanchored: the tips were faster than the substeps allow */
-    uint64_t folded_steps;  /* unanchored: steps with a determinant <= 0 */
-    uint64_t left_out;      /* vectors beyond MRT_MAX_VECTORS */
-    uint64_t solves;        /* of the engine: for an anchored step of all layers, or for a drag */
+    uint64_t samples, steps; /* performed: frame.c */
+    uint64_t bad_pulls;      /* the guard dropped a pull: frame.c */
+    uint64_t held_pulls;     /* the engine could not use a pull: the shape was held */
+    uint64_t limited_steps;  /* unanchored: the tips were faster than the substeps allow */
+    uint64_t folded_steps;   /* unanchored: steps with a determinant <= 0 */
+    uint64_t left_out;       /* vectors beyond MRT_MAX_VECTORS */
+    uint64_t solves;         /* of the engine: for an anchored step of all layers, or for a drag */
     uint64_t substeps;
     uint64_t engagements, commits;
     double min_determinant; /* unanchored: the smallest seen, 1 before any */
-    error first_problem;    /* what the engine said first; "" none */
+    error first_problem;    /* of the guard or the engine; "": none */
 } composer_counts;
-const composer_counts *composer_counted(const composer *self);
+composer_counts *composer_counted(composer *self);
 
 #endif

@@ -21,9 +21,9 @@ static void end_phase(stage_frame *f, frame_phase phase, int64_t *since_ns)
 
 static void count_fault(performer *p, const char *who, const char *fault)
 {
-    p->counts.bad_pulls += 1;
-    if (!p->counts.first_problem.text[0])
-        error_set(&p->counts.first_problem, MRT_ERR_FORMAT, "%s gave %s", who, fault);
+    p->counts->bad_pulls += 1;
+    if (!p->counts->first_problem.text[0])
+        error_set(&p->counts->first_problem, MRT_ERR_FORMAT, "%s gave %s", who, fault);
 }
 
 /* ---- phase 3, hands ---- */
@@ -125,8 +125,8 @@ mrt_result frame_step(stage_frame *f, error *err)
     performer *p = f->performer;
     layer *of = p->voice[s->voice].layer;
     mrt_frame *in = &of->frame;
-    p->counts.samples += s->count;
-    p->counts.steps += 1;
+    p->counts->samples += s->count;
+    p->counts->steps += 1;
 
     /* 3. Hands: samples are calibrated, filtered and posed. The mouse on the face is a hand too. */
     in->near = composer_is_near(p->composer, layer_pull(of));
@@ -167,7 +167,6 @@ mrt_result frame_step(stage_frame *f, error *err)
 
     /* 8. Solve: all parts become one engagement, or drag the clay one after the other. */
     composer_move(p->composer, parts.part, parts.count, in->dt_s);
-    performer_count(p);
     end_phase(f, FRAME_SOLVE, &at_ns);
 
     if (f->performed)
@@ -180,7 +179,6 @@ void frame_recompose(performer *p, int64_t now_ns)
     performer_parts parts;
     performer_compose(p, PERFORMER_NOBODY, now_ns, &parts);
     composer_move(p->composer, parts.part, parts.count, 0.0);
-    performer_count(p);
 }
 
 /* ---- a drawn frame, from the fields of the face to where it is seen ---- */

@@ -6,21 +6,6 @@
 
 /* ---- made and unmade ---- */
 
-void performer_count(performer *self)
-{
-    const composer_counts *c = composer_counted(self->composer);
-    self->counts.solves = c->solves;
-    self->counts.held_pulls = c->held_pulls;
-    self->counts.limited_steps = c->limited_steps;
-    self->counts.folded_steps = c->folded_steps;
-    self->counts.substeps = c->substeps;
-    self->counts.engagements = c->engagements;
-    self->counts.commits = c->commits;
-    self->counts.min_determinant = c->min_determinant;
-    if (!self->counts.first_problem.text[0])
-        self->counts.first_problem = c->first_problem;
-}
-
 mrt_result performer_make_layer(const performer *self, instance *mapping,
                                 const performer_settings *as, layer **out, error *err)
 {
@@ -66,7 +51,7 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     }
     self->voice[0] =
         (performer_voice){.layer = self->own, .is_seen = true, .weight = 1.0, .gain = 1.0};
-    performer_count(self);
+    self->counts = composer_counted(self->composer);
     *out = self;
     return MRT_OK;
 }

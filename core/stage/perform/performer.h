@@ -38,18 +38,11 @@ typedef struct performer_voice {
     mrt_pull smooth;
 } performer_voice;
 
-typedef struct performer_counts { /* of both: layer.h and composer.h say what each is */
-    uint64_t samples, steps, solves, bad_pulls;
-    uint64_t held_pulls, limited_steps, folded_steps, substeps, engagements, commits;
-    double min_determinant;
-    error first_problem;
-} performer_counts;
-
 typedef struct performer {
     composer *composer;
     performer_voice voice[PERFORMER_VOICES_MAX]; /* the caller may change them between steps */
-    layer *own; /* made with the performer; voice 0 at first; NULL: none */
-    performer_counts counts;
+    layer *own;              /* made with the performer; voice 0 at first; NULL: none */
+    composer_counts *counts; /* of the composer; frame.c counts there too */
 } performer;
 
 /* [main] The face file and the mapping must outlive it. The mapping is activated and reset, and its
@@ -75,8 +68,6 @@ typedef struct performer_parts {
 /* The parts of all voices that are seen, bottom first, at now_ns of the clock of whoever performs.
  * fresh: the voice that performed in this step; PERFORMER_NOBODY: none has. */
 void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performer_parts *out);
-/* Takes the counts of the composer over. */
-void performer_count(performer *self);
 
 /* ---- kept: of voice 0 ---- */
 

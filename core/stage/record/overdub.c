@@ -98,7 +98,7 @@ void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
 static void begin(overdub_run *self, int64_t clock_ns)
 {
     const overdub_plan *s = &self->plan;
-    self->has_begun = true;
+    self->state = OVERDUB_RUNS;
     self->rolling_ns = clock_ns + s->count_in_ns;
     transport_init(&self->transport, self->duration_ns);
     self->transport.stops_at_end = false;
@@ -133,7 +133,7 @@ static mrt_result end_pass(overdub_run *self, recorder *into, error *err)
 {
     mrt_result result = end_take(self, into, err);
     if (self->pass_now + 1 >= self->plan.passes) {
-        self->is_over = true;
+        self->state = OVERDUB_OVER;
         return result;
     }
     self->pass_now += 1;
@@ -143,34 +143,34 @@ static mrt_result end_pass(overdub_run *self, recorder *into, error *err)
 
 static mrt_result go_to(overdub_run *self, recorder *into, int64_t clock_ns, error *err)
 {
-    if (!self->has_begun)
+    if (self->state == OVERDUB_WAITS)
         begin(self, clock_ns);
-    if (clock_ns < self->rolling_ns || self->is_over)
+    if (clock_ns < self->rolling_ns || self->state == OVERDUB_OVER)
         return MRT_OK;
     transport_position position = transport_at(&self->transport, clock_ns);
     mrt_result result = MRT_OK;
     bool is_past_out =
         self->plan.passes == 1 && self->plan.out_ns > 0 && position.at_ns >= self->plan.out_ns;
-    while (result >= 0 && self->pass_now < position.pass && !self->is_over)
+    while (result >= 0 && self->pass_now < position.pass && self->state != OVERDUB_OVER)
         result = end_pass(self, into, err);
     if (is_past_out && result >= 0)
         result = end_pass(self, into, err);
-    if (result >= 0 && !self->is_over)
+    if (result >= 0 && self->state != OVERDUB_OVER)
         self->at_ns = position.at_ns;
     return result;
 }
 
 mrt_result overdub_run_end(overdub_run *self, recorder *into, error *err)
 {
-    if (self->is_over)
+    if (self->state == OVERDUB_OVER)
         return MRT_OK;
-    self->is_over = true;
+    self->state = OVERDUB_OVER;
     return end_take(self, into, err);
 }
 
 bool overdub_run_is_recording(const overdub_run *self)
 {
-    return self->has_begun && !self->is_over && self->at_ns >= self->plan.in_ns;
+    return self->state == OVERDUB_RUNS && self->at_ns >= self->plan.in_ns;
 }
 
 uint32_t overdub_run_pass(const overdub_run *self)
@@ -182,7 +182,7 @@ uint32_t overdub_run_pass(const overdub_run *self)
 static double weight_of(const overdub_run *self)
 {
     const overdub_plan *s = &self->plan;
-    if (self->at_ns < s->in_ns || self->is_over)
+    if (self->at_ns < s->in_ns || self->state == OVERDUB_OVER)
         return 0.0;
     double weight = 1.0;
     if (s->fade_ns > 0 && self->at_ns < s->in_ns + s->fade_ns)
@@ -218,7 +218,7 @@ mrt_result overdub_run_play_to(overdub_run *self, sequencer *of, recorder *into,
         clock_ns = self->played_ns;
     self->played_ns = clock_ns;
     mrt_result result = go_to(self, into, clock_ns, err);
-    if (result < 0 || self->is_over || clock_ns < self->rolling_ns)
+    if (result < 0 || self->state == OVERDUB_OVER || clock_ns < self->rolling_ns)
         return result;
     return sequencer_play_to(of, self->at_ns, err);
 }
@@ -227,7 +227,7 @@ mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, st
                             error *err)
 {
     mrt_result result = overdub_run_play_to(self, of, into, f->step.time_ns, err);
-    if (self->is_over)
+    if (self->state == OVERDUB_OVER)
         return result < 0 ? result : MRT_END;
     note_step(self, into, f->step.time_ns);
     sequencer_perform_over(of, f, weight_of(self));
@@ -583,7 +583,7 @@ static mrt_result show_at(void *of, stage_frame *f, int64_t time_ns, error *err)
     mrt_result result =
         overdub_run_play_to(&self->run, self->sequencer, self->recorder, time_ns, err);
     f->performer = sequencer_performer(self->sequencer);
-    return result >= 0 && self->run.is_over ? MRT_END : result;
+    return result >= 0 && self->run.state == OVERDUB_OVER ? MRT_END : result;
 }
 
 stage_frame *overdub_frame(overdub *self)
@@ -653,7 +653,7 @@ int64_t overdub_at_ns(const overdub *self)
 
 const transport *overdub_transport(const overdub *self)
 {
-    return self->run.has_begun && !self->run.is_over ? &self->run.transport : NULL;
+    return self->run.state == OVERDUB_RUNS ? &self->run.transport : NULL;
 }
 
 mrt_result overdub_check(const overdub *self, error *err)

@@ -41,12 +41,18 @@ typedef struct overdub_pass { /* samples of one pass */
     uint64_t sample_count;
 } overdub_pass;
 
+typedef enum overdub_state {
+    OVERDUB_WAITS = 0, /* for the first step or drawn frame */
+    OVERDUB_RUNS,      /* counts in, plays, records */
+    OVERDUB_OVER
+} overdub_state;
+
 typedef struct overdub_run {
     overdub_plan plan;
     char scene[TAKE_NAME], shot[TAKE_NAME];
     int64_t take; /* take that is overdubbed */
     transport transport;
-    bool has_begun, is_over;
+    overdub_state state;
     int64_t rolling_ns; /* clock: end of the count-in */
     int64_t played_ns;  /* clock: latest time that was played to */
     int64_t start_ns;   /* on the timeline: in minus the pre-roll */
