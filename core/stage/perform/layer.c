@@ -23,8 +23,8 @@ bool layer_is_answered(const layer *self)
     return self->answers && self->answers->is_given;
 }
 
-/* Asks the mapping for what it was taught, which a reset gives back to it. False: no answer yet, as
- * an isolated mapping may be late. */
+/* Saves the taught values of the mapping and loads them, so that they outlive the next reset.
+ * False: no answer yet, because an isolated mapping is late. */
 static bool keep_taught(layer *self)
 {
     error ignored = {""};

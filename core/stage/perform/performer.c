@@ -65,9 +65,9 @@ void performer_destroy(performer *self)
     free(self);
 }
 
-/* ---- the face of an instant ---- */
+/* ---- compose: voices become parts ---- */
 
-/* Eases the ends of the vectors and the degrees of freedom towards what the mapping says. */
+/* Smooths the ends of the vectors and the degrees of freedom of a pull. */
 static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_t now_ns)
 {
     bool goes_on = v->has_smooth && v->smooth.count == pull->count &&
@@ -108,7 +108,7 @@ static composer_part pointer_part(const composer_part *as, uint32_t bank, const 
     return out;
 }
 
-/* The parts of a voice's patch: its pull, and the one that fades out. */
+/* The parts of the patch of a voice: its pulls, and the pulls that fade out. */
 static uint32_t patch_parts(const layer *of, const composer_part *as, composer_part *out)
 {
     static const uint32_t lane_of[PATCH_PULLS] = {LANE_INSTEAD, LANE_ADDED};
