@@ -55,7 +55,7 @@ struct input {
     input_record unsent; /* the newest sample while the ring is full */
     int64_t opened_ns, posted_ns;
     int64_t patience_first_ns, patience_later_ns;
-    uint32_t hasty_reads; /* consecutive reads that returned at once without a sample */
+    uint32_t hasty_reads; /* consecutive reads that returned immediately without a sample */
     input_outage outage;
     health_meter meter;
     health_board board;
