@@ -229,7 +229,7 @@ static void more_poses_than_the_block_holds_are_refused_in_words(void **state)
     scene_must(isolate_create_mapping(&s.isolate, type, POSER, &settings, &err), &err);
     scene_must(instance_create(&s.mapping, isolate_type(s.isolate), CLOCK_REAL, s.log, &err), &err);
     assert_true(instance_activate(&s.mapping, &mapped, &err) < 0);
-    assert_non_null(strstr(err.text, "the rig has too many poses for a process of its own"));
+    assert_non_null(strstr(err.text, "the rig has too many poses for an isolated mapping"));
     mapped.pose_count = 100;
     scene_must(instance_activate(&s.mapping, &mapped, &err), &err);
     instance_deactivate(&s.mapping);
@@ -297,7 +297,7 @@ static void check_trouble(const char *trouble, const char *reason)
     stand_set(&s, "trouble=none");
     stand_wait_for(&s, 1);
     assert_true(stand_hears(&s, reason));
-    assert_true(stand_hears(&s, "what it saw last is kept in "));
+    assert_true(stand_hears(&s, "its last inputs are saved in "));
     for (uint32_t end = n + 60; n < end; ++n) {
         stand_step(&s, n);
         stand_step(&other, n);
@@ -390,7 +390,7 @@ static void check_late(const char *trouble)
         mrt_pull before = *layer_pull(s.performer->voice[0].layer);
         step_both(&s, &other, &watch, n);
         changes += !pull_is(&s, &before);
-        is_told = is_told || stand_has_heard(&s, "answers late again and again");
+        is_told = is_told || stand_has_heard(&s, "often answers late");
     }
     frame_waits_ns = stand_patience_ns;
     assert_true(is_told && changes >= 8);

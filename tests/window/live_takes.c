@@ -306,9 +306,9 @@ static void without_a_show_it_says_why_nothing_is_recorded(void **state)
     fixture_start(&d, "puppet", NULL, FIXTURE_NO_SHOW);
     live_status_of(d.live, &status);
     assert_false(status.can_record);
-    assert_true(strstr(status.why_not, "no show") != NULL);
+    assert_true(strstr(status.why_not, "create a show") != NULL);
     assert_true(live_record(d.live, &slate, &err) < 0);
-    assert_true(strstr(err.text, "no show") != NULL);
+    assert_true(strstr(err.text, "create a show") != NULL);
     fixture_must(show_create(&d.show, d.show_path, &err), &err);
     fixture_must(live_set_show(d.live, d.show, &err), &err);
     fixture_must(live_record(d.live, &slate, &err), &err);

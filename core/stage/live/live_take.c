@@ -502,7 +502,8 @@ static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *
     if (!b->run)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the overdub");
     overdub_run_init(b->run, plan, &self->shown);
-    const composer *shown = self->scene->performer->composer; /* same contacts as the take's */
+    /* same contacts as the take's */
+    const composer *shown = self->scene->performer->composer;
     mrt_result result =
         overdub_plan_own(plan, &self->shown, shown, &b->owned, &b->is_additive, err);
     const recorder_settings as = live_cast_settings(self, false);

@@ -11,7 +11,8 @@ static mrt_result make(file_home below, const char *type_id, char *out, size_t c
     if (capacity > 0)
         out[0] = '\0';
     if (length <= 0 || (size_t)length >= sizeof rest)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: too long an id for a folder", type_id);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the id is too long for the name of a folder",
+                         type_id);
     mrt_result result = file_home_path(out, capacity, below, rest, err);
     if (result >= 0)
         result = file_make_folders(out, err);

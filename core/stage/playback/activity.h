@@ -20,9 +20,9 @@ CHECKED mrt_result activity_step(activity *self, uint32_t samples_max, error *er
 
 enum { ACTIVITY_LANES = OWN_REGION_COUNT + 1 }; /* the last lane: the whole face */
 typedef struct activity_bin {
-    float least,
-        greatest; /* offset of the lane from neutral: root mean square over its controls; 1 is a
-                     tenth of the height of the face, or the end of a degree of freedom */
+    /* offset of the lane from neutral: root mean square over its controls; 1 is a tenth of the
+     * height of the face, or the end of a degree of freedom */
+    float least, greatest;
 } activity_bin;
 /* Reads the source time from_ns..to_ns (0: start of the performance) in `count` equal bins. A bin
  * that is not known yet has least > greatest. */

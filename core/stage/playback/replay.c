@@ -44,8 +44,8 @@ struct replay {
     int64_t asked_from_ns, asked_to_ns;
     answers answers;   /* answers of the isolated mapping to the samples in memory */
     char missing[160]; /* reason why ahead_to_ns is earlier than requested */
-    show_checkpoint
-        ahead_state;     /* stored state before the first sample in memory; no bytes: none */
+    /* stored state before the first sample in memory; no bytes: none */
+    show_checkpoint ahead_state;
     double length_mm[2]; /* hand lengths of the calibrations; 0: unknown */
     take_event *event;   /* events of the whole performance, by time */
     size_t event_count, next_event;

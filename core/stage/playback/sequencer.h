@@ -16,8 +16,8 @@ typedef struct sequencer_settings {
     const plugin_list *plugins;
     log_queue *log;
     const face_file *face;
-    const csrbf_settings
-        *solver; /* read by create; NULL: the show's solver (kept_solver.h); radius 0: the rig's */
+    /* read by create; NULL: the show's solver (kept_solver.h); radius 0: the rig's */
+    const csrbf_settings *solver;
     size_t checkpoint_bytes; /* memory limit of the checkpoints; 0: 256 MiB */
     size_t ahead_bytes;      /* see replay_world */
 } sequencer_settings;

@@ -35,8 +35,8 @@ typedef struct recorder_settings {
     double unit_mm;        /* for a mesh without a rig; 0: guessed */
     double hand_length_mm; /* of both hands; 0: from their calibrations */
     uint32_t rezero_pedal;
-    size_t
-        state_bytes; /* minimum size of the buffer for a state, for a larger face later; 0: none */
+    /* minimum size of the buffer for a state, for a larger face later; 0: none */
+    size_t state_bytes;
 } recorder_settings;
 
 /* Starts a session. It records everything, limited by the length of the journal. */
