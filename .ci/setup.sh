@@ -139,13 +139,10 @@ setup_build() {
     [ $((SECONDS - began)) -lt 2 ] || echo "Built build/$preset in $(setup_time $((SECONDS - began)))." >&2
 }
 
-# setup_tests PRESET [PACKAGE...]: installs what all tests of that build need, and each PACKAGE, and builds it. npm is only
-# installed to fetch its packages; where there is no network, the tests that need them are skipped.
-setup_tests() {
-    local preset=$1
-    shift
+# setup_install_tests [PACKAGE...]: installs what all tests need, and each PACKAGE. npm is only installed to fetch its
+# packages; without a network, the tests that need them are skipped.
+setup_install_tests() {
     setup_install "${setup_required_packages[@]}" "${setup_test_packages[@]}" "$@"
     bash "$here/tests/e2e/setup_packages.sh" --installed || setup_install npm
     bash "$here/tests/e2e/setup_packages.sh" >&2 || true # has printed the reason
-    setup_build "$preset" all -DMAROTTE_WERROR=ON
 }

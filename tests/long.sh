@@ -19,6 +19,7 @@ trap 'rm -rf "$scratch"' EXIT
 steps=(
     "asan:all of ctest under the address and undefined-behaviour sanitizers, in one piece"
     "tsan:all of ctest under the thread sanitizer, in one piece"
+    "clang:all of ctest, built with clang"
     "fuzz:each fuzz target for ten minutes under the address and undefined-behaviour sanitizers"
     "heads:mutated heads through \`rig new\`, every mapping and every export for an hour, under the address sanitizer"
     "timed:every test that has a thread, a process or a clock, 50 times beside two busy loops"
@@ -32,8 +33,8 @@ steps=(
     "repeats:600 random edits undone, 100 replugs of a glove, 100 checks of each plugin, pictures of the rig and the viewport"
 )
 
-built() { # PRESET: sets what scripts of tests need to know of a build
-    setup_build "$1" all -DMAROTTE_WERROR=ON
+built() { # PRESET [TARGET]: builds it, and sets the variables that test scripts read
+    setup_build "$1" "${2:-all}" -DMAROTTE_WERROR=ON
     export BUILD_DIR=$here/build/$1 MAROTTE=$here/build/$1/marotte
 }
 busy_loops() { # until the step ends
@@ -58,9 +59,10 @@ ctest_of() { # PRESET ARGS...
 
 step_asan() { built asan && ctest_of asan -j "$jobs"; }
 step_tsan() { built tsan && ctest_of tsan -j "$jobs"; }
-# gcc is the judge of warnings; clang sees some more, which are none.
-step_fuzz() { setup_build fuzz all -DMAROTTE_WERROR=OFF && bash tests/fuzz/run.sh 600; }
-step_heads() { built asan && build/asan/tests/e2e/hostile_heads 3600; }
+# Warnings are errors with gcc only; clang has more of them.
+step_clang() { setup_build clang all -DMAROTTE_WERROR=OFF && ctest_of clang -j "$jobs"; }
+step_fuzz() { setup_build fuzz all -DMAROTTE_WERROR=OFF && bash tests/fuzz/run.sh "${MAROTTE_FUZZ_S:-600}"; }
+step_heads() { built asan hostile_heads && build/asan/tests/e2e/hostile_heads 3600; }
 step_timed() { built release && busy_loops && ctest_of release -L timed --repeat until-fail:50 -j "$cores"; }
 step_busy() {
     local run failed=0
@@ -119,7 +121,7 @@ chosen=("$@")
 for name in "${chosen[@]}"; do
     declare -F "step_$name" >/dev/null || { echo "there is no step \"$name\": ${steps[*]%%:*}" >&2; exit 2; }
 done
-setup_tests release "${setup_long_packages[@]}"
+setup_install_tests "${setup_long_packages[@]}"
 mkdir -p "$logs"
 failed=0
 for name in "${chosen[@]}"; do

@@ -2,6 +2,7 @@
 #include "base/file.h"
 
 #include "base/suggest.h"
+#include "base/trace.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -232,6 +233,7 @@ mrt_result file_writer_commit(file_writer *writer, error *err)
         result = error_set(err, MRT_ERR_IO, "%s: cannot write: %s", writer->path,
                            reason ? strerror(reason) : "write error");
     } else {
+        TRACE(TRACE_IO, "%s: written", writer->path);
         free(writer->temporary_path);
         writer->temporary_path = NULL;
     }

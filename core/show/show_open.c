@@ -1,5 +1,6 @@
 /* Opening, making, rescuing and checking a show: on top of its other files. */
 #include "base/file.h"
+#include "base/trace.h"
 #include "show/show_file.h"
 #include "show/show_schema.h"
 #include "show/writer_store.h"
@@ -283,6 +284,7 @@ mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
     sqlite_limit_each(self->db);
     if (mode == SHOW_RECORD)
         sqlite_ignore_cancel(self->db);
+    TRACE(TRACE_SHOW, "%s: open, format %d", path, (int)self->version);
     *out = self;
     return MRT_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "base/clock.h"
 #include "base/condition.h"
+#include "base/trace.h"
 #include "show/writer_store.h"
 
 #include <errno.h>
@@ -601,6 +602,7 @@ static mrt_result commit(writer *self)
         writer_job *failed;
         writer_track *failed_track;
         result = put_all(self, &failed, &failed_track, &err);
+        TRACE(TRACE_SHOW, "commit: %s", result < 0 ? err.text : "done");
         if (result >= 0) {
             settle(self);
         } else if (result == MRT_ERR_ARGUMENT && (failed || failed_track)) {

@@ -1,7 +1,7 @@
 #include "glove_line.h"
 
 #include "base/clock.h"
-#include "cli/terminal.h"
+#include "terminal.h"
 
 #include <errno.h>
 #include <fcntl.h>

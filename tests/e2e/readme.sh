@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Every command that the README and the guides to exports and outputs show works as shown, from the top folder, but for the size of
-# pictures and videos, which is smaller except in ./test --long. (./test is what runs this.)
+# Every command that the README and the guides to takes, exports and outputs show works as shown, from the top folder. Pictures and videos
+# are smaller except in ./test --long, and the stage runs for a second without a window. (./test is what runs this.)
 source "$(dirname "$0")/lib.sh"
 cd "$SOURCE_DIR" || exit 1
 count=0
@@ -8,6 +8,7 @@ while read -r line; do
     case $line in
     "" | "#"* | ./test*) continue ;;
     "./run bench --quick" | "./run paper --quick") continue ;; # bench/gate and e2e/paper run these
+    "./run stage"*) line="$line --hidden --seconds 1" ;;
     blender*) command -v blender >/dev/null || { echo "SKIPPED: Blender is not installed: $line"; continue; } ;;
     esac
     if [ -z "${MAROTTE_TEST_LONG:-}" ]; then
@@ -16,6 +17,6 @@ while read -r line; do
     count=$((count + 1))
     echo "\$ $line"
     bash -c "$line" >"$scratch/log" 2>&1 || { fail "$line"; tail -n 5 "$scratch/log"; }
-done < <(awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' README.md ui/exports.md ui/outputs.md)
-[ $count -ge 3 ] || fail "only $count commands were found in the README"
+done < <(awk '/^```sh$/ { on = 1; next } /^```/ { on = 0 } on' README.md ui/takes.md ui/exports.md ui/outputs.md)
+[ $count -ge 20 ] || fail "only $count commands were found in the guides"
 finish

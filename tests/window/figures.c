@@ -1,4 +1,4 @@
-/* What the window measures of itself, by the machine's time. */
+/* The figures that the window measures of itself: first face, latency, panels, drawing. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -10,13 +10,17 @@
 
 static const char *const hand[] = {"log:" SOURCE_DIR "/plugins/log/demo_hand.csv,loop=1"};
 
-static bool has_samples(scene *s, void *data)
+/* A hand at rest publishes no face, and a busy machine draws few frames: the figures arrive when
+ * the recorded hand has moved the face and the panels have been updated. */
+static bool has_figures(scene *s, void *data)
 {
-    (void)data;
-    return app_status(s->app)->sample_count > 50;
+    workspace_counts *counts = data;
+    workspace_counted(s->workspace, counts);
+    return counts->fast.latency_p50_ms > 0.0 && counts->fast.panels_p50_ms > 0.0 &&
+           app_notes_of(s->app)->figures.draw_p50_ms > 0.0;
 }
 
-static void figures_are_told(void **state)
+static void the_window_measures_itself(void **state)
 {
     scene s;
     workspace_counts counts;
@@ -24,15 +28,10 @@ static void figures_are_told(void **state)
     const scene_options options = {
         .width_px = 1280, .height_px = 720, .scale = 1.0f, .inputs = hand, .input_count = 1};
     scene_open_with(&s, &options);
-    assert_true(scene_until(&s, has_samples, NULL));
-    scene_frames(&s, 40);
-    workspace_counted(s.workspace, &counts);
-    assert_true(counts.frame_count >= 40);
+    assert_true(scene_until(&s, has_figures, &counts));
     assert_true(counts.first_face_s > 0.0);
-    assert_true(counts.fast.panels_p50_ms > 0.0);
-    assert_true(counts.fast.latency_p50_ms > 0.0);
+    assert_true(counts.fast.panels_p99_ms >= counts.fast.panels_p50_ms);
     assert_true(counts.fast.latency_p99_ms >= counts.fast.latency_p50_ms);
-    assert_true(app_notes_of(s.app)->figures.draw_p50_ms > 0.0);
     print_message("panels %.3f ms, 99 %% %.3f ms\n", counts.fast.panels_p50_ms,
                   counts.fast.panels_p99_ms);
     scene_close(&s);
@@ -41,7 +40,7 @@ static void figures_are_told(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(figures_are_told),
+        cmocka_unit_test(the_window_measures_itself),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

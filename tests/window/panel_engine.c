@@ -154,6 +154,37 @@ static void counters_that_are_not_zero_are_named(void **state)
     stand_close(&s);
 }
 
+static void scroll(stand *s)
+{
+    ui_push(s->ui, &(ui_event){.kind = UI_EVENT_WHEEL, .y = -2.0f});
+    stand_settle(s);
+}
+
+/* Until the word is seen, and once more, so that it is not cut. */
+static void scroll_to(stand *s, const char *word)
+{
+    ui_push(s->ui, &(ui_event){.kind = UI_EVENT_MOVE, .x = 1150.0f, .y = 300.0f});
+    for (int i = 0; i < 40 && !stand_shows(s, word); ++i)
+        scroll(s);
+    scroll(s);
+    assert_true(stand_shows(s, word));
+}
+
+static void the_state_is_listed_with_its_names(void **state)
+{
+    (void)state;
+    stand s = {.input_count = 0};
+    stand_open(&s, &panel_engine, 1.0f);
+    s.status.writer.backlog = 4711;
+    scroll_to(&s, "State");
+    assert_false(stand_shows(&s, "can_record"));
+    stand_click(&s, "State");
+    scroll_to(&s, "writer.backlog");
+    assert_true(stand_shows(&s, "4711"));
+    stand_picture(&s, "panel_engine_state");
+    stand_close(&s);
+}
+
 /* ---- the log ---- */
 
 static void fill_log(stand *s)
@@ -241,6 +272,7 @@ int main(void)
         cmocka_unit_test(a_refused_solver_is_not_shown_as_chosen),
         cmocka_unit_test(a_radius_is_dragged_in_one_step),
         cmocka_unit_test(counters_that_are_not_zero_are_named),
+        cmocka_unit_test(the_state_is_listed_with_its_names),
         cmocka_unit_test(the_log_tells_time_source_and_level),
         cmocka_unit_test(the_log_is_cleared_and_goes_on),
         cmocka_unit_test(the_log_is_a_text_to_copy),

@@ -234,7 +234,7 @@ static void a_fist_that_is_held_orders_the_lines(void **state)
         stand_frame(&p.stand);
     heights_of_lines(&p, now);
     assert_memory_equal(now, relaxed, sizeof now);
-    for (int i = 0; i < 120; ++i)
+    for (int i = 0; i < 240; ++i)
         stand_frame(&p.stand);
     heights_of_lines(&p, now);
     assert_memory_not_equal(now, relaxed, sizeof now);

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# pictures.sh [FOLDER]: the README's pictures of the real window, into .github/ (or FOLDER): a live
-# performance, the timeline, a rig that is painted, the card of the hand. Real recordings perform; the window is on an X server
-# of its own. Not a test: looked at, then committed.
+# pictures.sh [FOLDER]: writes the README's film and pictures of the real window to .github/ (or FOLDER): the puppet speaking, a live
+# performance, the timeline, a painted rig, the card of the hand. Recorded hands perform, on a private X server. Not a test: look at
+# the results, then commit them.
 #   ninja -C build/release marotte-program && MAROTTE=build/release/marotte tests/window/pictures.sh
 here=$(cd "$(dirname "$0")/../.." && pwd)
 export SOURCE_DIR=$here
@@ -35,6 +35,24 @@ window() {
     kill -TERM "$program_pid"
     ends 0
 }
+
+# The film: the demo hand plays at a quarter of its speed, so that a slow machine draws each frame.
+film_fps=12 film_s=6 film_slowness=4
+{
+    echo 'do show_card'
+    echo 'do face_only'
+    echo "picture $scratch/now.png"
+    echo "wait $((film_s * film_slowness + 60))"
+} >script.txt
+rm -f now.png
+open_window film.marotte --face "$puppet" --map one_hand --input log:demo,speed=0.25 --size 1440x810 --settings "" --script script.txt
+until_true test -s now.png || fail "the film does not begin: $(cat stderr.txt)"
+xdotool mousemove 1439 809 # its circle is not on the face
+ffmpeg -v error -f x11grab -draw_mouse 0 -framerate "$film_fps/$film_slowness" -video_size 1440x810 -i "$DISPLAY" \
+    -frames:v $((film_fps * film_s)) -vf "setpts=PTS/$film_slowness,fps=$film_fps,scale=720:-2:flags=lanczos" -c:v libwebp_anim -quality 60 \
+    -compression_level 6 -loop 0 -y "$folder/speaks.webp" </dev/null || fail speaks.webp
+kill -TERM "$program_pid"
+ends 0
 
 held 6.27 hand.csv
 window stage_live.png live.marotte --face "$puppet" --map one_hand,smile_gain=120 --input log:hand.csv <<END

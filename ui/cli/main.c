@@ -5,6 +5,7 @@
 #include "base/isa.h"
 #include "base/memory.h"
 #include "base/pool.h"
+#include "base/trace.h"
 #include "base/program.h"
 #include "base/suggest.h"
 #include "base/text.h"
@@ -386,7 +387,7 @@ int main(int argc, char **argv)
     signal(SIGXFSZ, SIG_IGN); /* a file over the size limit is a write that fails */
     memory_set_up();
     error err = {""};
-    if (isa_check(&err) < 0 || pool_check(&err) < 0) {
+    if (isa_check(&err) < 0 || pool_check(&err) < 0 || trace_start(&err) < 0) {
         fprintf(stderr, "marotte: %s\n", err.text);
         return COMMAND_USAGE;
     }

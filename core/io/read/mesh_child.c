@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/program.h"
 #include "base/text.h"
+#include "base/trace.h"
 #include "io/decode/decode.h"
 #include "io/read/mesh_build.h"
 
@@ -244,6 +245,7 @@ static mrt_result ask(void **out_answer, size_t *out_size, const char *argument,
     }
     *out_answer = a.data;
     *out_size = a.size;
+    TRACE(TRACE_IO, "process %d decoded %s: %zu bytes", (int)pid, argument, a.size);
     return result;
 }
 

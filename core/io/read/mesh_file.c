@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/text.h"
+#include "base/trace.h"
 #include "io/read/mesh_child.h"
 #include "io/read/mesh_frame.h"
 #include "io/read/mesh_images.h"
@@ -158,5 +159,7 @@ mrt_result mesh_file_read(mesh *out, const char *path, const mesh_frame *frame, 
         error_prefix(err, path);
         mesh_destroy(out);
     }
+    TRACE(TRACE_IO, "%s: read %u vertices, %u triangles", path, out->vertex_count,
+          out->triangle_count);
     return result;
 }

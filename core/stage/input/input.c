@@ -3,6 +3,7 @@
 #include "base/installed.h"
 #include "base/ring.h"
 #include "base/text.h"
+#include "base/trace.h"
 #include "stage/input/channel_table.h"
 #include "stage/mapping/plugins.h"
 
@@ -125,6 +126,11 @@ static void post_health(input *self, int64_t now_ns)
 
 static void change_state(input *self, input_state state, const char *words, int64_t now_ns)
 {
+    static const char *const names[] = {[INPUT_RUNNING] = "runs",
+                                        [INPUT_ENDED] = "ended",
+                                        [INPUT_FAILED] = "failed",
+                                        [INPUT_LOST] = "lost its device"};
+    TRACE(TRACE_INPUT, "%s: %s%s%s", self->name, names[state], words[0] ? ": " : "", words);
     health_state(&self->meter, (int32_t)state, words, now_ns);
     post_health(self, now_ns);
     atomic_store(&self->state, (int32_t)state);
@@ -234,6 +240,7 @@ static mrt_result open_plugin(input *self, log_once *already_logged, channel_tab
     self->has_warned_of_time = false;
     uint32_t count = 0;
     const mrt_channel *channels = self->functions->channels(self->plugin.self, &count);
+    TRACE(TRACE_INPUT, "%s: opened with %u channels", self->name, count);
     result = channel_table_init(out, channels, count, self->name, err);
     if (result < 0)
         close_plugin(self);

@@ -1,5 +1,6 @@
 #include "stage/mapping/isolate.h"
 #include "base/clock.h"
+#include "base/trace.h"
 #include "stage/mapping/guard.h"
 #include "stage/mapping/isolate_output.h"
 #include "stage/mapping/isolate_process.h"
@@ -157,6 +158,7 @@ static mrt_result start(mrt_plugin *self, error *err)
     isolate_process_drain(&self->link, self->host);
     if (isolate_is_table_of(self->link.block, self->inner)) {
         atomic_store(&self->pid, (int32_t)self->link.pid);
+        TRACE(TRACE_MAPPING, "%s: process %d started", self->inner->id, (int)self->link.pid);
         return MRT_OK;
     }
     isolate_process_end(&self->link, NULL);
@@ -256,6 +258,7 @@ static void recover(mrt_plugin *self)
     atomic_fetch_add(&self->failed_count, 1);
     self->has_failed_before = true;
     self->failed_ns = now_ns;
+    TRACE(TRACE_MAPPING, "%s: %s", self->inner->id, reason.text);
     (void)error_set(&text, MRT_OK, "%s. The face keeps its last pose%s", reason.text,
                     is_again ? ". It has failed twice within a minute: choose another mapping"
                              : "");
@@ -468,6 +471,7 @@ static void count_late(mrt_plugin *self)
 {
     self->held_frames += 1;
     atomic_fetch_add(&self->late_count, 1);
+    TRACE(TRACE_MAPPING, "%s: late, %u frames held", self->inner->id, self->held_frames);
     if (self->held_frames > 1)
         return;
     self->late_score += LATE_COST;

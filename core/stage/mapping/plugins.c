@@ -4,6 +4,7 @@
 #include "base/file.h"
 #include "base/suggest.h"
 #include "base/text.h"
+#include "base/trace.h"
 
 #include <dirent.h>
 #include <dlfcn.h>
@@ -344,6 +345,7 @@ static mrt_result add(plugin_list *list, const char *path, const mrt_plugin_type
         return result;
     const mrt_plugin_type *const *types = plugin_library_open(path, &reason);
     *out_types = types;
+    TRACE(TRACE_MAPPING, "%s: %s", path, types ? "loaded" : reason.text);
     if (!types) {
         refuse(list, path, reason.text);
         return error_set(err, MRT_ERR_FORMAT, "plugin %s: %s", path, reason.text);

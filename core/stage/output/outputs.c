@@ -1,6 +1,7 @@
 #include "stage/output/outputs.h"
 #include "base/clock.h"
 #include "base/percentile.h"
+#include "base/trace.h"
 #include "stage/input/wake.h"
 #include "stage/mapping/plugins.h"
 
@@ -147,9 +148,16 @@ static void *run_reader(void *data)
 
 static void set_state(output *self, output_state state, const char *trouble)
 {
+    static const char *const names[] = {[OUTPUT_OPENS] = "opens",
+                                        [OUTPUT_SENDS] = "sends",
+                                        [OUTPUT_UNHEARD] = "has no receiver",
+                                        [OUTPUT_FAILED] = "failed"};
     bool is_news = false;
     pthread_mutex_lock(&self->mutex);
     output_state before = self->state;
+    if (state != before)
+        TRACE(TRACE_OUTPUT, "%s: %s%s%s", self->text, names[state], trouble[0] ? ": " : "",
+              trouble);
     self->state = state;
     if (state == OUTPUT_FAILED)
         is_news = strcmp(self->trouble, trouble) != 0;

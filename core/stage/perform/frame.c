@@ -128,7 +128,7 @@ mrt_result frame_step(stage_frame *f, error *err)
     p->counts->samples += s->count;
     p->counts->steps += 1;
 
-    /* 3. Hands: samples are calibrated, filtered and posed. The mouse on the face is a hand too. */
+    /* 3. Hands: samples are calibrated, filtered and posed. The mouse on the face pulls too. */
     in->near = composer_is_near(p->composer, layer_pull(of));
     pass_time(of, s->time_ns);
     hands_read(of->hands, s, in);

@@ -27,24 +27,23 @@ typedef enum frame_phase {
 } frame_phase;
 
 typedef struct stage_frame {
-    performer
-        *performer; /* performs the step; its face is drawn. `record` and `show` may change it */
-    scheduler *sources; /* the step is taken from these; NULL: the caller made the step */
-    bool is_pull_only;  /* a step ends after the guard: the face does not move */
+    performer *performer; /* performs the step; its face is drawn. The hooks may set it */
+    scheduler *sources;   /* the step is taken from these; NULL: the caller made the step */
+    bool is_pull_only;    /* a step ends after the guard: the face does not move */
 
-    /* The sinks. Each may be NULL. */
+    /* Hooks: the sinks of the frame. Each may be NULL. */
     void *self;
-    /* Before any phase looks at the samples. MRT_END: nobody performs this step. */
+    /* Runs before any phase reads the samples. MRT_END: the step is not performed. */
     CHECKED mrt_result (*record)(void *self, struct stage_frame *f, error *err);
     void (*performed)(void *self, const struct stage_frame *f); /* after the solve */
-    /* Before the face is drawn: brings it to time_ns. It sets `performer` to NULL where nothing new
-     * is to be seen. MRT_END: the performance ends with this frame. */
+    /* Runs before the face is drawn: brings it to time_ns, or sets `performer` to NULL if nothing
+     * changed. MRT_END: the performance ends with this frame. */
     CHECKED mrt_result (*show)(void *self, struct stage_frame *f, int64_t time_ns, error *err);
     CHECKED mrt_result (*publish)(void *self, const struct stage_frame *f, error *err);
 
-    sample_step step;              /* what is performed now */
+    sample_step step;              /* the step that is performed now */
     int64_t (*now_ns)(void);       /* clock that times the phases; NULL: they are not timed */
-    int64_t took_ns[FRAME_PHASES]; /* sum since the owner cleared it */
+    int64_t took_ns[FRAME_PHASES]; /* summed until the owner clears it */
 } stage_frame;
 
 /* Performs `step`: phases 1 to 8. The caller has set the step, by scheduler_next of `sources` or by
@@ -52,7 +51,7 @@ typedef struct stage_frame {
 CHECKED mrt_result frame_step(stage_frame *f, error *err);
 /* Draws the face: phases 9 and 10. Returns MRT_END where `show` does. */
 CHECKED mrt_result frame_draw(stage_frame *f, int64_t time_ns, error *err);
-/* Phases 7 and 8 alone: the voices of a performer changed, and no step came. now_ns: as
+/* Phases 7 and 8 alone, after the voices of a performer changed without a step. now_ns: see
  * sample_step.due_ns. */
 void frame_recompose(performer *p, int64_t now_ns);
 

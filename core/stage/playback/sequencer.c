@@ -1,6 +1,7 @@
 #include "stage/playback/sequencer.h"
 #include "base/bytes.h"
 #include "base/clock.h"
+#include "base/trace.h"
 #include "stage/playback/kept_solver.h"
 #include "show/own.h"
 
@@ -543,6 +544,8 @@ static mrt_result keep_checkpoint(sequencer *self, error *err)
     if (size == 0)
         return MRT_OK;
     mrt_result result = insert_checkpoint(self, at, size, err);
+    TRACE(TRACE_PLAYBACK, "checkpoint at %.3f s, %zu bytes, %zu kept", 1e-9 * (double)self->now_ns,
+          size, self->checkpoint_count);
     while (self->checkpoint_bytes > self->settings.checkpoint_bytes && self->checkpoint_count > 1)
         thin_out(self);
     return result;
@@ -911,6 +914,8 @@ mrt_result sequencer_step(sequencer *self, error *err)
 mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err)
 {
     mrt_result result = go_near(self, at_ns, err);
+    TRACE(TRACE_PLAYBACK, "seek to %.3f s from %.3f s", 1e-9 * (double)at_ns,
+          1e-9 * (double)self->now_ns);
     return result < 0 ? result : sequencer_play_to(self, at_ns, err);
 }
 

@@ -1,6 +1,7 @@
 #include "stage/record/recorder.h"
 #include "base/clock.h"
 #include "base/file.h"
+#include "base/trace.h"
 #include "stage/mapping/isolate.h"
 #include "stage/perform/patch_file.h"
 #include "stage/playback/replay.h"
@@ -634,6 +635,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
         return result;
     self->has_begun = true;
     self->begun_ns = self->checkpoint_ns = time_ns;
+    TRACE(TRACE_RECORD, "performance begins at %.6f s", 1e-9 * (double)time_ns);
     bool is_taught = taught_save(self->cast->layer->mapping, NULL, 0) > 0;
     if (is_taught ||
         (goes_on && self->cast->performer)) /* the performance may begin away from neutral */
@@ -670,6 +672,8 @@ static mrt_result begin_take(recorder *self, int64_t time_ns, error *err)
     time_ns = lay_on_code(self, time_ns, !is_counted, &self->slate);
     mrt_result result = writer_take_begin(self->writer, time_ns, &self->slate, &self->take, err);
     self->is_take_open = result >= 0;
+    TRACE(TRACE_RECORD, "take %lld begins at %.6f s", (long long)self->take,
+          1e-9 * (double)time_ns);
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include "base/condition.h"
 #include "base/log.h"
 #include "base/slot.h"
+#include "base/trace.h"
 #include "stage/input/wake.h"
 
 #include <errno.h>
@@ -79,8 +80,10 @@ static void publish(sound_device *self)
 
 static void close_stream(sound_device *self)
 {
-    if (self->is_open)
+    if (self->is_open) {
+        TRACE(TRACE_SOUND, "a device is closed");
         self->backend.close(self->backend.self, self->handle);
+    }
     self->is_open = false;
     self->handle = NULL;
 }
@@ -129,6 +132,8 @@ static void open_stream(sound_device *self, int64_t now_ns)
     self->is_open = true;
     self->handle = stream.handle;
     self->status.stream = stream;
+    TRACE(TRACE_SOUND, "a device is open: %u channels at %u Hz",
+          (unsigned)self->status.stream.channel_count, (unsigned)self->status.stream.rate_hz);
     result = call_opened(self, &why);
     if (result >= 0)
         result = self->backend.start(self->backend.self, self->handle, &why);

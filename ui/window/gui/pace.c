@@ -58,7 +58,7 @@ bool pace_begin(pace *self, pace_reason why, bool has_rested, int64_t now_ns)
 {
     static const int64_t late_ns = 50 * NS_PER_MS;
     const bool is_late =
-        why == PACE_EVENT && self->began_ns > 0 && now_ns - self->began_ns > late_ns;
+        why == PACE_EVENT && has_rested && self->began_ns > 0 && now_ns - self->began_ns > late_ns;
     self->has_rested = has_rested;
     self->why = why;
     self->seen = wake_seen(&self->signal);

@@ -1828,7 +1828,13 @@ static ui_cursor cursor_of(ImGuiMouseCursor wanted)
     }
 }
 
-/* Draws a frame inside the box only. */
+static float whole_pixel(float at)
+{
+    return std::floor(at + 0.5f);
+}
+
+/* Draws a frame inside the box only. Clips are rounded to whole pixels: Dear ImGui truncates the
+ * width of a clip, so an edge between two pixels would depend on the box. */
 static void draw_part(const ImDrawData *whole, const ImRect &box)
 {
     const float height = whole->DisplaySize.y;
@@ -1840,8 +1846,8 @@ static void draw_part(const ImDrawData *whole, const ImRect &box)
         for (ImDrawCmd &command : whole->CmdLists[i]->CmdBuffer) {
             ImVec4 &c = command.ClipRect;
             clip.push_back(c);
-            c = ImVec4(ImMax(c.x, box.Min.x), ImMax(c.y, box.Min.y), ImMin(c.z, box.Max.x),
-                       ImMin(c.w, box.Max.y));
+            c = ImVec4(ImMax(whole_pixel(c.x), box.Min.x), ImMax(whole_pixel(c.y), box.Min.y),
+                       ImMin(whole_pixel(c.z), box.Max.x), ImMin(whole_pixel(c.w), box.Max.y));
             is_seen |= c.x < c.z && c.y < c.w;
         }
         if (is_seen)

@@ -1,4 +1,5 @@
 #include "window/panels/engine.h"
+#include "window/panels/engine_state.h"
 #include "window/gui/theme.h"
 #include "window/gui/ui.h"
 #include "window/panels/panels.h"
@@ -399,6 +400,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
         draw_counters(self, on, status);
     if (ui_section(on, "Solver", true))
         draw_solver(self, on, view);
+    if (ui_section(on, "State", false))
+        engine_state_draw(on, status, view);
     ui_scroll_end(on);
     ui_panel_end(on);
 }

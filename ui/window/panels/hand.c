@@ -467,11 +467,11 @@ static bool fit_card(const ui *on, hand_card *card, float width, float height)
     return false;
 }
 
-/* Lines keep their places while the hand moves. They take others when it is held so that their
- * leaders cross, as those of a fist do. */
+/* Lines keep their places during a performance. When the hand is held for two seconds in a way that
+ * makes leaders cross (a fist does), the lines are ordered by that hand. */
 static void draw_card_at(panel *self, ui *on, ui_rectangle where, const hand_card *card)
 {
-    static const double held_s = 0.5;
+    static const double held_s = 2.0;
     if (self->still_s > held_s && hand_card_crossings(on, where, card) > 0)
         memcpy(self->order_rad, self->angle_rad, sizeof self->order_rad);
     hand_card_draw(on, where, card);
