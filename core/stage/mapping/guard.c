@@ -33,3 +33,11 @@ const char *guard_fault(const guard *self, const mrt_pull *pull)
             return "an infinite degree of freedom";
     return NULL;
 }
+
+mrt_pull guard_idle(void)
+{
+    mrt_pull out = {.mode = MRT_IDLE};
+    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
+        out.dof[i] = NAN;
+    return out;
+}

@@ -13,5 +13,7 @@ typedef struct guard {
 
 /* Describes the error of a pull. NULL: it is valid. */
 const char *guard_fault(const guard *self, const mrt_pull *pull);
+/* Returns a pull that moves nothing. */
+mrt_pull guard_idle(void);
 
 #endif

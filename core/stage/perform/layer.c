@@ -51,9 +51,7 @@ void layer_begin_anew(layer *self)
 void layer_reset(layer *self)
 {
     self->frame = (mrt_frame){0};
-    self->pull = (mrt_pull){0};
-    let_bones_go(&self->pull);
-    self->good = self->pull;
+    self->good = self->pull = guard_idle();
     self->crossfade = (crossfade){.state = CROSSFADE_NONE};
     self->has_time = false;
     self->resets = false;
@@ -408,25 +406,27 @@ void layer_shift_time(layer *self, int64_t by_ns)
 enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3, STORE_WITH_INPUTS = 4 };
 enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* the stored words for waiting and fading, beyond 1 */
 
-/* A nested state, preceded by its size. */
-static void put_sized(bytes_out *out, size_t (*save)(void *of, void *bytes, size_t capacity),
-                      void *of)
+/* Appends the size of a nested state and makes room for it. NULL: no room. */
+static void *add_nested(bytes_out *out, size_t size)
 {
-    size_t size = save(of, NULL, 0);
     bytes_put_u32(out, (uint32_t)size);
-    if (out->data && out->size <= out->capacity && size <= out->capacity - out->size)
-        save(of, out->data + out->size, size);
+    bool fits = out->data && out->size <= out->capacity && size <= out->capacity - out->size;
+    void *at = fits ? out->data + out->size : NULL;
     out->size += size;
+    return at;
 }
 
-static size_t save_hands(void *of, void *bytes, size_t capacity)
-{
-    return hands_save(of, bytes, capacity);
-}
+/* save(of, bytes, capacity) returns the size of the state. */
+#define PUT_NESTED(out, save, of)                                                                  \
+    do {                                                                                           \
+        size_t nested_size = save(of, NULL, 0);                                                    \
+        void *nested_at = add_nested(out, nested_size);                                            \
+        if (nested_at)                                                                             \
+            save(of, nested_at, nested_size);                                                      \
+    } while (0)
 
-static size_t save_mapping(void *of, void *bytes, size_t capacity)
+static size_t save_mapping(const layer *self, void *bytes, size_t capacity)
 {
-    layer *self = of;
     return layer_is_answered(self) ? 0 : self->resume->save(self->mapping->self, bytes, capacity);
 }
 
@@ -493,21 +493,6 @@ static void take_crossfade(bytes_in *in, layer *self)
     in->failed = in->failed || c->side > 1 || !(c->fade_s >= 0.0);
 }
 
-static size_t save_pointer(void *of, void *bytes, size_t capacity)
-{
-    return pointer_save(of, bytes, capacity);
-}
-
-static size_t save_inputs(void *of, void *bytes, size_t capacity)
-{
-    return frame_inputs_save(of, bytes, capacity);
-}
-
-static size_t save_bay(void *of, void *bytes, size_t capacity)
-{
-    return patch_bay_save(of, bytes, capacity);
-}
-
 size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
@@ -535,11 +520,11 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     answers_put_pull(&out, &self->pull);
     put_crossfade(&out, &self->crossfade);
     bytes_put_u32(&out, self->resets);
-    put_sized(&out, save_pointer, &self->pointer);
-    put_sized(&out, save_inputs, &self->inputs);
-    put_sized(&out, save_bay, &self->bay);
-    put_sized(&out, save_hands, self->hands);
-    put_sized(&out, save_mapping, self);
+    PUT_NESTED(&out, pointer_save, &self->pointer);
+    PUT_NESTED(&out, frame_inputs_save, &self->inputs);
+    PUT_NESTED(&out, patch_bay_save, &self->bay);
+    PUT_NESTED(&out, hands_save, self->hands);
+    PUT_NESTED(&out, save_mapping, self);
     return out.size;
 }
 

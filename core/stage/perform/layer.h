@@ -45,10 +45,9 @@ typedef struct crossfade {
 
 typedef struct layer_settings {
     hands_settings hands;
-    double reach_mm; /* the guard: no vector leads further from `centre` */
+    double reach_mm; /* guard: the largest distance of a vector from `centre` */
     vec3 centre;
-    /* What the mapping was taught outlives a reset; false for takes of versions in which it did
-     * not. */
+    /* Taught values outlive a reset. False for takes of versions in which they did not. */
     bool keeps_taught;
 } layer_settings;
 
@@ -91,67 +90,67 @@ typedef struct layer {
     void *on_param_data;
 } layer;
 
-/* [main] The mapping and the face must outlive it; the mapping is activated and reset. */
+/* [main] The mapping and the face must outlive it. The mapping is activated and reset. */
 CHECKED mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mapped,
                                 const layer_settings *settings, error *err);
-void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine */
+void layer_destroy(layer *self); /* [main] deactivates the mapping; accepts NULL */
 
 void layer_reset(layer *self); /* as after create; parameters stay */
-/* [frame] The same; what the mapping was taught stays (MRT_STATE). */
+/* [frame] The same, but the taught values of the mapping stay (MRT_STATE). */
 void layer_begin_anew(layer *self);
 
 /* ---- for frame.c ---- */
 
-/* Once a step, before the mapping: a cross-fade advances; the reset that the pointer asked for. */
+/* Once a step, before the mapping: advances a cross-fade, and resets the mapping if the pointer
+ * requested it. */
 void layer_go_on(layer *self);
-/* What the mapping filled passed the guard, and is what it pulls now. */
+/* `pull` passed the guard: it becomes the pull of the layer. */
 void layer_use_pull(layer *self);
-/* What the mapping filled is dropped: on its next entry it sees the last good pull. */
+/* Drops `pull`: the mapping sees the last good pull on its next call. */
 void layer_keep_good(layer *self);
-/* Whether its answers are given: its mapping is not asked. */
+/* Returns whether stored answers replace the mapping. */
 bool layer_is_answered(const layer *self);
 
 /* ---- what is seen ---- */
 
-/* What the mapping pulls, after the guard; what it was at first: idle. */
+/* The pull after the guard. Idle before the first. */
 const mrt_pull *layer_pull(const layer *self);
-/* What is seen of layer_pull: 0..1, below 1 while it comes. And what leaves, with what is left of
- * 1; NULL: nothing. */
+/* The weight of layer_pull, 0..1, below 1 while it fades in; and the pull that fades out, with the
+ * rest of 1. NULL: none. */
 double layer_weight(const layer *self);
 const mrt_pull *layer_leaving(const layer *self);
-/* What pointer_save gave: it holds that again, by today's time. False: it holds what it held. */
+/* Restores the bytes of pointer_save with the current time. False: nothing has changed. */
 bool layer_set_pointer(layer *self, const void *bytes, size_t size);
 
 /* ---- another mapping ---- */
 
-/* Before a sample, not while layer_is_fading: what the mapping gives from its first pull on is
- * another's than before. What was pulled last leaves while the new comes, over LAYER_FADE_S of the
- * samples' time; an anchored pull with free points elsewhere stays in the shape instead, as when a
- * mapping takes hold anew. */
+/* Between two steps, not while layer_is_fading: the next pulls of the mapping have no relation to
+ * the last one. The last pull fades out while the new one fades in, over LAYER_FADE_S of sample
+ * time. An anchored pull with free points elsewhere stays in the shape instead, as when a mapping
+ * takes hold anew. */
 void layer_crossfade(layer *self);
 layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
 void layer_room_destroy(layer_room *room);              /* [main] NULL is fine */
-/* [frame] The same, to another instance: its mapping is active on the same face and reset, has the
- * old one's state, and `*room` was made for it; the room of the old one is there then. Returns the
- * old one, which is still active. */
+/* [frame] The same for another instance. It must be active on the same face, reset, and have the
+ * state of the old one; `*room` must be made for it. Afterwards `*room` is the room of the old one.
+ * Returns the old instance, which is still active. */
 instance *layer_switch(layer *self, instance *mapping, layer_room **room);
-/* [frame] The same, to another mapping, which knows nothing of the old one. posed: the degrees of
- * freedom as the bones are now. Where the new one says nothing of what the old one drove, the face
- * first eases to rest. */
+/* [frame] The same for another mapping without the state of the old one. posed: the current degrees
+ * of freedom of the bones. If the new mapping does not drive a bone that the old one drove, the
+ * face eases to rest first. */
 instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed);
-/* The new one comes while the old one leaves; until its first pull it does not fade yet, and
- * another may be switched to. */
+/* True from the first pull of the new mapping until the end of the cross-fade. */
 bool layer_is_fading(const layer *self);
 
 /* ---- kept ---- */
 
-/* All that pulls to come depend on, parameters included, as bytes (at most `capacity` are written;
- * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_RESUME, or its
- * save gives 0). */
+/* Serializes everything that later pulls depend on, parameters included. Writes at most `capacity`
+ * bytes; bytes may be NULL. Returns the size of the state. 0: the mapping has no state (no
+ * MRT_RESUME, or its save returns 0). */
 size_t layer_save(layer *self, void *bytes, size_t capacity);
 /* [main] On error the layer is as after create. */
 CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);
-/* As if all samples so far had been so much later: for a state that was kept by another clock. */
+/* Moves all times of the layer: for a state that was stored by another clock. */
 void layer_shift_time(layer *self, int64_t by_ns);
 
 #endif
