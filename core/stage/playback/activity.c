@@ -7,7 +7,7 @@
 
 enum { BINS = 8192, ALL = OWN_REGION_COUNT };
 static const int64_t first_bin_ns = 4 * NS_PER_MS;
-/* A drag of "clay" counts as the distance that it covers in this time at its current speed. */
+/* An unanchored drag counts as the distance that it covers in this time at its current speed. */
 static const double drag_span_s = 0.1;
 
 /* Values of a lane in units of 1 / bin_steps, plus 1. greatest 0: unknown. */

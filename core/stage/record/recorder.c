@@ -397,8 +397,9 @@ void recorder_dismiss(recorder *self, recorder_cast *cast)
     destroy_cast(cast);
 }
 
-/* Interval between stored states. It limits the time to perform the samples after a state again:
- * some milliseconds for an anchored mapping, some tens of milliseconds for an unanchored one. */
+/* Interval between stored states. It limits the time to perform the samples after a state again.
+ * That takes some milliseconds for an anchored mapping, and some tens of milliseconds for an
+ * unanchored one. */
 static const int64_t anchored_span_ns = 5 * NS_PER_S;
 static const int64_t unanchored_span_ns = 2 * NS_PER_S;
 /* On a virtual clock, the recorder waits for the writer after this many samples. */
