@@ -608,7 +608,7 @@ writer *recorder_writer(recorder *self)
 
 /* ---- steps ---- */
 
-static void keep_state(recorder *self, int64_t time_ns)
+static void store_state(recorder *self, int64_t time_ns)
 {
     recorder_cast *cast = self->cast;
     void *buffer = writer_checkpoint_buffer(self->writer);
@@ -639,7 +639,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
     bool is_taught = taught_save(layer_mapping(self->cast->layer), NULL, 0) > 0;
     if (is_taught ||
         (goes_on && self->cast->performer)) /* the performance may begin away from neutral */
-        keep_state(self, time_ns - 1);
+        store_state(self, time_ns - 1);
     return MRT_OK;
 }
 
@@ -746,7 +746,7 @@ void recorder_performed(recorder *self, const sample_step *s)
     int64_t span_ns =
         performer_is_anchored(self->cast->performer) ? anchored_span_ns : unanchored_span_ns;
     if (self->has_begun && s->time_ns - self->checkpoint_ns >= span_ns)
-        keep_state(self, s->time_ns);
+        store_state(self, s->time_ns);
 }
 
 void recorder_rezero(recorder *self, uint32_t side)
