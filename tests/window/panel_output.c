@@ -88,7 +88,7 @@ static void one_is_added_says_how_it_does_and_is_closed(void **state)
     stand_wait_for(&s, "Opens");
     assert_false(stand_shows(&s, "goes nowhere"));
     assert_true(outputs_add(sent, "troubled_output:9,trouble=4", &trouble) >= 0);
-    stand_wait_for(&s, "the door is locked. Trying again every second.");
+    stand_wait_for(&s, "the door is locked; it is tried again");
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_output");
     stand_click(&s, "Close");

@@ -1,7 +1,7 @@
-/* stage/input/feed.h - an input whose samples come from the program: the mouse on the face, a
- * virtual hand moved by keys or a gamepad, a test. Performance and recording use it like any other
- * input plugin. Leaves out the meaning of the channels (pointer.h, the window's virtual hand). One
- * writer [main]; the other threads as in plugin.h. */
+/* stage/input/feed.h - an input whose samples come from the program. Examples: the mouse on the
+ * face, a virtual hand moved by keys or a gamepad, a test. Performance and recording use it like
+ * any other input plugin. Leaves out the meaning of the channels (pointer.h, the window's virtual
+ * hand). One writer [main]; the other threads as in plugin.h. */
 #ifndef MAROTTE_STAGE_FEED_H
 #define MAROTTE_STAGE_FEED_H
 #include "base/error.h"

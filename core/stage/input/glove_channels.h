@@ -1,5 +1,5 @@
-/* stage/input/glove_channels.h - finds the channels that are raw sensors of one hand, for a
- * calibration: the counts of a glove, or the angles of a bare hand. Pure. */
+/* stage/input/glove_channels.h - finds the channels with the raw sensors of one hand, for a
+ * calibration. They are counts of a glove or angles of a bare hand. Pure. */
 #ifndef MAROTTE_STAGE_GLOVE_CHANNELS_H
 #define MAROTTE_STAGE_GLOVE_CHANNELS_H
 #include "base/error.h"

@@ -3,8 +3,7 @@
  * time. The window calls these functions and reads the newest view. It can never block the frame
  * thread. Leaves out edits of takes (show/edit_store.h) and all drawing. All functions are [main],
  * called by one thread. A change takes effect within one displayed frame. A change does not make
- * the face jump, does not lose a sample, and does not end the current recording, except where a
- * comment states this. */
+ * the face jump, lose a sample or end the current recording, except where a comment states this. */
 #ifndef MAROTTE_STAGE_LIVE_H
 #define MAROTTE_STAGE_LIVE_H
 #include "stage/input/input.h"

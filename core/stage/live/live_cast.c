@@ -50,7 +50,7 @@ static instance *mapping_now(live_mapping_role *self)
     return self->reload ? reload_current(self->reload) : &self->instance;
 }
 
-static bool is_nothing(const live_mapping_role *self)
+static bool is_null_mapping(const live_mapping_role *self)
 {
     return self->instance.type == &null_mapping_type;
 }
@@ -255,7 +255,7 @@ mrt_result live_cast_change(live *self, live_command_run *run, live_change *c, e
     return result;
 }
 
-static mrt_result begin_anew(live_stage *stage, void *data, error *err)
+static mrt_result begin_performance(live_stage *stage, void *data, error *err)
 {
     return live_cast_begin(stage, data, err);
 }
@@ -263,7 +263,7 @@ static mrt_result begin_anew(live_stage *stage, void *data, error *err)
 mrt_result live_cast_anew(live *self, error *err)
 {
     live_change c = {0};
-    return live_cast_change(self, begin_anew, &c, err);
+    return live_cast_change(self, begin_performance, &c, err);
 }
 
 /* ---- taught values ---- */
@@ -379,7 +379,7 @@ void live_cast_keep_taught(live *self)
  * it is replaced, because the frame thread would wait for its answer. */
 static const int64_t note_every_ns = 5 * NS_PER_S;
 
-static void note_what_changed(live *self)
+static void note_changed_taught(live *self)
 {
     const int64_t now_ns = clock_now_ns();
     live_mapping_role *role = self->role;
@@ -525,7 +525,7 @@ static mrt_result switch_to_coming(live *self, error *err)
 
 /* Starts the switch to a mapping with the taught values of the show. Destroys the mapping on
  * error. */
-static mrt_result bring(live *self, live_mapping_role *role, error *err)
+static mrt_result start_switch(live *self, live_mapping_role *role, error *err)
 {
     recall_taught(self, role);
     mrt_result result = activate(self, role, err);
@@ -550,7 +550,7 @@ mrt_result live_set_mapping(live *self, const char *text, error *err)
     if (result < 0)
         return result;
     live_cast_keep_taught(self);
-    return bring(self, role, err);
+    return start_switch(self, role, err);
 }
 
 mrt_result live_cast_follow_show(live *self, error *err)
@@ -564,13 +564,13 @@ mrt_result live_cast_follow_show(live *self, error *err)
     if (result < 0)
         return result;
     instance_copy_values(&role->instance, mapping_now(last));
-    return bring(self, role, err);
+    return start_switch(self, role, err);
 }
 
 instance *live_mapping(live *self)
 {
     live_mapping_role *role = self->coming ? self->coming : self->role;
-    return is_nothing(role) ? NULL : mapping_now(role);
+    return is_null_mapping(role) ? NULL : mapping_now(role);
 }
 
 /* ---- another face ---- */
@@ -666,7 +666,7 @@ void live_cast_update(live *self)
         log_push(self->settings.log, MRT_LOG_ERROR, "stage", err.text);
         drop_coming(self);
     }
-    note_what_changed(self);
+    note_changed_taught(self);
 }
 
 /* ---- mappings that accept the current face ---- */

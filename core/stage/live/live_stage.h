@@ -1,7 +1,7 @@
-/* live/live_stage.h - private structs and functions of a live stage: the state of the frame thread
- * (live_stage), the state of [main] (struct live), and the commands from [main] to the frame
- * thread. For the files of this folder. At the end of this header the files are listed in order:
- * each file calls only files that are listed before it. */
+/* live/live_stage.h - private structs and functions of the live stage, for the files of this
+ * folder. live_stage is the state of the frame thread, struct live the state of [main]. [main]
+ * sends commands to the frame thread. At the end of this header the files are listed in order: each
+ * file calls only files that are listed before it. */
 #ifndef MAROTTE_STAGE_LIVE_STAGE_H
 #define MAROTTE_STAGE_LIVE_STAGE_H
 #include "stage/input/feed.h"

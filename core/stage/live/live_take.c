@@ -9,8 +9,8 @@
 
 /* [main] A take on the stage: show it, play it, overdub it. */
 
-/* Memory limit of the checkpoints for scrubbing. It is enough for two minutes of "clay" on the
- * puppet, or for hours of any other mapping. */
+/* Memory limit of the checkpoints for scrubbing. It is enough for two minutes of an unanchored
+ * mapping on the puppet, or for hours of an anchored one. */
 static const size_t scrub_bytes = (size_t)64 << 20;
 
 /* ---- last position of each take ---- */

@@ -1,6 +1,6 @@
-/* stage/mapping/isolate_report.h - records the inputs of a mapping in the last two seconds, and
- * writes a report after a failure: logs for the log input, and the reason. [frame] fills the
- * memory. Before the report is written, the memory is handed over; two threads never use it
+/* stage/mapping/isolate_report.h - records the last two seconds of a mapping's inputs. After a
+ * failure it writes a report: the inputs as files for the log input, and the reason. [frame] fills
+ * the memory. Before the report is written, the memory is handed over; two threads never use it
  * together. */
 #ifndef MAROTTE_STAGE_ISOLATE_REPORT_H
 #define MAROTTE_STAGE_ISOLATE_REPORT_H

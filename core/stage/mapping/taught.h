@@ -1,7 +1,7 @@
 /* stage/mapping/taught.h - saves and restores the taught values of a mapping (MRT_STATE: poses,
- * gestures): in each stored state of a recording (playback/replay.h), in presets, and as a note of
- * the show for the next session. [main], or any one thread that may read the show and owns the
- * mapping. */
+ * gestures). They are stored in each state of a recording (playback/replay.h), in presets, and as a
+ * note of the show for the next session. [main], or any one thread that may read the show and owns
+ * the mapping. */
 #ifndef MAROTTE_STAGE_TAUGHT_H
 #define MAROTTE_STAGE_TAUGHT_H
 #include "stage/mapping/instance.h"

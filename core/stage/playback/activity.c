@@ -7,7 +7,7 @@
 
 enum { BINS = 8192, ALL = OWN_REGION_COUNT };
 static const int64_t first_bin_ns = 4 * NS_PER_MS;
-/* A drag of "clay" counts as the distance that it covers in this time at its current speed. */
+/* An unanchored drag counts as the distance that it covers in this time at its current speed. */
 static const double drag_span_s = 0.1;
 
 /* Values of a lane in units of 1 / bin_steps, plus 1. greatest 0: unknown. */
@@ -278,7 +278,7 @@ static void park(activity *self)
 
 /* Opens a performance again that is still being recorded, because it has more samples and events
  * now. */
-static mrt_result open_further(activity *self, error *err)
+static mrt_result reopen(activity *self, error *err)
 {
     park(self);
     mrt_result result = open_replay(self, err);
@@ -290,7 +290,7 @@ static mrt_result open_further(activity *self, error *err)
     return result;
 }
 
-static mrt_result look_further(activity *self, bool *out_has_more, error *err)
+static mrt_result check_for_more(activity *self, bool *out_has_more, error *err)
 {
     show_performance of;
     *out_has_more = false;
@@ -300,7 +300,7 @@ static mrt_result look_further(activity *self, bool *out_has_more, error *err)
     *out_has_more = of.to_ns > self->to_ns;
     show_performance_finish(&of);
     if (*out_has_more)
-        return open_further(self, err);
+        return reopen(self, err);
     park(self);
     return MRT_OK;
 }
@@ -317,7 +317,7 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
             if (has_looked || self->has_failed)
                 return MRT_END;
             has_looked = true;
-            result = look_further(self, &has_more, err);
+            result = check_for_more(self, &has_more, err);
             if (result < 0 || !has_more)
                 return result < 0 ? result : MRT_END;
             continue;

@@ -65,7 +65,7 @@ typedef struct plugin_words {
     char id[128], version[32], hash[TAKE_HASH];
 } plugin_words;
 
-static plugin_words words_of(const char *text)
+static plugin_words parse_identity(const char *text)
 {
     plugin_words out = {{0}, {0}, {0}};
     (void)sscanf(text ? text : "", "%127s %31s %64s", out.id, out.version, out.hash);
@@ -88,7 +88,7 @@ static mrt_result isolate_foreign(replay *self, const char *library, const mrt_p
 
 static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, error *err)
 {
-    plugin_words then = words_of(self->info.performance.mapping);
+    plugin_words then = parse_identity(self->info.performance.mapping);
     if (strcmp(then.id, null_mapping_type.id) == 0) {
         *out_type = &null_mapping_type;
         self->is_same_plugin = true;
@@ -244,7 +244,7 @@ static mrt_result peek_track(void *data, mrt_sample *out, uint32_t *out_version,
     return MRT_OK;
 }
 
-static void take_sample(void *data)
+static void pop_sample(void *data)
 {
     ((track *)data)->has_pending = false;
 }
@@ -256,7 +256,7 @@ void replay_schedule(replay *self, scheduler *into, const sample_source *as)
         sample_source from = *as;
         from.self = t;
         from.peek = peek_track;
-        from.take = take_sample;
+        from.take = pop_sample;
         t->of = self;
         scheduler_add(into, &from, &t->route);
     }
@@ -695,7 +695,7 @@ mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error
 }
 
 /* Returns why replay_answer_ahead must stop. NULL: continue. */
-static const char *why_not_on(const replay *self, int64_t until_ns)
+static const char *stop_reason(const replay *self, int64_t until_ns)
 {
     error ignored = {""};
     if (replay_check(self, &ignored) < 0)
@@ -721,7 +721,7 @@ mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
         result = rewind_all(self, err);
     while (self->isolate && result >= 0 && !why &&
            (result = perform_next(self, INT64_MAX, err)) == MRT_OK)
-        why = why_not_on(self, until_ns);
+        why = stop_reason(self, until_ns);
     if (why)
         end_ahead(self, self->now_ns - 1, why);
     self->answers.is_given = self->isolate != NULL;

@@ -1,5 +1,5 @@
 /* stage/playback/replay.h - performs a recorded performance again. Its tracks are sources of
- * samples like any other, its parameters change at the recorded times, and its mapping returns the
+ * samples like any other. Its parameters change at the recorded times, and its mapping returns the
  * same pulls, bit for bit. Leaves out which part of it a take shows (sequencer.h). Open, seek and
  * close it on [main] or on any one thread that may read the show. Never use it on two threads at
  * the same time. */
@@ -75,8 +75,8 @@ CHECKED mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns
 
 /* Reads the samples of a span of show time into memory, up to the memory limit. Afterwards the
  * replay plays only from memory. After the last sample in memory it keeps its last pose. An
- * isolated mapping is not called any more. It returns nothing before replay_answer_ahead. The
- * current instant does not change. */
+ * isolated mapping is not called any more: its steps give MRT_HOLD until replay_answer_ahead has
+ * stored its answers. The current instant does not change. */
 CHECKED mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error *err);
 /* Calls the isolated mapping for all these samples and stores its answers, until the clock reaches
  * until_ns. The usable span ends earlier if the mapping fails or the answers exceed the memory

@@ -29,7 +29,7 @@ void sequencer_destroy(sequencer *self); /* accepts NULL */
 /* Call after an edit. The sequencer stays at its instant. */
 CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err);
 
-/* Brings the face to an instant, as if the take had been played from its start: all samples up to
+/* Brings the face to an instant, as if the take had been played from its start. All samples up to
  * and including at_ns have been performed. */
 CHECKED mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err);
 /* Plays to a later instant. An earlier instant is a seek. */

@@ -109,7 +109,7 @@ typedef struct overdub_settings {
     recorder_settings recorder;
     double side_length_mm[2];
     int64_t take;
-    overdub_plan plan; /* what is made of it */
+    overdub_plan plan; /* span, passes and target layer of the overdub */
 } overdub_settings;
 
 /* The face shows the first instant of the overdub. */

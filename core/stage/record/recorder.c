@@ -398,8 +398,9 @@ void recorder_dismiss(recorder *self, recorder_cast *cast)
     destroy_cast(cast);
 }
 
-/* Interval between stored states. It limits the time to perform the samples after a state again:
- * some milliseconds for an anchored mapping, some tens of milliseconds for an unanchored one. */
+/* Interval between stored states. It limits the time to perform the samples after a state again.
+ * That takes some milliseconds for an anchored mapping, and some tens of milliseconds for an
+ * unanchored one. */
 static const int64_t anchored_span_ns = 5 * NS_PER_S;
 static const int64_t unanchored_span_ns = 2 * NS_PER_S;
 /* On a virtual clock, the recorder waits for the writer after this many samples. */
@@ -608,7 +609,7 @@ writer *recorder_writer(recorder *self)
 
 /* ---- steps ---- */
 
-static void keep_state(recorder *self, int64_t time_ns)
+static void store_state(recorder *self, int64_t time_ns)
 {
     recorder_cast *cast = self->cast;
     void *buffer = writer_checkpoint_buffer(self->writer);
@@ -639,7 +640,7 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
     bool is_taught = taught_save(self->cast->layer->mapping, NULL, 0) > 0;
     if (is_taught ||
         (goes_on && self->cast->performer)) /* the performance may begin away from neutral */
-        keep_state(self, time_ns - 1);
+        store_state(self, time_ns - 1);
     return MRT_OK;
 }
 
@@ -748,7 +749,7 @@ void recorder_performed(recorder *self, const sample_step *s)
     int64_t span_ns = composer_is_anchored(self->cast->performer->composer) ? anchored_span_ns
                                                                             : unanchored_span_ns;
     if (self->has_begun && s->time_ns - self->checkpoint_ns >= span_ns)
-        keep_state(self, s->time_ns);
+        store_state(self, s->time_ns);
 }
 
 void recorder_rezero(recorder *self, uint32_t side)

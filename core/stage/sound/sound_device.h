@@ -15,7 +15,7 @@ typedef struct sound_block { /* of one direction; interleaved, with the channels
     float *out;
     const float *in;
     uint32_t frame_count;
-    int64_t time_ns; /* host clock: when the first frame is heard, or was at the microphone */
+    int64_t time_ns; /* host clock: time of the first frame at the loudspeaker or microphone */
     bool is_broken;  /* frames were lost before this block: underrun or overrun */
 } sound_block;
 /* [device] Must not wait, allocate or make system calls. */

@@ -363,7 +363,7 @@ void sound_follow_reset(sound_follow *self, uint32_t rate_hz)
         self->fade_frames = (int32_t)(fade_s * (double)rate_hz) + 1;
         self->band_frames = fmax(1.5, band_s * (double)rate_hz);
         self->jump_frames = jump_s * (double)rate_hz;
-        /* before the rate, so that no thread combines the old key with the new rate */
+        /* stored before the rate, so that no thread combines the old key with the new rate */
         atomic_store(&self->wanted_key, 0);
         atomic_store(&self->rate_hz, rate_hz);
     }

@@ -72,7 +72,7 @@ static double seconds_of(clockid_t clock)
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-/* Returns the age of `time_s` on the host clock that it belongs to. 0: on no known clock. */
+/* Returns the age of `time_s` on the host clock that it belongs to. 0: unknown clock. */
 static double age_of(double time_s)
 {
     double monotonic_s = seconds_of(CLOCK_MONOTONIC) - time_s;
