@@ -10,6 +10,7 @@
  * The search runs on a linear model of the face: how each contact and each degree of freedom moves
  * the points of the regions, measured with the engine once. The engine then corrects the result. */
 #include "coverage_face.h"
+#include "stage/perform/frame.h"
 #include "cli/rigpicture.h"
 
 #include "draw/offscreen.h"
@@ -108,7 +109,7 @@ static const rig_pose *find_pose(const rig *r, const char *name)
 /* Returns false if the face has no such degree of freedom. */
 static bool set_dof(const scene *s, double *param, const char *name, double value)
 {
-    const bones *b = face_bones(performer_face(s->still));
+    const bones *b = face_bones(composer_face(s->still->composer));
     for (uint32_t i = 0; i < b->dof_count; ++i)
         if (strcmp(b->dof[i].name, name) == 0) {
             param[3 * s->contact_count + i] = value;
@@ -122,7 +123,7 @@ static bool set_dof(const scene *s, double *param, const char *name, double valu
 static bool read_pose(const scene *s, const char *name, const rig_pose_part *only_upper,
                       double *out)
 {
-    const rig_pose *pose = find_pose(composer_rig(performer_composer(s->still)), name);
+    const rig_pose *pose = find_pose(composer_rig(s->still->composer), name);
     memset(out, 0, s->param_count * sizeof *out);
     if (!pose)
         return false;
@@ -185,7 +186,7 @@ static void add_sums(targets *out, const scene *s)
 
 static void targets_init(targets *out, scene *s, const model *m, bool is_quick)
 {
-    const rig *r = composer_rig(performer_composer(s->still));
+    const rig *r = composer_rig(s->still->composer);
     vec3 *at = allocate(s->contact_count, sizeof *at);
     rig_pose_part *half = allocate(s->contact_count, sizeof *half);
     *out = (targets){.count = 0};
@@ -806,7 +807,9 @@ static void live_step(live *l, const float *angle_rad, random_source *noise)
     mrt_sample sample = {.time_ns = l->time_ns, .sequence = l->sequence++, .count = d->count};
     device_measure(d, angle_rad, noise, &l->reading, sample.value);
     const sample_step step = sample_step_of(&d->route, &sample);
-    performer_step(l->s->live, &step);
+    stage_frame f = {.performer = l->s->live, .step = step};
+    error ignored = {""};
+    (void)!frame_step(&f, &ignored);
     l->time_ns += (int64_t)(1e9 / device_table[d->kind].rate_hz);
 }
 
@@ -826,8 +829,8 @@ static void live_go(live *l, const float *from_rad, const float *to_rad, double 
 static live live_hold(scene *s, const float *angle_rad, random_source *noise)
 {
     live l = {.s = s, .time_ns = 1000000000, .reading = s->device.neutral};
-    layer_reset(performer_layer(s->live));
-    composer_reset(performer_composer(s->live));
+    layer_reset(s->live->voice[0].layer);
+    composer_reset(s->live->composer);
     live_go(&l, s->neutral_rad, s->neutral_rad, 1.0, noise);
     live_go(&l, s->neutral_rad, angle_rad, 0.5, noise);
     live_go(&l, angle_rad, angle_rad, 0.9, noise);
@@ -836,8 +839,8 @@ static live live_hold(scene *s, const float *angle_rad, random_source *noise)
 
 static void live_look(const live *l, double *out)
 {
-    performer_draw(l->s->live);
-    measure_points(l->s, performer_face(l->s->live), out);
+    composer_draw(l->s->live->composer);
+    measure_points(l->s, composer_face(l->s->live->composer), out);
 }
 
 /* Writes, for `count` frames in which the hand rests at the pose, how far noise moves the lips from

@@ -61,7 +61,7 @@ static bool belongs(const scene *s, region of, uint32_t v, bool is_skin, bool is
 {
     const rig *r = s->file.rig;
     const mesh *m = &s->file.mesh;
-    const binding *b = face_binding(performer_face(s->still));
+    const binding *b = face_binding(composer_face(s->still->composer));
     const bool is_free = is_skin && b->mobility[v] > 0.0f;
     const vec3 at = mesh_position(m, v);
     const uint32_t tongue = find_bone(r, "tongue");
@@ -192,7 +192,7 @@ static bool holds_the_same(const mrt_pull *a, const mrt_pull *b)
 /* By the engine, with its fold guard; out: points by 3, or NULL. */
 face *perform(scene *s, const mrt_pull *pull, double *out)
 {
-    composer *c = performer_composer(s->still);
+    composer *c = s->still->composer;
     const composer_part part = {.is_fresh = true, .weight = 1.0, .gain = 1.0, .pull = pull};
     if (!holds_the_same(pull, &s->last_performed))
         composer_reset(c);
@@ -368,7 +368,8 @@ static double model_amount(const scene *s, uint32_t param)
 {
     if (param < 3 * s->contact_count)
         return 2.0;
-    const bones_dof *d = &face_bones(performer_face(s->still))->dof[param - 3 * s->contact_count];
+    const bones_dof *d =
+        &face_bones(composer_face(s->still->composer))->dof[param - 3 * s->contact_count];
     const double furthest = to_double(-d->min > d->max ? d->min : d->max);
     return d->unit[0] ? 0.4 * furthest : furthest;
 }
@@ -518,8 +519,8 @@ void scene_init(scene *s, const char *face_path, const char *map, const float *n
     s->functions = plugin_interface(type, MRT_MAPPING);
     s->resume = plugin_interface(type, MRT_RESUME);
     memcpy(s->neutral_rad, neutral_rad, sizeof s->neutral_rad);
-    s->contact = face_contacts(performer_face(s->still), &s->contact_count);
-    s->dof_count = face_bones(performer_face(s->still))->dof_count;
+    s->contact = face_contacts(composer_face(s->still->composer), &s->contact_count);
+    s->dof_count = face_bones(composer_face(s->still->composer))->dof_count;
     s->param_count = 3 * s->contact_count + s->dof_count;
     if (s->contact_count > MRT_MAX_VECTORS)
         must(MRT_ERR_ARGUMENT, &(error){"the face has more contacts than can be held at once"});

@@ -227,7 +227,7 @@ static void a_glove_comes_back_each_time(void **state)
     assert_int_equal(p.report.came_count, replugs);
     assert_false(p.report.input_failed);
     assert_int_equal(p.report.refused, 0);
-    assert_int_equal(performer_counted(p.stage.performer)->bad_pulls, 0);
+    assert_int_equal(p.stage.performer->counts->bad_pulls, 0);
     assert_int_equal(files_after, files);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* they keep what was freed */
     assert_true(resident_after - resident < RESIDENT_ONCE_KB + RESIDENT_EACH_KB * (long)replugs);

@@ -74,7 +74,7 @@ bad_input 'speed' "log:$demo,speed=fast"
 bad_map 'no mapping plugin "waldo"' waldo
 bad_map './waldo.so: cannot open shared object file' waldo.so
 bad_map 'is a button' gesture,forget=1
-bad_map 'ABI 7, this program speaks ABI 1' "$BUILD_DIR/tests/plugin/abi.so"
+bad_map 'ABI 7, but this program uses ABI 1' "$BUILD_DIR/tests/plugin/abi.so"
 bad_map 'marotte_plugins' "$BUILD_DIR/tests/plugin/symbol.so"
 bad_map 'no licence for this machine' "$BUILD_DIR/tests/plugin/create.so"
 bad_map 'org.example.broken gave a control vector that is not finite' "$BUILD_DIR/tests/plugin/nan.so"
@@ -86,7 +86,7 @@ bad_map 'org.example.broken returned -2' "$BUILD_DIR/tests/plugin/result.so"
 bad_map "$in/none.so" "$in/none.so"
 bad_map "$in/range.obj" "$in/range.obj"
 mkfifo "$in/pipe.so"
-bad_map "$in/pipe.so: is no regular file" "$in/pipe.so"
+bad_map "$in/pipe.so: is not a regular file" "$in/pipe.so"
 library=$BUILD_DIR/tests/plugin/nan.so
 size=0 # of what is loaded: with what debuggers read behind it a file that is cut there is whole
 while read -r _ offset _ _ length _; do

@@ -67,7 +67,7 @@ grep -q 'middle finger, middle joint: reads 98 degrees' "$scratch/nonsense.txt" 
 
 # What cannot be calibrated.
 refused 1 "of 3, fingers spread: the hand did not reach the pose" "$MAROTTE" calibrate --input "log:$demo" --out "$scratch/out/a.json"
-refused 1 "is of a right hand, not of a left one" "$MAROTTE" calibrate \
+refused 1 "measures the right hand, not the left hand" "$MAROTTE" calibrate \
     --input "log:$glove" --hand left --out "$scratch/out/a.json"
 refused 1 "none.csv" "$MAROTTE" calibrate --input "log:$scratch/none.csv" \
     --out "$scratch/out/a.json"

@@ -110,7 +110,7 @@ MAROTTE_FLAKY=$scratch/no "$MAROTTE" devices --watch --seconds 0.1 >/dev/null 2>
     fail "nothing was there to be watched"
 said "no device is ready" "$scratch/news.txt"
 refused 1 'no such device: plug it in' "$MAROTTE" devices --watch --input flaky:a,fail=1
-refused 1 'none of its choices: 115200, 57600' "$MAROTTE" devices --watch --input cyberglove:x,baud=12
+refused 1 'not one of its choices: 115200, 57600' "$MAROTTE" devices --watch --input cyberglove:x,baud=12
 refused 1 'there is no input plugin "waldo"' "$MAROTTE" devices --watch --input waldo
 refused 1 'has no parameter "learn"' "$MAROTTE" devices --learn "log:$demo"
 refused 1 'no such device: plug it in' "$MAROTTE" perform --face "$moai" --map anchored \

@@ -18,7 +18,7 @@ refused 2 'expected SHOW TAKE' "$MAROTTE" take play "$show"
     fail "bad places end a performance: $(cat stderr)"
 grep -q 'vmc:nowhere.invalid:1: failed: ' said || fail "$(cat said)"
 grep -q 'vmc:here: failed: "here" is no address to send to' said || fail "$(cat said)"
-[ "$(grep -c 'it is tried again' stderr)" -eq 2 ] || fail "not one line each: $(cat stderr)"
+[ "$(grep -c 'Trying again every second' stderr)" -eq 2 ] || fail "not one line each: $(cat stderr)"
 "$MAROTTE" take play "$show" last --output vmc:here --in 5 >said 2>stderr && fail "--in beyond the take"
 grep -q 'is not a range of take' stderr || fail "$(cat stderr)"
 

@@ -15,7 +15,7 @@ refused 1 'demo_hnad: No such file or directory. Did you mean "demo_hand"?' \
 mkdir recordings && cp "$demo" recordings/mine.csv
 refused 1 'Did you mean "recordings/mine.csv"?' "$MAROTTE" perform --face puppet --input log:recordings/mien.csv --map one_hand
 refused 1 'there is no input plugin "lgo". Did you mean "log"?' "$MAROTTE" perform --face puppet --input lgo:x --map one_hand
-refused 1 'there is no input plugin "one_hand": the plugin of this name is another kind' \
+refused 1 'there is no input plugin "one_hand": the plugin of this name is of another kind' \
     "$MAROTTE" perform --face puppet --input one_hand --map one_hand
 refused 1 'there is no mapping plugin "onehand". Did you mean "one_hand"?' \
     "$MAROTTE" perform --face puppet --input log:demo_hand.csv --map onehand

@@ -50,14 +50,14 @@ static void check_same_bits(const char *name, const char *params)
     for (uint32_t n = 0; n < 260; ++n) {
         scene_step(&here, &play, n);
         scene_step(&there, &play, n);
-        if (memcmp(performer_pull(here.performer), performer_pull(there.performer),
-                   sizeof(mrt_pull)) != 0)
+        if (memcmp(layer_pull(here.performer->voice[0].layer),
+                   layer_pull(there.performer->voice[0].layer), sizeof(mrt_pull)) != 0)
             fail_msg("%s: the pull of sample %u differs", name, n);
     }
-    performer_draw(here.performer);
-    performer_draw(there.performer);
-    assert_true(scene_hash(performer_face(here.performer)) ==
-                scene_hash(performer_face(there.performer)));
+    composer_draw(here.performer->composer);
+    composer_draw(there.performer->composer);
+    assert_true(scene_hash(composer_face(here.performer->composer)) ==
+                scene_hash(composer_face(there.performer->composer)));
     size_t size = performer_save(here.performer, NULL, 0);
     assert_int_equal(performer_save(there.performer, NULL, 0), size);
     unsigned char *a = malloc(size + 1), *b = malloc(size + 1);
@@ -67,8 +67,8 @@ static void check_same_bits(const char *name, const char *params)
     scene_must(performer_load(there.performer, a, size, &err), &err);
     scene_step(&here, &play, 260);
     scene_step(&there, &play, 260);
-    assert_memory_equal(performer_pull(here.performer), performer_pull(there.performer),
-                        sizeof(mrt_pull));
+    assert_memory_equal(layer_pull(here.performer->voice[0].layer),
+                        layer_pull(there.performer->voice[0].layer), sizeof(mrt_pull));
     free(a);
     free(b);
     isolate_counts counts = isolate_counted(there.mapping.self);
@@ -130,10 +130,10 @@ static void its_words_and_its_parameters_come_through(void **state)
     assert_true(stand_hears(&s, "active on 0 contacts"));
     for (uint32_t n = 0; n <= 40; ++n)
         stand_step(&s, n);
-    mrt_pull once = *performer_pull(s.performer);
+    mrt_pull once = *layer_pull(s.performer->voice[0].layer);
     stand_set(&s, "gain=2");
     stand_step(&s, 40);
-    const mrt_pull *twice = performer_pull(s.performer);
+    const mrt_pull *twice = layer_pull(s.performer->voice[0].layer);
     float furthest = 0;
     for (int i = 0; i < 5; ++i) {
         float way = once.vector[i].end.z - once.vector[i].start.z;
@@ -148,7 +148,8 @@ static void its_words_and_its_parameters_come_through(void **state)
 
 static void check_same_pull(stand *s, stand *other, uint32_t n)
 {
-    const mrt_pull *a = performer_pull(s->performer), *b = performer_pull(other->performer);
+    const mrt_pull *a = layer_pull(s->performer->voice[0].layer),
+                   *b = layer_pull(other->performer->voice[0].layer);
     if (a->count == 0 || memcmp(a, b, sizeof *a) != 0)
         fail_msg("the pull of sample %u differs", n);
 }
@@ -199,7 +200,7 @@ static void a_mesh_without_a_rig_has_no_poses_there_either(void **state)
     stand_up_on(&s, "plane", POSER, "", &settings);
     for (uint32_t n = 0; n < 5; ++n)
         stand_step(&s, n);
-    assert_int_equal(performer_pull(s.performer)->count, 0);
+    assert_int_equal(layer_pull(s.performer->voice[0].layer)->count, 0);
     assert_int_equal(stand_counts(&s).failed, 0);
     stand_lie_down(&s);
 }
@@ -228,7 +229,7 @@ static void more_poses_than_the_block_holds_are_refused_in_words(void **state)
     scene_must(isolate_create_mapping(&s.isolate, type, POSER, &settings, &err), &err);
     scene_must(instance_create(&s.mapping, isolate_type(s.isolate), CLOCK_REAL, s.log, &err), &err);
     assert_true(instance_activate(&s.mapping, &mapped, &err) < 0);
-    assert_non_null(strstr(err.text, "the rig has too many poses for a process of its own"));
+    assert_non_null(strstr(err.text, "the rig has too many poses for an isolated mapping"));
     mapped.pose_count = 100;
     scene_must(instance_activate(&s.mapping, &mapped, &err), &err);
     instance_deactivate(&s.mapping);
@@ -278,11 +279,11 @@ static void check_trouble(const char *trouble, const char *reason)
         stand_watch_step(&watch, &s, &other);
     }
     assert_false(stand_counts(&s).is_away);
-    mrt_pull before = *performer_pull(s.performer);
+    mrt_pull before = *layer_pull(s.performer->voice[0].layer);
     stand_set(&s, set);
     frame_waits_ns = is_silent ? 0 : frame_waits_ns;
     stand_step(&s, n);
-    assert_memory_equal(performer_pull(s.performer), &before, sizeof before); /* held */
+    assert_memory_equal(layer_pull(s.performer->voice[0].layer), &before, sizeof before); /* held */
     stand_step(&other, n++);
     stand_watch_step(&watch, &s, &other);
     for (; !stand_counts(&s).is_away && n < 450; ++n) { /* it hangs only after a while */
@@ -296,7 +297,7 @@ static void check_trouble(const char *trouble, const char *reason)
     stand_set(&s, "trouble=none");
     stand_wait_for(&s, 1);
     assert_true(stand_hears(&s, reason));
-    assert_true(stand_hears(&s, "what it saw last is kept in "));
+    assert_true(stand_hears(&s, "its last inputs are saved in "));
     for (uint32_t end = n + 60; n < end; ++n) {
         stand_step(&s, n);
         stand_step(&other, n);
@@ -304,8 +305,9 @@ static void check_trouble(const char *trouble, const char *reason)
     }
     assert_false(stand_counts(&s).is_away);
     /* It has its anchor of before: it pulls as if nothing had happened. */
-    assert_memory_equal(performer_pull(s.performer)->vector,
-                        performer_pull(other.performer)->vector, sizeof(mrt_vector) * 5);
+    assert_memory_equal(layer_pull(s.performer->voice[0].layer)->vector,
+                        layer_pull(other.performer->voice[0].layer)->vector,
+                        sizeof(mrt_vector) * 5);
     assert_true(stand_distance(&watch.before, &watch.ought_before) < 1e-3);
     if (watch.worst_excess_mm > 0)
         fail_msg("%s: the face jumped by %.3f mm more than it may", trouble, watch.worst_excess_mm);
@@ -357,7 +359,8 @@ enum { LATE_SAMPLES = 4000 };
 
 static bool pull_is(const stand *s, const mrt_pull *pull)
 {
-    return memcmp(performer_pull(s->performer)->vector, pull->vector, sizeof(mrt_vector) * 5) == 0;
+    return memcmp(layer_pull(s->performer->voice[0].layer)->vector, pull->vector,
+                  sizeof(mrt_vector) * 5) == 0;
 }
 
 static void step_both(stand *s, stand *other, stand_watch *watch, uint32_t n)
@@ -384,10 +387,10 @@ static void check_late(const char *trouble)
     stand_set(&s, trouble);
     frame_waits_ns = 0;
     for (; n < LATE_SAMPLES && !(is_told && changes >= 8); ++n) {
-        mrt_pull before = *performer_pull(s.performer);
+        mrt_pull before = *layer_pull(s.performer->voice[0].layer);
         step_both(&s, &other, &watch, n);
         changes += !pull_is(&s, &before);
-        is_told = is_told || stand_has_heard(&s, "answers late again and again");
+        is_told = is_told || stand_has_heard(&s, "often answers late");
     }
     frame_waits_ns = stand_patience_ns;
     assert_true(is_told && changes >= 8);
@@ -396,7 +399,7 @@ static void check_late(const char *trouble)
     bool is_there = false;
     for (uint32_t end = n + LATE_SAMPLES; !is_there && n < end; ++n) {
         step_both(&s, &other, &watch, n);
-        is_there = pull_is(&s, performer_pull(other.performer));
+        is_there = pull_is(&s, layer_pull(other.performer->voice[0].layer));
     }
     assert_true(is_there);
     assert_int_equal(stand_counts(&s).failed, 0);
@@ -434,14 +437,14 @@ static void a_reset_of_one_that_is_late_forgets(void **state)
     stand_step(&s, n++);
     frame_waits_ns = stand_patience_ns;
     stand_set(&s, "trouble=none");
-    layer_reset(performer_layer(s.performer));
-    const mrt_vector *v = performer_pull(s.performer)->vector;
+    layer_reset(s.performer->voice[0].layer);
+    const mrt_vector *v = layer_pull(s.performer->voice[0].layer)->vector;
     bool is_anew = false;
     int64_t end_ns = clock_now_ns() + stand_patience_ns;
     while (!is_anew && clock_now_ns() < end_ns) {
         clock_sleep_until_ns(clock_now_ns() + 2 * NS_PER_MS);
         stand_step(&s, n++);
-        is_anew = performer_pull(s.performer)->count == 5 &&
+        is_anew = layer_pull(s.performer->voice[0].layer)->count == 5 &&
                   memcmp(&v[1].start, &v[1].end, sizeof v[1].end) == 0;
     }
     assert_true(is_anew); /* it has taken hold anew, and never gave what was owed from before */
@@ -469,12 +472,12 @@ static void a_second_failure_within_a_minute_leaves_the_face_held(void **state)
     assert_int_equal(stand_counts(&s).failed, 2);
     assert_int_equal(stand_counts(&s).restarted, 1);
     stand_set(&s, "trouble=none");
-    mrt_pull before = *performer_pull(s.performer);
+    mrt_pull before = *layer_pull(s.performer->voice[0].layer);
     for (; n < 100; ++n)
         stand_step(&s, n);
     assert_true(stand_counts(&s).is_away);
-    assert_int_equal(performer_pull(s.performer)->mode, MRT_ANCHORED);
-    assert_memory_equal(performer_pull(s.performer), &before, sizeof before);
+    assert_int_equal(layer_pull(s.performer->voice[0].layer)->mode, MRT_ANCHORED);
+    assert_memory_equal(layer_pull(s.performer->voice[0].layer), &before, sizeof before);
     assert_int_equal(performer_save(s.performer, NULL, 0), 0); /* nothing to take up */
     stand_lie_down(&s);
 }
@@ -492,10 +495,10 @@ static void a_reset_while_it_is_away_forgets(void **state)
     stand_step(&s, n);
     stand_set(&s, "trouble=none");
     stand_wait_for(&s, 1);
-    layer_reset(performer_layer(s.performer));
+    layer_reset(s.performer->voice[0].layer);
     stand_step(&s, n++);
-    const mrt_vector *v = performer_pull(s.performer)->vector;
-    assert_int_equal(performer_pull(s.performer)->count, 5);
+    const mrt_vector *v = layer_pull(s.performer->voice[0].layer)->vector;
+    assert_int_equal(layer_pull(s.performer->voice[0].layer)->count, 5);
     assert_memory_equal(&v[1].start, &v[1].end, sizeof v[1].end); /* it takes hold anew */
     stand_lie_down(&s);
 }
@@ -577,7 +580,7 @@ static void kills_never_make_the_face_jump(void **state)
         }
         held += stand_counts(&s).failed;
         assert_true(stand_counts(&s).failed >= 1);
-        assert_int_equal(performer_counted(s.performer)->samples, n);
+        assert_int_equal(s.performer->counts->samples, n);
         if (watch.worst_excess_mm > 0)
             fail_msg("kill %u at sample %u: the face jumped by %.3f mm more than it may", kill_at,
                      at, watch.worst_excess_mm);

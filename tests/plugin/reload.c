@@ -50,8 +50,7 @@ static void begin(watched *w, const char *params, const isolate_settings *apart)
     stand_up(&w->other, EARLY, params, NULL);
     const reload_settings settings = {.library = library,
                                       .mapping = &w->stand.mapping,
-                                      .mapped =
-                                          composer_mapped(performer_composer(w->stand.performer)),
+                                      .mapped = composer_mapped(w->stand.performer->composer),
                                       .log = w->stand.log,
                                       .clock = CLOCK_REAL,
                                       .isolate = apart};
@@ -71,7 +70,7 @@ static void end(watched *w)
 static bool step(watched *w)
 {
     int64_t before_ns = clock_now_ns();
-    bool is_taken = reload_step(w->reload, performer_layer(w->stand.performer));
+    bool is_taken = reload_step(w->reload, w->stand.performer->voice[0].layer);
     stand_step(&w->stand, w->n);
     w->worst_ms = fmax(w->worst_ms, (double)(clock_now_ns() - before_ns) * 1e-6);
     stand_step(&w->other, w->n++);
@@ -126,7 +125,7 @@ static void check_continuity(const watched *w)
 
 static double param_of(watched *w, const char *name)
 {
-    const instance *mapping = layer_mapping(performer_layer(w->stand.performer));
+    const instance *mapping = w->stand.performer->voice[0].layer->mapping;
     for (uint32_t i = 0; i < mapping->type->param_count; ++i)
         if (strcmp(mapping->type->params[i].name, name) == 0)
             return atomic_load(&mapping->wanted[i]);
@@ -142,15 +141,16 @@ static void check_take_over(const isolate_settings *apart)
     stand_set(&w.stand, "early=0.9");
     build(LATER);
     until_taken(&w);
-    assert_string_equal(layer_mapping(performer_layer(w.stand.performer))->type->version, "2");
+    assert_string_equal(w.stand.performer->voice[0].layer->mapping->type->version, "2");
     assert_memory_equal(reload_identity(w.reload), "org.example.troubled 2 ", 23);
     assert_float_equal(param_of(&w, "Gain"), 0.7, 0);  /* carried over */
     assert_float_equal(param_of(&w, "Later"), 0.5, 0); /* its own initial value */
     until_counted(&w, 1, 0);
     steps(&w, 60);
     /* It has the old one's anchor: it pulls as if nothing had happened. */
-    assert_memory_equal(performer_pull(w.stand.performer)->vector,
-                        performer_pull(w.other.performer)->vector, sizeof(mrt_vector) * 5);
+    assert_memory_equal(layer_pull(w.stand.performer->voice[0].layer)->vector,
+                        layer_pull(w.other.performer->voice[0].layer)->vector,
+                        sizeof(mrt_vector) * 5);
     check_continuity(&w);
     assert_true(stand_hears(&w.stand, "version 2 has taken over"));
     end(&w);
@@ -183,8 +183,8 @@ static void check_refused(const char *from, const char *reason)
     w.refused = 1;
     assert_true(stand_hears(&w.stand, reason));
     steps(&w, 20);
-    assert_memory_equal(performer_pull(w.stand.performer), performer_pull(w.other.performer),
-                        sizeof(mrt_pull));
+    assert_memory_equal(layer_pull(w.stand.performer->voice[0].layer),
+                        layer_pull(w.other.performer->voice[0].layer), sizeof(mrt_pull));
     build(LATER); /* the next one is taken all the same */
     until_taken(&w);
     until_counted(&w, 1, 1);
@@ -244,8 +244,8 @@ static void a_state_with_a_leaving_pull_is_kept(void **state)
     build(LATER);
     until_taken(&w);
     steps(&w, 5); /* amid the fade */
-    assert_true(layer_is_fading(performer_layer(w.stand.performer)));
-    assert_non_null(layer_leaving(performer_layer(w.stand.performer)));
+    assert_true(layer_is_fading(w.stand.performer->voice[0].layer));
+    assert_non_null(layer_leaving(w.stand.performer->voice[0].layer));
     size_t size = performer_save(w.stand.performer, NULL, 0);
     unsigned char *bytes = malloc(size);
     assert_int_equal(performer_save(w.stand.performer, bytes, size), size);
@@ -253,14 +253,14 @@ static void a_state_with_a_leaving_pull_is_kept(void **state)
     uint64_t hash[30];
     for (int i = 0; i < 30; ++i) {
         stand_step(&w.stand, n + (uint32_t)i);
-        performer_draw(w.stand.performer);
-        hash[i] = scene_hash(performer_face(w.stand.performer));
+        composer_draw(w.stand.performer->composer);
+        hash[i] = scene_hash(composer_face(w.stand.performer->composer));
     }
     scene_must(performer_load(w.stand.performer, bytes, size, &err), &err);
     for (int i = 0; i < 30; ++i) {
         stand_step(&w.stand, n + (uint32_t)i);
-        performer_draw(w.stand.performer);
-        assert_true(hash[i] == scene_hash(performer_face(w.stand.performer)));
+        composer_draw(w.stand.performer->composer);
+        assert_true(hash[i] == scene_hash(composer_face(w.stand.performer->composer)));
     }
     bytes[20] ^= 0x40; /* damage is refused or harmless */
     if (performer_load(w.stand.performer, bytes, size, &err) < 0)
@@ -319,8 +319,8 @@ static void many_reloads_leak_nothing_and_miss_no_sample(void **state)
         }
     }
     assert_int_equal(open_files(), files);
-    assert_int_equal(performer_counted(w.stand.performer)->samples, w.n);
-    assert_int_equal(performer_counted(w.stand.performer)->bad_pulls, 0);
+    assert_int_equal(w.stand.performer->counts->samples, w.n);
+    assert_int_equal(w.stand.performer->counts->bad_pulls, 0);
     check_continuity(&w);
     qsort(took_ns, count, sizeof *took_ns, by_size);
     double median_ms = (double)took_ns[count / 2] * 1e-6;

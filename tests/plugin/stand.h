@@ -73,13 +73,13 @@ static inline void stand_step(stand *s, uint32_t n)
 {
     mrt_sample sample = stand_sample(n);
     const sample_step next = sample_step_of(&s->route, &sample);
-    performer_step(s->performer, &next);
+    frame_run(s->performer, &next);
 }
 
 static inline void stand_set(stand *s, const char *list)
 {
     error err = {""};
-    scene_must(instance_set_list(layer_mapping(performer_layer(s->performer)), list, &err), &err);
+    scene_must(instance_set_list(s->performer->voice[0].layer->mapping, list, &err), &err);
 }
 
 static inline isolate_counts stand_counts(stand *s)
@@ -128,8 +128,8 @@ typedef struct stand_shape {
 
 static inline void stand_copy(stand_shape *out, stand *s)
 {
-    performer_draw(s->performer);
-    const points *p = face_shown(performer_face(s->performer));
+    composer_draw(s->performer->composer);
+    const points *p = face_shown(composer_face(s->performer->composer));
     if (!out->at)
         out->at = malloc((size_t)p->count * 3 * sizeof *out->at);
     assert_non_null(out->at);

@@ -115,19 +115,14 @@ static void play(seen *out, show *s, int64_t take_id)
     assert_string_equal(sequencer_note(q), "");
     for (int64_t at = 0; at < t.duration_ns; at += S / FPS) {
         must(sequencer_play_to(q, at, &err), &err);
-        performer_draw(sequencer_performer(q));
-        look(out, performer_composer(sequencer_performer(q)));
+        composer_draw(sequencer_performer(q)->composer);
+        look(out, sequencer_performer(q)->composer);
     }
     sequencer_destroy(q);
     take_finish(&t);
 }
 
 /* ---- the take that is performed over: four seconds ---- */
-
-typedef struct recording_of {
-    recorder *recorder;
-    performer *performer;
-} recording_of;
 
 static mrt_result no_frame(void *data, uint32_t index, double time_s, int64_t work_ns, error *err)
 {
@@ -139,21 +134,16 @@ static mrt_result no_frame(void *data, uint32_t index, double time_s, int64_t wo
     return MRT_OK;
 }
 
-static mrt_result on_step(void *data, const sample_step *s, error *err)
+static mrt_result record_step(void *data, stage_frame *f, error *err)
 {
     (void)err;
-    recording_of *r = data;
-    recorder_step(r->recorder, s);
-    performer_step(r->performer, s);
-    recorder_performed(r->recorder, s);
+    recorder_step(data, &f->step);
     return MRT_OK;
 }
 
-static mrt_result on_draw(void *data, int64_t time_ns, error *err)
+static void performed(void *data, const stage_frame *f)
 {
-    (void)time_ns, (void)err;
-    performer_draw(((recording_of *)data)->performer);
-    return MRT_OK;
+    recorder_performed(data, &f->step);
 }
 
 static show *record_base(const char *name, int64_t *out_take)
@@ -162,7 +152,7 @@ static show *record_base(const char *name, int64_t *out_take)
     show *s;
     hand h;
     performer *p;
-    recording_of r = {NULL, NULL};
+    recorder *r;
     char path[128];
     snprintf(path, sizeof path, "%s/%s.marotte", the.folder, name);
     must(show_create(&s, path, &err), &err);
@@ -176,22 +166,21 @@ static show *record_base(const char *name, int64_t *out_take)
                                 .inputs = &h.input,
                                 .input_text = h.texts,
                                 .input_count = 1,
-                                .layer = performer_layer(p),
+                                .layer = p->voice[0].layer,
                                 .performer = p,
                                 .face_path = puppet,
                                 .face = &the.face};
-    must(recorder_start(&r.recorder, &record, &err), &err);
+    must(recorder_start(&r, &record, &err), &err);
     const writer_slate slate = {.scene = "1", .shot = "a"};
-    recorder_take_next(r.recorder, &slate, 0);
+    recorder_take_next(r, &slate, 0);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
-    player_events events = {.frame = no_frame, .data = &r};
-    const player_stage stage = {&r, on_step, on_draw};
-    r.performer = p;
+    player_events events = {.frame = no_frame};
+    stage_frame f = {.performer = p, .self = r, .record = record_step, .performed = performed};
     player_report report;
-    must(player_run_stage(&stage, &h.input, 1, &playing, &events, &report, &err), &err);
-    must(recorder_take_end(r.recorder, &err), &err);
-    *out_take = recorder_take(r.recorder);
-    must(recorder_stop(r.recorder, &err), &err);
+    must(player_run_stage(&f, &h.input, 1, &playing, &events, &report, &err), &err);
+    must(recorder_take_end(r, &err), &err);
+    *out_take = recorder_take(r);
+    must(recorder_stop(r, &err), &err);
     performer_destroy(p);
     hand_close(&h);
     return s;
@@ -212,7 +201,7 @@ static mrt_result see_frame(void *data, uint32_t index, double time_s, int64_t w
     (void)work_ns;
     (void)err;
     if (o->seen)
-        look(o->seen, performer_composer(overdub_performer(o->overdub)));
+        look(o->seen, overdub_performer(o->overdub)->composer);
     return MRT_OK;
 }
 
@@ -247,11 +236,11 @@ static overdub_made perform_over(show *s, int64_t take_id, overdub_plan plan, co
     if (out_live)
         *out_live = (seen){0};
     must(overdub_create(&o.overdub, &settings, &err), &err);
-    player_stage stage = overdub_stage(o.overdub);
     player_settings playing = {.fps = FPS, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = see_frame, .data = &o};
     player_report report;
-    must(player_run_stage(&stage, &h.input, 1, &playing, &events, &report, &err), &err);
+    must(player_run_stage(overdub_frame(o.overdub), &h.input, 1, &playing, &events, &report, &err),
+         &err);
     overdub_made result;
     must(overdub_finish(o.overdub, &result, &err), &err);
     overdub_destroy(o.overdub);

@@ -8,7 +8,7 @@
 #include <cmocka.h>
 
 #include "base/clock.h"
-#include "stage/perform/performer.h"
+#include "frame_run.h"
 #include "stage/mapping/plugins.h"
 #include "unit/allocation_count.h"
 
@@ -60,9 +60,9 @@ static void perform(performer *p, instance *plugin, const channel_route *route)
         if (i == 200)
             press(plugin, "Engage");
         const sample_step next = sample_step_of(route, &sample);
-        performer_step(p, &next);
+        frame_run(p, &next);
         if (i % 2)
-            performer_draw(p);
+            composer_draw(p->composer);
     }
 }
 
@@ -98,7 +98,7 @@ static void no_sample_allocates(void **state)
         uint64_t before = atomic_load(&allocation_count);
         perform(p, &plugin, &route);
         uint64_t after = atomic_load(&allocation_count);
-        const performer_counts *counts = performer_counted(p);
+        const composer_counts *counts = p->counts;
         print_message("%s: %ju samples, %ju engagements, %ju substeps, %ju allocations\n", names[n],
                       (uintmax_t)counts->samples, (uintmax_t)counts->engagements,
                       (uintmax_t)counts->substeps, (uintmax_t)(after - before));

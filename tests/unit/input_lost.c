@@ -173,9 +173,9 @@ static void a_device_that_comes_back_with_other_channels_goes_on_with_those(void
     static const struct {
         const char *back, *words;
         uint32_t count, hand;
-    } cases[] = {{"fewer", "flaky glove: came back with 1 channels instead of 2", 1, MRT_RIGHT},
+    } cases[] = {{"fewer", "flaky glove: reconnected with 1 channels instead of 2", 1, MRT_RIGHT},
                  {"left",
-                  "came back with channel 0 as \"thumb MPJ\" (left hand, \"rad\") instead of", 2,
+                  "reconnected with channel 0 as \"thumb MPJ\" (left hand, \"rad\") instead of", 2,
                   MRT_LEFT}};
     flaky_library *library = *state;
     for (int i = 0; i < 2; ++i) {
@@ -333,7 +333,7 @@ static void a_device_that_lies_is_refused_and_the_machine_stays_cool(void **stat
         assert_false(input_peek(in, &sample));
         assert_int_equal(input_state_of(in), INPUT_RUNNING);
         input_stop(in);
-        assert_int_equal(lines_with(library->log, "not of now"), i == 1);
+        assert_int_equal(lines_with(library->log, "away from now"), i == 1);
         if (i < 2)
             assert_true(input_refused(in) > 10);
         double cpu_s = (double)(cpu_after.tv_sec - cpu_before.tv_sec) +

@@ -173,7 +173,7 @@ static void perform(const flaky_library *library, outcome *out, const char *cons
     player_events events = {.frame = on_frame, .incident = on_incident, .data = out};
     assert_int_equal(player_run(p, inputs, input_count, &player, &events, &out->report, &err),
                      MRT_OK);
-    assert_int_equal(performer_counted(p)->bad_pulls, 0);
+    assert_int_equal(p->counts->bad_pulls, 0);
     performer_destroy(p);
     instance_destroy(&mapping);
     for (uint32_t i = 0; i < input_count; ++i)

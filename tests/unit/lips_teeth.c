@@ -260,10 +260,10 @@ static void lips_are_before_the_teeth_whatever_hands_perform(void **state)
             scene_step(&at, &play, n);
             if (n % EVERY != EVERY - 1)
                 continue;
-            performer_draw(at.performer);
-            note_deepest(&deepest, &s, performer_face(at.performer));
-            if (performer_is_anchored(at.performer))
-                least = fmin(least, face_min_determinant(performer_face(at.performer)));
+            composer_draw(at.performer->composer);
+            note_deepest(&deepest, &s, composer_face(at.performer->composer));
+            if (composer_is_anchored(at.performer->composer))
+                least = fmin(least, face_min_determinant(composer_face(at.performer->composer)));
         }
         print_depth(mapping[i].name, &deepest);
         print_message("%-24s least determinant %.3f\n", "", least);

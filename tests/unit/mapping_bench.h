@@ -160,13 +160,13 @@ static inline double bench_least_determinant(const char *name, const char *on, c
     scene_stand_up(&s, &play, &file);
     for (uint32_t n = 0; n < frames; ++n) {
         scene_step(&s, &play, n);
-        moved = fmax(moved, (double)bench_longest(performer_pull(s.performer)));
-        if (n % 10 == 9 && performer_is_anchored(s.performer)) {
-            performer_draw(s.performer);
-            least = fmin(least, face_min_determinant(performer_face(s.performer)));
+        moved = fmax(moved, (double)bench_longest(layer_pull(s.performer->voice[0].layer)));
+        if (n % 10 == 9 && composer_is_anchored(s.performer->composer)) {
+            composer_draw(s.performer->composer);
+            least = fmin(least, face_min_determinant(composer_face(s.performer->composer)));
         }
     }
-    const performer_counts *counts = performer_counted(s.performer);
+    const composer_counts *counts = s.performer->counts;
     assert_int_equal(counts->bad_pulls, 0);
     assert_int_equal(counts->held_pulls, 0);
     assert_int_equal(counts->folded_steps, 0);

@@ -68,13 +68,13 @@ static void show(person *p, const recording *of, uint32_t row)
     bare_hand_turn(&p->hand, MRT_RIGHT, &seen);
     memcpy(sample.value, seen.angle, sizeof seen.angle);
     const sample_step step = sample_step_of(&p->route, &sample);
-    performer_step(p->performer, &step);
+    frame_run(p->performer, &step);
 }
 
 /* The skin in the skull's frame: count by 3, mm; and how the head is turned. */
 static rigid look(const person *p, double *out)
 {
-    const face *f = performer_face(p->performer);
+    const face *f = composer_face(p->performer->composer);
     const points *shown = face_shown(f);
     rigid pose[RIG_BONES_MAX];
     bones_pose(pose, face_bones(f), face_metered(f)->dof);
@@ -133,19 +133,19 @@ static seen perform(const recording *of)
     float hand[MRT_ANGLES];
     uint32_t row = 0, still = 0;
     begin(&p);
-    const face *f = performer_face(p.performer);
+    const face *f = composer_face(p.performer->composer);
     const uint32_t count = face_shown(f)->count;
     assert_true(count <= POINTS_MOST);
-    performer_draw(p.performer);
+    composer_draw(p.performer->composer);
     rigid head = look(&p, rest);
     memcpy(last, rest, 3 * sizeof *rest * count);
     memcpy(hand, of->angle_rad[0], sizeof hand);
     for (double at_s = of->time_s[0]; row < of->count; at_s += picture_s) {
         while (row < of->count && of->time_s[row] <= at_s)
             show(&p, of, row++);
-        performer_draw(p.performer);
+        composer_draw(p.performer->composer);
         const rigid head_now = look(&p, now);
-        const float *hand_now = layer_frame(performer_layer(p.performer))->hand[MRT_RIGHT].angle;
+        const float *hand_now = p.performer->voice[0].layer->frame.hand[MRT_RIGHT].angle;
         const double step_mm = apart(now, last, count), hand_deg = hand_way_deg(hand_now, hand);
         const double turn_deg = turned_deg(&head_now, &head);
         if (step_mm > out.step_mm) {

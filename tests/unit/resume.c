@@ -24,7 +24,7 @@ typedef struct story { /* a performance from its first sample to its last */
     mrt_pull pull[SAMPLES];
     uint64_t hash[SAMPLES];
     kept kept[KEPT];
-    performer_counts counts;
+    composer_counts counts;
     rezero_counts rezeros;
 } story;
 
@@ -49,12 +49,12 @@ static void tell(story *out, const scene_play *play, const face_file *file)
         for (int i = 0; i < KEPT; ++i)
             if (kept_after[i] == n)
                 keep(&out->kept[i], s.performer);
-        performer_draw(s.performer);
-        out->pull[n] = *performer_pull(s.performer);
-        out->hash[n] = scene_hash(performer_face(s.performer));
+        composer_draw(s.performer->composer);
+        out->pull[n] = *layer_pull(s.performer->voice[0].layer);
+        out->hash[n] = scene_hash(composer_face(s.performer->composer));
     }
-    out->counts = *performer_counted(s.performer);
-    out->rezeros = *performer_rezeros(s.performer);
+    out->counts = *s.performer->counts;
+    out->rezeros = *hands_rezeros(s.performer->voice[0].layer->hands);
     scene_lay_down(&s);
 }
 
@@ -67,13 +67,13 @@ static void go_on(const story *told, int from, const scene_play *play, const fac
     scene_must(performer_load(s.performer, k->bytes, k->size, &err), &err);
     for (uint32_t n = kept_after[from] + 1; n < SAMPLES; ++n) {
         scene_step(&s, play, n);
-        if (memcmp(performer_pull(s.performer), &told->pull[n], sizeof(mrt_pull)) != 0)
+        if (memcmp(layer_pull(s.performer->voice[0].layer), &told->pull[n], sizeof(mrt_pull)) != 0)
             fail_msg("%s on the %s, taken up after sample %u: the pull of sample %u differs",
                      play->mapping, play->face, kept_after[from], n);
         if (n % 3 != 0 && n + 1 != SAMPLES)
             continue;
-        performer_draw(s.performer);
-        if (scene_hash(performer_face(s.performer)) != told->hash[n])
+        composer_draw(s.performer->composer);
+        if (scene_hash(composer_face(s.performer->composer)) != told->hash[n])
             fail_msg("%s on the %s, taken up after sample %u: the face of sample %u differs",
                      play->mapping, play->face, kept_after[from], n);
     }
@@ -233,17 +233,18 @@ static void what_was_kept_by_another_clock_goes_on_too(void **state)
     tell(told, &play, &file);
     scene_stand_up(&s, &play, &file);
     scene_must(performer_load(s.performer, told->kept[7].bytes, told->kept[7].size, &err), &err);
-    layer_shift_time(performer_layer(s.performer), later_ns);
+    layer_shift_time(s.performer->voice[0].layer, later_ns);
     for (uint32_t n = kept_after[7] + 1; n < SAMPLES; ++n) {
         uint32_t input;
         mrt_sample sample = scene_sample(n, &input);
         sample.time_ns += later_ns;
         const sample_step next = sample_step_of(&s.route[input], &sample);
-        performer_step(s.performer, &next);
-        assert_memory_equal(performer_pull(s.performer), &told->pull[n], sizeof(mrt_pull));
+        frame_run(s.performer, &next);
+        assert_memory_equal(layer_pull(s.performer->voice[0].layer), &told->pull[n],
+                            sizeof(mrt_pull));
     }
-    performer_draw(s.performer);
-    assert_true(scene_hash(performer_face(s.performer)) == told->hash[SAMPLES - 1]);
+    composer_draw(s.performer->composer);
+    assert_true(scene_hash(composer_face(s.performer->composer)) == told->hash[SAMPLES - 1]);
     scene_lay_down(&s);
     face_file_destroy(&file);
     forget(told);
@@ -255,8 +256,8 @@ static void perform_on(scene_stand *s, const scene_play *play, uint32_t from)
 {
     for (uint32_t n = from; n < from + 2; ++n)
         scene_step(s, play, n);
-    performer_draw(s->performer);
-    assert_true(points_are_usable(face_shown(performer_face(s->performer))));
+    composer_draw(s->performer->composer);
+    assert_true(points_are_usable(face_shown(composer_face(s->performer->composer))));
 }
 
 static const scene_play damaged_plays[] = {
@@ -314,8 +315,8 @@ static void truncated_bytes_are_refused_and_leave_it_as_after_create(void **stat
         scene_stand_up(&s, play, &file);
         for (uint32_t n = 0; n < 72; ++n)
             scene_step(&s, play, n);
-        performer_draw(s.performer);
-        uint64_t played = scene_hash(performer_face(s.performer));
+        composer_draw(s.performer->composer);
+        uint64_t played = scene_hash(composer_face(s.performer->composer));
         keep(&k, s.performer);
         for (size_t size = 0; size < k.size; size += 1 + size / 40) {
             unsigned char *exact = malloc(size + (size == 0)); /* asan sees a step too far */
@@ -330,8 +331,8 @@ static void truncated_bytes_are_refused_and_leave_it_as_after_create(void **stat
         free(longer);
         for (uint32_t n = 0; n < 72; ++n)
             scene_step(&s, play, n);
-        performer_draw(s.performer);
-        assert_true(scene_hash(performer_face(s.performer)) == played);
+        composer_draw(s.performer->composer);
+        assert_true(scene_hash(composer_face(s.performer->composer)) == played);
         free(k.bytes);
         scene_lay_down(&s);
         face_file_destroy(&file);

@@ -3,7 +3,7 @@
 #ifndef MAROTTE_TESTS_RESUME_SCENE_H
 #define MAROTTE_TESTS_RESUME_SCENE_H
 #include "base/clock.h"
-#include "stage/perform/performer.h"
+#include "frame_run.h"
 #include "stage/mapping/plugins.h"
 
 #include <math.h>
@@ -215,7 +215,8 @@ static inline uint32_t scene_act_on(performer *p, const scene_play *play, uint32
 {
     error err = {""};
     uint32_t granted = 0;
-    instance *mapping = layer_mapping(performer_layer(p));
+    layer *of = p->voice[0].layer;
+    instance *mapping = of->mapping;
     for (int i = 0; i < SCENE_ACTS; ++i) {
         const scene_act *act = &play->act[i];
         if (act->at == 0 || act->at != n)
@@ -224,7 +225,8 @@ static inline uint32_t scene_act_on(performer *p, const scene_play *play, uint32
             scene_press(mapping, act->press);
         if (act->set)
             scene_must(instance_set_list(mapping, act->set, &err), &err);
-        if (act->rezero && performer_rezero(p, act->rezero - 1, &err) == MRT_OK)
+        if (act->rezero &&
+            hands_rezero(of->hands, act->rezero - 1, of->frame.time_ns, &err) == MRT_OK)
             granted |= 1u << (act->rezero - 1);
     }
     return granted;
@@ -236,7 +238,7 @@ static inline void scene_step(scene_stand *s, const scene_play *play, uint32_t n
     mrt_sample sample = scene_sample(n, &from);
     (void)scene_act_on(s->performer, play, n);
     const sample_step next = sample_step_of(&s->route[from], &sample);
-    performer_step(s->performer, &next);
+    frame_run(s->performer, &next);
 }
 
 #endif

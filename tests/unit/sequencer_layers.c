@@ -55,14 +55,14 @@ static void expect_film(film *f, const take *t, int64_t later_ns)
 static const face *face_at(sequencer *s, int64_t at_ns)
 {
     (void)film_play_to(s, at_ns);
-    return performer_face(sequencer_performer(s));
+    return composer_face(sequencer_performer(s)->composer);
 }
 
 /* Checks shown(a) - rest = times (shown(b) - rest) at an instant; returns how far b goes, mm. */
 static double expect_times(sequencer *a, sequencer *b, int64_t at_ns, double times)
 {
     const points *is = face_shown(face_at(a, at_ns)), *was = face_shown(face_at(b, at_ns)),
-                 *rest = face_rest(performer_face(sequencer_performer(a)));
+                 *rest = face_rest(composer_face(sequencer_performer(a)->composer));
     const float *const i[3] = {is->x, is->y, is->z}, *const w[3] = {was->x, was->y, was->z},
                        *const r[3] = {rest->x, rest->y, rest->z};
     double most = 0;
@@ -109,7 +109,7 @@ static void parts_of_different_times_stand_side_by_side(void **state)
               "'source_ns':900m,'start_ns':0}");
     sequencer *s = film_project(f, &t, 0), *now = film_project(f, &plain, 0),
               *then = film_project(f, &late, 0);
-    const mrt_face *about = composer_about(performer_composer(sequencer_performer(s)));
+    const mrt_face *about = composer_about(sequencer_performer(s)->composer);
     double most = 0;
     for (int64_t at_ns = 100 * help_ms; at_ns < 2900 * help_ms; at_ns += 100 * help_ms) {
         const float *is = face_metered(face_at(s, at_ns))->dof,
@@ -144,8 +144,8 @@ static void an_offset_shows_it_later(void **state)
     expect_film(f, &t, 700 * help_ms);
     sequencer *s = film_project(f, &t, 0);
     uint64_t before = film_play_to(s, 699 * help_ms);
-    assert_true(scene_distance(face_shown(performer_face(sequencer_performer(s))),
-                               face_rest(performer_face(sequencer_performer(s)))) <= 0.0);
+    assert_true(scene_distance(face_shown(composer_face(sequencer_performer(s)->composer)),
+                               face_rest(composer_face(sequencer_performer(s)->composer))) <= 0.0);
     assert_true(film_seek(s, 2000 * help_ms) != before);
     assert_true(film_seek(s, 300 * help_ms) == before);
     sequencer_destroy(s);
@@ -261,7 +261,7 @@ static void muted_layers_are_not_heard_and_solo_ones_alone(void **state)
 static double most_speed(film *f, const take *t)
 {
     sequencer *s = film_project(f, t, 0);
-    const points *now = face_shown(performer_face(sequencer_performer(s)));
+    const points *now = face_shown(composer_face(sequencer_performer(s)->composer));
     float *before = calloc(now->padded_count, sizeof *before);
     double most = 0;
     for (int64_t at_ns = 0; at_ns < t->duration_ns; at_ns += 20 * help_ms) {
@@ -332,8 +332,10 @@ static void perform_over(sequencer *s, actor *a, int64_t at_ns)
 {
     mrt_sample sample = live_sample((uint32_t)(at_ns / (20 * help_ms)));
     sample.time_ns = at_ns;
-    const sample_step next = sample_step_of(&a->route, &sample);
-    sequencer_live_step(s, &next, 1.0);
+    error err = {""};
+    stage_frame f = {.step = sample_step_of(&a->route, &sample)};
+    sequencer_perform_over(s, &f, 1.0);
+    scene_must(frame_step(&f, &err), &err);
 }
 
 static void who_performs_over_everything_is_all_that_is_seen(void **state)
@@ -354,11 +356,11 @@ static void who_performs_over_everything_is_all_that_is_seen(void **state)
         mrt_sample sample = live_sample((uint32_t)(at_ns / (20 * help_ms)));
         sample.time_ns = at_ns;
         const sample_step next = sample_step_of(&a.route, &sample);
-        performer_step(alone.performer, &next);
-        performer_draw(alone.performer);
-        performer_draw(sequencer_performer(s));
-        assert_true(scene_distance(face_shown(performer_face(sequencer_performer(s))),
-                                   face_shown(performer_face(alone.performer))) < 1e-4);
+        frame_run(alone.performer, &next);
+        composer_draw(alone.performer->composer);
+        composer_draw(sequencer_performer(s)->composer);
+        assert_true(scene_distance(face_shown(composer_face(sequencer_performer(s)->composer)),
+                                   face_shown(composer_face(alone.performer->composer))) < 1e-4);
     }
     scene_lay_down(&alone);
     sequencer_destroy(s);

@@ -234,8 +234,8 @@ static void after_the_end_and_where_it_is_muted_the_face_rests(void **state)
     film *f = film_shoot(&play, FILM_DEMO, "start=3,end=6", 1.0);
     scene_stand rest;
     scene_stand_up(&rest, &play, &f->file);
-    performer_draw(rest.performer);
-    uint64_t at_rest = scene_hash(performer_face(rest.performer));
+    composer_draw(rest.performer->composer);
+    uint64_t at_rest = scene_hash(composer_face(rest.performer->composer));
     scene_lay_down(&rest);
     film_take(f, &t);
     sequencer *s = film_project(f, &t, 0);

@@ -64,7 +64,7 @@ static inline mrt_result film_no_frame(void *data, uint32_t index, double time_s
     return MRT_OK;
 }
 
-static inline mrt_result film_on_step(void *data, const sample_step *s, error *err)
+static inline mrt_result film_record(void *data, stage_frame *at, error *err)
 {
     (void)err;
     film *f = data;
@@ -72,23 +72,21 @@ static inline mrt_result film_on_step(void *data, const sample_step *s, error *e
     for (uint32_t side = 0; side < 2; ++side)
         if (rezeroed & (1u << side))
             recorder_rezero(f->recorder, side);
-    recorder_step(f->recorder, s);
-    performer_step(f->performer, s);
-    recorder_performed(f->recorder, s);
-    assert_true(f->count < FILM_SAMPLES);
-    performer_draw(f->performer);
-    f->at_ns[f->count] = s->time_ns;
-    f->hash[f->count] = scene_hash(performer_face(f->performer));
-    f->count += 1;
-    f->sample_count += s->count;
+    recorder_step(f->recorder, &at->step);
     return MRT_OK;
 }
 
-static inline mrt_result film_on_draw(void *data, int64_t time_ns, error *err)
+static inline void film_performed(void *data, const stage_frame *at)
 {
-    (void)time_ns, (void)err;
-    performer_draw(((film *)data)->performer);
-    return MRT_OK;
+    film *f = data;
+    const sample_step *s = &at->step;
+    recorder_performed(f->recorder, s);
+    assert_true(f->count < FILM_SAMPLES);
+    composer_draw(f->performer->composer);
+    f->at_ns[f->count] = s->time_ns;
+    f->hash[f->count] = scene_hash(composer_face(f->performer->composer));
+    f->count += 1;
+    f->sample_count += s->count;
 }
 
 /* Inputs of what is recorded: the demo hand (100 Hz); a left hand of 37 Hz beside it; one of 100
@@ -130,7 +128,7 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
                                    .inputs = inputs,
                                    .input_text = texts,
                                    .input_count = count,
-                                   .layer = performer_layer(f->performer),
+                                   .layer = f->performer->voice[0].layer,
                                    .performer = f->performer,
                                    .face_path = face_path,
                                    .face = &f->file,
@@ -143,16 +141,17 @@ static inline void film_perform(film *f, film_inputs which, const char *span, do
     recorder_take_next(f->recorder, &slate, 0);
     player_settings playing = {.fps = 1.0, .clock = CLOCK_VIRTUAL};
     player_events events = {.frame = film_no_frame, .data = f};
-    const player_stage stage = {f, film_on_step, film_on_draw};
+    stage_frame with = {
+        .performer = f->performer, .self = f, .record = film_record, .performed = film_performed};
     player_report report;
-    scene_must(player_run_stage(&stage, inputs, count, &playing, &events, &report, &err), &err);
+    scene_must(player_run_stage(&with, inputs, count, &playing, &events, &report, &err), &err);
     scene_must(recorder_take_end(f->recorder, &err), &err);
     f->take_id = recorder_take(f->recorder);
-    f->rezeros = *performer_rezeros(f->performer);
+    f->rezeros = *hands_rezeros(f->performer->voice[0].layer->hands);
     assert_string_equal(recorder_problem(f->recorder), "");
-    assert_int_equal(performer_counted(f->performer)->bad_pulls, 0);
+    assert_int_equal(f->performer->counts->bad_pulls, 0);
     scene_must(recorder_stop(f->recorder, &err), &err);
-    f->solves = performer_counted(f->performer)->solves;
+    f->solves = f->performer->counts->solves;
     performer_destroy(f->performer);
     f->performer = NULL;
     f->recorder = NULL;
@@ -241,8 +240,8 @@ static inline sequencer *film_project(film *f, const take *t, size_t checkpoint_
 
 static inline uint64_t film_face_of(sequencer *s)
 {
-    performer_draw(sequencer_performer(s));
-    return scene_hash(performer_face(sequencer_performer(s)));
+    composer_draw(sequencer_performer(s)->composer);
+    return scene_hash(composer_face(sequencer_performer(s)->composer));
 }
 
 static inline uint64_t film_seek(sequencer *s, int64_t at_ns)

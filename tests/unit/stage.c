@@ -176,7 +176,7 @@ static void fill_table(table *out, uint32_t hand, uint32_t count, int64_t first_
 
 typedef struct outcome {
     player_report report;
-    performer_counts counts;
+    composer_counts counts;
     uint64_t hash; /* of the shape at the end, in file order */
     double first_time_s, last_time_s;
     int64_t work_ns;
@@ -227,9 +227,9 @@ static void play(outcome *out, const table *const *tables, uint32_t table_count,
     player_events events = {.frame = on_frame, .data = out};
     assert_int_equal(player_run(p, inputs, table_count, &player, &events, &out->report, &err),
                      MRT_OK);
-    performer_draw(p);
-    out->hash = hash_of(performer_face(p));
-    out->counts = *performer_counted(p);
+    composer_draw(p->composer);
+    out->hash = hash_of(composer_face(p->composer));
+    out->counts = *p->counts;
     performer_destroy(p);
     instance_destroy(&mapping);
     for (uint32_t i = 0; i < table_count; ++i)
@@ -414,11 +414,11 @@ static void parameters_are_set_by_name_within_their_range(void **state)
     instance_latch(&i);
     assert_true(i.params[PARAM_MODE] > 0.5 && i.params[PARAM_NONSENSE] > 0.5);
     static const char *const bad[][2] = {{"speed=1", "no parameter \"speed\""},
-                                         {"mode=2", "none of its choices: "},
+                                         {"mode=2", "not one of its choices: "},
                                          {"mode=0.5", "whole"},
                                          {"mode=often", "clay_form"},
                                          {"mode", "not key=value"},
-                                         {"mode=nan", "none of its choices"}};
+                                         {"mode=nan", "not one of its choices"}};
     for (size_t k = 0; k < sizeof bad / sizeof bad[0]; ++k) {
         assert_true(instance_set_list(&i, bad[k][0], &err) < 0);
         assert_non_null(strstr(err.text, bad[k][1]));
@@ -431,7 +431,7 @@ static void broken_plugins_are_refused_by_name_and_reason(void **state)
     (void)state;
     static const struct {
         const char *name, *reason;
-    } cases[] = {{"abi", "ABI 7, this program speaks ABI 1"},
+    } cases[] = {{"abi", "ABI 7, but this program uses ABI 1"},
                  {"symbol", "marotte_plugins"},
                  {"param", "min < max"}};
     plugin_list list = {0};

@@ -139,7 +139,7 @@ static bool was_said(room *r, const char *part)
 
 static bool is_refused(room *r)
 {
-    return was_said(r, "more are not possible");
+    return was_said(r, "inputs is reached");
 }
 
 static void perform_over_a_take(room *r)

@@ -387,7 +387,7 @@ static void are_of_the_take(live_fixture *d, const take *t, int64_t until_ns, co
     const sequencer_settings settings = {
         .show = reading, .plugins = &d->plugins, .log = d->log, .face = &d->face};
     fixture_must(sequencer_create(&plays, &settings, t, &err), &err);
-    composer *shown = performer_composer(sequencer_performer(plays));
+    composer *shown = sequencer_performer(plays)->composer;
     float *rows = malloc((size_t)d->view->vertex_count * 3 * sizeof *rows);
     for (uint32_t i = 0; i < s->count; ++i) {
         if (s->at_ns[i] >= until_ns)

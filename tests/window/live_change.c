@@ -228,7 +228,7 @@ static void eight_inputs_are_too_many(void **state)
         add_demo(&d);
     snprintf(text, sizeof text, "log:%s/plugins/log/demo_hand.csv", SOURCE_DIR);
     assert_true(fixture_add_input(&d, text, &err) < 0);
-    assert_true(strstr(err.text, "7 inputs are open") != NULL);
+    assert_true(strstr(err.text, "the limit of 7 inputs") != NULL);
     fixture_pass(&d, 0.1);
     fixture_finish(&d);
 }

@@ -55,7 +55,7 @@ static void project(live_fixture *d, const take *t, projector *out)
 static uint64_t projected(live_fixture *d, projector *of, int64_t at_ns)
 {
     error err = {""};
-    composer *shown = performer_composer(sequencer_performer(of->plays));
+    composer *shown = sequencer_performer(of->plays)->composer;
     fixture_must(sequencer_play_to(of->plays, at_ns, &err), &err);
     composer_draw(shown);
     points_to_rows(of->rows, face_shown(composer_face(shown)), face_order(composer_face(shown)));
@@ -163,7 +163,7 @@ static void take_is_solved_as_its_show_says_wherever_it_plays(void **state)
     assert_false(none.is_kept);
     fixture_must(show_note_write(d.show, "solver", "thin_plate none 3", &err), &err);
     assert_true(kept_solver_read(&none, d.show, &err) < 0);
-    assert_true(strstr(err.text, "\"thin_plate none 3\", is not known here") != NULL);
+    assert_true(strstr(err.text, "solver \"thin_plate none 3\" is unknown") != NULL);
     pack_up(&before);
     pack_up(&after);
     take_finish(&t);
@@ -783,8 +783,8 @@ static void what_is_taught_anew_is_recorded_with_it(void **state)
     /* Whatever it is taught now, the take is performed with what it knew then. */
     project(&d, &t, &alone);
     (void)projected(&d, &alone, t.duration_ns / 2);
-    layer *then = performer_layer(sequencer_performer(alone.plays));
-    assert_int_equal(taught_save(layer_mapping(then), now, sizeof now), size);
+    layer *then = sequencer_performer(alone.plays)->voice[0].layer;
+    assert_int_equal(taught_save(then->mapping, now, sizeof now), size);
     assert_memory_equal(now, taught, size);
     pack_up(&alone);
     take_finish(&t);

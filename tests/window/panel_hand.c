@@ -25,13 +25,13 @@ static const float talk[MRT_ANGLES] = {1.45f, 0.15f, 0.20f,  0.34f, 0.62f,  0.52
                                        0.60f, 0.3f,  -0.04f, 0.72f, 0.64f,  0.3f,  -0.05f, 0.70f,
                                        0.60f, 0.3f,  -0.04f, 0.12f, -0.08f, 0.0f};
 
-typedef struct performer {
+typedef struct person {
     stand stand;
     face_file file;
     composer *composer;
     const mrt_mapping *functions;
     mrt_frame frame;
-} performer;
+} person;
 
 static void must(mrt_result result, const error *err)
 {
@@ -40,7 +40,7 @@ static void must(mrt_result result, const error *err)
 }
 
 /* Time of the mapping goes on with the hand as it is; the stage shows what comes of it. */
-static void perform(performer *p, int frames)
+static void perform(person *p, int frames)
 {
     stand *s = &p->stand;
     for (int i = 0; i < frames; ++i) {
@@ -53,12 +53,12 @@ static void perform(performer *p, int frames)
     memcpy(s->view.hand, p->frame.hand, sizeof s->view.hand);
 }
 
-static void open_performer(performer *p, const char *mapping)
+static void open_person(person *p, const char *mapping)
 {
     error err = {""};
     const csrbf_settings of_rig = {0};
     stand *s = &p->stand;
-    *p = (performer){.frame = {.time_ns = 0}};
+    *p = (person){.frame = {.time_ns = 0}};
     must(face_file_read(&p->file, SOURCE_DIR "/rigs/puppet/puppet.rig.json", NULL, FACE_FILE_USABLE,
                         &err),
          &err);
@@ -76,7 +76,7 @@ static void open_performer(performer *p, const char *mapping)
     p->functions->reset(s->mapping.self);
 }
 
-static void show_hand(performer *p)
+static void show_hand(person *p)
 {
     mrt_hand *hand = &p->frame.hand[MRT_RIGHT];
     hand->present = true;
@@ -85,7 +85,7 @@ static void show_hand(performer *p)
     stand_settle(&p->stand);
 }
 
-static void close_performer(performer *p)
+static void close_person(person *p)
 {
     instance_deactivate(&p->stand.mapping);
     stand_close(&p->stand);
@@ -95,7 +95,7 @@ static void close_performer(performer *p)
 
 /* The hand that this performer holds as a face: the table's, but a quarter further and three
  * degrees beside it in every joint. `off_deg`: of this answer. */
-static void hold(performer *p, const char *name, float off_deg)
+static void hold(person *p, const char *name, float off_deg)
 {
     static const int sensor[JOINT_COUNT] = {3, 1, 2, 5, 8, -1, 11, 12, 15, 16, 4, 7, 0, 19};
     static const int spreads[] = {10, 14, 18};
@@ -132,9 +132,9 @@ static void hold(performer *p, const char *name, float off_deg)
 static void the_card_says_what_each_part_does_and_lights_what_moves(void **state)
 {
     (void)state;
-    performer p;
+    person p;
     stand *s = &p.stand;
-    open_performer(&p, "one_hand");
+    open_person(&p, "one_hand");
     stand_settle(s);
     assert_true(stand_shows(s, "No hand is there"));
     show_hand(&p);
@@ -154,10 +154,10 @@ static void the_card_says_what_each_part_does_and_lights_what_moves(void **state
     stand_picture(s, "panel_hand_lit");
     stand_click(s, "On the stage");
     assert_true(s->looks.shows_card);
-    close_performer(&p);
+    close_person(&p);
 }
 
-static const mrt_card_line *lines_of(performer *p, uint32_t *out_count)
+static const mrt_card_line *lines_of(person *p, uint32_t *out_count)
 {
     const mrt_hand_card *card = plugin_interface(p->stand.mapping.type, MRT_HAND_CARD);
     instance_latch(&p->stand.mapping);
@@ -176,11 +176,11 @@ static void fist_of(float out_rad[MRT_ANGLES])
 static void leaders_of_the_card_do_not_cross(void **state)
 {
     (void)state;
-    performer p;
+    person p;
     uint32_t random = 7, most = 0;
     float level[32] = {0.0f}, angle_rad[MRT_ANGLES];
     hand_skeleton *skeleton = hand_skeleton_create(MRT_RIGHT, HAND_LENGTH_MM);
-    open_performer(&p, "one_hand");
+    open_person(&p, "one_hand");
     hand_card card = {
         .level = level, .skeleton = skeleton, .rest_rad = angle_rad, .angle_rad = angle_rad};
     card.line = lines_of(&p, &card.count);
@@ -203,11 +203,11 @@ static void leaders_of_the_card_do_not_cross(void **state)
     }
     assert_int_equal(most, 0);
     hand_skeleton_destroy(skeleton);
-    close_performer(&p);
+    close_person(&p);
 }
 
 /* How high each line stands; 0: in several rows. */
-static void heights_of_lines(performer *p, float out_y[32])
+static void heights_of_lines(person *p, float out_y[32])
 {
     uint32_t count;
     const mrt_card_line *line = lines_of(p, &count);
@@ -222,9 +222,9 @@ static void heights_of_lines(performer *p, float out_y[32])
 static void a_fist_that_is_held_orders_the_lines(void **state)
 {
     (void)state;
-    performer p;
+    person p;
     float relaxed[32], now[32];
-    open_performer(&p, "one_hand");
+    open_person(&p, "one_hand");
     show_hand(&p);
     heights_of_lines(&p, relaxed);
     mrt_hand *hand = &p.frame.hand[MRT_RIGHT];
@@ -239,18 +239,18 @@ static void a_fist_that_is_held_orders_the_lines(void **state)
     heights_of_lines(&p, now);
     assert_memory_not_equal(now, relaxed, sizeof now);
     stand_picture(&p.stand, "panel_hand_fist");
-    close_performer(&p);
+    close_person(&p);
 }
 
 static void a_mapping_without_a_card_says_so(void **state)
 {
     (void)state;
-    performer p;
-    open_performer(&p, "anchored");
+    person p;
+    open_person(&p, "anchored");
     stand_settle(&p.stand);
     assert_true(stand_shows(&p.stand, "Anchored has no card of the hand"));
     stand_check_words(&p.stand, NULL);
-    close_performer(&p);
+    close_person(&p);
 }
 
 /* ---- Simon says ---- */
@@ -265,7 +265,7 @@ static const char *asked_face(const stand *s)
     return "";
 }
 
-static void answer(performer *p, float off_deg)
+static void answer(person *p, float off_deg)
 {
     stand *s = &p->stand;
     const char *name = asked_face(s);
@@ -280,9 +280,9 @@ static void answer(performer *p, float off_deg)
 }
 
 /* The hand performs, and "Simon says" waits for its first answer. */
-static void begin_simon(performer *p)
+static void begin_simon(person *p)
 {
-    open_performer(p, "one_hand");
+    open_person(p, "one_hand");
     show_hand(p);
     stand_click(&p->stand, "Simon says");
     stand_wait_for(&p->stand, "twelve faces");
@@ -296,7 +296,7 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
                                         "O",       "U",     "smile",    "joy",
                                         "sadness", "anger", "surprise", "wink left"};
     static unsigned char first[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
-    performer p;
+    person p;
     stand *s = &p.stand;
     begin_simon(&p);
     assert_true(s->looks.is_answering);
@@ -350,12 +350,12 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     assert_non_null(met);
     print_message("%s\n", met);
     assert_true(atoi(met) >= 10);
-    close_performer(&p);
+    close_person(&p);
 }
 
 /* ---- presets ---- */
 
-static void press(performer *p, const char *button)
+static void press(person *p, const char *button)
 {
     const mrt_plugin_type *type = p->stand.mapping.type;
     for (uint32_t i = 0; i < type->param_count; ++i)
@@ -382,7 +382,7 @@ static void a_preset_brings_the_answers_of_simon_says_back(void **state)
 {
     (void)state;
     static unsigned char answered[TAUGHT_BYTES_MAX], now[TAUGHT_BYTES_MAX];
-    performer p;
+    person p;
     stand *s = &p.stand;
     begin_simon(&p);
     for (int i = 0; i < 5; ++i)
@@ -405,7 +405,7 @@ static void a_preset_brings_the_answers_of_simon_says_back(void **state)
     assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
     assert_memory_equal(now, answered, size);
     assert_true(pulls_apart(&learned, &s->view.pull) < 0.001);
-    close_performer(&p);
+    close_person(&p);
 }
 
 int main(void)

@@ -6,7 +6,8 @@
 #include "face/bones.h"
 #include "stage/input/input.h"
 #include "stage/live/live_board.h"
-#include "stage/perform/performer.h"
+#include "base/clock.h"
+#include "stage/perform/frame.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -146,9 +147,8 @@ static mrt_result create_performer(frame_scene *out, bench_face *on, const char 
     if (result >= 0)
         result = performer_create(&out->performer, &out->file, &out->mapping, &settings, err);
     if (result >= 0 && leaves_out(kind, NO_SHAPES))
-        face_set_shapes(performer_face(out->performer), 0.0);
-    return result < 0 ? result
-                      : live_board_create(&out->board, performer_composer(out->performer), err);
+        face_set_shapes(composer_face(out->performer->composer), 0.0);
+    return result < 0 ? result : live_board_create(&out->board, out->performer->composer, err);
 }
 
 static mrt_result open_scene(frame_scene *out, bench_face *on, const char *mapping, frame_kind kind,
@@ -175,46 +175,52 @@ static void close_scene(frame_scene *self)
 
 /* ---- frames ---- */
 
-static double processor_ms(void)
+static int64_t processor_ns(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
+    return (int64_t)now.tv_sec * NS_PER_S + now.tv_nsec;
 }
 
-static double lap_ms(double *from_ms)
+static double took_ms(const stage_frame *f, frame_phase first, frame_phase last)
 {
-    double now_ms = processor_ms(), took_ms = now_ms - *from_ms;
-    *from_ms = now_ms;
-    return took_ms;
+    int64_t took_ns = 0;
+    for (int i = (int)first; i <= (int)last; ++i)
+        took_ns += f->took_ns[i];
+    return (double)took_ns * 1e-6;
 }
 
 /* Publishes as a stage does for a window that reads each face. */
-static void publish(frame_scene *self)
+static mrt_result publish(void *data, const stage_frame *f, error *err)
 {
+    (void)f, (void)err;
+    frame_scene *self = data;
     const live_view *taken;
-    (void)live_board_fill(&self->board, performer_composer(self->performer), 0);
+    (void)live_board_fill(&self->board, self->performer->composer, 0);
     live_board_publish(&self->board);
     (void)live_board_look(&self->board, &taken);
+    return MRT_OK;
 }
 
-static void run_frame(frame_scene *self, const frame_hand *hand, uint32_t pass, uint32_t frame)
+static void run_frame(frame_scene *self, const frame_hand *hand, uint32_t pass, uint32_t at)
 {
-    mrt_sample sample = sample_of(hand, pass, frame);
-    double took_ms[STEPS] = {0}, at_ms = processor_ms();
-    const sample_step next = sample_step_of(&hand->route, &sample);
-    performer_map(self->performer, &next);
-    took_ms[STEP_MAP] = lap_ms(&at_ms);
-    performer_constrain(self->performer, next.voice, next.due_ns);
-    took_ms[STEP_CONSTRAIN] = lap_ms(&at_ms);
-    performer_draw(self->performer);
-    took_ms[STEP_DEFORM] = lap_ms(&at_ms);
-    publish(self);
-    took_ms[STEP_PUBLISH] = lap_ms(&at_ms);
-    took_ms[STEP_FRAME] = took_ms[STEP_MAP] + took_ms[STEP_CONSTRAIN] + took_ms[STEP_DEFORM];
+    error ignored = {""};
+    mrt_sample sample = sample_of(hand, pass, at);
+    stage_frame f = {.performer = self->performer,
+                     .step = sample_step_of(&hand->route, &sample),
+                     .self = self,
+                     .publish = publish,
+                     .now_ns = processor_ns};
+    if (frame_step(&f, &ignored) < 0 || frame_draw(&f, f.step.time_ns, &ignored) < 0)
+        return; /* without a sink nothing fails */
+    const double took[STEPS] = {[STEP_MAP] = took_ms(&f, FRAME_SCHEDULE, FRAME_GUARD),
+                                [STEP_CONSTRAIN] = took_ms(&f, FRAME_COMPOSE, FRAME_SOLVE),
+                                [STEP_DEFORM] = took_ms(&f, FRAME_DEFORM, FRAME_DEFORM),
+                                [STEP_PUBLISH] = took_ms(&f, FRAME_PUBLISH, FRAME_PUBLISH),
+                                [STEP_FRAME] = took_ms(&f, FRAME_SCHEDULE, FRAME_DEFORM)};
     for (int i = 0; i < STEPS; ++i)
-        if (pass == 0 || took_ms[i] < self->took_ms[i][frame])
-            self->took_ms[i][frame] = took_ms[i];
+        if (pass == 0 || took[i] < self->took_ms[i][at])
+            self->took_ms[i][at] = took[i];
 }
 
 /* Runs all kinds in turns, so that a processor that slows down affects all of them. */

@@ -240,6 +240,7 @@ typedef struct performance {
     perform_mapping mapping;
     patch patch;
     performer *performer;
+    stage_frame frame;
     perform_outputs outputs;
     uint32_t mark_count; /* number of presses so far */
     recording recording;
@@ -373,7 +374,7 @@ static mrt_result start_recording(performance *self, error *err)
         result = open_show(out, options->record, err);
     if (result < 0)
         return result;
-    taught_recall(out->show, layer_mapping(performer_layer(self->performer)), self->log);
+    taught_recall(out->show, self->performer->voice[0].layer->mapping, self->log);
     const recorder_settings settings = {
         .show = out->show,
         .plugins = &self->plugins,
@@ -383,7 +384,7 @@ static mrt_result start_recording(performance *self, error *err)
         .input_text = options->input_text,
         .input_count = self->inputs.count,
         .calibration = {out->calibration[MRT_LEFT], out->calibration[MRT_RIGHT]},
-        .layer = performer_layer(self->performer),
+        .layer = self->performer->voice[0].layer,
         .performer = self->performer,
         .face_path = options->face,
         .face = &self->face,
@@ -430,7 +431,7 @@ static mrt_result end_recording(performance *of, facts *told, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result >= 0)
         result = attach_sound(self, told, err);
-    taught_keep_now(self->show, layer_mapping(performer_layer(of->performer)), of->log);
+    taught_keep_now(self->show, of->performer->voice[0].layer->mapping, of->log);
     writer_status status = writer_status_of(recorder_writer(self->recorder));
     error later = {""};
     mrt_result stopped = recorder_stop(self->recorder, &later);
@@ -527,13 +528,12 @@ static mrt_result prepare(performance *self, error *err)
         result = performer_create(&self->performer, &self->face, &self->mapping.instance, &settings,
                                   err);
     if (result >= 0)
-        perform_patch_tell(performer_layer(self->performer));
+        perform_patch_tell(self->performer->voice[0].layer);
     if (result >= 0 && options->watches_plugins)
         result = perform_mapping_watch(&self->mapping, self->performer, self->log, err);
     if (result >= 0)
-        result =
-            perform_outputs_open(&self->outputs, options->output, options->output_count, &apart,
-                                 performer_composer(self->performer), &self->face, err);
+        result = perform_outputs_open(&self->outputs, options->output, options->output_count,
+                                      &apart, self->performer->composer, &self->face, err);
     if (result >= 0)
         result = recording_create(&self->recording, &self->face, options->fps,
                                   recording_use_of(options->exports, options->export_count), err);
@@ -565,7 +565,7 @@ static mrt_result finish(performance *self, mrt_result so_far, error *err)
  * offline performance fails. */
 static mrt_result check_pulls(const performance *self, error *err)
 {
-    const performer_counts *counts = performer_counted(self->performer);
+    const composer_counts *counts = self->performer->counts;
     if (counts->bad_pulls == 0 || self->inputs.clock == CLOCK_REAL)
         return perform_mapping_check(&self->mapping, err);
     return error_set(err, MRT_ERR_FORMAT, "%s (sample %ju)", counts->first_problem.text,
@@ -585,7 +585,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
     progress_show_time(&self->progress, time_s, self->duration_s);
     mrt_result result = check_pulls(self, err);
     if (result >= 0)
-        result = exports_video_add(&self->videos, performer_composer(self->performer), err);
+        result = exports_video_add(&self->videos, self->performer->composer, err);
     if (result < 0)
         return result;
     return recording_add(&self->recording, self->performer, work_ns, err);
@@ -594,7 +594,7 @@ static mrt_result on_frame(void *data, uint32_t index, double time_s, int64_t wo
 /* Performs the actions that a patch triggers. --record decides about recording. */
 static void apply_patch_actions(performance *self, int64_t time_ns)
 {
-    const patch_bay *bay = layer_bay(performer_layer(self->performer));
+    const patch_bay *bay = &self->performer->voice[0].layer->bay;
     if (bay->pressed[PATCH_STOP] > 0)
         atomic_store(cancel_flag(), true);
     if (bay->pressed[PATCH_MARK] == self->mark_count)
@@ -606,26 +606,30 @@ static void apply_patch_actions(performance *self, int64_t time_ns)
         log_push(self->log, MRT_LOG_WARNING, "patch", err.text);
 }
 
-static mrt_result on_step(void *data, const sample_step *s, error *err)
+/* The sinks of the frame. */
+static mrt_result record_step(void *data, stage_frame *f, error *err)
 {
     (void)err;
     performance *self = data;
     perform_mapping_step(&self->mapping, self->performer, self->record.recorder);
     if (self->record.recorder)
-        recorder_step(self->record.recorder, s);
-    performer_step(self->performer, s);
-    if (self->record.recorder)
-        recorder_performed(self->record.recorder, s);
-    perform_outputs_step(&self->outputs, self->performer, s->time_ns);
-    apply_patch_actions(self, s->time_ns);
+        recorder_step(self->record.recorder, &f->step);
     return MRT_OK;
 }
 
-static mrt_result on_draw(void *data, int64_t time_ns, error *err)
+static void note_step(void *data, const stage_frame *f)
 {
-    (void)time_ns, (void)err;
     performance *self = data;
-    performer_draw(self->performer);
+    if (self->record.recorder)
+        recorder_performed(self->record.recorder, &f->step);
+    perform_outputs_step(&self->outputs, self->performer, f->step.time_ns);
+    apply_patch_actions(self, f->step.time_ns);
+}
+
+static mrt_result publish_face(void *data, const stage_frame *f, error *err)
+{
+    (void)f, (void)err;
+    performance *self = data;
     perform_outputs_frame(&self->outputs, self->performer);
     return MRT_OK;
 }
@@ -648,7 +652,11 @@ static mrt_result perform(performance *self, error *err)
         .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                         perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
-    const player_stage stage = {self, on_step, on_draw};
+    self->frame = (stage_frame){.performer = self->performer,
+                                .self = self,
+                                .record = record_step,
+                                .performed = note_step,
+                                .publish = publish_face};
     if (self->inputs.clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: z makes the current pose the neutral pose, q ends\n");
     const double recorded_s = perform_inputs_duration_s(&self->inputs);
@@ -656,8 +664,8 @@ static mrt_result perform(performance *self, error *err)
     if (recorded_s > 0.0 && (self->duration_s <= 0.0 || recorded_s < self->duration_s))
         self->duration_s = recorded_s;
     progress_start(&self->progress, "performing");
-    mrt_result result = player_run_stage(&stage, self->inputs.input, self->inputs.count, &settings,
-                                         &events, &self->report, err);
+    mrt_result result = player_run_stage(&self->frame, self->inputs.input, self->inputs.count,
+                                         &settings, &events, &self->report, err);
     keys_end();
     progress_end(&self->progress);
     news_print(self->log);
@@ -671,7 +679,7 @@ static mrt_result perform(performance *self, error *err)
 
 static void report_pulls(const performance *self, facts *told)
 {
-    const performer_counts *counts = performer_counted(self->performer);
+    const composer_counts *counts = self->performer->counts;
     if (counts->limited_steps)
         facts_number(told, "limited_steps", "limited steps", (double)counts->limited_steps, 0,
                      "samples in which the hand was faster than the surface can follow");
@@ -751,7 +759,7 @@ static void print_performance(const performance *self, facts *told)
 
 static void report_performance(performance *self, facts *told)
 {
-    const performer_counts *counts = performer_counted(self->performer);
+    const composer_counts *counts = self->performer->counts;
     const player_report *report = &self->report;
     print_performance(self, told);
     facts_text(told, "face", "face", self->options->face);
@@ -800,7 +808,8 @@ static void describe_making(const performance *self, char *out, size_t capacity)
 {
     const instance *mapping =
         self->mapping.current ? self->mapping.current : &self->mapping.instance;
-    const csrbf_settings solver = performer_solver(self->performer);
+    const performer *p = self->performer;
+    const csrbf_settings solver = composer_solver_of(p->composer, layer_pull(p->voice[0].layer));
     command_typed(out, capacity - 1);
     size_t used = strlen(out);
     out[used++] = '\n';

@@ -239,7 +239,7 @@ mrt_result perform_hands_text(char *out[2], const char *path, error *err)
 
 void perform_hands_report(const perform_hands *self, const performer *p, facts *told)
 {
-    const rezero_counts *rezeros = performer_rezeros(p);
+    const rezero_counts *rezeros = hands_rezeros(p->voice[0].layer->hands);
     for (int side = 0; side < 2; ++side)
         if (self->path[side])
             facts_list(told, "calibrations", "calibration", self->path[side]);
@@ -252,12 +252,12 @@ void perform_hands_report(const perform_hands *self, const performer *p, facts *
 static uint32_t rezero(performer *p)
 {
     uint32_t done = 0;
-    const mrt_hand *hand = layer_frame(performer_layer(p))->hand;
+    layer *of = p->voice[0].layer;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
-        if (!hand[side].present)
+        if (!of->frame.hand[side].present)
             continue;
         error why = {""};
-        if (performer_rezero(p, side, &why) == MRT_OK) {
+        if (hands_rezero(of->hands, side, of->frame.time_ns, &why) == MRT_OK) {
             done |= 1u << side;
             fprintf(stderr, "note: the pose of the %s hand is its neutral pose now\n",
                     side_name[side]);
@@ -314,7 +314,7 @@ mrt_result perform_mapping_watch(perform_mapping *self, performer *of, log_queue
 {
     const reload_settings settings = {.library = self->library,
                                       .mapping = &self->instance,
-                                      .mapped = composer_mapped(performer_composer(of)),
+                                      .mapped = composer_mapped(of->composer),
                                       .log = log,
                                       .clock = self->settings.clock,
                                       .isolate = self->isolate ? &self->settings : NULL};
@@ -323,9 +323,9 @@ mrt_result perform_mapping_watch(perform_mapping *self, performer *of, log_queue
 
 void perform_mapping_step(perform_mapping *self, performer *of, recorder *into)
 {
-    if (!self->reload || !reload_step(self->reload, performer_layer(of)))
+    if (!self->reload || !reload_step(self->reload, of->voice[0].layer))
         return;
-    self->current = layer_mapping(performer_layer(of));
+    self->current = of->voice[0].layer->mapping;
     if (into)
         recorder_change_mapping(into, reload_identity(self->reload));
 }
@@ -421,7 +421,7 @@ void perform_outputs_step(perform_outputs *self, performer *p, int64_t sample_ns
     self->is_behind = true;
     if (!outputs_are_wanted(self->outputs) || now_ns - self->drawn_ns < apart_ns)
         return;
-    performer_draw(p);
+    composer_draw(p->composer);
     self->drawn_ns = now_ns;
     self->draw_ns = clock_now_ns() - now_ns;
     perform_outputs_show(self, p, sample_ns, -1);
@@ -436,7 +436,7 @@ void perform_outputs_frame(perform_outputs *self, performer *p)
 
 void perform_outputs_show(perform_outputs *self, performer *p, int64_t time_ns, int64_t take_ns)
 {
-    outputs_publish(self->outputs, self->board, performer_composer(p), time_ns, take_ns);
+    outputs_publish(self->outputs, self->board, p->composer, time_ns, take_ns);
     self->is_behind = false;
 }
 
@@ -477,7 +477,7 @@ void perform_outputs_close(perform_outputs *self)
 
 void perform_patch_tell(const layer *of)
 {
-    const patch_plan *plan = layer_bay(of)->plan;
+    const patch_plan *plan = of->bay.plan;
     news_print_notes(plan ? patch_plan_note(plan) : NULL);
 }
 

@@ -558,8 +558,8 @@ static const mrt_hand *hand_shown(performer *from, uint32_t side)
     const mrt_hand *best = NULL;
     const performer_voice *above = NULL;
     for (uint32_t i = 0; i < PERFORMER_VOICES_MAX; ++i) {
-        const performer_voice *voice = performer_voice_of(from, i);
-        const mrt_hand *hand = voice->layer ? &layer_frame(voice->layer)->hand[side] : NULL;
+        const performer_voice *voice = &from->voice[i];
+        const mrt_hand *hand = voice->layer ? &voice->layer->frame.hand[side] : NULL;
         if (!hand || !voice->is_seen || !(voice->weight > 0.0) || !hand->present)
             continue;
         if (above && (voice->lane < above->lane ||
@@ -633,7 +633,7 @@ mrt_result recording_add_face(recording *self, composer *from, int64_t work_ns, 
 
 mrt_result recording_add(recording *self, performer *performed, int64_t work_ns, error *err)
 {
-    mrt_result result = recording_add_face(self, performer_composer(performed), work_ns, err);
+    mrt_result result = recording_add_face(self, performed->composer, work_ns, err);
     return result < 0 || !self->clip ? result : add_hands(self, performed, err);
 }
 

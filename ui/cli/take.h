@@ -217,9 +217,10 @@ typedef struct take_frames { /* frame `first` + i begins at timecode_time_ns(rat
  * take. */
 CHECKED mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, error *err);
 
-/* Moves the face to each frame and calls `each`, which reads the drawn sequencer_performer. */
+/* Moves the face to each frame, draws it, and publishes it through frame.publish with `data`. */
 CHECKED mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
-                                   mrt_result (*each)(void *data, take_stage *from, error *err),
+                                   mrt_result (*publish)(void *data, const stage_frame *f,
+                                                         error *err),
                                    void *data, error *err);
 
 /* ---- subcommands in the table of take.c ---- */

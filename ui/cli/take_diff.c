@@ -42,14 +42,14 @@ static mrt_result choose_parts(comparison *self, take_call *call, error *err)
 
 static void to_rows(float *out, take_stage *stage)
 {
-    const face *f = performer_face(sequencer_performer(stage->sequencer));
+    const face *f = composer_face(sequencer_performer(stage->sequencer)->composer);
     points_to_rows(out, face_shown(f), face_order(f));
 }
 
 static mrt_result make(comparison *self, error *err)
 {
     const mesh *m = &self->a.face.mesh;
-    composer *shown = performer_composer(sequencer_performer(self->a.sequencer));
+    composer *shown = sequencer_performer(self->a.sequencer)->composer;
     for (int i = 0; i < 2; ++i)
         self->rows[i] = malloc((size_t)m->vertex_count * 3 * sizeof(float));
     self->frame = calloc((size_t)self->frames.count, sizeof *self->frame);
@@ -78,8 +78,9 @@ static mrt_result choose_frames(comparison *self, take_call *call, error *err)
     return result;
 }
 
-static mrt_result each(void *data, take_stage *from, error *err)
+static mrt_result each(void *data, const stage_frame *f, error *err)
 {
+    (void)f;
     comparison *self = data;
     int64_t at_ns = timecode_time_ns(self->frames.rate, self->frames.first + self->at);
     mrt_result result = sequencer_play_to(self->b.sequencer, at_ns, err);
@@ -87,8 +88,8 @@ static mrt_result each(void *data, take_stage *from, error *err)
         result = sequencer_check(self->b.sequencer, err);
     if (result < 0)
         return result;
-    performer_draw(sequencer_performer(self->b.sequencer));
-    to_rows(self->rows[0], from);
+    composer_draw(sequencer_performer(self->b.sequencer)->composer);
+    to_rows(self->rows[0], &self->a);
     to_rows(self->rows[1], &self->b);
     diff_measure(self->by, self->rows[0], self->rows[1], &self->frame[self->at++]);
     return MRT_OK;

@@ -43,13 +43,12 @@ typedef struct frame_sinks { /* destinations of each frame */
     uint64_t frame_count;
 } frame_sinks;
 
-static mrt_result keep_frame(void *data, take_stage *from, error *err)
+static mrt_result keep_frame(void *data, const stage_frame *f, error *err)
 {
     frame_sinks *self = data;
-    performer *shown = sequencer_performer(from->sequencer);
     self->frame_count += 1;
-    mrt_result result = exports_video_add(self->videos, performer_composer(shown), err);
-    return result < 0 ? result : recording_add(&self->measured, shown, 0, err);
+    mrt_result result = exports_video_add(self->videos, f->performer->composer, err);
+    return result < 0 ? result : recording_add(&self->measured, f->performer, 0, err);
 }
 
 static void label_first(clip_start *out, const show *from, const take *t, const take_frames *frames)

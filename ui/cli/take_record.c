@@ -279,14 +279,13 @@ static mrt_result perform(performing *self, error *err)
                                .calibration = {perform_hands_calibration(&self->hands, MRT_LEFT),
                                                perform_hands_calibration(&self->hands, MRT_RIGHT)}};
     player_events events = {.frame = on_frame, .incident = on_incident, .data = self};
-    player_stage stage = overdub_stage(self->overdub);
     cancel_on_signals(CANCEL_WAITS, NULL);
     start_sound(self);
     if (self->inputs.clock == CLOCK_REAL && keys_begin())
         fprintf(stderr, "note: keys: q ends\n");
     progress_start(&self->call->shown, "performing");
-    mrt_result result = player_run_stage(&stage, self->inputs.input, self->inputs.count, &playing,
-                                         &events, &self->report, err);
+    mrt_result result = player_run_stage(overdub_frame(self->overdub), self->inputs.input,
+                                         self->inputs.count, &playing, &events, &self->report, err);
     keys_end();
     progress_end(&self->call->shown);
     news_print(self->log);

@@ -248,15 +248,16 @@ static void report_take(take_call *call, const take *t)
 typedef struct vertex_sum {
     hash_sum *sum;
     float *rows;
+    size_t vertex_count;
 } vertex_sum;
 
-static mrt_result add_frame(void *data, take_stage *from, error *err)
+static mrt_result add_frame(void *data, const stage_frame *drawn, error *err)
 {
     (void)err;
     vertex_sum *self = data;
-    const face *f = performer_face(sequencer_performer(from->sequencer));
+    const face *f = composer_face(drawn->performer->composer);
     points_to_rows(self->rows, face_shown(f), face_order(f));
-    hash_add(self->sum, self->rows, (size_t)from->face.mesh.vertex_count * 3 * sizeof(float));
+    hash_add(self->sum, self->rows, self->vertex_count * 3 * sizeof(float));
     return MRT_OK;
 }
 
@@ -265,12 +266,13 @@ static mrt_result report_hash(take_call *call, error *err)
     take_stage stage;
     take_frames frames;
     char sum[TAKE_HASH];
-    vertex_sum self = {hash_begin(), NULL};
+    vertex_sum self = {.sum = hash_begin()};
     mrt_result result = take_stage_open(&stage, call, call->word[1], call->text[TAKE_FACE], err);
     if (result >= 0)
         result = take_frames_of(&frames, call, &stage.take, err);
     if (result >= 0) {
-        self.rows = malloc((size_t)stage.face.mesh.vertex_count * 3 * sizeof(float));
+        self.vertex_count = stage.face.mesh.vertex_count;
+        self.rows = malloc(self.vertex_count * 3 * sizeof(float));
         if (!self.rows || !self.sum)
             result = error_set(err, MRT_ERR_MEMORY, "no memory");
     }

@@ -269,9 +269,11 @@ mrt_result take_frames_of(take_frames *out, take_call *call, const take *t, erro
 }
 
 mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames *frames,
-                           mrt_result (*each)(void *data, take_stage *from, error *err), void *data,
-                           error *err)
+                           mrt_result (*publish)(void *data, const stage_frame *f, error *err),
+                           void *data, error *err)
 {
+    stage_frame shown = {
+        .performer = sequencer_performer(self->sequencer), .self = data, .publish = publish};
     const int64_t begin_ns = timecode_time_ns(frames->rate, frames->first);
     const double total_s =
         (double)(timecode_time_ns(frames->rate, frames->first + frames->count) - begin_ns) / 1e9;
@@ -284,10 +286,8 @@ mrt_result take_stage_play(take_stage *self, take_call *call, const take_frames 
             break;
         }
         result = sequencer_play_to(self->sequencer, at_ns, err);
-        if (result < 0)
-            break;
-        performer_draw(sequencer_performer(self->sequencer));
-        result = each(data, self, err);
+        if (result >= 0)
+            result = frame_draw(&shown, at_ns, err);
         if (result >= 0)
             result = sequencer_check(self->sequencer, err);
         progress_show_time(&call->shown, (double)(at_ns - begin_ns) / 1e9, total_s);
@@ -319,7 +319,7 @@ static mrt_result open_outputs(playing *self, error *err)
                                            ISOLATE_FOREIGN};
     performer *p = sequencer_performer(self->stage.sequencer);
     return perform_outputs_open(&self->outputs, self->call->output, self->call->output_count, &with,
-                                performer_composer(p), &self->stage.face, err);
+                                p->composer, &self->stage.face, err);
 }
 
 /* Returns whether to show this instant. A slow machine skips instants; the others keep their
@@ -335,7 +335,7 @@ static bool is_wanted(const playing *self, int64_t at_ns)
 static void show_when_due(playing *self, int64_t at_ns)
 {
     performer *p = sequencer_performer(self->stage.sequencer);
-    performer_draw(p);
+    composer_draw(p->composer);
     int64_t due_ns = self->begun_ns + (at_ns - self->in_ns), now_ns = clock_now_ns();
     for (; now_ns < due_ns && !cancel_is_asked(); now_ns = clock_now_ns())
         clock_sleep_until_ns(due_ns - now_ns > slice_ns ? now_ns + slice_ns : due_ns);

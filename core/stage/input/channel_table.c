@@ -8,7 +8,7 @@ static void copy_channel(channel_table *out, uint32_t i, const mrt_channel *from
 {
     snprintf(out->name[i], CHANNEL_NAME, "%s", from->name);
     snprintf(out->unit[i], CHANNEL_UNIT, "%s", from->unit);
-    text_make_printable(out->name[i]); /* devices and senders name channels too */
+    text_make_printable(out->name[i]); /* devices and senders also name channels */
     text_make_printable(out->unit[i]);
     out->channel[i] = *from;
     out->channel[i].name = out->name[i];
@@ -27,12 +27,13 @@ mrt_result channel_table_init(channel_table *out, const mrt_channel *channels, u
 {
     *out = (channel_table){0};
     if (!channels || count == 0 || count > MRT_MAX_CHANNELS)
-        return error_set(err, MRT_ERR_FORMAT, "%s: reports %u channels, 1 to %d are possible", who,
+        return error_set(err, MRT_ERR_FORMAT, "%s: has %u channels: the range is 1 to %d", who,
                          count, MRT_MAX_CHANNELS);
     for (uint32_t i = 0; i < count; ++i) {
         const mrt_channel *channel = &channels[i];
         if (!channel->name || !channel->unit || channel->hand > MRT_NO_HAND)
-            return error_set(err, MRT_ERR_FORMAT, "%s: channel %u is not described", who, i);
+            return error_set(err, MRT_ERR_FORMAT,
+                             "%s: channel %u lacks a name, a unit or a valid hand", who, i);
     }
     channel_table_copy(out, channels, count);
     return MRT_OK;

@@ -10,9 +10,9 @@ static const mrt_devices *knows_devices(const mrt_plugin_type *type)
     return plugin_interface(type, MRT_INPUT) ? plugin_interface(type, MRT_DEVICES) : NULL;
 }
 
-/* ---- looking ---- */
+/* ---- scan ---- */
 
-/* A device's name comes from the device: nothing of it may steer a terminal. */
+/* The texts come from the device, so they may contain control characters for the terminal. */
 static void make_printable(char *text, size_t capacity)
 {
     text[capacity - 1] = '\0';

@@ -1,7 +1,6 @@
-/* stage/input/device_list.h - what is plugged in: every input plugin that knows devices
- * (MRT_DEVICES) is asked, on an instance of its own that opens nothing. Looks take some
- * milliseconds and may look at the disk. Any one thread at a time, also beside inputs that are
- * read. */
+/* stage/input/device_list.h - lists the connected devices. It asks every input plugin that can list
+ * devices (MRT_DEVICES), with an own instance that opens nothing. A scan takes some milliseconds
+ * and may read the disk. One thread at a time, any, also while inputs are being read. */
 #ifndef MAROTTE_STAGE_DEVICE_LIST_H
 #define MAROTTE_STAGE_DEVICE_LIST_H
 #include "stage/mapping/instance.h"
@@ -11,19 +10,19 @@ enum { DEVICE_LIST_MAX = 32 };
 
 typedef struct device_found {
     const mrt_plugin_type *type;
-    mrt_device device; /* texts printable */
+    mrt_device device; /* its texts are printable */
 } device_found;
 
 typedef struct device_list {
     device_found one[DEVICE_LIST_MAX];
-    uint32_t count, beyond; /* beyond: there was no room for so many */
+    uint32_t count, beyond; /* beyond: devices for which there was no room */
 } device_list;
 
-/* already_logged: what was logged when it was asked before, and is not said again; NULL: nothing. A
- * plugin that cannot be used is said in the log and hides no device of another. */
+/* already_logged: texts of earlier scans, which are not logged again; NULL: none. A plugin that
+ * fails is logged. The devices of the other plugins are still listed. */
 CHECKED mrt_result device_list_look(device_list *out, const plugin_list *plugins, log_queue *log,
                                     log_once *already_logged, error *err);
-/* Whether an input type knows devices. */
+/* Returns whether an input type can list devices. */
 bool device_list_knows(const mrt_plugin_type *type);
 
 #endif

@@ -11,7 +11,7 @@
 
 enum { GIVEN_MAX = 256 };
 
-/* How late a reader sees that the host is stopping. */
+/* maximum delay before a reader notices that the host is stopping */
 static const int64_t look_span_ns = 20 * NS_PER_MS;
 
 typedef struct given {
@@ -25,7 +25,7 @@ struct feed {
     mrt_interface interfaces[2];
     channel_table table;
     int64_t period_ns;
-    ring *values; /* of given: from the giver to the reader */
+    ring *values; /* elements of type given, from feed_give to the reader */
     wake signal;
 };
 
@@ -74,7 +74,7 @@ static const mrt_channel *channels(mrt_plugin *self, uint32_t *out_count)
     return self->of->table.channel;
 }
 
-/* A value that was given, the first one, or the same again because time is to go on. */
+/* Returns whether a sample is due: a new value, the first one, or a repeated one. */
 static bool has_sample(mrt_plugin *self, int64_t now_ns)
 {
     if (ring_pop(self->of->values, &self->now))
@@ -121,7 +121,7 @@ static mrt_result read_feed(mrt_plugin *self, const double *params, int64_t dead
 static const mrt_input functions = {
     .open = open_feed, .channels = channels, .read = read_feed, .close = close_feed};
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_result feed_create(feed **out, const feed_settings *settings, error *err)
 {
@@ -172,6 +172,6 @@ void feed_give(feed *self, const float *value, feed_activity activity)
     given now = {.time_ns = clock_now_ns(), .activity = (int32_t)activity};
     for (uint32_t i = 0; i < self->table.count; ++i)
         now.value[i] = isfinite(value[i]) ? value[i] : 0.0f;
-    (void)ring_push(self->values, &now); /* full only when nobody reads any more */
+    (void)ring_push(self->values, &now); /* full only after the reader has stopped */
     wake_signal(&self->signal);
 }

@@ -43,12 +43,12 @@ static mrt_result choose_side(uint32_t *out, const mrt_channel *channel, uint32_
     bool has[2] = {glove_channels_of(channel, count, MRT_LEFT) != GLOVE_CHANNELS_NONE,
                    glove_channels_of(channel, count, MRT_RIGHT) != GLOVE_CHANNELS_NONE};
     if (!has[0] && !has[1])
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: measures no hand", name);
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: does not measure a hand", name);
     if (side > MRT_RIGHT && has[0] && has[1])
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: gives both hands: say --hand left or --hand right", name);
+                         "%s: measures both hands: add --hand left or --hand right", name);
     if (side <= MRT_RIGHT && !has[side])
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: is of a %s hand, not of a %s one", name,
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: measures the %s hand, not the %s hand", name,
                          side_name[1 - side], side_name[side]);
     *out = side <= MRT_RIGHT ? side : has[MRT_LEFT] ? MRT_LEFT : MRT_RIGHT;
     return MRT_OK;

@@ -10,7 +10,8 @@
 static const int64_t slice_ns = 250 * NS_PER_MS;
 static const int64_t window_ns = 2 * NS_PER_S;
 
-/* A greater jump of the sequence is a device that counts anew, not samples that were lost. */
+/* A larger jump of the sequence number means that the device restarted its count, not that samples
+ * were lost. */
 static const uint32_t gap_max = 100000;
 
 enum { DRIFT_WINDOWS_MIN = 5 };
@@ -116,7 +117,8 @@ static void sort(double *values, uint32_t count)
     }
 }
 
-/* The median of the slopes between all pairs (Theil-Sen): one late window does not change it. */
+/* Returns the median of the slopes between all pairs (Theil-Sen), so that one late window does not
+ * change it. */
 static double envelope_slope_ms_per_s(const health_meter *self)
 {
     double slope[HEALTH_WINDOWS * (HEALTH_WINDOWS - 1) / 2];
@@ -193,7 +195,7 @@ void health_state(health_meter *self, int32_t state, const char *words, int64_t 
     snprintf(self->counted.words, sizeof self->counted.words, "%s", words);
 }
 
-/* ---- reading ---- */
+/* ---- measure ---- */
 
 static health_slice sum_of_slices(const health_meter *self, int64_t now_ns)
 {
@@ -218,7 +220,7 @@ static health_slice sum_of_slices(const health_meter *self, int64_t now_ns)
     return sum;
 }
 
-/* What is silent for longer than an interval gets slower by that. */
+/* Returns the rate. Silence that lasts longer than the mean interval reduces it. */
 static double rate_hz(const health_slice *sum, double silence_s)
 {
     if (sum->interval_count == 0 || !(sum->interval_ms > 0))
@@ -265,7 +267,7 @@ void health_board_init(health_board *out)
 }
 
 /* A sequence lock without fences: each word is stored after the odd number and loaded before the
- * number is looked at again. */
+ * number is read again. */
 void health_post(health_board *board, const health_report *report)
 {
     uint64_t words[HEALTH_BOARD_WORDS] = {0};

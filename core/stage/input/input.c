@@ -20,63 +20,63 @@ typedef struct input_record {
     uint32_t version, number;
 } input_record;
 
-/* Of a device that was lost. The reading thread's. */
+/* State of a lost device. Owned by the reading thread. */
 typedef struct input_outage {
     int64_t lost_ns, next_try_ns;
     uint32_t tries;
-    log_once logged; /* so that each text about it is logged once */
+    log_once logged; /* logs each text of this loss only once */
 } input_outage;
 
 struct input {
     instance plugin;
     const mrt_input *functions;
     char *address, name[INPUT_NAME];
-    bool open; /* of the plugin. Owned by [main] until input_start and after input_stop, else the
-                  thread's */
+    bool open; /* the plugin is open. Owned by [main] until input_start and after input_stop,
+                  otherwise by the thread */
     bool has_thread;
     pthread_t thread;
-    ring *samples, *incidents; /* input_record, input_incident */
+    ring *samples, *incidents; /* elements: input_record, input_incident */
     wake *signal;
     pthread_mutex_t keeper_lock;
     input_keeper keeper;                 /* GUARDED_BY(keeper_lock) */
-    channel_table table[INPUT_VERSIONS]; /* those below version_count never change */
-    uint32_t version_count;              /* the reading thread's */
+    channel_table table[INPUT_VERSIONS]; /* entries below version_count never change */
+    uint32_t version_count;              /* owned by the reading thread */
     _Atomic uint32_t version;            /* of the newest samples */
     _Atomic int32_t state;
     _Atomic bool stopping;
     _Atomic uint32_t refused, dropped;
-    /* The frame thread's. */
-    bool has_pending; /* virtual clock: read ahead by one */
+    /* Owned by the frame thread. */
+    bool has_pending; /* virtual clock: one sample is read ahead */
     input_record pending;
     uint32_t peeked_version, peeked_number, taken_count;
-    /* The reading thread's (on a virtual clock: the frame thread's). */
+    /* Owned by the reading thread (on a virtual clock: the frame thread). */
     bool has_last, has_unsent, has_warned_of_time;
     uint32_t delivered_count;
-    mrt_sample last;     /* delivered since the device was opened */
-    input_record unsent; /* the newest sample, when the ring had no room for it */
+    mrt_sample last;     /* last delivered sample since the device was opened */
+    input_record unsent; /* the newest sample while the ring is full */
     int64_t opened_ns, posted_ns;
     int64_t patience_first_ns, patience_later_ns;
-    uint32_t hasty_reads; /* in a row that gave nothing and did not wait */
+    uint32_t hasty_reads; /* consecutive reads that returned immediately without a sample */
     input_outage outage;
     health_meter meter;
     health_board board;
 };
 
-/* The first half of this file runs on the thread that reads the plugin: the input's own thread, or
- * the frame thread on a virtual clock. The second half, below "the functions of input.h", is called
- * by [main] and the frame thread. */
+/* The first half of this file runs on the thread that reads the plugin: the thread of the input, or
+ * the frame thread on a virtual clock. The second half, below "the functions of input.h", runs on
+ * [main] and the frame thread. */
 
-/* How long a read may block before the thread looks whether it is to stop. */
+/* Maximum blocking time of a read before the thread checks whether it must stop. */
 static const int64_t read_span_ns = 100 * NS_PER_MS;
 
-/* How often a sample that waits for room in the ring is tried again. */
+/* Interval between attempts to write a sample to the full ring. */
 static const int64_t unsent_span_ns = 5 * NS_PER_MS;
 
-/* A device's samples with a time stamp outside of these bounds around now are refused. */
+/* Samples of a device are refused if their time stamp is outside these limits around now. */
 static const int64_t past_max_ns = 10 * NS_PER_S, future_max_ns = 1 * NS_PER_S;
 
-/* After HASTY_READS reads in a row that returned at once and gave nothing each further one is
- * followed by a pause. */
+/* After HASTY_READS consecutive reads that returned immediately without a sample, a pause follows
+ * each further one. */
 enum { HASTY_READS = 16, FRUITLESS_READS = 100000, TRIES_AT_FIRST = 8 };
 static const int64_t hasty_ns = NS_PER_MS / 10, pause_ns = 1 * NS_PER_MS;
 
@@ -154,8 +154,8 @@ static void keep(input *self, const input_record *record)
     pthread_mutex_unlock(&self->keeper_lock);
 }
 
-/* While the ring is full the newest sample is kept in `unsent`, and older ones are dropped: the
- * last sample of a pedal, which lets it go, must arrive. */
+/* While the ring is full, the newest sample stays in `unsent` and older ones are dropped. The last
+ * sample of a pedal must arrive, because it releases the pedal. */
 static void deliver(input *self, const mrt_sample *sample)
 {
     input_record record = {*sample, atomic_load(&self->version), self->delivered_count++};
@@ -181,7 +181,7 @@ static void deliver_unsent(input *self)
     signal_player(self);
 }
 
-/* Before a device closes: repeats its last sample with all pedals up, so that none stays down. */
+/* Called before a device is closed: repeats its last sample with all pedals released. */
 static void release_pedals(input *self, int64_t now_ns)
 {
     const channel_table *table = newest_table(self);
@@ -202,7 +202,7 @@ static void release_pedals(input *self, int64_t now_ns)
     deliver(self, &up);
 }
 
-static void tell_incident(input *self, input_incident_kind kind, int64_t now_ns, int64_t away_ns,
+static void push_incident(input *self, input_incident_kind kind, int64_t now_ns, int64_t away_ns,
                           const char *text)
 {
     input_incident incident = {.kind = kind, .time_ns = now_ns, .away_ns = away_ns};
@@ -221,8 +221,8 @@ static void close_plugin(input *self)
     self->has_last = false;
 }
 
-/* Opens the plugin and copies its table of channels. On failure the plugin is closed, and err has
- * the error that it logged, or "". */
+/* Opens the plugin and copies its channels. On failure the plugin is closed, and err is the error
+ * that it logged, or "". */
 static mrt_result open_plugin(input *self, log_once *already_logged, channel_table *out, error *err)
 {
     error why = {""};
@@ -247,7 +247,7 @@ static mrt_result open_plugin(input *self, log_once *already_logged, channel_tab
     return result;
 }
 
-/* Makes `table` the version of the samples to come: an equal one that was there, or a new one. */
+/* Makes `table` the version of the next samples: an equal earlier version, or a new one. */
 static mrt_result adopt_channels(input *self, const channel_table *table, error *err)
 {
     uint32_t at = 0;
@@ -255,7 +255,7 @@ static mrt_result adopt_channels(input *self, const channel_table *table, error 
         at += 1;
     if (at == INPUT_VERSIONS)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s: the channels changed %d times, more are not possible: close this "
+                         "%s: the channels changed %d times, which is the limit: close this "
                          "input and open it again",
                          self->name, INPUT_VERSIONS - 1);
     if (at == self->version_count) {
@@ -272,7 +272,7 @@ static mrt_result open_input(input *self, error *err)
     channel_table table;
     mrt_result result = open_plugin(self, NULL, &table, err);
     if (result < 0 && !err->text[0])
-        return error_set(err, result, "%s: the input could not be opened", self->name);
+        return error_set(err, result, "%s: cannot open the input", self->name);
     if (result < 0)
         return result;
     bool is_first = self->version_count == 0;
@@ -298,7 +298,7 @@ static bool is_current(input *self, const mrt_sample *sample, int64_t now_ns)
         return true;
     if (!self->has_warned_of_time)
         log_pushf(self->plugin.log, MRT_LOG_WARNING, self->plugin.type->id,
-                  "%s: samples are not of now but %.3g s away: refused", self->name,
+                  "%s: samples are refused: their time stamps are %.3g s away from now", self->name,
                   ((double)sample->time_ns - (double)now_ns) / 1e9);
     self->has_warned_of_time = true;
     return false;
@@ -314,8 +314,8 @@ static bool is_good(input *self, const mrt_sample *sample, int64_t now_ns)
     return is_current(self, sample, now_ns);
 }
 
-/* MRT_OK: a good sample. MRT_TIMEOUT: none, or one that was refused. < 0: out_why has the error
- * that the plugin logged. */
+/* MRT_OK: a valid sample. MRT_TIMEOUT: no sample, or a refused one. < 0: out_why is the error that
+ * the plugin logged. */
 static mrt_result read_plugin(input *self, int64_t deadline_ns, mrt_sample *out, int64_t *out_now,
                               error *out_why)
 {
@@ -378,24 +378,26 @@ static void lose_device(input *self, const error *why, int64_t now_ns)
     release_pedals(self, now_ns);
     self->outage = (input_outage){.lost_ns = now_ns};
     (void)log_once_repeats(&self->outage.logged, why->text);
-    /* The first attempt comes at once, unless the device was opened just before. */
+    /* try immediately, unless the device was opened just before */
     self->outage.next_try_ns = self->opened_ns + self->patience_first_ns;
     health_lost(&self->meter);
-    tell_incident(self, INPUT_WENT, now_ns, 0, why->text);
+    push_incident(self, INPUT_WENT, now_ns, 0, why->text);
     change_state(self, INPUT_LOST, why->text, now_ns);
     close_plugin(self);
 }
 
-/* Called at the first read that does not fail; that it could be opened is not enough. */
+/* Called at the first successful read. A successful open alone does not prove that the device
+ * works. */
 static void device_is_back(input *self, int64_t now_ns)
 {
     const channel_table *table = newest_table(self);
     health_reopened(&self->meter, table->channel, table->count);
-    tell_incident(self, INPUT_CAME, now_ns, now_ns - self->outage.lost_ns, "");
+    push_incident(self, INPUT_CAME, now_ns, now_ns - self->outage.lost_ns, "");
     change_state(self, INPUT_RUNNING, "", now_ns);
 }
 
-/* What was learned just before the loss, or another device in its place, has other channels. */
+/* Another device at the same address may have other channels, or the plugin detected them shortly
+ * before the loss. */
 static mrt_result open_device_again(input *self, error *err)
 {
     channel_table table;
@@ -408,7 +410,7 @@ static mrt_result open_device_again(input *self, error *err)
         close_plugin(self);
     else
         log_pushf(self->plugin.log, MRT_LOG_WARNING, self->plugin.type->id,
-                  "%s: came back with %.200s: these are recorded from now on", self->name,
+                  "%s: reconnected with %.200s. The new channels are recorded.", self->name,
                   what.text);
     return result;
 }
@@ -424,7 +426,7 @@ static void reopen_device(input *self)
         return;
     }
     error why = {""};
-    (void)instance_take_restart(&self->plugin); /* it is being opened anyway */
+    (void)instance_take_restart(&self->plugin); /* it is opened now anyway */
     mrt_result result = open_device_again(self, &why);
     if (result >= 0 || is_stopping(self))
         return;
@@ -453,7 +455,7 @@ static bool may_restart(input *self)
         return false;
     if (clock_now_ns() >= self->opened_ns + self->patience_first_ns)
         return true;
-    atomic_store(&self->plugin.restart_asked, true); /* asked again, as it was opened just now */
+    atomic_store(&self->plugin.restart_asked, true); /* opened just now: restart later */
     return false;
 }
 
@@ -520,7 +522,7 @@ static void *run(void *data)
     return NULL;
 }
 
-/* [frame] Virtual clock: reads until there is a sample; false: the input is over. */
+/* [frame] Virtual clock: reads until a sample arrives. False: the input has ended. */
 static bool read_virtual(input *self, input_record *out)
 {
     for (uint32_t fruitless = 0; atomic_load(&self->state) == INPUT_RUNNING; ++fruitless) {
@@ -538,7 +540,7 @@ static bool read_virtual(input *self, input_record *out)
             return true;
         if (result >= 0 && result != MRT_END && fruitless >= FRUITLESS_READS)
             result = error_set(&why, MRT_ERR_FORMAT,
-                               "%s: reading it gives nothing, again and again", self->name);
+                               "%s: too many reads in a row returned no sample", self->name);
         if (result == MRT_END)
             end(self);
         else if (result < 0)
@@ -556,10 +558,10 @@ void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char
     const char *slash = strrchr(address, '/');
     snprintf(out, INPUT_NAME, "%.31s%s%.63s", plugin_short_name(type), address[0] ? " " : "",
              slash ? slash + 1 : address);
-    text_make_printable(out); /* addresses come from devices too */
+    text_make_printable(out); /* addresses also come from devices */
 }
 
-/* "" found some device: the name says which. */
+/* If the address is "", the plugin has chosen a device: adds it to the name. */
 static void name_found(input *self)
 {
     const mrt_devices *devices = plugin_interface(self->plugin.type, MRT_DEVICES);
@@ -570,7 +572,8 @@ static void name_found(input *self)
     input_name_of(self->name, self->plugin.type, found.address);
 }
 
-/* Behind the plugin's own words: it does not know what is installed. */
+/* Appends a suggestion to the plugin's error, because the plugin does not know the installed
+ * recordings. */
 static void suggest_recording(const char *address, error *err)
 {
     const size_t used = err ? strlen(err->text) : 0;
@@ -720,7 +723,7 @@ double input_duration_s(input *self)
     return 1e-9 * (double)duration->get_ns(self->plugin.self, self->plugin.params);
 }
 
-/* Parameters of a recorded input that has them, by their names; else `otherwise`. */
+/* Returns the value of a parameter of a recorded input by its name, or `otherwise`. */
 static double value_named(const input *self, const char *name, double otherwise)
 {
     const mrt_plugin_type *type = self->plugin.type;
@@ -753,7 +756,7 @@ mrt_result input_start(input *self, error *err)
     if (self->plugin.clock == CLOCK_VIRTUAL || self->has_thread)
         return MRT_OK;
     if (pthread_create(&self->thread, NULL, run, self) != 0)
-        return error_set(err, MRT_ERR_MEMORY, "%s: its thread could not be started", self->name);
+        return error_set(err, MRT_ERR_MEMORY, "%s: cannot create its thread", self->name);
     self->has_thread = true;
     return MRT_OK;
 }
@@ -806,7 +809,7 @@ uint32_t input_version(const input *self)
     return self->peeked_version;
 }
 
-/* The state is asked first: what came before the end is still in the ring. */
+/* Reads the state first, because samples from before the end are still in the ring. */
 static mrt_result peek_source(void *self, mrt_sample *out, uint32_t *out_version, error *err)
 {
     (void)err;
@@ -821,7 +824,7 @@ static mrt_result peek_source(void *self, mrt_sample *out, uint32_t *out_version
     return MRT_END;
 }
 
-static void take_source(void *self)
+static void pop_source(void *self)
 {
     input_take(self);
 }
@@ -836,7 +839,7 @@ sample_source input_source(input *self)
     return (sample_source){.self = self,
                            .name = self->name,
                            .peek = peek_source,
-                           .take = take_source,
+                           .take = pop_source,
                            .channels = source_channels};
 }
 

@@ -1,7 +1,6 @@
-/* stage/input/input.h - an input plugin as a source of samples in time order: read by a thread of
- * its own through a ring (live), or called directly on a virtual clock (as fast as possible). A
- * device that goes away while it is read live is opened again until it is back. [main] unless
- * marked. */
+/* stage/input/input.h - an input plugin as a source of samples in time order. Live, an own thread
+ * reads it and writes to a ring. On a virtual clock it is called directly, as fast as possible. A
+ * live device that is lost is opened again until it is back. [main] unless marked. */
 #ifndef MAROTTE_STAGE_INPUT_H
 #define MAROTTE_STAGE_INPUT_H
 #include "stage/input/health.h"
@@ -13,109 +12,113 @@ typedef struct input input;
 
 typedef enum input_state {
     INPUT_RUNNING = 0,
-    INPUT_ENDED,  /* the take is over */
-    INPUT_FAILED, /* it cannot go on: a record that cannot be read, a plugin that makes no sense */
-    INPUT_LOST    /* the device went away: its thread tries to open it again */
+    INPUT_ENDED,  /* the recording has ended */
+    INPUT_FAILED, /* a permanent error: an unreadable recording or a faulty plugin */
+    INPUT_LOST    /* the device is disconnected; the thread tries to open it again */
 } input_state;
 
 typedef enum input_incident_kind {
     INPUT_NO_INCIDENT = 0,
-    INPUT_WENT, /* the device went away; its pedals are up */
-    INPUT_CAME  /* it is back */
+    INPUT_WENT, /* the device was lost; its pedals are released */
+    INPUT_CAME  /* the device is connected again */
 } input_incident_kind;
 
 typedef struct input_incident {
     input_incident_kind kind;
     int64_t time_ns;
-    int64_t away_ns;     /* INPUT_CAME: how long it was away */
-    char text[LOG_TEXT]; /* INPUT_WENT: what the plugin said of it; "" */
+    int64_t away_ns;     /* INPUT_CAME: duration of the loss */
+    char text[LOG_TEXT]; /* INPUT_WENT: error text of the plugin; "": none */
 } input_incident;
 
-/* Opens the address with the parameters "key=value,..."; the log must outlive it. A device that
- * cannot be opened now is an error. */
+/* Opens the address with the parameters "key=value,...". `log` must outlive the input. Returns an
+ * error if the device cannot be opened now. */
 CHECKED mrt_result input_create(input **out, const mrt_plugin_type *type, const char *address,
                                 const char *params, instance_clock clock, log_queue *log,
                                 error *err);
-/* The same; opening is given up soon after *stop is true, as a signal handler may set it. */
+/* Same. Opening is cancelled soon after *stop becomes true, which a signal handler may set. */
 CHECKED mrt_result input_create_stoppable(input **out, const mrt_plugin_type *type,
                                           const char *address, const char *params,
                                           instance_clock clock, log_queue *log,
                                           const _Atomic bool *stop, error *err);
 enum { INPUT_NAME = 96 };
-/* [any] "log demo_hand.csv": what an input of that type and address will be called. */
+/* [any] Writes the name of an input of that type and address, such as "log demo_hand.csv". */
 void input_name_of(char out[INPUT_NAME], const mrt_plugin_type *type, const char *address);
-void input_destroy(input *self); /* stops its thread first; NULL is fine */
+void input_destroy(input *self); /* stops its thread first; accepts NULL */
 
-const char *input_name(const input *self); /* "log demo_hand.csv"; until destroy */
+const char *input_name(const input *self); /* such as "log demo_hand.csv"; valid until destroy */
 const mrt_plugin_type *input_plugin(const input *self);
-/* [any] Of the newest samples; valid until destroy. A plugin that asked to be restarted may have
- * other channels then, and so may a device that comes back: those of a sample are the ones of its
- * version. */
+/* [any] Returns the channels of the newest samples; valid until destroy. A restarted plugin or a
+ * device that was connected again may have other channels. Use the version of a sample to get its
+ * channels. */
 const mrt_channel *input_channels(const input *self, uint32_t *out_count);
 const mrt_channel *input_channels_of(const input *self, uint32_t version, uint32_t *out_count);
 
-/* Before input_start. What is signalled when there is a sample, an incident or another state; it
- * must outlive the input. NULL: nothing. */
+/* Call before input_start. Sets the object that is signalled after a sample, an incident or a
+ * change of state. It must outlive the input. NULL: none. */
 void input_set_wake(input *self, wake *signal);
-/* Who is given each sample on the input's own thread as soon as it has been read, before the frame
- * thread sees it. number: +1 each; version: of its channels. It must not wait. */
+/* Receives each sample on the thread of the input directly after the read, before the frame thread.
+ * number: +1 each; version: of its channels. keep must not wait. */
 typedef struct input_keeper {
     void (*keep)(void *data, uint32_t number, uint32_t version, const mrt_sample *sample);
     void *data;
 } input_keeper;
-/* At any time; {0}: nobody. The one before is not called any more when this returns. Not on a
- * virtual clock: there nothing arrives before it is performed. */
+/* Sets the keeper at any time; {0}: none. After this returns, the previous keeper is not called any
+ * more. Not for a virtual clock, where samples do not arrive before they are performed. */
 void input_set_keeper(input *self, input_keeper keeper);
-/* [frame] The number behind the newest sample that input_take took. */
+/* [frame] Returns the number of the newest sample that input_take removed, plus one. */
 uint32_t input_taken(const input *self);
 
-/* Before input_start. How long to wait between two attempts to open a lost device: at first (250
- * ms), and after eight attempts (500 ms). For tests that lose many devices. */
+/* Call before input_start. Sets the time between two attempts to open a lost device: at first
+ * (default 250 ms), and after eight attempts (default 500 ms). For tests that lose many devices. */
 void input_set_patience_ns(input *self, int64_t first_ns, int64_t later_ns);
 
-/* Sets a parameter, also while it runs: its value, or "1" to press a button. */
+/* Sets a parameter, also while the input runs. `value` is its value, or "1" to press a button. */
 CHECKED mrt_result input_set(input *self, const char *key, const char *value, error *err);
 
-/* Its value as set last; index: in the table of input_plugin. */
+/* Returns the value that was set last. index: in the parameter table of input_plugin. */
 double input_value(const input *self, uint32_t index);
 
-/* [main] Before input_start: how long it plays; below 0: it is a device, does not end, or its
- * plugin does not say. */
+/* [main] Call before input_start. Returns the length of a recording. < 0: a device, an endless
+ * input, or unknown. */
 double input_duration_s(input *self);
 
-/* The sound that belongs to a recording: a file beside it of the same name that ends with .flac,
- * .ogg or .wav. Both begin at the same moment. */
+/* The sound file of a recording: it has the same name with the ending .flac, .ogg or .wav. Both
+ * begin at the same time. */
 typedef struct input_sound {
     char path[4096];
-    double start_s; /* of the sound, at the first sample: the recording's parameter "start" */
+    double start_s; /* position in the sound at the first sample: the parameter "start" of the
+                       recording */
 } input_sound;
-/* [main] False: it is no recording, has no sound, or plays at another speed or in a loop. */
+/* [main] Returns false if the input is not a recording, has no sound, or plays at another speed or
+ * in a loop. */
 bool input_find_sound(const input *self, input_sound *out);
 
-/* CLOCK_REAL: starts the thread. CLOCK_VIRTUAL: nothing to do. */
+/* CLOCK_REAL: starts the thread. CLOCK_VIRTUAL: does nothing. */
 CHECKED mrt_result input_start(input *self, error *err);
-/* For good. Takes at most 0.1 s, even while a device is being opened, as far as the plugin keeps to
- * its deadlines and gives up when wait_until_ns returns early. */
+/* Stops the input permanently. Takes at most 0.1 s, even while a device is being opened. The plugin
+ * must respect its deadlines and give up when wait_until_ns returns early. */
 void input_stop(input *self);
 
-/* [frame] The oldest sample that has not been taken; false: none now. On a virtual clock this
- * reads the plugin, and false means that the input is over. */
+/* [frame] Copies the oldest sample in the ring. False: none now. On a virtual clock it reads the
+ * plugin, and false means that the input has ended. */
 bool input_peek(input *self, mrt_sample *out_sample);
-void input_take(input *self); /* [frame] drops what input_peek gave */
-/* [frame] The same, for whoever asks several. */
+void input_take(input *self); /* [frame] removes the sample that input_peek returned */
+/* [frame] The same functions for a reader of several sources. */
 sample_source input_source(input *self);
-/* [frame] Of the sample that input_peek gave last: 0 at first. */
+/* [frame] Returns the version of the sample that input_peek returned last, at first 0. */
 uint32_t input_version(const input *self);
-uint32_t input_newest_version(const input *self); /* [any] of what it delivers now */
-/* [frame] The oldest incident that has not been taken; false: none now. */
+uint32_t input_newest_version(const input *self); /* [any] version of the newest samples */
+/* [frame] Removes the oldest incident. False: none now. */
 bool input_take_incident(input *self, input_incident *out);
 
-/* [any] When it is neither running nor lost and input_peek gives nothing, the input is over. */
+/* [any] If the state is neither running nor lost and input_peek returns false, the input has
+ * ended. */
 input_state input_state_of(const input *self);
 uint32_t input_dropped(const input *self); /* [any] samples lost in the ring */
-/* [any] Samples that were not finite, misshapen, or not of this time. */
+/* [any] Returns the number of invalid samples: not finite, wrong count, or a time stamp too far
+ * from now. */
 uint32_t input_refused(const input *self);
-/* [any but frame] How it is doing; all zero on a virtual clock. */
+/* [any but frame] Copies the newest report. All zero on a virtual clock. */
 void input_health(const input *self, health_report *out);
 const char *input_state_name(input_state state); /* "running" */
 

@@ -12,7 +12,8 @@ typedef struct tap_record {
 
 struct tap {
     ring *records;
-    _Atomic uint64_t request; /* input in the lower 32 bits, the number of the request above */
+    _Atomic uint64_t request; /* index of the input in the lower 32 bits, number of the request in
+                                 the upper 32 bits */
 };
 
 static uint64_t request_of(uint64_t number, uint32_t input)

@@ -14,8 +14,8 @@ void wake_init(wake *self)
     atomic_init(&self->waiting, 0);
 }
 
-/* Sequentially consistent on both sides: either the waiter sees the new generation, or the
- * signaller sees that it waits. */
+/* Sequentially consistent on both sides: either the waiting thread sees the new generation, or the
+ * signalling thread sees that it waits. */
 void wake_signal(wake *self)
 {
     atomic_fetch_add(&self->generation, 1);

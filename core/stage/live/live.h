@@ -1,12 +1,9 @@
-/* stage/live/live.h - the stage while somebody is on it: a thread of its own performs what the
- * inputs give, sample by sample, always recorded, and publishes the newest face; beside it a take
- * can be played, scrubbed, performed over. The window asks and looks; nothing that it does or fails
- * to do makes the frame thread wait. Leaves out edits of takes (show/edit_store.h) and everything
- * drawn.
- *
- * One thread [main] calls all of this. What it asks takes effect within a drawn frame of the frame
- * thread; nothing that is asked makes the face jump, loses a sample, or ends a take that is being
- * recorded, unless it says so. */
+/* stage/live/live.h - the live stage. One thread performs the samples of the inputs, records all of
+ * them, and publishes the newest face. A take can be played, scrubbed or overdubbed at the same
+ * time. The window calls these functions and reads the newest view. It can never block the frame
+ * thread. Leaves out edits of takes (show/edit_store.h) and all drawing. All functions are [main],
+ * called by one thread. A change takes effect within one displayed frame. A change does not make
+ * the face jump, lose a sample or end the current recording, except where a comment states this. */
 #ifndef MAROTTE_STAGE_LIVE_H
 #define MAROTTE_STAGE_LIVE_H
 #include "stage/input/input.h"
@@ -21,69 +18,73 @@
 
 typedef struct live live;
 
-typedef struct live_settings { /* all must outlive it */
+typedef struct live_settings { /* everything they point to must outlive the stage */
     const plugin_list *plugins;
     log_queue *log;
-    show *show; /* writable, [main]'s; NULL, or one that can only be read: nothing is recorded, and
-                   live_look says why */
+    show *show; /* writable, owned by [main]; NULL or read-only: recording is off, and
+                   live_status.why_not has the reason */
     const face_file *face;
     const char *face_path;
-    double unit_mm;               /* of a mesh alone; 0: guessed */
-    const csrbf_settings *solver; /* as live_set_solver */
-    const char *mapping;          /* "one_hand,smile=8"; NULL or "": none, only the pointer */
+    double unit_mm;               /* for a mesh without a rig; 0: guessed */
+    const csrbf_settings *solver; /* see live_set_solver */
+    const char *mapping;          /* such as "one_hand,smile=8"; NULL or "": only the pointer */
     const sound_backend *sound;   /* NULL: PortAudio */
-    double fps;                   /* of frames while nothing is measured; 60 */
+    double fps;                   /* frame rate while no samples arrive; default 60 */
     double journal_s;             /* 0: 30 min */
-    wake *changed; /* signalled when there is something new to show; NULL: not needed */
+    wake *changed;                /* signalled after each new view; NULL: not used */
 } live_settings;
 
 CHECKED mrt_result live_start(live **out, const live_settings *settings, error *err);
-/* Whether a mapping of that text is there and takes those parameters: what live_start refuses then,
- * it refuses for the face. */
+/* Checks that the mapping exists and accepts the parameters. If this succeeds and live_start fails,
+ * the reason is the face. */
 CHECKED mrt_result live_check_mapping(const live_settings *settings, const char *text, error *err);
-/* A take that is being recorded ends at its last sample and is kept. < 0: what could not be
- * written. Freed all the same. */
+/* Ends the current recording at its last sample and frees the stage. Returns < 0 if something could
+ * not be written; the stage is freed then too. */
 CHECKED mrt_result live_stop(live *self, error *err);
-/* Call it with every drawn frame of the window: sound, reload, news; frees what ended. */
+/* Call with every displayed frame of the window. Updates sound, reload and status, and frees unused
+ * objects. */
 void live_update(live *self);
-/* It waits for something that comes without a face: call live_update soon. */
+/* Returns whether an event without a new face is pending. If so, call live_update again soon. */
 bool live_is_busy(const live *self);
 
-/* ---- what is seen ---- */
+/* ---- newest view ---- */
 
-/* The newest; *out stays valid until the next call. True: it is newer than the last. */
+/* Sets *out to the newest view, valid until the next call. Returns whether it is newer than the
+ * last one. */
 bool live_look(live *self, const live_view **out);
 
-/* ---- how it does ---- */
+/* ---- status and statistics ---- */
 
 enum { LIVE_PHASES = 4, LIVE_HISTORY = 240 };
-typedef enum live_phase {                       /* of the frame: ARCHITECTURE.md, Phases */
-                          LIVE_PHASE_MAP = 0,   /* 3 to 5 */
-                          LIVE_PHASE_CONSTRAIN, /* 6 */
-                          LIVE_PHASE_DEFORM,    /* 7 */
-                          LIVE_PHASE_PUBLISH    /* 8 */
+/* Lines of the panel Engine. Each is the sum of some phases of frame.h. */
+typedef enum live_phase {
+    LIVE_PHASE_MAP = 0,   /* FRAME_SCHEDULE to FRAME_GUARD */
+    LIVE_PHASE_CONSTRAIN, /* FRAME_COMPOSE and FRAME_SOLVE */
+    LIVE_PHASE_DEFORM,
+    LIVE_PHASE_PUBLISH
 } live_phase;
 typedef struct live_status {
     bool can_record;
-    char why_not[256]; /* one line; "" */
-    char problem[256]; /* the disk, the writer: one calm line; "" */
+    char why_not[256]; /* reason why recording is off, one line; "": none */
+    char problem[256]; /* error of the disk or the writer, one line; "": none */
     writer_status writer;
-    bool is_recording;   /* a take (live or over one) */
-    int64_t take;        /* that is being, or was last, recorded; 0: none */
-    int64_t recorded_ns; /* how long it is by now */
-    recorder_code code;  /* time code from outside, while everything is recorded */
-    int64_t journal_ns;  /* how far back live_keep reaches now */
-    size_t kept_bytes;   /* of the take on the stage, to scrub from: at most 64 MiB */
+    bool is_recording;   /* a take or an overdub */
+    int64_t take;        /* current or last recorded take; 0: none */
+    int64_t recorded_ns; /* length so far */
+    recorder_code code;  /* external time code while recording is on */
+    int64_t journal_ns;  /* time before now that live_keep can save */
+    size_t kept_bytes;   /* size of the checkpoints of the shown take, at most 64 MiB */
     uint64_t sample_count;
-    performer_counts counts;
+    composer_counts counts;
     rezero_counts rezeros;
-    uint64_t patch_speaks;                 /* bits: connections that were heard and picked up */
-    uint32_t patch_pressed[PATCH_ACTIONS]; /* so often, on this face */
-    double frame_p50_ms, frame_p99_ms;     /* phases 3 to 8, of the last LIVE_HISTORY published */
+    uint64_t patch_speaks; /* one bit per connection: set after it has taken effect */
+    uint32_t patch_pressed[PATCH_ACTIONS]; /* number of presses on this face */
+    double frame_p50_ms, frame_p99_ms; /* all phases of the last LIVE_HISTORY published frames */
     double phase_p50_ms[LIVE_PHASES], phase_p99_ms[LIVE_PHASES];
-    float frame_ms[LIVE_HISTORY]; /* the oldest first */
-    uint32_t frame_count;         /* of frame_ms */
-    double lag_p99_ms;            /* sample measured to performed, over the last seconds */
+    float frame_ms[LIVE_HISTORY]; /* oldest first */
+    uint32_t frame_count;         /* number of elements of frame_ms */
+    double lag_p99_ms; /* time from measurement to performance of a sample, over the last LIVE_LAGS
+                          steps */
     isolate_counts isolated;
     uint32_t reload_taken, reload_refused;
     bool is_sound_armed;
@@ -92,142 +93,143 @@ typedef struct live_status {
 } live_status;
 void live_status_of(live *self, live_status *out);
 
-/* ---- inputs: at most 7, and the pointer, which is always there ---- */
+/* ---- inputs: at most 7, and the pointer, which is always present ---- */
 
-/* It becomes live's, also when it is refused; `text` names it in the show, as it was opened. The
- * others go on. Refused while a take is recorded. */
+/* Adds an input and takes ownership of it, also after an error. `text` (plugin, address and
+ * parameters) names it in the show. The other inputs continue. Refused while a take is recorded. */
 CHECKED mrt_result live_add_input(live *self, input *made, const char *text, error *err);
 CHECKED mrt_result live_remove_input(live *self, uint32_t index, error *err);
 uint32_t live_input_count(const live *self);
-input *live_input(live *self, uint32_t index); /* for its name, health, channels, input_set */
+input *live_input(live *self, uint32_t index); /* for its name, health, channels and input_set */
 const char *live_input_text(const live *self, uint32_t index);
-/* The newest sample of it, for live bars; false: none yet. */
+/* Copies the newest sample of an input, for live bars. False: none yet. */
 bool live_input_sample(live *self, uint32_t index, mrt_sample *out);
-/* For whoever must see every sample of one input (a calibration): from now on what it gives is kept
- * until it is taken, some seconds of it; live_take_tapped gives the oldest, false: none now.
- * Another index begins anew; one that is no input ends it. (tap.h) */
+/* Buffers every sample of one input for a slower reader such as a calibration, for some seconds at
+ * most. live_take_tapped returns the oldest buffered sample; false: none now. Another index
+ * discards the buffer. An index without an input stops it. See tap.h. */
 void live_tap(live *self, uint32_t index);
 bool live_take_tapped(live *self, mrt_sample *out);
-/* From the next sample on; path NULL: shipped defaults. */
+/* Takes effect with the next sample. path NULL: default calibration. */
 CHECKED mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *err);
-const char *live_calibration(const live *self, uint32_t side); /* the path; NULL */
-void live_rezero(live *self); /* both hands, those that are still; status.rezeros says */
-/* A pedal whose press re-zeroes, 1..4; 0: none. */
+const char *live_calibration(const live *self, uint32_t side); /* path; NULL: default */
+/* Re-zeroes each hand that is still; the result is in status.rezeros. */
+void live_rezero(live *self);
+/* Sets the pedal that re-zeroes, 1..4. 0: none. */
 void live_set_rezero_pedal(live *self, uint32_t pedal);
 
-/* ---- outputs: what is seen on the stage is sent, live hands and takes alike ---- */
+/* ---- outputs: receive the face that is shown, from live hands and from takes ---- */
 
-outputs *live_outputs(live *self); /* to add, remove and look at; until live_stop */
+outputs *live_outputs(live *self); /* to add, remove and inspect them; valid until live_stop */
 
-/* ---- the pointer: rest and at in mm, as pointer.h ---- */
+/* ---- pointer: rest and at in mm, see pointer.h ---- */
 
 void live_point(live *self, pointer_grip grip, const float rest[3], const float at[3], bool stays,
                 double radius_mm);
-/* What the pointer has made of the live face, as bytes, to be freed: for undo. */
+/* Saves the changes that the pointer made to the live face, for undo. The caller frees *out. */
 CHECKED mrt_result live_save_pulled(live *self, void **out, size_t *out_size, error *err);
-/* The face is that again, whatever hands and mapping do; what is recorded is another performance
- * from there on. Refused while a take is recorded. */
+/* Restores such changes, independent of hands and mapping. Begins a new performance. Refused while
+ * a take is recorded. */
 CHECKED mrt_result live_load_pulled(live *self, const void *bytes, size_t size, error *err);
 
 /* ---- the mapping ---- */
 
-/* The face goes over to it without a jump. "" none. Refused while a take is recorded. */
+/* Crossfades to another mapping. "": none. Refused while a take is recorded. */
 CHECKED mrt_result live_set_mapping(live *self, const char *text, error *err);
-/* What the one that performs was taught (MRT_STATE), as bytes: TAUGHT_BYTES_MAX at most. 0: it
- * cannot be taught. */
+/* Writes the taught values of the mapping (MRT_STATE), at most TAUGHT_BYTES_MAX, and returns their
+ * size. 0: it cannot be taught. */
 size_t live_taught(live *self, void *bytes, size_t capacity);
-/* It is taught that instead, and the face goes over without a jump; what is recorded is another
- * performance from there on. Refused while a take is recorded, and by a mapping that does not know
- * such bytes: it is as before then. */
+/* Replaces the taught values and crossfades. Begins a new performance. Refused while a take is
+ * recorded, and by a mapping that cannot read the bytes; nothing changes then. */
 CHECKED mrt_result live_teach(live *self, const void *bytes, size_t size, error *err);
-/* The names of those that take the face on the stage, "anchored, magnet"; makes each of them once.
- */
+/* Lists the mappings that accept the current face, such as "anchored, magnet". Creates each of them
+ * once. */
 void live_list_fitting(live *self, char *out, size_t capacity);
-/* Until the mapping changes: parameters are read (params) and set (instance_set_text). NULL: none
- * performs. */
+/* Returns the mapping for reading (params) and setting (instance_set_text) parameters. Valid until
+ * the mapping changes. NULL: no mapping. */
 instance *live_mapping(live *self);
-/* Everything eases back to rest: the mapping is reset, the pointer lets go, the base is the rest
- * shape again, over 250 ms. */
+/* Eases the face to neutral over 250 ms: resets the mapping, releases the pointer, and makes
+ * neutral the base shape. */
 void live_neutral(live *self);
 
-/* ---- the patch, over whatever mapping performs ---- */
+/* ---- the patch; works with every mapping ---- */
 
-/* From the next sample on, without a jump; count 0: none. What is recorded is another performance
- * from there on. MRT_HOLD: the change before still comes: later, nothing has changed. Refused while
- * a take is recorded. */
+/* Sets the patch with the next sample, without a jump. count 0: none. Begins a new performance.
+ * MRT_HOLD: the previous change is still running and nothing has changed; try again later. Refused
+ * while a take is recorded. */
 CHECKED mrt_result live_set_patch(live *self, const patch *p, error *err);
-/* What of it the face and the mapping do not have, in lines; "". */
+/* Lists what the patch uses but the face and the mapping do not have, one per line. "": nothing. */
 const char *live_patch_note(const live *self);
 
-/* ---- another face; the inputs stay open. Refused while a take is recorded. ---- */
+/* ---- another face; inputs stay open. Refused while a take is recorded ---- */
 
 CHECKED mrt_result live_set_face(live *self, const face_file *face, const char *path,
                                  double unit_mm, error *err);
-/* radius 0: the rig's, whatever the face; NULL: all of it is the rig's. Takes do not keep it:
- * whoever plays one elsewhere does so with its rig's. */
+/* Sets the solver. radius 0: the rig's radius on every face. NULL: the rig's solver. Takes do not
+ * store it: on another stage they use the solver of the show or the rig. */
 CHECKED mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err);
 
 /* ---- recording ---- */
 
-/* A take is going to begin at that instant of the host's clock, and the beats count towards it; a
- * live_record() after it begins the take right there. 0: it is given up. */
+/* Sets the start of the next take in host time, for the beats of the count-in. The next
+ * live_record() begins the take exactly there. 0: cancels it. */
 void live_count_in(live *self, int64_t begin_ns);
-/* slate NULL: none is said. */
+/* slate NULL: empty. */
 CHECKED mrt_result live_record(live *self, const writer_slate *slate, error *err);
-CHECKED mrt_result live_record_end(live *self, error *err); /* of either kind */
-/* A take of what was performed between two instants of the host's clock. It is in the show once the
- * writer has got to it. */
+CHECKED mrt_result live_record_end(live *self, error *err); /* also ends an overdub */
+/* Makes a take of a past span in host time. The take is in the show after the writer has processed
+ * it. */
 CHECKED mrt_result live_keep(live *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
                              int64_t *out_take, error *err);
 CHECKED mrt_result live_mark(live *self, const char *text, error *err);
-/* A click on the beats of a take's timeline, from its start on, heard by whoever performs: it is in
- * no take and no export. */
+/* A click on the beats of a take's timeline, from its start. Only the performer hears it: it is not
+ * part of takes and exports. */
 typedef enum live_click_when {
     LIVE_CLICK_OFF = 0,
     LIVE_CLICK_COUNT_IN,  /* before a recording */
-    LIVE_CLICK_RECORDING, /* and while it goes on */
-    LIVE_CLICK_ALWAYS     /* and when a take is played */
+    LIVE_CLICK_RECORDING, /* and during a recording */
+    LIVE_CLICK_ALWAYS     /* and during playback of a take */
 } live_click_when;
 enum { LIVE_CLICK_BPM_MIN = 20, LIVE_CLICK_BPM_MAX = 400, LIVE_CLICK_BAR_MAX = 16 };
 typedef struct live_click {
     live_click_when when;
     double bpm;   /* LIVE_CLICK_BPM_MIN..LIVE_CLICK_BPM_MAX */
-    uint32_t bar; /* beats, 1..LIVE_CLICK_BAR_MAX: the first is higher */
+    uint32_t bar; /* beats, 1..LIVE_CLICK_BAR_MAX; the first one has a higher pitch */
 } live_click;
 CHECKED mrt_result live_set_click(live *self, const live_click *click, error *err);
 CHECKED mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err);
 void live_disarm_sound(live *self);
-/* A take that live itself has edited since the last call (its sound was attached): whoever shows it
- * reads it anew. 0: none. */
+/* Returns the take that the stage itself has edited since the last call, by attaching its sound.
+ * Read it again from the show. 0: none. */
 int64_t live_take_edited(live *self);
-/* Another show: what is being recorded ends, and the mapping goes over, without a jump, to what
- * this show's last session taught it; NULL: none, and it knows what it knew. */
+/* Changes the show. Ends the current recording and crossfades the mapping to the taught values of
+ * the new show. NULL: no show; the taught values stay. */
 CHECKED mrt_result live_set_show(live *self, show *s, error *err);
 
 /* ---- a take on the stage ---- */
 
-/* Shown from now on, at the instant where it stood if it was shown before; after each edit again.
- * Its own face must be the one on stage, or one like it: else an error that says which. */
+/* Shows a take, at its last position if it was shown before. Call it again after each edit. The
+ * take must belong to the current face or a similar one. Otherwise it returns an error that names
+ * the face. */
 CHECKED mrt_result live_show_take(live *self, const take *t, error *err);
-void live_show_hands(live *self);             /* back to LIVE_PERFORMS */
+void live_show_hands(live *self);             /* returns to LIVE_PERFORMS */
 int64_t live_shown_take(const live *self);    /* 0: none */
-const char *live_take_note(const live *self); /* what is not as it was recorded; "" */
+const char *live_take_note(const live *self); /* what changed since the recording; "": nothing */
 
-/* [main]'s idea of the transport, at once. */
+/* Position from the transport of [main], without waiting for the frame thread. */
 transport_position live_position(const live *self);
 const transport *live_transport(const live *self);
 void live_play(live *self);
 void live_pause(live *self);
 void live_seek(live *self, int64_t at_ns);
 void live_set_speed(live *self, double speed);
-void live_set_loop(live *self, int64_t in_ns, int64_t out_ns); /* in >= out: none */
+void live_set_loop(live *self, int64_t in_ns, int64_t out_ns); /* in >= out: no loop */
 void live_step_frames(live *self, int64_t frames);
 
-/* Over the take that is shown, from where in_ns says. The patterns are copied; passes 0: until it
- * is ended; the speed is the transport's, whatever the plan says. */
+/* Starts an overdub of the shown take. Copies the patterns of the plan. passes 0: until
+ * live_record_end. The transport sets the speed, not the plan. */
 CHECKED mrt_result live_record_over(live *self, const overdub_plan *plan, error *err);
-/* Once after it has ended (by live_record_end or by itself): the edits to make of the take, which
- * [main] makes (they are one step of undo). False: nothing to take. */
+/* Call once after an overdub has ended. Returns the edits for [main] to apply to the take as one
+ * undo step. False: no edits. */
 bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *err);
 
 #endif

@@ -17,7 +17,7 @@ static uint32_t end_of_block(const points_order *order, uint32_t block)
     return end < order->count ? end : order->count;
 }
 
-/* Adds the parts that a block has vertices in, each once; returns how many there are then. */
+/* Appends the parts that contain vertices of a block, without duplicates. Returns the new count. */
 static uint32_t list_parts(live_board *out, const points_order *order, uint32_t block,
                            uint32_t count)
 {
@@ -44,7 +44,7 @@ static mrt_result create_changes(live_board *out, const points_order *order, err
     out->first_part = calloc((size_t)blocks + 1, sizeof *out->first_part);
     out->part = malloc(((size_t)out->vertex_count + 1) * sizeof *out->part);
     if (!out->first_part || !out->part)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to say what changes of a face");
+        return error_set(err, MRT_ERR_MEMORY, "no memory to track the changes of a face");
     for (uint32_t block = 0; block < blocks; ++block)
         out->first_part[block + 1] = list_parts(out, order, block, out->first_part[block]);
     return MRT_OK;
@@ -53,7 +53,7 @@ static mrt_result create_changes(live_board *out, const points_order *order, err
 mrt_result live_board_create(live_board *out, const composer *of, error *err)
 {
     *out = (live_board){.number = 0};
-    /* a composer's face does not change by being asked */
+    /* the composer's face is not changed here */
     face *f = composer_face((composer *)(uintptr_t)of);
     out->vertex_count = face_order(f)->count;
     slot_init(&out->slot);
@@ -65,9 +65,9 @@ mrt_result live_board_create(live_board *out, const composer *of, error *err)
         good &= out->rows[i] != NULL;
     }
     out->from = calloc(size, sizeof *out->from);
-    mrt_result result = good && out->from ? create_changes(out, face_order(f), err)
-                                          : error_set(err, MRT_ERR_MEMORY,
-                                                      "no memory for the faces that are shown");
+    mrt_result result = good && out->from
+                            ? create_changes(out, face_order(f), err)
+                            : error_set(err, MRT_ERR_MEMORY, "no memory for the published faces");
     if (result < 0)
         live_board_destroy(out);
     return result;
@@ -88,14 +88,14 @@ void live_board_destroy(live_board *self)
 
 /* ---- [frame] ---- */
 
-/* What is published of a composer's face: positions, or normals. */
+/* Positions or normals of a composer's face. */
 typedef struct board_source {
     const float *stream[3]; /* in the engine's order */
-    const stamps *written;  /* blocks of it */
+    const stamps *written;  /* blocks with changes */
     const points_order *order;
 } board_source;
 
-/* Into rows in the file's order. */
+/* Copies a block to rows in the order of the mesh file. */
 static void write_block(float *restrict out, const board_source *from, uint32_t block)
 {
     const float *restrict x = from->stream[0], *restrict y = from->stream[1],
@@ -117,8 +117,9 @@ static void mark_block(live_board *self, uint32_t block)
         stamps_mark(&self->changed, self->part[i]);
 }
 
-/* What has changed since the buffer was filled goes into it; what has since any was is noted. */
-static void take_rows(live_board *self, float *out, const board_source *from, stamps_reader *taken,
+/* Copies the changes since this buffer was filled, and marks the changes since the last fill of any
+ * buffer. */
+static void copy_rows(live_board *self, float *out, const board_source *from, stamps_reader *taken,
                       stamps_reader *noted)
 {
     for (uint32_t block = 0; block < from->written->count; ++block) {
@@ -131,7 +132,7 @@ static void take_rows(live_board *self, float *out, const board_source *from, st
     stamps_read(noted, from->written);
 }
 
-static void take_face(live_board *self, uint32_t back, composer *of)
+static void copy_face(live_board *self, uint32_t back, composer *of)
 {
     const face *f = composer_face(of);
     const points *p = face_shown(f);
@@ -142,11 +143,11 @@ static void take_face(live_board *self, uint32_t back, composer *of)
                                  face_order(f)};
     float *rows = self->rows[back];
     live_taken *taken = &self->taken[back], *noted = &self->noted;
-    take_rows(self, rows, &position, &taken->position, &noted->position);
-    take_rows(self, rows + row_floats(self), &normal, &taken->normal, &noted->normal);
+    copy_rows(self, rows, &position, &taken->position, &noted->position);
+    copy_rows(self, rows + row_floats(self), &normal, &taken->normal, &noted->normal);
 }
 
-/* The buffer has what no composer shows: nothing of it is kept. */
+/* The buffer now shows a mixed face, so all of it must be copied again for the next frame. */
 static void ease(live_board *self, uint32_t back, int64_t now_ns)
 {
     float *rows = self->rows[back];
@@ -169,7 +170,7 @@ live_view *live_board_fill(live_board *self, composer *of, int64_t now_ns)
     float *rows = self->rows[back];
     live_view *view = &self->view[back];
     stamps_begin(&self->changed);
-    take_face(self, back, of);
+    copy_face(self, back, of);
     if (self->is_easing)
         ease(self, back, now_ns);
     stamps_copy(&self->changed_in[back], &self->changed);
@@ -214,7 +215,7 @@ void live_board_publish_again(live_board *self)
     publish(self);
 }
 
-/* The buffer that was published last is read only, by whoever has it: here too. */
+/* The last published buffer is only read, here as well as by [main]. */
 void live_board_ease(live_board *self, int64_t now_ns)
 {
     if (!self->has_shown)

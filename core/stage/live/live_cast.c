@@ -8,13 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* [main] Who performs: the face and the mapping, and changes of them. */
+/* [main] The cast: the face, the mapping, and changes of them. */
 
 mrt_result live_check_free(const live *self, const char *what, error *err)
 {
     if (!self->status.is_recording)
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT, "%s: not while a take is recorded: end it first", what);
+    return error_set(err, MRT_ERR_ARGUMENT,
+                     "%s: not possible while a take is recorded: end it first", what);
 }
 
 /* ---- mappings ---- */
@@ -43,13 +44,13 @@ static mrt_result find_type(live_mapping_role *self, const plugin_list *plugins,
     return result;
 }
 
-/* What pulls now; until the next call. */
+/* Returns the instance that performs now. Valid until the next call. */
 static instance *mapping_now(live_mapping_role *self)
 {
     return self->reload ? reload_current(self->reload) : &self->instance;
 }
 
-static bool is_nothing(const live_mapping_role *self)
+static bool is_null_mapping(const live_mapping_role *self)
 {
     return self->instance.type == &null_mapping_type;
 }
@@ -60,7 +61,7 @@ isolate_counts live_mapping_isolated(live_mapping_role *self)
     return self->isolate && now->self ? isolate_counted(now->self) : (isolate_counts){0};
 }
 
-/* Deactivated before; NULL is fine. */
+/* Must be deactivated before. Accepts NULL. */
 static void destroy_mapping(live_mapping_role *self)
 {
     if (!self)
@@ -72,7 +73,7 @@ static void destroy_mapping(live_mapping_role *self)
     free(self);
 }
 
-/* text: "PLUGIN[,key=value]"; NULL or "": nothing. It does not move afterwards. */
+/* text: "PLUGIN[,key=value]"; NULL or "": the null mapping. The struct does not move in memory. */
 static mrt_result create_mapping(live_mapping_role **out, const char *text,
                                  const plugin_list *plugins, log_queue *log, error *err)
 {
@@ -116,16 +117,16 @@ void live_scene_destroy(live_scene *scene)
     }
 }
 
-/* Its owner is the performer's face; whoever makes another face of it copies it. */
+/* The performer's face owns the binding. Another face copies it. */
 static void share_binding(live_scene *scene)
 {
-    const face *f = performer_face(scene->performer);
+    const face *f = composer_face(scene->performer->composer);
     scene->ready = *scene->file;
     if (!scene->ready.bound)
         scene->ready.bound = (binding *)(uintptr_t)face_binding(f);
 }
 
-/* The same face again: as it is bound now. */
+/* Returns the same face file with its computed binding, if it is the current face. */
 static const face_file *bound_already(const live *self, const face_file *file)
 {
     return self->scene && self->scene->file == file ? &self->scene->ready : file;
@@ -162,10 +163,9 @@ static mrt_result create_scene(live *self, const face_file *file, const char *pa
     if (result >= 0)
         share_binding(scene);
     if (result >= 0)
-        result = live_board_create(&scene->board, performer_composer(scene->performer), err);
+        result = live_board_create(&scene->board, scene->performer->composer, err);
     if (result >= 0)
-        result =
-            face_board_create(&scene->outgoing, performer_composer(scene->performer), file, err);
+        result = face_board_create(&scene->outgoing, scene->performer->composer, file, err);
     if (result < 0) {
         live_scene_destroy(scene);
         return result;
@@ -174,7 +174,7 @@ static mrt_result create_scene(live *self, const face_file *file, const char *pa
     return MRT_OK;
 }
 
-/* ---- what is recorded of it ---- */
+/* ---- settings for the recorder ---- */
 
 static uint32_t list_inputs(live *self, input *inputs[PLAYER_INPUTS_MAX],
                             const char *text[PLAYER_INPUTS_MAX])
@@ -202,7 +202,7 @@ static recorder_settings cast_settings(live *self, const live_scene *scene, live
         .input_text = self->cast_text,
         .input_count = count,
         .calibration = {self->hand[MRT_LEFT].text, self->hand[MRT_RIGHT].text},
-        .layer = performer_layer(scene->performer),
+        .layer = scene->performer->voice[0].layer,
         .mapping = mapping_now(role),
         .performer = moves_face ? scene->performer : NULL,
         .face_path = scene->path,
@@ -227,7 +227,7 @@ mrt_result live_cast_prepare(live *self, live_change *c, error *err)
     return recorder_prepare(self->recorder, &as, &c->cast, err);
 }
 
-/* The recorder goes over, and time goes on, so that the performance begins here. */
+/* Changes the recorder's cast and performs a step now, so that the performance begins here. */
 mrt_result live_cast_begin(live_stage *stage, live_change *c, error *err)
 {
     if (c->cast) {
@@ -255,7 +255,7 @@ mrt_result live_cast_change(live *self, live_command_run *run, live_change *c, e
     return result;
 }
 
-static mrt_result begin_anew(live_stage *stage, void *data, error *err)
+static mrt_result begin_performance(live_stage *stage, void *data, error *err)
 {
     return live_cast_begin(stage, data, err);
 }
@@ -263,10 +263,10 @@ static mrt_result begin_anew(live_stage *stage, void *data, error *err)
 mrt_result live_cast_anew(live *self, error *err)
 {
     live_change c = {0};
-    return live_cast_change(self, begin_anew, &c, err);
+    return live_cast_change(self, begin_performance, &c, err);
 }
 
-/* ---- what the mapping was taught ---- */
+/* ---- taught values ---- */
 
 typedef struct taught {
     unsigned char bytes[TAUGHT_BYTES_MAX];
@@ -277,12 +277,12 @@ static mrt_result save_taught(live_stage *stage, void *data, error *err)
 {
     (void)err;
     taught *out = data;
-    out->size = taught_save(layer_mapping(performer_layer(stage->scene->performer)), out->bytes,
+    out->size = taught_save(stage->scene->performer->voice[0].layer->mapping, out->bytes,
                             sizeof out->bytes);
     return MRT_OK;
 }
 
-/* To be freed; NULL: it was taught nothing, or no memory. */
+/* The caller frees it. NULL: no taught values, or out of memory. */
 static taught *fetch_taught(live *self)
 {
     error ignored = {""};
@@ -303,14 +303,14 @@ size_t live_taught(live *self, void *bytes, size_t capacity)
     return size;
 }
 
-/* MRT_HOLD: one mapping leaves while another comes; later. */
+/* MRT_HOLD: a crossfade is running; try again later. */
 static mrt_result teach_now(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
-    layer *of = performer_layer(stage->scene->performer);
+    layer *of = stage->scene->performer->voice[0].layer;
     if (layer_is_fading(of))
         return MRT_HOLD;
-    mrt_result result = taught_load(layer_mapping(of), c->taught, c->taught_size, err);
+    mrt_result result = taught_load(of->mapping, c->taught, c->taught_size, err);
     if (result < 0)
         return result;
     layer_crossfade(of);
@@ -319,16 +319,16 @@ static mrt_result teach_now(live_stage *stage, void *data, error *err)
 
 mrt_result live_teach(live *self, const void *bytes, size_t size, error *err)
 {
-    mrt_result result = live_check_free(self, "what the mapping was taught", err);
+    mrt_result result = live_check_free(self, "teach the mapping", err);
     if (result >= 0 && self->coming)
-        result = error_set(err, MRT_ERR_ARGUMENT, "another mapping is coming: try again");
+        result = error_set(err, MRT_ERR_ARGUMENT, "the mapping is being changed: try again");
     live_change c = {.taught = bytes, .taught_size = size};
     if (result >= 0)
         result = live_cast_prepare(self, &c, err);
-    const int64_t until_ns = clock_now_ns() + NS_PER_S; /* a blend takes LAYER_FADE_S */
+    const int64_t until_ns = clock_now_ns() + NS_PER_S; /* a crossfade takes LAYER_FADE_S */
     while (result >= 0 && (result = live_ask(self, teach_now, &c, err)) == MRT_HOLD) {
         if (clock_now_ns() >= until_ns)
-            result = error_set(err, MRT_ERR_ARGUMENT, "another mapping is coming: try again");
+            result = error_set(err, MRT_ERR_ARGUMENT, "the mapping is being changed: try again");
         else
             clock_sleep_until_ns(clock_now_ns() + 5 * NS_PER_MS);
     }
@@ -342,14 +342,14 @@ static void recall_taught(live *self, live_mapping_role *role)
     role->is_of_show = true;
 }
 
-/* For another instance of it, on another face. */
+/* Copies the taught values to another instance for another face. */
 static void teach(live *self, live_mapping_role *role)
 {
     error ignored = {""};
     taught *t = fetch_taught(self);
     if (t && taught_load(&role->instance, t->bytes, t->size, &ignored) < 0)
         log_push(self->settings.log, MRT_LOG_WARNING, "stage",
-                 "the mapping does not take what it was taught over to this face");
+                 "the taught values of the mapping cannot be used on this face");
     free(t);
 }
 
@@ -375,11 +375,11 @@ void live_cast_keep_taught(live *self)
     free(t);
 }
 
-/* A crash loses what was taught within this time. One in a process of its own is asked only when it
- * is left: the frame thread would wait for its answer. */
+/* A crash loses the values that were taught within this time. An isolated mapping is read only when
+ * it is replaced, because the frame thread would wait for its answer. */
 static const int64_t note_every_ns = 5 * NS_PER_S;
 
-static void note_what_changed(live *self)
+static void note_changed_taught(live *self)
 {
     const int64_t now_ns = clock_now_ns();
     live_mapping_role *role = self->role;
@@ -389,7 +389,7 @@ static void note_what_changed(live *self)
     role->noted_ns = now_ns;
     const uint64_t hash = t ? hash_bytes(HASH_START, t->bytes, t->size) : 0;
     if (t && role->noted_hash == 0)
-        role->noted_hash = hash; /* as it came: from the note, or never taught */
+        role->noted_hash = hash; /* unchanged since the mapping was created */
     else if (t && role->noted_hash != hash)
         note_taught(self, t);
     free(t);
@@ -397,12 +397,12 @@ static void note_what_changed(live *self)
 
 /* ---- the patch ---- */
 
-/* MRT_HOLD: what was changed before still comes; time goes on, so that it does. */
+/* MRT_HOLD: the previous change is still running. The tick lets it continue. */
 static mrt_result patch_now(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
     patch_plan *old;
-    if (!layer_set_patch(performer_layer(stage->scene->performer), c->plan, &old)) {
+    if (!patch_bay_set(&stage->scene->performer->voice[0].layer->bay, c->plan, &old)) {
         mrt_result result = live_frame_tick(stage, err);
         return result < 0 ? result : MRT_HOLD;
     }
@@ -425,7 +425,7 @@ mrt_result live_set_patch(live *self, const patch *p, error *err)
     if (c.plan)
         patch_plan_check_params(c.plan, mapping_now(self->role)->type);
     *before = self->patch;
-    self->patch = *p; /* what is recorded from here on */
+    self->patch = *p; /* for the new recorder cast */
     result = live_cast_change(self, patch_now, &c, err);
     if (result != MRT_OK)
         self->patch = *before;
@@ -436,31 +436,31 @@ mrt_result live_set_patch(live *self, const patch *p, error *err)
 
 const char *live_patch_note(const live *self)
 {
-    const patch_plan *plan = layer_bay(performer_layer(self->scene->performer))->plan;
+    const patch_plan *plan = self->scene->performer->voice[0].layer->bay.plan;
     return plan ? patch_plan_note(plan) : "";
 }
 
 /* ---- the mapping ---- */
 
-/* MRT_HOLD: one comes already; later. */
+/* MRT_HOLD: a crossfade is running; try again later. */
 static mrt_result switch_mapping(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
-    layer *of = performer_layer(stage->scene->performer);
+    layer *of = stage->scene->performer->voice[0].layer;
     if (layer_is_fading(of))
         return MRT_HOLD;
-    const face *posed = composer_face(performer_composer(stage->scene->performer));
+    const face *posed = composer_face(stage->scene->performer->composer);
     c->old = layer_replace(of, &c->role->instance, &c->room, face_metered(posed)->dof);
     stage->role = c->role;
     stage->reload = NULL;
     return live_cast_begin(stage, c, err);
 }
 
-/* The one that comes is active on the face and begins anew. */
+/* Activates and resets the new mapping. */
 static mrt_result activate(live *self, live_mapping_role *role, error *err)
 {
     const mrt_mapping *functions = plugin_interface(role->instance.type, MRT_MAPPING);
-    const mapped_face *mapped = composer_mapped(performer_composer(self->scene->performer));
+    const mapped_face *mapped = composer_mapped(self->scene->performer->composer);
     mrt_result result = instance_activate(&role->instance, mapped, err);
     if (result < 0)
         return result;
@@ -476,19 +476,18 @@ static mrt_result watch_role(live_stage *stage, void *data, error *err)
     return MRT_OK;
 }
 
-/* The mapping's library, if it has one. */
+/* Watches the library of the mapping, if it has one. */
 static void watch(live *self)
 {
     error err = {""};
     live_mapping_role *role = self->role;
-    const reload_settings settings = {
-        .library = role->library,
-        .mapping = &role->instance,
-        .mapped = composer_mapped(performer_composer(self->scene->performer)),
-        .log = self->settings.log,
-        .clock = CLOCK_REAL,
-        .isolate = role->isolate ? &role->isolation : NULL,
-        .is_asked = true};
+    const reload_settings settings = {.library = role->library,
+                                      .mapping = &role->instance,
+                                      .mapped = composer_mapped(self->scene->performer->composer),
+                                      .log = self->settings.log,
+                                      .clock = CLOCK_REAL,
+                                      .isolate = role->isolate ? &role->isolation : NULL,
+                                      .is_asked = true};
     mrt_result result = role->library ? reload_start(&role->reload, &settings, &err) : MRT_OK;
     if (result >= 0)
         result = live_ask(self, watch_role, role->reload, &err);
@@ -505,7 +504,7 @@ static void drop_coming(live *self)
     self->coming = NULL;
 }
 
-/* MRT_HOLD: not yet. */
+/* MRT_HOLD: not possible yet. */
 static mrt_result switch_to_coming(live *self, error *err)
 {
     live_change c = {.role = self->coming};
@@ -524,8 +523,9 @@ static mrt_result switch_to_coming(live *self, error *err)
     return result;
 }
 
-/* It takes over with what the show's last session taught it; destroyed where it cannot. */
-static mrt_result bring(live *self, live_mapping_role *role, error *err)
+/* Starts the switch to a mapping with the taught values of the show. Destroys the mapping on
+ * error. */
+static mrt_result start_switch(live *self, live_mapping_role *role, error *err)
 {
     recall_taught(self, role);
     mrt_result result = activate(self, role, err);
@@ -550,7 +550,7 @@ mrt_result live_set_mapping(live *self, const char *text, error *err)
     if (result < 0)
         return result;
     live_cast_keep_taught(self);
-    return bring(self, role, err);
+    return start_switch(self, role, err);
 }
 
 mrt_result live_cast_follow_show(live *self, error *err)
@@ -564,13 +564,13 @@ mrt_result live_cast_follow_show(live *self, error *err)
     if (result < 0)
         return result;
     instance_copy_values(&role->instance, mapping_now(last));
-    return bring(self, role, err);
+    return start_switch(self, role, err);
 }
 
 instance *live_mapping(live *self)
 {
     live_mapping_role *role = self->coming ? self->coming : self->role;
-    return is_nothing(role) ? NULL : mapping_now(role);
+    return is_null_mapping(role) ? NULL : mapping_now(role);
 }
 
 /* ---- another face ---- */
@@ -596,7 +596,7 @@ static void retire(live *self, live_scene *scene, live_mapping_role *role)
     destroy_mapping(role);
     scene->before = self->old_scene;
     self->old_scene = scene;
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    const mrt_face *about = composer_about(self->scene->performer->composer);
     for (; scene; scene = scene->before)
         for (int i = 0; i < 3; ++i)
             scene->board.view[i].about = about;
@@ -604,7 +604,7 @@ static void retire(live *self, live_scene *scene, live_mapping_role *role)
 
 static void publish_first(live_scene *scene)
 {
-    composer *of = performer_composer(scene->performer);
+    composer *of = scene->performer->composer;
     live_view *view = live_board_fill(&scene->board, of, clock_now_ns());
     view->about = composer_about(of);
     view->solver = composer_solver(of);
@@ -657,7 +657,7 @@ void live_own_solver(live *self, const csrbf_settings *solver)
         self->own_solver = *solver;
 }
 
-/* ---- now and then ---- */
+/* ---- update ---- */
 
 void live_cast_update(live *self)
 {
@@ -666,10 +666,10 @@ void live_cast_update(live *self)
         log_push(self->settings.log, MRT_LOG_ERROR, "stage", err.text);
         drop_coming(self);
     }
-    note_what_changed(self);
+    note_changed_taught(self);
 }
 
-/* ---- which mappings take the face that is on the stage ---- */
+/* ---- mappings that accept the current face ---- */
 
 mrt_result live_check_mapping(const live_settings *settings, const char *text, error *err)
 {
@@ -679,8 +679,8 @@ mrt_result live_check_mapping(const live_settings *settings, const char *text, e
     return result;
 }
 
-/* A process of its own for one that did not come with the program, as on the stage. */
-static bool takes(live *self, const char *id, const mapped_face *mapped)
+/* Runs a mapping that is not built in in its own process, as on the stage. */
+static bool accepts_face(live *self, const char *id, const mapped_face *mapped)
 {
     error ignored = {""};
     live_mapping_role *role;
@@ -696,20 +696,20 @@ static bool takes(live *self, const char *id, const mapped_face *mapped)
 void live_list_fitting(live *self, char *out, size_t capacity)
 {
     const plugin_list *plugins = self->settings.plugins;
-    const mapped_face *mapped = composer_mapped(performer_composer(self->scene->performer));
+    const mapped_face *mapped = composer_mapped(self->scene->performer->composer);
     size_t used = 0;
     out[0] = '\0';
     for (uint32_t i = 0; i < plugins->entry_count; ++i) {
         const mrt_plugin_type *type = plugins->entry[i].type;
         const char *name = plugin_short_name(type);
         if (!plugin_interface(type, MRT_MAPPING) || !plugin_is_offered(type) ||
-            used + strlen(name) + 3 > capacity || !takes(self, type->id, mapped))
+            used + strlen(name) + 3 > capacity || !accepts_face(self, type->id, mapped))
             continue;
         used += (size_t)snprintf(out + used, capacity - used, "%s%s", used ? ", " : "", name);
     }
 }
 
-/* ---- begun and ended ---- */
+/* ---- start and finish ---- */
 
 mrt_result live_cast_start(live *self, error *err)
 {

@@ -3,9 +3,11 @@
 
 #include <string.h>
 
-/* The frame thread. First the timeline: a take that stands, is played, scrubbed, performed over. */
+/* The frame thread. First section: the timeline of a take that is paused, played, scrubbed or
+ * overdubbed. */
 
-/* So long a drawn instant waits for samples that are on the way. */
+/* Delay of the drawn instant during an overdub: samples that are still in transit arrive before
+ * it. */
 static const int64_t wait_ns = 15 * NS_PER_MS;
 
 static const transport still = {.speed = 1.0};
@@ -55,7 +57,7 @@ int64_t live_time_shown_at(const transport *motion, int64_t at_ns)
 
 /* ---- commands of [main] ---- */
 
-/* How long [main] sleeps at a time while the frame thread is busy. */
+/* Longest sleep of [main] before it checks again whether the frame thread has finished. */
 static const int64_t patience_ns = 50 * NS_PER_MS;
 
 mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
@@ -73,25 +75,65 @@ mrt_result live_ask(live *self, live_command_run *run, void *data, error *err)
     }
 }
 
-/* [frame] The one that waits, if one does. */
+/* [frame] Runs the pending command, if any. */
 static void run_command(live *self)
 {
     live_command *waiting = atomic_load(&self->command);
     if (!waiting)
         return;
     waiting->result = waiting->run(&self->stage, waiting->data, waiting->err);
-    atomic_store(&self->command, NULL); /* it is [main]'s again */
+    atomic_store(&self->command, NULL); /* [main] owns the command again */
     wake_signal(&self->answered);
 }
 
-/* ---- the take's own thread ---- */
+/* ---- the thread of the timeline ---- */
+
+static live_timeline_state next_state(live_timeline_state from, live_timeline_event event)
+{
+    bool is_here = from == LIVE_TIMELINE_HERE || from == LIVE_TIMELINE_ARRIVED;
+    switch (event) {
+    case LIVE_TIMELINE_SEND:
+        return is_here ? LIVE_TIMELINE_AWAY : from;
+    case LIVE_TIMELINE_RECEIVE:
+        return from == LIVE_TIMELINE_BACK ? LIVE_TIMELINE_ARRIVED : from;
+    case LIVE_TIMELINE_PUBLISH:
+        return from == LIVE_TIMELINE_ARRIVED ? LIVE_TIMELINE_HERE : from;
+    case LIVE_TIMELINE_HOLD:
+        return from == LIVE_TIMELINE_AWAY ? LIVE_TIMELINE_RECALLED : LIVE_TIMELINE_HELD;
+    case LIVE_TIMELINE_RELEASE:
+        return from == LIVE_TIMELINE_HELD       ? LIVE_TIMELINE_HERE
+               : from == LIVE_TIMELINE_RECALLED ? LIVE_TIMELINE_AWAY
+                                                : from;
+    case LIVE_TIMELINE_DONE:
+        return from == LIVE_TIMELINE_AWAY       ? LIVE_TIMELINE_BACK
+               : from == LIVE_TIMELINE_RECALLED ? LIVE_TIMELINE_HELD
+                                                : from;
+    }
+    return from;
+}
+
+live_timeline_state live_timeline_move(live_timeline *self, live_timeline_event event)
+{
+    uint32_t from = atomic_load(&self->state);
+    live_timeline_state to;
+    do
+        to = next_state((live_timeline_state)from, event);
+    while (!atomic_compare_exchange_weak(&self->state, &from, (uint32_t)to));
+    return to;
+}
+
+static bool has_work(live_timeline *self)
+{
+    uint32_t state = atomic_load(&self->state);
+    return state == LIVE_TIMELINE_AWAY || state == LIVE_TIMELINE_RECALLED;
+}
 
 static void *run_timeline(void *data)
 {
     live_timeline *self = data;
     while (!atomic_load(&self->stop)) {
         uint32_t seen = wake_seen(&self->work);
-        if (!atomic_load(&self->is_away)) {
+        if (!has_work(self)) {
             if (!atomic_load(&self->stop))
                 wake_wait_until_ns(&self->work, seen, clock_now_ns() + NS_PER_S);
             continue;
@@ -102,7 +144,7 @@ static void *run_timeline(void *data)
                                 : sequencer_play_to(self->sequencer, self->to_ns, &self->failed);
         if (result >= 0)
             self->failed.text[0] = '\0';
-        atomic_store(&self->is_away, false);
+        (void)live_timeline_move(self, LIVE_TIMELINE_DONE);
         wake_signal(self->done);
     }
     return NULL;
@@ -113,9 +155,9 @@ mrt_result live_timeline_start(live_timeline *self, wake *done, error *err)
     wake_init(&self->work);
     self->done = done;
     atomic_init(&self->stop, false);
-    atomic_init(&self->is_away, false);
+    atomic_init(&self->state, LIVE_TIMELINE_HERE);
     if (pthread_create(&self->thread, NULL, run_timeline, self) != 0)
-        return error_set(err, MRT_ERR_MEMORY, "no thread to play a take on");
+        return error_set(err, MRT_ERR_MEMORY, "cannot create the playback thread of the take");
     self->has_thread = true;
     return MRT_OK;
 }
@@ -130,33 +172,39 @@ void live_timeline_stop(live_timeline *self)
     self->has_thread = false;
 }
 
-/* Whether the frame thread has the timeline's sequencer. */
-static bool live_time_is_here(const live_stage *stage)
+static live_timeline_state state_of(const live_stage *stage)
 {
-    return stage->timeline && !stage->is_held && !atomic_load(&stage->timeline->is_away);
+    return (live_timeline_state)atomic_load(&stage->timeline->state);
 }
 
-/* What its thread was sent for has been done. */
+/* Returns whether the frame thread owns the sequencer of the timeline. */
+static bool live_time_is_here(const live_stage *stage)
+{
+    return stage->timeline &&
+           (state_of(stage) == LIVE_TIMELINE_HERE || state_of(stage) == LIVE_TIMELINE_ARRIVED);
+}
+
+/* Accepts the result of the timeline's thread after it has finished its last seek or playback. */
 static void receive(live_stage *stage)
 {
-    if (!stage->is_on_its_way || !live_time_is_here(stage))
+    if (!stage->timeline || state_of(stage) != LIVE_TIMELINE_BACK)
         return;
-    stage->is_on_its_way = false;
-    stage->has_arrived = stage->is_dirty = true;
+    (void)live_timeline_move(stage->timeline, LIVE_TIMELINE_RECEIVE);
+    stage->is_dirty = true;
     if (stage->timeline->failed.text[0])
         tell_error(stage, &stage->timeline->failed);
 }
 
-/* Between steps: whether what is shown could be published. */
+/* Between steps: returns whether a face is ready to be published. */
 static bool live_time_may_show(live_stage *stage, int64_t now_ns)
 {
     receive(stage);
     return stage->mode != LIVE_SHOWS || !stage->timeline ||
            (now_ns >= stage->hold_until_ns && live_time_is_here(stage) &&
-            (stage->has_arrived || !stage->is_seek));
+            (state_of(stage) == LIVE_TIMELINE_ARRIVED || !stage->has_pending_seek));
 }
 
-/* However often it was sought: only the newest instant is gone to. */
+/* Sends the timeline's thread to the newest requested instant. Earlier requests are dropped. */
 static void live_time_send(live_stage *stage, int64_t now_ns)
 {
     receive(stage);
@@ -165,25 +213,25 @@ static void live_time_send(live_stage *stage, int64_t now_ns)
     live_timeline *to = stage->timeline;
     const transport *motion = live_time_motion(stage);
     int64_t at_ns = live_time_shown_at(motion, transport_at(motion, now_ns).at_ns);
-    if (!stage->is_seek && at_ns == sequencer_now_ns(to->sequencer))
+    if (!stage->has_pending_seek && at_ns == sequencer_now_ns(to->sequencer))
         return;
     to->to_ns = at_ns;
-    to->is_seek = stage->is_seek;
-    stage->is_seek = false;
-    stage->is_on_its_way = true;
-    atomic_store(&to->is_away, true);
+    to->is_seek = stage->has_pending_seek;
+    stage->has_pending_seek = false;
+    (void)live_timeline_move(to, LIVE_TIMELINE_SEND);
     wake_signal(&to->work);
 }
 
-/* ---- over the take ---- */
+/* ---- overdub ---- */
 
-/* The last face of it stays until the take is shown with what was made of it. */
+/* The last face of the overdub stays until the take is shown with the new layer, or for
+ * LIVE_HOLD_NS. */
 static void end_over(live_stage *stage, int64_t now_ns)
 {
     sequencer_set_live(stage->timeline->sequencer, NULL, NULL, false);
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = now_ns + LIVE_HOLD_NS;
-    stage->is_seek = true;
+    stage->has_pending_seek = true;
 }
 
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err)
@@ -196,19 +244,6 @@ void live_time_end_over(live_stage *stage, int64_t now_ns, error *err)
     end_over(stage, now_ns);
 }
 
-static mrt_result live_time_step(live_stage *stage, const sample_step *performed, error *err)
-{
-    mrt_result result =
-        overdub_run_step(stage->over, stage->timeline->sequencer, stage->recorder, performed, err);
-    if (result < 0)
-        tell_error(stage, err);
-    if (stage->over->is_over) {
-        end_over(stage, performed->time_ns);
-        performer_step(stage->scene->performer, performed);
-    }
-    return MRT_OK;
-}
-
 static performer *shown_over(live_stage *stage, int64_t now_ns)
 {
     error err = {""};
@@ -216,12 +251,12 @@ static performer *shown_over(live_stage *stage, int64_t now_ns)
                             now_ns - wait_ns, &err) < 0)
         tell_error(stage, &err);
     player_show_until(stage->loop, stage->over->played_ns);
-    if (stage->over->is_over)
+    if (stage->over->state == OVERDUB_OVER)
         end_over(stage, now_ns);
     return sequencer_performer(stage->timeline->sequencer);
 }
 
-/* Who is seen now; NULL: what is shown stays as it is. */
+/* Returns the performer whose face is shown now. NULL: the published face stays. */
 static performer *live_time_shown(live_stage *stage, int64_t now_ns)
 {
     if (stage->mode == LIVE_PERFORMS || !stage->timeline)
@@ -231,23 +266,16 @@ static performer *live_time_shown(live_stage *stage, int64_t now_ns)
         return shown_over(stage, now_ns);
     if (!live_time_may_show(stage, now_ns))
         return NULL;
-    stage->has_arrived = false;
+    (void)live_timeline_move(stage->timeline, LIVE_TIMELINE_PUBLISH);
     return sequencer_performer(stage->timeline->sequencer);
 }
 
-/* ---- samples are performed and recorded, the newest face is published ---- */
+/* ---- perform and record samples, publish the newest face ---- */
 
 static const int64_t meter_span_ns = 250 * NS_PER_MS;
-/* Between two faces of which nobody takes the first: many inputs do not fill the thread. */
+/* Minimum interval between published faces that [main] has not read, so that fast inputs cannot
+ * saturate the thread. */
 static const int64_t least_apart_ns = 4 * NS_PER_MS;
-
-static double ms_since(int64_t *from_ns)
-{
-    int64_t now_ns = clock_now_ns();
-    double out = (double)(now_ns - *from_ns) / (double)NS_PER_MS;
-    *from_ns = now_ns;
-    return out;
-}
 
 static void tell_main(const live_stage *stage)
 {
@@ -268,14 +296,16 @@ static void hear(live_sample_board *board, const mrt_sample *sample)
 static void follow_reload(live_stage *stage)
 {
     reload *r = stage->reload;
-    if (r && reload_step(r, performer_layer(stage->scene->performer)) && stage->recorder)
+    if (r && reload_step(r, stage->scene->performer->voice[0].layer) && stage->recorder)
         recorder_change_mapping(stage->recorder, reload_identity(r));
 }
 
-/* Before anything looks at the samples. */
-static void record_step(live *self, const sample_step *s)
+/* stage_frame.record: runs before any phase reads the samples, and chooses the performer. */
+static mrt_result record_step(void *data, stage_frame *f, error *err)
 {
+    live *self = data;
     live_stage *stage = &self->stage;
+    const sample_step *s = &f->step;
     follow_reload(stage);
     if (stage->recorder)
         recorder_step(stage->recorder, s);
@@ -287,10 +317,21 @@ static void record_step(live *self, const sample_step *s)
             tap_offer(self->tap, of->input - 1, &of->sample);
         hear(stage->heard[of->input], &of->sample);
     }
+    stage->is_dirty = true;
+    f->performer = stage->scene->performer;
+    if (stage->mode != LIVE_OVERDUBS)
+        return MRT_OK;
+    if (overdub_run_step(stage->over, stage->timeline->sequencer, stage->recorder, f, err) < 0)
+        tell_error(stage, err);
+    if (stage->over->state == OVERDUB_OVER) /* the hand alone performs this step */
+        end_over(stage, s->time_ns);
+    return MRT_OK;
 }
 
-static void note_step(live_stage *stage, const sample_step *s)
+static void note_step(void *data, const stage_frame *f)
 {
+    live_stage *stage = &((live *)data)->stage;
+    const sample_step *s = &f->step;
     live_pulse *now = &stage->now;
     if (stage->recorder)
         recorder_performed(stage->recorder, s);
@@ -298,32 +339,6 @@ static void note_step(live_stage *stage, const sample_step *s)
     now->lag_ms[now->lag_count++ % LIVE_LAGS] = (float)lag_ms;
     now->sample_count += s->count;
     now->last_ns = stage->sample_ns = s->time_ns;
-}
-
-static mrt_result perform_step(live_stage *stage, const sample_step *s, error *err)
-{
-    mrt_result result = MRT_OK;
-    int64_t at_ns = clock_now_ns();
-    stage->is_dirty = true;
-    if (stage->mode == LIVE_OVERDUBS) {
-        result = live_time_step(stage, s, err);
-        stage->phase_ms[LIVE_PHASE_MAP] += ms_since(&at_ns);
-        return result;
-    }
-    performer_map(stage->scene->performer, s);
-    stage->phase_ms[LIVE_PHASE_MAP] += ms_since(&at_ns);
-    performer_constrain(stage->scene->performer, s->voice, s->due_ns);
-    stage->phase_ms[LIVE_PHASE_CONSTRAIN] += ms_since(&at_ns);
-    return result;
-}
-
-static mrt_result on_step(void *data, const sample_step *s, error *err)
-{
-    live *self = data;
-    record_step(self, s);
-    mrt_result result = perform_step(&self->stage, s, err);
-    note_step(&self->stage, s);
-    return result;
 }
 
 static void on_incident(void *data, const input *from, const input_incident *what, double time_s)
@@ -335,8 +350,9 @@ static void on_incident(void *data, const input *from, const input_incident *wha
         if (player_input(stage->loop, i) == from)
             recorder_incident(stage->recorder, i, what);
     if (what->kind == INPUT_WENT)
-        log_pushf(stage->log, MRT_LOG_WARNING, input_name(from), "%s; the pose is held",
-                  what->text[0] ? what->text : "the device went away");
+        log_pushf(stage->log, MRT_LOG_WARNING, input_name(from),
+                  "%s. The face keeps its last pose.",
+                  what->text[0] ? what->text : "the device was disconnected");
     else
         log_pushf(stage->log, MRT_LOG_INFO, input_name(from), "is back after %.1f s",
                   (double)what->away_ns / 1e9);
@@ -369,8 +385,9 @@ static void describe_face(live_stage *stage, live_view *view, composer *of)
 {
     const face *f = composer_face(of);
     float dof[MRT_MAX_DOFS] = {0.0f};
-    /* A take's face is the same, but goes when another take is shown: the view outlives it. */
-    view->about = composer_about(performer_composer(stage->scene->performer));
+    /* Uses the description of the live scene. The description of the take's face is equal, but it
+     * is freed when another take is shown, and the view lives longer. */
+    view->about = composer_about(stage->scene->performer->composer);
     view->contact_count = view->about->contact_count < LIVE_CONTACTS_MAX
                               ? view->about->contact_count
                               : LIVE_CONTACTS_MAX;
@@ -389,7 +406,7 @@ static void describe_face(live_stage *stage, live_view *view, composer *of)
 
 static void describe_stage(live_stage *stage, live_view *view)
 {
-    const mrt_frame *frame = layer_frame(performer_layer(stage->scene->performer));
+    const mrt_frame *frame = &stage->scene->performer->voice[0].layer->frame;
     const transport *motion = live_time_motion(stage);
     memcpy(view->hand, frame->hand, sizeof view->hand);
     memcpy(view->pedal, frame->pedal, sizeof view->pedal);
@@ -408,8 +425,9 @@ static void describe_stage(live_stage *stage, live_view *view)
     }
 }
 
-/* While no joint of a hand moves further than tremble_mm, the shown hand does not move. After a
- * larger movement it is exact for hand_moves_ns, so that a slow movement has no steps. */
+/* The displayed hand stays still while no joint moves further than tremble_mm. After a larger
+ * movement it follows exactly for hand_moves_ns, so that a slow movement is displayed without
+ * steps. */
 static const float tremble_mm = 1.5f;
 static const int64_t hand_moves_ns = 400 * NS_PER_MS;
 
@@ -455,7 +473,7 @@ static bool is_same_stage(const live_view *a, const live_view *b)
 }
 #undef IS_SAME
 
-/* Whether [main] would see the same as it sees now. */
+/* Returns whether the view equals the view that [main] displays now. */
 static bool is_seen(live_stage *stage, const live_view *view, int64_t now_ns)
 {
     const live_board *board = &stage->scene->board;
@@ -467,20 +485,31 @@ static bool is_seen(live_stage *stage, const live_view *view, int64_t now_ns)
     return is_same;
 }
 
+/* Of the panel: several phases of a frame are one line there. */
+static const live_phase line_of[FRAME_PHASES] = {
+    [FRAME_SCHEDULE] = LIVE_PHASE_MAP,      [FRAME_RECORD] = LIVE_PHASE_MAP,
+    [FRAME_HANDS] = LIVE_PHASE_MAP,         [FRAME_PATCH] = LIVE_PHASE_MAP,
+    [FRAME_MAPPING] = LIVE_PHASE_MAP,       [FRAME_GUARD] = LIVE_PHASE_MAP,
+    [FRAME_COMPOSE] = LIVE_PHASE_CONSTRAIN, [FRAME_SOLVE] = LIVE_PHASE_CONSTRAIN,
+    [FRAME_DEFORM] = LIVE_PHASE_DEFORM,     [FRAME_PUBLISH] = LIVE_PHASE_PUBLISH};
+
 static void note_frame(live_stage *stage)
 {
     live_pulse *now = &stage->now;
     uint32_t at = now->frame_count++ % LIVE_HISTORY;
-    double sum = 0.0;
+    double line_ms[LIVE_PHASES] = {0.0}, sum_ms = 0.0;
+    for (int i = 0; i < FRAME_PHASES; ++i)
+        line_ms[line_of[i]] += (double)stage->frame.took_ns[i] / (double)NS_PER_MS;
     for (int i = 0; i < LIVE_PHASES; ++i) {
-        now->phase_ms[i][at] = (float)stage->phase_ms[i];
-        sum += stage->phase_ms[i];
-        stage->phase_ms[i] = 0.0;
+        now->phase_ms[i][at] = (float)line_ms[i];
+        sum_ms += line_ms[i];
     }
-    now->frame_ms[at] = (float)sum;
+    now->frame_ms[at] = (float)sum_ms;
+    memset(stage->frame.took_ns, 0, sizeof stage->frame.took_ns);
 }
 
-/* To the outputs. Of a take, with its own time: when this instant of it was due. */
+/* Publishes the face to the outputs. A face of a take gets the host time at which its instant was
+ * due. */
 static void send_on(live_stage *stage, performer *shown, int64_t now_ns)
 {
     int64_t time_ns = stage->sample_ns, take_ns = -1;
@@ -493,25 +522,31 @@ static void send_on(live_stage *stage, performer *shown, int64_t now_ns)
         bool is_late = motion->is_playing && late_ns > 0.0 && late_ns < 1e9;
         time_ns = is_late ? now_ns - (int64_t)(late_ns / motion->speed) : now_ns;
     }
-    outputs_publish(stage->outputs, stage->scene->outgoing, performer_composer(shown), time_ns,
-                    take_ns);
+    outputs_publish(stage->outputs, stage->scene->outgoing, shown->composer, time_ns, take_ns);
 }
 
-void live_frame_publish(live_stage *stage)
+/* The frame's show: NULL where what is seen stays. */
+static mrt_result show_face(void *data, stage_frame *f, int64_t time_ns, error *err)
 {
-    int64_t at_ns = clock_now_ns(), now_ns = at_ns;
-    bool was_dirty = stage->is_dirty;
-    performer *shown = live_time_shown(stage, now_ns);
-    if (!shown)
-        return;
-    stage->is_dirty = false;
-    performer_draw(shown);
-    stage->phase_ms[LIVE_PHASE_DEFORM] += ms_since(&at_ns);
+    (void)err;
+    f->performer = live_time_shown(&((live *)data)->stage, time_ns);
+    return MRT_OK;
+}
+
+/* The frame's publish. */
+static mrt_result publish_face(void *data, const stage_frame *f, error *err)
+{
+    (void)err;
+    live_stage *stage = &((live *)data)->stage;
+    composer *shown = f->performer->composer;
     live_board *board = &stage->scene->board;
-    live_view *view = live_board_fill(board, performer_composer(shown), now_ns);
+    int64_t now_ns = stage->drawn_ns;
+    bool was_dirty = stage->is_dirty;
+    stage->is_dirty = false;
+    live_view *view = live_board_fill(board, shown, now_ns);
     stage->is_metered &= !live_board_is_new(board);
-    meter(stage, performer_face(shown), now_ns);
-    describe_face(stage, view, performer_composer(shown));
+    meter(stage, composer_face(shown), now_ns);
+    describe_face(stage, view, shown);
     describe_stage(stage, view);
     view->published_ns = stage->published_ns = clock_now_ns();
     if (is_seen(stage, view, now_ns)) {
@@ -522,9 +557,16 @@ void live_frame_publish(live_stage *stage)
         tell_main(stage);
     }
     if (was_dirty || stage->mode != LIVE_PERFORMS)
-        send_on(stage, shown, now_ns);
-    stage->phase_ms[LIVE_PHASE_PUBLISH] += ms_since(&at_ns);
-    note_frame(stage);
+        send_on(stage, f->performer, now_ns);
+    return MRT_OK;
+}
+
+void live_frame_publish(live_stage *stage)
+{
+    error ignored = {""};
+    stage->drawn_ns = clock_now_ns();
+    if (frame_draw(&stage->frame, stage->drawn_ns, &ignored) >= 0 && stage->frame.performer)
+        note_frame(stage);
 }
 
 static void describe_patch(live_pulse *now, const patch_bay *bay)
@@ -540,9 +582,9 @@ void live_frame_pulse(live_stage *stage)
 {
     const performer *p = stage->scene->performer;
     live_pulse *now = &stage->now;
-    now->counts = *performer_counted(p);
-    now->rezeros = *performer_rezeros(p);
-    describe_patch(now, layer_bay(performer_layer(stage->scene->performer)));
+    now->counts = *p->counts;
+    now->rezeros = *hands_rezeros(p->voice[0].layer->hands);
+    describe_patch(now, &stage->scene->performer->voice[0].layer->bay);
     now->mode = stage->mode;
     if (!stage->timeline || live_time_is_here(stage))
         now->kept_bytes = stage->timeline ? sequencer_kept_bytes(stage->timeline->sequencer) : 0;
@@ -571,7 +613,7 @@ static mrt_result on_draw(void *data, int64_t time_ns, error *err)
     return MRT_OK;
 }
 
-/* ---- between samples ---- */
+/* ---- between steps ---- */
 
 static bool on_between(void *data)
 {
@@ -579,8 +621,9 @@ static bool on_between(void *data)
     live_stage *stage = &self->stage;
     run_command(self);
     if (slot_take(&stage->motion_slot))
-        stage->is_seek = stage->is_dirty = true;
-    /* The newest is replaced before it is taken too, so that what is taken is new. */
+        stage->has_pending_seek = stage->is_dirty = true;
+    /* A face that [main] has not read is also replaced (after least_apart_ns), so that [main]
+     * always reads a new one. */
     int64_t now_ns = clock_now_ns();
     return live_time_may_show(stage, now_ns) && stage->is_dirty &&
            (live_board_is_taken(&stage->scene->board) ||
@@ -599,11 +642,17 @@ static void *run(void *data)
 
 mrt_result live_frame_start(live *self, error *err)
 {
-    const player_stage stage = {self, on_step, on_draw};
     const player_settings settings = {.fps = self->settings.fps > 0.0 ? self->settings.fps : 60.0,
                                       .stop = &self->stop};
-    const player_events events = {.incident = on_incident, .between = on_between, .data = self};
-    return player_create(&self->stage.loop, &stage, &settings, &events, err);
+    const player_events events = {
+        .incident = on_incident, .between = on_between, .draw = on_draw, .data = self};
+    self->stage.frame = (stage_frame){.self = self,
+                                      .record = record_step,
+                                      .performed = note_step,
+                                      .show = show_face,
+                                      .publish = publish_face,
+                                      .now_ns = clock_now_ns};
+    return player_create(&self->stage.loop, &self->stage.frame, &settings, &events, err);
 }
 
 void live_frame_stop(live *self)
@@ -619,7 +668,7 @@ void live_frame_stop(live *self)
 mrt_result live_frame_run(live *self, error *err)
 {
     if (pthread_create(&self->thread, NULL, run, self) != 0)
-        return error_set(err, MRT_ERR_MEMORY, "no thread to perform on");
+        return error_set(err, MRT_ERR_MEMORY, "cannot create the frame thread");
     self->has_thread = true;
     return MRT_OK;
 }

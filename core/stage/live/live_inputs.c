@@ -6,10 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* [main] What is given to the performance: the pointer, which is always there, the inputs beside
- * it, and how hands are measured. */
+/* [main] The pointer, which is always present, the other inputs, and the calibration of hands. */
 
-/* When the pointer has let go, samples of it go on for so long, while the skin springs back. */
+/* After the pointer lets go, its samples continue for this time, while the skin springs back. */
 static const int64_t spring_ns = 350 * NS_PER_MS;
 static const char *const side_name[2] = {"left", "right"};
 
@@ -42,7 +41,7 @@ void live_point(live *self, pointer_grip grip, const float rest[3], const float 
     float *to = self->pointed;
     bool is_away = grip == POINTER_AWAY && to[POINTER_GRIP] <= 0.0f;
     if (is_away)
-        return; /* it hovers: nothing to perform */
+        return; /* the pointer only hovers */
     if (grip != POINTER_AWAY) {
         memcpy(to + POINTER_REST_X, rest, 3 * sizeof *rest);
         memcpy(to + POINTER_AT_X, at, 3 * sizeof *at);
@@ -54,7 +53,7 @@ void live_point(live *self, pointer_grip grip, const float rest[3], const float 
 
 void live_neutral(live *self)
 {
-    point(self, POINTER_AWAY); /* twice in a row it is asked twice */
+    point(self, POINTER_AWAY); /* so that a second call is also detected as a change */
     point(self, POINTER_NEUTRAL);
 }
 
@@ -77,8 +76,9 @@ static void let_pointer_rest(live *self)
     give(self, self->patch_moves ? FEED_MOVES : FEED_RESTS);
 }
 
-/* A fader gives samples while it moves; what it has set going comes to its end by the pointer's. */
-static void let_patch_come(live *self)
+/* A fader sends samples only while it moves. The pointer's feed supplies the samples that finish
+ * the movement. */
+static void follow_patch(live *self)
 {
     bool is_moving = self->stage.pulse[slot_front(&self->stage.pulse_slot)].is_patch_moving;
     if (is_moving == self->patch_moves)
@@ -88,22 +88,22 @@ static void let_patch_come(live *self)
         give(self, is_moving ? FEED_MOVES : FEED_RESTS);
 }
 
-/* ---- what the pointer made of the face ---- */
+/* ---- save and restore what the pointer pulled ---- */
 
 typedef struct pulled {
     live_change change;
     void *bytes;
     size_t size, capacity;
-    int grip; /* that the pointer has now */
+    int grip; /* current grip of the pointer */
 } pulled;
 
-/* MRT_HOLD: the sample with which the pointer let go is still to be performed. */
+/* MRT_HOLD: the sample in which the pointer let go is not performed yet. */
 static mrt_result await_pointer(const live_stage *stage, const pulled *p)
 {
     return (int)stage->pointed.value[POINTER_GRIP] == p->grip ? MRT_OK : MRT_HOLD;
 }
 
-static mrt_result ask_pulled(live *self, live_command_run *run, pulled *p, error *err)
+static mrt_result run_pulled(live *self, live_command_run *run, pulled *p, error *err)
 {
     const int64_t until_ns = clock_now_ns() + NS_PER_S / 2;
     mrt_result result = live_ask(self, run, p, err);
@@ -111,7 +111,7 @@ static mrt_result ask_pulled(live *self, live_command_run *run, pulled *p, error
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
         result = live_ask(self, run, p, err);
     }
-    return result == MRT_HOLD ? error_set(err, MRT_ERR_ARGUMENT, "the stage is too busy: try again")
+    return result == MRT_HOLD ? error_set(err, MRT_ERR_ARGUMENT, "the stage is busy: try again")
                               : result;
 }
 
@@ -130,8 +130,8 @@ mrt_result live_save_pulled(live *self, void **out, size_t *out_size, error *err
     pulled p = {.capacity = (size_t)64 << 10, .grip = (int)self->pointed[POINTER_GRIP]};
     for (;;) {
         p.bytes = malloc(p.capacity);
-        mrt_result result = p.bytes ? ask_pulled(self, save_pulled, &p, err)
-                                    : error_set(err, MRT_ERR_MEMORY, "no memory to undo it");
+        mrt_result result = p.bytes ? run_pulled(self, save_pulled, &p, err)
+                                    : error_set(err, MRT_ERR_MEMORY, "no memory for undo");
         if (result >= 0 && p.size <= p.capacity) {
             *out = p.bytes;
             *out_size = p.size;
@@ -140,7 +140,7 @@ mrt_result live_save_pulled(live *self, void **out, size_t *out_size, error *err
         free(p.bytes);
         if (result < 0)
             return result;
-        p.capacity = p.size + p.size / 4; /* the face moves on meanwhile */
+        p.capacity = p.size + p.size / 4; /* the face may change until the next try */
     }
 }
 
@@ -156,12 +156,12 @@ static mrt_result load_pulled(live_stage *stage, void *data, error *err)
 mrt_result live_load_pulled(live *self, const void *bytes, size_t size, error *err)
 {
     pulled p = {.bytes = (void *)(uintptr_t)bytes, .size = size};
-    mrt_result result = live_check_free(self, "what was pulled", err);
+    mrt_result result = live_check_free(self, "undo of a pull", err);
     if (result >= 0)
         result = live_cast_prepare(self, &p.change, err);
     if (result >= 0) {
         pointer_eases(self);
-        result = ask_pulled(self, load_pulled, &p, err);
+        result = run_pulled(self, load_pulled, &p, err);
     }
     live_cast_dismiss(self, &p.change);
     return result;
@@ -194,7 +194,7 @@ static void finish_entry(live_input_entry *entry)
     free(entry->heard);
 }
 
-/* The entry is in the list; taken out again when it cannot be. */
+/* The entry is already in the list. The caller removes it after an error. */
 static mrt_result join_input(live *self, live_input_entry *entry, error *err)
 {
     live_change c = {.add = entry->input, .heard = entry->heard};
@@ -212,8 +212,9 @@ mrt_result live_add_input(live *self, input *made, const char *text, error *err)
 {
     mrt_result result = live_check_free(self, text, err);
     if (result >= 0 && self->entry_count == LIVE_INPUTS_MAX)
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: %d inputs are open, more are not possible",
-                           text, LIVE_INPUTS_MAX);
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "%s: the limit of %d inputs is reached: remove one first", text,
+                           LIVE_INPUTS_MAX);
     live_input_entry entry = {
         .input = made, .text = strdup(text), .heard = calloc(1, sizeof(live_sample_board))};
     if (result >= 0 && (!entry.text || !entry.heard))
@@ -235,7 +236,7 @@ mrt_result live_add_input(live *self, input *made, const char *text, error *err)
 mrt_result live_remove_input(live *self, uint32_t index, error *err)
 {
     if (index >= self->entry_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no input %u", index);
+        return error_set(err, MRT_ERR_ARGUMENT, "input %u does not exist", index);
     mrt_result result = live_check_free(self, self->entry[index].text, err);
     if (result < 0)
         return result;
@@ -245,7 +246,7 @@ mrt_result live_remove_input(live *self, uint32_t index, error *err)
     size_t behind = (self->entry_count - index) * sizeof *at;
     memmove(at, at + 1, behind);
     result = live_cast_prepare(self, &c, err);
-    if (result < 0) { /* it is recorded with the others: it stays */
+    if (result < 0) { /* the other inputs cannot be recorded without it: keep it */
         memmove(at + 1, at, behind);
         *at = gone;
         self->entry_count += 1;
@@ -292,14 +293,14 @@ bool live_take_tapped(live *self, mrt_sample *out)
     return tap_take(self->tap, out);
 }
 
-/* ---- how hands are measured ---- */
+/* ---- calibration of hands ---- */
 
 static mrt_result recalibrate(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
     player_calibrate(stage->loop, c->side, c->calibration);
     c->skeleton =
-        hands_change(layer_hands(performer_layer(stage->scene->performer)), c->side, c->skeleton);
+        hands_change(stage->scene->performer->voice[0].layer->hands, c->side, c->skeleton);
     return live_cast_begin(stage, c, err);
 }
 
@@ -321,8 +322,9 @@ static mrt_result read_calibration(live_measured *out, uint32_t side, const char
         result = calibration_file_read(file, path, err);
     if (result >= 0) {
         if (file->side != side)
-            result = error_set(err, MRT_ERR_ARGUMENT, "%s: is of the %s hand, not of the %s one",
-                               path, side_name[file->side % 2], side_name[side]);
+            result = error_set(err, MRT_ERR_ARGUMENT,
+                               "%s: this calibration is for the %s hand, not for the %s hand", path,
+                               side_name[file->side % 2], side_name[side]);
         calibration_file_use(file, out->use);
         out->length_mm = file->hand_length_mm;
         out->text = calibration_file_text(file);
@@ -336,7 +338,7 @@ static mrt_result read_calibration(live_measured *out, uint32_t side, const char
     return result;
 }
 
-/* What it was until now comes out in `m`. */
+/* Swaps the calibration: afterwards `m` has the old one. */
 static void use_calibration(live *self, uint32_t side, live_measured *m)
 {
     const live_measured before = self->hand[side];
@@ -348,7 +350,7 @@ mrt_result live_calibrate(live *self, uint32_t side, const char *path, error *er
 {
     live_measured m = {0};
     if (side > MRT_RIGHT)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no hand %u", side);
+        return error_set(err, MRT_ERR_ARGUMENT, "hand %u does not exist", side);
     mrt_result result = live_check_free(self, path ? path : "the calibration", err);
     if (result >= 0 && path)
         result = read_calibration(&m, side, path, err);
@@ -380,13 +382,12 @@ const char *live_calibration(const live *self, uint32_t side)
 static mrt_result rezero(live_stage *stage, void *data, error *err)
 {
     (void)data, (void)err;
-    performer *p = stage->scene->performer;
-    const mrt_hand *hand = layer_frame(performer_layer(p))->hand;
+    layer *of = stage->scene->performer->voice[0].layer;
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         error why = {""};
-        if (!hand[side].present)
+        if (!of->frame.hand[side].present)
             continue;
-        if (performer_rezero(p, side, &why) != MRT_OK)
+        if (hands_rezero(of->hands, side, of->frame.time_ns, &why) != MRT_OK)
             log_pushf(stage->log, MRT_LOG_INFO, "stage", "%s hand not re-zeroed: %s",
                       side_name[side], why.text);
         else if (stage->recorder)
@@ -404,11 +405,11 @@ void live_rezero(live *self)
 static mrt_result change_pedal(live_stage *stage, void *data, error *err)
 {
     live_change *c = data;
-    hands_set_rezero_pedal(layer_hands(performer_layer(stage->scene->performer)), c->pedal);
+    hands_set_rezero_pedal(stage->scene->performer->voice[0].layer->hands, c->pedal);
     return live_cast_begin(stage, c, err);
 }
 
-/* Not while a take is recorded: then it waits. */
+/* Waits while a take is recorded. */
 static void follow_pedal(live *self)
 {
     error err = {""};
@@ -426,7 +427,7 @@ void live_set_rezero_pedal(live *self, uint32_t pedal)
     follow_pedal(self);
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_result live_pointer_open(live *self, error *err)
 {
@@ -435,7 +436,7 @@ mrt_result live_pointer_open(live *self, error *err)
     self->tap = tap_create();
     mrt_result result =
         self->tap ? feed_create(&self->pointer_feed, &settings, err)
-                  : error_set(err, MRT_ERR_MEMORY, "no memory for the samples of an input");
+                  : error_set(err, MRT_ERR_MEMORY, "no memory to buffer the samples of an input");
     if (result >= 0)
         result = input_create(&self->pointer, feed_type(self->pointer_feed), "", "", CLOCK_REAL,
                               self->settings.log, err);
@@ -462,6 +463,6 @@ void live_inputs_finish(live *self)
 void live_inputs_update(live *self)
 {
     let_pointer_rest(self);
-    let_patch_come(self);
+    follow_patch(self);
     follow_pedal(self);
 }

@@ -7,7 +7,7 @@
 
 static const int64_t measure_span_ns = 250 * NS_PER_MS;
 
-/* ---- made ---- */
+/* ---- create and destroy ---- */
 
 static void init(live *self, const live_settings *settings)
 {
@@ -84,7 +84,7 @@ outputs *live_outputs(live *self)
     return self->outputs;
 }
 
-/* ---- seen ---- */
+/* ---- newest view ---- */
 
 bool live_look(live *self, const live_view **out)
 {
@@ -94,7 +94,7 @@ bool live_look(live *self, const live_view **out)
     return is_new;
 }
 
-/* ---- how it does ---- */
+/* ---- status ---- */
 
 static int by_size(const void *a, const void *b)
 {
@@ -173,7 +173,7 @@ void live_status_of(live *self, live_status *out)
     *out = *status;
 }
 
-/* ---- another face, another show ---- */
+/* ---- change the face or the show ---- */
 
 static mrt_result set_scene(live *self, const face_file *file, const char *path, double unit_mm,
                             error *err)
@@ -189,7 +189,7 @@ mrt_result live_set_face(live *self, const face_file *file, const char *path, do
     return result < 0 ? result : set_scene(self, file, path, unit_mm, err);
 }
 
-/* A take that is shown goes on being shown, as it is with this engine. */
+/* A shown take stays on the stage, solved with the new solver. */
 mrt_result live_set_solver(live *self, const csrbf_settings *solver, error *err)
 {
     const live_scene *now = self->scene;
@@ -230,7 +230,7 @@ mrt_result live_set_show(live *self, show *s, error *err)
     return result < 0 ? result : live_set_click(self, &self->click, err);
 }
 
-/* ---- with every frame of the window ---- */
+/* ---- update ---- */
 
 void live_update(live *self)
 {

@@ -5,11 +5,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* [main] Recording: everything, always, as long as there is a show; takes of it; and sound. */
+/* [main] Recording while a writable show is open, takes, and sound. */
 
-/* ---- sound: that of a take is played, and the microphone's becomes a take's ---- */
+/* ---- sound: playback of a take's sound, and recording of the microphone ---- */
 
-/* How long the end of a recording may take when the program ends. */
+/* Maximum time to finish a sound recording when the program ends. */
 static const int64_t patience_ns = 3 * NS_PER_S;
 
 static mrt_result hand_over(live_stage *stage, void *data, error *err)
@@ -24,7 +24,7 @@ mrt_result live_sound_need(live *self, error *err)
     if (self->sound)
         return MRT_OK;
     if (!self->show)
-        return error_set(err, MRT_ERR_ARGUMENT, "sound: no show is open");
+        return error_set(err, MRT_ERR_ARGUMENT, "sound: open a show first");
     const sound_settings settings = {
         .show = self->show, .log = self->settings.log, .backend = self->settings.sound};
     mrt_result result = sound_create(&self->sound, &settings, err);
@@ -45,7 +45,7 @@ void live_sound_drop(live *self)
 
 /* ---- the click ---- */
 
-static mrt_result take_click(live_stage *stage, void *data, error *err)
+static mrt_result apply_click(live_stage *stage, void *data, error *err)
 {
     (void)err;
     stage->click = *(const live_click *)data;
@@ -59,22 +59,22 @@ mrt_result live_set_click(live *self, const live_click *click, error *err)
     const bool is_right = click->bpm >= LIVE_CLICK_BPM_MIN && click->bpm <= LIVE_CLICK_BPM_MAX &&
                           click->bar >= 1 && click->bar <= LIVE_CLICK_BAR_MAX;
     if (click->when != LIVE_CLICK_OFF && !is_right)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "click: %g beats a minute, %u in a bar; %d to %d and 1 to %d can be",
-                         click->bpm, click->bar, LIVE_CLICK_BPM_MIN, LIVE_CLICK_BPM_MAX,
-                         LIVE_CLICK_BAR_MAX);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "click: %g beats per minute, %u beats per bar; the ranges are %d to %d and 1 to %d",
+            click->bpm, click->bar, LIVE_CLICK_BPM_MIN, LIVE_CLICK_BPM_MAX, LIVE_CLICK_BAR_MAX);
     self->click = *click;
     if (click->when != LIVE_CLICK_OFF && self->show)
         result = live_sound_need(self, err);
     if (result >= 0 && click->when != LIVE_CLICK_OFF && self->sound)
         sound_want_beats(self->sound);
-    return result < 0 ? result : live_ask(self, take_click, &self->click, err);
+    return result < 0 ? result : live_ask(self, apply_click, &self->click, err);
 }
 
 mrt_result live_arm_sound(live *self, uint32_t channel_count, error *err)
 {
     if (!self->recorder)
-        return error_set(err, MRT_ERR_ARGUMENT, "sound: nothing is recorded: %s", self->why_not);
+        return error_set(err, MRT_ERR_ARGUMENT, "sound: cannot record: %s", self->why_not);
     mrt_result result = live_sound_need(self, err);
     if (result >= 0 && !sound_is_armed(self->sound))
         result = sound_arm(self->sound, recorder_writer(self->recorder), channel_count, err);
@@ -92,7 +92,7 @@ void live_disarm_sound(live *self)
         sound_disarm(self->sound);
 }
 
-/* ---- it becomes the take's ---- */
+/* ---- attach recorded sound to its take ---- */
 
 static void attach(live *self)
 {
@@ -103,20 +103,20 @@ static void attach(live *self)
     self->attach_take = 0;
     sound_in_look(self->sound, &status);
     if (status.record.audio == 0)
-        return; /* none came: the status says why */
+        return; /* no sound was recorded: the status has the reason */
     mrt_result result = writer_flush(recorder_writer(self->recorder), &err);
     if (result >= 0)
         result = show_audio_info(self->show, status.record.audio, &audio, &err);
     if (result >= 0)
         result = edit_store_attach_audio(self->show, take_id, &audio, clock_utc_ms, &err);
     if (result < 0)
-        log_pushf(self->settings.log, MRT_LOG_ERROR, "sound", "not attached to its take: %.200s",
-                  err.text);
+        log_pushf(self->settings.log, MRT_LOG_ERROR, "sound",
+                  "cannot attach the sound to its take: %.200s", err.text);
     else
         self->edited_take = take_id;
 }
 
-/* The recording ends, and is the take's once all of it is written. */
+/* Ends the sound recording. It is attached to the take after all of it is written. */
 static void live_sound_take_ended(live *self, int64_t take_id)
 {
     if (!self->sound || !sound_is_armed(self->sound) || take_id == 0)
@@ -142,7 +142,7 @@ void live_sound_update(live *self)
     }
 }
 
-/* what was recorded is with its take */
+/* Stops the sound and attaches the recording to its take. */
 static void live_sound_stop(live *self)
 {
     int64_t until_ns = clock_now_ns() + patience_ns;
@@ -164,20 +164,20 @@ int64_t live_take_edited(live *self)
     return out;
 }
 
-/* ---- a show ---- */
+/* ---- show ---- */
 
-static void say_why_not(live *self, const char *text)
+static void set_why_not(live *self, const char *text)
 {
     snprintf(self->why_not, sizeof self->why_not, "%.255s", text);
 }
 
-static mrt_result take_recorder(live_stage *stage, void *data, error *err)
+static mrt_result attach_recorder(live_stage *stage, void *data, error *err)
 {
     stage->recorder = data;
     return live_frame_tick(stage, err);
 }
 
-static mrt_result leave_recorder(live_stage *stage, void *data, error *err)
+static mrt_result detach_recorder(live_stage *stage, void *data, error *err)
 {
     (void)data, (void)err;
     if (stage->recorder)
@@ -188,23 +188,23 @@ static mrt_result leave_recorder(live_stage *stage, void *data, error *err)
 
 mrt_result live_record_start(live *self, error *err)
 {
-    say_why_not(self, "");
+    set_why_not(self, "");
     if (!self->show) {
-        say_why_not(self, "no show is open: open one or make one, and everything is recorded");
+        set_why_not(self, "open or create a show to record");
         return MRT_OK;
     }
     if (!show_is_writable(self->show)) {
-        say_why_not(self, show_notice(self->show));
+        set_why_not(self, show_notice(self->show));
         return MRT_OK;
     }
     const recorder_settings settings = live_cast_settings(self, true);
     mrt_result result = recorder_start(&self->recorder, &settings, err);
     if (result < 0) {
-        say_why_not(self, err->text);
+        set_why_not(self, err->text);
         return result;
     }
     self->session_ns = clock_now_ns();
-    return live_ask(self, take_recorder, self->recorder, err);
+    return live_ask(self, attach_recorder, self->recorder, err);
 }
 
 mrt_result live_record_stop(live *self, error *err)
@@ -217,7 +217,7 @@ mrt_result live_record_stop(live *self, error *err)
         result = live_record_end(self, err);
     live_sound_stop(self);
     live_cast_keep_taught(self);
-    (void)!live_ask(self, leave_recorder, NULL, &ignored);
+    (void)!live_ask(self, detach_recorder, NULL, &ignored);
     mrt_result stopped = recorder_stop(self->recorder, result < 0 ? &ignored : err);
     self->recorder = NULL;
     return result < 0 ? result : stopped;
@@ -228,15 +228,15 @@ mrt_result live_record_stop(live *self, error *err)
 static mrt_result check_recorder(const live *self, error *err)
 {
     return self->recorder ? MRT_OK
-                          : error_set(err, MRT_ERR_ARGUMENT, "nothing is recorded: %s",
-                                      self->why_not[0] ? self->why_not : "no show is open");
+                          : error_set(err, MRT_ERR_ARGUMENT, "cannot record: %s",
+                                      self->why_not[0] ? self->why_not : "open a show first");
 }
 
-static const writer_slate no_slate; /* for who gives none */
+static const writer_slate no_slate; /* default slate */
 
 typedef struct taking {
     const writer_slate *slate;
-    int64_t from_ns, to_ns; /* of what is kept */
+    int64_t from_ns, to_ns; /* span to save */
     const char *text;
     int64_t take, time_ns;
 } taking;
@@ -309,7 +309,7 @@ mrt_result live_record_end(live *self, error *err)
 {
     taking t = {0};
     if (!self->status.is_recording)
-        return error_set(err, MRT_ERR_ARGUMENT, "no take is recorded");
+        return error_set(err, MRT_ERR_ARGUMENT, "start a recording first");
     mrt_result result = live_ask(self, end_take, &t, err);
     self->status.is_recording = false;
     self->take_ended_ns = t.time_ns;
@@ -356,7 +356,7 @@ mrt_result live_mark(live *self, const char *text, error *err)
     return result < 0 ? result : live_ask(self, mark, &t, err);
 }
 
-/* ---- now and then ---- */
+/* ---- status ---- */
 
 void live_record_update(live *self)
 {

@@ -1,6 +1,7 @@
-/* live/live_stage.h - what a live stage is made of: what the frame thread has (live_stage), what
- * [main] has (struct live), and how [main] gives orders. For the files of this folder, each of
- * which calls only those that stand before it at the end of this header. */
+/* live/live_stage.h - private structs and functions of the live stage, for the files of this
+ * folder. live_stage is the state of the frame thread, struct live the state of [main]. [main]
+ * sends commands to the frame thread. At the end of this header the files are listed in order: each
+ * file calls only files that are listed before it. */
 #ifndef MAROTTE_STAGE_LIVE_STAGE_H
 #define MAROTTE_STAGE_LIVE_STAGE_H
 #include "stage/input/feed.h"
@@ -16,60 +17,84 @@
 
 #include <pthread.h>
 
-/* How long the last face of an overdub stays before the take is shown without it. */
+/* time for which the last face of an overdub stays before the take is shown again */
 #define LIVE_HOLD_NS INT64_C(500000000)
 
 enum {
-    LIVE_INPUTS_MAX = TAKE_TRACKS_MAX - 1, /* beside the pointer, which is the player's input 0 */
+    LIVE_INPUTS_MAX = TAKE_TRACKS_MAX - 1, /* without the pointer, which is input 0 of the player */
     LIVE_LAGS = 512,
-    LIVE_POSITIONS = 64 /* takes whose last instant is remembered */
+    LIVE_POSITIONS = 64 /* takes whose last position is remembered */
 };
 
-/* A mapping that performs: its instance, in a process of its own where it did not come with the
- * program, and watched for being rebuilt. [main] */
+/* [main] A mapping that performs: its instance, its own process if it is not built in, and a file
+ * watch that reloads it after a build. */
 typedef struct live_mapping_role {
-    char *text;          /* "one_hand,smile=8"; "" none */
-    const char *library; /* NULL: none */
+    char *text;          /* such as "one_hand,smile=8"; "": none */
+    const char *library; /* NULL: no mapping */
     instance instance;
     isolate_settings isolation;
     isolate *isolate;
     reload *reload;
-    /* What it is taught is a note of the show that is open. False: it was taught in another one,
-     * and stays until its follower has come. */
+    /* true: its taught values are a note of the open show. False: they belong to another show, and
+     * this mapping is used only until its replacement is ready. */
     bool is_of_show;
-    uint64_t noted_hash; /* of what that note says; 0: not looked at yet */
-    int64_t noted_ns;    /* when it was looked at last */
+    uint64_t noted_hash; /* hash of that note; 0: not read yet */
+    int64_t noted_ns;    /* time of the last check of the note */
 } live_mapping_role;
 
-/* A face and who moves it: made on [main], used by the frame thread. */
+/* A face and its performer. Created on [main], used by the frame thread. */
 typedef struct live_scene {
     const face_file *file;
-    face_file ready; /* the same with the performer's binding: others need not find it again */
+    face_file ready; /* `file` with its binding already computed */
     char *path;
     double unit_mm;
-    csrbf_settings solver; /* radius 0: all of it is the rig's */
+    csrbf_settings solver; /* radius 0: the rig's solver settings */
     performer *performer;
     live_board board;
-    face_board *outgoing;  /* to the outputs */
-    take_performance face; /* what it is recorded as: for its hashes */
+    face_board *outgoing;  /* for the outputs */
+    take_performance face; /* hashes under which the face is recorded */
     struct live_scene *before;
 } live_scene;
 
-/* A take on the stage. To bring it to an instant means files, memory, processes: that is done on a
- * thread of its own, which has the sequencer for that long. Else the frame thread has it, or [main]
- * while it is held (live_stage.is_held). */
+/* Owner of the sequencer of a take. live_timeline_move makes all transitions.
+ *
+ *   frame thread:  HERE, ARRIVED --send--> AWAY    BACK --receive--> ARRIVED --publish--> HERE
+ *   take's thread: AWAY --done--> BACK             RECALLED --done--> HELD
+ *   [main]:        AWAY --hold--> RECALLED         HERE, BACK, ARRIVED --hold--> HELD
+ *                  RECALLED --release--> AWAY      HELD --release--> HERE
+ */
+typedef enum live_timeline_state {
+    LIVE_TIMELINE_HERE = 0, /* the frame thread owns it */
+    LIVE_TIMELINE_AWAY,     /* the timeline's thread owns it and moves it to to_ns */
+    LIVE_TIMELINE_BACK,    /* the timeline's thread has finished; the frame thread has not looked */
+    LIVE_TIMELINE_ARRIVED, /* the frame thread owns it; that instant is not published yet */
+    LIVE_TIMELINE_RECALLED, /* the timeline's thread owns it; [main] gets it afterwards */
+    LIVE_TIMELINE_HELD      /* [main] owns it */
+} live_timeline_state;
+
+typedef enum live_timeline_event {
+    LIVE_TIMELINE_SEND, /* frame thread */
+    LIVE_TIMELINE_RECEIVE,
+    LIVE_TIMELINE_PUBLISH,
+    LIVE_TIMELINE_HOLD,    /* frame thread, in a command of [main] */
+    LIVE_TIMELINE_RELEASE, /* likewise */
+    LIVE_TIMELINE_DONE     /* the timeline's thread */
+} live_timeline_event;
+
+/* A take on the stage. A seek reads files, allocates memory and runs processes, so the timeline has
+ * its own thread for it. */
 typedef struct live_timeline {
-    show *show; /* its own handle */
+    show *show; /* own handle */
     sequencer *sequencer;
     int64_t take;
     pthread_t thread;
     bool has_thread;
-    wake work, *done; /* of its thread; of the frame thread */
+    wake work, *done; /* of the timeline's thread; of the frame thread */
     _Atomic bool stop;
-    _Atomic bool is_away; /* its thread has the sequencer and brings it to to_ns */
+    _Atomic uint32_t state; /* live_timeline_state */
     int64_t to_ns;
-    bool is_seek; /* sequencer_seek, not sequencer_play_to */
-    error failed; /* "" it was brought there */
+    bool is_seek; /* true: sequencer_seek; false: sequencer_play_to */
+    error failed; /* "": the last request succeeded */
 } live_timeline;
 
 /* The newest sample of an input. */
@@ -78,70 +103,69 @@ typedef struct live_sample_board {
     mrt_sample sample[3];
 } live_sample_board;
 
-typedef struct live_pulse { /* how the frame thread does */
+typedef struct live_pulse { /* statistics of the frame thread */
     uint64_t sample_count;
-    performer_counts counts;
+    composer_counts counts;
     rezero_counts rezeros;
     uint64_t patch_speaks;
-    bool is_patch_moving; /* a filter or a fade is on its way */
+    bool is_patch_moving; /* a filter or a fade is still running */
     uint32_t patch_pressed[PATCH_ACTIONS];
     uint32_t frame_count, lag_count;
     float frame_ms[LIVE_HISTORY], phase_ms[LIVE_PHASES][LIVE_HISTORY]; /* rings */
     float lag_ms[LIVE_LAGS];                                           /* a ring */
-    int64_t last_ns; /* host clock: of the newest sample performed */
+    int64_t last_ns; /* host clock: time of the newest performed sample */
     live_mode mode;
     int64_t take;
     recorder_code code;
-    uint64_t overdub_count; /* how often a take was performed over */
-    size_t kept_bytes;      /* of the take on the stage, to scrub from */
+    uint64_t overdub_count; /* number of overdubs */
+    size_t kept_bytes;      /* size of the checkpoints of the shown take */
 } live_pulse;
 
-typedef struct live_stage { /* the frame thread's; [main]'s while it runs a command or has ended */
+typedef struct live_stage { /* owned by the frame thread; by [main] while a command runs or after
+                               the thread has ended */
     player_loop *loop;
+    stage_frame frame; /* of each step and of each published face; its time until the last face */
     live_scene *scene;
     live_mapping_role *role;
-    reload *reload;     /* of the role; NULL: it is not watched */
-    recorder *recorder; /* NULL: nothing is recorded */
+    reload *reload;     /* of the role; NULL: the file is not watched */
+    recorder *recorder; /* NULL: recording is off */
     log_queue *log;
     outputs *outputs;
-    live_sample_board *heard[PLAYER_INPUTS_MAX]; /* by the player's index; 0: NULL */
+    live_sample_board *heard[PLAYER_INPUTS_MAX]; /* by input index of the player; entry 0 is NULL */
     uint32_t input_count;
-    mrt_sample pointed; /* the pointer's last sample */
+    mrt_sample pointed; /* last sample of the pointer */
 
     live_mode mode;
     live_timeline *timeline;
     publish_slot motion_slot; /* transports from [main] */
     transport motion[3];
-    bool is_seek;       /* the transport has changed: the next instant is sought, not played to */
-    bool is_held;       /* [main] has the timeline's sequencer */
-    bool is_on_its_way; /* the timeline's thread was sent to an instant, and is not back */
-    bool has_arrived;   /* it is back, and that instant has not been published yet */
-    int64_t hold_until_ns; /* LIVE_SHOWS: what was shown stays until then */
+    bool has_pending_seek; /* the transport has changed: seek to the next instant instead of playing
+                              to it */
+    int64_t hold_until_ns; /* LIVE_SHOWS: the published face stays until then */
     sound *sound;          /* NULL: none */
     live_click click;
-    int64_t count_ns;  /* LIVE_PERFORMS, host clock: 0 of a take that is or will be recorded */
-    overdub_run *over; /* performed now, or not yet fetched */
-    uint8_t *owned;    /* of it */
+    int64_t count_ns;  /* LIVE_PERFORMS, host clock: time 0 of the current or next recorded take; 0:
+                          none */
+    overdub_run *over; /* running, or finished and not fetched yet */
+    uint8_t *owned;    /* contacts and degrees of freedom that the overdub owns */
 
-    bool is_dirty;                     /* something was performed since it was drawn */
-    bool is_metered;                   /* the face as it is was */
-    wake *changed;                     /* of [main]; NULL: it does not wait */
-    mrt_vec3 hand_from[2][MRT_JOINTS]; /* mm: where each hand was as it moved last */
-    int64_t hand_until_ns[2];          /* it counts as moving until then */
-    int64_t published_ns;
+    bool is_dirty;                     /* a step was performed since the last drawn face */
+    bool is_metered;                   /* the current face is measured */
+    wake *changed;                     /* wakes [main]; NULL: [main] does not wait */
+    mrt_vec3 hand_from[2][MRT_JOINTS]; /* mm: joints at the last movement of each hand */
+    int64_t hand_until_ns[2];          /* the hand counts as moving until then */
+    int64_t drawn_ns, published_ns;    /* begin and end of drawing the last face */
     int64_t sample_ns;
-    double phase_ms[LIVE_PHASES]; /* since the last published face */
     double min_determinant, penetration_mm;
     surface_state skin;
     int64_t metered_ns;
 
-    live_pulse now; /* as counted */
+    live_pulse now; /* counted now, published by live_frame_pulse */
     publish_slot pulse_slot;
     live_pulse pulse[3];
 } live_stage;
 
-/* Something that [main] asks of the frame thread, which runs it between two steps while [main]
- * waits. */
+/* A command from [main]. The frame thread runs it between two steps while [main] waits. */
 typedef mrt_result live_command_run(live_stage *stage, void *data, error *err);
 typedef struct live_command {
     live_command_run *run;
@@ -150,12 +174,12 @@ typedef struct live_command {
     mrt_result result;
 } live_command;
 
-/* What goes to the frame thread with a change, and what comes back. */
+/* Data of a command that changes the performing parts, in both directions. */
 typedef struct live_change {
-    recorder_cast *cast; /* NULL: nothing is recorded */
+    recorder_cast *cast; /* NULL: recording is off */
     live_scene *scene;
     live_mapping_role *role;
-    layer_room *room; /* of who comes; then of who went */
+    layer_room *room; /* of the new performer; after the change, of the old one */
     instance *old;
     input *add;
     live_sample_board *heard;
@@ -165,7 +189,7 @@ typedef struct live_change {
     uint32_t pedal;
     const void *taught;
     size_t taught_size;
-    patch_plan *plan; /* that comes; then the one that was */
+    patch_plan *plan; /* the new plan; after the change, the old one */
 } live_change;
 
 typedef struct live_input_entry {
@@ -174,7 +198,7 @@ typedef struct live_input_entry {
     live_sample_board *heard;
 } live_input_entry;
 
-typedef struct live_measured { /* a calibration that was read; zeroed: none */
+typedef struct live_measured { /* a calibration that was loaded; zeroed: none */
     char *path, *text;
     hand_calibration *use;
     double length_mm;
@@ -189,40 +213,41 @@ struct live {
     _Atomic(live_command *) command;
     wake answered;
 
-    csrbf_settings own_solver; /* radius 0: the rig's */
-    bool has_own_solver;       /* false: all of it is the rig's */
+    csrbf_settings own_solver; /* radius 0: the rig's settings */
+    bool has_own_solver;       /* false: the rig's settings are used */
     outputs *outputs;
-    tap *tap; /* by live's index of inputs */
+    tap *tap; /* by input index of the stage, without the pointer */
     feed *pointer_feed;
     input *pointer;
     float pointed[POINTER_CHANNELS];
-    bool is_pointing;    /* it holds something */
-    bool moves;          /* its feed repeats */
-    bool patch_moves;    /* so it does, for what a fader that rests by now has set going */
-    int64_t rests_at_ns; /* when it may rest again; 0: not yet */
+    bool is_pointing; /* the pointer pulls or holds a contact */
+    bool moves;       /* its feed repeats samples */
+    bool patch_moves; /* the feed repeats because the patch is still moving, although its fader is
+                         at rest */
+    int64_t rests_at_ns; /* time after which the feed may stop; 0: not set */
     live_input_entry entry[LIVE_INPUTS_MAX];
-    input *cast_input[PLAYER_INPUTS_MAX]; /* the pointer and those: for the recorder */
+    input *cast_input[PLAYER_INPUTS_MAX]; /* pointer, then `entry`: for the recorder */
     const char *cast_text[PLAYER_INPUTS_MAX];
     uint32_t entry_count;
     live_measured hand[2];
     uint32_t rezero_pedal, rezero_wanted;
-    patch patch; /* count 0: none */
+    patch patch; /* count 0: no patch */
 
-    live_scene *scene, *old_scene;    /* old: its views, and those before, may be looked at */
-    live_mapping_role *role, *coming; /* coming: takes over as soon as nothing is between */
+    live_scene *scene, *old_scene; /* old_scene: an earlier scene whose views may still be read */
+    live_mapping_role *role, *coming; /* coming: replaces `role` between two steps */
 
-    show *show; /* that is recorded into; NULL: none */
+    show *show; /* show for recordings; NULL: none */
     char why_not[256];
     recorder *recorder;
     int64_t session_ns, take_begun_ns, take_ended_ns;
 
     live_timeline *timeline;
     transport transport;
-    timecode_rate rate; /* of the take's frames */
+    timecode_rate rate; /* frame rate of the take */
     bool is_shown;
-    take shown;        /* a copy */
-    bool is_over;      /* recording over the take */
-    bool is_over_done; /* its edits have not been taken */
+    take shown;        /* own copy */
+    bool is_over;      /* an overdub is running */
+    bool is_over_done; /* an overdub has ended and its edits are not fetched yet */
     char note[1024];
     struct {
         int64_t take, at_ns;
@@ -231,73 +256,78 @@ struct live {
 
     sound *sound;
     live_click click;
-    bool wants_sound; /* armed as long as it is wanted */
+    bool wants_sound; /* the sound stays armed while it is set */
     uint32_t sound_channels;
-    int64_t attach_take; /* its sound is on the way; 0: none */
-    int64_t edited_take; /* by the stage itself: live_take_edited */
+    int64_t attach_take; /* take whose sound is still being written; 0: none */
+    int64_t edited_take; /* take that the stage itself edited, see live_take_edited */
     uint64_t overdub_count;
 
     live_status status;
-    int64_t measured_ns; /* percentiles */
+    int64_t measured_ns; /* time of the last computation of the percentiles */
 };
 
 /* ---- live_frame.c: the frame thread ---- */
 
-/* Waits until the frame thread has run it; before there is one, runs it itself. */
+/* Runs a command on the frame thread and waits for its result. Runs it directly while the thread
+ * does not exist. */
 CHECKED mrt_result live_ask(live *self, live_command_run *run, void *data, error *err);
-/* Its player, and then its thread. */
+/* live_frame_start creates the player, live_frame_run its thread. */
 CHECKED mrt_result live_frame_start(live *self, error *err);
 CHECKED mrt_result live_frame_run(live *self, error *err);
 void live_frame_stop(live *self);
-/* [frame, in a command] A sample of the pointer as it is, now: time goes on. */
+/* [frame, in a command] Performs the pointer's current sample again with the current time. */
 CHECKED mrt_result live_frame_tick(live_stage *stage, error *err);
-void live_frame_publish(live_stage *stage); /* the face as it is */
+void live_frame_publish(live_stage *stage); /* publishes the current face */
 void live_frame_pulse(live_stage *stage);
 
-/* [main] The thread of a timeline. */
+/* [main] Start and stop the thread of a timeline. */
 CHECKED mrt_result live_timeline_start(live_timeline *self, wake *done, error *err);
 void live_timeline_stop(live_timeline *self);
-/* [frame] What is performed over the take ends here. */
+/* Returns the new state. An event that does not fit the state changes nothing. */
+live_timeline_state live_timeline_move(live_timeline *self, live_timeline_event event);
+/* [frame] Ends the overdub. */
 void live_time_end_over(live_stage *stage, int64_t now_ns, error *err);
-/* [frame] What the sound does from now on: it is told of each change. */
+/* [frame] Sends the current motion of the timeline to the sound. Call it after each change. */
 void live_time_tell_sound(live_stage *stage, int64_t now_ns);
-/* What is shown when it stands there: at its end a take shows its last instant, not the rest behind
- * it. */
+/* Returns the instant that is shown at a position. At its end a take shows its last instant, not
+ * the neutral face after it. */
 int64_t live_time_shown_at(const transport *motion, int64_t at_ns);
 
-/* ---- live_cast.c: who performs ---- */
+/* ---- live_cast.c: face, mapping and recorder settings that perform ---- */
 
-/* The first face and the first mapping. */
+/* Creates the first face and the first mapping. */
 CHECKED mrt_result live_cast_start(live *self, error *err);
 void live_cast_finish(live *self);
 void live_cast_update(live *self);
-/* Another face for the same mapping. */
+/* Opens another face for the same mapping. */
 CHECKED mrt_result live_cast_set_scene(live *self, const face_file *file, const char *path,
                                        double unit_mm, error *err);
-void live_scene_destroy(live_scene *scene);                     /* and those before it */
-void live_own_solver(live *self, const csrbf_settings *solver); /* of scenes to come; NULL: rigs' */
+void live_scene_destroy(live_scene *scene); /* also destroys the scenes before it */
+/* Sets the solver of later scenes. NULL: the settings of the rigs. */
+void live_own_solver(live *self, const csrbf_settings *solver);
 isolate_counts live_mapping_isolated(live_mapping_role *self);
-/* What the mapping was taught becomes a note of the show, for another session; so it does by itself
- * soon after it has changed. */
+/* Stores the taught values of the mapping as a note of the show. live_cast_update also does this
+ * soon after a change. */
 void live_cast_keep_taught(live *self);
-/* Another show is open: a mapping that can be taught makes way for one of its kind, with its
- * values, that knows what this show says. */
+/* Call after another show was opened. Replaces a mapping that can be taught by a new instance with
+ * the same values and the taught values of this show. */
 CHECKED mrt_result live_cast_follow_show(live *self, error *err);
 
-/* Who performs now, for the recorder; the layer alone: others move the face. */
+/* Returns the recorder settings of the current cast. moves_face false: for a layer over a take. */
 recorder_settings live_cast_settings(live *self, bool moves_face);
-/* Refuses while a take is recorded, with what cannot be done. */
+/* Refuses while a take is recorded. `what` names the refused action. */
 CHECKED mrt_result live_check_free(const live *self, const char *what, error *err);
 
-/* Every change of who performs ends the performance that is recorded and begins another one. As
- * things are then is prepared here; a command makes the change, and begins with it on the frame
- * thread; what has ended, or was not needed, is dismissed, whatever came of it. */
+/* Every change of the cast ends the current performance and begins a new one. live_cast_prepare
+ * allocates on [main]. live_cast_begin makes the change on the frame thread, inside a command.
+ * live_cast_dismiss frees what is no longer needed, also after an error. */
 CHECKED mrt_result live_cast_prepare(live *self, live_change *c, error *err);
 CHECKED mrt_result live_cast_begin(live_stage *stage, live_change *c, error *err); /* [frame] */
 void live_cast_dismiss(live *self, live_change *c);
-/* All three: `run` begins with a live_change that is its data. */
+/* Does all three. The data of `run` is a struct whose first member is the live_change. */
 CHECKED mrt_result live_cast_change(live *self, live_command_run *run, live_change *c, error *err);
-CHECKED mrt_result live_cast_anew(live *self, error *err); /* as things are now */
+/* Begins a new performance with the current cast. */
+CHECKED mrt_result live_cast_anew(live *self, error *err);
 
 /* ---- live_inputs.c: the pointer, inputs, hands ---- */
 
@@ -314,10 +344,10 @@ CHECKED mrt_result live_sound_need(live *self, error *err);
 void live_sound_drop(live *self);
 void live_sound_update(live *self);
 
-/* ---- live_take.c: the timeline, and what is performed over it ---- */
+/* ---- live_take.c: the timeline and the overdub ---- */
 
-void live_take_drop(live *self);   /* none is shown any more */
-void live_take_finish(live *self); /* what is left of it, when nothing runs any more */
+void live_take_drop(live *self);   /* removes the take from the stage */
+void live_take_finish(live *self); /* frees the rest after all threads have ended */
 void live_over_update(live *self);
 
 #endif

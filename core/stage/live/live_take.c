@@ -7,13 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* [main] A take on the stage: shown, played, performed over. */
+/* [main] A take on the stage: show it, play it, overdub it. */
 
-/* For instants of a take that are kept to scrub from: two minutes of clay on the puppet, hours of
- * anything else. */
+/* Memory limit of the checkpoints for scrubbing. It is enough for two minutes of an unanchored
+ * mapping on the puppet, or for hours of an anchored one. */
 static const size_t scrub_bytes = (size_t)64 << 20;
 
-/* ---- where each take stood ---- */
+/* ---- last position of each take ---- */
 
 static void remember_position(live *self)
 {
@@ -42,7 +42,7 @@ static int64_t position_of(const live *self, int64_t take_id)
     return 0;
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 static void timeline_destroy(live_timeline *t)
 {
@@ -100,7 +100,7 @@ static int64_t first_performance(const take *t)
 
 static bool has_contacts_in_common(const live *self, const char *rig_json)
 {
-    const mrt_face *about = composer_about(performer_composer(self->scene->performer));
+    const mrt_face *about = composer_about(self->scene->performer->composer);
     char quoted[80];
     for (uint32_t i = 0; i < about->contact_count && rig_json; ++i) {
         snprintf(quoted, sizeof quoted, "\"%.70s\"", about->contacts[i].name);
@@ -116,26 +116,26 @@ static mrt_result check_face(live *self, const take *t, error *err)
     int64_t id = first_performance(t);
     self->note[0] = '\0';
     if (id == 0)
-        return MRT_OK; /* it shows nothing */
+        return MRT_OK; /* the take has no audible layer: any face can show it */
     mrt_result result = show_performance_read(self->show, id, &of, err);
     if (result < 0)
         return result;
     const take_performance *then = &of.performance, *now = &self->scene->face;
     bool is_same_mesh = strcmp(then->mesh_hash, now->mesh_hash) == 0;
     if (!is_same_mesh && !has_contacts_in_common(self, then->rig_json))
-        result =
-            error_set(err, MRT_ERR_UNSUPPORTED,
-                      "take %lld was performed on another face, %.300s: open that one to see it",
-                      (long long)t->id, then->rig);
+        result = error_set(err, MRT_ERR_UNSUPPORTED,
+                           "take %lld was performed on another face. Open %.300s to see it.",
+                           (long long)t->id, then->rig);
     else if (!is_same_mesh || strcmp(then->rig_hash, now->rig_hash) != 0)
         snprintf(self->note, sizeof self->note,
-                 "%.300s is not as it was when take %lld was recorded: it is shown on this face\n",
+                 "%.300s has changed since take %lld was recorded. The take is shown on the "
+                 "current face.\n",
                  then->rig, (long long)t->id);
     show_performance_finish(&of);
     return result;
 }
 
-/* ---- shown ---- */
+/* ---- show a take ---- */
 
 typedef struct showing {
     live *live;
@@ -143,7 +143,7 @@ typedef struct showing {
     const take *take;
 } showing;
 
-/* What the transport does from now on, for the frame thread. */
+/* Publishes the transport of [main] to the frame thread. */
 static void live_take_tell_transport(live *self)
 {
     live_stage *stage = &self->stage;
@@ -159,7 +159,8 @@ static void fade_over(live_stage *stage)
     stage->is_dirty = true;
 }
 
-/* The take and its transport change in one: no other take is seen at its instant. */
+/* Exchanges the take and its transport together, so that no take is shown at the position of
+ * another. */
 static mrt_result put_timeline(live_stage *stage, void *data, error *err)
 {
     (void)err;
@@ -169,10 +170,9 @@ static mrt_result put_timeline(live_stage *stage, void *data, error *err)
     if (stage->mode == LIVE_PERFORMS || !s->old || s->old->take != s->timeline->take)
         fade_over(stage);
     stage->timeline = s->timeline;
-    stage->is_on_its_way = stage->has_arrived = false;
     stage->mode = LIVE_SHOWS;
     stage->hold_until_ns = 0;
-    stage->is_seek = stage->is_dirty = true;
+    stage->has_pending_seek = stage->is_dirty = true;
     return MRT_OK;
 }
 
@@ -183,35 +183,35 @@ static mrt_result change_take(live_stage *stage, void *data, error *err)
     if (stage->mode == LIVE_PERFORMS)
         fade_over(stage);
     stage->mode = LIVE_SHOWS;
-    stage->is_held = false;
+    (void)live_timeline_move(stage->timeline, LIVE_TIMELINE_RELEASE);
     stage->hold_until_ns = 0;
-    stage->is_seek = stage->is_dirty = true;
+    stage->has_pending_seek = stage->is_dirty = true;
     live_take_tell_transport(s->live);
     return MRT_OK;
 }
 
-static mrt_result hold(live_stage *stage, void *data, error *err)
+static mrt_result move_timeline(live_stage *stage, void *data, error *err)
 {
     (void)err;
-    stage->is_held = *(const bool *)data;
+    (void)live_timeline_move(stage->timeline, *(const live_timeline_event *)data);
     return MRT_OK;
 }
 
-/* [main] has the sequencer of the take that is shown, until a command gives it back. */
+/* Moves ownership of the shown take's sequencer to [main], until a command returns it. */
 static void live_take_hold(live *self)
 {
     error ignored = {""};
-    bool is_held = true;
-    (void)!live_ask(self, hold, &is_held, &ignored);
-    while (atomic_load(&self->timeline->is_away))
+    live_timeline_event event = LIVE_TIMELINE_HOLD;
+    (void)!live_ask(self, move_timeline, &event, &ignored);
+    while (atomic_load(&self->timeline->state) != LIVE_TIMELINE_HELD)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
 }
 
 static void live_take_release(live *self)
 {
     error ignored = {""};
-    bool is_held = false;
-    (void)!live_ask(self, hold, &is_held, &ignored);
+    live_timeline_event event = LIVE_TIMELINE_RELEASE;
+    (void)!live_ask(self, move_timeline, &event, &ignored);
 }
 
 static mrt_result show_hands(live_stage *stage, void *data, error *err)
@@ -231,7 +231,6 @@ static mrt_result drop_timeline(live_stage *stage, void *data, error *err)
     mrt_result result = show_hands(stage, NULL, err);
     s->old = stage->timeline;
     stage->timeline = NULL;
-    stage->is_on_its_way = stage->has_arrived = false;
     return result;
 }
 
@@ -247,8 +246,8 @@ static void load_sound(live *self, const take *t)
     if (t->audio.audio == 0 && !self->sound)
         return;
     if (live_sound_need(self, &err) < 0 || sound_load(self->sound, &t->audio, &err) < 0)
-        log_pushf(self->settings.log, MRT_LOG_WARNING, "sound", "%.200s; the take is silent",
-                  err.text);
+        log_pushf(self->settings.log, MRT_LOG_WARNING, "sound",
+                  "%.200s. The take is played without sound.", err.text);
 }
 
 static void take_rate(live *self, const take *t)
@@ -298,10 +297,11 @@ mrt_result live_show_take(live *self, const take *t, error *err)
 {
     error ignored = {""};
     if (!self->show)
-        return error_set(err, MRT_ERR_ARGUMENT, "no show is open");
+        return error_set(err, MRT_ERR_ARGUMENT, "open a show first");
     if (self->is_over)
-        return error_set(err, MRT_ERR_ARGUMENT, "the take is performed over: end that first");
-    if (self->recorder) /* what it shows may be that new */
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the take is being overdubbed: end the overdub first");
+    if (self->recorder) /* the take may use samples that are not written yet */
         (void)!writer_flush(recorder_writer(self->recorder), &ignored);
     mrt_result result = check_face(self, t, err);
     if (result < 0)
@@ -379,7 +379,7 @@ void live_play(live *self)
 {
     if (!may_move(self))
         return;
-    /* So far ahead that the sound loses nothing of the beginning. */
+    /* Lead time, so that the sound starts with the first sample of the take. */
     int64_t lead_ns = self->sound && self->shown.audio.audio ? sound_lead_ns(self->sound) : 0;
     transport_play(&self->transport, clock_now_ns() + lead_ns);
     live_take_tell_transport(self);
@@ -425,7 +425,7 @@ void live_step_frames(live *self, int64_t frames)
     live_take_tell_transport(self);
 }
 
-/* ---- a take that is performed over ---- */
+/* ---- overdub ---- */
 
 typedef struct beginning {
     recorder_cast *cast;
@@ -435,13 +435,13 @@ typedef struct beginning {
     uint64_t overdub_count;
 } beginning;
 
-/* [frame] The take stands at the start. What was performed before does not count: so the layer's
- * samples alone say what is seen. */
+/* [frame] The take is at the start of the overdub. Discards the layer's earlier state, so that the
+ * recorded samples alone determine what it shows. */
 static mrt_result begin_over(live_stage *stage, void *data, error *err)
 {
     beginning *b = data;
     sequencer *s = stage->timeline->sequencer;
-    layer *of = performer_layer(stage->scene->performer);
+    layer *of = stage->scene->performer->voice[0].layer;
     layer_begin_anew(of);
     sequencer_set_live(s, of, b->owned, b->is_additive);
     b->cast = recorder_change(stage->recorder, b->cast);
@@ -449,7 +449,7 @@ static mrt_result begin_over(live_stage *stage, void *data, error *err)
     stage->over = b->run;
     stage->owned = b->owned;
     stage->mode = LIVE_OVERDUBS;
-    stage->is_held = stage->is_on_its_way = stage->has_arrived = false;
+    (void)live_timeline_move(stage->timeline, LIVE_TIMELINE_RELEASE);
     b->overdub_count = ++stage->now.overdub_count;
     stage->hold_until_ns = 0;
     return live_frame_tick(stage, err);
@@ -466,7 +466,7 @@ static mrt_result fetch_over(live_stage *stage, void *data, error *err)
     return MRT_OK;
 }
 
-/* what was performed and not taken */
+/* Discards an overdub whose edits were not fetched. */
 static void live_over_forget(live *self)
 {
     error ignored = {""};
@@ -487,7 +487,7 @@ static mrt_result plan_over(const live *self, const overdub_plan *over, overdub_
         out->passes = over->out_ns > 0 ? OVERDUB_PASSES_MAX : 1;
     out->own = calloc((size_t)over->own_count + 1, sizeof *out->own);
     if (!out->own)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the overdub");
     if (over->own_count > 0)
         memcpy(out->own, over->own, over->own_count * sizeof *out->own);
     mrt_result result = overdub_plan_check(out, &self->shown, err);
@@ -500,16 +500,17 @@ static mrt_result prepare_over(live *self, const overdub_plan *plan, beginning *
 {
     b->run = calloc(1, sizeof *b->run);
     if (!b->run)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the overdub");
     overdub_run_init(b->run, plan, &self->shown);
-    const composer *shown = performer_composer(self->scene->performer); /* as the take's */
+    /* same contacts as the take's */
+    const composer *shown = self->scene->performer->composer;
     mrt_result result =
         overdub_plan_own(plan, &self->shown, shown, &b->owned, &b->is_additive, err);
     const recorder_settings as = live_cast_settings(self, false);
     return result < 0 ? result : recorder_prepare(self->recorder, &as, &b->cast, err);
 }
 
-/* All that the take performs with is opened, and it stands at the start. */
+/* Opens everything that the take needs during the overdub, and moves it to the start. */
 static mrt_result stand_at_start(live *self, const beginning *b, error *err)
 {
     sequencer *s = self->timeline->sequencer;
@@ -524,9 +525,9 @@ mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
     overdub_plan plan;
     beginning b = {0};
     if (!self->is_shown)
-        return error_set(err, MRT_ERR_ARGUMENT, "no take is shown that could be performed over");
+        return error_set(err, MRT_ERR_ARGUMENT, "an overdub needs a take: show one first");
     if (!self->recorder)
-        return error_set(err, MRT_ERR_ARGUMENT, "nothing is recorded: %s", self->why_not);
+        return error_set(err, MRT_ERR_ARGUMENT, "cannot record: %s", self->why_not);
     mrt_result result = live_check_free(self, "another recording", err);
     if (result < 0)
         return result;
@@ -558,7 +559,7 @@ mrt_result live_record_over(live *self, const overdub_plan *over, error *err)
     return result;
 }
 
-/* It stands where it was ended; hands perform as before. */
+/* Keeps the position at which the overdub ended. The hands perform as before. */
 static void after_over(live *self)
 {
     error err = {""};
@@ -581,7 +582,7 @@ bool live_take_over(live *self, edit **out_edits, uint32_t *out_count, error *er
     if (!self->recorder || self->shown.id == 0) {
         live_over_forget(self);
         (void)error_set(err, MRT_ERR_ARGUMENT,
-                        "what was performed over the take is a take by itself");
+                        "the overdub cannot become a layer: it is saved as a separate take");
         return false;
     }
     after_over(self);

@@ -1,28 +1,28 @@
-/* stage/mapping/answers.h - what a mapping answered step by step, to be given again where it may
- * not be asked: on the frame thread, when it runs in a process of its own. Leaves out who asks
- * (layer.h), and for which steps (replay.h). */
+/* stage/mapping/answers.h - stored answers of a mapping, one per step. They replace calls of an
+ * isolated mapping where a call is not allowed, on the frame thread. Leaves out the caller
+ * (layer.h) and the choice of the steps (replay.h). */
 #ifndef MAROTTE_STAGE_ANSWERS_H
 #define MAROTTE_STAGE_ANSWERS_H
 #include "base/bytes.h"
 
 #include <marotte/plugin.h>
 
-/* A pull as bytes. The mapping sees the whole array: also vectors beyond `count` are kept, up to
- * the last one that is not zero; take returns how many. */
+/* Writes and reads a pull as bytes. The mapping sees the whole array, so vectors beyond `count` are
+ * stored too, up to the last one that is not zero. answers_take_pull returns their number. */
 void answers_put_pull(bytes_out *out, const mrt_pull *pull);
 uint32_t answers_take_pull(bytes_in *in, mrt_pull *out);
 
 typedef struct answers_step {
     int64_t time_ns;
-    size_t at; /* of its pull in `bytes` */
+    size_t at; /* position of the pull in `bytes` */
     mrt_result result;
-    bool is_taught; /* in this step it said what it was taught, if it was asked */
+    bool is_taught; /* the mapping reported its taught values in this step when it was called */
 } answers_step;
 
-typedef struct answers { /* zeroed memory: none, to be written down */
-    bool is_given;       /* the mapping is not asked */
-    bool is_taught;      /* of the step that is written down */
-    bool is_full;        /* there was no memory: the last ones are missing */
+typedef struct answers { /* zeroed memory: empty, ready for answers_add */
+    bool is_given;       /* use the stored answers instead of calling the mapping */
+    bool is_taught;      /* is_taught of the step that is being stored */
+    bool is_full;        /* out of memory: the last answers are missing */
     answers_step *of;    /* by time */
     size_t count, capacity, next;
     unsigned char *bytes;
@@ -30,11 +30,11 @@ typedef struct answers { /* zeroed memory: none, to be written down */
 } answers;
 
 void answers_finish(answers *self);
-/* [main] The answer to the next step. */
+/* [main] Appends the answer of the next step. */
 void answers_add(answers *self, int64_t time_ns, mrt_result result, const mrt_pull *pull);
-/* [frame] NULL: it was not asked at this time. */
+/* [frame] NULL: the answer for this time is missing. */
 const answers_step *answers_find(answers *self, int64_t time_ns);
-/* [frame] Of that step, once; where it was not asked it holds. */
+/* [frame] Reads the answer for this time, in time order. MRT_HOLD: it is missing. */
 mrt_result answers_take(answers *self, int64_t time_ns, mrt_pull *pull);
 size_t answers_size(const answers *self); /* bytes in use */
 

@@ -1,4 +1,4 @@
-/* stage/mapping/guard.h - phase 5 of the frame: whether what a mapping pulls makes sense. Pure. */
+/* stage/mapping/guard.h - phase 6 of a frame: checks whether a pull is valid. Pure. */
 #ifndef MAROTTE_STAGE_GUARD_H
 #define MAROTTE_STAGE_GUARD_H
 #include "base/rigid.h"
@@ -8,10 +8,12 @@
 typedef struct guard {
     uint32_t contact_count; /* of the face */
     vec3 centre;
-    double reach_mm; /* no vector leads further from `centre` */
+    double reach_mm; /* maximum distance of a vector from `centre` */
 } guard;
 
-/* Says what is wrong with a pull; NULL: nothing. */
+/* Describes the error of a pull. NULL: it is valid. */
 const char *guard_fault(const guard *self, const mrt_pull *pull);
+/* Returns a pull that moves nothing. */
+mrt_pull guard_idle(void);
 
 #endif

@@ -15,7 +15,7 @@
 
 enum { KEY_LENGTH = 128 };
 
-/* How long a wait may take before the caller's `stop` is looked at. */
+/* longest wait before the caller's `stop` is checked */
 static const int64_t look_span_ns = 50 * NS_PER_MS;
 
 static bool is_listening(const instance *self)
@@ -26,7 +26,7 @@ static bool is_listening(const instance *self)
 static void host_log(const mrt_host *host, int32_t level, const char *text)
 {
     instance *self = host->data;
-    bool listens = is_listening(self); /* a plugin may log from threads of its own */
+    bool listens = is_listening(self); /* a plugin may also log from its own threads */
     if (listens && self->heard && level == MRT_LOG_ERROR)
         (void)error_set(self->heard, MRT_ERR_IO, "%s", text);
     else if (!listens || !self->already_logged || !log_once_repeats(self->already_logged, text))
@@ -73,7 +73,7 @@ static void host_request_restart(const mrt_host *host)
     if (self->can_restart)
         atomic_store(&self->restart_asked, true);
     else
-        log_push(self->log, MRT_LOG_WARNING, self->type->id, "asks to be restarted");
+        log_push(self->log, MRT_LOG_WARNING, self->type->id, "requests a restart");
 }
 
 static void read_landmarks(const mrt_host *host, const mrt_landmarks *seen,
@@ -122,7 +122,7 @@ mrt_result instance_create(instance *out, const mrt_plugin_type *type, instance_
     out->self = type->create(&out->host);
     instance_listen_end(out);
     if (!out->self) {
-        result = error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s could not be created%s%s", type->id,
+        result = error_set(err, MRT_ERR_UNSUPPORTED, "cannot create plugin %s%s%s", type->id,
                            why.text[0] ? ": " : "", why.text);
         goto fail;
     }
@@ -217,7 +217,7 @@ static mrt_result refuse_choice(const instance *self, const mrt_param *p, const 
             snprintf(choices + used, sizeof choices - used, "%s%s", i > 0 ? ", " : "", choice);
         used += length > 0 ? (size_t)length : 0;
     }
-    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is none of its choices: %s%s",
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s=\"%s\" is not one of its choices: %s%s",
                      self->type->id, key, value, choices, suggest_question(&near).text);
 }
 

@@ -21,23 +21,24 @@
 static const int64_t deadline_default_ns = 3 * NS_PER_MS;
 static const int64_t virtual_deadline_ns = 5 * NS_PER_S;
 static const int64_t main_patience_ns = 5 * NS_PER_S;
-/* A frame waits for its deadline, and holds; a child hangs when it has owed an answer for this
- * long, in this many frames. On a busy machine it may not have had a turn in that time: then
- * longer. */
+/* A frame waits for its deadline, then keeps the last pose. A child hangs if it has owed an answer
+ * for hang_ns and HANG_FRAMES frames. On a busy machine it may have had no processor time (less
+ * than turn_ns); then the limit is hang_without_turn_ns. */
 static const int64_t hang_ns = NS_PER_S, turn_ns = 50 * NS_PER_MS;
 static const int64_t hang_without_turn_ns = 3 * NS_PER_S;
 enum { HANG_FRAMES = 8 };
-/* What a take begins with must not be missing: a frame rather waits this long. */
+/* A take needs its initial state, so a frame may wait this long for it. */
 static const int64_t save_patience_ns = 100 * NS_PER_MS;
-/* One that is late again and again is told of. */
+/* Scores of late answers: a warning is logged when the score reaches LATE_MAX. */
 enum { LATE_COST = 8, LATE_MAX = 64 };
-/* One that was held for more than a frame comes back with a turn; without one after so many. */
+/* Number of held frames up to which a late answer waits for a crossfade. After it, the answer is
+ * used directly. */
 enum { HELD_MAX = 64 };
-/* How often the child's state is asked for. */
+/* Interval between saved states of the child. */
 static const int64_t resume_span_ns = NS_PER_S;
 
-/* Who has what: while RUNNING the thread that calls the plugin has all of it; from FAILED on the
- * supervisor has all of it, until READY, when the caller may take it back, or LOST. */
+/* Ownership of the struct: in RUNNING the thread that calls the plugin owns it. From FAILED on the
+ * supervisor owns it, until READY (the caller may take it back) or LOST. */
 enum { ISOLATE_RUNNING = 1, ISOLATE_FAILED, ISOLATE_READY, ISOLATE_LOST };
 
 struct mrt_plugin {
@@ -54,41 +55,43 @@ struct mrt_plugin {
 
     isolate_process link;
     guard guard;
-    bool is_to_reset; /* before the next request */
-    uint32_t owed;    /* the request that the child still owes an answer to; 0: none */
-    bool has_saved;   /* the block's bytes are the answer to saved_kind */
+    bool is_to_reset; /* send a reset before the next request */
+    uint32_t owed;    /* request without an answer so far; 0: none */
+    bool has_saved;   /* `bytes` of the block is the answer to saved_kind */
     uint32_t saved_kind;
     int32_t late_score;
-    bool is_late_told;
-    uint32_t held_frames; /* in a row, for one late answer */
-    bool is_announced;    /* the layer knows that it comes back */
+    bool is_late_logged;
+    uint32_t held_frames; /* consecutive frames without an answer to one request */
+    bool is_announced;    /* the layer knows that the answer returns after a pause */
     int64_t asked_ns, asked_cpu_ns;
-    double params[ISOLATE_PARAMS_MAX]; /* of the last frame */
+    double params[ISOLATE_PARAMS_MAX]; /* values of the last frame */
     isolate_memory memory;
-    char reason[160];       /* why it has failed; "ended": as the process did */
-    char first_reason[160]; /* of the first failure; written before failed_count says so */
+    char reason[160];       /* reason of the failure; "ended": see the exit status */
+    char first_reason[160]; /* of the first failure; written before failed_count is increased */
 
-    unsigned char *resume; /* MRT_RESUME, and the pull held then; ISOLATE_BYTES of room */
-    uint32_t resume_size;  /* 0: none */
+    /* MRT_RESUME state, ISOLATE_BYTES of room; resume_pull is the pull at that time */
+    unsigned char *resume;
+    uint32_t resume_size; /* 0: none */
     mrt_pull resume_pull;
     bool has_asked_resume;
     int64_t resume_asked_ns;
 
-    bool is_forgotten; /* the caller's: reset was called while the child was away */
+    bool has_missed_reset; /* owned by the caller: reset was called while the child was not running
+                            */
 
-    pthread_mutex_t busy; /* held by [main] functions, and by the supervisor while it recovers */
-    const mrt_face *face; /* under busy; NULL: not active */
-    const mrt_rig_pose *poses; /* under busy: of that face, or of the one that is activated next */
+    pthread_mutex_t busy;      /* held by [main] functions, and by the supervisor during recovery */
+    const mrt_face *face;      /* guarded by busy; NULL: not active */
+    const mrt_rig_pose *poses; /* guarded by busy; of the active face or of the next one */
     uint32_t pose_count;
-    unsigned char *state; /* under busy: MRT_STATE as loaded last; ISOLATE_BYTES of room */
+    unsigned char *state; /* guarded by busy: last loaded MRT_STATE, ISOLATE_BYTES of room */
     size_t state_size;    /* 0: none */
 
-    /* the supervisor's */
+    /* owned by the supervisor */
     pthread_t supervisor;
     int wake_fd;
     pthread_mutex_t start_mutex;
     pthread_cond_t start_cond;
-    int start; /* 0: not yet, 1: it runs, -1: failed */
+    int start; /* 0: not started, 1: running, -1: failed */
     error start_error;
     _Atomic bool is_stopping;
     bool has_failed_before;
@@ -96,7 +99,7 @@ struct mrt_plugin {
 };
 
 struct isolate {
-    isolate_outer outer; /* first: types are found by it */
+    isolate_outer outer; /* must be first: the type is cast to isolate */
     isolate_settings settings;
 };
 
@@ -105,21 +108,22 @@ static const isolate *isolate_of(const mrt_plugin_type *type)
     return (const isolate *)(const void *)type;
 }
 
-/* ---- the supervisor: the thread that starts a process, sees it end, and starts another ---- */
+/* ---- supervisor: the thread that starts a process, detects its end, and starts another one
+ * ---- */
 
 static const int64_t start_patience_ns = 5 * NS_PER_S;
 static const int64_t end_patience_ns = NS_PER_S / 5;
 static const int64_t again_ns = 60 * NS_PER_S;
 enum { DEATH_MS = 20 };
 
-static void say(const mrt_plugin *self, int32_t level, const char *text)
+static void log_text(const mrt_plugin *self, int32_t level, const char *text)
 {
     self->host->log(self->host, level, text);
 }
 
-/* ---- a child is started ---- */
+/* ---- start a child ---- */
 
-static mrt_result ask_with(isolate_process *link, uint32_t kind, const void *bytes, size_t size)
+static mrt_result call_with(isolate_process *link, uint32_t kind, const void *bytes, size_t size)
 {
     if (size > ISOLATE_BYTES)
         return MRT_ERR_ARGUMENT;
@@ -128,12 +132,12 @@ static mrt_result ask_with(isolate_process *link, uint32_t kind, const void *byt
     return isolate_process_call(link, kind, start_patience_ns);
 }
 
-/* The plugin's words, or how its process went. */
+/* Sets the error to the text of the plugin, or to the exit status of its process. */
 static mrt_result explain_start(mrt_plugin *self, error *err)
 {
     error how = {""};
     bool died = isolate_process_has_ended(&self->link, 0);
-    (void)error_set(err, MRT_ERR_UNSUPPORTED, "its process gave no answer");
+    (void)error_set(err, MRT_ERR_UNSUPPORTED, "its process did not answer");
     bool has_words = isolate_process_why(&self->link, err);
     isolate_process_end(&self->link, &how);
     if (died && !has_words)
@@ -142,7 +146,7 @@ static mrt_result explain_start(mrt_plugin *self, error *err)
     return MRT_ERR_UNSUPPORTED;
 }
 
-/* Started, and the plugin created. On failure nothing is left. */
+/* Starts the process and creates the plugin. On failure it frees everything. */
 static mrt_result start(mrt_plugin *self, error *err)
 {
     mrt_result result = isolate_process_start(&self->link, self->library, self->inner->id, err);
@@ -159,11 +163,12 @@ static mrt_result start(mrt_plugin *self, error *err)
     }
     isolate_process_end(&self->link, NULL);
     isolate_process_finish(&self->link);
-    return error_set(err, MRT_ERR_FORMAT, "its library has changed: its parameters are others");
+    return error_set(err, MRT_ERR_FORMAT, "its library has changed: the parameters are different");
 }
 
-/* The face and its poses into the block. Returns the size, which must be below ISOLATE_BYTES. */
-static size_t put_mapped(mrt_plugin *self, const mrt_face *face)
+/* Writes the face and its poses into the block. Returns the size, which must be less than
+ * ISOLATE_BYTES. */
+static size_t write_mapped(mrt_plugin *self, const mrt_face *face)
 {
     isolate_block *block = self->link.block;
     size_t size =
@@ -172,26 +177,26 @@ static size_t put_mapped(mrt_plugin *self, const mrt_face *face)
     return size;
 }
 
-/* As the one that has failed was a second ago at most. */
+/* Starts a child with the state of the failed one, which is at most one second old. */
 static mrt_result bring_up(mrt_plugin *self)
 {
     isolate_process *link = &self->link;
     error why = {""};
     mrt_result result = start(self, &why);
     if (result < 0) {
-        say(self, MRT_LOG_WARNING, why.text);
+        log_text(self, MRT_LOG_WARNING, why.text);
         return result;
     }
     if (self->state_size > 0)
-        result = ask_with(link, ISOLATE_STATE_LOAD, self->state, self->state_size);
+        result = call_with(link, ISOLATE_STATE_LOAD, self->state, self->state_size);
     if (result >= 0) {
-        (void)put_mapped(self, self->face); /* it fitted when it was activated */
+        (void)write_mapped(self, self->face); /* its size was checked by activate */
         result = isolate_process_call(link, ISOLATE_ACTIVATE, start_patience_ns);
     }
     if (result >= 0)
         result = isolate_process_call(link, ISOLATE_RESET, start_patience_ns);
     if (result >= 0 && self->resume_size > 0 &&
-        ask_with(link, ISOLATE_RESUME_LOAD, self->resume, self->resume_size) < 0) {
+        call_with(link, ISOLATE_RESUME_LOAD, self->resume, self->resume_size) < 0) {
         self->resume_size = 0;
         result = isolate_process_call(link, ISOLATE_RESET, start_patience_ns);
     }
@@ -199,7 +204,7 @@ static mrt_result bring_up(mrt_plugin *self)
     return result;
 }
 
-/* ---- a child has failed ---- */
+/* ---- failure of a child ---- */
 
 static void end_child(mrt_plugin *self, error *out_how)
 {
@@ -224,13 +229,13 @@ static void write_report(mrt_plugin *self, const char *reason)
                                    .memory = &self->memory};
     mrt_result result = isolate_report_write(&report, folder, sizeof folder, &err);
     if (result < 0)
-        (void)error_set(&text, result, "no report was written: %s", err.text);
+        (void)error_set(&text, result, "cannot write a report: %s", err.text);
     else
-        (void)error_set(&text, MRT_OK, "what it saw last is kept in %s", folder);
-    say(self, result < 0 ? MRT_LOG_WARNING : MRT_LOG_INFO, text.text);
+        (void)error_set(&text, MRT_OK, "its last inputs are saved in %s", folder);
+    log_text(self, result < 0 ? MRT_LOG_WARNING : MRT_LOG_INFO, text.text);
 }
 
-/* Why it has failed, in words; the process is gone. */
+/* Ends the process and describes why it failed. */
 static void explain_end(mrt_plugin *self, error *out_reason)
 {
     error how = {""};
@@ -254,30 +259,31 @@ static void recover(mrt_plugin *self)
     self->has_failed_before = true;
     self->failed_ns = now_ns;
     TRACE(TRACE_MAPPING, "%s: %s", self->inner->id, reason.text);
-    (void)error_set(&text, MRT_OK, "%s: the face is held%s", reason.text,
-                    is_again ? "; it has failed twice within a minute: choose a mapping" : "");
-    say(self, MRT_LOG_WARNING, text.text);
+    (void)error_set(&text, MRT_OK, "%s. The face keeps its last pose%s", reason.text,
+                    is_again ? ". It has failed twice within a minute: choose another mapping"
+                             : "");
+    log_text(self, MRT_LOG_WARNING, text.text);
     write_report(self, reason.text);
     self->memory.count = 0;
     bool is_up = !is_again && self->face && bring_up(self) >= 0;
     if (!is_up)
         end_child(self, NULL);
     atomic_store(&self->phase, is_up ? ISOLATE_READY : ISOLATE_LOST);
-    if (is_up) { /* who sees it counted may have it */
+    if (is_up) { /* the count comes last, because the caller may own it then */
         atomic_fetch_add(&self->restarted_count, 1);
-        say(self, MRT_LOG_INFO, "runs again in a new process");
+        log_text(self, MRT_LOG_INFO, "runs again in a new process");
     } else if (!is_again && self->face) {
-        say(self, MRT_LOG_WARNING, "could not be started again: the face stays held");
+        log_text(self, MRT_LOG_WARNING, "cannot be restarted: the face keeps its last pose");
     }
 }
 
-/* ---- the thread ---- */
+/* ---- supervisor thread ---- */
 
 static void supervisor_wake(mrt_plugin *self)
 {
     const uint64_t one = 1;
     ssize_t written = write(self->wake_fd, &one, sizeof one);
-    (void)written; /* full: it is awake already */
+    (void)written; /* if the counter is full, the supervisor is already awake */
 }
 
 static void clear_wake(const mrt_plugin *self)
@@ -287,17 +293,17 @@ static void clear_wake(const mrt_plugin *self)
     (void)got;
 }
 
-static void keep(mrt_plugin *self)
+static void supervise(mrt_plugin *self)
 {
-    bool is_told = false;
+    bool is_marked_dead = false;
     while (!atomic_load(&self->is_stopping)) {
         struct pollfd on[2] = {{.fd = self->wake_fd, .events = POLLIN},
-                               {.fd = is_told ? -1 : self->link.pidfd, .events = POLLIN}};
+                               {.fd = is_marked_dead ? -1 : self->link.pidfd, .events = POLLIN}};
         if (poll(on, 2, -1) < 0 && errno != EINTR)
             return;
         if (on[1].revents) {
             isolate_process_tell_dead(&self->link);
-            is_told = true;
+            is_marked_dead = true;
         }
         if (on[0].revents)
             clear_wake(self);
@@ -306,11 +312,11 @@ static void keep(mrt_plugin *self)
         pthread_mutex_lock(&self->busy);
         recover(self);
         pthread_mutex_unlock(&self->busy);
-        is_told = false;
+        is_marked_dead = false;
     }
 }
 
-static void ask_to_end(mrt_plugin *self)
+static void request_end(mrt_plugin *self)
 {
     uint32_t phase = atomic_load(&self->phase);
     bool answers = phase == ISOLATE_RUNNING || phase == ISOLATE_READY;
@@ -331,8 +337,8 @@ static void *supervisor_main(void *data)
     pthread_mutex_unlock(&self->start_mutex);
     if (result < 0)
         return NULL;
-    keep(self);
-    ask_to_end(self);
+    supervise(self);
+    request_end(self);
     return NULL;
 }
 
@@ -354,7 +360,8 @@ static mrt_result supervisor_start(mrt_plugin *self)
         return MRT_OK;
     if (is_up)
         pthread_join(self->supervisor, NULL);
-    say(self, MRT_LOG_ERROR, self->start_error.text); /* from the thread that is listened to */
+    log_text(self, MRT_LOG_ERROR,
+             self->start_error.text); /* logged on the thread that captures the log */
     close(self->wake_fd);
     pthread_cond_destroy(&self->start_cond);
     pthread_mutex_destroy(&self->start_mutex);
@@ -373,14 +380,14 @@ static void supervisor_stop(mrt_plugin *self)
     pthread_mutex_destroy(&self->busy);
 }
 
-/* ---- what is asked of the process ---- */
+/* ---- requests ---- */
 
 static bool runs(const mrt_plugin *self)
 {
     return atomic_load(&self->phase) == ISOLATE_RUNNING;
 }
 
-/* From here on the supervisor has all of it, and the face is held. */
+/* Hands the struct over to the supervisor. The face keeps its last pose. */
 static void fail(mrt_plugin *self, const char *reason)
 {
     (void)snprintf(self->reason, sizeof self->reason, "%s", reason);
@@ -389,9 +396,9 @@ static void fail(mrt_plugin *self, const char *reason)
     supervisor_wake(self);
 }
 
-/* The block is the child's until it has answered. MRT_TIMEOUT: it owes that; MRT_ERR_IO: it ended.
- */
-static mrt_result put_request(mrt_plugin *self, uint32_t kind, int64_t until_ns)
+/* Sends a request and waits. The child owns the block until its answer. MRT_TIMEOUT: the answer is
+ * still owed; MRT_ERR_IO: the process has ended. */
+static mrt_result send_request(mrt_plugin *self, uint32_t kind, int64_t until_ns)
 {
     self->has_saved = false;
     self->owed = kind;
@@ -404,8 +411,7 @@ static mrt_result put_request(mrt_plugin *self, uint32_t kind, int64_t until_ns)
     return result;
 }
 
-/* As put_request: the block is free, and a reset that was put off is done. An answer owed is
- * dropped. */
+/* Waits for an owed answer, discards it, and sends a delayed reset. Returns like send_request. */
 static mrt_result settle(mrt_plugin *self, int64_t until_ns)
 {
     mrt_result result = self->owed ? isolate_process_wait_until_ns(&self->link, until_ns) : MRT_OK;
@@ -414,26 +420,27 @@ static mrt_result settle(mrt_plugin *self, int64_t until_ns)
     if (result != MRT_OK || !self->is_to_reset)
         return result;
     self->is_to_reset = false;
-    return put_request(self, ISOLATE_RESET, until_ns);
+    return send_request(self, ISOLATE_RESET, until_ns);
 }
 
-/* Both. */
-static mrt_result put_settled(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
+/* Settles, then sends a request. */
+static mrt_result send_settled(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
 {
     int64_t until_ns = clock_now_ns() + patience_ns;
     mrt_result result = settle(self, until_ns);
     if (result == MRT_OK)
-        result = put_request(self, kind, until_ns);
+        result = send_request(self, kind, until_ns);
     isolate_process_drain(&self->link, self->host);
     return result;
 }
 
-/* Both, and no answer is a failure; the result is the child's. Not for process. */
-static mrt_result ask_child(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
+/* Settles, sends a request and returns the result of the child. A missing answer is a failure. Not
+ * for process. */
+static mrt_result call_child(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
 {
     if (!runs(self))
         return MRT_ERR_UNSUPPORTED;
-    mrt_result result = put_settled(self, kind, patience_ns);
+    mrt_result result = send_settled(self, kind, patience_ns);
     if (result == MRT_OK)
         return self->link.block->result;
     fail(self, result == MRT_ERR_IO ? "ended" : "did not answer");
@@ -450,7 +457,8 @@ static void fail_late(mrt_plugin *self)
     fail(self, reason);
 }
 
-/* The mapping is to blame, not a machine that had no turn for its process or for this one. */
+/* Returns whether the mapping itself hangs. A computer without processor time for it is not a
+ * hang. */
 static bool hangs(const mrt_plugin *self)
 {
     int64_t owed_ns = clock_now_ns() - self->asked_ns;
@@ -467,19 +475,20 @@ static void count_late(mrt_plugin *self)
     if (self->held_frames > 1)
         return;
     self->late_score += LATE_COST;
-    if (self->late_score < LATE_MAX || self->is_late_told)
+    if (self->late_score < LATE_MAX || self->is_late_logged)
         return;
-    self->is_late_told = true;
-    self->host->log(self->host, MRT_LOG_WARNING,
-                    "answers late again and again, and the face is held meanwhile: it computes for "
-                    "too long, or the machine is busy");
+    self->is_late_logged = true;
+    self->host->log(
+        self->host, MRT_LOG_WARNING,
+        "often answers late, and the face keeps its last pose until then: it computes for "
+        "too long, or the computer is busy");
 }
 
 static void count_in_time(mrt_plugin *self)
 {
     self->held_frames = 0;
     self->late_score -= self->late_score > 0;
-    self->is_late_told = self->is_late_told && self->late_score > 0;
+    self->is_late_logged = self->is_late_logged && self->late_score > 0;
 }
 
 static void hold_late(mrt_plugin *self)
@@ -489,7 +498,7 @@ static void hold_late(mrt_plugin *self)
         fail_late(self);
 }
 
-static mrt_result take_answer(mrt_plugin *self, mrt_pull *pull)
+static mrt_result read_answer(mrt_plugin *self, mrt_pull *pull)
 {
     const isolate_block *block = self->link.block;
     mrt_pull answer = block->pull;
@@ -516,9 +525,9 @@ static mrt_result take_answer(mrt_plugin *self, mrt_pull *pull)
     return result;
 }
 
-/* The answer to an earlier request; true: the child is free for this frame. out_late: of that
- * answer. */
-static bool take_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_late)
+/* Reads the answer to an earlier request. True: the child is free for this frame. out_late: the
+ * result of that answer. */
+static bool read_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_late)
 {
     *out_late = MRT_HOLD;
     if (!self->owed)
@@ -527,7 +536,8 @@ static bool take_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_l
     mrt_result waited = isolate_process_wait_until_ns(&self->link, 0);
     if (waited == MRT_OK && is_wanted && self->held_frames > 1 && self->held_frames < HELD_MAX &&
         !self->is_announced) {
-        self->held_frames += 1; /* the layer is between two pulls: it would jump now */
+        /* the layer is crossfading, so the answer would make the face jump now */
+        self->held_frames += 1;
         return false;
     }
     if (waited == MRT_OK) {
@@ -535,7 +545,7 @@ static bool take_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_l
         self->held_frames = 0;
         self->is_announced = false;
         if (is_wanted)
-            *out_late = take_answer(self, pull);
+            *out_late = read_answer(self, pull);
         return runs(self);
     }
     if (waited == MRT_ERR_IO)
@@ -545,7 +555,7 @@ static bool take_late_answer(mrt_plugin *self, mrt_pull *pull, mrt_result *out_l
     return false;
 }
 
-static void put_frame(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pull)
+static void write_frame(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *pull)
 {
     isolate_block *block = self->link.block;
     block->frame = *frame;
@@ -563,28 +573,28 @@ static void put_frame(mrt_plugin *self, const mrt_frame *frame, const mrt_pull *
 
 static mrt_result forward(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
-    mrt_pull entry = *pull; /* what is held should it fail */
+    mrt_pull entry = *pull; /* last pose, for a failure */
     mrt_result late;
     int64_t until_ns = clock_now_ns() + self->deadline_ns;
-    if (!take_late_answer(self, pull, &late)) {
+    if (!read_late_answer(self, pull, &late)) {
         *pull = entry;
         return MRT_HOLD;
     }
     mrt_result waited = settle(self, until_ns);
     if (waited == MRT_OK) {
-        put_frame(self, frame, pull);
-        waited = put_request(self, ISOLATE_PROCESS, until_ns);
+        write_frame(self, frame, pull);
+        waited = send_request(self, ISOLATE_PROCESS, until_ns);
     }
     if (waited == MRT_TIMEOUT) {
         hold_late(self);
-        return late; /* one that is always late is seen too */
+        return late; /* an answer that is always one frame late is used too */
     }
     if (waited < 0) {
         fail(self, "ended");
         return MRT_HOLD;
     }
     count_in_time(self);
-    return take_answer(self, pull);
+    return read_answer(self, pull);
 }
 
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
@@ -596,11 +606,12 @@ static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pu
     return forward(self, frame, pull);
 }
 
-/* It was held for some frames, and now comes back: the face is not to catch up in one. */
+/* Returns whether an answer has arrived after several frames. The face must not jump to it in one
+ * frame. */
 static bool comes_back(const mrt_plugin *self)
 {
     if (!runs(self) || self->owed != ISOLATE_PROCESS || self->held_frames <= 1)
-        return false; /* while it does not run the block is the supervisor's */
+        return false; /* the supervisor owns the block */
     const isolate_block *block = self->link.block;
     return atomic_load(&block->answered) == atomic_load(&block->asked);
 }
@@ -609,29 +620,29 @@ static bool take_over(mrt_plugin *self, mrt_pull *pull)
 {
     if (atomic_load(&self->phase) != ISOLATE_READY)
         return self->is_announced = comes_back(self);
-    bool is_forgotten = self->is_forgotten;
-    self->is_announced = self->has_saved = self->is_late_told = false;
-    self->is_forgotten = self->has_asked_resume = false;
-    self->is_to_reset = is_forgotten;
+    bool has_missed_reset = self->has_missed_reset;
+    self->is_announced = self->has_saved = self->is_late_logged = false;
+    self->has_missed_reset = self->has_asked_resume = false;
+    self->is_to_reset = has_missed_reset;
     self->owed = 0;
     self->late_score = 0;
     self->held_frames = 0;
     atomic_store(&self->phase, ISOLATE_RUNNING);
-    if (!is_forgotten && self->resume_size > 0)
-        *pull = self->resume_pull; /* what it held in the state that it goes on from */
+    if (!has_missed_reset && self->resume_size > 0)
+        *pull = self->resume_pull; /* the pull that belongs to the restored state */
     return true;
 }
 
 static void reset(mrt_plugin *self)
 {
     if (!runs(self)) {
-        self->is_forgotten = true;
+        self->has_missed_reset = true;
         return;
     }
     self->resume_size = 0;
     self->has_asked_resume = false;
     self->memory.count = 0;
-    self->is_to_reset = true; /* before the next frame, within its deadline */
+    self->is_to_reset = true; /* sent before the next frame, within its deadline */
 }
 
 /* ---- [main] ---- */
@@ -639,7 +650,7 @@ static void reset(mrt_plugin *self)
 static void set_poses(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses,
                       uint32_t count)
 {
-    (void)face; /* activate, which follows, has it too */
+    (void)face; /* activate, which follows, receives it too */
     pthread_mutex_lock(&self->busy);
     self->poses = poses;
     self->pose_count = count;
@@ -656,10 +667,10 @@ static void forget_face(mrt_plugin *self)
 static const char *why_not_active(bool is_free, const mrt_face *face)
 {
     if (!is_free)
-        return "its process does not answer: start it anew";
+        return "its process does not answer: choose the mapping again";
     if (isolate_face_put(NULL, 0, face) >= ISOLATE_BYTES)
-        return "the face has too many contacts for a process of its own";
-    return "the rig has too many poses for a process of its own";
+        return "the face has too many contacts for an isolated mapping";
+    return "the rig has too many poses for an isolated mapping";
 }
 
 static mrt_result activate(mrt_plugin *self, const mrt_face *face)
@@ -676,10 +687,10 @@ static mrt_result activate(mrt_plugin *self, const mrt_face *face)
                           .reach_mm = 10.0 * size};
     mrt_result result = MRT_ERR_UNSUPPORTED;
     bool is_free = runs(self) && settle(self, clock_now_ns() + main_patience_ns) == MRT_OK;
-    if (is_free && put_mapped(self, face) < ISOLATE_BYTES)
-        result = ask_child(self, ISOLATE_ACTIVATE, main_patience_ns);
+    if (is_free && write_mapped(self, face) < ISOLATE_BYTES)
+        result = call_child(self, ISOLATE_ACTIVATE, main_patience_ns);
     else
-        say(self, MRT_LOG_ERROR, why_not_active(is_free, face));
+        log_text(self, MRT_LOG_ERROR, why_not_active(is_free, face));
     if (result < 0)
         forget_face(self);
     else
@@ -693,11 +704,11 @@ static void deactivate(mrt_plugin *self)
     pthread_mutex_lock(&self->busy);
     forget_face(self);
     if (runs(self))
-        (void)ask_child(self, ISOLATE_DEACTIVATE, main_patience_ns);
+        (void)call_child(self, ISOLATE_DEACTIVATE, main_patience_ns);
     pthread_mutex_unlock(&self->busy);
 }
 
-/* What it has answered to a request that saves. */
+/* Copies the answer to a save request. */
 static size_t saved_bytes(mrt_plugin *self, uint32_t kind, void *out, size_t capacity)
 {
     size_t size = self->link.block->size;
@@ -723,20 +734,20 @@ static mrt_result load_bytes(mrt_plugin *self, uint32_t kind, int64_t patience_n
     self->has_saved = false;
     memcpy(self->link.block->bytes, bytes, size);
     self->link.block->size = (uint32_t)size;
-    return ask_child(self, kind, patience_ns);
+    return call_child(self, kind, patience_ns);
 }
 
-/* ---- [frame]: what is kept between two frames ---- */
+/* ---- [frame]: states between two frames ---- */
 
-/* 0 too when it is late now: that is no failure. */
+/* Returns 0 if the answer is late, which is not a failure here. */
 static size_t save_between(mrt_plugin *self, uint32_t kind, void *out, size_t capacity)
 {
     bool is_there = has_saved(self, kind);
     if (!is_there && self->is_virtual)
-        is_there = ask_child(self, kind, virtual_deadline_ns) >= 0;
+        is_there = call_child(self, kind, virtual_deadline_ns) >= 0;
     else if (!is_there && runs(self))
         is_there =
-            put_settled(self, kind, save_patience_ns) == MRT_OK && self->link.block->result >= 0;
+            send_settled(self, kind, save_patience_ns) == MRT_OK && self->link.block->result >= 0;
     return is_there ? saved_bytes(self, kind, out, capacity) : 0;
 }
 
@@ -748,10 +759,10 @@ static size_t state_save(mrt_plugin *self, void *out, size_t capacity)
 static mrt_result state_load(mrt_plugin *self, const void *bytes, size_t size)
 {
     if (size > ISOLATE_BYTES || pthread_mutex_trylock(&self->busy) != 0)
-        return MRT_ERR_UNSUPPORTED; /* it is away, and comes back as it was */
+        return MRT_ERR_UNSUPPORTED; /* the process is being restored */
     mrt_result result = load_bytes(self, ISOLATE_STATE_LOAD,
                                    self->is_virtual ? virtual_deadline_ns : hang_ns, bytes, size);
-    if (result >= 0) { /* a new process gets it too */
+    if (result >= 0) { /* also for a new process */
         memcpy(self->state, bytes, size);
         self->state_size = size;
     }
@@ -774,11 +785,11 @@ static mrt_result resume_load(mrt_plugin *self, const void *bytes, size_t size)
                       bytes, size);
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 static mrt_plugin *create(const mrt_host *host)
 {
-    const instance *made = host->data; /* this host is always ours */
+    const instance *made = host->data; /* the host is always one of the program */
     const isolate *of = isolate_of(made->type);
     mrt_plugin *self = calloc(1, sizeof *self);
     unsigned char *resume = malloc(ISOLATE_BYTES), *state = malloc(ISOLATE_BYTES);
@@ -836,8 +847,8 @@ mrt_result isolate_check(const instance *of, error *err)
     const mrt_plugin *self = of->self;
     if (!self || isolate_inner(of->type) == of->type)
         return MRT_OK;
-    int64_t until_ns =
-        clock_now_ns() + main_patience_ns; /* it is away before its supervisor knows why */
+    /* the process stops before the supervisor knows the reason */
+    int64_t until_ns = clock_now_ns() + main_patience_ns;
     while (!runs(self) && atomic_load(&self->failed_count) == 0 && clock_now_ns() < until_ns)
         clock_sleep_until_ns(clock_now_ns() + NS_PER_MS);
     if (runs(self) && atomic_load(&self->failed_count) == 0)
@@ -878,7 +889,7 @@ bool isolate_is_wanted(isolate_which which, const char *library)
     return which == ISOLATE_ALL || !plugin_is_shipped(library);
 }
 
-/* A type like the inner one, but for its interfaces and how it is made, which follow. */
+/* Copies the inner type. The caller then sets the interfaces, create and destroy. */
 static mrt_result wrap(isolate **out, const mrt_plugin_type *inner, const char *library, error *err)
 {
     *out = NULL;

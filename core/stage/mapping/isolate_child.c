@@ -1,7 +1,6 @@
-/* marotte-pluginhost LIBRARY TYPE - one mapping or face output in a process of its own: does what
- * it is asked for in the memory that it finds at ISOLATE_FD. Started by
- * stage/mapping/isolate_process.c, of no use to people; it ends with the program that has started
- * it. */
+/* marotte-pluginhost LIBRARY TYPE - runs one mapping or face output in its own process. It executes
+ * the requests in the shared memory at ISOLATE_FD. stage/mapping/isolate_process.c starts it; it is
+ * not for direct use. It ends with the program that started it. */
 #include "base/program.h"
 #include "base/clock.h"
 #include "stage/mapping/isolate_wire.h"
@@ -24,7 +23,7 @@ static const rlim_t memory_bytes = (rlim_t)2 << 30;
 enum { FILES_MAX = 64 };
 
 typedef struct child {
-    const mrt_plugin_type *type; /* first: services.h */
+    const mrt_plugin_type *type; /* must be first, see services.h */
     isolate_block *block;
     const mrt_mapping *mapping;
     const mrt_rig_poses *rig_poses;
@@ -34,14 +33,14 @@ typedef struct child {
     mrt_plugin *self;
     mrt_host host;
     isolate_mapped mapped;
-    isolate_names names; /* of the face that the output was told last */
-    float *value;        /* of a sample of it */
+    isolate_names names; /* names of the face that the output received last */
+    float *value;        /* values of a sample of that face */
     bool is_active;
 } child;
 
-/* ---- the host that it sees ---- */
+/* ---- host functions for the plugin ---- */
 
-static void say(isolate_block *block, int32_t level, const char *text)
+static void log_line(isolate_block *block, int32_t level, const char *text)
 {
     uint32_t at = atomic_load(&block->log_count);
     isolate_log *line = &block->log[at % ISOLATE_LOGS];
@@ -53,7 +52,7 @@ static void say(isolate_block *block, int32_t level, const char *text)
 static void host_log(const mrt_host *host, int32_t level, const char *text)
 {
     const child *self = host->data;
-    say(self->block, level, text);
+    log_line(self->block, level, text);
 }
 
 static int64_t host_now_ns(const mrt_host *host)
@@ -71,7 +70,7 @@ static int64_t host_wait_until_ns(const mrt_host *host, int64_t time_ns)
 
 static void host_request_restart(const mrt_host *host)
 {
-    host_log(host, MRT_LOG_WARNING, "asks to be restarted");
+    host_log(host, MRT_LOG_WARNING, "requests a restart");
 }
 
 static const void *host_service(const mrt_host *host, const char *id)
@@ -99,8 +98,8 @@ static bool find_type(child *self, const char *path, const char *id)
             (interface_of(*types, MRT_MAPPING) || interface_of(*types, MRT_FACE_OUTPUT)))
             self->type = *types;
     if (!self->type)
-        say(self->block, MRT_LOG_ERROR,
-            err.text[0] ? err.text : "the library has changed: its type is gone");
+        log_line(self->block, MRT_LOG_ERROR,
+                 err.text[0] ? err.text : "the library has changed: the type no longer exists");
     return self->type != NULL;
 }
 
@@ -174,7 +173,7 @@ static void forget_names(child *self)
 
 static mrt_result begin(child *self)
 {
-    isolate_names old = self->names; /* the plugin has them until it is told others */
+    isolate_names old = self->names; /* the plugin uses them until it receives the new ones */
     mrt_result result = isolate_names_take(&self->names, self->block->bytes, self->block->size);
     float *value = result < 0
                        ? NULL
@@ -265,7 +264,7 @@ static mrt_result answer(child *self)
 
 /* ---- the process ---- */
 
-/* Dies with the thread that started it, inherits nothing but the block and where to complain. */
+/* The process dies with the thread that started it. It inherits only the block and stderr. */
 static void confine(void)
 {
     (void)prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -317,7 +316,7 @@ int main(int argument_count, char **arguments)
         return 2;
     }
     if (getppid() != self.block->program_pid)
-        return 1; /* it ended before this process knew that it is to end with it */
+        return 1; /* the program ended before PR_SET_PDEATHSIG took effect */
     if (!find_type(&self, arguments[1], arguments[2]))
         return 1;
     serve(&self);

@@ -13,12 +13,12 @@ enum { DEATH_MS = 20 };
 struct mrt_plugin {
     const mrt_host *host;
     const isolate_outer *of;
-    isolate_process link; /* block NULL: there is none */
-    isolate_names names;  /* as the process has been told them */
-    bool is_told_large;
+    isolate_process link; /* block NULL: no process */
+    isolate_names names;  /* names that the process has received */
+    bool is_large_logged;
 };
 
-/* Ends the process, and says why it did not answer. */
+/* Ends the process and logs why it did not answer. */
 static mrt_result give_up(mrt_plugin *self, const char *otherwise)
 {
     error how = {""}, text = {""};
@@ -31,7 +31,7 @@ static mrt_result give_up(mrt_plugin *self, const char *otherwise)
     return MRT_ERR_IO;
 }
 
-/* MRT_ERR_IO with no process left: it crashed, or hung. */
+/* MRT_ERR_IO without a process: it crashed or hung, and is ended. */
 static mrt_result call(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
 {
     mrt_result result = isolate_process_call(&self->link, kind, patience_ns);
@@ -42,7 +42,7 @@ static mrt_result call(mrt_plugin *self, uint32_t kind, int64_t patience_ns)
     return result;
 }
 
-static void put_params(mrt_plugin *self, const double *params)
+static void write_params(mrt_plugin *self, const double *params)
 {
     memcpy(self->link.block->params, params,
            self->of->inner->param_count * sizeof *self->link.block->params);
@@ -60,8 +60,9 @@ static mrt_result start(mrt_plugin *self)
     result = call(self, ISOLATE_CREATE, start_patience_ns);
     if (result < 0 || isolate_is_table_of(self->link.block, self->of->inner))
         return result;
-    self->host->log(self->host, MRT_LOG_ERROR,
-                    "its library has changed: its parameters are others; open it anew");
+    self->host->log(
+        self->host, MRT_LOG_ERROR,
+        "its library has changed: the parameters are different. Open the output again.");
     return MRT_ERR_FORMAT;
 }
 
@@ -83,7 +84,7 @@ static mrt_result open(mrt_plugin *self, const char *address, const double *para
     if (result < 0)
         return result;
     memcpy(self->link.block->bytes, address, size);
-    put_params(self, params);
+    write_params(self, params);
     result = call(self, ISOLATE_OUTPUT_OPEN, start_patience_ns);
     if (self->link.block)
         *wants = self->link.block->wants;
@@ -113,16 +114,16 @@ static mrt_result send(mrt_plugin *self, const double *params, const mrt_face_sa
     mrt_face_sample as = *sample;
     size_t size = isolate_sample_put(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
     if (size > ISOLATE_BYTES) {
-        if (!self->is_told_large)
+        if (!self->is_large_logged)
             self->host->log(self->host, MRT_LOG_WARNING,
-                            "the face has too many vertices for a process of its own: they are "
-                            "left out");
-        self->is_told_large = true;
+                            "the face has too many vertices for an isolated output: they are not "
+                            "sent");
+        self->is_large_logged = true;
         as.vertices = NULL;
         size = isolate_sample_put(block->bytes, ISOLATE_BYTES, &self->names.names, &as);
     }
     block->size = (uint32_t)size;
-    put_params(self, params);
+    write_params(self, params);
     return call(self, ISOLATE_OUTPUT_SEND, hang_ns);
 }
 
@@ -133,11 +134,11 @@ static void close(mrt_plugin *self)
     end(self);
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_plugin *isolate_output_make(const mrt_host *host)
 {
-    const instance *made = host->data; /* this host is always ours */
+    const instance *made = host->data; /* the host is always one of the program */
     mrt_plugin *self = calloc(1, sizeof *self);
     if (!self)
         return NULL;

@@ -1,8 +1,7 @@
-/* stage/mapping/isolate_output.h - what the types of isolate.h for face outputs are made of. The
- * process begins with open and ends with close, so one that crashes or hangs for a second gives an
- * error from send, and whoever opens it again has a new one: of the library as it is then. open,
- * begin, send and close are called by one thread, and the process ends with that thread. For
- * isolate.c. */
+/* stage/mapping/isolate_output.h - functions of the isolated face outputs of isolate.h. The process
+ * starts with open and ends with close. If it crashes or hangs for a second, send returns an error.
+ * Opening the output again starts a new process with the current library file. open, begin, send
+ * and close must run on one thread, because the process ends with that thread. For isolate.c. */
 #ifndef MAROTTE_STAGE_ISOLATE_OUTPUT_H
 #define MAROTTE_STAGE_ISOLATE_OUTPUT_H
 #include <marotte/plugin.h>

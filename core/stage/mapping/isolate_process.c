@@ -21,23 +21,23 @@ static const int64_t spin_ns = 5000, slice_ns = 20 * NS_PER_MS;
 static mrt_result find_program(char out[PATH_MAX], error *err)
 {
     return program_find(out, "marotte-pluginhost", "MAROTTE_PLUGINHOST", MAROTTE_BUILD_DIR,
-                        "mappings are isolated in it (or isolate nothing)", err);
+                        "isolated plugins run in it (or use --isolate off)", err);
 }
 
-/* ---- started and ended ---- */
+/* ---- start and end ---- */
 
 static mrt_result make_block(isolate_process *out, int *out_fd, error *err)
 {
     int fd = (int)syscall(SYS_memfd_create, "marotte-mapping", MFD_CLOEXEC);
     if (fd < 0)
-        return error_set(err, MRT_ERR_IO, "no shared memory: %s", strerror(errno));
+        return error_set(err, MRT_ERR_IO, "cannot create shared memory: %s", strerror(errno));
     void *at = MAP_FAILED;
     if (ftruncate(fd, (off_t)sizeof(isolate_block)) == 0)
         at = mmap(NULL, sizeof(isolate_block), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
     if (at == MAP_FAILED) {
         int code = errno;
         close(fd);
-        return error_set(err, MRT_ERR_MEMORY, "no shared memory: %s", strerror(code));
+        return error_set(err, MRT_ERR_MEMORY, "cannot create shared memory: %s", strerror(code));
     }
     out->block = at;
     out->block->version = ISOLATE_VERSION;
@@ -71,7 +71,7 @@ mrt_result isolate_process_start(isolate_process *out, const char *library, cons
     if (failed) {
         out->pid = 0;
         isolate_process_finish(out);
-        return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", program, strerror(failed));
+        return error_set(err, MRT_ERR_IO, "cannot run %s: %s", program, strerror(failed));
     }
     out->pidfd = (int)syscall(SYS_pidfd_open, out->pid, 0u);
     if (out->pidfd >= 0)
@@ -81,7 +81,7 @@ mrt_result isolate_process_start(isolate_process *out, const char *library, cons
     return MRT_OK;
 }
 
-static void tell_end(int status, error *out)
+static void describe_end(int status, error *out)
 {
     if (WIFSIGNALED(status))
         error_set(out, MRT_ERR_IO, "was ended by signal %d (%s)", WTERMSIG(status),
@@ -97,7 +97,7 @@ void isolate_process_end(isolate_process *self, error *out_how)
         return;
     (void)kill(self->pid, SIGKILL);
     if (program_wait(self->pid, &status, NS_PER_S) && out_how)
-        tell_end(status, out_how);
+        describe_end(status, out_how);
     self->pid = 0;
     self->cpu = CLOCK_REALTIME;
     if (self->pidfd >= 0)
@@ -118,7 +118,7 @@ void isolate_process_tell_dead(isolate_process *self)
     isolate_wake(&self->block->answered);
 }
 
-/* ---- asked ---- */
+/* ---- requests ---- */
 
 void isolate_process_ask(isolate_process *self, uint32_t kind)
 {

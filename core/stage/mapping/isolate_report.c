@@ -29,9 +29,9 @@ void isolate_memory_add(isolate_memory *self, const mrt_frame *frame)
     }
 }
 
-/* ---- where ---- */
+/* ---- folder ---- */
 
-/* "2026-11-21 20-31-07 anchored", and " 2" if there is one already. */
+/* Creates a folder such as "2026-11-21 20-31-07 anchored", with " 2" and so on if it exists. */
 static mrt_result make_report_folder(const mrt_plugin_type *type, char *out, size_t capacity,
                                      error *err)
 {
@@ -52,13 +52,13 @@ static mrt_result make_report_folder(const mrt_plugin_type *type, char *out, siz
         int length = snprintf(out, capacity, "%s/%s %.60s%s", reports, when,
                               plugin_short_name(type), number);
         if (length <= 0 || (size_t)length >= capacity)
-            return error_set(err, MRT_ERR_IO, "the folder of reports has too long a name");
+            return error_set(err, MRT_ERR_IO, "the path of the folder of reports is too long");
         if (mkdir(out, 0777) == 0)
             return MRT_OK;
         if (errno != EEXIST)
-            return error_set(err, MRT_ERR_IO, "%s cannot be made: %s", out, strerror(errno));
+            return error_set(err, MRT_ERR_IO, "cannot create %s: %s", out, strerror(errno));
     }
-    return error_set(err, MRT_ERR_IO, "%s: there are too many reports of this second", reports);
+    return error_set(err, MRT_ERR_IO, "%s: too many reports in one second", reports);
 }
 
 static mrt_result open_in(file_writer *out, const char *folder, const char *name, error *err)
@@ -66,7 +66,7 @@ static mrt_result open_in(file_writer *out, const char *folder, const char *name
     char path[PATH_MAX];
     int length = snprintf(path, sizeof path, "%s/%s", folder, name);
     if (length <= 0 || (size_t)length >= sizeof path)
-        return error_set(err, MRT_ERR_IO, "%s: too long a name", folder);
+        return error_set(err, MRT_ERR_IO, "%s: the path is too long", folder);
     return file_writer_open(out, path, err);
 }
 
@@ -94,7 +94,7 @@ static bool is_side_seen(const isolate_memory *m, int side)
     return false;
 }
 
-static void put_hand(FILE *to, const isolate_memory *m, int side)
+static void print_hand(FILE *to, const isolate_memory *m, int side)
 {
     (void)fprintf(to, "time_ns");
     for (int sensor = 0; sensor < MRT_ANGLES; ++sensor)
@@ -125,15 +125,15 @@ static mrt_result write_hands(const isolate_memory *m, const char *folder, error
         result = open_in(&file, folder, side == MRT_LEFT ? "left.csv" : "right.csv", err);
         if (result < 0)
             return result;
-        put_hand(file.stream, m, side);
+        print_hand(file.stream, m, side);
         result = file_writer_commit(&file, err);
     }
     return result;
 }
 
-/* ---- the words ---- */
+/* ---- report.txt ---- */
 
-static void put_face(FILE *to, const mrt_face *face)
+static void print_face(FILE *to, const mrt_face *face)
 {
     (void)fprintf(to, "face: %g %g %g to %g %g %g mm, %u contacts, %u degrees of freedom\n",
                   (double)face->low.x, (double)face->low.y, (double)face->low.z,
@@ -149,22 +149,22 @@ static void put_face(FILE *to, const mrt_face *face)
                       (double)face->dofs[i].min, (double)face->dofs[i].max, face->dofs[i].unit);
 }
 
-static void put_words(FILE *to, const isolate_report *r)
+static void print_report(FILE *to, const isolate_report *r)
 {
     char hash[TAKE_HASH] = "-";
     error ignored = {""};
     if (hash_file(hash, r->library, &ignored) < 0)
         (void)snprintf(hash, sizeof hash, "-");
-    char library[4 * PATH_MAX]; /* as a word of a command */
+    char library[4 * PATH_MAX]; /* quoted for a shell command */
     program_quote(library, sizeof library, r->library);
     (void)fprintf(to, "plugin: %s %s\nlibrary: %s\nsha256: %s\nreason: %s\n", r->type->id,
                   r->type->version, library, hash, r->reason);
     for (uint32_t i = 0; i < r->type->param_count; ++i)
         (void)fprintf(to, "parameter: %s/%s = %.17g %s\n", r->type->params[i].group,
                       r->type->params[i].name, r->params[i], r->type->params[i].unit);
-    put_face(to, r->face);
+    print_face(to, r->face);
     (void)fprintf(to,
-                  "\nThe last frame is the one that it failed in. To see it again, with your "
+                  "\nThe mapping failed in the last frame. To reproduce the failure with your "
                   "own face:\nmarotte perform --face FACE --map %s",
                   library);
     for (int side = 0; side < 2; ++side)
@@ -188,6 +188,6 @@ mrt_result isolate_report_write(const isolate_report *report, char *out_folder, 
         result = open_in(&file, out_folder, "report.txt", err);
     if (result < 0)
         return result;
-    put_words(file.stream, report);
+    print_report(file.stream, report);
     return file_writer_commit(&file, err);
 }

@@ -1,11 +1,12 @@
-/* stage/mapping/isolate_report.h - what a mapping saw in its last two seconds, and a report of it
- * after it has failed: logs that the log input plays, and what was wrong. The memory is filled by
- * [frame] until it is given to whoever writes the report; never both at once. */
+/* stage/mapping/isolate_report.h - records the last two seconds of a mapping's inputs. After a
+ * failure it writes a report: the inputs as files for the log input, and the reason. [frame] fills
+ * the memory. Before the report is written, the memory is handed over; two threads never use it
+ * together. */
 #ifndef MAROTTE_STAGE_ISOLATE_REPORT_H
 #define MAROTTE_STAGE_ISOLATE_REPORT_H
 #include "base/error.h"
 
-enum { ISOLATE_REPORT_FRAMES = 512 }; /* 2 s at up to 256 samples a second */
+enum { ISOLATE_REPORT_FRAMES = 512 }; /* 2 s at up to 256 samples per second */
 
 typedef struct isolate_seen {
     int64_t time_ns;
@@ -15,7 +16,7 @@ typedef struct isolate_seen {
 
 typedef struct isolate_memory {
     isolate_seen seen[ISOLATE_REPORT_FRAMES];
-    uint64_t count; /* ever */
+    uint64_t count; /* total number since the start */
 } isolate_memory;
 
 void isolate_memory_add(isolate_memory *self, const mrt_frame *frame);
@@ -27,8 +28,8 @@ typedef struct isolate_report {
     const double *params; /* in table order */
     const isolate_memory *memory;
 } isolate_report;
-/* [may block] Into a folder of its own in $XDG_DATA_HOME/marotte/reports; out_folder gets its path,
- * and "" when nothing was written. */
+/* [may block] Writes a new folder in $XDG_DATA_HOME/marotte/reports. out_folder: its path, or "" if
+ * nothing was written. */
 CHECKED mrt_result isolate_report_write(const isolate_report *report, char *out_folder,
                                         size_t capacity, error *err);
 

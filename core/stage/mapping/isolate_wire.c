@@ -40,7 +40,7 @@ bool isolate_is_table_of(const isolate_block *block, const mrt_plugin_type *type
 
 /* ---- the inputs of a frame ---- */
 
-static void put_text(char *out, size_t capacity, const char *text)
+static void copy_text(char *out, size_t capacity, const char *text)
 {
     size_t length = strlen(text);
     if (length >= capacity)
@@ -55,11 +55,11 @@ void isolate_inputs_put(isolate_block *block, const mrt_frame *frame)
         const mrt_channels *from = &frame->inputs[i];
         isolate_input *to = &block->input[i];
         to->as = *from;
-        put_text(to->name, sizeof to->name, from->name);
+        copy_text(to->name, sizeof to->name, from->name);
         for (uint32_t c = 0; c < from->count && c < MRT_MAX_CHANNELS; ++c) {
             to->channel[c] = from->channel[c];
-            put_text(to->channel_name[c], ISOLATE_NAME, from->channel[c].name);
-            put_text(to->unit[c], ISOLATE_NAME, from->channel[c].unit);
+            copy_text(to->channel_name[c], ISOLATE_NAME, from->channel[c].name);
+            copy_text(to->unit[c], ISOLATE_NAME, from->channel[c].unit);
             to->value[c] = from->value[c];
         }
     }
@@ -83,7 +83,7 @@ void isolate_inputs_take(isolate_block *block, mrt_channels out[MRT_MAX_INPUTS])
 
 /* ---- a face as bytes ---- */
 
-static void put_name(bytes_out *out, const char *text)
+static void write_name(bytes_out *out, const char *text)
 {
     char name[ISOLATE_NAME] = "";
     size_t length = strlen(text);
@@ -100,22 +100,22 @@ size_t isolate_face_put(void *bytes, size_t capacity, const mrt_face *face)
     bytes_put(&out, &face->high, sizeof face->high);
     for (uint32_t i = 0; i < face->contact_count; ++i) {
         const mrt_contact *c = &face->contacts[i];
-        put_name(&out, c->name);
-        put_name(&out, c->bone);
+        write_name(&out, c->name);
+        write_name(&out, c->bone);
         bytes_put(&out, &c->rest, sizeof c->rest);
         bytes_put(&out, &c->normal, sizeof c->normal);
     }
     for (uint32_t i = 0; i < face->dof_count; ++i) {
         const mrt_dof *d = &face->dofs[i];
-        put_name(&out, d->name);
-        put_name(&out, d->unit);
+        write_name(&out, d->name);
+        write_name(&out, d->unit);
         bytes_put(&out, &d->min, sizeof d->min);
         bytes_put(&out, &d->max, sizeof d->max);
     }
     return out.size;
 }
 
-static const char *take_name(bytes_in *in, char out[ISOLATE_NAME])
+static const char *read_name(bytes_in *in, char out[ISOLATE_NAME])
 {
     bytes_take(in, out, ISOLATE_NAME);
     out[ISOLATE_NAME - 1] = '\0';
@@ -138,7 +138,7 @@ static mrt_result make_room(isolate_face *out, uint32_t contact_count, uint32_t 
     return MRT_OK;
 }
 
-/* Zeroed is fine. */
+/* Accepts a zeroed struct. */
 static void isolate_face_finish(isolate_face *f)
 {
     free(f->contact);
@@ -158,15 +158,15 @@ static mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t
     char(*name)[ISOLATE_NAME] = out->name;
     for (uint32_t i = 0; i < contact_count && result >= 0; ++i) {
         mrt_contact *c = &out->contact[i];
-        c->name = take_name(&in, *name++);
-        c->bone = take_name(&in, *name++);
+        c->name = read_name(&in, *name++);
+        c->bone = read_name(&in, *name++);
         bytes_take(&in, &c->rest, sizeof c->rest);
         bytes_take(&in, &c->normal, sizeof c->normal);
     }
     for (uint32_t i = 0; i < dof_count && result >= 0; ++i) {
         mrt_dof *d = &out->dof[i];
-        d->name = take_name(&in, *name++);
-        d->unit = take_name(&in, *name++);
+        d->name = read_name(&in, *name++);
+        d->unit = read_name(&in, *name++);
         bytes_take(&in, &d->min, sizeof d->min);
         bytes_take(&in, &d->max, sizeof d->max);
     }
@@ -177,9 +177,7 @@ static mrt_result isolate_face_take(isolate_face *out, const void *bytes, size_t
     return result;
 }
 
-/* ---- a face with the poses of its rig, as bytes: the poses come first, since a face ends them
- * ----
- */
+/* ---- a face with the poses of its rig, as bytes: poses first, then the face ---- */
 
 static size_t pose_bytes(uint32_t contact_count, uint32_t dof_count)
 {
@@ -196,7 +194,7 @@ size_t isolate_mapped_put(void *bytes, size_t capacity, const mrt_face *face,
     bytes_put_u32(&out, face->dof_count);
     for (uint32_t i = 0; i < pose_count; ++i) {
         bytes_put_u32(&out, poses[i].part);
-        put_name(&out, poses[i].name);
+        write_name(&out, poses[i].name);
         bytes_put(&out, poses[i].pulls, (size_t)face->contact_count * sizeof *poses[i].pulls);
         bytes_put(&out, poses[i].dofs, (size_t)face->dof_count * sizeof *poses[i].dofs);
     }
@@ -204,7 +202,7 @@ size_t isolate_mapped_put(void *bytes, size_t capacity, const mrt_face *face,
     return out.size + isolate_face_put(rest, rest ? capacity - out.size : 0, face);
 }
 
-/* Allocates for what `left` bytes can hold, whatever the counts are. */
+/* Allocates memory for the poses. Refuses counts that need more than `left` bytes. */
 static mrt_result make_poses(isolate_mapped *out, uint32_t contact_count, uint32_t dof_count,
                              size_t left)
 {
@@ -231,7 +229,7 @@ mrt_result isolate_mapped_take(isolate_mapped *out, const void *bytes, size_t si
         mrt_vec3 *pulls = out->pull + (size_t)i * contact_count;
         float *dofs = out->dof + (size_t)i * dof_count;
         const uint32_t part = bytes_take_u32(&in);
-        out->pose[i] = (mrt_rig_pose){take_name(&in, out->name[i]), pulls, dofs, part};
+        out->pose[i] = (mrt_rig_pose){read_name(&in, out->name[i]), pulls, dofs, part};
         bytes_take(&in, pulls, contact_count * sizeof *pulls);
         bytes_take(&in, dofs, dof_count * sizeof *dofs);
         if (part > MRT_POSE_UPPER)
@@ -257,7 +255,7 @@ void isolate_mapped_finish(isolate_mapped *m)
     *m = (isolate_mapped){0};
 }
 
-/* ---- what a face output is told ---- */
+/* ---- names and samples of a face output ---- */
 
 static uint32_t name_count(const mrt_face_names *n)
 {
@@ -272,14 +270,14 @@ size_t isolate_names_put(void *bytes, size_t capacity, const mrt_face_names *nam
     bytes_put_u32(&out, names->weight_count);
     bytes_put_u32(&out, names->vertex_count);
     for (uint32_t i = 0; i < names->bone_count; ++i) {
-        put_name(&out, names->bones[i]);
+        write_name(&out, names->bones[i]);
         bytes_put(&out, &names->parents[i], sizeof names->parents[i]);
         bytes_put(&out, &names->pivots[i], sizeof names->pivots[i]);
     }
     for (uint32_t i = 0; i < names->shape_count; ++i)
-        put_name(&out, names->shapes[i]);
+        write_name(&out, names->shapes[i]);
     for (uint32_t i = 0; i < names->weight_count; ++i)
-        put_name(&out, names->weights[i]);
+        write_name(&out, names->weights[i]);
     void *rest = bytes && out.size < capacity ? (unsigned char *)bytes + out.size : NULL;
     return out.size + isolate_face_put(rest, rest ? capacity - out.size : 0, names->face);
 }
@@ -308,7 +306,7 @@ mrt_result isolate_names_take(isolate_names *out, const void *bytes, size_t size
     n->vertex_count = bytes_take_u32(&in);
     mrt_result result = make_names(out);
     for (uint32_t i = 0; result >= 0 && i < name_count(n); ++i) {
-        out->text[i] = take_name(&in, out->name[i]);
+        out->text[i] = read_name(&in, out->name[i]);
         if (i >= n->bone_count)
             continue;
         bytes_take(&in, &out->parent[i], sizeof out->parent[i]);

@@ -4,12 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So long after a reset bones are brought back; then they are left to whoever pulls. */
+/* Time after a reset in which bones return to neutral. After it, they are left to other layers and
+ * the pointer. */
 static const double settles_s = 0.5;
 
 struct mrt_plugin {
     bool has_begun;
-    double since_s; /* a reset */
+    double since_s; /* time since the last reset */
 };
 
 static mrt_plugin *create(const mrt_host *host)
@@ -40,10 +41,10 @@ static void reset(mrt_plugin *self)
     self->since_s = 0.0;
 }
 
-/* Anchored, so that what was pulled before leaves; idle would keep it. */
+/* Anchored, so that earlier pulls end. An idle mapping would keep them. */
 static mrt_result process(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull)
 {
-    if (!self->has_begun && !(frame->dt_s > 0.0)) /* nobody was there before */
+    if (!self->has_begun && !(frame->dt_s > 0.0)) /* no other mapping performed before */
         self->since_s = settles_s;
     self->has_begun = true;
     self->since_s = fmin(self->since_s + frame->dt_s, settles_s);

@@ -33,7 +33,7 @@ const char *plugin_short_name(const mrt_plugin_type *type)
     return dot ? dot + 1 : type->id;
 }
 
-/* What is shown of a plugin, and goes into errors, shows and the names of folders. */
+/* Printable texts only: they appear in the window, in errors, in shows and in names of folders. */
 static bool is_shown_well(const char *text)
 {
     return !text || text_is_printable(text_view_of(text, strlen(text)));
@@ -49,7 +49,9 @@ static mrt_result check_param(const mrt_plugin_type *type, uint32_t index, error
 {
     const mrt_param *p = &type->params[index];
     if (!p->name || !p->name[0] || !p->group || !p->unit || !p->help)
-        return error_set(err, MRT_ERR_FORMAT, "%s: parameter %u lacks a text", type->id, index);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: parameter %u lacks a name, group, unit or help text", type->id,
+                         index);
     if (!is_shown_well(p->name) || !is_shown_well(p->group) || !is_shown_well(p->unit) ||
         !is_shown_well(p->help))
         return error_set(err, MRT_ERR_FORMAT, "%s: a text of parameter %u cannot be printed",
@@ -93,8 +95,8 @@ static mrt_result check_interfaces(const mrt_plugin_type *type, error *err)
     const mrt_output *output = plugin_interface(type, MRT_OUTPUT);
     const mrt_face_output *face = plugin_interface(type, MRT_FACE_OUTPUT);
     if (!input && !mapping && !output && !face)
-        return error_set(err, MRT_ERR_FORMAT, "%s: answers none of %s, %s, %s, %s", type->id,
-                         MRT_INPUT, MRT_MAPPING, MRT_OUTPUT, MRT_FACE_OUTPUT);
+        return error_set(err, MRT_ERR_FORMAT, "%s: has none of the interfaces %s, %s, %s, %s",
+                         type->id, MRT_INPUT, MRT_MAPPING, MRT_OUTPUT, MRT_FACE_OUTPUT);
     const char *lacking = NULL;
     if (input && (!input->open || !input->channels || !input->read || !input->close))
         lacking = MRT_INPUT;
@@ -124,13 +126,13 @@ mrt_result plugin_type_check(const mrt_plugin_type *type, error *err)
 {
     if (type->abi != MRT_ABI)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "made for plugin ABI %u, this program speaks ABI %u: rebuild it",
+                         "made for plugin ABI %u, but this program uses ABI %u: rebuild it",
                          type->abi, MRT_ABI);
     if (!type->id || !type->id[0] || !type->name || !type->version || !type->about)
         return error_set(err, MRT_ERR_FORMAT, "a type lacks its id, name, version or about");
     if (!is_id(type->id))
-        return error_set(err, MRT_ERR_FORMAT, "%s: an id has letters, digits, '.', '_' and '-'",
-                         type->id);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s: an id may contain only letters, digits, '.', '_' and '-'", type->id);
     if (!is_shown_well(type->name) || !is_shown_well(type->version) || !is_shown_well(type->about))
         return error_set(err, MRT_ERR_FORMAT, "%s: name, version or about cannot be printed",
                          type->id);
@@ -165,7 +167,7 @@ static bool lies_within(uint64_t offset, uint64_t length, uint64_t size)
 
 static mrt_result cut_short(uint64_t size, error *err)
 {
-    return error_set(err, MRT_ERR_FORMAT, "is cut short at %ju bytes: copy or build it again",
+    return error_set(err, MRT_ERR_FORMAT, "is truncated at %ju bytes: copy or build it again",
                      (uintmax_t)size);
 }
 
@@ -194,7 +196,7 @@ mrt_result plugin_library_check(const char *path, error *err)
     if (stat(path, &status) != 0)
         return MRT_OK;
     if (!S_ISREG(status.st_mode))
-        return error_set(err, MRT_ERR_FORMAT, "is no regular file");
+        return error_set(err, MRT_ERR_FORMAT, "is not a regular file");
     FILE *file = fopen(path, "rb");
     if (!file)
         return MRT_OK;
@@ -203,7 +205,7 @@ mrt_result plugin_library_check(const char *path, error *err)
     return result;
 }
 
-/* A name without a slash would be looked for in the system's folders. */
+/* Adds "./", because dlopen searches the system folders for a name without a slash. */
 static bool as_path(char out[PATH_MAX], const char *path)
 {
     int length = snprintf(out, PATH_MAX, "%s%s", strchr(path, '/') ? "" : "./", path);
@@ -214,7 +216,7 @@ const mrt_plugin_type *const *plugin_library_open(const char *path, error *err)
 {
     char name[PATH_MAX];
     if (!as_path(name, path)) {
-        (void)error_set(err, MRT_ERR_ARGUMENT, "has too long a name");
+        (void)error_set(err, MRT_ERR_ARGUMENT, "the path is too long");
         return NULL;
     }
     if (plugin_library_check(name, err) < 0)
@@ -258,7 +260,7 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory for the list of plugins");
 }
 
-/* All of it at once: what others read while a library is added stays where it is. */
+/* Allocates all memory once, so that entries never move while other threads read them. */
 static mrt_result make_room(plugin_list *list, error *err)
 {
     if (list->entry)
@@ -316,7 +318,8 @@ static mrt_result add_type(plugin_list *list, const mrt_plugin_type *type, const
     uint32_t count = first ? list->hidden_count : list->entry_count;
     char *kept_path = count < PLUGIN_LIST_MAX ? strdup(path) : NULL;
     if (count == PLUGIN_LIST_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: there are too many plugins", path);
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "plugin %s: the limit of loaded plugins is reached", path);
     if (!kept_path)
         return no_memory(err);
     if (first) {
@@ -332,7 +335,7 @@ static mrt_result add_type(plugin_list *list, const mrt_plugin_type *type, const
     return MRT_OK;
 }
 
-/* out_types: what is in the library. */
+/* out_types: the types in the library. */
 static mrt_result add(plugin_list *list, const char *path, const mrt_plugin_type *const **out_types,
                       error *err)
 {
@@ -358,7 +361,7 @@ static mrt_result add(plugin_list *list, const char *path, const mrt_plugin_type
         refuse(list, path, reason.text);
         result = error_set(err, one, "plugin %s: %s", path, reason.text);
         if ((*types)->abi != MRT_ABI)
-            break; /* the table's other entries are of that ABI too */
+            break; /* the other types have the same ABI */
     }
     return result;
 }
@@ -389,7 +392,7 @@ static void add_folder(plugin_list *list, const char *folder)
         int length = snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
         error err;
         if (length > 0 && (size_t)length < sizeof path && plugin_list_add(list, path, &err) < 0)
-            continue; /* kept as a refusal, which says why */
+            continue; /* stored as a refusal with its reason */
     }
     for (int i = 0; i < count; ++i)
         free(entries[i]);
@@ -417,8 +420,8 @@ static void add_user_folder(plugin_list *list)
         add_folder(list, folder);
 }
 
-/* `from_program`: as seen from the running program's folder, so that it all may be moved. To be
- * freed; NULL: there is no such folder. */
+/* Returns a folder relative to the folder of the running program, so that an installation can be
+ * moved. The caller frees it. NULL: it does not exist. */
 static char *program_folder(const char *from_program)
 {
     char folder[PATH_MAX];
@@ -501,7 +504,7 @@ void plugin_list_destroy(plugin_list *list)
 
 bool plugin_is_offered(const mrt_plugin_type *type)
 {
-    static const char *const replaced[] = {"org.marotte.poses"}; /* by one_hand */
+    static const char *const replaced[] = {"org.marotte.poses"}; /* replaced by one_hand */
     for (size_t i = 0; i < sizeof replaced / sizeof *replaced; ++i)
         if (strcmp(type->id, replaced[i]) == 0)
             return false;
@@ -513,7 +516,7 @@ static bool is_named(const mrt_plugin_type *type, const char *name)
     return strcmp(type->id, name) == 0 || strcmp(plugin_short_name(type), name) == 0;
 }
 
-/* "log, pedal": the plugins with this interface. */
+/* Lists the plugins with this interface, such as "log, pedal". */
 static void name_all(const plugin_list *list, const char *interface_id, char *out, size_t capacity)
 {
     size_t used = 0;
@@ -549,7 +552,7 @@ static mrt_result no_such_plugin(const plugin_list *list, const char *name,
         else if (is_named(type, name))
             return error_set(
                 err, MRT_ERR_UNSUPPORTED,
-                "there is no %s plugin \"%s\": the plugin of this name is another kind "
+                "there is no %s plugin \"%s\": the plugin of this name is of another kind "
                 "(marotte plugin list)",
                 kind_of(interface_id), name);
     }
@@ -558,8 +561,8 @@ static mrt_result no_such_plugin(const plugin_list *list, const char *name,
                          kind_of(interface_id), name, suggest_question(&near).text);
     name_all(list, interface_id, names, sizeof names);
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "there is no %s plugin \"%s\". Loaded: %s. MAROTTE_PLUGIN_PATH names the "
-                     "folders of others",
+                     "there is no %s plugin \"%s\". Loaded: %s. Set MAROTTE_PLUGIN_PATH to the "
+                     "folders of other plugins",
                      kind_of(interface_id), name, names[0] ? names : "none");
 }
 
@@ -585,16 +588,17 @@ mrt_result plugin_list_find(const plugin_list *list, const char *name, const cha
     return no_such_plugin(list, name, interface_id, err);
 }
 
-/* ---- what the person wrote ---- */
+/* ---- text that the user wrote ---- */
 
-/* "./wave.so", and "wave.so" for the one that lies here. */
+/* True for "./wave.so", and for "wave.so" in the current folder. */
 static bool is_path(const char *words)
 {
     size_t length = strlen(words);
     return strchr(words, '/') || (length > 3 && strcmp(words + length - 3, ".so") == 0);
 }
 
-/* "./two.so/tide": the library is "./two.so", and out_name "tide"; "" when none is named. */
+/* Splits "./two.so/tide" into the library "./two.so" and out_name "tide". out_name "": the text
+ * does not name a type. */
 static bool split_path(const char *words, char out_path[PATH_MAX], const char **out_name)
 {
     const char *end = words + strlen(words), *slash = strrchr(words, '/');
@@ -608,7 +612,7 @@ static bool split_path(const char *words, char out_path[PATH_MAX], const char **
     return true;
 }
 
-/* Of those in a library that have the interface: the one that is named, or the only one. */
+/* Selects the named type of a library, or its only type with the interface. */
 static mrt_result pick(const mrt_plugin_type *const *types, const char *path, const char *name,
                        const char *interface_id, const mrt_plugin_type **out_type, error *err)
 {
@@ -634,8 +638,8 @@ static mrt_result pick(const mrt_plugin_type *const *types, const char *path, co
     if (!names[0])
         return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: has no %s", path,
                          kind_of(interface_id));
-    return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: %s: there are %s", path,
-                     name[0] ? "it has no such type" : "say which of its types", names);
+    return error_set(err, MRT_ERR_UNSUPPORTED, "plugin %s: %s: %s", path,
+                     name[0] ? "unknown type, choose one of" : "choose one of its types", names);
 }
 
 mrt_result plugin_list_choose(plugin_list *list, const char *words, const char *interface_id,
@@ -648,7 +652,7 @@ mrt_result plugin_list_choose(plugin_list *list, const char *words, const char *
         return plugin_list_find(list, words, interface_id, out_type, err);
     *out_type = NULL;
     if (!split_path(words, path, &name))
-        return error_set(err, MRT_ERR_ARGUMENT, "\"%.200s...\" is too long a name", words);
+        return error_set(err, MRT_ERR_ARGUMENT, "the path \"%.200s...\" is too long", words);
     mrt_result result = add(list, path, &types, err);
     return result < 0 ? result : pick(types, path, name, interface_id, out_type, err);
 }
@@ -668,8 +672,8 @@ mrt_result plugin_list_choose_spec(plugin_list *list, const char *spec, const ch
         result = plugin_list_choose(list, words, interface_id, &type, err);
     if (result >= 0 && is_library && entry_with_id(list, type->id)->type != type)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "plugin %s: %s is already loaded from %s: take that one away, or name "
-                           "the folder of yours in MAROTTE_PLUGIN_PATH",
+                           "plugin %s: %s is already loaded from %s: remove that library, or add "
+                           "the folder of yours to MAROTTE_PLUGIN_PATH",
                            words, type->id, entry_with_id(list, type->id)->path);
     if (result >= 0) {
         const char *id = is_library ? type->id : words;
@@ -684,7 +688,7 @@ mrt_result plugin_list_choose_spec(plugin_list *list, const char *spec, const ch
     return result;
 }
 
-/* A path to a library ("./x.so:...") is a plugin too. */
+/* The plugin may be the path of a library ("./x.so:..."). */
 bool plugin_spec_read(plugin_spec *out, const char *text)
 {
     size_t plugin_length = strcspn(text, ":,");

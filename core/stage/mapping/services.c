@@ -11,7 +11,8 @@ static mrt_result make(file_home below, const char *type_id, char *out, size_t c
     if (capacity > 0)
         out[0] = '\0';
     if (length <= 0 || (size_t)length >= sizeof rest)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: too long an id for a folder", type_id);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the id is too long for the name of a folder",
+                         type_id);
     mrt_result result = file_home_path(out, capacity, below, rest, err);
     if (result >= 0)
         result = file_make_folders(out, err);
@@ -25,7 +26,7 @@ mrt_result services_settings_folder(const char *type_id, char *out, size_t capac
     return make(FILE_HOME_CONFIG, type_id, out, capacity, err);
 }
 
-static mrt_result give(const mrt_host *host, file_home below, char *out, size_t capacity)
+static mrt_result write_folder(const mrt_host *host, file_home below, char *out, size_t capacity)
 {
     const mrt_plugin_type *const *type = host->data;
     error err = {""};
@@ -37,12 +38,12 @@ static mrt_result give(const mrt_host *host, file_home below, char *out, size_t 
 
 static mrt_result settings_folder(const mrt_host *host, char *out, size_t capacity)
 {
-    return give(host, FILE_HOME_CONFIG, out, capacity);
+    return write_folder(host, FILE_HOME_CONFIG, out, capacity);
 }
 
 static mrt_result cache_folder(const mrt_host *host, char *out, size_t capacity)
 {
-    return give(host, FILE_HOME_CACHE, out, capacity);
+    return write_folder(host, FILE_HOME_CACHE, out, capacity);
 }
 
 const mrt_folders services_folders = {settings_folder, cache_folder};

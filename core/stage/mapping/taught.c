@@ -17,7 +17,7 @@ mrt_result taught_load(const instance *mapping, const void *bytes, size_t size, 
     const mrt_state *state = plugin_interface(mapping->type, MRT_STATE);
     if (state && state->load(mapping->self, bytes, size) >= 0)
         return MRT_OK;
-    return error_set(err, MRT_ERR_FORMAT, "mapping %s does not take what it was taught",
+    return error_set(err, MRT_ERR_FORMAT, "mapping %s cannot read its saved taught values",
                      mapping->type->id);
 }
 
@@ -71,7 +71,7 @@ mrt_result taught_keep(show *into, const mrt_plugin_type *type, const void *byte
         return MRT_OK;
     char *text = taught_text(bytes, size);
     if (!text)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to keep what a mapping was taught");
+        return error_set(err, MRT_ERR_MEMORY, "no memory to save the taught values of a mapping");
     key_of(key, type);
     mrt_result result = show_note_write(into, key, text, err);
     free(text);
@@ -107,7 +107,7 @@ void taught_recall(show *of, const instance *mapping, log_queue *log)
     if (size > 0)
         result = taught_load(mapping, text, size, &err);
     else if (result >= 0 && text[0])
-        result = error_set(&err, MRT_ERR_FORMAT, "what %s was taught is damaged in this show",
+        result = error_set(&err, MRT_ERR_FORMAT, "the taught values of %s in this show are damaged",
                            mapping->type->id);
     if (result < 0)
         log_push(log, MRT_LOG_WARNING, "show", err.text);

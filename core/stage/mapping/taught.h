@@ -1,8 +1,7 @@
-/* stage/mapping/taught.h - what a mapping was taught (MRT_STATE: poses, gestures), kept: with each
- * state of a performance that is recorded (playback/replay.h), with presets, and as a note of the show,
- * from which the next session goes on. [main], or any one thread that may read the show and has the
- * mapping.
- */
+/* stage/mapping/taught.h - saves and restores the taught values of a mapping (MRT_STATE: poses,
+ * gestures). They are stored in each state of a recording (playback/replay.h), in presets, and as a
+ * note of the show for the next session. [main], or any one thread that may read the show and owns
+ * the mapping. */
 #ifndef MAROTTE_STAGE_TAUGHT_H
 #define MAROTTE_STAGE_TAUGHT_H
 #include "stage/mapping/instance.h"
@@ -10,23 +9,25 @@
 
 enum { TAUGHT_BYTES_MAX = 1 << 16 };
 
-/* As mrt_state; 0: it cannot be taught, or it is more than TAUGHT_BYTES_MAX. */
+/* Like mrt_state. 0: the mapping cannot be taught, or the values exceed TAUGHT_BYTES_MAX. */
 size_t taught_save(const instance *mapping, void *bytes, size_t capacity);
-/* An error: it refuses it, and is as before. */
+/* Returns an error if the mapping refuses the bytes; it is unchanged then. */
 CHECKED mrt_result taught_load(const instance *mapping, const void *bytes, size_t size, error *err);
 
-/* The bytes in hexadecimal, for a note or a preset. To be freed; NULL: no memory. */
+/* Returns the bytes in hexadecimal, for a note or a preset. The caller frees it. NULL: out of
+ * memory. */
 char *taught_text(const void *bytes, size_t size);
-/* In place; the bytes, at the beginning of `text`, are counted. 0: it is no such text. */
+/* Decodes in place: the bytes replace the beginning of `text`. Returns their count. 0: invalid
+ * text. */
 size_t taught_of_text(char *text);
 
-/* What it was taught by now is what another session of the show goes on from. Does nothing to a
- * show that cannot be written. */
+/* Stores the taught values in the show, for its next session. Does nothing if the show is
+ * read-only. */
 CHECKED mrt_result taught_keep(show *into, const mrt_plugin_type *type, const void *bytes,
                                size_t size, error *err);
-/* The same of a mapping that no thread performs with now; what goes wrong is logged. */
+/* Same for a mapping that no other thread uses now. Errors are logged. */
 void taught_keep_now(show *into, const instance *mapping, log_queue *log);
-/* The mapping is taught what was kept; what it refuses is logged. of: NULL: nothing. */
+/* Restores the values that the show has. Errors are logged. of NULL: does nothing. */
 void taught_recall(show *of, const instance *mapping, log_queue *log);
 
 #endif

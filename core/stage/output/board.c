@@ -5,7 +5,7 @@
 
 /* ---- [main] ---- */
 
-typedef struct described { /* what names point to while they are copied */
+typedef struct described { /* memory for the names while they are copied */
     const char *bone[RIG_BONES_MAX];
     int32_t parent[RIG_BONES_MAX];
     mrt_vec3 pivot[RIG_BONES_MAX];
@@ -28,7 +28,7 @@ static void describe_bones(described *out, const rig *r, uint32_t count)
     }
 }
 
-/* A copy of its own, by way of bytes. */
+/* Makes an own copy of the names by writing and reading them as bytes. */
 static mrt_result copy_names(isolate_names *out, const mrt_face_names *names)
 {
     size_t size = isolate_names_put(NULL, 0, names);
@@ -53,7 +53,7 @@ static void name_weights(const char *out[WEIGHTS])
         *out++ = face_viseme_name[i];
 }
 
-static mrt_result take_names(face_board *self, composer *of)
+static mrt_result describe_names(face_board *self, composer *of)
 {
     const char *weight[WEIGHTS];
     described about = {.shape = NULL};
@@ -68,14 +68,14 @@ static mrt_result take_names(face_board *self, composer *of)
     uint32_t bone_count = b->rig ? b->bone_count : 0;
     describe_bones(&about, b->rig, bone_count);
     name_weights(weight);
-    bool can_say = self->file->rig || shape_count > 0;
+    bool has_weights = self->file->rig || shape_count > 0;
     const mrt_face_names names = {.face = composer_about(of),
                                   .bones = about.bone,
                                   .parents = about.parent,
                                   .pivots = about.pivot,
                                   .shapes = about.shape,
                                   .weights = weight,
-                                  .weight_count = can_say ? WEIGHTS : 0,
+                                  .weight_count = has_weights ? WEIGHTS : 0,
                                   .bone_count = bone_count,
                                   .shape_count = shape_count,
                                   .vertex_count = face_order(f)->count};
@@ -93,7 +93,7 @@ mrt_result face_board_create(face_board **out, composer *of, const face_file *fi
     atomic_init(&self->references, 1);
     self->file = file;
     slot_init(&self->slot);
-    mrt_result result = take_names(self, of);
+    mrt_result result = describe_names(self, of);
     for (int i = 0; i < 3 && result >= 0; ++i) {
         self->face[i].value =
             calloc(isolate_sample_floats(&self->of.names, true) + 1, sizeof(float));
@@ -106,8 +106,8 @@ mrt_result face_board_create(face_board **out, composer *of, const face_file *fi
     }
     face_board_drop(self);
     return error_set(err, result,
-                     "the face cannot be sent: it has too many names, or there is no "
-                     "memory");
+                     "cannot send the face: it has too many names, or memory "
+                     "is out");
 }
 
 face_board *face_board_keep(face_board *self)
@@ -129,10 +129,11 @@ void face_board_drop(face_board *self)
 
 /* ---- [frame] ---- */
 
-static float *put_bones(float *out, const face *f, uint32_t count)
+static float *write_bones(float *out, const face *f, uint32_t count)
 {
     rigid pose[RIG_BONES_MAX];
-    float dof[MRT_MAX_DOFS] = {0}; /* as asked for: posing limits them once, not twice */
+    float dof[MRT_MAX_DOFS] = {
+        0}; /* unlimited values: bones_pose applies the limits, which must not be applied twice */
     if (count > 0) {
         bones_unlimit(dof, face_bones(f), face_metered(f)->dof);
         bones_pose(pose, face_bones(f), dof);
@@ -149,7 +150,7 @@ static float *put_bones(float *out, const face *f, uint32_t count)
     return out;
 }
 
-static float *put_contacts(float *out, const face *f, const mrt_face *about)
+static float *write_contacts(float *out, const face *f, const mrt_face *about)
 {
     for (uint32_t i = 0; i < about->contact_count; ++i, out += 3) {
         const vec3 now = face_contact_now(f, i + 1);
@@ -160,7 +161,7 @@ static float *put_contacts(float *out, const face *f, const mrt_face *about)
     return out;
 }
 
-static void put_vertices(float *restrict out, const face *f, uint32_t count)
+static void write_vertices(float *restrict out, const face *f, uint32_t count)
 {
     const points *p = face_shown(f);
     const uint32_t *restrict file_of_slot = face_order(f)->file_of_slot;
@@ -172,8 +173,8 @@ static void put_vertices(float *restrict out, const face *f, uint32_t count)
     }
 }
 
-/* Only what the weights are found from. */
-static void put_points(float *out, const face *f, const face_weights *weights)
+/* Copies only the vertices that the weights need. */
+static void write_points(float *out, const face *f, const face_weights *weights)
 {
     const points *p = face_shown(f);
     const uint32_t *slot_of_file = face_order(f)->slot_of_file;
@@ -188,7 +189,8 @@ static void put_points(float *out, const face *f, const face_weights *weights)
     }
 }
 
-/* Whether the face has what the names say. */
+/* Returns whether the face and the names have the same number of contacts, bones, shapes and
+ * vertices. */
 static bool is_like(const face_board *self, const composer *of, const face *f)
 {
     const mrt_face_names *n = &self->of.names;
@@ -207,17 +209,17 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
     board_face *into = &self->face[slot_back(&self->slot)];
     if (!is_like(self, of, f))
         return;
-    float *out = put_bones(into->value, f, n->bone_count);
+    float *out = write_bones(into->value, f, n->bone_count);
     memcpy(out, face_metered(f)->dof, n->face->dof_count * sizeof *out);
-    out = put_contacts(out + n->face->dof_count, f, n->face);
+    out = write_contacts(out + n->face->dof_count, f, n->face);
     for (uint32_t i = 0; i < n->shape_count; ++i)
         *out++ = (float)face_shape_weight(f, i);
     out += n->weight_count;
     bool has_weights = n->weight_count > 0, is_final = atomic_load(&self->has_final_weights);
     if (with_vertices || (has_weights && !is_final))
-        put_vertices(out, f, n->vertex_count);
+        write_vertices(out, f, n->vertex_count);
     else if (has_weights && self->weights)
-        put_points(out, f, self->weights);
+        write_points(out, f, self->weights);
     into->has_vertices = with_vertices;
     into->time_ns = time_ns;
     into->take_ns = take_ns;
@@ -229,7 +231,7 @@ void face_board_fill(face_board *self, composer *of, int64_t time_ns, int64_t ta
 
 void face_board_prepare(face_board *self)
 {
-    error ignored = {""}; /* what cannot be said is 0 */
+    error ignored = {""}; /* without weights the values are 0 */
     if (atomic_load(&self->has_final_weights))
         return;
     if (self->of.names.weight_count > 0 &&
@@ -238,15 +240,15 @@ void face_board_prepare(face_board *self)
     atomic_store(&self->has_final_weights, true);
 }
 
-static float *put_channels(float *out, const double *channels, uint32_t count)
+static float *write_channels(float *out, const double *channels, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i)
         *out++ = (float)channels[i];
     return out;
 }
 
-/* Its weights, into their place before its vertices. */
-static void say_weights(face_board *self, const board_face *from)
+/* Writes the weights of a face into its values. */
+static void write_weights(face_board *self, const board_face *from)
 {
     const mrt_face_names *n = &self->of.names;
     mrt_face_sample sample;
@@ -259,9 +261,9 @@ static void say_weights(face_board *self, const board_face *from)
     const face_channels *channels =
         face_weights_solve(self->weights, &sample.vertices->x, sample.dofs);
     self->residual_mm = channels->residual_mm;
-    out = put_channels(out, channels->arkit, ARKIT_CHANNELS);
-    out = put_channels(out, channels->expression, FACE_EXPRESSIONS);
-    (void)put_channels(out, channels->viseme, FACE_VISEMES);
+    out = write_channels(out, channels->arkit, ARKIT_CHANNELS);
+    out = write_channels(out, channels->expression, FACE_EXPRESSIONS);
+    (void)write_channels(out, channels->viseme, FACE_VISEMES);
 }
 
 const board_face *face_board_take(face_board *self)
@@ -271,6 +273,6 @@ const board_face *face_board_take(face_board *self)
     const board_face *from = &self->face[slot_front(&self->slot)];
     face_board_prepare(self);
     if (self->of.names.weight_count > 0)
-        say_weights(self, from);
+        write_weights(self, from);
     return from;
 }

@@ -12,21 +12,21 @@
 #include <string.h>
 
 static const int64_t retry_ns = NS_PER_S, repeat_default_ns = NS_PER_S;
-static const int64_t watch_ns = NS_PER_S / 2; /* how often a library is looked at */
+static const int64_t watch_ns = NS_PER_S / 2; /* interval between checks of a library */
 enum { LATENCIES = 4096 };
 
-typedef struct latest { /* a face, copied out of its board */
+typedef struct latest { /* copy of a face of a board */
     int64_t time_ns, take_ns;
     uint64_t number;
     bool has_vertices;
     float *value;
-    size_t capacity; /* floats */
+    size_t capacity; /* number of floats */
 } latest;
 
-typedef struct output { /* its thread's, but for what is marked */
+typedef struct output { /* owned by its thread, except the marked members */
     outputs *of;
     instance plugin;
-    isolate *isolated; /* NULL: it runs here */
+    isolate *isolated; /* NULL: it runs in this process */
     const mrt_face_output *functions;
     plugin_spec spec;
     char *text;
@@ -38,7 +38,7 @@ typedef struct output { /* its thread's, but for what is marked */
 
     bool is_open;
     int64_t retry_at_ns;
-    face_board *begun; /* whose names the plugin has; kept */
+    face_board *begun; /* board whose names the plugin has; a reference */
     mrt_face_wants wants;
     latest now;
     uint64_t sent_number;
@@ -46,11 +46,11 @@ typedef struct output { /* its thread's, but for what is marked */
     int64_t sent_ns, due_ns, watched_ns;
 
     _Atomic bool wants_vertices; /* [any] */
-    pthread_mutex_t mutex;       /* guards what follows */
+    pthread_mutex_t mutex;       /* guards the following members */
     output_state state;
     char trouble[200];
     uint64_t sent, replaced;
-    int64_t second_ns; /* when `in_second` began to be counted */
+    int64_t second_ns; /* start of counting in `in_second` */
     uint32_t in_second;
     double rate_hz;
     float latency_ms[LATENCIES]; /* a ring */
@@ -59,23 +59,24 @@ typedef struct output { /* its thread's, but for what is marked */
 
 struct outputs {
     outputs_settings settings;
-    output *one[OUTPUTS_MAX]; /* [main], and under mutex */
+    output *one[OUTPUTS_MAX]; /* [main], and guarded by mutex */
     uint32_t count;
     _Atomic bool are_wanted, want_vertices; /* read by [frame] */
-    _Atomic bool ask_again;                 /* taken by [frame] */
-    wake signal;                            /* of the thread that takes */
+    _Atomic bool ask_again;                 /* reset by [frame] */
+    wake signal;                            /* of the thread that reads the board */
     _Atomic bool stop;
     pthread_t thread;
     bool has_thread;
-    pthread_mutex_t taking; /* held while a face is taken: its file is needed; before mutex */
-    pthread_mutex_t mutex;  /* guards one, count, board and newest; never held by [frame] */
-    double residual_mm;     /* under it: of the newest */
-    face_board *board;      /* kept; NULL: none */
-    latest newest;          /* of that board; number 0: none */
-    latest taken;           /* the taking thread's */
+    /* held while a face is read, because its file is needed; lock before mutex */
+    pthread_mutex_t taking;
+    pthread_mutex_t mutex; /* guards one, count, board and newest; never held by [frame] */
+    double residual_mm;    /* guarded by mutex: of `newest` */
+    face_board *board;     /* a reference; NULL: none */
+    latest newest;         /* of that board; number 0: none */
+    latest taken;          /* owned by the thread that reads the board */
 };
 
-/* ---- faces copied ---- */
+/* ---- copies of faces ---- */
 
 static bool make_room(latest *self, size_t floats)
 {
@@ -103,11 +104,10 @@ static bool copy_face(latest *out, const mrt_face_names *names, const latest *fr
     return true;
 }
 
-/* ---- the thread that takes ---- */
+/* ---- the thread that reads the board ---- */
 
-/* The newest face of the board, to where the outputs look; its buffer is swapped under the mutex.
- */
-static bool take_face(outputs *self, face_board *board)
+/* Copies the newest face of the board to `newest`, by a swap of the buffers under the mutex. */
+static bool read_face(outputs *self, face_board *board)
 {
     const board_face *from = face_board_take(board);
     if (!from)
@@ -130,13 +130,13 @@ static bool take_face(outputs *self, face_board *board)
     return true;
 }
 
-static void *take(void *data)
+static void *run_reader(void *data)
 {
     outputs *self = data;
     while (!atomic_load(&self->stop)) {
         uint32_t seen = wake_seen(&self->signal);
         pthread_mutex_lock(&self->taking);
-        bool has_taken = self->board && take_face(self, self->board);
+        bool has_taken = self->board && read_face(self, self->board);
         pthread_mutex_unlock(&self->taking);
         if (!has_taken)
             wake_wait_until_ns(&self->signal, seen, clock_now_ns() + NS_PER_S);
@@ -144,9 +144,9 @@ static void *take(void *data)
     return NULL;
 }
 
-/* ---- an output's thread: what it tells ---- */
+/* ---- thread of an output: state ---- */
 
-static void tell(output *self, output_state state, const char *trouble)
+static void set_state(output *self, output_state state, const char *trouble)
 {
     static const char *const names[] = {[OUTPUT_OPENS] = "opens",
                                         [OUTPUT_SENDS] = "sends",
@@ -164,8 +164,8 @@ static void tell(output *self, output_state state, const char *trouble)
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", trouble);
     pthread_mutex_unlock(&self->mutex);
     if (is_news)
-        log_pushf(self->of->settings.log, MRT_LOG_WARNING, self->text, "%s; it is tried again",
-                  trouble);
+        log_pushf(self->of->settings.log, MRT_LOG_WARNING, self->text,
+                  "%s. Trying again every second.", trouble);
     else if (before == OUTPUT_FAILED && state == OUTPUT_SENDS)
         log_push(self->of->settings.log, MRT_LOG_INFO, self->text, "sends again");
 }
@@ -186,7 +186,7 @@ static void count_sent(output *self, bool is_new, int64_t now_ns)
     pthread_mutex_unlock(&self->mutex);
 }
 
-/* ---- opened, closed, opened again ---- */
+/* ---- open, close, open again ---- */
 
 static bool is_rebuilt(output *self, int64_t now_ns)
 {
@@ -209,7 +209,7 @@ static void fail(output *self, const char *why)
 {
     close_output(self);
     self->retry_at_ns = clock_now_ns() + retry_ns;
-    tell(self, OUTPUT_FAILED, why[0] ? why : "it failed, and did not say why");
+    set_state(self, OUTPUT_FAILED, why[0] ? why : "the plugin failed without an error text");
 }
 
 static double within(double value, double most)
@@ -239,7 +239,7 @@ static void open_output(output *self)
         fail(self, why.text);
 }
 
-/* The plugin is told the names of this face, unless they are what it was told last. False: it
+/* Calls begin with the names of this face, unless the plugin already has them. False: the plugin
  * refused them. */
 static bool begin(output *self, face_board *board)
 {
@@ -278,13 +278,13 @@ static void send_face(output *self)
         return;
     }
     count_sent(self, is_new, now_ns);
-    tell(self, result == MRT_TIMEOUT ? OUTPUT_UNHEARD : OUTPUT_SENDS, "");
+    set_state(self, result == MRT_TIMEOUT ? OUTPUT_UNHEARD : OUTPUT_SENDS, "");
 }
 
-/* ---- when ---- */
+/* ---- timing ---- */
 
-/* Takes over the newest face, if it is another one; its board is given, kept. */
-static face_board *take_newest(output *self)
+/* Copies the newest face if it is a new one. Returns its board as a new reference. */
+static face_board *copy_newest(output *self)
 {
     outputs *of = self->of;
     pthread_mutex_lock(&of->mutex);
@@ -303,7 +303,7 @@ static face_board *take_newest(output *self)
     return board;
 }
 
-/* When the face that is there is to be sent. */
+/* Returns when the current face must be sent. */
 static int64_t due_at(const output *self)
 {
     int64_t repeat_ns =
@@ -311,7 +311,7 @@ static int64_t due_at(const output *self)
     return self->is_fresh ? self->due_ns : self->sent_ns + repeat_ns;
 }
 
-/* At a rate the grid stays, unless it has been left behind. */
+/* Plans the next face. At a fixed rate the time grid stays, unless the output is late. */
 static void plan_next(output *self, int64_t now_ns)
 {
     int64_t period_ns = self->wants.rate_hz > 0.0 ? (int64_t)(1e9 / self->wants.rate_hz) : 0;
@@ -319,12 +319,13 @@ static void plan_next(output *self, int64_t now_ns)
         now_ns - self->due_ns > period_ns ? now_ns + period_ns : self->due_ns + period_ns;
 }
 
-/* Returns until when nothing is to be done. */
+/* Does one round. Returns the time of the next one. */
 static int64_t run_once(output *self)
 {
     int64_t now_ns = clock_now_ns();
     if (self->is_open && is_rebuilt(self, now_ns)) {
-        log_push(self->of->settings.log, MRT_LOG_INFO, self->text, "was built anew, and is taken");
+        log_push(self->of->settings.log, MRT_LOG_INFO, self->text,
+                 "the library was rebuilt: the output is opened again");
         close_output(self);
         self->retry_at_ns = now_ns;
     }
@@ -334,7 +335,7 @@ static int64_t run_once(output *self)
         open_output(self);
     if (!self->is_open)
         return self->retry_at_ns;
-    face_board *board = take_newest(self);
+    face_board *board = copy_newest(self);
     bool has_face = board && begin(self, board);
     face_board_drop(board);
     if (!has_face)
@@ -346,7 +347,7 @@ static int64_t run_once(output *self)
         send_face(self);
         if (was_fresh)
             plan_next(self, now_ns);
-        return now_ns; /* another face may have come */
+        return now_ns; /* a newer face may be available */
     }
     return due_ns < now_ns + watch_ns ? due_ns : now_ns + watch_ns;
 }
@@ -426,7 +427,7 @@ mrt_result outputs_add(outputs *self, const char *text, error *err)
     if (result >= 0)
         result = prepare(made, err);
     if (result >= 0 && pthread_create(&made->thread, NULL, run, made) != 0)
-        result = error_set(err, MRT_ERR_MEMORY, "no thread for an output");
+        result = error_set(err, MRT_ERR_MEMORY, "cannot create the thread of an output");
     if (result < 0) {
         free_output(made);
         return result;
@@ -514,9 +515,9 @@ mrt_result outputs_create(outputs **out, const outputs_settings *settings, error
     wake_init(&self->signal);
     pthread_mutex_init(&self->mutex, NULL);
     pthread_mutex_init(&self->taking, NULL);
-    if (pthread_create(&self->thread, NULL, take, self) != 0) {
+    if (pthread_create(&self->thread, NULL, run_reader, self) != 0) {
         outputs_destroy(self);
-        return error_set(err, MRT_ERR_MEMORY, "no thread for outputs");
+        return error_set(err, MRT_ERR_MEMORY, "cannot create the thread for outputs");
     }
     self->has_thread = true;
     *out = self;

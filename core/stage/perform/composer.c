@@ -72,46 +72,68 @@ struct composer {
     composer_counts counts;
 };
 
-static void composer_note_problem(composer *self, const char *text);
-static void composer_show(composer *self); /* if stale */
-/* how: the pull that says how it is solved; NULL: nobody does. */
-static csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how);
+static double to_double(float v)
+{
+    return (double)v;
+}
 
-/* ---- the anchored parts ---- */
-
-static void composer_join(composer *self);
-/* The face as if the parts pulled nothing but what `keep` has added; bones as they are. */
-static void composer_show_only(composer *self, bool (*keep)(const part_state *v));
-/* Bakes what a part that has committed has added; true: one has, and the others join anew. */
-static bool composer_commit(composer *self);
-static bool composer_is_anybody_joined(const composer *self);
-
-/* ---- what they add up to ---- */
-
-static vec3 composer_vec3(mrt_vec3 p);
-/* Its weight and its gain. */
-static double composer_share(const part_state *v);
-/* Whether `counts` accepts some part that holds the face; NULL accepts all. */
-static bool composer_counts_anybody(const composer *self, bool (*counts)(const part_state *v));
-/* The target of each control of the engagement, 3 * control_count, mm: an offset from its start
- * where rides[k] (face_ride adds what the bones do), else a position. `counts` selects the parts
- * whose pulls are blended; NULL: all. */
-static void composer_blend_ends(const composer *self, bool (*counts)(const part_state *v),
-                                double *end, uint8_t *rides);
-/* The degrees of freedom as all parts together want them. */
-static void composer_blend_dofs(const composer *self, float *out);
-
-/* ---- what the pulls of all parts add up to, layer by layer ---- */
-
-static vec3 composer_vec3(mrt_vec3 p)
+static vec3 vec3_of(mrt_vec3 p)
 {
     return (vec3){(double)p.x, (double)p.y, (double)p.z};
 }
 
-static double composer_share(const part_state *v)
+/* Its weight and its gain. */
+static double share_of(const part_state *v)
 {
     return v->part.weight * v->part.gain;
 }
+
+/* No part at all, for functions that select parts. */
+static bool nobody(const part_state *v)
+{
+    (void)v;
+    return false;
+}
+
+static bool is_anybody_joined(const composer *self)
+{
+    for (uint32_t i = 0; i < self->joined_count; ++i)
+        if (self->state[self->joined_order[i]].is_joined)
+            return true;
+    return false;
+}
+
+static void note_problem(composer *self, const char *text)
+{
+    if (!self->counts.first_problem.text[0])
+        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "%s", text);
+}
+
+/* Brings the shape up to date with the last step. */
+static void show(composer *self)
+{
+    if (self->stale)
+        face_show(self->face);
+    self->stale = false;
+}
+
+/* how: the pull that says how it is solved; NULL: the settings of the face. */
+static csrbf_settings settings_of(const composer *self, float radius_mm, const mrt_pull *how)
+{
+    csrbf_settings settings = self->solver;
+    if (radius_mm > 0.0f)
+        settings.radius = to_double(radius_mm);
+    if (!how)
+        return settings;
+    if (how->solve & MRT_SOLVE_LINEAR)
+        settings.polynomial = CSRBF_LINEAR;
+    settings.is_one_step = (how->solve & MRT_SOLVE_ONCE) != 0;
+    if (how->stretch_most > 0.0f || how->stretch_most < 0.0f)
+        settings.stretch_most = to_double(how->stretch_most);
+    return settings;
+}
+
+/* ---- what the pulls of all parts add up to, layer by layer ---- */
 
 static bool is_one(double share)
 {
@@ -152,7 +174,8 @@ static void add_part(blended *b, const part_state *v, double weight, const doubl
     b->cover += weight;
 }
 
-static bool composer_counts_anybody(const composer *self, bool (*counts)(const part_state *v))
+/* Returns whether `counts` accepts a part that holds the face. NULL accepts all. */
+static bool counts_anybody(const composer *self, bool (*counts)(const part_state *v))
 {
     for (uint32_t i = 0; counts && i < self->joined_count; ++i) {
         const part_state *v = &self->state[self->joined_order[i]];
@@ -162,12 +185,15 @@ static bool composer_counts_anybody(const composer *self, bool (*counts)(const p
     return !counts;
 }
 
-static void composer_blend_ends(const composer *self, bool (*counts)(const part_state *v),
-                                double *end, uint8_t *rides)
+/* The target of each control of the engagement, 3 * control_count, mm: an offset from its start
+ * where rides[k] (face_ride adds what the bones do), else a position. `counts` selects the parts
+ * whose pulls are blended; NULL: all. */
+static void blend_ends(const composer *self, bool (*counts)(const part_state *v), double *end,
+                       uint8_t *rides)
 {
     blended at[MRT_MAX_VECTORS];
     memset(at, 0, sizeof at);
-    bool is_held = composer_counts_anybody(self, counts);
+    bool is_held = counts_anybody(self, counts);
     for (uint32_t k = 0; is_held && k < self->control_count; ++k) {
         const vec3 *held = &self->control[k].held;
         at[k].value[0] = held->x;
@@ -180,8 +206,7 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const part_
             uint32_t k = v->control[j];
             if (k == COMPOSER_NO_CONTROL || (counts && !counts(v)))
                 continue;
-            vec3 start = composer_vec3(v->joined.vector[j].start),
-                 to = composer_vec3(v->joined.vector[j].end);
+            vec3 start = vec3_of(v->joined.vector[j].start), to = vec3_of(v->joined.vector[j].end);
             const double added[3] = {v->share * (to.x - start.x), v->share * (to.y - start.y),
                                      v->share * (to.z - start.z)};
             add_part(&at[k], v, v->weight, added);
@@ -199,7 +224,7 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const part_
         if (v->is_joined && !v->part.is_pointer && at[k].parts == 1 && is_one(v->share) &&
             (!counts || counts(v))) {
             /* the end itself: start + (end - start) would round */
-            position = composer_vec3(v->joined.vector[c->vector].end);
+            position = vec3_of(v->joined.vector[c->vector].end);
             memset(end + 3 * k, 0, 3 * sizeof *end);
         }
         end[3 * k] += position.x;
@@ -208,7 +233,8 @@ static void composer_blend_ends(const composer *self, bool (*counts)(const part_
     }
 }
 
-static void composer_blend_dofs(const composer *self, float *out)
+/* The degrees of freedom as all parts together want them. */
+static void blend_dofs(const composer *self, float *out)
 {
     for (uint32_t d = 0; d < MRT_MAX_DOFS; ++d) {
         blended at = {.cover = 0};
@@ -221,7 +247,7 @@ static void composer_blend_dofs(const composer *self, float *out)
             if (!speaks || isnan(pull->dof[d]) || d >= self->mapped.about.dof_count ||
                 (v->part.owns && !v->part.owns[self->mapped.about.contact_count + d]))
                 continue;
-            const double added[3] = {composer_share(v) * (double)pull->dof[d], 0, 0};
+            const double added[3] = {share_of(v) * (double)pull->dof[d], 0, 0};
             add_part(&at, v, v->part.weight, added);
             is_driven = true;
         }
@@ -243,7 +269,7 @@ static void ask_shapes(composer *self)
             if (!v->part.shapes || isnan(v->part.shapes[s]) ||
                 (v->part.owns && !v->part.owns[free_points]))
                 continue;
-            const double added[3] = {composer_share(v) * (double)v->part.shapes[s], 0, 0};
+            const double added[3] = {share_of(v) * (double)v->part.shapes[s], 0, 0};
             add_part(&at, v, v->part.weight, added);
         }
         close_layer(&at);
@@ -318,12 +344,11 @@ static void list_holds(composer *self, holds *out)
             }
             if (at == COMPOSER_NO_CONTROL) {
                 at = out->count++;
-                out->control[at] =
-                    (joined_control){.contact = contact,
-                                     .slot = slot,
-                                     .vector = j,
-                                     .rest = composer_vec3(v->last_pull.vector[j].start),
-                                     .is_pointer = v->part.is_pointer};
+                out->control[at] = (joined_control){.contact = contact,
+                                                    .slot = slot,
+                                                    .vector = j,
+                                                    .rest = vec3_of(v->last_pull.vector[j].start),
+                                                    .is_pointer = v->part.is_pointer};
             }
             out->control[at].is_pointer &= v->part.is_pointer;
             out->of[slot][j] = at;
@@ -391,31 +416,25 @@ static void aim(composer *self, bool (*counts)(const part_state *v), const float
     error err = {""};
     double end[MRT_MAX_VECTORS * 3];
     uint8_t rides[MRT_MAX_VECTORS];
-    composer_blend_ends(self, counts, end, rides);
+    blend_ends(self, counts, end, rides);
     face_ride(self->face, end, rides, dof);
     memcpy(self->aimed, end, (size_t)self->control_count * 3 * sizeof *end);
     self->counts.solves += 1;
     if (face_aim(self->face, end, dof, &err) < 0) {
         self->counts.held_pulls += 1;
-        composer_note_problem(self, err.text);
+        note_problem(self, err.text);
         return;
     }
     self->stale = true;
 }
 
 /* Shows the face with the pulls of only those parts that `keep` accepts; bones stay as they are. */
-static void composer_show_only(composer *self, bool (*keep)(const part_state *v))
+static void show_only(composer *self, bool (*keep)(const part_state *v))
 {
     if (!self->engaged)
         return;
     aim(self, keep, face_metered(self->face)->dof);
-    composer_show(self);
-}
-
-static bool nobody(const part_state *v)
-{
-    (void)v;
-    return false;
+    show(self);
 }
 
 /* Where a point of the rest face is in the shape shown: it keeps its offset from the vertex that is
@@ -449,7 +468,7 @@ static vec3 start_of(const composer *self, const joined_control *c)
         return face_contact_now(self->face, c->contact);
     if (self->state[c->slot].part.is_pointer)
         return position_now(self, c->rest);
-    return composer_vec3(self->state[c->slot].last_pull.vector[c->vector].start);
+    return vec3_of(self->state[c->slot].last_pull.vector[c->vector].start);
 }
 
 /* ---- pointers take hold of the face as it is ---- */
@@ -473,7 +492,7 @@ static const joined_control *held_before(const composer *self, const joined_cont
 static void find_grip_positions(composer *self, const holds *h, double *out_position,
                                 bool *out_comes)
 {
-    composer_show(self);
+    show(self);
     for (uint32_t k = 0; k < h->count; ++k) {
         const joined_control *c = &h->control[k];
         out_comes[k] = c->is_pointer && !held_before(self, c);
@@ -535,14 +554,14 @@ static void engage(composer *self, holds *h)
     error err = {""};
     face_control grip[MRT_MAX_VECTORS];
     float radius_mm = joined_radius_mm(self);
-    csrbf_settings settings = composer_settings(self, radius_mm, joined_manner(self));
+    csrbf_settings settings = settings_of(self, radius_mm, joined_manner(self));
     for (uint32_t k = 0; k < h->count; ++k) {
         h->control[k].start = start_of(self, &h->control[k]);
         grip[k] = (face_control){h->control[k].start, h->control[k].contact};
     }
     if (face_engage(self->face, &settings, grip, h->count, &err) < 0) {
         self->counts.held_pulls += 1;
-        composer_note_problem(self, err.text);
+        note_problem(self, err.text);
         self->engaged = false;
         return;
     }
@@ -551,14 +570,6 @@ static void engage(composer *self, holds *h)
     self->engaged_radius_mm = radius_mm;
     self->engaged = true;
     self->counts.engagements += 1;
-}
-
-static bool composer_is_anybody_joined(const composer *self)
-{
-    for (uint32_t i = 0; i < self->joined_count; ++i)
-        if (self->state[self->joined_order[i]].is_joined)
-            return true;
-    return false;
 }
 
 /* Ends an engagement: bakes into the shape the pulls of the parts that `stays` accepts, and no
@@ -570,10 +581,10 @@ static void settle(composer *self, bool (*stays)(const part_state *v))
         const part_state *v = &self->state[self->joined_order[i]];
         all_stay &= !v->is_joined || stays(v);
     }
-    composer_show(self); /* the base is the shape of this step, not of the last drawn frame */
+    show(self); /* the base is the shape of this step, not of the last drawn frame */
     if (!all_stay)
-        composer_show_only(self, stays);
-    if (composer_counts_anybody(self, stays))
+        show_only(self, stays);
+    if (counts_anybody(self, stays))
         forget_held(self);
 }
 
@@ -590,7 +601,7 @@ static void join(composer *self, const holds *h)
             continue;
         v->is_joined = true;
         v->joined = v->last_pull;
-        v->share = composer_share(v);
+        v->share = share_of(v);
         v->weight = v->part.weight;
         memcpy(v->control, h->of[slot], sizeof v->control);
         self->joined_order[self->joined_count++] = slot;
@@ -631,7 +642,9 @@ static void forget_committed(part_state *v)
         v->has_pull = false;
 }
 
-static bool composer_commit(composer *self)
+/* Bakes the pulls of a part that commits into the base. True: a part did, and the others join anew.
+ */
+static bool commit(composer *self)
 {
     bool is_wanted = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
@@ -653,7 +666,7 @@ static bool composer_commit(composer *self)
     return true;
 }
 
-static void composer_join(composer *self)
+static void join_parts(composer *self)
 {
     holds h;
     if (!has_any_pull(self)) {
@@ -680,18 +693,13 @@ static void composer_join(composer *self)
     if (!self->engaged)
         return;
     float dof[MRT_MAX_DOFS];
-    composer_blend_dofs(self, dof);
+    blend_dofs(self, dof);
     ask_shapes(self);
     aim(self, NULL, dof);
 }
 
 /* The guard: no control vector leads further from the face than this many times its size. */
 static const double reach_in_faces = 10.0;
-
-static double to_double(float v)
-{
-    return (double)v;
-}
 
 /* ---- made and unmade ---- */
 
@@ -924,36 +932,6 @@ void composer_reset(composer *self)
     self->engaged = self->stale = false;
 }
 
-/* ---- shared by both ways to move ---- */
-
-static void composer_note_problem(composer *self, const char *text)
-{
-    if (!self->counts.first_problem.text[0])
-        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "%s", text);
-}
-
-static void composer_show(composer *self)
-{
-    if (self->stale)
-        face_show(self->face);
-    self->stale = false;
-}
-
-static csrbf_settings composer_settings(const composer *self, float radius_mm, const mrt_pull *how)
-{
-    csrbf_settings settings = self->solver;
-    if (radius_mm > 0.0f)
-        settings.radius = to_double(radius_mm);
-    if (!how)
-        return settings;
-    if (how->solve & MRT_SOLVE_LINEAR)
-        settings.polynomial = CSRBF_LINEAR;
-    settings.is_one_step = (how->solve & MRT_SOLVE_ONCE) != 0;
-    if (how->stretch_most > 0.0f || how->stretch_most < 0.0f)
-        settings.stretch_most = to_double(how->stretch_most);
-    return settings;
-}
-
 /* ---- unanchored ---- */
 
 static void copy_ends(double *out, const mrt_pull *pull)
@@ -995,7 +973,7 @@ static void limit_catch_up(const part_state *v, const double *from, double *to)
 {
     const mrt_pull *pull = v->part.pull;
     for (uint32_t i = 0; v->is_dragging && i < pull->count; ++i) {
-        vec3 start = composer_vec3(pull->vector[i].start), end = composer_vec3(pull->vector[i].end);
+        vec3 start = vec3_of(pull->vector[i].start), end = vec3_of(pull->vector[i].end);
         const double *at = from + (size_t)3 * i;
         double *goal = to + (size_t)3 * i;
         vec3 way = {goal[0] - at[0], goal[1] - at[1], goal[2] - at[2]};
@@ -1032,7 +1010,7 @@ static void drag_along_way(composer *self, part_state *v, const csrbf_settings *
     shorten(v, from, to);
     memcpy(next, to, (size_t)pull->count * 3 * sizeof *next);
     limit_catch_up(v, from, next);
-    composer_blend_dofs(self, dof);
+    blend_dofs(self, dof);
     self->counts.solves += 1;
     mrt_result result =
         face_drag(self->face, settings, from, next, pull->count, dof, v->tip, &step, &err);
@@ -1040,25 +1018,19 @@ static void drag_along_way(composer *self, part_state *v, const csrbf_settings *
     v->is_dragging = result >= 0 && is_behind(v, to);
     self->counts.held_pulls += result < 0;
     if (result < 0)
-        composer_note_problem(self, err.text);
+        note_problem(self, err.text);
     self->counts.limited_steps += step.limited;
     self->counts.folded_steps += step.substeps > 0 && !(step.min_determinant > 0.0);
     self->counts.substeps += step.substeps;
     self->counts.min_determinant = fmin(self->counts.min_determinant, step.min_determinant);
 }
 
-static bool is_nobody(const part_state *v)
-{
-    (void)v;
-    return false;
-}
-
 /* A drag changes the shape itself: takes off what the anchored parts add until it is done. */
 static void bare_shape(composer *self)
 {
-    composer_show(self);
-    if (composer_is_anybody_joined(self) && self->is_mixed)
-        composer_show_only(self, is_nobody);
+    show(self);
+    if (is_anybody_joined(self) && self->is_mixed)
+        show_only(self, nobody);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->state[slot].is_joined = false;
@@ -1088,9 +1060,9 @@ static void drag_unanchored(composer *self, part_state *v, double dt_s)
 /* The base goes on its way back to the rest shape; what the others pull stays. */
 static void restore(composer *self, double part)
 {
-    composer_show(self);
-    if (composer_is_anybody_joined(self))
-        composer_show_only(self, is_nobody);
+    show(self);
+    if (is_anybody_joined(self))
+        show_only(self, nobody);
     self->engaged = false;
     for (uint32_t slot = 0; slot < COMPOSER_PARTS_MAX; ++slot)
         self->state[slot].is_joined = false;
@@ -1165,7 +1137,7 @@ static void note_pulled(composer *self)
     self->pulled.mode = self->engaged ? MRT_ANCHORED : MRT_UNANCHORED;
     for (uint32_t i = 0; i < self->order_count; ++i)
         add_pulled(&self->pulled, &self->state[self->order[i]]);
-    composer_blend_dofs(self, self->pulled.dof);
+    blend_dofs(self, self->pulled.dof);
 }
 
 static void leave(composer *self)
@@ -1193,7 +1165,7 @@ static bool is_kneading(const part_state *v)
 void composer_move(composer *self, const composer_part *part, uint32_t count, double dt_s)
 {
     take_parts(self, part, count);
-    bool is_new = composer_commit(self);
+    bool is_new = commit(self);
     is_new |= listen(self);
     bool is_kneaded = false, is_held = false;
     for (uint32_t i = 0; i < self->order_count; ++i) {
@@ -1213,7 +1185,7 @@ void composer_move(composer *self, const composer_part *part, uint32_t count, do
         is_kneaded = true;
     }
     if (is_held ? is_new || is_kneaded : is_new && !is_kneaded)
-        composer_join(self);
+        join_parts(self);
     note_pulled(self);
     leave(self);
 }
@@ -1229,7 +1201,7 @@ bool composer_is_near(const composer *self, const mrt_pull *pull)
 
 void composer_draw(composer *self)
 {
-    composer_show(self);
+    show(self);
     const shading_shape now = face_shading(self->face);
     shading_update(self->shading, &now);
 }
@@ -1292,7 +1264,7 @@ csrbf_settings composer_solver(const composer *self)
 
 csrbf_settings composer_solver_of(const composer *self, const mrt_pull *pull)
 {
-    return composer_settings(self, pull->radius_mm, pull);
+    return settings_of(self, pull->radius_mm, pull);
 }
 
 const shading *composer_shading(const composer *self)
@@ -1305,7 +1277,7 @@ bool composer_is_anchored(const composer *self)
     return self->engaged;
 }
 
-const composer_counts *composer_counted(const composer *self)
+composer_counts *composer_counted(composer *self)
 {
     return &self->counts;
 }

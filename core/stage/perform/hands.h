@@ -1,9 +1,9 @@
-/* stage/perform/hands.h - phase 3 of the frame: what the inputs' channels measured becomes two
- * posed hands and the pedals of a mrt_frame. Calibrated, filtered, re-zeroed, eased back after a
- * gap and after a jump of landmarks, carried from the wrist outwards. A function of the samples
- * (and of re-zeros by hand) alone. Angles in MRT_UNIT_LANDMARKS go through the landmark_filter, all
- * others through the One-Euro filter: tracks of versions without that unit are in "rad" and are
- * performed as they were then. [frame] after create; no allocation then. */
+/* stage/perform/hands.h - phase 3 of a frame: the channels of the inputs become two posed hands and
+ * the pedals of a mrt_frame. Angles are calibrated, filtered, re-zeroed, eased after a gap and
+ * after a jump of landmarks, and posed from the wrist outwards. A function of the samples (and of
+ * re-zeros by the user) alone. Angles in MRT_UNIT_LANDMARKS go through the landmark_filter, all
+ * others through the One-Euro filter. Tracks of versions without that unit are in "rad" and keep
+ * their bits. [frame] after create; no allocation then. */
 #ifndef MAROTTE_STAGE_HANDS_H
 #define MAROTTE_STAGE_HANDS_H
 #include "hand/filter.h"

@@ -1,69 +1,15 @@
 #include "stage/perform/layer.h"
 #include "base/bytes.h"
-#include "base/clock.h"
-#include "stage/mapping/isolate.h"
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/taught.h"
-#include "stage/mapping/guard.h"
-#include "stage/perform/frame_inputs.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-struct layer_room {
-    double *last_params;   /* of the sample before */
-    double *stored_params; /* while a state is loaded */
-    double *patched_params;
-    unsigned char
-        *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
-};
-
-/* The cross-fade from the last pull to the first ones of a mapping that takes over. */
-typedef struct crossfade {
-    bool is_waiting; /* for the first pull of the new mapping */
-    bool is_other;   /* while waiting: another mapping, not a newer build of the same */
-    bool is_fading;
-    bool is_leaving; /* while fading: `leaving` is seen */
-    bool is_homing;  /* while fading: to rest; the new mapping begins after that (go_home) */
-    double fade_s;
-    uint32_t side;
-    uint32_t anchor_shift;     /* added to the mapping's anchors */
-    float posed[MRT_MAX_DOFS]; /* is_other: the degrees of freedom at the switch */
-    mrt_pull leaving;
-    mrt_pull shown; /* what layer_pull gives instead of `good` while anchor_shift or is_homing */
-} crossfade;
-
-/* The target of homing: no control vectors, and the bones that `leaving` drove at rest. */
+/* The target of HOME: no control vectors, and the bones that `leaving` drove at rest. */
 static mrt_pull layer_home(const mrt_pull *leaving);
 
-struct layer {
-    instance *mapping;
-    const mrt_mapping *functions;
-    const mrt_resume *resume;         /* NULL: it has none */
-    const isolate_takeover *takeover; /* NULL: it runs here */
-    answers *answers;                 /* NULL: neither written down nor given again */
-    const mrt_face *about;
-    guard guard;
-    layer_settings settings;
-    hands *hands;
-    frame_inputs inputs;
-    patch_bay bay;
-    pointer pointer;
-    bool resets;          /* the mapping is to be reset as soon as its state is known */
-    uint32_t reset_waits; /* steps, for what it was taught */
-    mrt_frame frame;
-    mrt_pull pull; /* what the mapping fills; it sees its own last values */
-    mrt_pull good; /* the last that passed the guard */
-    crossfade crossfade;
-    bool has_time;
-    layer_room *room;
-    layer_on_param *on_param;
-    void *on_param_data;
-    layer_counts counts;
-};
-
-static const double dt_max_s = 0.1;
 static const uint32_t reset_waits_most = 100;
 
 static void let_bones_go(mrt_pull *pull)
@@ -72,25 +18,20 @@ static void let_bones_go(mrt_pull *pull)
         pull->dof[i] = NAN;
 }
 
-static bool is_answered(const layer *self)
+bool layer_is_answered(const layer *self)
 {
     return self->answers && self->answers->is_given;
 }
 
-void layer_set_answers(layer *self, answers *of)
-{
-    self->answers = of;
-}
-
-/* Asks the mapping for what it was taught, which a reset gives back to it. False: no answer yet, as
- * an isolated mapping may be late. */
+/* Saves the taught values of the mapping and loads them, so that they outlive the next reset.
+ * False: no answer yet, because an isolated mapping is late. */
 static bool keep_taught(layer *self)
 {
     error ignored = {""};
     unsigned char *bytes = self->room->taught;
     if (!self->settings.keeps_taught || !bytes)
         return true;
-    if (is_answered(self)) {
+    if (layer_is_answered(self)) {
         const answers_step *then = answers_find(self->answers, self->frame.time_ns);
         return then && then->is_taught;
     }
@@ -110,10 +51,8 @@ void layer_begin_anew(layer *self)
 void layer_reset(layer *self)
 {
     self->frame = (mrt_frame){0};
-    self->pull = (mrt_pull){0};
-    let_bones_go(&self->pull);
-    self->good = self->pull;
-    self->crossfade = (crossfade){.side = 0};
+    self->good = self->pull = guard_idle();
+    self->crossfade = (crossfade){.state = CROSSFADE_NONE};
     self->has_time = false;
     self->resets = false;
     hands_reset(self->hands);
@@ -213,14 +152,67 @@ void layer_destroy(layer *self)
 
 /* ---- cross-fade between mappings ---- */
 
+static bool is_waiting(const crossfade *c)
+{
+    return c->state == CROSSFADE_WAITS || c->state == CROSSFADE_WAITS_OTHER;
+}
+
+bool layer_is_fading(const layer *self)
+{
+    return self->crossfade.state >= CROSSFADE_IN;
+}
+
+double layer_weight(const layer *self)
+{
+    return layer_is_fading(self) ? fmin(self->crossfade.fade_s / LAYER_FADE_S, 1.0) : 1.0;
+}
+
+const mrt_pull *layer_leaving(const layer *self)
+{
+    return self->crossfade.state >= CROSSFADE_OVER ? &self->crossfade.leaving : NULL;
+}
+
+const mrt_pull *layer_pull(const layer *self)
+{
+    const crossfade *c = &self->crossfade;
+    return c->state == CROSSFADE_HOME || c->anchor_shift ? &c->shown : &self->good;
+}
+
+/* All transitions (layer.h has the diagram). */
+static void enter(layer *self, crossfade_state to)
+{
+    crossfade *c = &self->crossfade;
+    crossfade_state from = c->state;
+    c->state = to;
+    switch (to) {
+    case CROSSFADE_NONE:
+        break;
+    case CROSSFADE_WAITS:
+        if (from == CROSSFADE_HOME) { /* the new mapping begins at rest */
+            c->leaving = c->shown;
+            let_bones_go(&c->leaving);
+            let_bones_go(&self->pull);
+            self->good = c->leaving;
+            self->functions->reset(self->mapping->self);
+        }
+        break;
+    case CROSSFADE_WAITS_OTHER: /* `pull` is in and out: the new mapping gets no bones of the old */
+        let_bones_go(&self->pull);
+        break;
+    case CROSSFADE_IN:
+    case CROSSFADE_OVER:
+    case CROSSFADE_HOME:
+        c->fade_s = self->frame.dt_s;
+        break;
+    }
+}
+
 void layer_crossfade(layer *self)
 {
-    if (!self->crossfade.is_waiting) /* else what was pulled before still leaves */
-        self->crossfade.leaving = *layer_pull(self);
-    if (self->crossfade.is_homing) /* the one before did not come to pull */
-        self->good = self->crossfade.leaving;
-    self->crossfade.is_homing = false;
-    self->crossfade.is_waiting = true;
+    if (is_waiting(&self->crossfade)) /* what was pulled before still leaves */
+        return;
+    self->crossfade.leaving = *layer_pull(self);
+    enter(self, CROSSFADE_WAITS);
 }
 
 instance *layer_switch(layer *self, instance *mapping, layer_room **room)
@@ -237,32 +229,9 @@ instance *layer_switch(layer *self, instance *mapping, layer_room **room)
 instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed)
 {
     instance *old = layer_switch(self, mapping, room);
-    self->crossfade.is_other = true;
     memcpy(self->crossfade.posed, posed, sizeof self->crossfade.posed);
-    let_bones_go(
-        &self->pull); /* `pull` is in and out: do not hand the old mapping's bones to the new one */
+    enter(self, CROSSFADE_WAITS_OTHER);
     return old;
-}
-
-bool layer_is_fading(const layer *self)
-{
-    return self->crossfade.is_fading;
-}
-
-double layer_weight(const layer *self)
-{
-    return self->crossfade.is_fading ? fmin(self->crossfade.fade_s / LAYER_FADE_S, 1.0) : 1.0;
-}
-
-const mrt_pull *layer_leaving(const layer *self)
-{
-    return self->crossfade.is_fading && self->crossfade.is_leaving ? &self->crossfade.leaving
-                                                                   : NULL;
-}
-
-uint32_t layer_side(const layer *self)
-{
-    return self->crossfade.side;
 }
 
 /* Two anchored pulls whose free points differ cannot be blended: a new engagement is needed. */
@@ -318,169 +287,74 @@ static mrt_pull layer_home(const mrt_pull *leaving)
     return out;
 }
 
-/* The old pull fades to rest; then the new mapping engages there (begin_at_home). */
-static void go_home(layer *self)
+/* The new pull engages beside that of `leaving`. */
+static void change_side(crossfade *c)
 {
-    crossfade *c = &self->crossfade;
-    c->shown = layer_home(&c->leaving);
-    c->is_waiting = c->is_other = false;
-    c->is_fading = c->is_leaving = c->is_homing = true;
-    c->fade_s = self->frame.dt_s;
     c->side = 1 - c->side;
     c->anchor_shift = 0;
 }
 
-/* The first pull of the new one says how it comes. While it is idle the shape stays as it is. */
+/* The first pull of the new mapping says how it comes. While it is idle the shape stays as it is.
+ */
 static void begin_fade(layer *self)
 {
     crossfade *c = &self->crossfade;
     const mrt_pull *new = &self->good;
+    bool is_other = c->state == CROSSFADE_WAITS_OTHER;
     if (new->mode == MRT_IDLE)
         return;
-    if (c->is_other && leaves_bones(self, &c->leaving, new)) {
-        go_home(self);
+    if (is_other && leaves_bones(self, &c->leaving, new)) {
+        c->shown = layer_home(&c->leaving);
+        change_side(c);
+        enter(self, CROSSFADE_HOME);
         return;
     }
-    if (c->is_other)
+    if (is_other)
         leave_posed(c, new);
-    bool stays = holds_elsewhere(&c->leaving, new);
     bool kneads_on = c->leaving.mode == MRT_UNANCHORED && new->mode == MRT_UNANCHORED;
-    c->is_waiting = c->is_other = false;
-    c->is_fading = true;
-    c->fade_s = self->frame.dt_s;
-    c->is_leaving = !stays && !kneads_on;
-    if (c->is_leaving) {
-        c->side = 1 - c->side;
-        c->anchor_shift = 0;
-        return;
-    }
-    if (stays) { /* the skin; bones do not */
+    if (holds_elsewhere(&c->leaving, new)) { /* the skin stays in the shape; bones do not */
         c->leaving.count = 0;
-        c->is_leaving = drives_bones(&c->leaving);
+        enter(self, drives_bones(&c->leaving) ? CROSSFADE_OVER : CROSSFADE_IN);
+        if (new->anchor + c->anchor_shift == c->leaving.anchor)
+            c->anchor_shift += 1;
+    } else if (kneads_on) {
+        enter(self, CROSSFADE_IN);
+    } else {
+        change_side(c);
+        enter(self, CROSSFADE_OVER);
     }
-    if (stays && new->anchor + c->anchor_shift == c->leaving.anchor) {
-        c->anchor_shift += 1;
-    }
 }
 
-static void begin_at_home(layer *self)
+void layer_use_pull(layer *self)
 {
     crossfade *c = &self->crossfade;
-    c->is_homing = false;
-    c->is_waiting = true;
-    c->leaving = c->shown;
-    let_bones_go(&c->leaving);
-    let_bones_go(&self->pull);
-    self->good = c->leaving;
-    self->functions->reset(self->mapping->self);
-}
-
-/* Before a sample. */
-static void go_on_fading(layer *self)
-{
-    crossfade *c = &self->crossfade;
-    if (!c->is_fading)
-        return;
-    c->fade_s += self->frame.dt_s;
-    c->is_fading = c->fade_s < LAYER_FADE_S;
-    if (!c->is_fading && c->is_homing)
-        begin_at_home(self);
-}
-
-static void show_good(layer *self)
-{
-    crossfade *c = &self->crossfade;
-    if (c->is_waiting)
+    self->good = self->pull;
+    if (is_waiting(c))
         begin_fade(self);
-    if (c->is_homing || c->anchor_shift == 0)
+    if (c->state == CROSSFADE_HOME || c->anchor_shift == 0)
         return;
     c->shown = self->good;
     c->shown.anchor += c->anchor_shift;
 }
 
-/* ---- phases 4 and 5: the mapping and the guard ---- */
-
-static void tell_params(layer *self, int64_t time_ns)
-{
-    const mrt_plugin_type *type = self->mapping->type;
-    for (uint32_t i = 0; i < type->param_count; ++i) {
-        double value = self->mapping->params[i];
-        if (memcmp(&value, &self->room->last_params[i], sizeof value) == 0)
-            continue;
-        self->room->last_params[i] = value;
-        if (self->on_param)
-            self->on_param(self->on_param_data, time_ns, type->params[i].id, value);
-    }
-}
-
-/* Gives the mapping, whose pull is in and out, the last one that was used. */
-static void give_back_good(layer *self)
+void layer_keep_good(layer *self)
 {
     self->pull = self->good;
-    if (self->crossfade.is_waiting) /* `good` is the old mapping's, or of before the reset */
+    if (is_waiting(&self->crossfade)) /* `good` is the old mapping's, or of before the reset */
         let_bones_go(&self->pull);
 }
 
-static mrt_result ask_mapping(layer *self)
+static void advance_fade(layer *self)
 {
-    if (is_answered(self))
-        return answers_take(self->answers, self->frame.time_ns, &self->pull);
-    if (self->takeover && !layer_is_fading(self) &&
-        self->takeover->take_over(self->mapping->self, &self->pull))
-        layer_crossfade(self);
-    mrt_result result = self->functions->process(self->mapping->self, &self->frame, &self->pull);
-    if (self->answers)
-        answers_add(self->answers, self->frame.time_ns, result, &self->pull);
-    return result;
+    crossfade *c = &self->crossfade;
+    if (!layer_is_fading(self))
+        return;
+    c->fade_s += self->frame.dt_s;
+    if (c->fade_s >= LAYER_FADE_S)
+        enter(self, c->state == CROSSFADE_HOME ? CROSSFADE_WAITS : CROSSFADE_NONE);
 }
 
-/* Runs process(). Leaves self->good as it was on MRT_HOLD, on an error and on a faulty pull. */
-static void run_mapping(layer *self, int64_t time_ns)
-{
-    instance_latch(self->mapping);
-    tell_params(self, time_ns);
-    patch_bay_step(&self->bay, &self->frame, self->mapping->type, self->mapping->params,
-                   &self->good);
-    self->frame.params = self->mapping->params;
-    if (self->bay.plan) {
-        patch_bay_params(&self->bay, self->mapping->params, self->room->patched_params);
-        self->frame.params = self->room->patched_params;
-    }
-    mrt_result result = ask_mapping(self);
-    if (result == MRT_HOLD) {
-        give_back_good(self);
-        return;
-    }
-    const char *fault = result < 0 ? "an error" : guard_fault(&self->guard, &self->pull);
-    if (!fault) {
-        self->good = self->pull;
-        show_good(self);
-        return;
-    }
-    self->counts.bad_pulls += 1;
-    if (!self->counts.first_problem.text[0])
-        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "mapping %s gave %s",
-                  self->mapping->type->id, fault);
-    give_back_good(self); /* plugin.h: "on entry: what it held last" */
-}
-
-static void read_pointer(layer *self, const sample_step *s)
-{
-    pointer_grip before = self->pointer.grip;
-    (void)pointer_read(&self->pointer, self->about, s, self->frame.time_ns);
-    self->resets |= self->pointer.grip == POINTER_NEUTRAL && before != POINTER_NEUTRAL;
-    const char *fault = guard_fault(&self->guard, &self->pointer.pull);
-    if (!fault)
-        fault = guard_fault(&self->guard, &self->pointer.places);
-    if (!fault)
-        return;
-    self->counts.bad_pulls += 1;
-    if (!self->counts.first_problem.text[0])
-        error_set(&self->counts.first_problem, MRT_ERR_FORMAT, "the pointer gave %s", fault);
-    pointer_reset(&self->pointer);
-}
-
-static void begin_anew(layer *self)
+static void reset_if_asked(layer *self)
 {
     if (!self->resets || layer_is_fading(self))
         return;
@@ -493,49 +367,13 @@ static void begin_anew(layer *self)
     self->functions->reset(self->mapping->self);
 }
 
-void layer_step(layer *self, const sample_step *s, bool near)
+void layer_go_on(layer *self)
 {
-    int64_t time_ns = s->time_ns;
-    if (self->has_time && time_ns < self->frame.time_ns)
-        time_ns = self->frame.time_ns;
-    uint64_t since_ns = (uint64_t)time_ns - (uint64_t)self->frame.time_ns; /* records may lie */
-    double dt_s = self->has_time ? (double)since_ns / (double)NS_PER_S : 0.0;
-    self->frame.dt_s = fmin(dt_s, dt_max_s);
-    self->frame.time_ns = time_ns;
-    self->frame.near = near;
-    self->has_time = true;
-    self->counts.samples += s->count;
-    self->counts.steps += 1;
-    hands_read(self->hands, s, &self->frame);
-    frame_inputs_read(&self->inputs, s, time_ns);
-    self->frame.inputs = self->inputs.shown;
-    self->frame.input_count = self->inputs.count;
-    go_on_fading(self);
-    read_pointer(self, s);
-    begin_anew(self);
-    run_mapping(self, s->time_ns);
+    advance_fade(self);
+    reset_if_asked(self);
 }
 
-const mrt_pull *layer_pull(const layer *self)
-{
-    const crossfade *c = &self->crossfade;
-    return c->is_homing || c->anchor_shift ? &c->shown : &self->good;
-}
-
-const mrt_frame *layer_frame(const layer *self)
-{
-    return &self->frame;
-}
-
-instance *layer_mapping(layer *self)
-{
-    return self->mapping;
-}
-
-const pointer *layer_pointer(const layer *self)
-{
-    return &self->pointer;
-}
+/* ---- kept ---- */
 
 bool layer_set_pointer(layer *self, const void *bytes, size_t size)
 {
@@ -548,32 +386,6 @@ bool layer_set_pointer(layer *self, const void *bytes, size_t size)
     }
     self->pointer = before;
     return false;
-}
-
-hands *layer_hands(layer *self)
-{
-    return self->hands;
-}
-
-const patch_bay *layer_bay(const layer *self)
-{
-    return &self->bay;
-}
-
-bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old)
-{
-    return patch_bay_set(&self->bay, plan, out_old);
-}
-
-void layer_watch_params(layer *self, layer_on_param *on_param, void *data)
-{
-    self->on_param = on_param;
-    self->on_param_data = data;
-}
-
-const layer_counts *layer_counted(const layer *self)
-{
-    return &self->counts;
 }
 
 static void shift(int64_t *time_ns, int64_t by_ns)
@@ -592,31 +404,30 @@ void layer_shift_time(layer *self, int64_t by_ns)
 }
 
 enum { STORE_VERSION = 1, STORE_WITH_CUT = 2, STORE_WITH_POINTER = 3, STORE_WITH_INPUTS = 4 };
-enum {
-    STORE_OTHER = 2,
-    STORE_HOMING = 2
-}; /* values of the stored is_waiting and is_fading beyond true */
+enum { STORE_OTHER = 2, STORE_HOMING = 2 }; /* the stored words for waiting and fading, beyond 1 */
 
-/* A nested state, preceded by its size. */
-static void put_sized(bytes_out *out, size_t (*save)(void *of, void *bytes, size_t capacity),
-                      void *of)
+/* Appends the size of a nested state and makes room for it. NULL: no room. */
+static void *add_nested(bytes_out *out, size_t size)
 {
-    size_t size = save(of, NULL, 0);
     bytes_put_u32(out, (uint32_t)size);
-    if (out->data && out->size <= out->capacity && size <= out->capacity - out->size)
-        save(of, out->data + out->size, size);
+    bool fits = out->data && out->size <= out->capacity && size <= out->capacity - out->size;
+    void *at = fits ? out->data + out->size : NULL;
     out->size += size;
+    return at;
 }
 
-static size_t save_hands(void *of, void *bytes, size_t capacity)
-{
-    return hands_save(of, bytes, capacity);
-}
+/* save(of, bytes, capacity) returns the size of the state. */
+#define PUT_NESTED(out, save, of)                                                                  \
+    do {                                                                                           \
+        size_t nested_size = save(of, NULL, 0);                                                    \
+        void *nested_at = add_nested(out, nested_size);                                            \
+        if (nested_at)                                                                             \
+            save(of, nested_at, nested_size);                                                      \
+    } while (0)
 
-static size_t save_mapping(void *of, void *bytes, size_t capacity)
+static size_t save_mapping(const layer *self, void *bytes, size_t capacity)
 {
-    layer *self = of;
-    return is_answered(self) ? 0 : self->resume->save(self->mapping->self, bytes, capacity);
+    return layer_is_answered(self) ? 0 : self->resume->save(self->mapping->self, bytes, capacity);
 }
 
 static void take_pull(bytes_in *in, const layer *self, mrt_pull *out)
@@ -639,60 +450,54 @@ static const unsigned char *take_sized(bytes_in *in, size_t *out_size)
 
 static void put_crossfade(bytes_out *out, const crossfade *c)
 {
-    bytes_put_u32(out, c->is_other ? STORE_OTHER : c->is_waiting);
-    bytes_put_u32(out, c->is_homing ? STORE_HOMING : c->is_fading);
-    bytes_put_u32(out, c->is_leaving);
+    bytes_put_u32(out, c->state == CROSSFADE_WAITS_OTHER ? STORE_OTHER : is_waiting(c));
+    bytes_put_u32(out, c->state == CROSSFADE_HOME ? STORE_HOMING : c->state >= CROSSFADE_IN);
+    bytes_put_u32(out, c->state >= CROSSFADE_OVER);
     bytes_put_f64(out, c->fade_s);
     bytes_put_u32(out, c->side);
     bytes_put_u32(out, c->anchor_shift);
     answers_put_pull(out, &c->leaving);
-    if (c->is_other)
+    if (c->state == CROSSFADE_WAITS_OTHER)
         bytes_put(out, c->posed, sizeof c->posed);
+}
+
+/* The format has a word for waiting, one for fading and one for leaving. */
+static crossfade_state stored_state(bytes_in *in)
+{
+    uint32_t waiting = bytes_take_u32(in), fading = bytes_take_u32(in);
+    bool is_leaving = bytes_take_u32(in) != 0;
+    if (waiting != 0)
+        return waiting == STORE_OTHER ? CROSSFADE_WAITS_OTHER : CROSSFADE_WAITS;
+    if (fading == 0)
+        return CROSSFADE_NONE;
+    if (fading == STORE_HOMING)
+        return CROSSFADE_HOME;
+    return is_leaving ? CROSSFADE_OVER : CROSSFADE_IN;
 }
 
 static void take_crossfade(bytes_in *in, layer *self)
 {
     crossfade *c = &self->crossfade;
-    uint32_t waiting = bytes_take_u32(in);
-    c->is_waiting = waiting != 0;
-    c->is_other = waiting == STORE_OTHER;
-    uint32_t fading = bytes_take_u32(in);
-    c->is_fading = fading != 0;
-    c->is_homing = fading == STORE_HOMING;
-    c->is_leaving = bytes_take_u32(in) != 0;
+    c->state = stored_state(in);
     c->fade_s = bytes_take_f64(in);
     c->side = bytes_take_u32(in);
     c->anchor_shift = bytes_take_u32(in);
     take_pull(in, self, &c->leaving);
-    if (c->is_other)
+    bool is_other = c->state == CROSSFADE_WAITS_OTHER;
+    if (is_other)
         bytes_take(in, c->posed, sizeof c->posed);
-    for (uint32_t i = 0; c->is_other && i < MRT_MAX_DOFS; ++i)
+    for (uint32_t i = 0; is_other && i < MRT_MAX_DOFS; ++i)
         in->failed |= !isfinite(c->posed[i]);
-    c->shown = c->is_homing ? layer_home(&c->leaving) : self->good;
+    c->shown = c->state == CROSSFADE_HOME ? layer_home(&c->leaving) : self->good;
     c->shown.anchor += c->anchor_shift;
     in->failed = in->failed || c->side > 1 || !(c->fade_s >= 0.0);
-}
-
-static size_t save_pointer(void *of, void *bytes, size_t capacity)
-{
-    return pointer_save(of, bytes, capacity);
-}
-
-static size_t save_inputs(void *of, void *bytes, size_t capacity)
-{
-    return frame_inputs_save(of, bytes, capacity);
-}
-
-static size_t save_bay(void *of, void *bytes, size_t capacity)
-{
-    return patch_bay_save(of, bytes, capacity);
 }
 
 size_t layer_save(layer *self, void *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const mrt_plugin_type *type = self->mapping->type;
-    if (!is_answered(self) && (!self->resume || save_mapping(self, NULL, 0) == 0))
+    if (!layer_is_answered(self) && (!self->resume || save_mapping(self, NULL, 0) == 0))
         return 0;
     bytes_put_u32(&out, STORE_WITH_INPUTS);
     bytes_put_u32(&out, type->param_count);
@@ -715,11 +520,11 @@ size_t layer_save(layer *self, void *bytes, size_t capacity)
     answers_put_pull(&out, &self->pull);
     put_crossfade(&out, &self->crossfade);
     bytes_put_u32(&out, self->resets);
-    put_sized(&out, save_pointer, &self->pointer);
-    put_sized(&out, save_inputs, &self->inputs);
-    put_sized(&out, save_bay, &self->bay);
-    put_sized(&out, save_hands, self->hands);
-    put_sized(&out, save_mapping, self);
+    PUT_NESTED(&out, pointer_save, &self->pointer);
+    PUT_NESTED(&out, frame_inputs_save, &self->inputs);
+    PUT_NESTED(&out, patch_bay_save, &self->bay);
+    PUT_NESTED(&out, hands_save, self->hands);
+    PUT_NESTED(&out, save_mapping, self);
     return out.size;
 }
 
@@ -801,7 +606,7 @@ static void take_inputs_and_bay(bytes_in *in, layer *self)
 
 static mrt_result load(layer *self, bytes_in *in, error *err)
 {
-    if (!self->resume && !is_answered(self))
+    if (!self->resume && !layer_is_answered(self))
         return error_set(err, MRT_ERR_UNSUPPORTED, "mapping %s cannot be resumed",
                          self->mapping->type->id);
     uint32_t version = bytes_take_u32(in);
@@ -827,7 +632,7 @@ static mrt_result load(layer *self, bytes_in *in, error *err)
     if (in->failed || in->at != in->end)
         return error_set(err, MRT_ERR_FORMAT, "the stored state of mapping %s is damaged",
                          self->mapping->type->id);
-    if (!is_answered(self) && self->resume->load(self->mapping->self, bytes, size) < 0)
+    if (!layer_is_answered(self) && self->resume->load(self->mapping->self, bytes, size) < 0)
         return error_set(err, MRT_ERR_FORMAT, "mapping %s refuses its stored state",
                          self->mapping->type->id);
     use_stored_params(self);

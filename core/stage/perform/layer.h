@@ -1,107 +1,156 @@
-/* stage/perform/layer.h - phases 3 to 5 of the frame for one mapping: samples become hands, hands
- * become a pull, the guard keeps nonsense out. What the pull does to the face is composer.h's. A
- * function of its samples and of when its parameters change. [frame] after create; no allocation
- * then. */
+/* stage/perform/layer.h - a mapping that performs: its hands, its patch, what it pulled last, and
+ * the cross-fade to the mapping that replaces it. Leaves out the phases of a step (frame.c) and
+ * what a pull does to the face (composer.h). A function of its samples and of when its parameters
+ * change. The fields are for this room to read; the functions below change them. [frame] after
+ * create; no allocation then. */
 #ifndef MAROTTE_STAGE_LAYER_H
 #define MAROTTE_STAGE_LAYER_H
 #include "stage/mapping/answers.h"
-#include "stage/mapping/instance.h"
+#include "stage/mapping/guard.h"
+#include "stage/mapping/isolate.h"
+#include "stage/perform/frame_inputs.h"
 #include "stage/perform/hands.h"
 #include "stage/perform/patch_bay.h"
 #include "stage/perform/pointer.h"
-
-typedef struct layer layer;
-
-typedef struct layer_settings {
-    hands_settings hands;
-    double reach_mm; /* the guard: no vector leads further from `centre` */
-    vec3 centre;
-    /* What the mapping was taught outlives a reset; false for takes of versions in which it did
-     * not. */
-    bool keeps_taught;
-} layer_settings;
-
-/* [main] The mapping and the face must outlive it; the mapping is activated and reset. */
-CHECKED mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mapped,
-                                const layer_settings *settings, error *err);
-void layer_destroy(layer *self); /* [main] deactivates the mapping; NULL is fine */
-
-void layer_reset(layer *self); /* as after create; parameters stay */
-/* [frame] The same; what the mapping was taught stays (MRT_STATE). */
-void layer_begin_anew(layer *self);
-
-/* The hands of all samples of the step, then the mapping, once. A step older than the last one
- * counts as simultaneous. `near`: of mrt_frame, what the last pull asked for. */
-void layer_step(layer *self, const sample_step *s, bool near);
-/* What the mapping pulls, after the guard; what it was at first: idle. */
-const mrt_pull *layer_pull(const layer *self);
-/* The hands, pedals and time of the last step. */
-const mrt_frame *layer_frame(const layer *self);
-instance *layer_mapping(layer *self);
-/* What the mouse on the face adds to it. */
-const pointer *layer_pointer(const layer *self);
-/* What pointer_save gave: it holds that again, by today's time. False: it holds what it held. */
-bool layer_set_pointer(layer *self, const void *bytes, size_t size);
-hands *layer_hands(layer *self);
-/* What its patch makes of the channels, over the mapping; plan NULL: none. */
-const patch_bay *layer_bay(const layer *self);
-/* [frame] Before a sample, as patch_bay_set. What the layer has at its end is destroyed with it. */
-bool layer_set_patch(layer *self, patch_plan *plan, patch_plan **out_old);
 
 /* ---- cross-fade between mappings: no jump where another takes over ---- */
 
 #define LAYER_FADE_S 0.25
 
-/* Before a sample, not while is_fading: what the mapping gives from its first pull on is another's
- * than before. What was pulled last leaves while the new comes, over LAYER_FADE_S of the samples'
- * time; an anchored pull with free points elsewhere stays in the shape instead, as when a mapping
- * takes hold anew. */
-void layer_crossfade(layer *self);
-/* [frame] The same, to another instance: its mapping is active on the same face and reset, has the
- * old one's state, and `*room` was made for it; the room of the old one is there then. Returns the
- * old one, which is still active. */
-typedef struct layer_room layer_room;
-layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
-void layer_room_destroy(layer_room *room);              /* [main] NULL is fine */
-instance *layer_switch(layer *self, instance *mapping, layer_room **room);
-/* [frame] The same, to another mapping, which knows nothing of the old one. posed: the degrees of
- * freedom as the bones are now. Where the new one says nothing of what the old one drove, the face
- * first eases to rest. */
-instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed);
-/* The new one comes while the old one leaves; until its first pull it does not fade yet, and
- * another may be switched to. */
-bool layer_is_fading(const layer *self);
+/* layer.c: enter() makes all transitions.
+ *
+ *   another version, a reset     first pull            after LAYER_FADE_S
+ *   any ----> WAITS -------------> IN, OVER ---------------> NONE
+ *   any ----> WAITS_OTHER -------> IN, OVER ---------------> NONE
+ *             another mapping  `-> HOME -------------------> WAITS
+ */
+typedef enum crossfade_state {
+    CROSSFADE_NONE = 0,    /* the mapping's own pull is all that is seen */
+    CROSSFADE_WAITS,       /* for the first pull of a newer build, or after a reset */
+    CROSSFADE_WAITS_OTHER, /* for the first pull of another mapping */
+    CROSSFADE_IN,          /* the new pull comes, nothing leaves: the shape stays as it is */
+    CROSSFADE_OVER,        /* the new pull comes while `leaving` leaves */
+    CROSSFADE_HOME         /* `leaving` eases to rest; the new mapping begins after that */
+} crossfade_state;
 
-/* What is seen of layer_pull: 0..1, below 1 while it comes. And what leaves, with what is left of
- * 1; NULL: nothing. They speak from two sides, 0 and 1: layer_side is layer_pull's. */
+typedef struct crossfade {
+    crossfade_state state;
+    double fade_s;
+    uint32_t side;             /* of layer_pull; `leaving` has the other one */
+    uint32_t anchor_shift;     /* added to the mapping's anchors */
+    float posed[MRT_MAX_DOFS]; /* WAITS_OTHER: the degrees of freedom at the switch */
+    mrt_pull leaving;
+    mrt_pull shown; /* what layer_pull gives instead of `good`, in HOME or with an anchor_shift */
+} crossfade;
+
+typedef struct layer_settings {
+    hands_settings hands;
+    double reach_mm; /* guard: the largest distance of a vector from `centre` */
+    vec3 centre;
+    /* Taught values outlive a reset. False for takes of versions in which they did not. */
+    bool keeps_taught;
+} layer_settings;
+
+/* Memory that depends on the mapping. */
+typedef struct layer_room {
+    double *last_params;   /* of the sample before */
+    double *stored_params; /* while a state is loaded */
+    double *patched_params;
+    unsigned char
+        *taught; /* TAUGHT_BYTES_MAX, while the mapping is reset; NULL: it learns nothing */
+} layer_room;
+
+/* Called in a step when a parameter has another value than in the step before. */
+typedef void layer_on_param(void *data, int64_t time_ns, uint32_t param_id, double value);
+
+typedef struct layer {
+    instance *mapping;
+    const mrt_mapping *functions;
+    const mrt_resume *resume;         /* NULL: it has none */
+    const isolate_takeover *takeover; /* NULL: it runs here */
+    /* The mapping's answers are written down there, or given from there: then the mapping is not
+     * asked, and layer_save leaves out its state. NULL: neither. */
+    answers *answers;
+    const mrt_face *about;
+    guard guard;
+    layer_settings settings;
+    hands *hands;
+    frame_inputs inputs;
+    patch_bay bay;        /* what its patch makes of the channels, over the mapping */
+    pointer pointer;      /* what the mouse on the face adds */
+    bool resets;          /* the mapping is to be reset as soon as its state is known */
+    uint32_t reset_waits; /* steps, for what it was taught */
+    bool has_time;
+    mrt_frame frame; /* hands, pedals and time of the last step */
+    mrt_pull pull;   /* what the mapping fills; it sees its own last values */
+    mrt_pull good;   /* the last that passed the guard */
+    crossfade crossfade;
+    layer_room *room;
+    layer_on_param *on_param; /* NULL: nobody records */
+    void *on_param_data;
+} layer;
+
+/* [main] The mapping and the face must outlive it. The mapping is activated and reset. */
+CHECKED mrt_result layer_create(layer **out, instance *mapping, const mapped_face *mapped,
+                                const layer_settings *settings, error *err);
+void layer_destroy(layer *self); /* [main] deactivates the mapping; accepts NULL */
+
+void layer_reset(layer *self); /* as after create; parameters stay */
+/* [frame] The same, but the taught values of the mapping stay (MRT_STATE). */
+void layer_begin_anew(layer *self);
+
+/* ---- for frame.c ---- */
+
+/* Once a step, before the mapping: advances a cross-fade, and resets the mapping if the pointer
+ * requested it. */
+void layer_go_on(layer *self);
+/* `pull` passed the guard: it becomes the pull of the layer. */
+void layer_use_pull(layer *self);
+/* Drops `pull`: the mapping sees the last good pull on its next call. */
+void layer_keep_good(layer *self);
+/* Returns whether stored answers replace the mapping. */
+bool layer_is_answered(const layer *self);
+
+/* ---- what is seen ---- */
+
+/* The pull after the guard. Idle before the first. */
+const mrt_pull *layer_pull(const layer *self);
+/* The weight of layer_pull, 0..1, below 1 while it fades in; and the pull that fades out, with the
+ * rest of 1. NULL: none. */
 double layer_weight(const layer *self);
 const mrt_pull *layer_leaving(const layer *self);
-uint32_t layer_side(const layer *self);
+/* Restores the bytes of pointer_save with the current time. False: nothing has changed. */
+bool layer_set_pointer(layer *self, const void *bytes, size_t size);
 
-/* Called from within layer_step when a parameter has another value than in the step before. */
-typedef void layer_on_param(void *data, int64_t time_ns, uint32_t param_id, double value);
-void layer_watch_params(layer *self, layer_on_param *on_param, void *data);
+/* ---- another mapping ---- */
+
+/* Between two steps, not while layer_is_fading: the next pulls of the mapping have no relation to
+ * the last one. The last pull fades out while the new one fades in, over LAYER_FADE_S of sample
+ * time. An anchored pull with free points elsewhere stays in the shape instead, as when a mapping
+ * takes hold anew. */
+void layer_crossfade(layer *self);
+layer_room *layer_room_create(const instance *mapping); /* [main] NULL: no memory */
+void layer_room_destroy(layer_room *room);              /* [main] NULL is fine */
+/* [frame] The same for another instance. It must be active on the same face, reset, and have the
+ * state of the old one; `*room` must be made for it. Afterwards `*room` is the room of the old one.
+ * Returns the old instance, which is still active. */
+instance *layer_switch(layer *self, instance *mapping, layer_room **room);
+/* [frame] The same for another mapping without the state of the old one. posed: the current degrees
+ * of freedom of the bones. If the new mapping does not drive a bone that the old one drove, the
+ * face eases to rest first. */
+instance *layer_replace(layer *self, instance *mapping, layer_room **room, const float *posed);
+/* True from the first pull of the new mapping until the end of the cross-fade. */
+bool layer_is_fading(const layer *self);
 
 /* ---- kept ---- */
 
-/* All that pulls to come depend on, parameters included, as bytes (at most `capacity` are written;
- * NULL: none); returns the size that it takes. 0: the mapping cannot say (no MRT_RESUME, or its
- * save gives 0). */
+/* Serializes everything that later pulls depend on, parameters included. Writes at most `capacity`
+ * bytes; bytes may be NULL. Returns the size of the state. 0: the mapping has no state (no
+ * MRT_RESUME, or its save returns 0). */
 size_t layer_save(layer *self, void *bytes, size_t capacity);
 /* [main] On error the layer is as after create. */
 CHECKED mrt_result layer_load(layer *self, const void *bytes, size_t size, error *err);
-/* As if all samples so far had been so much later: for a state that was kept by another clock. */
+/* Moves all times of the layer: for a state that was stored by another clock. */
 void layer_shift_time(layer *self, int64_t by_ns);
-
-/* Its mapping's answers are written down there from now on, or given from there: then it is not
- * asked for anything, and layer_save leaves out what it says of itself. NULL: neither. */
-void layer_set_answers(layer *self, answers *of);
-
-typedef struct layer_counts {
-    uint64_t samples, steps;
-    uint64_t bad_pulls;  /* the guard held the last good pull */
-    error first_problem; /* what the guard said first; "" none */
-} layer_counts;
-const layer_counts *layer_counted(const layer *self);
 
 #endif

@@ -259,17 +259,9 @@ const char *patch_plan_note(const patch_plan *self)
 
 /* ---- the bay ---- */
 
-static mrt_pull idle_pull(void)
-{
-    mrt_pull out = {.mode = MRT_IDLE};
-    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
-        out.dof[i] = NAN;
-    return out;
-}
-
 static void forget_pull(mrt_pull *pull, float *shapes)
 {
-    *pull = idle_pull();
+    *pull = guard_idle();
     for (uint32_t i = 0; i < FACE_SHAPES_MAX; ++i)
         shapes[i] = NAN;
 }
@@ -604,11 +596,11 @@ static void put_pull(bytes_out *out, const mrt_pull *p)
 
 static void take_pull(bytes_in *in, const guard *of, mrt_pull *out)
 {
-    *out = idle_pull();
+    *out = guard_idle();
     bytes_take(in, out, offsetof(mrt_pull, vector));
     if (out->count > MRT_MAX_VECTORS || out->mode > MRT_ANCHORED) {
         in->failed = true;
-        *out = idle_pull();
+        *out = guard_idle();
         return;
     }
     bytes_take(in, out->vector, out->count * sizeof *out->vector);

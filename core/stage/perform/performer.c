@@ -4,29 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-struct performer {
-    composer *composer;
-    layer *own; /* of voice 0, made with the performer; NULL: none */
-    performer_voice voice[PERFORMER_VOICES_MAX];
-    performer_counts counts;
-};
-
 /* ---- made and unmade ---- */
-
-static void count(performer *self)
-{
-    const composer_counts *c = composer_counted(self->composer);
-    self->counts.solves = c->solves;
-    self->counts.held_pulls = c->held_pulls;
-    self->counts.limited_steps = c->limited_steps;
-    self->counts.folded_steps = c->folded_steps;
-    self->counts.substeps = c->substeps;
-    self->counts.engagements = c->engagements;
-    self->counts.commits = c->commits;
-    self->counts.min_determinant = c->min_determinant;
-    if (!self->counts.first_problem.text[0])
-        self->counts.first_problem = c->first_problem;
-}
 
 mrt_result performer_make_layer(const performer *self, instance *mapping,
                                 const performer_settings *as, layer **out, error *err)
@@ -43,7 +21,7 @@ mrt_result performer_make_layer(const performer *self, instance *mapping,
     result = performer_make_patch(self, as->patch, &plan, err);
     if (result >= 0) {
         patch_plan_check_params(plan, mapping->type);
-        (void)layer_set_patch(*out, plan, &none); /* nothing comes in a layer that is new */
+        (void)patch_bay_set(&(*out)->bay, plan, &none); /* nothing comes in a layer that is new */
     } else {
         layer_destroy(*out);
     }
@@ -73,7 +51,7 @@ mrt_result performer_create(performer **out, const face_file *file, instance *ma
     }
     self->voice[0] =
         (performer_voice){.layer = self->own, .is_seen = true, .weight = 1.0, .gain = 1.0};
-    count(self);
+    self->counts = composer_counted(self->composer);
     *out = self;
     return MRT_OK;
 }
@@ -87,14 +65,9 @@ void performer_destroy(performer *self)
     free(self);
 }
 
-performer_voice *performer_voice_of(performer *self, uint32_t voice)
-{
-    return &self->voice[voice];
-}
+/* ---- compose: voices become parts ---- */
 
-/* ---- the face of an instant ---- */
-
-/* Eases the ends of the vectors and the degrees of freedom towards what the mapping says. */
+/* Smooths the ends of the vectors and the degrees of freedom of a pull. */
 static const mrt_pull *smoothed(performer_voice *v, const mrt_pull *pull, int64_t now_ns)
 {
     bool goes_on = v->has_smooth && v->smooth.count == pull->count &&
@@ -135,11 +108,11 @@ static composer_part pointer_part(const composer_part *as, uint32_t bank, const 
     return out;
 }
 
-/* The parts of a voice's patch: its pull, and the one that fades out. */
+/* The parts of the patch of a voice: its pulls, and the pulls that fade out. */
 static uint32_t patch_parts(const layer *of, const composer_part *as, composer_part *out)
 {
     static const uint32_t lane_of[PATCH_PULLS] = {LANE_INSTEAD, LANE_ADDED};
-    const patch_bay *bay = layer_bay(of);
+    const patch_bay *bay = &of->bay;
     double weight = patch_bay_weight(bay);
     uint32_t part_count = 0;
     for (uint32_t which = 0; which < PATCH_PULLS; ++which)
@@ -164,7 +137,7 @@ static uint32_t patch_parts(const layer *of, const composer_part *as, composer_p
 
 static uint32_t pointer_parts(const layer *of, const composer_part *as, composer_part *out)
 {
-    const pointer *p = layer_pointer(of);
+    const pointer *p = &of->pointer;
     uint32_t part_count = 0;
     if (p->pull.mode != MRT_IDLE)
         out[part_count++] = pointer_part(as, 2, &p->pull);
@@ -195,13 +168,13 @@ static uint32_t parts_of(performer *self, uint32_t index, bool is_fresh, int64_t
     const mrt_pull *leaving = layer_leaving(v->layer);
     if (leaving) {
         out[part_count] = whole;
-        out[part_count].slot += PERFORMER_VOICES_MAX * (1 - layer_side(v->layer));
+        out[part_count].slot += PERFORMER_VOICES_MAX * (1 - v->layer->crossfade.side);
         out[part_count].is_fresh = false;
         out[part_count].weight *= 1.0 - weight;
         out[part_count++].pull = leaving;
     }
     out[part_count] = whole;
-    out[part_count].slot += PERFORMER_VOICES_MAX * layer_side(v->layer);
+    out[part_count].slot += PERFORMER_VOICES_MAX * v->layer->crossfade.side;
     out[part_count++].weight *= weight;
     part_count += patch_parts(v->layer, &whole, out + part_count);
     return part_count + pointer_parts(v->layer, &whole, out + part_count);
@@ -228,92 +201,13 @@ static uint32_t list_voices(const performer *self, uint32_t out[PERFORMER_VOICES
     return voice_count;
 }
 
-/* ---- step by step ---- */
-
-void performer_map(performer *self, const sample_step *s)
+void performer_compose(performer *self, uint32_t fresh, int64_t now_ns, performer_parts *out)
 {
-    layer *of = self->voice[s->voice].layer;
-    const layer_counts *counts = layer_counted(of);
-    uint64_t bad_before = counts->bad_pulls;
-    layer_step(of, s, composer_is_near(self->composer, layer_pull(of)));
-    self->counts.samples += s->count;
-    self->counts.steps += 1;
-    self->counts.bad_pulls += counts->bad_pulls - bad_before;
-    if (!self->counts.first_problem.text[0])
-        self->counts.first_problem = counts->first_problem;
-}
-
-void performer_constrain(performer *self, uint32_t voice, int64_t now_ns)
-{
-    uint32_t spoken[PERFORMER_VOICES_MAX], part_count = 0;
-    uint32_t voice_count = list_voices(self, spoken);
-    composer_part part[COMPOSER_PARTS_MAX];
-    double dt_s = 0.0;
+    uint32_t seen[PERFORMER_VOICES_MAX];
+    uint32_t voice_count = list_voices(self, seen);
+    out->count = 0;
     for (uint32_t i = 0; i < voice_count; ++i)
-        part_count += parts_of(self, spoken[i], spoken[i] == voice, now_ns, part + part_count);
-    if (voice < PERFORMER_VOICES_MAX)
-        dt_s = layer_frame(self->voice[voice].layer)->dt_s;
-    composer_move(self->composer, part, part_count, dt_s);
-    count(self);
-}
-
-void performer_step(performer *self, const sample_step *s)
-{
-    performer_map(self, s);
-    performer_constrain(self, s->voice, s->due_ns);
-}
-
-void performer_draw(performer *self)
-{
-    composer_draw(self->composer);
-}
-
-/* ---- seen ---- */
-
-composer *performer_composer(performer *self)
-{
-    return self->composer;
-}
-
-layer *performer_layer(performer *self)
-{
-    return self->voice[0].layer;
-}
-
-face *performer_face(performer *self)
-{
-    return composer_face(self->composer);
-}
-
-csrbf_settings performer_solver(const performer *self)
-{
-    return composer_solver_of(self->composer, performer_pull(self));
-}
-
-const mrt_pull *performer_pull(const performer *self)
-{
-    return layer_pull(self->voice[0].layer);
-}
-
-bool performer_is_anchored(const performer *self)
-{
-    return composer_is_anchored(self->composer);
-}
-
-const performer_counts *performer_counted(const performer *self)
-{
-    return &self->counts;
-}
-
-mrt_result performer_rezero(performer *self, uint32_t side, error *why)
-{
-    layer *of = self->voice[0].layer;
-    return hands_rezero(layer_hands(of), side, layer_frame(of)->time_ns, why);
-}
-
-const rezero_counts *performer_rezeros(const performer *self)
-{
-    return hands_rezeros(layer_hands(self->voice[0].layer));
+        out->count += parts_of(self, seen[i], seen[i] == fresh, now_ns, out->part + out->count);
 }
 
 /* ---- kept ---- */
@@ -355,7 +249,7 @@ mrt_result performer_load(performer *self, const void *bytes, size_t size, error
 
 size_t performer_save_pulled(performer *self, void *bytes, size_t capacity)
 {
-    const pointer *p = layer_pointer(self->voice[0].layer);
+    const pointer *p = &self->voice[0].layer->pointer;
     bytes_out out = {.data = bytes, .capacity = bytes ? capacity : 0};
     const size_t held = pointer_save(p, NULL, 0),
                  face_size = composer_save(self->composer, NULL, 0);

@@ -5,17 +5,16 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* In real time, how long to sleep when nothing comes and no frame is due: how late `stop` is seen.
- */
+/* Longest sleep in real time without samples and frames: the delay until `stop` is seen. */
 static const int64_t idle_span_ns = 50 * NS_PER_MS;
 
-/* A longer silence in a record is damage, not a pause: it would be hours of frames. */
+/* A longer gap in a recording counts as damage: it would be drawn as hours of frames. */
 static const int64_t gap_max_ns = 3600 * NS_PER_S;
 
 struct player_loop {
-    player_stage stage;
-    bool goes_on; /* whether there are inputs or not, in real time */
-    bool is_over; /* the stage says so */
+    stage_frame *frame;
+    bool goes_on; /* player_go_on: in real time, with or without inputs */
+    bool is_over; /* a drawn frame returned MRT_END */
     input *inputs[PLAYER_INPUTS_MAX];
     uint32_t input_count;
     player_settings settings;
@@ -24,13 +23,13 @@ struct player_loop {
     scheduler scheduler;
     scheduler_entry entry[PLAYER_INPUTS_MAX];
     channel_route route[PLAYER_INPUTS_MAX];
-    wake signal; /* of the inputs' threads */
+    wake signal; /* from the threads of the inputs */
     bool started;
-    int64_t begin_ns; /* real time: when the performance was begun, with or without samples */
+    int64_t begin_ns; /* real time: begin of the performance, with or without samples */
     int64_t start_ns;
-    int64_t work_ns;           /* since the last drawn frame */
-    int64_t drawn_ns, draw_ns; /* goes on: when it was drawn last, and how long that took */
-    bool is_wanted;            /* a stage that goes on: to be drawn as soon as no sample waits */
+    int64_t work_ns;           /* spent on steps since the last drawn frame */
+    int64_t drawn_ns, draw_ns; /* goes_on: end and duration of the last drawing */
+    bool is_wanted;            /* goes_on: draw as soon as no sample waits */
 };
 
 static int64_t frame_time_ns(const player_loop *self, uint32_t index)
@@ -42,7 +41,8 @@ static mrt_result draw_frame(player_loop *self, error *err)
 {
     int64_t before = clock_now_ns();
     int64_t time_ns = frame_time_ns(self, self->report.frame_count);
-    mrt_result result = self->stage.draw(self->stage.self, time_ns, err);
+    mrt_result result = self->events.draw ? self->events.draw(self->events.data, time_ns, err)
+                                          : frame_draw(self->frame, time_ns, err);
     if (result < 0)
         return result;
     self->is_over |= result == MRT_END;
@@ -55,13 +55,13 @@ static mrt_result draw_frame(player_loop *self, error *err)
                               err);
 }
 
-/* Frames that are late are left out: the next one is the first that is not due yet, however often
- * it is drawn before because it is wanted. */
+/* Skips late frames: the next frame number is the first that is not due yet. `between` may request
+ * several drawings of one frame number. */
 static mrt_result draw_newest(player_loop *self, int64_t now_ns, error *err)
 {
     double behind_s = (double)(now_ns - self->start_ns) / 1e9;
     uint32_t due = (uint32_t)fmax(floor(behind_s * self->settings.fps), 0.0);
-    if (frame_time_ns(self, due + 1) <= now_ns) /* to the nanosecond: rounded it is a frame short */
+    if (frame_time_ns(self, due + 1) <= now_ns) /* exact: the rounded value is a frame short */
         due += 1;
     self->report.frame_count = due;
     self->is_wanted = false;
@@ -71,7 +71,7 @@ static mrt_result draw_newest(player_loop *self, int64_t now_ns, error *err)
     return result;
 }
 
-/* Draws the frames whose time is before time_ns: a frame shows every sample up to its own time. */
+/* Draws all frames before time_ns. A frame shows every sample up to its own time. */
 static mrt_result draw_before(player_loop *self, int64_t time_ns, error *err)
 {
     mrt_result result = MRT_OK;
@@ -106,24 +106,28 @@ static mrt_result check_gap(const player_loop *self, const sample_step *came, er
                      (double)(came->time_ns - of->last_ns) / 1e9, (uintmax_t)of->sample_count);
 }
 
-/* Performs a step that already has its time. */
-static mrt_result play_step(player_loop *self, const sample_step *s, error *err)
+/* Performs the step in frame->step. Frames that are due before it are drawn first. */
+static mrt_result play_step(player_loop *self, error *err)
 {
-    mrt_result result = MRT_OK;
-    if (!self->goes_on)
+    const sample_step *s = &self->frame->step;
+    mrt_result result = check_gap(self, s, err);
+    if (!self->started)
+        self->start_ns = s->time_ns;
+    self->started = true;
+    if (result >= 0 && !self->goes_on)
         result = draw_before(self, s->time_ns, err);
     if (result < 0 || self->is_over)
         return result;
     int64_t before = clock_now_ns();
-    result = self->stage.step(self->stage.self, s, err);
+    result = frame_step(self->frame, err);
     self->work_ns += clock_now_ns() - before;
     self->report.sample_count += result >= 0 ? s->count : 0;
     self->report.step_count += result >= 0;
     return result;
 }
 
-/* Real time, nothing to play since `seen`: draws what is due, or sleeps until there is something,
- * at the latest at until_ns. */
+/* Real time, no step is ready: draws the frames that are due, or sleeps until a sample comes, at
+ * the latest until until_ns. */
 static mrt_result idle(player_loop *self, uint32_t seen, int64_t until_ns, error *err)
 {
     int64_t now = clock_now_ns();
@@ -154,31 +158,19 @@ static void tell_incidents(player_loop *self)
         }
 }
 
-static mrt_result take_step(player_loop *self, sample_step *s, error *err)
-{
-    mrt_result result = check_gap(self, s, err);
-    if (result < 0)
-        return result;
-    scheduler_take(&self->scheduler, s);
-    if (!self->started)
-        self->start_ns = s->time_ns;
-    self->started = true;
-    return play_step(self, s, err);
-}
-
 static mrt_result play(player_loop *self, error *err)
 {
     mrt_result result = MRT_OK;
     while (result >= 0 && !is_stopped(self) && !self->is_over) {
-        sample_step next;
+        sample_step *next = &self->frame->step;
         int64_t until_ns;
         uint32_t seen = wake_seen(&self->signal);
-        mrt_result found = scheduler_next(&self->scheduler, clock_now_ns(), &next, &until_ns, err);
+        mrt_result found = scheduler_next(&self->scheduler, clock_now_ns(), next, &until_ns, err);
         tell_incidents(self);
         if (found == MRT_OK) {
-            if (is_past_end(self, next.time_ns))
+            if (is_past_end(self, next->time_ns))
                 break;
-            result = take_step(self, &next, err);
+            result = play_step(self, err);
         } else if (found != MRT_TIMEOUT || is_past_end(self, clock_now_ns())) {
             result = found < 0 ? found : MRT_OK;
             break;
@@ -186,39 +178,40 @@ static mrt_result play(player_loop *self, error *err)
             result = idle(self, seen, until_ns, err);
         }
     }
-    /* The last samples are shown too. */
+    /* The last samples need a frame too. */
     if (result >= 0 && self->started)
         result = draw_before(self, self->scheduler.last_ns + 1, err);
     return result;
 }
 
-/* ---- a stage that goes on ---- */
+/* ---- with or without inputs ---- */
 
 static int64_t next_frame_ns(const player_loop *self)
 {
     return frame_time_ns(self, self->report.frame_count);
 }
 
-/* While samples wait, drawing gets a quarter of the time: what is slow to draw is drawn seldom, and
- * every sample is performed in time. */
+/* While samples wait, drawing gets a quarter of the time: a face that is slow to draw is drawn less
+ * often, and every sample is performed in time. */
 static bool may_be_drawn(const player_loop *self, bool has_samples, int64_t now_ns)
 {
     return !has_samples || now_ns - self->drawn_ns >= 3 * self->draw_ns;
 }
 
-/* With no step waiting the stage is drawn when it is wanted, else when it is due. */
+/* Performs a step, or draws: at the frame rate, or as soon as `between` requests it and no step
+ * waits. */
 static mrt_result go_on(player_loop *self, error *err)
 {
-    sample_step next;
     int64_t until_ns;
     uint32_t seen = wake_seen(&self->signal);
     if (self->events.between)
         self->is_wanted |= self->events.between(self->events.data);
-    mrt_result result = scheduler_next(&self->scheduler, clock_now_ns(), &next, &until_ns, err);
+    mrt_result result =
+        scheduler_next(&self->scheduler, clock_now_ns(), &self->frame->step, &until_ns, err);
     bool has_step = result == MRT_OK;
     tell_incidents(self);
     if (has_step)
-        result = take_step(self, &next, err);
+        result = play_step(self, err);
     int64_t now_ns = clock_now_ns();
     bool is_time = now_ns >= next_frame_ns(self) || (!has_step && self->is_wanted);
     if (result >= 0 && is_time && may_be_drawn(self, has_step, now_ns))
@@ -275,10 +268,14 @@ void player_calibrate(player_loop *self, uint32_t side, const hand_calibration *
 
 mrt_result player_give(player_loop *self, uint32_t index, const mrt_sample *sample, error *err)
 {
-    sample_step s = sample_step_of(self->scheduler.entry[index].route, sample);
-    s.of[0].input = index;
-    scheduler_insert(&self->scheduler, &s);
-    return play_step(self, &s, err);
+    stage_frame *f = self->frame;
+    f->step = sample_step_of(self->scheduler.entry[index].route, sample);
+    f->step.of[0].input = index;
+    scheduler_insert(&self->scheduler, &f->step);
+    f->sources = NULL; /* the step is from no source */
+    mrt_result result = play_step(self, err);
+    f->sources = &self->scheduler;
+    return result;
 }
 
 void player_show_until(player_loop *self, int64_t time_ns)
@@ -287,10 +284,11 @@ void player_show_until(player_loop *self, int64_t time_ns)
         self->scheduler.shown_ns = time_ns;
 }
 
-static void init(player_loop *self, const player_stage *stage, const player_settings *settings,
+static void init(player_loop *self, stage_frame *f, const player_settings *settings,
                  const player_events *events)
 {
-    *self = (player_loop){.stage = *stage, .settings = *settings, .events = *events};
+    *self = (player_loop){.frame = f, .settings = *settings, .events = *events};
+    f->sources = &self->scheduler;
     scheduler_init(&self->scheduler,
                    settings->clock == CLOCK_VIRTUAL ? SCHEDULE_MEASURED : SCHEDULE_LIVE,
                    self->entry, self->route, PLAYER_INPUTS_MAX);
@@ -307,8 +305,8 @@ static mrt_result check_fps(const player_settings *settings, error *err)
                      settings->fps);
 }
 
-mrt_result player_create(player_loop **out, const player_stage *stage,
-                         const player_settings *settings, const player_events *events, error *err)
+mrt_result player_create(player_loop **out, stage_frame *f, const player_settings *settings,
+                         const player_events *events, error *err)
 {
     *out = NULL;
     mrt_result result = check_fps(settings, err);
@@ -317,7 +315,7 @@ mrt_result player_create(player_loop **out, const player_stage *stage,
     player_loop *self = calloc(1, sizeof *self);
     if (!self)
         return error_set(err, MRT_ERR_MEMORY, "no memory to perform");
-    init(self, stage, settings, events);
+    init(self, f, settings, events);
     self->goes_on = true;
     *out = self;
     return MRT_OK;
@@ -328,9 +326,9 @@ void player_destroy(player_loop *self)
     free(self);
 }
 
-/* ---- one that ends with its inputs ---- */
+/* ---- until the inputs end ---- */
 
-mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uint32_t input_count,
+mrt_result player_run_stage(stage_frame *f, input *const *inputs, uint32_t input_count,
                             const player_settings *settings, const player_events *events,
                             player_report *out_report, error *err)
 {
@@ -342,7 +340,7 @@ mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uin
     if (result < 0)
         return result;
     player_loop self;
-    init(&self, stage, settings, events);
+    init(&self, f, settings, events);
     self.begin_ns = settings->clock == CLOCK_REAL ? clock_now_ns() : 0;
     for (uint32_t i = 0; i < input_count && result >= 0; ++i) {
         player_add_input(&self, inputs[i]);
@@ -361,5 +359,6 @@ mrt_result player_run_stage(const player_stage *stage, input *const *inputs, uin
     if (self.started)
         self.report.duration_s = (double)(self.scheduler.last_ns - self.start_ns) / 1e9;
     *out_report = self.report;
+    f->sources = NULL;
     return result;
 }

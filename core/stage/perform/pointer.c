@@ -1,6 +1,7 @@
 #include "stage/perform/pointer.h"
 #include "base/bytes.h"
 #include "base/clock.h"
+#include "stage/mapping/guard.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,17 +35,9 @@ const mrt_channel *pointer_channels(uint32_t *out_count)
     return channel;
 }
 
-static mrt_pull idle_pull(void)
-{
-    mrt_pull out = {.mode = MRT_IDLE};
-    for (uint32_t i = 0; i < MRT_MAX_DOFS; ++i)
-        out.dof[i] = NAN;
-    return out;
-}
-
 void pointer_reset(pointer *self)
 {
-    *self = (pointer){.pull = idle_pull(), .places = idle_pull()};
+    *self = (pointer){.pull = guard_idle(), .places = guard_idle()};
 }
 
 /* ---- what a sample says ---- */
@@ -329,7 +322,7 @@ static void put_pull(bytes_out *out, const mrt_pull *p)
 
 static void take_pull(bytes_in *in, mrt_pull *out)
 {
-    *out = idle_pull();
+    *out = guard_idle();
     bytes_take(in, out, offsetof(mrt_pull, vector));
     if (out->count > POINTER_STAYING_MAX + 1 || out->mode > MRT_UNANCHORED) {
         in->failed = true;

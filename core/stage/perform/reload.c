@@ -216,9 +216,7 @@ static mrt_result hear_answer(reload *self, version *v, error *err)
     const guard g = {.contact_count = about->contact_count,
                      .centre = vec3_scale(vec3_add(low, high), 0.5),
                      .reach_mm = 10.0 * fmax(vec3_length(vec3_sub(high, low)), 1.0)};
-    mrt_pull pull = {0};
-    for (int i = 0; i < MRT_MAX_DOFS; ++i)
-        pull.dof[i] = NAN;
+    mrt_pull pull = guard_idle();
     instance_latch(&v->instance);
     const mrt_frame frame = {.params = v->instance.params};
     int64_t start_ns = clock_now_ns();

@@ -221,7 +221,7 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
         return MRT_TIMEOUT;
     }
     out->time_ns = self->rule == SCHEDULE_RECORDED ? choose_recorded(self, first)
-                                                   : choose_measured(self, first);
+                                                   : in_order(self, choose_measured(self, first));
     out->voice = first->source.voice;
     out->due_ns = first->due_ns;
     for (uint32_t i = 0; i < self->count; ++i) {
@@ -239,8 +239,7 @@ mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out, int
 
 void scheduler_insert(scheduler *self, sample_step *s)
 {
-    if (self->rule != SCHEDULE_RECORDED)
-        set_time(s, in_order(self, s->time_ns));
+    set_time(s, self->rule == SCHEDULE_RECORDED ? s->time_ns : in_order(self, s->time_ns));
     self->step_count += 1;
     self->sample_count += s->count;
     self->last_ns = s->time_ns;

@@ -1,15 +1,14 @@
-/* stage/perform/scheduler.h - asks all that give samples in time order (devices, recordings, the
- * pointer, tracks of a show) and says which samples are performed next, by whom, and which of them
- * at once: one step. Leaves out the clock (player.h) and what a step does (layer.h). One thread; no
- * allocation.
+/* stage/perform/scheduler.h - asks all sources of samples (devices, recordings, the pointer, tracks
+ * of a show) and chooses the next step: the samples that are performed together, and their voice.
+ * Leaves out the clock (player.h) and the phases of a step (frame.h). One thread; no allocation.
  *
- * STEPS  (show/step_rule.h) A step's samples have one time, and that is how it is recorded: samples
- * of one time are one step, whoever performs them again. While it is measured, inputs that measure
- * different hands go together when their samples are at most half a sample's period apart (once
- * together, up to three quarters, so that noise does not part them); what else was measured in
- * between goes with them. Live, a late hand is waited for at most a sample's period, and only once:
- * what did not come is waited for again when it has. Steps come in an order of their own: each is
- * later than the one before, if by a nanosecond. */
+ * STEPS  (show/step_rule.h) All samples of a step have one time, and it is recorded so. Samples of
+ * one recorded time are therefore always one step. While samples are measured, samples of different
+ * hands become one step when they are at most half a period apart (three quarters once they were
+ * together, so that noise does not separate them). Other samples measured in between join them.
+ * Live, the scheduler waits for a late hand for at most one period, and only once: a hand that did
+ * not come is expected again after its next sample. Each step is later than the one before, if only
+ * by a nanosecond. */
 #ifndef MAROTTE_STAGE_SCHEDULER_H
 #define MAROTTE_STAGE_SCHEDULER_H
 #include "stage/input/sample_source.h"
@@ -67,7 +66,7 @@ void scheduler_calibrate(scheduler *self, uint32_t side, const hand_calibration 
  * now_ns: of the host's clock, SCHEDULE_LIVE only. */
 CHECKED mrt_result scheduler_next(scheduler *self, int64_t now_ns, sample_step *out,
                                   int64_t *out_until_ns, error *err);
-/* What scheduler_next gave is taken, and gets its time. */
+/* What scheduler_next gave is taken from its sources; all its samples get the time of the step. */
 void scheduler_take(scheduler *self, sample_step *s);
 /* The same for a step that no source gave. */
 void scheduler_insert(scheduler *self, sample_step *s);

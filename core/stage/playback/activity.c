@@ -7,10 +7,10 @@
 
 enum { BINS = 8192, ALL = OWN_REGION_COUNT };
 static const int64_t first_bin_ns = 4 * NS_PER_MS;
-/* A drag of clay counts as the way that it goes in so long. */
+/* An unanchored drag counts as the distance that it covers in this time at its current speed. */
 static const double drag_span_s = 0.1;
 
-/* Steps of 1 / bin_steps of what a lane shows, from 1 on; greatest 0: nothing is known. */
+/* Values of a lane in units of 1 / bin_steps, plus 1. greatest 0: unknown. */
 typedef struct packed_bin {
     uint16_t least, greatest;
 } packed_bin;
@@ -22,17 +22,17 @@ typedef struct lane_bins {
 
 struct activity {
     replay_world world;
-    int64_t performance, from_ns, to_ns; /* show time: as far as it was recorded when opened */
-    replay *replay;   /* NULL: all that was recorded is known, or it could not be opened */
-    bool has_failed;  /* to open */
+    int64_t performance, from_ns, to_ns; /* show time: span of the recording when it was opened */
+    replay *replay;   /* NULL: all recorded samples are processed, or it cannot be opened */
+    bool has_failed;  /* the replay cannot be opened */
     int64_t known_ns; /* source time */
     int64_t bin_ns;
-    lane_bins *lane;                             /* ACTIVITY_LANES */
-    uint32_t *region_of_contact, *region_of_dof; /* bits */
-    double unit_mm;                              /* a tenth of the face's height */
-    float held[ACTIVITY_LANES];                  /* since the last sample */
-    void *state;                                 /* of the replay, to go on from */
-    size_t state_size, state_capacity;           /* size 0: it cannot be had */
+    lane_bins *lane;                             /* ACTIVITY_LANES elements */
+    uint32_t *region_of_contact, *region_of_dof; /* one bit for each lane */
+    double unit_mm;                              /* a tenth of the height of the face */
+    float held[ACTIVITY_LANES];                  /* value since the last sample */
+    void *state;                                 /* saved state of the replay */
+    size_t state_size, state_capacity;           /* size 0: no saved state */
 };
 
 /* ---- bins ---- */
@@ -66,7 +66,7 @@ static void add(lane_bins *of, size_t bin, float value)
     of->bin[bin] = join(of->bin[bin], one);
 }
 
-/* Every bin covers twice as much. */
+/* Doubles the time that each bin covers. */
 static void coarsen(lane_bins *of)
 {
     packed_bin *b = of->bin;
@@ -75,7 +75,7 @@ static void coarsen(lane_bins *of)
     memset(b + BINS / 2, 0, BINS / 2 * sizeof *b);
 }
 
-/* What was held until this instant fills the bins up to it; from here on it is `value`. */
+/* Fills the bins since the last sample with its value, then adds the new value. */
 static void note(activity *self, int64_t source_ns, const float *value)
 {
     while (source_ns / self->bin_ns >= BINS) {
@@ -94,7 +94,7 @@ static void note(activity *self, int64_t source_ns, const float *value)
     self->known_ns = source_ns;
 }
 
-/* ---- what a pull does to each part ---- */
+/* ---- activity of a pull in each region ---- */
 
 static uint32_t regions_of(const char *name)
 {
@@ -110,12 +110,12 @@ static uint32_t regions_of(const char *name)
 
 static mrt_result list_regions(activity *self, error *err)
 {
-    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
+    const mrt_face *about = composer_about(self->world.scratch->composer);
     self->region_of_contact =
         calloc((size_t)about->contact_count + 1, sizeof *self->region_of_contact);
     self->region_of_dof = calloc((size_t)about->dof_count + 1, sizeof *self->region_of_dof);
     if (!self->region_of_contact || !self->region_of_dof)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the activity lanes of a take");
     for (uint32_t i = 0; i < about->contact_count; ++i)
         self->region_of_contact[i] = regions_of(about->contacts[i].name);
     for (uint32_t i = 0; i < about->dof_count; ++i)
@@ -146,10 +146,10 @@ static double squared_mm(mrt_vec3 a, mrt_vec3 b)
     return x * x + y * y + z * z;
 }
 
-/* A free point counts where the nearest contact is. */
+/* A free point belongs to the regions of the nearest contact. */
 static uint32_t regions_at(const activity *self, mrt_vec3 position)
 {
-    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
+    const mrt_face *about = composer_about(self->world.scratch->composer);
     uint32_t out = 1u << ALL;
     double least = INFINITY;
     for (uint32_t i = 0; i < about->contact_count; ++i) {
@@ -164,7 +164,7 @@ static uint32_t regions_at(const activity *self, mrt_vec3 position)
 
 static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double dt_s)
 {
-    const mrt_face *about = composer_about(performer_composer(self->world.scratch));
+    const mrt_face *about = composer_about(self->world.scratch->composer);
     double scale = 1.0 / self->unit_mm;
     if (pull->mode == MRT_IDLE)
         return;
@@ -188,8 +188,8 @@ static void add_pull(const activity *self, sums *s, const mrt_pull *pull, double
 static void measure(const activity *self, float out[ACTIVITY_LANES])
 {
     const layer *of = replay_layer(self->replay);
-    const pointer *finger = layer_pointer(of);
-    double dt_s = layer_frame(of)->dt_s;
+    const pointer *finger = &of->pointer;
+    double dt_s = of->frame.dt_s;
     sums s = {{0}, {0}};
     add_pull(self, &s, layer_pull(of), dt_s);
     add_pull(self, &s, &finger->pull, dt_s);
@@ -198,7 +198,7 @@ static void measure(const activity *self, float out[ACTIVITY_LANES])
         out[i] = s.count[i] > 0 ? (float)sqrt(s.square[i] / s.count[i]) : 0.0f;
 }
 
-/* ---- made ---- */
+/* ---- create and destroy ---- */
 
 static mrt_result open_replay(activity *self, error *err)
 {
@@ -218,18 +218,18 @@ mrt_result activity_create(activity **out, const replay_world *world, int64_t pe
     *out = NULL;
     activity *self = calloc(1, sizeof *self);
     if (!self)
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the activity lanes of a take");
     self->world = *world;
     self->performance = performance;
     self->known_ns = -1;
     self->bin_ns = first_bin_ns;
     self->lane = calloc(ACTIVITY_LANES, sizeof *self->lane);
-    mrt_result result = self->lane
-                            ? list_regions(self, err)
-                            : error_set(err, MRT_ERR_MEMORY, "no memory for the lanes of a take");
+    mrt_result result =
+        self->lane ? list_regions(self, err)
+                   : error_set(err, MRT_ERR_MEMORY, "no memory for the activity lanes of a take");
     if (result >= 0)
         result = open_replay(self, err);
-    if (result >= 0) /* it need not begin at rest */
+    if (result >= 0) /* the performance may begin away from neutral */
         result = replay_seek(self->replay, self->from_ns, err);
     if (result < 0) {
         activity_destroy(self);
@@ -251,7 +251,7 @@ void activity_destroy(activity *self)
     free(self);
 }
 
-/* ---- performed ---- */
+/* ---- perform ---- */
 
 static size_t keep_state(activity *self)
 {
@@ -266,7 +266,7 @@ static size_t keep_state(activity *self)
     return size > 0 && replay_save(self->replay, self->state, size) == size ? size : 0;
 }
 
-/* All that was recorded is known: what performs it takes more memory than what is kept. */
+/* Closes the replay after all recorded samples are processed. Its saved state needs less memory. */
 static void park(activity *self)
 {
     if (!self->replay)
@@ -276,8 +276,9 @@ static void park(activity *self)
     self->replay = NULL;
 }
 
-/* A performance that goes on has more samples, and more that was said, than when it was opened. */
-static mrt_result open_further(activity *self, error *err)
+/* Opens a performance again that is still being recorded, because it has more samples and events
+ * now. */
+static mrt_result reopen(activity *self, error *err)
 {
     park(self);
     mrt_result result = open_replay(self, err);
@@ -289,7 +290,7 @@ static mrt_result open_further(activity *self, error *err)
     return result;
 }
 
-static mrt_result look_further(activity *self, bool *out_has_more, error *err)
+static mrt_result check_for_more(activity *self, bool *out_has_more, error *err)
 {
     show_performance of;
     *out_has_more = false;
@@ -299,7 +300,7 @@ static mrt_result look_further(activity *self, bool *out_has_more, error *err)
     *out_has_more = of.to_ns > self->to_ns;
     show_performance_finish(&of);
     if (*out_has_more)
-        return open_further(self, err);
+        return reopen(self, err);
     park(self);
     return MRT_OK;
 }
@@ -309,14 +310,14 @@ mrt_result activity_step(activity *self, uint32_t samples_max, error *err)
     float value[ACTIVITY_LANES];
     bool has_looked = false, has_more = true;
     for (uint32_t n = 0; n < samples_max;) {
-        mrt_result result = self->replay ? replay_step(self->replay, INT64_MAX, err) : MRT_END;
+        mrt_result result = self->replay ? replay_pull(self->replay, INT64_MAX, err) : MRT_END;
         if (result < 0)
             return result;
         if (result == MRT_END) {
             if (has_looked || self->has_failed)
                 return MRT_END;
             has_looked = true;
-            result = look_further(self, &has_more, err);
+            result = check_for_more(self, &has_more, err);
             if (result < 0 || !has_more)
                 return result < 0 ? result : MRT_END;
             continue;

@@ -6,10 +6,10 @@
 struct diff {
     uint32_t vertex_count;
     uint32_t count[DIFF_PART_COUNT];
-    uint8_t *part; /* of each vertex */
+    uint8_t *part; /* index of the part, for each vertex */
 };
 
-/* ---- which vertex is of which region ---- */
+/* ---- region of each vertex ---- */
 
 static uint32_t region_named(const char *name)
 {
@@ -94,7 +94,7 @@ uint32_t diff_vertex_count(const diff *self, uint32_t part)
     return part < DIFF_PART_COUNT ? self->count[part] : 0;
 }
 
-/* ---- how far apart ---- */
+/* ---- distances ---- */
 
 void diff_measure(const diff *self, const float *a, const float *b, diff_frame *out)
 {

@@ -1,6 +1,6 @@
-/* stage/playback/diff.h - how far apart two motions of one mesh are, in mm: by the regions of the face,
- * frame by frame. Leaves out where the frames come from (sequencer.h). Pure but for create; any
- * thread. */
+/* stage/playback/diff.h - distance between two motions of one mesh, in mm, by region of the face
+ * and by frame. Leaves out the source of the frames (sequencer.h). All functions except diff_create
+ * and diff_destroy are pure. Any thread. */
 #ifndef MAROTTE_STAGE_DIFF_H
 #define MAROTTE_STAGE_DIFF_H
 #include "show/own.h"
@@ -9,12 +9,12 @@ enum { DIFF_ELSEWHERE = OWN_REGION_COUNT, DIFF_FACE, DIFF_PART_COUNT };
 
 typedef struct diff diff;
 
-/* Vertices belong to the region of the nearest contact within radius_mm at rest; the others, and
- * those whose contact no region owns, are elsewhere; all are of the face.
- * rest: vertex_count by 3, mm. */
+/* Assigns each vertex to the region of its nearest contact within radius_mm in the neutral face.
+ * Vertices without such a contact, or whose contact belongs to no region, are DIFF_ELSEWHERE.
+ * DIFF_FACE covers all vertices. rest: vertex_count by 3, mm. */
 CHECKED mrt_result diff_create(diff **out, const float *rest, uint32_t vertex_count,
                                const mrt_face *about, double radius_mm, error *err);
-void diff_destroy(diff *self); /* NULL is fine */
+void diff_destroy(diff *self); /* accepts NULL */
 
 const char *diff_part_name(uint32_t part); /* "mouth", "elsewhere", "face" */
 uint32_t diff_vertex_count(const diff *self, uint32_t part);
@@ -31,8 +31,8 @@ typedef struct diff_total {
 } diff_total;
 void diff_sum(uint32_t part, const diff_frame *frames, uint32_t count, diff_total *out);
 
-/* The frames at which the face is furthest apart, the worst first, at least `apart` frames from
- * each other, none without a difference. out: capacity. Returns how many. */
+/* Lists the frames with the largest distance, largest first, at least `apart` frames from each
+ * other. Frames without a difference are left out. out: `capacity` elements. Returns the count. */
 uint32_t diff_worst(const diff_frame *frames, uint32_t count, uint32_t apart, uint32_t *out,
                     uint32_t capacity);
 

@@ -18,7 +18,7 @@ static bool read_word(text_view *rest, char *out, size_t capacity)
     return true;
 }
 
-/* "wendland_c4 none 60" */
+/* Parses a text such as "wendland_c4 none 60". */
 static bool parse(csrbf_settings *out, const char *text)
 {
     char kernel[32], polynomial[32];
@@ -38,11 +38,10 @@ mrt_result kept_solver_read(kept_solver *out, show *of, error *err)
     if (result < 0 || !text[0])
         return result;
     out->is_kept = parse(&out->as, text);
-    return out->is_kept
-               ? MRT_OK
-               : error_set(err, MRT_ERR_FORMAT,
-                           "%s: how it is solved, \"%s\", is not known here: as the rig says",
-                           show_path(of), text);
+    return out->is_kept ? MRT_OK
+                        : error_set(err, MRT_ERR_FORMAT,
+                                    "%s: the solver \"%s\" is unknown. The rig's solver is used.",
+                                    show_path(of), text);
 }
 
 mrt_result kept_solver_write(show *into, const kept_solver *kept, error *err)

@@ -5,8 +5,6 @@
 #include "stage/mapping/isolate.h"
 #include "stage/mapping/null_mapping.h"
 #include "stage/perform/patch_file.h"
-#include "stage/perform/performer.h"
-#include "stage/perform/scheduler.h"
 #include "show/hash.h"
 
 #include <math.h>
@@ -15,7 +13,8 @@
 #include <string.h>
 
 enum { NOTE = 512 };
-/* Of samples that are read ahead, of a performance; and of its mapping's answers. */
+/* Default memory limit of the samples read ahead of one performance, and again of its mapping's
+ * answers. */
 static const size_t ahead_bytes_default = (size_t)64 << 20;
 
 typedef struct track { /* one input of the performance */
@@ -25,54 +24,56 @@ typedef struct track { /* one input of the performance */
     channel_route route;
     bool has_pending;
     mrt_sample pending;
-    mrt_sample *ahead; /* read ahead, by time; NULL: none */
+    mrt_sample *ahead; /* samples read ahead, by time; NULL: none */
     size_t ahead_count, ahead_at;
 } track;
 
 struct replay {
     replay_world world;
     show_performance info;
-    isolate *isolate; /* NULL: the mapping runs here */
+    isolate *isolate; /* NULL: the mapping runs in this process */
     instance mapping;
     layer *layer;
     track track[TAKE_TRACKS_MAX];
     uint32_t track_count;
-    scheduler scheduler; /* of the tracks, while it is performed by itself */
+    stage_frame frame;   /* its steps, while it performs alone */
+    scheduler scheduler; /* its tracks, likewise */
     scheduler_entry entry[TAKE_TRACKS_MAX];
-    bool has_ahead;      /* nothing is read, and no process asked */
-    int64_t ahead_to_ns; /* show time: of the last sample in memory */
+    bool has_ahead;      /* plays from memory, without files and processes */
+    int64_t ahead_to_ns; /* show time of the last usable sample in memory */
     int64_t asked_from_ns, asked_to_ns;
-    answers answers;             /* to the samples in memory, of a mapping in its own process */
-    char missing[160];           /* why ahead_to_ns is not as far as was asked for */
-    show_checkpoint ahead_state; /* from which the first of them go on; no bytes: none */
-    double length_mm[2];         /* of the hands, by their calibrations; 0: not said */
-    take_event *event;           /* of the whole performance, by time */
+    answers answers;   /* answers of the isolated mapping to the samples in memory */
+    char missing[160]; /* reason why ahead_to_ns is earlier than requested */
+    /* stored state before the first sample in memory; no bytes: none */
+    show_checkpoint ahead_state;
+    double length_mm[2]; /* hand lengths of the calibrations; 0: unknown */
+    take_event *event;   /* events of the whole performance, by time */
     size_t event_count, next_event;
     int64_t now_ns;
-    unsigned char
-        *taught; /* what its mapping had been taught when it began; NULL: it learns nothing */
+    unsigned char *taught; /* taught values at the start of the performance; NULL: none */
     size_t taught_size;
-    bool keeps_taught;   /* it was recorded by a program that keeps it when it resets */
-    bool is_same_plugin; /* stored states are of this very library */
-    error damage;        /* what of it was told last */
+    bool keeps_taught;   /* the recording program kept taught values over a reset of the mapping */
+    bool is_same_plugin; /* the library is the one that wrote the stored states */
+    error damage;        /* last reported error of damaged data */
     char note[NOTE];
 };
 
-/* ---- the mapping as it was ---- */
+/* ---- the mapping of the recording ---- */
 
-/* The words of "org.marotte.anchored 1.0 0123abcd": type id, version, hash. */
+/* Fields of a text such as "org.marotte.anchored 1.0 0123abcd": type id, version, hash. */
 typedef struct plugin_words {
     char id[128], version[32], hash[TAKE_HASH];
 } plugin_words;
 
-static plugin_words words_of(const char *text)
+static plugin_words parse_identity(const char *text)
 {
     plugin_words out = {{0}, {0}, {0}};
     (void)sscanf(text ? text : "", "%127s %31s %64s", out.id, out.version, out.hash);
     return out;
 }
 
-/* As on the stage: what does not come with the program may crash without taking it along. */
+/* Runs a mapping that is not built in in its own process, as on the stage, so that a crash does not
+ * end the program. */
 static mrt_result isolate_foreign(replay *self, const char *library, const mrt_plugin_type **type,
                                   error *err)
 {
@@ -87,7 +88,7 @@ static mrt_result isolate_foreign(replay *self, const char *library, const mrt_p
 
 static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, error *err)
 {
-    plugin_words then = words_of(self->info.performance.mapping);
+    plugin_words then = parse_identity(self->info.performance.mapping);
     if (strcmp(then.id, null_mapping_type.id) == 0) {
         *out_type = &null_mapping_type;
         self->is_same_plugin = true;
@@ -103,8 +104,8 @@ static mrt_result find_mapping(replay *self, const mrt_plugin_type **out_type, e
     if (!self->is_same_plugin)
         snprintf(
             self->note, sizeof self->note,
-            "%s is not the library that it was recorded with (then %s, now %.40s): the same hands "
-            "may move the face otherwise",
+            "%s: the recording used another library (version %s, now %.40s). The same hands may "
+            "move the face differently.",
             then.id, then.version[0] ? then.version : "unknown", (*out_type)->version);
     return isolate_foreign(self, path, out_type, err);
 }
@@ -190,7 +191,7 @@ static bool is_of_track(const replay *self, const take_event *e)
     return false;
 }
 
-/* Those that change how it is performed. */
+/* Reads the events that change the performance: re-zeros and parameters. */
 static mrt_result read_events(replay *self, error *err)
 {
     mrt_result result = show_events(self->world.show, self->info.from_ns, self->info.to_ns,
@@ -210,7 +211,7 @@ static mrt_result read_events(replay *self, error *err)
     return MRT_OK;
 }
 
-/* Damaged chunks are passed over, and told once: what can be read is performed. */
+/* Skips damaged chunks and logs each error once. The readable samples are performed. */
 static mrt_result read_sample(replay *self, track *t, error *err)
 {
     mrt_result result;
@@ -243,7 +244,7 @@ static mrt_result peek_track(void *data, mrt_sample *out, uint32_t *out_version,
     return MRT_OK;
 }
 
-static void take_sample(void *data)
+static void pop_sample(void *data)
 {
     ((track *)data)->has_pending = false;
 }
@@ -255,22 +256,22 @@ void replay_schedule(replay *self, scheduler *into, const sample_source *as)
         sample_source from = *as;
         from.self = t;
         from.peek = peek_track;
-        from.take = take_sample;
+        from.take = pop_sample;
         t->of = self;
         scheduler_add(into, &from, &t->route);
     }
 }
 
-/* ---- what its mapping was taught ---- */
+/* ---- taught values of the mapping ---- */
 
-/* Of a kept state: what its mapping had been taught, and the rest. */
+/* Parts of a stored state: the taught values of the mapping, and the rest. */
 typedef struct kept_parts {
     int64_t show_offset_ns;
     const unsigned char *taught, *state;
     size_t taught_size, state_size;
 } kept_parts;
 
-enum { WITHOUT_TAUGHT = 2 }; /* version */
+enum { WITHOUT_TAUGHT = 2 }; /* last version without taught values */
 
 static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
 {
@@ -289,14 +290,14 @@ static bool parse_checkpoint(kept_parts *out, const show_checkpoint *kept)
     return true;
 }
 
-/* Bytes of the largest state of this face. */
+/* Returns the largest possible size of a stored state of this face. */
 static size_t most_kept(const replay *self)
 {
-    const points *rest = face_rest(performer_face(self->world.scratch));
+    const points *rest = face_rest(composer_face(self->world.scratch->composer));
     return REPLAY_CHECKPOINT_BYTES + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
 }
 
-/* As it was when the performance began: what a reset leads back to. */
+/* Reads the taught values at the start of the performance. A reset restores them. */
 static mrt_result read_taught(replay *self, error *err)
 {
     show_checkpoint kept;
@@ -325,7 +326,7 @@ static mrt_result read_taught(replay *self, error *err)
     return MRT_OK;
 }
 
-/* ---- opened and closed ---- */
+/* ---- open and close ---- */
 
 static mrt_result set_patch(replay *self, error *err)
 {
@@ -341,7 +342,7 @@ static mrt_result set_patch(replay *self, error *err)
         result = performer_make_patch(self->world.scratch, p, &plan, err);
     free(p);
     if (result >= 0)
-        (void)layer_set_patch(self->layer, plan, &none);
+        (void)patch_bay_set(&self->layer->bay, plan, &none);
     return result;
 }
 
@@ -369,6 +370,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
         goto fail;
     const sample_source alone = {.voice = 0};
     scheduler_init(&self->scheduler, SCHEDULE_RECORDED, self->entry, NULL, TAKE_TRACKS_MAX);
+    self->frame = (stage_frame){.performer = world->scratch, .sources = &self->scheduler};
     replay_schedule(self, &self->scheduler, &alone);
     const take_performance *p = &self->info.performance;
     layer_settings settings = {.hands.rezero_pedal = p->rezero_pedal,
@@ -379,7 +381,7 @@ mrt_result replay_open(replay **out, const replay_world *world, int64_t performa
     for (int side = 0; side < 2; ++side)
         settings.hands.length_mm[side] =
             p->hand_length_mm > 0 ? p->hand_length_mm : self->length_mm[side];
-    const composer *shown = performer_composer(world->scratch);
+    const composer *shown = world->scratch->composer;
     settings.reach_mm = composer_reach_mm(shown, &settings.centre);
     result = layer_create(&self->layer, &self->mapping, composer_mapped(shown), &settings, err);
     if (result >= 0)
@@ -405,7 +407,7 @@ void replay_forget_ahead(replay *self)
     show_checkpoint_finish(&self->ahead_state);
     answers_finish(&self->answers);
     if (self->layer)
-        layer_set_answers(self->layer, NULL);
+        self->layer->answers = NULL;
     self->has_ahead = false;
     self->missing[0] = '\0';
 }
@@ -451,7 +453,7 @@ int64_t replay_now_ns(const replay *self)
     return self->now_ns;
 }
 
-/* ---- step by step ---- */
+/* ---- step ---- */
 
 void replay_prepare(replay *self, const sample_step *s)
 {
@@ -462,38 +464,44 @@ void replay_prepare(replay *self, const sample_step *s)
             break;
         if (e->kind == TAKE_EVENT_PARAM)
             set_param(&self->mapping, e->param, e->value);
-        else if (hands_rezero(layer_hands(self->layer), e->hand, layer_frame(self->layer)->time_ns,
-                              &why) != MRT_OK)
-            continue; /* as it was refused then */
+        else if (hands_rezero(self->layer->hands, e->hand, self->layer->frame.time_ns, &why) !=
+                 MRT_OK)
+            continue; /* the re-zero was refused in the recording too */
     }
     self->now_ns = s->time_ns;
 }
 
 static void perform_alone(replay *self, performer *on)
 {
-    performer_voice *alone = performer_voice_of(on, 0);
+    performer_voice *alone = &on->voice[0];
     if (alone->layer != self->layer)
         *alone =
             (performer_voice){.layer = self->layer, .is_seen = true, .weight = 1.0, .gain = 1.0};
 }
 
-mrt_result replay_step(replay *self, int64_t before_ns, error *err)
+static mrt_result perform_next(replay *self, int64_t before_ns, error *err)
 {
-    sample_step next;
+    sample_step *next = &self->frame.step;
     int64_t ignored_ns;
-    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    mrt_result result = scheduler_next(&self->scheduler, 0, next, &ignored_ns, err);
     if (result < 0)
         return result;
-    if (result != MRT_OK || next.time_ns >= before_ns)
+    if (result != MRT_OK || next->time_ns >= before_ns)
         return MRT_END;
-    scheduler_take(&self->scheduler, &next);
     perform_alone(self, self->world.scratch);
-    replay_prepare(self, &next);
-    performer_map(self->world.scratch, &next);
-    return MRT_OK;
+    replay_prepare(self, next);
+    return frame_step(&self->frame, err);
 }
 
-/* ---- to any instant ---- */
+mrt_result replay_pull(replay *self, int64_t before_ns, error *err)
+{
+    self->frame.is_pull_only = true;
+    mrt_result result = perform_next(self, before_ns, err);
+    self->frame.is_pull_only = false;
+    return result;
+}
+
+/* ---- seek ---- */
 
 static size_t count_before(const track *t, int64_t time_ns)
 {
@@ -508,7 +516,7 @@ static size_t count_before(const track *t, int64_t time_ns)
     return low;
 }
 
-/* Behind the samples up to now_ns. */
+/* Moves the tracks and events to the first one after now_ns. */
 static mrt_result position(replay *self, error *err)
 {
     mrt_result result = MRT_OK;
@@ -537,11 +545,11 @@ static mrt_result rewind_all(replay *self, error *err)
         taught_load(&self->mapping, self->taught, self->taught_size, &why) < 0)
         log_push(self->world.log, MRT_LOG_WARNING, "take", why.text);
     layer_reset(self->layer);
-    composer_reset(performer_composer(self->world.scratch));
+    composer_reset(self->world.scratch->composer);
     return position(self, err);
 }
 
-/* Takes up what replay_keep has written. */
+/* Restores a state that replay_keep wrote. */
 static mrt_result resume(replay *self, const kept_parts *kept, performer *into, error *err)
 {
     perform_alone(self, into);
@@ -568,7 +576,7 @@ mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, perfor
         result = show_checkpoint_before(self->world.show, self->info.performance.id, time_ns - 1,
                                         most_kept(self), &kept, err);
     if (result == MRT_ERR_FORMAT)
-        return MRT_HOLD; /* damaged: the samples themselves tell it too */
+        return MRT_HOLD; /* damaged: perform the samples instead, which reports the damage */
     if (result < 0)
         return result;
     kept_parts parts;
@@ -593,19 +601,19 @@ mrt_result replay_seek(replay *self, int64_t time_ns, error *err)
         result = rewind_all(self, err);
     if (result < 0)
         return result;
-    while ((result = replay_step(self, time_ns, err)) == MRT_OK)
-        performer_constrain(self->world.scratch, 0, self->now_ns);
+    while (result == MRT_OK)
+        result = perform_next(self, time_ns, err);
     return result < 0 ? result : MRT_OK;
 }
 
-/* ---- from memory ---- */
+/* ---- play from memory ---- */
 
 static size_t ahead_bytes(const replay *self)
 {
     return self->world.ahead_bytes ? self->world.ahead_bytes : ahead_bytes_default;
 }
 
-/* There is nothing behind this show time. */
+/* Ends the usable span in memory at a show time. */
 static void end_ahead(replay *self, int64_t at_ns, const char *why)
 {
     int64_t since_ns = at_ns > self->info.from_ns ? at_ns - self->info.from_ns : 0;
@@ -613,11 +621,12 @@ static void end_ahead(replay *self, int64_t at_ns, const char *why)
     for (uint32_t i = 0; i < self->track_count; ++i)
         self->track[i].ahead_count = count_before(&self->track[i], at_ns + 1);
     (void)snprintf(self->missing, sizeof self->missing,
-                   "performing over the take, performance %lld is held from its %.1f s on: %s",
+                   "during the overdub, performance %lld keeps its last pose after %.1f s: %s",
                    (long long)self->info.performance.id, (double)since_ns * 1e-9, why);
 }
 
-/* To the last sample up to ahead_to_ns, which is where there is no more room. */
+/* Reads samples up to ahead_to_ns. If the memory limit is reached, ahead_to_ns moves to the last
+ * sample that fits. */
 static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, error *err)
 {
     size_t most = ahead_bytes(self) / sizeof *t->ahead / self->track_count, capacity = 0;
@@ -626,14 +635,14 @@ static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, erro
         if (t->pending.time_ns > self->ahead_to_ns)
             break;
         if (t->ahead_count == most) {
-            end_ahead(self, t->pending.time_ns - 1, "it is too long to be kept in memory");
+            end_ahead(self, t->pending.time_ns - 1, "its samples exceed the memory limit");
             break;
         }
         if (t->ahead_count == capacity) {
             capacity = capacity * 2 + 256;
             mrt_sample *grown = realloc(t->ahead, capacity * sizeof *grown);
             if (!grown)
-                return error_set(err, MRT_ERR_MEMORY, "no memory to read a take ahead");
+                return error_set(err, MRT_ERR_MEMORY, "no memory to read the take ahead");
             t->ahead = grown;
         }
         t->ahead[t->ahead_count++] = t->pending;
@@ -641,7 +650,8 @@ static mrt_result read_track_ahead(replay *self, track *t, int64_t from_ns, erro
     return result < 0 ? result : MRT_OK;
 }
 
-/* The last state that was kept before what was asked for; without one, all from the start. */
+/* Reads the last stored state before the requested span. Returns the show time of the first sample
+ * to read: after that state, or the start of the performance. */
 static int64_t read_state_ahead(replay *self)
 {
     kept_parts parts;
@@ -667,7 +677,7 @@ static mrt_result read_ahead(replay *self, error *err)
         result = read_track_ahead(self, &self->track[i], from_ns, err);
     self->has_ahead = result >= 0;
     self->answers.is_given = self->has_ahead && self->isolate;
-    layer_set_answers(self->layer, self->answers.is_given ? &self->answers : NULL);
+    self->layer->answers = self->answers.is_given ? &self->answers : NULL;
     return result;
 }
 
@@ -684,24 +694,25 @@ mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error
     return result < 0 ? result : placed;
 }
 
-/* NULL: it may go on. */
-static const char *why_not_on(const replay *self, int64_t until_ns)
+/* Returns why replay_answer_ahead must stop. NULL: continue. */
+static const char *stop_reason(const replay *self, int64_t until_ns)
 {
     error ignored = {""};
     if (replay_check(self, &ignored) < 0)
-        return "its mapping's process has failed";
+        return "the process of its mapping has failed";
     if (clock_now_ns() >= until_ns)
-        return "its mapping answers too slowly";
+        return "its mapping is too slow";
     bool is_too_much = self->answers.is_full || answers_size(&self->answers) > ahead_bytes(self);
-    return is_too_much ? "its mapping's answers are too many to be kept in memory" : NULL;
+    return is_too_much ? "the answers of its mapping exceed the memory limit" : NULL;
 }
 
 mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
 {
     const char *why = NULL;
-    self->answers.is_given = false; /* asked, they are written down */
+    self->answers.is_given = false; /* call the mapping and store its answers */
     mrt_result result = replay_recall(self, INT64_MAX, INT64_MIN, self->world.scratch, err);
-    if (result == MRT_HOLD && self->ahead_state.bytes) { /* that state is refused: without it */
+    if (result == MRT_HOLD &&
+        self->ahead_state.bytes) { /* the state cannot be loaded: perform from the start */
         self->is_same_plugin = false;
         result = read_ahead(self, err) < 0 ? MRT_ERR_IO : MRT_HOLD;
         self->answers.is_given = false;
@@ -709,10 +720,8 @@ mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err)
     if (result == MRT_HOLD)
         result = rewind_all(self, err);
     while (self->isolate && result >= 0 && !why &&
-           (result = replay_step(self, INT64_MAX, err)) == MRT_OK) {
-        performer_constrain(self->world.scratch, 0, self->now_ns);
-        why = why_not_on(self, until_ns);
-    }
+           (result = perform_next(self, INT64_MAX, err)) == MRT_OK)
+        why = stop_reason(self, until_ns);
     if (why)
         end_ahead(self, self->now_ns - 1, why);
     self->answers.is_given = self->isolate != NULL;
@@ -724,7 +733,7 @@ const char *replay_missing(const replay *self)
     return self->missing;
 }
 
-/* ---- kept ---- */
+/* ---- states ---- */
 
 size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
                    size_t capacity)
@@ -760,7 +769,7 @@ mrt_result replay_load(replay *self, const void *bytes, size_t size, error *err)
     bytes_in in = {.at = bytes, .end = (const unsigned char *)bytes + size};
     bytes_take(&in, &self->now_ns, sizeof self->now_ns);
     if (in.failed)
-        return error_set(err, MRT_ERR_FORMAT, "the state of a performance is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "the saved state of a performance is damaged");
     mrt_result result = layer_load(self->layer, in.at, (size_t)(in.end - in.at), err);
     return result < 0 ? result : position(self, err);
 }

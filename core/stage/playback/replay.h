@@ -1,90 +1,94 @@
-/* stage/playback/replay.h - a performance that was recorded, performed again: its tracks are sources of
- * samples like any other, its parameters change where they changed then, and its mapping gives the
- * same pulls, bit for bit. Leaves out what of it a take shows (sequencer.h). Opened, brought to an
- * instant and closed on [main] or any one thread that may read the show; not for two threads at
- * once. */
+/* stage/playback/replay.h - performs a recorded performance again. Its tracks are sources of
+ * samples like any other. Its parameters change at the recorded times, and its mapping returns the
+ * same pulls, bit for bit. Leaves out which part of it a take shows (sequencer.h). Open, seek and
+ * close it on [main] or on any one thread that may read the show. Never use it on two threads at
+ * the same time. */
 #ifndef MAROTTE_STAGE_REPLAY_H
 #define MAROTTE_STAGE_REPLAY_H
 #include "stage/mapping/plugins.h"
 #include "stage/mapping/taught.h"
-#include "stage/perform/performer.h"
-#include "stage/perform/scheduler.h"
+#include "stage/perform/frame.h"
 #include "show/show.h"
 
-/* What all of a take share; must outlive them. */
+/* Shared by all replays of a take. Must outlive them. */
 typedef struct replay_world {
     show *show;
     const plugin_list *plugins;
     log_queue *log;
-    performer *scratch; /* performs alone what has to be brought to some instant */
-    size_t ahead_bytes; /* bound of what each reads ahead; 0: 64 MiB */
+    performer *scratch; /* performs one replay without the others during a seek */
+    size_t ahead_bytes; /* memory limit of samples read ahead, and of answers, for each replay; 0:
+                           64 MiB */
 } replay_world;
 
-/* How stored states are told from those of another way to keep them (show_checkpoint.version). */
+/* Version and largest size of a stored state (show_checkpoint.version). */
 enum {
     REPLAY_CHECKPOINT_VERSION = 3,
-    REPLAY_CHECKPOINT_BYTES = 4 << 20 /* and what the face takes: no state is larger */
+    REPLAY_CHECKPOINT_BYTES = 4 << 20 /* plus the size of the face */
 };
-/* [frame] The state of a performance that is recorded, for replay_recall: what its mapping was
- * taught, and of a performer that alone moves its face all that frames to come depend on; NULL:
- * others move it too. show_offset_ns: what its clock lacks to show time. Returns the size that it
- * takes, at most `capacity` are written; 0: there is nothing to keep. */
-enum { REPLAY_STATE_MIN = TAUGHT_BYTES_MAX + 64 }; /* room for what was taught alone */
+/* [frame] Writes the state of a performance that is being recorded, for replay_recall. It holds the
+ * taught values of the mapping and, if `of` is not NULL, everything on which later frames of the
+ * performer depend. Pass NULL if other layers move the face too. show_offset_ns: added to the
+ * clock, it gives show time. Writes at most `capacity` bytes and returns the size. 0: nothing to
+ * store. */
+enum { REPLAY_STATE_MIN = TAUGHT_BYTES_MAX + 64 }; /* enough for the taught values alone */
 size_t replay_keep(const instance *mapping, performer *of, int64_t show_offset_ns, void *bytes,
                    size_t capacity);
 
 typedef struct replay replay;
 
-/* The performance's mapping is looked for by its id; another version of it is used with a note. */
+/* Opens a performance. Its mapping is found by id. A different version is used too, and replay_note
+ * reports it. */
 CHECKED mrt_result replay_open(replay **out, const replay_world *world, int64_t performance,
                                error *err);
-void replay_close(replay *self); /* NULL is fine */
+void replay_close(replay *self); /* accepts NULL */
 
 int64_t replay_performance(const replay *self);
 layer *replay_layer(replay *self);
-/* What is not as it was when it was recorded; "" nothing. */
+/* Returns what changed since the recording. "": nothing. */
 const char *replay_note(const replay *self);
 
-/* An error that says why its mapping's process failed, if it has: the face was held. */
+/* Returns an error if the process of its mapping has failed. The face keeps its last pose then. */
 CHECKED mrt_result replay_check(const replay *self, error *err);
 
-/* Its tracks become sources of `into`: as->voice, due_ns and clock are theirs. Asked for a sample,
- * they read the show, or what was read ahead. */
+/* Adds its tracks as sources to `into`, with the voice, due_ns and clock of `as`. A source reads
+ * its samples from the show, or from memory after replay_read_ahead. */
 void replay_schedule(replay *self, scheduler *into, const sample_source *as);
-/* [frame] Before its layer performs a step of those: what was changed before it then. */
+/* [frame] Call before its layer performs a step: applies the recorded changes up to that step. */
 void replay_prepare(replay *self, const sample_step *s);
-/* Show time of the step performed last; INT64_MIN: none since the start. */
+/* Returns the show time of the last performed step. INT64_MIN: none since the start. */
 int64_t replay_now_ns(const replay *self);
 
-/* By itself: phases 3 to 5 of its next step on voice 0 of the scratch performer. MRT_END: none is
- * left before that show time. */
-CHECKED mrt_result replay_step(replay *self, int64_t before_ns, error *err);
-/* As if it had performed from its start, all samples before time_ns. The scratch performer's face
- * is then as that performance left it. */
+/* Performs its next step on voice 0 of the scratch performer, up to the guard: the face does not
+ * move. MRT_END: the next step is at or after before_ns (show time), or missing. */
+CHECKED mrt_result replay_pull(replay *self, int64_t before_ns, error *err);
+/* Seeks as if all samples before time_ns had been performed from the start. The scratch performer
+ * then shows the face of this performance. */
 CHECKED mrt_result replay_seek(replay *self, int64_t time_ns, error *err);
 
-/* To the last state that was kept while it was recorded, of samples before time_ns and not before
- * least_ns; voice 0 of `into` is its layer then, and the face the one that it had. MRT_HOLD: there
- * is none, and nothing has changed. */
+/* Restores the last state that was stored during the recording, for a time before time_ns and not
+ * before least_ns. Afterwards voice 0 of `into` is its layer, and `into` has the face of that time.
+ * MRT_HOLD: no such state exists, and nothing has changed. */
 CHECKED mrt_result replay_recall(replay *self, int64_t time_ns, int64_t least_ns, performer *into,
                                  error *err);
 
-/* ---- performed from memory: where nothing may be read and no process asked ---- */
+/* ---- play from memory, where files and processes must not be used ---- */
 
-/* From now on it performs from memory alone: what it needs from this show time to that one is read
- * now, as far as the bound reaches; where that ends it stays as it is. A mapping in a process of
- * its own is not asked any more, but answers nothing yet. Where it is stays. */
+/* Reads the samples of a span of show time into memory, up to the memory limit. Afterwards the
+ * replay plays only from memory. After the last sample in memory it keeps its last pose. An
+ * isolated mapping is not called any more: its steps give MRT_HOLD until replay_answer_ahead has
+ * stored its answers. The current instant does not change. */
 CHECKED mrt_result replay_read_ahead(replay *self, int64_t from_ns, int64_t to_ns, error *err);
-/* What such a mapping answers over all of that is asked for now, until the clock says until_ns:
- * where it fails, or there are more answers than the bound, it ends too. It is somewhere then, and
- * has to be sought or loaded. */
+/* Calls the isolated mapping for all these samples and stores its answers, until the clock reaches
+ * until_ns. The usable span ends earlier if the mapping fails or the answers exceed the memory
+ * limit. Seek or load the replay afterwards. */
 CHECKED mrt_result replay_answer_ahead(replay *self, int64_t until_ns, error *err);
-/* Why less is in memory than was asked for; "" all of it is. */
+/* Returns why the span in memory is shorter than requested. "": it is complete. */
 const char *replay_missing(const replay *self);
-/* It asks the show and its process again; it has to be sought or loaded. */
+/* Drops the data in memory. The replay reads the show and calls its mapping again. Seek or load it
+ * afterwards. */
 void replay_forget_ahead(replay *self);
 
-/* Where it is, as bytes (as layer_save); 0: its mapping cannot say. */
+/* Writes the current state, like layer_save. 0: the mapping cannot save its state. */
 size_t replay_save(replay *self, void *bytes, size_t capacity);
 CHECKED mrt_result replay_load(replay *self, const void *bytes, size_t size, error *err);
 

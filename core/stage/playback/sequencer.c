@@ -10,29 +10,29 @@
 #include <string.h>
 
 enum {
-    PLAYS_MAX = PERFORMER_VOICES_MAX - 1,  /* a play's index is its voice */
-    LIVE_VOICE = PERFORMER_VOICES_MAX - 1, /* who performs over the take */
-    SPARES_KEPT = 16,                      /* replays kept open */
-    OPEN_MAX = 64,                         /* with those that play, while it is prepared */
+    PLAYS_MAX = PERFORMER_VOICES_MAX - 1,  /* the index of a play is its voice */
+    LIVE_VOICE = PERFORMER_VOICES_MAX - 1, /* the live performer of an overdub */
+    SPARES_KEPT = 16,                      /* replays that stay open */
+    OPEN_MAX = 64,                         /* open replays in total, while an overdub is prepared */
     SOURCES_MAX = PLAYS_MAX * TAKE_TRACKS_MAX,
-    BEFORE_ALL = -1 /* now_ns before the first instant */
+    BEFORE_ALL = -1 /* value of now_ns before the first instant */
 };
 
 static const size_t checkpoint_bytes_default = (size_t)256 << 20;
 static const int64_t span_min_ns = NS_PER_S / 2;
-/* That all processes together are asked ahead. */
+/* Timeout for all isolated mappings together, see replay_answer_ahead. */
 static const int64_t answers_patience_ns = 30 * NS_PER_S;
-static const char unprepared[] = "more clips come than can be opened at once: some are left out";
+static const char unprepared[] = "too many clips to open together: some clips are not played";
 
-typedef struct play { /* a clip that is shown now */
+typedef struct play { /* a clip that plays now */
     const sequencer *of;
     const take_clip *clip;
     uint32_t lane;  /* index of its layer */
-    replay *replay; /* NULL: free */
-    bool is_wanted; /* within cross_boundary */
+    replay *replay; /* NULL: this play is unused */
+    bool is_wanted; /* used by cross_boundary */
 } play;
 
-typedef struct checkpoint { /* what is kept of an instant */
+typedef struct checkpoint { /* saved state at one instant */
     int64_t at_ns;
     unsigned char *bytes;
     size_t size;
@@ -43,12 +43,13 @@ struct sequencer {
     replay_world world;
     take take;
     performer *performer, *scratch;
-    scheduler scheduler; /* of the tracks of all that plays, due on the timeline */
+    stage_frame frame;   /* the step that plays */
+    scheduler scheduler; /* tracks of all plays, due in timeline time */
     scheduler_entry *entry;
     play play[PLAYS_MAX];
-    replay *spare[OPEN_MAX]; /* open, of no clip: the oldest first */
+    replay *spare[OPEN_MAX]; /* open replays that no clip uses, oldest first */
     uint32_t spare_count;
-    int64_t *boundary; /* ascending: when clips of heard layers start and end */
+    int64_t *boundary; /* ascending: starts and ends of the clips of audible layers */
     size_t boundary_count;
     uint8_t *owned; /* layer_count rows */
     size_t owned_row;
@@ -56,15 +57,16 @@ struct sequencer {
     uint64_t sample_count;
     char note[1024];
     error failed;     /* of a mapping whose clip has ended */
-    bool is_touched;  /* by somebody live: the face is not the take's alone */
-    bool is_prepared; /* nothing is opened, read, asked or closed now */
-    bool is_ahead;    /* its replays perform from memory */
-    checkpoint start; /* while it is prepared: of where it stood then; size 0: none */
+    bool is_touched;  /* a live layer has moved the face, or the replays lost their state: do not
+                         continue from here */
+    bool is_prepared; /* files and processes must not be opened, read or closed */
+    bool is_ahead;    /* the replays play from memory */
+    checkpoint start; /* state at the start of the prepared span; size 0: none */
 
-    checkpoint *checkpoint; /* by at_ns */
+    checkpoint *checkpoint; /* sorted by at_ns */
     size_t checkpoint_count, checkpoint_capacity, checkpoint_bytes;
-    int64_t checkpoint_span_ns; /* at least so far apart; 0: not chosen yet */
-    bool is_unkeepable;         /* some mapping cannot say its state */
+    int64_t checkpoint_span_ns; /* minimum distance between checkpoints; 0: not chosen yet */
+    bool is_unkeepable;         /* a mapping cannot save its state */
     unsigned char *scratch_bytes;
     size_t scratch_capacity;
 };
@@ -76,7 +78,7 @@ static void add_note(sequencer *self, const char *text)
         snprintf(self->note + used, sizeof self->note - used, "%s\n", text);
 }
 
-static bool reserve(sequencer *self, size_t size) /* scratch_bytes; false: no memory */
+static bool reserve(sequencer *self, size_t size) /* of scratch_bytes; false: out of memory */
 {
     if (size <= self->scratch_capacity)
         return true;
@@ -88,7 +90,7 @@ static bool reserve(sequencer *self, size_t size) /* scratch_bytes; false: no me
     return true;
 }
 
-/* ---- replays, opened and closed ---- */
+/* ---- open and close replays ---- */
 
 static replay *take_spare(sequencer *self, uint32_t index)
 {
@@ -99,9 +101,9 @@ static replay *take_spare(sequencer *self, uint32_t index)
     return out;
 }
 
-/* One that is open already, or a new one; wherever it is: to be sought or loaded. What opening
- * takes (a file's hash, a process) is done once for all the clips of a performance. MRT_HOLD: none
- * was prepared. */
+/* Returns a spare replay of the performance or opens a new one. The caller must then seek or load
+ * it. The cost of opening (hash of a file, start of a process) is paid once for all clips of a
+ * performance. MRT_HOLD: no replay was prepared. */
 static mrt_result open_replay(sequencer *self, int64_t performance, replay **out, error *err)
 {
     for (uint32_t i = 0; i < self->spare_count; ++i)
@@ -119,7 +121,7 @@ static void keep_spare(sequencer *self, replay *r)
     self->spare[self->spare_count++] = r;
     if (self->is_prepared)
         return;
-    if (replay_check(r, &ignored) < 0) /* another process, next time */
+    if (replay_check(r, &ignored) < 0) /* its process has failed: start another one next time */
         replay_close(take_spare(self, self->spare_count - 1));
     while (self->spare_count > SPARES_KEPT)
         replay_close(take_spare(self, 0));
@@ -132,7 +134,7 @@ static void close_spares(sequencer *self)
     self->spare_count = 0;
 }
 
-static void close_play(sequencer *self, play *p) /* its replay stays open for a while */
+static void close_play(sequencer *self, play *p) /* its replay stays open as a spare */
 {
     error why = {""};
     if (p->replay && replay_check(p->replay, &why) < 0 && !self->failed.text[0])
@@ -140,7 +142,7 @@ static void close_play(sequencer *self, play *p) /* its replay stays open for a 
     if (p->replay)
         keep_spare(self, p->replay);
     *p = (play){0};
-    *performer_voice_of(self->performer, (uint32_t)(p - self->play)) = (performer_voice){0};
+    self->performer->voice[(uint32_t)(p - self->play)] = (performer_voice){0};
 }
 
 static void close_plays(sequencer *self)
@@ -171,9 +173,9 @@ mrt_result sequencer_check(const sequencer *self, error *err)
     return result;
 }
 
-/* ---- who plays, and when ---- */
+/* ---- schedule and voices ---- */
 
-/* When a sample of a clip's performance is due on the timeline. */
+/* Returns the time on the timeline at which a sample of the clip's performance is due. */
 static int64_t due_ns(void *clock, int64_t show_ns)
 {
     const play *p = clock;
@@ -197,11 +199,11 @@ static void schedule_plays(sequencer *self)
     }
 }
 
-/* Its voice, which is seen when weigh_voices says so; what was smoothed of another goes. */
+/* Sets the voice of a play. weigh_voices decides whether it is seen. The smoothing of the previous
+ * play is discarded. */
 static void cast_play(sequencer *self, const play *p)
 {
-    performer_voice_of(self->performer, (uint32_t)(p - self->play))->layer =
-        replay_layer(p->replay);
+    self->performer->voice[(uint32_t)(p - self->play)].layer = replay_layer(p->replay);
 }
 
 static play *find_play(sequencer *self, uint32_t lane, uint32_t clip)
@@ -214,11 +216,11 @@ static play *find_play(sequencer *self, uint32_t lane, uint32_t clip)
     return NULL;
 }
 
-/* What is seen of each at that instant. */
+/* Sets the weight of each voice at an instant. */
 static void weigh_voices(sequencer *self, int64_t at_ns)
 {
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
-        performer_voice_of(self->performer, slot)->is_seen = false;
+        self->performer->voice[slot].is_seen = false;
     for (uint32_t i = 0; i < self->take.layer_count; ++i) {
         const take_layer *l = &self->take.layer[i];
         take_voice heard[2];
@@ -227,7 +229,7 @@ static void weigh_voices(sequencer *self, int64_t at_ns)
             const play *p = find_play(self, i, heard[j].clip->id);
             if (!p)
                 continue;
-            performer_voice *v = performer_voice_of(self->performer, (uint32_t)(p - self->play));
+            performer_voice *v = &self->performer->voice[(uint32_t)(p - self->play)];
             v->is_seen = true;
             v->lane = i;
             v->rank = j;
@@ -238,19 +240,19 @@ static void weigh_voices(sequencer *self, int64_t at_ns)
             v->owns = l->own_count > 0 ? self->owned + i * self->owned_row : NULL;
         }
     }
-    performer_voice *live = performer_voice_of(self->performer, LIVE_VOICE);
+    performer_voice *live = &self->performer->voice[LIVE_VOICE];
     live->is_seen = live->weight > 0.0;
     live->lane = self->take.layer_count;
 }
 
-/* ---- clips come and go ---- */
+/* ---- start and end of clips ---- */
 
 static int64_t show_time_ns(const take_clip *clip, int64_t source_ns)
 {
     return clip->from_ns + source_ns;
 }
 
-/* A clip that goes on where another of its layer ended, as after a split, takes over from it. */
+/* Returns the play that a clip continues: the same performance, without a gap, as after a split. */
 static play *find_predecessor(sequencer *self, uint32_t lane, const take_clip *clip,
                               int64_t show_ns)
 {
@@ -274,7 +276,8 @@ static play *free_play(sequencer *self)
     return NULL;
 }
 
-/* The very first clip of the lowest layer brings the shape along that its performance had. */
+/* At the start of a take, the lowest clip also restores the face shape that its performance started
+ * with. */
 static bool begins_with_its_shape(const sequencer *self, const play *p)
 {
     return self->now_ns == BEFORE_ALL && p == &self->play[0];
@@ -282,12 +285,12 @@ static bool begins_with_its_shape(const sequencer *self, const play *p)
 
 static mrt_result begin_with_its_shape(sequencer *self, error *err)
 {
-    composer *then = performer_composer(self->scratch);
+    composer *then = self->scratch->composer;
     size_t size = composer_save(then, NULL, 0);
     if (!reserve(self, size))
-        return error_set(err, MRT_ERR_MEMORY, "no memory for the shape");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the face shape");
     composer_save(then, self->scratch_bytes, size);
-    return composer_load(performer_composer(self->performer), self->scratch_bytes, size, err);
+    return composer_load(self->performer->composer, self->scratch_bytes, size, err);
 }
 
 static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *clip,
@@ -302,7 +305,7 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     }
     p = free_play(self);
     if (!p) {
-        add_note(self, "more clips at an instant than can be played: some are left out");
+        add_note(self, "too many clips at the same time: some clips are not played");
         return MRT_OK;
     }
     *p = (play){.of = self, .clip = clip, .lane = lane, .is_wanted = true};
@@ -324,7 +327,8 @@ static mrt_result start_play(sequencer *self, uint32_t lane, const take_clip *cl
     return MRT_OK;
 }
 
-/* The clips of this instant play, and no others. True in out_changed: the face is concerned. */
+/* Starts and ends plays so that exactly the clips at at_ns play. *out_changed: the face must be
+ * solved again. */
 static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_changed, error *err)
 {
     mrt_result result = MRT_OK;
@@ -359,31 +363,31 @@ static mrt_result cross_boundary(sequencer *self, int64_t at_ns, bool *out_chang
     return result;
 }
 
-/* The face is the take's alone: who performs over it is not seen until its next step. */
+/* Marks the face as the take's alone. The live layer stays hidden until its next step. */
 static void be_untouched(sequencer *self)
 {
     self->is_touched = false;
-    performer_voice_of(self->performer, LIVE_VOICE)->weight = 0.0;
+    self->performer->voice[LIVE_VOICE].weight = 0.0;
 }
 
-/* Before the first instant, its clips ready. */
+/* Goes before the first instant and starts the clips of instant 0. */
 static mrt_result restart(sequencer *self, error *err)
 {
     bool is_changed;
     close_plays(self);
-    composer_reset(performer_composer(self->performer));
+    composer_reset(self->performer->composer);
     self->now_ns = BEFORE_ALL;
     be_untouched(self);
     return cross_boundary(self, 0, &is_changed, err);
 }
 
-/* ---- checkpoints: what is kept of an instant, so that scrubbing need not play from the start; one
- * that is taken up again goes on with the same bits ---- */
+/* ---- checkpoints: saved states, so that scrubbing need not play from the start. Playback from a
+ * checkpoint gives the same bits ---- */
 
 static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
 {
     const play *p = &self->play[slot];
-    const performer_voice *v = performer_voice_of(self->performer, slot);
+    const performer_voice *v = &self->performer->voice[slot];
     size_t size = replay_save(p->replay, NULL, 0);
     if (size == 0)
         return false;
@@ -402,7 +406,7 @@ static bool put_play(sequencer *self, bytes_out *out, uint32_t slot)
     return true;
 }
 
-/* 0: it cannot be kept. */
+/* Returns the size of the state. 0: it cannot be saved. */
 static size_t put_all(sequencer *self, unsigned char *bytes, size_t capacity)
 {
     bytes_out out = {.data = bytes, .capacity = capacity};
@@ -413,7 +417,7 @@ static size_t put_all(sequencer *self, unsigned char *bytes, size_t capacity)
     for (uint32_t slot = 0; slot < PLAYS_MAX; ++slot)
         if (self->play[slot].replay && !put_play(self, &out, slot))
             return 0;
-    composer *shown = performer_composer(self->performer);
+    composer *shown = self->performer->composer;
     size_t size = composer_save(shown, NULL, 0);
     if (out.data && out.size + size <= out.capacity)
         composer_save(shown, out.data + out.size, size);
@@ -433,9 +437,9 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     uint32_t slot = bytes_take_u32(in), lane = bytes_take_u32(in);
     const take_clip *clip = find_clip(&self->take, lane, bytes_take_u32(in));
     if (in->failed || slot >= PLAYS_MAX || !clip)
-        return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
     play *p = &self->play[slot];
-    performer_voice *v = performer_voice_of(self->performer, slot);
+    performer_voice *v = &self->performer->voice[slot];
     *p = (play){.of = self, .clip = clip, .lane = lane};
     v->has_smooth = bytes_take_u32(in) != 0;
     if (v->has_smooth) {
@@ -444,7 +448,7 @@ static mrt_result take_play(sequencer *self, bytes_in *in, error *err)
     }
     size_t size = bytes_take_u32(in);
     if (in->failed || size > (size_t)(in->end - in->at))
-        return error_set(err, MRT_ERR_FORMAT, "a kept instant of the take is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "a checkpoint of the take is damaged");
     mrt_result result = open_replay(self, clip->performance, &p->replay, err);
     if (result == MRT_HOLD)
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s", unprepared);
@@ -465,15 +469,14 @@ static mrt_result take_up(sequencer *self, const checkpoint *m, error *err)
     for (uint32_t i = 0; i < count && result >= 0; ++i)
         result = take_play(self, &in, err);
     if (result >= 0)
-        result = composer_load(performer_composer(self->performer), in.at, (size_t)(in.end - in.at),
-                               err);
+        result = composer_load(self->performer->composer, in.at, (size_t)(in.end - in.at), err);
     schedule_plays(self);
     self->now_ns = m->at_ns;
     be_untouched(self);
     return result;
 }
 
-/* Every second one goes; those to come are twice as far apart. */
+/* Removes every second checkpoint and doubles the distance between later ones. */
 static void thin_out(sequencer *self)
 {
     size_t kept = 0;
@@ -559,13 +562,14 @@ static void forget_checkpoints(sequencer *self)
     self->is_unkeepable = false;
 }
 
-/* Nobody performs over it any more, and what was prepared for that is there yet. */
+/* Returns whether an overdub has ended while its prepared data is still loaded. */
 static bool is_left(const sequencer *self)
 {
     return self->is_ahead && !self->is_prepared;
 }
 
-/* Its replays ask the show and their processes again, and have to be sought. */
+/* Drops the prepared data. The replays read the show and call their processes again, and must be
+ * sought. */
 static void forget_ahead(sequencer *self)
 {
     replay *open[OPEN_MAX + PLAYS_MAX];
@@ -578,7 +582,8 @@ static void forget_ahead(sequencer *self)
     self->is_touched = true;
 }
 
-/* Its mapping's part is left out where that is not asked. */
+/* Saves the state at the start. The state of a mapping that is played from stored answers is left
+ * out. */
 static mrt_result keep_start(sequencer *self, error *err)
 {
     size_t size = put_all(self, NULL, 0);
@@ -593,7 +598,8 @@ static mrt_result keep_start(sequencer *self, error *err)
     return MRT_OK;
 }
 
-/* A take that shows one performance as it was: what was kept while it was recorded serves too. */
+/* Returns the clip of a take that plays one unedited performance. NULL: other takes. For such a
+ * take the checkpoints of the recording are usable too. */
 static const take_clip *only_clip(const sequencer *self)
 {
     const take *t = &self->take;
@@ -608,7 +614,7 @@ static const take_clip *only_clip(const sequencer *self)
     return is_plain ? c : NULL;
 }
 
-/* MRT_HOLD: nothing that was recorded helps. */
+/* Goes to a checkpoint of the recording. MRT_HOLD: it would not help. */
 static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns, error *err)
 {
     const take_clip *clip = only_clip(self);
@@ -628,7 +634,7 @@ static mrt_result recall(sequencer *self, int64_t at_ns, int64_t better_than_ns,
     return MRT_OK;
 }
 
-/* The last that was kept at or before at_ns; NULL: none. */
+/* Returns the last checkpoint at or before at_ns. NULL: none. */
 static const checkpoint *kept_before(const sequencer *self, int64_t at_ns)
 {
     size_t count = count_until(self, at_ns);
@@ -637,7 +643,7 @@ static const checkpoint *kept_before(const sequencer *self, int64_t at_ns)
     return is_start && (!best || best->at_ns <= self->start.at_ns) ? &self->start : best;
 }
 
-/* To the last instant at or before at_ns from which playing on is quickest. */
+/* Goes to an instant at or before at_ns from which playback to at_ns is fastest. */
 static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
 {
     if (is_left(self))
@@ -661,7 +667,7 @@ static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
         if (result != MRT_HOLD)
             return result;
         if (self->play[0].replay && replay_now_ns(self->play[0].replay) != before_ns)
-            may_go_on = false; /* what was kept was damaged */
+            may_go_on = false; /* the checkpoint of the recording was damaged */
     }
     if (may_go_on)
         return MRT_OK;
@@ -671,7 +677,7 @@ static mrt_result go_near(sequencer *self, int64_t at_ns, error *err)
     return restart(self, err);
 }
 
-/* ---- the timeline's instants at which clips come and go ---- */
+/* ---- clip boundaries ---- */
 
 static int compare_times(const void *a, const void *b)
 {
@@ -713,7 +719,7 @@ static int64_t next_boundary_ns(const sequencer *self)
     return low < self->boundary_count ? self->boundary[low] : INT64_MAX;
 }
 
-/* ---- what a layer may move ---- */
+/* ---- contacts and degrees of freedom that a layer owns ---- */
 
 void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out)
 {
@@ -727,7 +733,7 @@ void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *o
 
 static mrt_result list_owned(sequencer *self, error *err)
 {
-    const mrt_face *about = composer_about(performer_composer(self->performer));
+    const mrt_face *about = composer_about(self->performer->composer);
     size_t row = about->contact_count + about->dof_count + 1;
     free(self->owned);
     self->owned = calloc(row, (size_t)self->take.layer_count + 1);
@@ -735,46 +741,45 @@ static mrt_result list_owned(sequencer *self, error *err)
     if (!self->owned)
         return error_set(err, MRT_ERR_MEMORY, "no memory for the take");
     for (uint32_t i = 0; i < self->take.layer_count; ++i)
-        sequencer_mark_owned(performer_composer(self->performer), &self->take.layer[i],
+        sequencer_mark_owned(self->performer->composer, &self->take.layer[i],
                              self->owned + i * row);
     return MRT_OK;
 }
 
-/* ---- time goes on ---- */
+/* ---- playback ---- */
 
-/* The next thing that happens, if it is not after to_ns. MRT_END: nothing does. */
+/* Performs the next sample or clip boundary up to to_ns. MRT_END: all are performed. */
 static mrt_result happen(sequencer *self, int64_t to_ns, bool *out_is_sample, error *err)
 {
-    sample_step next;
+    sample_step *next = &self->frame.step;
     int64_t ignored_ns, boundary_ns = next_boundary_ns(self);
     *out_is_sample = false;
-    mrt_result result = scheduler_next(&self->scheduler, 0, &next, &ignored_ns, err);
+    mrt_result result = scheduler_next(&self->scheduler, 0, next, &ignored_ns, err);
     if (result < 0)
         return result;
-    int64_t sample_ns = result == MRT_OK ? next.due_ns : INT64_MAX;
+    int64_t sample_ns = result == MRT_OK ? next->due_ns : INT64_MAX;
     int64_t first_ns = boundary_ns < sample_ns ? boundary_ns : sample_ns;
     if (first_ns > to_ns || first_ns == INT64_MAX)
         return MRT_END;
-    if (boundary_ns <= sample_ns) { /* a clip that ends does not show what comes then */
+    if (boundary_ns <= sample_ns) { /* boundary first: a clip does not show a sample at its end */
         bool is_changed;
         result = cross_boundary(self, boundary_ns, &is_changed, err);
         self->now_ns = boundary_ns;
         weigh_voices(self, boundary_ns);
         if (result >= 0 && is_changed)
-            performer_constrain(self->performer, PERFORMER_NOBODY, boundary_ns);
+            frame_recompose(self->performer, boundary_ns);
         return result;
     }
-    scheduler_take(&self->scheduler, &next);
-    replay_prepare(self->play[next.voice].replay, &next);
+    replay_prepare(self->play[next->voice].replay, next);
     self->now_ns = sample_ns;
-    self->sample_count += next.count;
+    self->sample_count += next->count;
     weigh_voices(self, sample_ns);
-    performer_step(self->performer, &next);
     *out_is_sample = true;
-    return keep_checkpoint(self, err);
+    result = frame_step(&self->frame, err);
+    return result < 0 ? result : keep_checkpoint(self, err);
 }
 
-/* ---- prepared ---- */
+/* ---- prepare an overdub ---- */
 
 static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, int64_t from_ns,
                      int64_t to_ns)
@@ -784,7 +789,8 @@ static bool is_shown(const sequencer *self, uint32_t lane, const take_clip *c, i
            c->start_ns + offset_ns < to_ns && c->end_ns + offset_ns > from_ns;
 }
 
-/* How many clips of a performance play at an instant of the span, or end or begin there. */
+/* Counts the clips of a performance that play at at_ns (including their ends) and are shown in
+ * from_ns..to_ns. */
 static uint32_t count_playing(const sequencer *self, int64_t performance, int64_t at_ns,
                               int64_t from_ns, int64_t to_ns)
 {
@@ -815,7 +821,8 @@ static void close_what_is_not_shown(sequencer *self, int64_t from_ns, int64_t to
     }
 }
 
-/* As many replays as the clip and those beside it need are open, and have read what they need. */
+/* Opens enough replays for all clips that play together with this one, and reads their samples of
+ * the span. */
 static mrt_result prepare_clip(sequencer *self, uint32_t lane, const take_clip *clip,
                                int64_t from_ns, int64_t to_ns, error *err)
 {
@@ -866,7 +873,7 @@ mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, er
         forget_ahead(self);
         result = sequencer_seek(self, at_ns, err);
     }
-    from_ns -= span_min_ns; /* an instant that is kept may lie so far before */
+    from_ns -= span_min_ns; /* the nearest checkpoint may lie this far before */
     self->is_ahead = true;
     close_what_is_not_shown(self, from_ns, to_ns);
     for (uint32_t i = 0; i < self->take.layer_count; ++i)
@@ -912,7 +919,7 @@ mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err)
     return result < 0 ? result : sequencer_play_to(self, at_ns, err);
 }
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings, const take *t,
                             error *err)
@@ -938,6 +945,7 @@ mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings,
         result = performer_create(&self->performer, settings->face, NULL, &as, err);
     if (result >= 0)
         result = performer_create(&self->scratch, settings->face, NULL, &as, err);
+    self->frame = (stage_frame){.performer = self->performer, .sources = &self->scheduler};
     self->world = (replay_world){.show = settings->show,
                                  .plugins = settings->plugins,
                                  .log = settings->log,
@@ -980,7 +988,7 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
     int64_t at_ns = self->now_ns;
     forget_ahead(self);
     close_plays(self);
-    close_spares(self); /* performances may have become longer */
+    close_spares(self); /* a performance may have become longer */
     forget_checkpoints(self);
     take_finish(&self->take);
     self->take = fresh;
@@ -993,30 +1001,27 @@ mrt_result sequencer_set_take(sequencer *self, const take *t, error *err)
     return result >= 0 && at_ns >= 0 ? sequencer_seek(self, at_ns, err) : result;
 }
 
-/* ---- live ---- */
+/* ---- live layer ---- */
 
 void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive)
 {
-    *performer_voice_of(self->performer, LIVE_VOICE) =
+    self->performer->voice[LIVE_VOICE] =
         (performer_voice){.layer = of, .owns = owns, .is_additive = is_additive, .gain = 1.0};
     self->is_prepared = self->is_prepared && of;
 }
 
-void sequencer_live_step(sequencer *self, const sample_step *s, double weight)
+void sequencer_perform_over(sequencer *self, stage_frame *f, double weight)
 {
-    sample_step over = *s;
-    performer_voice *live = performer_voice_of(self->performer, LIVE_VOICE);
-    if (!live->layer)
-        return;
-    over.voice = LIVE_VOICE;
-    over.due_ns = self->now_ns;
+    performer_voice *live = &self->performer->voice[LIVE_VOICE];
+    f->performer = self->performer;
+    f->step.voice = LIVE_VOICE;
+    f->step.due_ns = self->now_ns;
     live->weight = weight;
     self->is_touched = true;
     weigh_voices(self, self->now_ns);
-    performer_step(self->performer, &over);
 }
 
-/* ---- what others see ---- */
+/* ---- state ---- */
 
 int64_t sequencer_now_ns(const sequencer *self)
 {

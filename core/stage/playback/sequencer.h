@@ -1,10 +1,10 @@
-/* stage/playback/sequencer.h - plays a take: at each instant of its timeline the clips of its layers
- * say which performances are shown, and at which of their own instants; their samples are performed
- * in the order of the timeline, and the pulls become one face. A function of the take and of what
- * was recorded: the same at every speed and frame rate, whether played, scrubbed or exported.
- * Leaves out the clock (transport.h) and where frames go. Its memory grows with what is shown at a
- * time, not with the take's length, but for checkpoints, which are thinned to a bound. [main], or
- * any one thread that may read the show. */
+/* stage/playback/sequencer.h - plays a take. At each instant of the timeline, the clips of the
+ * layers select the performances and their source times. Their samples are performed in timeline
+ * order, and the pulls become one face. The result depends only on the take and its recordings: it
+ * is the same at every speed and frame rate, whether played, scrubbed or exported. Leaves out the
+ * clock (transport.h) and the output of frames. Memory grows with the number of clips that play
+ * together, not with the length of the take. Checkpoints are thinned to a limit. [main], or any one
+ * thread that may read the show. */
 #ifndef MAROTTE_STAGE_SEQUENCER_H
 #define MAROTTE_STAGE_SEQUENCER_H
 #include "stage/playback/replay.h"
@@ -16,53 +16,53 @@ typedef struct sequencer_settings {
     const plugin_list *plugins;
     log_queue *log;
     const face_file *face;
-    const csrbf_settings *solver; /* read by create; NULL: as the show says (kept_solver.h); radius
-                                     0: the rig's */
-    size_t checkpoint_bytes;      /* bound of what is kept to scrub; 0: 256 MiB */
-    size_t ahead_bytes;           /* as of replay_world */
+    /* read by create; NULL: the show's solver (kept_solver.h); radius 0: the rig's */
+    const csrbf_settings *solver;
+    size_t checkpoint_bytes; /* memory limit of the checkpoints; 0: 256 MiB */
+    size_t ahead_bytes;      /* see replay_world */
 } sequencer_settings;
 
-/* The settings' things must outlive it; the take is copied. */
+/* Everything that the settings point to must outlive the sequencer. The take is copied. */
 CHECKED mrt_result sequencer_create(sequencer **out, const sequencer_settings *settings,
                                     const take *t, error *err);
-void sequencer_destroy(sequencer *self); /* NULL is fine */
-/* After an edit: goes on at the same instant. */
+void sequencer_destroy(sequencer *self); /* accepts NULL */
+/* Call after an edit. The sequencer stays at its instant. */
 CHECKED mrt_result sequencer_set_take(sequencer *self, const take *t, error *err);
 
-/* Brings the face to an instant, as if the take had been played from its start: every sample whose
- * time is not after it has been performed. */
+/* Brings the face to an instant, as if the take had been played from its start. All samples up to
+ * and including at_ns have been performed. */
 CHECKED mrt_result sequencer_seek(sequencer *self, int64_t at_ns, error *err);
-/* Plays on to a later instant; an earlier one is a seek. */
+/* Plays to a later instant. An earlier instant is a seek. */
 CHECKED mrt_result sequencer_play_to(sequencer *self, int64_t at_ns, error *err);
-/* It stands at from_ns. What clips of this span perform with is opened and read now, and what their
- * mappings in processes of their own answer is asked for, so that to play it, and to seek to
- * from_ns, takes no file and no process: from then on nothing is opened, read, asked or closed,
- * until nobody performs over it any more (sequencer_set_live) or the take changes. What does not
- * fit is left out or held, and noted. */
+/* Prepares an overdub of from_ns..to_ns. The sequencer must be at from_ns. Opens and reads the
+ * performances of this span now, and stores the answers of isolated mappings. After this call,
+ * playing the span and seeking to from_ns use no file and no process. This lasts until the overdub
+ * ends (sequencer_set_live with NULL) or the take changes. Clips that exceed a limit are not played
+ * or keep their last pose, and sequencer_note reports them. */
 CHECKED mrt_result sequencer_prepare(sequencer *self, int64_t from_ns, int64_t to_ns, error *err);
-/* To the next step of any clip shown, or (MRT_END) none is left before the take's end. */
+/* Plays to the next step of any clip. MRT_END: the take has no more steps. */
 CHECKED mrt_result sequencer_step(sequencer *self, error *err);
 int64_t sequencer_now_ns(const sequencer *self);        /* -1: before the first instant */
 uint64_t sequencer_sample_count(const sequencer *self); /* performed since create */
-size_t sequencer_kept_bytes(const sequencer *self);     /* of checkpoints */
+size_t sequencer_kept_bytes(const sequencer *self);     /* size of the checkpoints */
 
-/* Who performs all of it: performer_draw it. */
+/* Returns the performer of all layers. */
 performer *sequencer_performer(sequencer *self);
-/* An error that says which mapping's process has failed, if one has: the face is held. */
+/* Returns an error if the process of a mapping has failed. The face keeps its last pose then. */
 CHECKED mrt_result sequencer_check(const sequencer *self, error *err);
-/* What is not as it was when it was recorded, lines ended by \n; "" nothing. */
+/* Returns what changed since the recording, one line each, ended by \n. "": nothing. */
 const char *sequencer_note(const sequencer *self);
 
-/* ---- live: somebody performs over what is played ---- */
+/* ---- live layer of an overdub ---- */
 
-/* A layer that is performed now lies above all others: a voice of the same performer. It must
- * outlive that, as what it owns (composer_part). of: NULL: nobody performs. */
+/* Sets the live layer. It is a voice of the same performer, above all other layers. The layer and
+ * `owns` (see composer_part) must stay valid until it is replaced. of NULL: no live layer. */
 void sequencer_set_live(sequencer *self, layer *of, const uint8_t *owns, bool is_additive);
-/* Its newest step is performed at an instant that has been played to; weight: how much of it is
- * seen from then on, 0..1. */
-void sequencer_live_step(sequencer *self, const sample_step *s, double weight);
-/* What a layer of these patterns owns: as composer_part, for composer_about's face. `out` has
- * contact_count + dof_count + 1 places. */
+/* From stage_frame.record: the live layer performs this step at the current instant. weight: its
+ * visible share until the next step, 0..1. */
+void sequencer_perform_over(sequencer *self, stage_frame *f, double weight);
+/* Marks the contacts and degrees of freedom that a layer owns, for the face of composer_about (see
+ * composer_part). `out` has contact_count + dof_count + 1 elements. */
 void sequencer_mark_owned(const composer *shown, const take_layer *l, uint8_t *out);
 
 #endif

@@ -14,7 +14,7 @@ void transport_init(transport *out, int64_t end_ns)
     *out = (transport){.speed = 1.0, .stops_at_end = true, .end_ns = end_ns};
 }
 
-/* Of time at speed 1 no digit is lost, whatever its length. */
+/* At speed 1 the time stays exact for any length. */
 static int64_t scaled(int64_t ns, double factor)
 {
     if (!(fabs(factor - 1.0) > 0.0))
@@ -46,7 +46,7 @@ transport_position transport_at(const transport *self, int64_t clock_ns)
     return out;
 }
 
-/* From here on counted anew. */
+/* Makes the current position the new start of counting. */
 static void hold(transport *self, int64_t clock_ns)
 {
     transport_position now = transport_at(self, clock_ns);

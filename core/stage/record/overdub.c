@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a pass: a layer, its clip, its fades, that it is muted. */
+/* of one pass: add a layer, add its clip, fade the clip, mute the layer */
 enum { EDITS_OF_PASS = 4 };
 
-/* ---- planned ---- */
+/* ---- plan ---- */
 
-/* The layer that is punched; NULL: none. */
+/* Returns the layer of a punch-in. NULL: none. */
 static const take_layer *punched_layer(const overdub_plan *plan, const take *t)
 {
     for (uint32_t i = 0; i < t->layer_count; ++i)
@@ -26,22 +26,25 @@ mrt_result overdub_plan_check(const overdub_plan *s, const take *t, error *err)
 {
     bool is_ranged = s->out_ns > 0;
     if (s->in_ns < 0 || (is_ranged && s->out_ns <= s->in_ns))
-        return error_set(err, MRT_ERR_ARGUMENT, "in and out: %.3f .. %.3f s is no range",
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the in point must come before the out point: in %.3f s, out %.3f s",
                          (double)s->in_ns / 1e9, (double)s->out_ns / 1e9);
     if (s->in_ns > t->duration_ns)
-        return error_set(err, MRT_ERR_ARGUMENT, "in: the take is %.3f s long",
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the in point lies after the end of the take (%.3f s)",
                          (double)t->duration_ns / 1e9);
     if (s->passes < 1 || s->passes > OVERDUB_PASSES_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u passes: 1 to %d are possible", s->passes,
+        return error_set(err, MRT_ERR_ARGUMENT, "%u passes: the range is 1 to %d", s->passes,
                          OVERDUB_PASSES_MAX);
     if (s->passes > 1 && !is_ranged)
-        return error_set(err, MRT_ERR_ARGUMENT, "more than one pass needs an in and an out");
+        return error_set(err, MRT_ERR_ARGUMENT, "more than one pass needs an in and an out point");
     if (s->into_layer && !is_ranged)
-        return error_set(err, MRT_ERR_ARGUMENT, "a punch needs an in and an out");
+        return error_set(err, MRT_ERR_ARGUMENT, "a punch-in needs an in and an out point");
     if (s->fade_ns < 0 || (is_ranged && 2 * s->fade_ns > s->out_ns - s->in_ns))
-        return error_set(err, MRT_ERR_ARGUMENT, "the fades do not fit between in and out");
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "the fades are longer than the span between in and out");
     if (!(s->speed >= TRANSPORT_SPEED_MIN && s->speed <= TRANSPORT_SPEED_MAX))
-        return error_set(err, MRT_ERR_ARGUMENT, "speed %g: %g to %g are possible", s->speed,
+        return error_set(err, MRT_ERR_ARGUMENT, "speed %g: the range is %g to %g", s->speed,
                          TRANSPORT_SPEED_MIN, TRANSPORT_SPEED_MAX);
     if (s->into_layer && !punched_layer(s, t))
         return error_set(err, MRT_ERR_ARGUMENT, "the take has no layer %u", s->into_layer);
@@ -58,8 +61,8 @@ static mrt_result check_owned(const mrt_face *about, const take_layer *own, erro
     if (any)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "the layer would move nothing: no contact or degree of freedom of this face "
-                     "is named \"%s\"",
+                     "the layer would move nothing: this face has no contact or degree of "
+                     "freedom \"%s\"",
                      own->own[0]);
 }
 
@@ -72,7 +75,7 @@ mrt_result overdub_plan_own(const overdub_plan *plan, const take *t, const compo
     *out_is_additive = punched && punched->is_additive;
     *out = calloc((size_t)about->contact_count + about->dof_count + 1, 1);
     if (!*out)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the overdub");
     sequencer_mark_owned(shown, own, *out);
     return check_owned(about, own, err);
 }
@@ -90,12 +93,12 @@ void overdub_run_init(overdub_run *out, const overdub_plan *plan, const take *t)
     out->played_ns = INT64_MIN;
 }
 
-/* ---- time goes on ---- */
+/* ---- run ---- */
 
 static void begin(overdub_run *self, int64_t clock_ns)
 {
     const overdub_plan *s = &self->plan;
-    self->has_begun = true;
+    self->state = OVERDUB_RUNS;
     self->rolling_ns = clock_ns + s->count_in_ns;
     transport_init(&self->transport, self->duration_ns);
     self->transport.stops_at_end = false;
@@ -130,7 +133,7 @@ static mrt_result end_pass(overdub_run *self, recorder *into, error *err)
 {
     mrt_result result = end_take(self, into, err);
     if (self->pass_now + 1 >= self->plan.passes) {
-        self->is_over = true;
+        self->state = OVERDUB_OVER;
         return result;
     }
     self->pass_now += 1;
@@ -140,34 +143,34 @@ static mrt_result end_pass(overdub_run *self, recorder *into, error *err)
 
 static mrt_result go_to(overdub_run *self, recorder *into, int64_t clock_ns, error *err)
 {
-    if (!self->has_begun)
+    if (self->state == OVERDUB_WAITS)
         begin(self, clock_ns);
-    if (clock_ns < self->rolling_ns || self->is_over)
+    if (clock_ns < self->rolling_ns || self->state == OVERDUB_OVER)
         return MRT_OK;
     transport_position position = transport_at(&self->transport, clock_ns);
     mrt_result result = MRT_OK;
     bool is_past_out =
         self->plan.passes == 1 && self->plan.out_ns > 0 && position.at_ns >= self->plan.out_ns;
-    while (result >= 0 && self->pass_now < position.pass && !self->is_over)
+    while (result >= 0 && self->pass_now < position.pass && self->state != OVERDUB_OVER)
         result = end_pass(self, into, err);
     if (is_past_out && result >= 0)
         result = end_pass(self, into, err);
-    if (result >= 0 && !self->is_over)
+    if (result >= 0 && self->state != OVERDUB_OVER)
         self->at_ns = position.at_ns;
     return result;
 }
 
 mrt_result overdub_run_end(overdub_run *self, recorder *into, error *err)
 {
-    if (self->is_over)
+    if (self->state == OVERDUB_OVER)
         return MRT_OK;
-    self->is_over = true;
+    self->state = OVERDUB_OVER;
     return end_take(self, into, err);
 }
 
 bool overdub_run_is_recording(const overdub_run *self)
 {
-    return self->has_begun && !self->is_over && self->at_ns >= self->plan.in_ns;
+    return self->state == OVERDUB_RUNS && self->at_ns >= self->plan.in_ns;
 }
 
 uint32_t overdub_run_pass(const overdub_run *self)
@@ -175,11 +178,11 @@ uint32_t overdub_run_pass(const overdub_run *self)
     return self->pass_now;
 }
 
-/* As take_at. */
+/* Weight of the live layer, with the same fades as take_at. */
 static double weight_of(const overdub_run *self)
 {
     const overdub_plan *s = &self->plan;
-    if (self->at_ns < s->in_ns || self->is_over)
+    if (self->at_ns < s->in_ns || self->state == OVERDUB_OVER)
         return 0.0;
     double weight = 1.0;
     if (s->fade_ns > 0 && self->at_ns < s->in_ns + s->fade_ns)
@@ -215,31 +218,31 @@ mrt_result overdub_run_play_to(overdub_run *self, sequencer *of, recorder *into,
         clock_ns = self->played_ns;
     self->played_ns = clock_ns;
     mrt_result result = go_to(self, into, clock_ns, err);
-    if (result < 0 || self->is_over || clock_ns < self->rolling_ns)
+    if (result < 0 || self->state == OVERDUB_OVER || clock_ns < self->rolling_ns)
         return result;
     return sequencer_play_to(of, self->at_ns, err);
 }
 
-mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, const sample_step *s,
+mrt_result overdub_run_step(overdub_run *self, sequencer *of, recorder *into, stage_frame *f,
                             error *err)
 {
-    mrt_result result = overdub_run_play_to(self, of, into, s->time_ns, err);
-    if (self->is_over)
+    mrt_result result = overdub_run_play_to(self, of, into, f->step.time_ns, err);
+    if (self->state == OVERDUB_OVER)
         return result < 0 ? result : MRT_END;
-    note_step(self, into, s->time_ns);
-    sequencer_live_step(of, s, weight_of(self));
+    note_step(self, into, f->step.time_ns);
+    sequencer_perform_over(of, f, weight_of(self));
     return result;
 }
 
-/* ---- what was performed ---- */
+/* ---- passes ---- */
 
-/* It reaches to the out: the next sample would have come behind it. */
+/* Returns whether a pass reached the out point. At that time the next sample lies after it. */
 static bool is_whole(const overdub_run *self, const overdub_pass *p)
 {
     return self->plan.out_ns > 0 && self->plan.out_ns - p->end_ns < NS_PER_S / 10;
 }
 
-/* The last one that was performed to its end; when there is none, the last that was begun. */
+/* Returns the last complete pass. If none is complete, the last pass that has samples. */
 static const overdub_pass *heard_pass(const overdub_run *self)
 {
     const overdub_pass *heard = NULL;
@@ -254,7 +257,7 @@ static const overdub_pass *heard_pass(const overdub_run *self)
 typedef struct making {
     const overdub_run *run;
     const char *name;
-    take after; /* what the edits so far make of the take */
+    take after; /* the take after the edits so far */
     edit *edits;
     uint32_t count;
 } making;
@@ -269,13 +272,14 @@ static mrt_result add(making *self, edit *e, error *err)
     return result;
 }
 
-/* The timeline's in..out, as far as there are samples, and what of the performance it shows. */
+/* Sets the clip of a pass: its span on the timeline, limited to in..out and to the recorded
+ * samples, and its span of the performance. */
 static mrt_result frame_clip(const overdub_run *self, const overdub_pass *p, edit *e, error *err)
 {
     const overdub_plan *s = &self->plan;
     double source_per_ns = 1.0 / s->speed;
     int64_t start_ns = s->in_ns > p->start_ns ? s->in_ns : p->start_ns;
-    if (p->start_ns - s->in_ns < NS_PER_S / 10) /* the first sample comes a little after in */
+    if (p->start_ns - s->in_ns < NS_PER_S / 10) /* the first sample arrives a little after in */
         start_ns = s->in_ns;
     int64_t end_ns = is_whole(self, p) ? s->out_ns : p->end_ns + 1;
     int64_t source_ns = p->first_ns - p->from_ns +
@@ -303,7 +307,7 @@ static mrt_result frame_clip(const overdub_run *self, const overdub_pass *p, edi
     return MRT_OK;
 }
 
-/* What was ended early may be shorter than the fades that were asked for. */
+/* A pass that was ended early may be shorter than the planned fades. */
 static int64_t fade_that_fits(const overdub_run *self, int64_t length_ns)
 {
     return self->plan.fade_ns < length_ns / 2 ? self->plan.fade_ns : length_ns / 2;
@@ -408,9 +412,9 @@ static mrt_result make(making *self, overdub_made *out, error *err)
     const overdub_pass *heard = heard_pass(run);
     mrt_result result = MRT_OK;
     if (!heard)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "nothing was performed between in and out%s: the take is as it was",
-                         run->pass[0].raw_take ? "; what came before is a take by itself" : "");
+        return error_set(
+            err, MRT_ERR_ARGUMENT, "no sample arrived between in and out%s. The take is unchanged.",
+            run->pass[0].raw_take ? " (the samples before it are saved as a separate take)" : "");
     for (uint32_t i = 0; i <= run->pass_now && result >= 0; ++i) {
         const overdub_pass *p = &run->pass[i];
         uint32_t id = run->plan.into_layer;
@@ -465,11 +469,12 @@ struct overdub {
     recorder *recorder;
     uint8_t *owned;
     overdub_run run;
+    stage_frame frame;
 };
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
-/* The layer that performs, over the take's own. */
+/* Creates the layer that performs over the layers of the take. */
 static mrt_result create_live(overdub *self, error *err)
 {
     const overdub_settings *s = &self->settings;
@@ -483,7 +488,7 @@ static mrt_result create_live(overdub *self, error *err)
     if (result < 0)
         return result;
     bool is_additive;
-    result = overdub_plan_own(&self->run.plan, &self->take, performer_composer(shown), &self->owned,
+    result = overdub_plan_own(&self->run.plan, &self->take, shown->composer, &self->owned,
                               &is_additive, err);
     if (result < 0)
         return result;
@@ -533,7 +538,7 @@ mrt_result overdub_create(overdub **out, const overdub_settings *settings, error
     *out = NULL;
     overdub *self = calloc(1, sizeof *self);
     if (!self)
-        return error_set(err, MRT_ERR_MEMORY, "no memory to perform over a take");
+        return error_set(err, MRT_ERR_MEMORY, "no memory for the overdub");
     self->settings = *settings;
     mrt_result result = create(self, err);
     if (result < 0) {
@@ -551,43 +556,43 @@ void overdub_destroy(overdub *self)
         return;
     if (self->recorder && recorder_stop(self->recorder, &ignored) < 0)
         log_push(self->settings.recorder.log, MRT_LOG_ERROR, "recorder", ignored.text);
-    layer_destroy(self->layer); /* its face is the sequencer's */
+    layer_destroy(self->layer); /* the sequencer owns its face */
     sequencer_destroy(self->sequencer);
     take_finish(&self->take);
     free(self->owned);
     free(self);
 }
 
-/* ---- time goes on ---- */
+/* ---- player stage ---- */
 
 bool overdub_is_recording(const overdub *self)
 {
     return overdub_run_is_recording(&self->run);
 }
 
-static mrt_result on_step(void *of, const sample_step *s, error *err)
+static mrt_result record(void *of, stage_frame *f, error *err)
 {
     overdub *self = of;
-    recorder_step(self->recorder, s);
-    mrt_result result = overdub_run_step(&self->run, self->sequencer, self->recorder, s, err);
-    return result < 0 ? result : MRT_OK;
+    recorder_step(self->recorder, &f->step);
+    return overdub_run_step(&self->run, self->sequencer, self->recorder, f, err);
 }
 
-static mrt_result on_draw(void *of, int64_t time_ns, error *err)
+static mrt_result show_at(void *of, stage_frame *f, int64_t time_ns, error *err)
 {
     overdub *self = of;
     mrt_result result =
         overdub_run_play_to(&self->run, self->sequencer, self->recorder, time_ns, err);
-    performer_draw(sequencer_performer(self->sequencer));
-    return result >= 0 && self->run.is_over ? MRT_END : result;
+    f->performer = sequencer_performer(self->sequencer);
+    return result >= 0 && self->run.state == OVERDUB_OVER ? MRT_END : result;
 }
 
-player_stage overdub_stage(overdub *self)
+stage_frame *overdub_frame(overdub *self)
 {
-    return (player_stage){self, on_step, on_draw};
+    self->frame = (stage_frame){.self = self, .record = record, .show = show_at};
+    return &self->frame;
 }
 
-/* ---- it becomes a part of the take ---- */
+/* ---- edits of the take ---- */
 
 static mrt_result make_edits(const overdub *self, history *h, overdub_made *out, error *err)
 {
@@ -612,7 +617,7 @@ mrt_result overdub_finish(overdub *self, overdub_made *out, error *err)
         result = writer_flush(recorder_writer(self->recorder), err);
     if (result < 0)
         return result;
-    taught_keep_now(self->settings.recorder.show, layer_mapping(self->layer),
+    taught_keep_now(self->settings.recorder.show, self->layer->mapping,
                     self->settings.recorder.log);
     edit_store *store = NULL;
     history *h = NULL;
@@ -629,7 +634,7 @@ mrt_result overdub_finish(overdub *self, overdub_made *out, error *err)
     return result;
 }
 
-/* ---- what others see ---- */
+/* ---- state ---- */
 
 performer *overdub_performer(overdub *self)
 {
@@ -648,7 +653,7 @@ int64_t overdub_at_ns(const overdub *self)
 
 const transport *overdub_transport(const overdub *self)
 {
-    return self->run.has_begun && !self->run.is_over ? &self->run.transport : NULL;
+    return self->run.state == OVERDUB_RUNS ? &self->run.transport : NULL;
 }
 
 mrt_result overdub_check(const overdub *self, error *err)

@@ -17,15 +17,16 @@
 
 enum { RECORDER_INPUTS_MAX = TAKE_TRACKS_MAX };
 
-/* What an input gives is the writer's from when it arrives. [main], `writer` and `place` any. */
+/* Passes the samples of one input to the writer as soon as they arrive. [main] except `writer` and
+ * `place`, which are [any]. */
 typedef struct recorder_arrivals {
-    input *of; /* NULL: free */
+    input *of; /* NULL: unused */
     writer *writer;
-    uint32_t place, user_count; /* casts */
+    uint32_t place, user_count; /* user_count: number of casts */
 } recorder_arrivals;
-enum { ARRIVALS_MAX = 2 * RECORDER_INPUTS_MAX }; /* of two casts */
+enum { ARRIVALS_MAX = 2 * RECORDER_INPUTS_MAX }; /* for two casts */
 
-struct recorder_cast { /* who performs, and as what it is recorded */
+struct recorder_cast { /* the performing parts and how they are recorded */
     input *inputs[RECORDER_INPUTS_MAX];
     recorder_arrivals *arrivals[RECORDER_INPUTS_MAX]; /* NULL: virtual clock */
     const char *input_text[RECORDER_INPUTS_MAX];
@@ -35,13 +36,14 @@ struct recorder_cast { /* who performs, and as what it is recorded */
     performer *performer;
     int64_t track[RECORDER_INPUTS_MAX];
     uint32_t version[RECORDER_INPUTS_MAX];
-    int32_t code[RECORDER_INPUTS_MAX], code_rate[RECORDER_INPUTS_MAX]; /* channels; -1: none */
-    bool is_kept[RECORDER_INPUTS_MAX]; /* the track goes on in another cast */
-    /* Made ready, so that a track and a performance can begin on the frame thread. Unchanged. */
+    int32_t code[RECORDER_INPUTS_MAX], code_rate[RECORDER_INPUTS_MAX]; /* channel; -1: none */
+    bool is_kept[RECORDER_INPUTS_MAX]; /* the track continues in another cast */
+    /* Prepared on [main] and constant, so that the frame thread can begin a track or
+     * performance. */
     take_track described[RECORDER_INPUTS_MAX]; /* without channels */
     take_texts *track_texts[RECORDER_INPUTS_MAX], *texts;
-    take_performance performance; /* the frame thread's */
-    char rebuilt[TAKE_IDENTITY];  /* the mapping, if it is another one by now */
+    take_performance performance; /* owned by the frame thread */
+    char rebuilt[TAKE_IDENTITY];  /* identity of the mapping after a reload; "": unchanged */
 };
 
 struct recorder {
@@ -50,27 +52,27 @@ struct recorder {
     writer *writer;
     recorder_cast *cast;
     recorder_arrivals arrivals[ARRIVALS_MAX];
-    bool has_begun;   /* a performance */
-    bool is_to_begin; /* another one, with the next sample */
+    bool has_begun;   /* a performance has begun */
+    bool is_to_begin; /* another performance begins with the next sample */
     layer *watched;
     int64_t last_ns, checkpoint_ns;
     recorder_code code;
-    int64_t begun_ns, take_from_ns; /* the performance; the take that is wanted, 0: now */
-    uint32_t current;               /* input of the step that is performed: its first */
+    int64_t begun_ns, take_from_ns; /* start of the performance; wanted start of the take, 0: now */
+    uint32_t current;               /* first input of the current step */
     uint32_t ahead;
     bool is_take_wanted, is_take_open;
     writer_slate slate;
     char scene[TAKE_NAME], shot[TAKE_NAME];
     int64_t take;
-    uint32_t rezero; /* bits by side: granted, and not yet told */
+    uint32_t rezero; /* one bit per side: granted and not recorded yet */
     error problem;
-    _Atomic int32_t problem_state; /* of a problem_state */
+    _Atomic int32_t problem_state; /* an enum problem_state */
 };
 
-/* The first one counts, whichever thread has it. */
+/* Only the first problem is stored, from any thread. */
 enum problem_state { PROBLEM_NONE = 0, PROBLEM_IS_WRITTEN, PROBLEM_STANDS };
 
-/* [any] Kept if it is the first, and logged. */
+/* [any] Stores and logs the problem if it is the first. */
 static void note_problem(recorder *self, const error *err)
 {
     int32_t none = PROBLEM_NONE;
@@ -81,7 +83,7 @@ static void note_problem(recorder *self, const error *err)
     log_push(self->settings.log, MRT_LOG_ERROR, "recorder", err->text);
 }
 
-/* ---- what a show remembers of plugins and faces ---- */
+/* ---- identity of plugins and faces ---- */
 
 enum { RIG_BYTES_MAX = 16 << 20 };
 
@@ -139,13 +141,13 @@ void recorder_param_values(take_performance *out, const instance *mapping)
                 (take_param){type->params[i].id, atomic_load(&mapping->wanted[i])};
 }
 
-/* ---- what is performed ---- */
+/* ---- the performance ---- */
 
 static mrt_result describe_performance(const recorder *self, recorder_cast *cast,
                                        const recorder_settings *of, error *err)
 {
     take_performance *p = &cast->performance;
-    instance *mapping = of->mapping ? of->mapping : layer_mapping(cast->layer);
+    instance *mapping = of->mapping ? of->mapping : cast->layer->mapping;
     mrt_result result = recorder_face_identity(p, of->face, of->face_path, of->unit_mm, err);
     if (result < 0)
         return result;
@@ -185,7 +187,7 @@ static void describe_channels(take_track *out, const mrt_channel *channel, uint3
     }
 }
 
-/* What is the same in all tracks of an input. */
+/* Describes what all tracks of an input have in common. */
 static mrt_result describe_track(const recorder *self, recorder_cast *cast, uint32_t i, error *err)
 {
     take_track *track = &cast->described[i];
@@ -213,7 +215,7 @@ static int32_t channel_of(const mrt_channel *channel, uint32_t count, uint32_t s
     return -1;
 }
 
-/* [frame] A track of these channels, as it was described. */
+/* [frame] Begins a track with these channels and the prepared description. */
 static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uint32_t version,
                             error *err)
 {
@@ -231,7 +233,7 @@ static mrt_result add_track(recorder *self, recorder_cast *cast, uint32_t i, uin
     return MRT_OK;
 }
 
-/* ---- what arrives ---- */
+/* ---- arriving samples ---- */
 
 static void keep_arrival(void *data, uint32_t number, uint32_t version, const mrt_sample *sample)
 {
@@ -239,7 +241,7 @@ static void keep_arrival(void *data, uint32_t number, uint32_t version, const mr
     writer_arrived(self->writer, self->place, number, version, sample);
 }
 
-/* NULL: none of two casts is free. */
+/* NULL: all entries are in use. */
 static recorder_arrivals *find_arrivals(recorder *self, const input *of)
 {
     for (uint32_t i = 0; i < ARRIVALS_MAX; ++i)
@@ -263,7 +265,7 @@ static void hold_arrivals(recorder *self, recorder_cast *cast, uint32_t i)
     cast->arrivals[i] = found;
 }
 
-/* The last cast with it leaves the input. */
+/* Detaches from the input when the last cast releases it. */
 static void drop_arrivals(recorder_arrivals *self)
 {
     if (!self || --self->user_count > 0)
@@ -294,8 +296,8 @@ static bool is_same_text(const char *a, const char *b)
     return a && b ? strcmp(a, b) == 0 : a == b;
 }
 
-/* An input has a track already, which goes on: which one by then, share_tracks says; it is
- * described as it was. [main], while the frame thread may change `now`'s tracks. */
+/* Reuses the description of an existing track of the input; share_tracks sets the track later.
+ * [main], while the frame thread may change the tracks of `now`. */
 static bool keep_track(const recorder_cast *now, recorder_cast *cast, uint32_t i)
 {
     bool is_calibrated_alike = is_same_text(now->calibration[0], cast->calibration[0]) &&
@@ -314,8 +316,8 @@ mrt_result recorder_prepare(recorder *self, const recorder_settings *of, recorde
 {
     *out = NULL;
     if (of->input_count > RECORDER_INPUTS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs: %d can be recorded", of->input_count,
-                         RECORDER_INPUTS_MAX);
+        return error_set(err, MRT_ERR_ARGUMENT, "%u inputs: at most %d can be recorded",
+                         of->input_count, RECORDER_INPUTS_MAX);
     recorder_cast *cast = calloc(1, sizeof *cast);
     if (!cast)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record");
@@ -351,8 +353,7 @@ mrt_result recorder_prepare(recorder *self, const recorder_settings *of, recorde
     return MRT_OK;
 }
 
-/* Both casts have the tracks that they share; which versions they have by now is the old one's to
- * tell. */
+/* Copies the shared tracks to the new cast. The old cast has their current version. */
 static void share_tracks(recorder_cast *old, recorder_cast *cast)
 {
     for (uint32_t j = 0; j < old->input_count; ++j) {
@@ -373,7 +374,7 @@ static void share_tracks(recorder_cast *old, recorder_cast *cast)
 void recorder_leave(recorder *self)
 {
     if (self->watched)
-        layer_watch_params(self->watched, NULL, NULL);
+        self->watched->on_param = NULL;
     self->watched = NULL;
 }
 
@@ -397,13 +398,14 @@ void recorder_dismiss(recorder *self, recorder_cast *cast)
     destroy_cast(cast);
 }
 
-/* How far apart states are kept: so much of an anchored take is performed again in some
- * milliseconds, of an unanchored one in some tens. */
+/* Interval between stored states. It limits the time to perform the samples after a state again.
+ * That takes some milliseconds for an anchored mapping, and some tens of milliseconds for an
+ * unanchored one. */
 static const int64_t anchored_span_ns = 5 * NS_PER_S;
 static const int64_t unanchored_span_ns = 2 * NS_PER_S;
-/* Faster than life: so many samples are handed over before it waits for the writer. */
+/* On a virtual clock, the recorder waits for the writer after this many samples. */
 enum { SAMPLES_AHEAD = 256 };
-/* Room for a state beside its shapes. */
+/* Room for a state without its shapes. */
 static const size_t state_bytes = (size_t)256 << 10;
 
 static void on_param(void *data, int64_t time_ns, uint32_t param_id, double value)
@@ -417,13 +419,13 @@ static void on_param(void *data, int64_t time_ns, uint32_t param_id, double valu
     writer_event(self->writer, &event);
 }
 
-/* ---- started and stopped ---- */
+/* ---- start and stop ---- */
 
 static size_t state_capacity(const recorder_settings *s)
 {
     if (!s->performer)
         return s->state_bytes;
-    const points *rest = face_rest(performer_face(s->performer));
+    const points *rest = face_rest(composer_face(s->performer->composer));
     size_t size = state_bytes + (size_t)rest->padded_count * 2 * 3 * sizeof(float);
     return size > s->state_bytes ? size : s->state_bytes;
 }
@@ -474,7 +476,7 @@ mrt_result recorder_stop(recorder *self, error *err)
         result = recorder_take_end(self, err);
     if (self->writer && self->has_begun && result >= 0)
         result = writer_end_performance(self->writer, self->last_ns + 1, err);
-    destroy_cast(self->cast); /* it leaves the writer */
+    destroy_cast(self->cast); /* needs the writer */
     error later = {""};
     if (self->writer && writer_stop(self->writer, &later) < 0 && result >= 0)
         result = error_set(err, MRT_ERR_IO, "%s", later.text);
@@ -482,7 +484,7 @@ mrt_result recorder_stop(recorder *self, error *err)
     return result;
 }
 
-/* ---- time code from outside ---- */
+/* ---- external time code ---- */
 
 static const int64_t code_lasts_ns = NS_PER_S / 2;
 static const double fps_least = 10.0, fps_most = 120.0;
@@ -504,7 +506,7 @@ double recorder_code_at(const recorder_code *self, int64_t time_ns)
     return runs ? code_frame(self, time_ns) : -1.0;
 }
 
-/* Of a sample of an input, which may have none. */
+/* Updates the time code from a sample, if its input has time code channels. */
 static void follow_code(recorder *self, const step_sample *of)
 {
     const int32_t at = self->cast->code[of->input], rate_at = self->cast->code_rate[of->input];
@@ -523,7 +525,8 @@ static void follow_code(recorder *self, const step_sample *of)
     self->code = now;
 }
 
-/* The take's start, on the frame that goes on at from_ns, if it may be earlier. */
+/* Sets the slate's time code and returns the start of the take. If allowed, the start moves back to
+ * the beginning of the time code frame at from_ns. */
 static int64_t lay_on_code(const recorder *self, int64_t from_ns, bool may_be_earlier,
                            writer_slate *slate)
 {
@@ -567,7 +570,7 @@ mrt_result recorder_keep(recorder *self, int64_t from_ns, int64_t to_ns, const w
                          int64_t *out_take, error *err)
 {
     if (!self->has_begun)
-        return error_set(err, MRT_ERR_ARGUMENT, "nothing was performed yet");
+        return error_set(err, MRT_ERR_ARGUMENT, "no sample was performed yet");
     int64_t end_ns = to_ns <= self->last_ns ? to_ns : self->last_ns + 1;
     writer_slate laid = *slate;
     const int64_t start_ns = lay_on_code(self, from_ns, true, &laid);
@@ -604,18 +607,17 @@ writer *recorder_writer(recorder *self)
     return self->writer;
 }
 
-/* ---- while it happens ---- */
+/* ---- steps ---- */
 
-static void keep_state(recorder *self, int64_t time_ns)
+static void store_state(recorder *self, int64_t time_ns)
 {
     recorder_cast *cast = self->cast;
     void *buffer = writer_checkpoint_buffer(self->writer);
     size_t capacity = self->state_capacity;
     if (!buffer)
-        return; /* the disk does not keep up: the next one then */
+        return; /* the disk is too slow: skip this state */
     int64_t offset_ns = writer_show_ns(self->writer, 0);
-    size_t size =
-        replay_keep(layer_mapping(cast->layer), cast->performer, offset_ns, buffer, capacity);
+    size_t size = replay_keep(cast->layer->mapping, cast->performer, offset_ns, buffer, capacity);
     bool fits = size > 0 && size <= capacity;
     writer_checkpoint(self->writer, cast->performance.id, time_ns, REPLAY_CHECKPOINT_VERSION,
                       buffer, fits ? size : 0);
@@ -626,22 +628,23 @@ static mrt_result begin_performance(recorder *self, int64_t time_ns, error *err)
 {
     recorder_cast *cast = self->cast;
     bool goes_on = self->has_begun;
-    recorder_param_values(&cast->performance, layer_mapping(cast->layer));
+    recorder_param_values(&cast->performance, cast->layer->mapping);
     mrt_result result =
         writer_follow_performance(self->writer, &cast->performance, cast->texts, time_ns, err);
-    self->is_to_begin = result < 0; /* with the next sample then */
+    self->is_to_begin = result < 0; /* after an error, try again with the next sample */
     if (result < 0)
         return result;
     self->has_begun = true;
     self->begun_ns = self->checkpoint_ns = time_ns;
     TRACE(TRACE_RECORD, "performance begins at %.6f s", 1e-9 * (double)time_ns);
-    bool is_taught = taught_save(layer_mapping(self->cast->layer), NULL, 0) > 0;
-    if (is_taught || (goes_on && self->cast->performer)) /* it does not start at rest */
-        keep_state(self, time_ns - 1);
+    bool is_taught = taught_save(self->cast->layer->mapping, NULL, 0) > 0;
+    if (is_taught ||
+        (goes_on && self->cast->performer)) /* the performance may begin away from neutral */
+        store_state(self, time_ns - 1);
     return MRT_OK;
 }
 
-/* A plugin that was restarted may give other channels: another track, another performance. */
+/* Begins a new track and a new performance after a restarted plugin has changed its channels. */
 static mrt_result follow_version(recorder *self, uint32_t i, int64_t time_ns, error *err)
 {
     recorder_cast *cast = self->cast;
@@ -675,7 +678,7 @@ static mrt_result begin_take(recorder *self, int64_t time_ns, error *err)
     return result;
 }
 
-static void tell_rezeros(recorder *self, int64_t time_ns)
+static void write_rezeros(recorder *self, int64_t time_ns)
 {
     for (uint32_t side = MRT_LEFT; side <= MRT_RIGHT; ++side) {
         take_event event = {.time_ns = time_ns,
@@ -688,7 +691,7 @@ static void tell_rezeros(recorder *self, int64_t time_ns)
     self->rezero = 0;
 }
 
-/* What arrives meanwhile is of the tracks that the step's samples are of. */
+/* Samples that arrive now belong to the tracks of the step's samples. */
 static void follow_arrivals(recorder *self)
 {
     const recorder_cast *cast = self->cast;
@@ -714,9 +717,9 @@ void recorder_step(recorder *self, const sample_step *s)
     if (s->count == 0)
         return;
     self->current = s->of[0].input;
-    if (!self->watched)
-        layer_watch_params(self->cast->layer, on_param, self);
     self->watched = self->cast->layer;
+    self->watched->on_param = on_param;
+    self->watched->on_param_data = self;
     for (uint32_t i = 0; i < s->count && result >= 0; ++i) {
         result = follow_version(self, s->of[i].input, s->time_ns, &err);
         follow_code(self, &s->of[i]);
@@ -725,7 +728,7 @@ void recorder_step(recorder *self, const sample_step *s)
         result = begin_take(self, s->time_ns, &err);
     if (result < 0)
         note_problem(self, &err);
-    tell_rezeros(self, s->time_ns);
+    write_rezeros(self, s->time_ns);
     follow_arrivals(self);
     for (uint32_t i = 0; i < s->count; ++i)
         writer_sample(self->writer, self->cast->track[s->of[i].input], &s->of[i].sample);
@@ -743,10 +746,10 @@ void recorder_performed(recorder *self, const sample_step *s)
 {
     if (!self->cast->performer)
         return;
-    int64_t span_ns =
-        performer_is_anchored(self->cast->performer) ? anchored_span_ns : unanchored_span_ns;
+    int64_t span_ns = composer_is_anchored(self->cast->performer->composer) ? anchored_span_ns
+                                                                            : unanchored_span_ns;
     if (self->has_begun && s->time_ns - self->checkpoint_ns >= span_ns)
-        keep_state(self, s->time_ns);
+        store_state(self, s->time_ns);
 }
 
 void recorder_rezero(recorder *self, uint32_t side)

@@ -8,37 +8,37 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Changes of the transport that are smaller are not worth to begin anew. */
+/* Smaller changes of the transport do not restart the sound. */
 static const double motion_ns = 0.5e6;
 
-typedef struct playback { /* how sounds of one rate and channel count are played */
+typedef struct playback { /* player for sounds of one rate and channel count */
     uint32_t rate_hz, channel_count;
     ring *packets;
     sound_follow follow;
     sound_feed *feed;
-    struct playback *next; /* of the retired */
+    struct playback *next; /* next in `retired` */
 } playback;
 
 struct sound {
     sound_settings settings;
     sound_backend backend, portaudio;
     sound_board board;
-    sound_motion posted; /* [frame] the newest */
-    /* playing */
+    sound_motion posted; /* [frame] newest motion */
+    /* playback */
     sound_device *out;
-    playback *playback;   /* that is to be played; [main] */
-    pthread_mutex_t lock; /* of these two: between [main] and [opener] */
+    playback *playback;   /* [main] current player */
+    pthread_mutex_t lock; /* guards `coming` and `retired` between [main] and [opener] */
     playback *coming, *retired;
-    playback *playing;     /* [opener], and [device] while it is open; NULL: only beats */
-    uint32_t out_channels; /* likewise: of the device, as it was opened */
-    sound_click click;     /* likewise */
+    playback *playing;     /* [opener], and [device] while it is open; NULL: only clicks */
+    uint32_t out_channels; /* same threads: channels of the open device */
+    sound_click click;     /* same threads */
     bool wants_beats;
     take_audio audio;
     uint32_t edition, request_number;
     /* recording */
     sound_device *in;
     sound_record *record;
-    sound_record_status recorded; /* of the last one */
+    sound_record_status recorded; /* of the last recording */
     bool is_armed, is_disarming;
 };
 
@@ -59,7 +59,7 @@ static mrt_result out_opened(void *data, const sound_stream *stream, error *err)
     pthread_mutex_unlock(&self->lock);
     if (stream->rate_hz == 0 || stream->channel_count == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "sound: '%.80s' says that it has no channels: choose another loudspeaker",
+                         "sound: '%.80s' has no channels: choose another loudspeaker",
                          stream->name);
     self->out_channels = stream->channel_count;
     sound_click_reset(&self->click, stream->rate_hz);
@@ -91,7 +91,7 @@ static void in_block(void *data, const sound_block *block)
     sound_record_block(((sound *)data)->record, block);
 }
 
-/* ---- playbacks ---- */
+/* ---- players ---- */
 
 static void playback_destroy(playback *of)
 {
@@ -138,7 +138,7 @@ static void free_retired(sound *self)
     }
 }
 
-/* Two channels at least: many loudspeakers have no single one. */
+/* At least two channels, because many loudspeakers cannot be opened with one. */
 static void want_out(sound *self, uint32_t rate_hz, uint32_t channel_count)
 {
     sound_request request = {.rate_hz = rate_hz,
@@ -156,7 +156,7 @@ void sound_want_beats(sound *self)
     self->wants_beats = true;
 }
 
-/* It is played once the device has been opened for it. */
+/* Hands a player to the opener, which uses it when the device is opened for it. */
 static void hand_over(sound *self, playback *of)
 {
     pthread_mutex_lock(&self->lock);
@@ -212,7 +212,7 @@ static bool is_change(const sound_motion *a, const sound_motion *b)
         at_ns = (double)a->loop_from_ns +
                 fmod(at_ns - (double)a->loop_to_ns, (double)(a->loop_to_ns - a->loop_from_ns));
     double off_ns = fabs(at_ns - (double)b->at_ns);
-    /* Just before and just behind a seam are next to each other. */
+    /* Positions just before and just after the end of a loop are close to each other. */
     double lap_ns = (double)(a->loop_to_ns - a->loop_from_ns);
     return off_ns > motion_ns && !(lap_ns > 0.0 && fabs(off_ns - lap_ns) <= motion_ns);
 }
@@ -242,11 +242,11 @@ sound_motion sound_motion_of(const transport *t, int64_t clock_ns)
 
 int64_t sound_lead_ns(sound *self)
 {
-    /* The device's way, and two rounds of whoever feeds it. */
+    /* the latency of the device, and two rounds of the feeder */
     return sound_device_look(self->out)->stream.latency_ns + 50 * NS_PER_MS;
 }
 
-/* ---- what there is to say ---- */
+/* ---- status ---- */
 
 static void explain_silence(sound *self, sound_play_status *out)
 {
@@ -262,13 +262,13 @@ static void explain_silence(sound *self, sound_play_status *out)
     else if (out->device.state == SOUND_DEVICE_AWAY)
         snprintf(out->text, sizeof out->text, "%.255s", out->device.text);
     else if (out->is_loaded && motion.speed != 0.0 && motion.speed != 1.0)
-        snprintf(out->text, sizeof out->text, "sound is muted at %gx: it plays at 1x only",
+        snprintf(out->text, sizeof out->text, "sound is muted at %gx: it plays only at 1x",
                  motion.speed);
     else if (self->playback && self->playback->channel_count > 2 &&
              out->device.state == SOUND_DEVICE_RUNNING &&
              out->device.stream.channel_count < self->playback->channel_count)
         snprintf(out->text, sizeof out->text,
-                 "the first %u of %u channels are heard: the loudspeaker has no more",
+                 "only the first %u of %u channels are played: the loudspeaker has no more",
                  out->device.stream.channel_count, self->playback->channel_count);
 }
 
@@ -303,9 +303,9 @@ void sound_in_look(sound *self, sound_in_status *out)
 mrt_result sound_arm(sound *self, writer *w, uint32_t channel_count, error *err)
 {
     if (self->is_armed)
-        return error_set(err, MRT_ERR_ARGUMENT, "sound: the microphone is armed already");
+        return error_set(err, MRT_ERR_ARGUMENT, "sound: the microphone is already armed");
     if (channel_count > 2)
-        return error_set(err, MRT_ERR_ARGUMENT, "sound: %u channels, 1 or 2 can be recorded",
+        return error_set(err, MRT_ERR_ARGUMENT, "sound: %u channels: only 1 or 2 can be recorded",
                          channel_count);
     const sound_user user = {.data = self, .opened = in_opened, .block = in_block};
     sound_request request = {.channel_count = channel_count ? channel_count : 1};
@@ -341,7 +341,7 @@ bool sound_is_armed(const sound *self)
     return self->is_armed;
 }
 
-/* True: the backend is left to a device that does not answer. */
+/* Returns true if the backend is still used by a device that does not answer. */
 static bool end_recording(sound *self)
 {
     bool is_left_behind = !sound_device_destroy(self->in);
@@ -356,7 +356,7 @@ static bool end_recording(sound *self)
     return is_left_behind;
 }
 
-/* ---- life ---- */
+/* ---- create and destroy ---- */
 
 void sound_update(sound *self)
 {

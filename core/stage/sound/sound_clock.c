@@ -2,13 +2,12 @@
 
 #include <math.h>
 
-/* Clocks of sound devices are good to this before anything is known of them, and wander so much in
- * a second. */
+/* Standard deviation of the rate before any measurement, and of its change in one second. */
 static const double stretch_sigma = 200e-6, wander_sigma = 0.5e-6;
-/* What a device tells is taken to be off by at least this. */
+/* Initial value and limits of the error of the reported times. */
 static const double jitter_first_ns = 1e6, jitter_least_ns = 50e3, jitter_most_ns = 20e6;
-/* Farther off than so many sigmas, and this, is odd: it counts no more than that; so many odd ones
- * in a row on the same side are a jump. */
+/* A block is an outlier if it is off by more than odd_sigmas and by more than odd_ns. Its error is
+ * limited to this. ODD_BLOCKS consecutive outliers on the same side are a jump. */
 static const double odd_sigmas = 4.0, odd_ns = 2e6;
 enum { WARM_BLOCKS = 16, ODD_BLOCKS = 12, SETTLED_BLOCKS = 64 };
 static const double settled_ns = 0.3e6;
@@ -22,7 +21,7 @@ void sound_clock_init(sound_clock *self, double rate_hz)
                           .jitter = jitter_first_ns * jitter_first_ns};
 }
 
-/* What a device says may be anything. */
+/* Limits a reported time, which may be any value. */
 static int64_t sane(int64_t time_ns)
 {
     return time_ns > sane_max_ns ? sane_max_ns : time_ns < -sane_max_ns ? -sane_max_ns : time_ns;
@@ -70,7 +69,7 @@ static void learn_jitter(sound_clock *self, double off_ns)
                         fmin(jitter_most_ns * jitter_most_ns, self->jitter));
 }
 
-/* Counts odd ones in a row; 1: it is a jump. */
+/* Counts consecutive outliers. Returns 1 if they are a jump. */
 static int is_jump(sound_clock *self, double off_ns, double limit_ns)
 {
     int32_t side = off_ns > limit_ns ? 1 : off_ns < -limit_ns ? -1 : 0;
@@ -79,8 +78,9 @@ static int is_jump(sound_clock *self, double off_ns, double limit_ns)
     return self->odd_count >= ODD_BLOCKS;
 }
 
-/* A device that has jumped may have been misunderstood before. */
-static void begin_anew(sound_clock *self, int64_t frame, int64_t time_ns)
+/* Restarts the filter after a jump. A large rate error may come from the jump itself, so it is
+ * reset. */
+static void restart(sound_clock *self, int64_t frame, int64_t time_ns)
 {
     self->rate = stretch_sigma * stretch_sigma;
     if (fabs(self->stretch) > 5.0 * stretch_sigma)
@@ -101,7 +101,7 @@ int sound_clock_block(sound_clock *self, int64_t frame, int64_t time_ns)
     double limit_ns = fmax(odd_ns, odd_sigmas * sqrt(self->when + self->jitter));
     self->count += 1;
     if (is_jump(self, off_ns, limit_ns)) {
-        begin_anew(self, frame, time_ns);
+        restart(self, frame, time_ns);
         return 1;
     }
     if (self->count <= WARM_BLOCKS)

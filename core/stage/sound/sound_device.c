@@ -12,10 +12,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A device that gives no block for so long has stopped, whatever it says. */
+/* A device that delivers no block for this time has stopped, even if it reports otherwise. */
 static const int64_t silent_max_ns = 3 * NS_PER_S;
 static const int64_t watch_span_ns = 100 * NS_PER_MS, patience_ns = 2 * NS_PER_S;
-/* Whoever closes the program waits so long for a device that does not answer. */
+/* Maximum time to wait for a device that does not answer when the program is closed. */
 enum { DESTROY_WAIT_S = 3 };
 
 typedef struct want {
@@ -34,7 +34,7 @@ struct sound_device {
     publish_slot want_slot, status_slot;
     want wants[3];
     sound_device_status statuses[3];
-    /* the opener's */
+    /* owned by the opener */
     want want;
     sound_device_status status;
     bool is_open;
@@ -42,19 +42,18 @@ struct sound_device {
     int64_t next_try_ns, last_block_ns;
     uint64_t last_block;
     log_once logged;
-    /* shared */
-    _Atomic bool is_stopping, is_closed; /* closed: no block reaches the user any more */
-    _Atomic uint32_t inside;             /* blocks with the user */
+    /* shared by the threads */
+    _Atomic bool is_stopping, is_closed; /* is_closed: blocks do not reach the user any more */
+    _Atomic uint32_t inside;             /* number of blocks that the user is processing */
     _Atomic uint64_t block_count;
-    pthread_mutex_t lock; /* of what follows, the log and user.opened */
+    pthread_mutex_t lock; /* guards the following members, the log and user.opened */
     pthread_cond_t done;
     bool is_abandoned, is_done;
 };
 
 /* ---- blocks [device] ---- */
 
-/* Sequentially consistent: either the block sees that it is closed, or whoever closes sees the
- * block. */
+/* Sequentially consistent: either the block sees is_closed, or the closing thread sees `inside`. */
 static void pass_block(void *data, const sound_block *block)
 {
     sound_device *self = data;
@@ -89,8 +88,8 @@ static void close_stream(sound_device *self)
     self->handle = NULL;
 }
 
-/* Whoever gave up on this thread has taken the log and the user away. */
-static void tell_log(sound_device *self, const error *why)
+/* After is_abandoned is set, the log and the user may not exist any more. */
+static void log_error(sound_device *self, const error *why)
 {
     pthread_mutex_lock(&self->lock);
     if (!self->is_abandoned && self->log)
@@ -98,7 +97,7 @@ static void tell_log(sound_device *self, const error *why)
     pthread_mutex_unlock(&self->lock);
 }
 
-static mrt_result tell_user(sound_device *self, error *err)
+static mrt_result call_opened(sound_device *self, error *err)
 {
     mrt_result result = MRT_ERR_IO;
     pthread_mutex_lock(&self->lock);
@@ -116,7 +115,7 @@ static void go_away(sound_device *self, const error *why, int64_t now_ns)
              why->text);
     self->next_try_ns = now_ns + patience_ns;
     if (!log_once_repeats(&self->logged, why->text))
-        tell_log(self, why);
+        log_error(self, why);
     publish(self);
 }
 
@@ -135,7 +134,7 @@ static void open_stream(sound_device *self, int64_t now_ns)
     self->status.stream = stream;
     TRACE(TRACE_SOUND, "a device is open: %u channels at %u Hz",
           (unsigned)self->status.stream.channel_count, (unsigned)self->status.stream.rate_hz);
-    result = tell_user(self, &why);
+    result = call_opened(self, &why);
     if (result >= 0)
         result = self->backend.start(self->backend.self, self->handle, &why);
     if (result < 0) {
@@ -166,8 +165,8 @@ static void watch(sound_device *self, int64_t now_ns)
     if (self->backend.is_alive(self->backend.self, self->handle) && !is_silent(self, now_ns))
         return;
     (void)error_set(&why, MRT_ERR_IO,
-                    "sound: '%.80s' has stopped: was it unplugged? It is tried again as soon as it "
-                    "is there",
+                    "sound: '%.80s' has stopped, maybe it was unplugged. It is used again when it "
+                    "is connected.",
                     self->status.stream.name);
     self->status.lost_count += 1;
     go_away(self, &why, now_ns);
@@ -180,7 +179,7 @@ static bool is_same(const want *a, const want *b)
            a->request.number == b->request.number && strcmp(a->request.name, b->request.name) == 0;
 }
 
-static void take_want(sound_device *self)
+static void read_want(sound_device *self)
 {
     if (!slot_take(&self->want_slot))
         return;
@@ -202,7 +201,7 @@ int64_t sound_device_work(sound_device *self, int64_t now_ns)
         close_stream(self);
         return INT64_MAX;
     }
-    take_want(self);
+    read_want(self);
     if (self->is_open)
         watch(self, now_ns);
     else if (self->want.is_wanted && now_ns >= self->next_try_ns)
@@ -286,7 +285,7 @@ mrt_result sound_device_create(sound_device **out, sound_direction direction,
     condition_init(&self->done);
     if (threads == SOUND_OWN_THREADS && pthread_create(&self->thread, NULL, run, self) != 0) {
         free_device(self);
-        return error_set(err, MRT_ERR_MEMORY, "no thread for sound");
+        return error_set(err, MRT_ERR_MEMORY, "cannot create the thread for sound");
     }
     *out = self;
     return MRT_OK;

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The ring holds a third of a second and is looked after so often. */
+/* interval between rounds; the ring holds a third of a second */
 static const int64_t tick_ns = 20 * NS_PER_MS;
-/* At the seam of a loop the sound fades out and in. */
+/* length of the fade out and in at the end of a loop */
 static const double seam_s = 0.0025;
 static const int64_t loop_least_ns = 20 * NS_PER_MS;
 
@@ -28,21 +28,21 @@ struct sound_feed {
     pthread_t thread;
     wake wake;
     _Atomic bool is_stopping;
-    pthread_mutex_t lock; /* of these two */
+    pthread_mutex_t lock; /* guards `order` and `trouble` */
     order order;
     error trouble;
-    /* the feeder's */
+    /* owned by the feeder */
     show *show;
     sound_render *render;
     uint32_t edition, rate_hz; /* of the render */
     bool has_damage;
     sound_motion motion;
-    int64_t next; /* frame of the stream */
+    int64_t next; /* next frame of the stream */
     unsigned char *record;
-    bool is_owed; /* the record has found no room yet */
+    bool is_owed; /* `record` waits for room in the ring */
 };
 
-/* ---- what is played ---- */
+/* ---- sound to play ---- */
 
 static void note(sound_feed *self, const error *why)
 {
@@ -64,11 +64,11 @@ static mrt_result load(sound_feed *self, const take_audio *wanted, error *err)
         return MRT_OK;
     sound_render_destroy(self->render);
     self->render = NULL;
-    return error_set(err, MRT_ERR_FORMAT, "sound %lld: is not what it was said to be",
+    return error_set(err, MRT_ERR_FORMAT, "sound %lld: its number of channels has changed",
                      (long long)wanted->audio);
 }
 
-static void take_order(sound_feed *self)
+static void read_order(sound_feed *self)
 {
     error why = {""};
     pthread_mutex_lock(&self->lock);
@@ -85,7 +85,7 @@ static void take_order(sound_feed *self)
     sound_render_destroy(self->render);
     self->render = NULL;
     if (wanted.audio.audio != 0)
-        (void)load(self, &wanted.audio, &why); /* the trouble says it */
+        (void)load(self, &wanted.audio, &why); /* the error is stored in `trouble` */
     note(self, &why);
 }
 
@@ -96,7 +96,8 @@ static bool is_loop(const sound_motion *motion)
     return motion->loop_to_ns > motion->loop_from_ns && motion->at_ns < motion->loop_to_ns;
 }
 
-/* Where a frame of the stream lies on the timeline, and how far it is from the seams around it. */
+/* Position of a frame of the stream on the timeline, and its distance to the loop ends before and
+ * after it. */
 typedef struct cursor {
     int64_t frame, from_seam, to_seam;
 } cursor;
@@ -160,7 +161,7 @@ static void make_packet(sound_feed *self)
         packet.count = (uint32_t)at.to_seam;
     if (sound_render_frames(self->render, at.frame, samples, packet.count, &why) < 0 &&
         !self->has_damage) {
-        self->has_damage = true; /* silent there: said once */
+        self->has_damage = true; /* the frames are silent; reported once */
         note(self, &why);
     }
     fade_seams(samples, packet.count, channels, &at, rate_hz);
@@ -171,7 +172,7 @@ static void make_packet(sound_feed *self)
 
 /* ---- [feeder] ---- */
 
-static void take_motion(sound_feed *self)
+static void read_motion(sound_feed *self)
 {
     sound_motion newest;
     if (!sound_board_read(self->board, &newest) ||
@@ -182,7 +183,7 @@ static void take_motion(sound_feed *self)
     self->is_owed = false;
 }
 
-/* Whoever plays is farther: it has begun in the midst. */
+/* Skips frames if the player is already further ahead because it started in the middle. */
 static void catch_up(sound_feed *self)
 {
     uint64_t key = atomic_load_explicit(&self->follow->wanted_key, memory_order_acquire);
@@ -203,8 +204,8 @@ static bool is_to_play(const sound_feed *self)
 
 void sound_feed_work(sound_feed *self)
 {
-    take_order(self);
-    take_motion(self);
+    read_order(self);
+    read_motion(self);
     if (!is_to_play(self))
         return;
     catch_up(self);

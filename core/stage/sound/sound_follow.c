@@ -5,7 +5,7 @@
 #include <string.h>
 
 static const double fade_s = 0.005, band_s = 0.0002, jump_s = 0.005;
-/* Frames behind the cursor that stay, for small jumps back. */
+/* Frames that are kept behind the cursor for small jumps back. */
 enum { BEHIND_FRAMES = 4096 };
 
 /* ---- the board ---- */
@@ -77,7 +77,8 @@ static void adopt_motion(sound_follow *self)
 
 static void look_for_motion(sound_follow *self)
 {
-    (void)sound_board_read(self->board, &self->newest); /* else: with the next block */
+    /* if it fails, the next block tries again */
+    (void)sound_board_read(self->board, &self->newest);
     if (sound_follow_key(&self->newest) == sound_follow_key(&self->motion))
         return;
     if (self->is_sounding)
@@ -86,7 +87,7 @@ static void look_for_motion(sound_follow *self)
         adopt_motion(self);
 }
 
-/* The frame of the stream that belongs to a frame of the device. */
+/* Returns the frame of the stream that belongs to a frame of the device. */
 static double target_of(const sound_follow *self, int64_t device_frame)
 {
     int64_t time_ns = sound_clock_time_ns(&self->clock, device_frame);
@@ -105,13 +106,13 @@ static bool is_held(const sound_follow *self, int64_t first, int64_t count)
     return first >= self->window_first && first + count <= self->window_end;
 }
 
-static void let_go_before(sound_follow *self, int64_t frame)
+static void drop_before(sound_follow *self, int64_t frame)
 {
     if (self->window_first < frame)
         self->window_first = frame < self->window_end ? frame : self->window_end;
 }
 
-static void put_packet(sound_follow *self, const sound_packet *packet, const float *samples)
+static void append_packet(sound_follow *self, const sound_packet *packet, const float *samples)
 {
     size_t frame_size = self->channel_count * sizeof *samples;
     if (packet->first != self->window_end)
@@ -121,8 +122,8 @@ static void put_packet(sound_follow *self, const sound_packet *packet, const flo
                samples + (size_t)i * self->channel_count, frame_size);
 }
 
-/* False: it has to wait in the ring. */
-static bool take_packet(sound_follow *self, const sound_packet *packet, int64_t keep_from)
+/* Returns false if the packet must stay in the ring. */
+static bool accept_packet(sound_follow *self, const sound_packet *packet, int64_t keep_from)
 {
     const float *samples = (const float *)(const void *)(self->record + sizeof *packet);
     int64_t end = packet->first + packet->count;
@@ -137,7 +138,7 @@ static bool take_packet(sound_follow *self, const sound_packet *packet, int64_t 
     bool follows = packet->first == self->window_end;
     if (follows && end - self->window_first > SOUND_WINDOW)
         return false;
-    put_packet(self, packet, samples);
+    append_packet(self, packet, samples);
     return true;
 }
 
@@ -146,10 +147,10 @@ static void collect(sound_follow *self, double target)
     int64_t keep_from = self->is_sounding ? self->cursor : (int64_t)floor(target);
     sound_packet packet;
     keep_from -= BEHIND_FRAMES;
-    let_go_before(self, keep_from);
+    drop_before(self, keep_from);
     for (uint32_t i = 0; i < 2 * SOUND_PACKETS && ring_peek(self->packets, self->record); ++i) {
         memcpy(&packet, self->record, sizeof packet);
-        if (!take_packet(self, &packet, keep_from))
+        if (!accept_packet(self, &packet, keep_from))
             break;
         (void)ring_pop(self->packets, self->record);
     }
@@ -197,7 +198,7 @@ static void step(sound_follow *self, double off)
     atomic_fetch_add_explicit(&self->count.spliced, 1, memory_order_relaxed);
 }
 
-/* One correction at a time: each has its cross-fade. */
+/* Makes one correction at a time, because each has its own crossfade. */
 static void steer(sound_follow *self, double target)
 {
     double off = target - (double)self->cursor;
@@ -231,7 +232,8 @@ static float sample_of(const sound_follow *self, uint32_t channel)
     return before * frame_at(self, self->cursor_before)[channel] + (1.0f - before) * now;
 }
 
-/* One channel goes to the first two; many to one are averaged; else each to its own. */
+/* Mixes the channels: one channel goes to the first two, several channels to one are averaged,
+ * otherwise each channel goes to its own. */
 static void mix(const sound_follow *self, float *out, uint32_t out_channels)
 {
     float sum = 0.0f;
@@ -287,7 +289,7 @@ static void play_frame(sound_follow *self, float *out, uint32_t out_channels, do
 
 /* ---- blocks ---- */
 
-static void tell(sound_follow *self, double target)
+static void publish_state(sound_follow *self, double target)
 {
     atomic_store_explicit(&self->wanted, (int64_t)floor(target), memory_order_relaxed);
     atomic_store_explicit(&self->wanted_key, sound_follow_key(&self->motion), memory_order_release);
@@ -311,7 +313,7 @@ void sound_follow_fill(sound_follow *self, float *out, uint32_t count, uint32_t 
     uint64_t key = 0;
     double target = 0.0, pace = 1.0 + self->clock.stretch;
     for (uint32_t i = 0; i < count; ++i, target += pace) {
-        /* Also when another motion began in here. */
+        /* also after a change of the motion within the block */
         if (i == 0 || sound_follow_key(&self->motion) != key) {
             key = sound_follow_key(&self->motion);
             target = target_of(self, self->device_frame + i);
@@ -320,10 +322,10 @@ void sound_follow_fill(sound_follow *self, float *out, uint32_t count, uint32_t 
         play_frame(self, out + (size_t)i * out_channels, out_channels, target);
     }
     self->device_frame += count;
-    tell(self, target);
+    publish_state(self, target);
 }
 
-/* ---- life ---- */
+/* ---- create and destroy ---- */
 
 size_t sound_follow_record_size(uint32_t channel_count)
 {
@@ -361,7 +363,8 @@ void sound_follow_reset(sound_follow *self, uint32_t rate_hz)
         self->fade_frames = (int32_t)(fade_s * (double)rate_hz) + 1;
         self->band_frames = fmax(1.5, band_s * (double)rate_hz);
         self->jump_frames = jump_s * (double)rate_hz;
-        atomic_store(&self->wanted_key, 0); /* before the rate: nobody takes one for the other */
+        /* stored before the rate, so that no thread combines the old key with the new rate */
+        atomic_store(&self->wanted_key, 0);
         atomic_store(&self->rate_hz, rate_hz);
     }
     sound_clock_init(&self->clock, (double)rate_hz);
@@ -373,7 +376,7 @@ void sound_follow_reset(sound_follow *self, uint32_t rate_hz)
 /* ---- the click ---- */
 
 static const double click_s = 0.03, beat_hz = 1000.0, bar_hz = 1600.0, loudness = 0.5;
-/* A beat that is farther behind than that was passed over: by a jump, or the end of a loop. */
+/* A beat that is later than this is skipped, after a jump or at the end of a loop. */
 static const double late_ns = 5e6;
 
 void sound_click_reset(sound_click *self, uint32_t rate_hz)
@@ -401,7 +404,7 @@ static bool is_heard(const sound_motion *motion, double since_ns)
            (motion->beats & when) != 0;
 }
 
-/* Of the timeline, when so much of the host's time has passed since the motion began. */
+/* Returns the position on the timeline at a time since the start of the motion. */
 static double at_of(const sound_motion *motion, double since_ns)
 {
     const double at_ns = (double)motion->at_ns + since_ns;
@@ -421,7 +424,7 @@ static void begin(sound_click *self)
     atomic_fetch_add_explicit(&self->count, 1, memory_order_relaxed);
 }
 
-/* Each beat once, also where the device's clock is set a little. */
+/* Starts each click once, even if the clock of the device is corrected a little. */
 static void look_for_beat(sound_click *self, double since_ns)
 {
     const double at_ns = at_of(&self->motion, since_ns);
@@ -433,7 +436,7 @@ static void look_for_beat(sound_click *self, double since_ns)
         begin(self);
 }
 
-static void put(sound_click *self, float *out, uint32_t channels)
+static void add_click(sound_click *self, float *out, uint32_t channels)
 {
     const double fades = (double)self->left / (click_s * (double)self->rate_hz);
     const float sample = (float)(loudness * fades * fades * sin(self->phase));
@@ -458,7 +461,7 @@ void sound_click_add(sound_click *self, float *out, uint32_t count, uint32_t cha
         if (is_heard(&self->motion, since_ns))
             look_for_beat(self, since_ns);
         if (self->left > 0)
-            put(self, out + (size_t)i * channels, channels);
+            add_click(self, out + (size_t)i * channels, channels);
     }
     self->device_frame += count;
 }

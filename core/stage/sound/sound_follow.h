@@ -1,10 +1,10 @@
-/* stage/sound/sound_follow.h - the sound of a take onto a device whose clock is not the host's:
- * each block that the device asks for is filled with what belongs to the instant at which it is
- * heard. Frames come through a ring, in a stream of the timeline's frames from where the transport
- * set out; single ones are left out or repeated, cross-faded over 5 ms, once the two are more than
- * a fifth of a millisecond apart; a jump of more than 5 ms is made at once, cross-faded likewise.
- * Never waits, allocates or calls the system. Everything on the device's thread [device] unless
- * marked. */
+/* stage/sound/sound_follow.h - plays the sound of a take on a device whose clock differs from the
+ * host's clock. Each block of the device gets the frames that belong to the time at which it is
+ * heard. Frames arrive through a ring, as a stream of timeline frames from the start position of
+ * the transport. If the two clocks differ by more than a fifth of a millisecond, single frames are
+ * removed or repeated with a crossfade of 5 ms. A difference of more than 5 ms is corrected by one
+ * jump, also with a crossfade. Never waits, allocates or makes system calls. All functions on the
+ * thread of the device [device] unless marked. */
 #ifndef MAROTTE_STAGE_SOUND_FOLLOW_H
 #define MAROTTE_STAGE_SOUND_FOLLOW_H
 #include "base/error.h"
@@ -16,106 +16,110 @@
 
 enum { SOUND_PACKET_FRAMES = 256, SOUND_PACKETS = 64, SOUND_WINDOW = 16384, SOUND_BOARD_WORDS = 8 };
 
-/* Where the transport is: the host's clock shows host_ns when the timeline shows at_ns. Speed 1 is
- * heard; 0 is a pause; at any other it is silent. Revisions are counted up with each change. */
+/* Position of the transport: at host_ns of the host's clock, the timeline is at at_ns. Sound is
+ * played only at speed 1; 0 is a pause. The revision increases with each change. */
 typedef struct sound_motion {
-    uint32_t revision; /* 0: it has never moved */
-    uint32_t edition;  /* of the sound: counted up with each change of what is played */
+    uint32_t revision; /* 0: no motion yet */
+    uint32_t edition;  /* of the sound: increases with each change of the sound */
     int64_t host_ns, at_ns;
     double speed;
-    int64_t loop_from_ns, loop_to_ns; /* equal: no loop; else it goes from loop_to to loop_from */
-    bool is_mute;                     /* only its beats are heard */
-    double beat_ns;                   /* beats of the timeline are so far apart; 0: none */
-    uint32_t bar, beats;              /* beats of a bar; which are heard: SOUND_BEATS_* */
+    /* equal: no loop; otherwise playback jumps from loop_to to loop_from */
+    int64_t loop_from_ns, loop_to_ns;
+    bool is_mute;        /* only the click is played */
+    double beat_ns;      /* interval between beats of the timeline; 0: none */
+    uint32_t bar, beats; /* beats per bar; which beats click: SOUND_BEATS_* */
 } sound_motion;
-/* Before host_ns, which is a count-in; from host_ns on. */
+/* Before host_ns (count-in); from host_ns on. */
 enum { SOUND_BEATS_BEFORE = 1, SOUND_BEATS_AFTER = 2 };
-bool sound_motion_is_heard(const sound_motion *self); /* the sound, not its beats */
+/* Whether the sound is played, without the click. */
+bool sound_motion_is_heard(const sound_motion *self);
 
-/* The newest motion, for any number of readers; nobody waits. */
+/* The newest motion, for any number of readers. Readers and writer never wait. */
 typedef struct sound_board {
-    _Atomic uint32_t sequence; /* odd: being written */
+    _Atomic uint32_t sequence; /* odd: a write is in progress */
     _Atomic uint32_t edition;  /* [main] */
     _Atomic uint64_t word[SOUND_BOARD_WORDS];
 } sound_board;
 void sound_board_post(sound_board *self, const sound_motion *motion); /* [one thread] */
-/* False: it is being written just now. */
+/* Returns false while a write is in progress. */
 bool sound_board_read(const sound_board *self, sound_motion *out);
 
-/* Frames first.. of the stream of one revision and edition: frame 0 is at the motion's at_ns, loops
- * unrolled. The samples follow it in the ring's record: interleaved, of as many channels as the
- * sound has. */
+/* Consecutive frames of the stream of one revision and edition. Frame 0 is at at_ns of the motion,
+ * and loops are unrolled. In the ring, the samples follow the packet: interleaved, with the
+ * channels of the sound. */
 typedef struct sound_packet {
     uint32_t revision, edition;
     int64_t first;
     uint32_t count, rate_hz;
 } sound_packet;
 
-typedef struct sound_count {   /* [any] since it was made */
-    _Atomic uint64_t spliced;  /* single frames left out or repeated */
-    _Atomic uint32_t jumped;   /* over 5 ms at once */
-    _Atomic uint32_t starved;  /* times that frames came too late: a gap was heard */
-    _Atomic uint32_t broken;   /* times that the device said that it ran dry */
-    _Atomic int32_t drift_ppb; /* of the device's clock: + it runs fast */
-    _Atomic uint32_t is_heard; /* the last block had sound in it */
+typedef struct sound_count {   /* [any] since init */
+    _Atomic uint64_t spliced;  /* single frames that were removed or repeated */
+    _Atomic uint32_t jumped;   /* corrections of more than 5 ms */
+    _Atomic uint32_t starved;  /* gaps because frames arrived too late */
+    _Atomic uint32_t broken;   /* underruns that the device reported */
+    _Atomic int32_t drift_ppb; /* of the device's clock; > 0: it runs fast */
+    _Atomic uint32_t is_heard; /* the last block contained sound */
 } sound_count;
 
 typedef struct sound_follow {
-    _Atomic uint32_t rate_hz; /* [any] the device's, and of the frames that it wants */
+    _Atomic uint32_t rate_hz; /* [any] rate of the device and of the frames in the ring */
     uint32_t channel_count;   /* of the sound */
-    ring *packets;            /* not owned */
-    unsigned char *record;    /* of the ring's */
-    float *window;            /* SOUND_WINDOW frames, frame k at k modulo that */
+    ring *packets;            /* borrowed */
+    unsigned char *record;    /* one record of the ring */
+    float *window;            /* SOUND_WINDOW frames; frame k is at index k modulo SOUND_WINDOW */
     int64_t window_first, window_end;
-    const sound_board *board; /* not owned */
+    const sound_board *board; /* borrowed */
     sound_motion motion, newest;
-    bool is_ending; /* fading out: the newest motion waits */
+    bool is_ending; /* fading out, then `newest` becomes the motion */
     sound_clock clock;
     int64_t device_frame;
-    int64_t cursor, cursor_before; /* next frame of the stream; the one that fades out */
+    int64_t cursor, cursor_before; /* next frame of the stream; frame that fades out */
     int32_t fade_left, fade_frames;
-    float gain; /* 0..1, of starts and ends */
+    float gain; /* 0..1, for starts and ends */
     bool is_sounding, is_correcting;
-    bool is_leaving;                 /* fading out: it has lost its place */
-    double band_frames, jump_frames; /* as above; for tests to widen */
-    _Atomic uint64_t wanted_key;     /* [any] sound_follow_key() of the motion of which .. */
-    _Atomic int64_t wanted;          /* .. this frame is needed next */
+    bool is_leaving;                 /* fading out because its position is lost */
+    double band_frames, jump_frames; /* limits, see above; tests may widen them */
+    _Atomic uint64_t wanted_key;     /* [any] sound_follow_key() of the motion .. */
+    _Atomic int64_t wanted;          /* .. that needs this frame next */
     sound_count count;
 } sound_follow;
 
-/* [main] Before the device starts. A ring of sound_follow_record_size() for it. */
+/* [main] Call before the device starts. The records of the ring have the size
+ * sound_follow_record_size(). */
 size_t sound_follow_record_size(uint32_t channel_count);
 CHECKED mrt_result sound_follow_init(sound_follow *self, uint32_t rate_hz, uint32_t channel_count,
                                      ring *packets, const sound_board *board, error *err);
 void sound_follow_finish(sound_follow *self); /* accepts zeroed */
-/* [main] or the device's opener: it runs anew from here, at this rate. */
+/* [main] or the device's opener: restarts at this rate. */
 void sound_follow_reset(sound_follow *self, uint32_t rate_hz);
 uint64_t sound_follow_key(const sound_motion *motion);
 
-/* Fills count frames of out_channels each, the first of which is heard at time_ns. `is_broken`: the
- * device ran dry before. */
+/* Fills `count` frames with out_channels channels. The first frame is heard at time_ns. is_broken:
+ * an underrun happened before the block. */
 typedef enum sound_break { SOUND_GOES_ON = 0, SOUND_BROKEN } sound_break;
 void sound_follow_fill(sound_follow *self, float *out, uint32_t count, uint32_t out_channels,
                        int64_t time_ns, sound_break is_broken);
 
-/* ---- a click on each beat of the timeline, added to the blocks of a loudspeaker: each begins with
- * the frame that is heard at that instant, the first of a bar higher. Beats count from 0 of the
- * timeline on, and back from there: so a count-in falls on them too ---- */
+/* ---- click on each beat of the timeline, added to the blocks of a loudspeaker. A click starts
+ * with the frame that is heard at the beat. The first beat of a bar has a higher pitch. Beats are
+ * counted from time 0 in both directions, so a count-in is on the beat too ---- */
 
 typedef struct sound_click {
-    const sound_board *board; /* not owned */
+    const sound_board *board; /* borrowed */
     sound_motion motion;
     sound_clock clock;
-    int64_t device_frame, beat; /* the last frame's beat; INT64_MIN: none */
-    double at_ns;               /* on the timeline: of the last frame */
-    uint32_t rate_hz, left;     /* frames of the click that is heard */
+    int64_t device_frame, beat; /* beat of the last frame; INT64_MIN: none */
+    double at_ns;               /* position of the last frame on the timeline */
+    uint32_t rate_hz, left;     /* left: remaining frames of the current click */
     double phase, step;         /* of its sine, radians */
-    _Atomic uint64_t count;     /* [any] clicks since it was made */
+    _Atomic uint64_t count;     /* [any] number of clicks since it was created */
 } sound_click;
 
-/* [opener] Before the first block of each opening. */
+/* [opener] Call before the first block of each opening. */
 void sound_click_reset(sound_click *self, uint32_t rate_hz);
-/* Adds what is heard to count frames of channels each, the first of which is heard at time_ns. */
+/* Adds the clicks to `count` frames with `channels` channels. The first frame is heard at
+ * time_ns. */
 void sound_click_add(sound_click *self, float *out, uint32_t count, uint32_t channels,
                      int64_t time_ns, sound_break is_broken);
 

@@ -10,14 +10,14 @@
 #include <string.h>
 #include <time.h>
 
-/* Latencies that are longer are not to be believed. */
+/* Longer reported latencies are ignored. */
 static const double latency_max_s = 2.0;
-/* What is played follows a clock, so that a short way is not worth any risk of running dry. */
+/* Playback follows a clock, so a short latency is not worth the risk of an underrun. */
 static const double latency_least_s = 0.03;
 
-typedef struct host { /* PortAudio, which there is one of */
+typedef struct host { /* the one PortAudio of the process */
     pthread_mutex_t lock;
-    uint32_t stream_count; /* while there are any, what is plugged in later cannot be found */
+    uint32_t stream_count; /* while it is not 0, newly connected devices cannot be found */
 } host;
 
 typedef struct stream {
@@ -25,10 +25,10 @@ typedef struct stream {
     sound_direction direction;
     sound_callback *callback;
     void *data;
-    int64_t latency_ns; /* as it was opened */
+    int64_t latency_ns; /* reported when it was opened */
 } stream;
 
-/* ---- silence ---- */
+/* ---- suppress messages ---- */
 
 static void ignore_message(const char *text)
 {
@@ -45,7 +45,7 @@ static void ignore_alsa_error(const char *file, int line, const char *function, 
     (void)format;
 }
 
-/* By name, since whether PortAudio has ALSA or JACK at all is its own affair. */
+/* Finds the functions by name, because PortAudio may be built without ALSA or JACK. */
 static void silence_libraries(void)
 {
     int (*set_alsa)(void (*)(const char *, int, const char *, int, const char *, ...));
@@ -72,7 +72,7 @@ static double seconds_of(clockid_t clock)
     return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
 }
 
-/* How long ago `time_s` was, on whichever of the host's clocks it is; 0: on none. */
+/* Returns the age of `time_s` on the host clock that it belongs to. 0: unknown clock. */
 static double age_of(double time_s)
 {
     double monotonic_s = seconds_of(CLOCK_MONOTONIC) - time_s;
@@ -82,7 +82,8 @@ static double age_of(double time_s)
     return real_s >= 0.0 && real_s < 0.5 ? real_s : 0.0;
 }
 
-/* From when the callback was called to when its first frame is heard (+), or was said (-). */
+/* Returns the time from the callback to the sound of its first frame: > 0 for output, < 0 for
+ * input. */
 static double way_of(const stream *self, const PaStreamCallbackTimeInfo *info)
 {
     bool is_out = self->direction == SOUND_OUT;
@@ -112,7 +113,7 @@ static int pass_block(const void *in, void *out, unsigned long frame_count,
     return paContinue;
 }
 
-/* ---- opening ---- */
+/* ---- open ---- */
 
 static const char *kind_of(sound_direction direction)
 {
@@ -164,7 +165,7 @@ static mrt_result find_device(PaDeviceIndex *out, sound_direction direction, con
         return error_set(err, MRT_ERR_IO, "sound: no %s is called '%s': choose another one",
                          kind_of(direction), name);
     return error_set(err, MRT_ERR_IO,
-                     "sound: no %s was found: plug one in, or see that the system's sound runs and "
+                     "sound: no %s was found: connect one, or check that the sound server runs and "
                      "that you are in the group 'audio'",
                      kind_of(direction));
 }
@@ -180,13 +181,14 @@ static mrt_result explain(PaError code, sound_direction direction, const char *n
     case paInvalidSampleRate:
         return error_set(
             err, MRT_ERR_UNSUPPORTED,
-            "sound: %s '%.80s' does not run at %.0f Hz, which it says is its own rate: "
+            "sound: %s '%.80s' does not run at %.0f Hz, although it reports this rate: "
             "choose another one",
             kind_of(direction), name, rate_hz);
     case paDeviceUnavailable:
-        return error_set(err, MRT_ERR_IO,
-                         "sound: %s '%.80s' is busy or gone: close what else uses it",
-                         kind_of(direction), name);
+        return error_set(
+            err, MRT_ERR_IO,
+            "sound: %s '%.80s' is busy or disconnected: close other programs that use it",
+            kind_of(direction), name);
     default:
         return error_set(err, MRT_ERR_IO, "sound: %s '%.80s' cannot be opened: %.120s",
                          kind_of(direction), name, why);
@@ -220,7 +222,7 @@ static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_re
     const PaStreamInfo *opened = Pa_GetStreamInfo(self->pa);
     if (opened) {
         self->latency_ns = (int64_t)((is_out ? opened->outputLatency : opened->inputLatency) * 1e9);
-        /* A rate that is a little off is a matter of the device's clock, another one is not. */
+        /* A small difference is the drift of the device's clock. A larger one is another rate. */
         if (opened->sampleRate < rate_hz * 0.99 || opened->sampleRate > rate_hz * 1.01)
             rate_hz = opened->sampleRate;
     }
@@ -232,7 +234,7 @@ static mrt_result open_device(stream *self, PaDeviceIndex device, const sound_re
     return MRT_OK;
 }
 
-/* Devices are looked for anew whenever nothing is open. */
+/* Initialises PortAudio again when no stream is open, so that it finds new devices. */
 static mrt_result initialise(host *self, error *err)
 {
     if (self->stream_count > 0)
@@ -241,7 +243,7 @@ static mrt_result initialise(host *self, error *err)
     PaError code = Pa_Initialize();
     if (code == paNoError)
         return MRT_OK;
-    return error_set(err, MRT_ERR_IO, "sound: the system's sound does not start: %.120s",
+    return error_set(err, MRT_ERR_IO, "sound: cannot start the sound system: %.120s",
                      Pa_GetErrorText(code));
 }
 
@@ -268,7 +270,7 @@ static mrt_result open_locked(host *self, stream *of, const sound_request *reque
     return result;
 }
 
-/* ---- the backend ---- */
+/* ---- backend ---- */
 
 static mrt_result open_stream(void *data, sound_direction direction, const sound_request *request,
                               sound_callback *callback, void *user, sound_stream *out, error *err)

@@ -18,7 +18,7 @@ static const sound_pcm format = SOUND_PCM_S24;
 
 typedef struct packet {
     int64_t first;   /* frame of the device */
-    int64_t time_ns; /* of the first frame; 0: in the midst of a block */
+    int64_t time_ns; /* time of the first frame; 0: not at the start of a block */
     uint32_t count;
     bool is_broken;
     float samples[PACKET_SAMPLES];
@@ -33,32 +33,32 @@ struct sound_record {
     wake wake;
     bool has_thread;
     _Atomic bool is_stopping;
-    /* the device's */
+    /* owned by the device */
     sound_stream stream; /* of the first opening */
     int64_t device_frame;
     bool is_reopened;
-    _Atomic uint32_t is_open; /* stream is said */
+    _Atomic uint32_t is_open; /* `stream` is set */
     _Atomic uint32_t peak;    /* bits of a float >= 0 */
     /* [main] */
     int64_t audio_made;
-    bool has_failed; /* to make the row */
+    bool has_failed; /* the row cannot be created */
     uint32_t marked_gaps;
     uint64_t marked_frames;
     int64_t marked_ns;
-    /* the recorder's */
+    /* owned by the recorder */
     sound_clock clock;
     int64_t expected; /* frame of the device */
     bool has_begun;
     unsigned char *piece;
     size_t piece_frames, piece_least, piece_room;
     int64_t piece_first; /* frame of the device */
-    /* shared */
+    /* gap_ns: time of the last gap */
     _Atomic int64_t audio, first_time_ns, frame_count, gap_ns; /* gap: where the last one is */
     _Atomic uint64_t lost_frames;
     _Atomic uint32_t gap_count;
     _Atomic int32_t drift_ppb;
     pthread_mutex_t lock;
-    error trouble; /* the first */
+    error trouble; /* first error */
 };
 
 static void note(sound_record *self, const error *why)
@@ -76,8 +76,8 @@ mrt_result sound_record_opened(void *data, const sound_stream *stream, error *er
     sound_record *self = data;
     if (stream->channel_count < 1 || stream->channel_count > CHANNELS_MAX || stream->rate_hz == 0)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "sound: '%.80s' has %u channels, 1 or 2 can be recorded", stream->name,
-                         stream->channel_count);
+                         "sound: '%.80s' has %u channels: only 1 or 2 can be recorded",
+                         stream->name, stream->channel_count);
     if (!atomic_load(&self->is_open)) {
         self->stream = *stream;
         atomic_store(&self->is_open, 1);
@@ -85,11 +85,12 @@ mrt_result sound_record_opened(void *data, const sound_stream *stream, error *er
     }
     if (stream->rate_hz != self->stream.rate_hz ||
         stream->channel_count != self->stream.channel_count)
-        return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "sound: '%.80s' came back with %u Hz and %u channels instead of %u Hz and "
-                         "%u: arm the microphone again",
-                         stream->name, stream->rate_hz, stream->channel_count, self->stream.rate_hz,
-                         self->stream.channel_count);
+        return error_set(
+            err, MRT_ERR_UNSUPPORTED,
+            "sound: '%.80s' reconnected with %u Hz and %u channels instead of %u Hz and "
+            "%u: arm the microphone again",
+            stream->name, stream->rate_hz, stream->channel_count, self->stream.rate_hz,
+            self->stream.channel_count);
     self->is_reopened = true;
     return MRT_OK;
 }
@@ -100,7 +101,7 @@ static void raise_peak(sound_record *self, const float *samples, size_t count)
     for (size_t i = 0; i < count; ++i)
         peak = fmaxf(peak, fabsf(samples[i]));
     uint32_t bits, before = atomic_load_explicit(&self->peak, memory_order_relaxed);
-    memcpy(&bits, &peak, sizeof bits); /* floats >= 0 are in the order of their bits */
+    memcpy(&bits, &peak, sizeof bits); /* floats >= 0 have the same order as their bits */
     if (bits > before)
         (void)atomic_compare_exchange_strong(&self->peak, &before, bits);
 }
@@ -154,8 +155,8 @@ static void flush_piece(sound_record *self)
     self->piece_frames = 0;
 }
 
-/* The piece that is being filled is of the clock as it was before. */
-static void tell_clock(sound_record *self, const packet *from)
+/* Updates the clock. The current piece belongs to the clock before a jump. */
+static void update_clock(sound_record *self, const packet *from)
 {
     double late_ns = (double)(from->time_ns - sound_clock_time_ns(&self->clock, from->first));
     if (from->is_broken && self->clock.count > 0) {
@@ -174,7 +175,7 @@ static void tell_clock(sound_record *self, const packet *from)
     count_gap(self, late_ns / self->clock.nominal_ns, from->time_ns);
 }
 
-static void take_packet(sound_record *self, const packet *from)
+static void append_packet(sound_record *self, const packet *from)
 {
     uint32_t channels = self->stream.channel_count;
     if (self->has_begun && from->first != self->expected) {
@@ -183,7 +184,7 @@ static void take_packet(sound_record *self, const packet *from)
                   sound_clock_time_ns(&self->clock, self->expected));
     }
     if (from->time_ns != 0)
-        tell_clock(self, from);
+        update_clock(self, from);
     if (self->piece_frames == 0)
         self->piece_first = from->first;
     (void)sound_pcm_pack(self->piece + self->piece_frames * channels * SAMPLE_BYTES, from->samples,
@@ -195,7 +196,8 @@ static void take_packet(sound_record *self, const packet *from)
         flush_piece(self);
 }
 
-/* Before the first packet is taken the show needs a row for it, which is made by [main]. */
+/* Returns whether the show has a row for the sound, which [main] creates before the first packet is
+ * read. */
 static bool is_ready(sound_record *self)
 {
     packet first;
@@ -224,7 +226,7 @@ void sound_record_work(sound_record *self)
     if (!is_ready(self) || prepare(self) < 0)
         return;
     while (ring_pop(self->packets, &next))
-        take_packet(self, &next);
+        append_packet(self, &next);
     if (self->piece_frames >= self->piece_least)
         flush_piece(self);
     atomic_store(&self->drift_ppb, (int32_t)(sound_clock_drift_ppm(&self->clock) * 1000.0));
@@ -244,7 +246,7 @@ static void *run(void *data)
 
 /* ---- [main] ---- */
 
-/* Where something is missing there is a mark, at most one a second. */
+/* Sets a mark at a gap, at most one per second. */
 static void mark_gaps(sound_record *self)
 {
     char text[96];
@@ -276,7 +278,7 @@ static void make_row(sound_record *self)
     snprintf(audio.name, sizeof audio.name, "%s", self->stream.name);
     snprintf(audio.format, sizeof audio.format, "%s", sound_pcm_name(format));
     if (show_audio_create(self->show, &audio, &self->audio_made, &why) < 0) {
-        self->has_failed = true; /* said once; it is not recorded */
+        self->has_failed = true; /* reported once; the sound is not recorded */
         note(self, &why);
         return;
     }
@@ -316,7 +318,7 @@ static void stop_thread(sound_record *self)
 void sound_record_end(sound_record *self)
 {
     stop_thread(self);
-    sound_record_work(self); /* a row may be wanted still */
+    sound_record_work(self); /* the row may not exist yet */
     sound_record_update(self);
     sound_record_work(self);
     flush_piece(self);

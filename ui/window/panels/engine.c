@@ -49,7 +49,7 @@ static uint32_t add(engine_counter *out, uint32_t count, uint64_t value, bool is
 
 uint32_t engine_counters(const live_status *status, engine_counter out[ENGINE_COUNTERS_MAX])
 {
-    const performer_counts *of = &status->counts;
+    const composer_counts *of = &status->counts;
     uint32_t n = 0;
     n = add(out, n, of->bad_pulls, true, "Bad pulls",
             "The mapping gave nonsense: its last good pull was held.");

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+enum { VALUE_TEXT = 64 };
+
 typedef enum value_kind {
     VALUE_BOOL,
     VALUE_ENUM, /* int */
@@ -95,26 +97,21 @@ static const value_field fields[] = {
     VIEW(U32, pass),
 };
 
-uint32_t engine_state_count(void)
-{
-    return (uint32_t)(sizeof fields / sizeof fields[0]);
-}
-
 /* Copies the bytes of a field, of any type. */
 #define FIELD(type, to)                                                                            \
     type to;                                                                                       \
     memcpy(&to, at, sizeof to)
 
-static void write_value(char out[ENGINE_STATE_TEXT], value_kind kind, const unsigned char *at)
+static void write_value(char out[VALUE_TEXT], value_kind kind, const unsigned char *at)
 {
     FIELD(uint32_t, u32);
     switch (kind) {
     case VALUE_BOOL:
-        (void)snprintf(out, ENGINE_STATE_TEXT, "%s", *at ? "true" : "false");
+        (void)snprintf(out, VALUE_TEXT, "%s", *at ? "true" : "false");
         return;
     case VALUE_ENUM:
     case VALUE_U32:
-        (void)snprintf(out, ENGINE_STATE_TEXT, "%" PRIu32, u32);
+        (void)snprintf(out, VALUE_TEXT, "%" PRIu32, u32);
         return;
     default:
         break;
@@ -123,29 +120,23 @@ static void write_value(char out[ENGINE_STATE_TEXT], value_kind kind, const unsi
     FIELD(int64_t, i64);
     FIELD(double, number);
     if (kind == VALUE_DOUBLE)
-        (void)snprintf(out, ENGINE_STATE_TEXT, "%.6g", number);
+        (void)snprintf(out, VALUE_TEXT, "%.6g", number);
     else if (kind == VALUE_SECONDS)
-        (void)snprintf(out, ENGINE_STATE_TEXT, "%.6f s", 1e-9 * (double)i64);
+        (void)snprintf(out, VALUE_TEXT, "%.6f s", 1e-9 * (double)i64);
     else if (kind == VALUE_I64)
-        (void)snprintf(out, ENGINE_STATE_TEXT, "%" PRId64, i64);
+        (void)snprintf(out, VALUE_TEXT, "%" PRId64, i64);
     else
-        (void)snprintf(out, ENGINE_STATE_TEXT, "%" PRIu64, u64);
-}
-
-engine_state_value engine_state_at(const live_status *status, const live_view *view, uint32_t index)
-{
-    const value_field *field = &fields[index];
-    const unsigned char *base =
-        field->is_of_view ? (const unsigned char *)view : (const unsigned char *)status;
-    engine_state_value out = {.name = field->name};
-    write_value(out.value, field->kind, base + field->offset);
-    return out;
+        (void)snprintf(out, VALUE_TEXT, "%" PRIu64, u64);
 }
 
 void engine_state_draw(ui *on, const live_status *status, const live_view *view)
 {
-    for (uint32_t i = 0; i < engine_state_count(); ++i) {
-        const engine_state_value row = engine_state_at(status, view, i);
-        ui_fact(on, row.name, 188.0f, UI_STYLE_BODY, row.value);
+    for (size_t i = 0; i < sizeof fields / sizeof fields[0]; ++i) {
+        const value_field *field = &fields[i];
+        const unsigned char *base =
+            field->is_of_view ? (const unsigned char *)view : (const unsigned char *)status;
+        char value[VALUE_TEXT];
+        write_value(value, field->kind, base + field->offset);
+        ui_fact(on, field->name, 188.0f, UI_STYLE_BODY, value);
     }
 }

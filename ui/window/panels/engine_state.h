@@ -6,19 +6,8 @@
 
 #include "stage/live/live.h"
 
-enum { ENGINE_STATE_TEXT = 64 };
-
-typedef struct engine_state_value {
-    const char *name; /* "writer.backlog": the path of the field in live_status or live_view */
-    char value[ENGINE_STATE_TEXT];
-} engine_state_value;
-
-/* The number of values. */
-uint32_t engine_state_count(void);
-/* The value at `index`, which must be less than engine_state_count(). */
-engine_state_value engine_state_at(const live_status *status, const live_view *view,
-                                   uint32_t index);
-/* A row for each value. */
+/* A row for each field: "writer.backlog" is its path in live_status, "view." stands for live_view.
+ */
 void engine_state_draw(ui *on, const live_status *status, const live_view *view);
 
 #endif
