@@ -79,7 +79,7 @@ grep -q 'full/0000.*cannot write' full.txt || fail "a full disk is not said: $(c
 refused 2 'WIDTHxHEIGHT' "$MAROTTE" perform "${performed[@]}" --export out/a/ --size 640
 refused 2 'front, side or' "$MAROTTE" perform "${performed[@]}" --export out/a/ --view back
 refused 2 'transparent, or a colour' "$MAROTTE" perform "${performed[@]}" --export out/a/ --background green
-refused 2 'even number of pixels a side: --size 640x482' "$MAROTTE" perform "${performed[@]}" --export out/a.mp4 --size 640x481
+refused 2 'even number of pixels on each side: --size 640x482' "$MAROTTE" perform "${performed[@]}" --export out/a.mp4 --size 640x481
 refused 2 'cannot be transparent' "$MAROTTE" perform "${performed[@]}" --export out/a.mp4 --background transparent
 refused 1 'EGL' env __EGL_VENDOR_LIBRARY_FILENAMES=/nowhere.json "$MAROTTE" perform "${performed[@]}" --export out/a/
 refused 1 'package ffmpeg' env PATH=/nowhere "$MAROTTE" perform "${performed[@]}" --export out/a.mp4

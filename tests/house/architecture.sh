@@ -51,6 +51,10 @@ while IFS= read -r name; do
     grep -rqw "$name" core ui --include='*.[ch]' || complain "nothing is called $name"
 done < <(grep -oE '`[A-Za-z]+_[A-Za-z_]+`' ARCHITECTURE.md | tr -d '`' | sort -u)
 
+# The picture is drawn from the text.
+awk -f tests/house/draw_frame.awk ARCHITECTURE.md | cmp -s - .github/frame.svg ||
+    complain ".github/frame.svg is not up to date: awk -f tests/house/draw_frame.awk ARCHITECTURE.md >.github/frame.svg"
+
 # The top of the tree stays these folders; a copy without git has nothing to ask.
 for folder in $(git ls-files 2>/dev/null | cut -d/ -f1 -s | sort -u); do
     case $folder in

@@ -57,7 +57,7 @@ in_section && /^```/ { fences++; if (fences == 2) exit; next }
     text(x, y + 13, "call", where)
     if (phase != "" && match(what, /^[a-z]+: /)) { # the phase's name
         text(420, y + 13, "name", substr(what, 1, RLENGTH - 2))
-        text(490, y + 13, "what", substr(what, RLENGTH + 1))
+        text(498, y + 13, "what", substr(what, RLENGTH + 1))
     } else if (what != "")
         text(420, y + 13, "what", what)
     y += row
