@@ -190,10 +190,10 @@ static void what_cannot_be_done_says_why(void **state)
     (void)state;
     open_room(&r, false);
     assert_false(app_can(r.app, ACTION_PLAY, &why));
-    assert_string_equal(why, "no take is chosen");
+    assert_string_equal(why, "no take is selected");
     assert_false(app_can(r.app, ACTION_SPLIT, &why));
     assert_false(app_can(r.app, ACTION_UNDO, &why));
-    assert_string_equal(why, "there is nothing to undo");
+    assert_string_equal(why, "nothing to undo");
     app_do(r.app, ACTION_UNDO);
     assert_true(was_said(r.app, "nothing to undo"));
     assert_true(app_can(r.app, ACTION_HELP, &why));

@@ -35,7 +35,7 @@ static bool press_until(room *r, int pad, uint8_t controller, condition *holds)
 
 static bool is_marked(app *of)
 {
-    return was_said(of, "marked this instant");
+    return was_said(of, "marker added");
 }
 
 static void buttons_of_a_patch_record_mark_and_stop(void **state)

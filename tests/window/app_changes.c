@@ -210,7 +210,7 @@ static void an_input_that_opens_during_a_take_joins_behind_it(void **state)
     until(&r, is_recorded);
     app_do(r.app, ACTION_RECORD);
     until(&r, has_one_input);
-    assert_false(was_said(&r, "end it first"));
+    assert_false(was_said(&r, "stop it first"));
     close_room(&r);
 }
 

@@ -184,13 +184,13 @@ static void undo_stops_where_another_take_begins(void **state)
     app_do(r.app, ACTION_UNDO);
     assert_int_equal(app_take_id(r.app), first);
     assert_int_equal(rating(&r), 1);
-    assert_non_null(strstr(newest(&r), "in front again"));
+    assert_non_null(strstr(newest(&r), "is shown again"));
     app_do(r.app, ACTION_UNDO);
     assert_int_equal(rating(&r), 0);
     assert_non_null(strstr(newest(&r), "undone: "));
     app_do(r.app, ACTION_REDO);
     assert_int_equal(rating(&r), 1);
-    assert_non_null(strstr(newest(&r), "done again: "));
+    assert_non_null(strstr(newest(&r), "redone: "));
     app_do(r.app, ACTION_REDO); /* the border again */
     assert_int_equal(app_take_id(r.app), second);
     assert_int_equal(rating(&r), 0);
@@ -322,7 +322,7 @@ static void what_is_recorded_cannot_be_duplicated_yet(void **state)
     (void)state;
     open_room(&r, true);
     assert_false(app_can(r.app, ACTION_DUPLICATE, &why));
-    assert_string_equal(why, "no take is chosen");
+    assert_string_equal(why, "no take is selected");
     close_room(&r);
 }
 

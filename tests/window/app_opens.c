@@ -60,7 +60,7 @@ static void a_last_show_that_is_no_show_stops_nothing(void **state)
     char text[300];
     (void)state;
     make_room(&r);
-    assert_int_equal(file_write(r.show, "no show", 7, &err), MRT_OK);
+    assert_int_equal(file_write(r.show, "not a show", 7, &err), MRT_OK);
     (void)snprintf(text, sizeof text,
                    "{\"looks\": {}, \"last\": {\"show\": \"%s\", \"mapping\": \"gone\"}}", r.show);
     assert_int_equal(file_write(r.settings, text, strlen(text), &err), MRT_OK);
@@ -105,7 +105,7 @@ static void a_mapping_that_does_not_fit_leaves_the_face_at_rest(void **state)
     if (open_with(&r, &with, &err) < 0)
         fail_msg("%s", err.text);
     assert_true(was_said(r.app, "This face has no rig yet"));
-    assert_true(was_said(r.app, "At rest; these fit it: "));
+    assert_true(was_said(r.app, "The face stays neutral. Mappings that fit it: "));
     assert_true(was_said(r.app, "anchored"));
     assert_null(live_mapping(app_live(r.app)));
     if (live_set_mapping(app_live(r.app), "anchored", &err) < 0)
@@ -161,7 +161,7 @@ static void a_face_that_the_mapping_does_not_fit_is_opened_at_rest(void **state)
     assert_non_null(strstr(app_face_path(r.app), "moai.glb"));
     assert_null(live_mapping(app_live(r.app)));
     assert_true(was_said(r.app, "This face has no rig yet"));
-    assert_true(was_said(r.app, "At rest; these fit it: "));
+    assert_true(was_said(r.app, "The face stays neutral. Mappings that fit it: "));
     assert_true(app_open_face(r.app, "/nowhere.rig.json") < 0);
     close_room(&r);
 }

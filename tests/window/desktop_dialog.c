@@ -305,7 +305,7 @@ static bool shows_no_word(scene *of, void *text)
 }
 
 static char asks_at_all[] = "The desktop";
-static char waits[] = "The desktop is asked", asks[] = "The desktop's own dialog asks",
+static char waits[] = "Opening the dialog of the desktop", asks[] = "Choose the file in the dialog",
             of_list[] = "Shows";
 
 static void what_is_chosen_there_is_opened(void **state)

@@ -1,4 +1,4 @@
-/* The export dialog in the whole window: what is there already is asked about, what goes on says
+/* The export dialog in the whole window: what already exists is asked about, what goes on says
  * how far it is and can be cancelled. */
 #include <stdarg.h>
 #include <stddef.h>
@@ -90,7 +90,7 @@ static void what_is_there_is_replaced_when_asked_twice(void **state)
     scene_do(&s, ACTION_EXPORT);
     scene_click_word(&s, "Export");
     assert_int_equal(exporter_count(app_exporter(s.app)), 0);
-    assert_non_null(scene_word_with(&s, "is there already"));
+    assert_non_null(scene_word_with(&s, "already exists"));
     scene_look(&s, "export_replaces");
     scene_check_words(&s);
     scene_click_word(&s, "Export");
@@ -168,7 +168,7 @@ static void pictures_are_as_the_dialog_says(void **state)
     scene_click_word(&s, "glTF, for Blender, Unity, Unreal (.glb)");
     scene_click_word(&s, "Pictures, a folder of PNG");
     assert_non_null(scene_word_with(&s, "Not: sound."));
-    scene_click_word(&s, "As the take says");
+    scene_click_word(&s, "As in the take");
     scene_click_word(&s, "24");
     scene_click_word(&s, "1280 x 720");
     scene_click_word(&s, "640 x 360");
@@ -191,7 +191,7 @@ static void pictures_are_as_the_dialog_says(void **state)
     scene_click_word(&s, "Video (.mp4)");
     assert_null(scene_word(&s, "Transparent"));
     scene_click_word(&s, "The wall of the stage");
-    assert_non_null(scene_word(&s, "Green, to key"));
+    assert_non_null(scene_word(&s, "Green, for keying"));
     assert_null(scene_word(&s, "Transparent"));
     scene_close(&s);
 }
@@ -213,12 +213,12 @@ static void quitting_asks_about_an_export_that_goes_on(void **state)
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
     assert_false(s.is_over);
-    assert_non_null(scene_word(&s, "An export goes on"));
+    assert_non_null(scene_word(&s, "An export is running"));
     scene_look(&s, "export_quits");
     scene_check_words(&s);
     scene_click_word(&s, "Stay");
     scene_frames(&s, 3);
-    assert_null(scene_word(&s, "An export goes on"));
+    assert_null(scene_word(&s, "An export is running"));
     assert_int_equal(exporter_count(app_exporter(s.app)), 1);
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
@@ -238,7 +238,7 @@ static void an_export_is_given_up_with_the_program(void **state)
     ask_for_an_export(&s, "Pictures, a folder of PNG");
     scene_do(&s, ACTION_QUIT);
     scene_frames(&s, 3);
-    scene_click_word(&s, "Give up and quit");
+    scene_click_word(&s, "Cancel and quit");
     assert_true(scene_until(&s, is_over, NULL));
     scene_close(&s);
 }
@@ -323,7 +323,7 @@ static void several_takes_are_exported_and_one_that_fails_stops_no_other(void **
     scene_check_words(&s);
     scene_click_word(&s, "Export");
     assert_int_equal(exporter_count(app_exporter(s.app)), 0);
-    assert_non_null(scene_word_with(&s, "is there already"));
+    assert_non_null(scene_word_with(&s, "already exists"));
     scene_click_word(&s, "Export");
     assert_int_equal(exporter_count(app_exporter(s.app)), 2);
     assert_true(scene_until(&s, are_exports, &none));
@@ -347,7 +347,7 @@ static void a_preset_chooses_and_what_is_typed_is_checked(void **state)
     assert_non_null(scene_word(&s, "Transparent"));
     assert_non_null(scene_word(&s, "Writes night_1/"));
     scene_click_word(&s, "1920 x 1080");
-    scene_click_word(&s, "Another size");
+    scene_click_word(&s, "Custom size");
     scene_click_word(&s, "Export");
     assert_int_equal(exporter_count(app_exporter(s.app)), 0);
     assert_non_null(scene_word_with(&s, "The size"));

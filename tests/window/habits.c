@@ -118,7 +118,7 @@ static void a_small_window_keeps_room_for_its_panels(void **state)
     assert_non_null(size);
     scene_move(&s, size->where.x + 4.0f, size->where.y + 4.0f);
     scene_frames(&s, 60);
-    assert_non_null(scene_word_with(&s, "no room"));
+    assert_non_null(scene_word_with(&s, "Enlarge the window"));
     scene_close(&s);
 }
 
@@ -230,7 +230,7 @@ static void a_key_is_changed_by_a_click_and_a_key(void **state)
     assert_int_equal(key_map_action(&app_looks_of(s.app)->keys, (key_chord){'M', 0}), ACTION_MARK);
     scene_key(&s, 'Q', UI_SHIFT); /* free */
     assert_non_null(scene_word(&s, "Shift+Q"));
-    scene_click_word(&s, "Mark");
+    scene_click_word(&s, "Add marker");
     scene_key(&s, 'K', 0);
     scene_key(&s, 'K', 0); /* once more takes it */
     const key_map *keys = &app_looks_of(s.app)->keys;
@@ -255,9 +255,9 @@ static void a_key_is_changed_by_a_click_and_a_key(void **state)
     assert_true(scene_until(&s, is_recording, NULL));
     scene_key(&s, 'Q', UI_SHIFT);
     scene_do(&s, ACTION_HELP);
-    scene_click_word(&s, "Keys as at first");
+    scene_click_word(&s, "Reset keys");
     assert_int_equal(key_map_of(&app_looks_of(s.app)->keys, ACTION_RECORD).key, 'R');
-    assert_null(scene_word(&s, "Keys as at first"));
+    assert_null(scene_word(&s, "Reset keys"));
     scene_close(&s);
 }
 

@@ -77,7 +77,7 @@ static void a_hand_that_comes_during_a_take_is_refused_once_and_joins_behind_it(
     assert_true(scene_until(&s, is_recorded, NULL));
     scene_do(&s, ACTION_HAND_KEYS);
     scene_frames(&s, 20);
-    assert_int_equal(times_said(&s, "end it first"), 1);
+    assert_int_equal(times_said(&s, "stop it first"), 1);
     assert_int_equal(input_count(&s), 0);
     app_do(s.app, ACTION_RECORD);
     assert_true(scene_until(&s, has_hand, NULL));

@@ -161,7 +161,7 @@ static void the_field_keeps_the_focus_in_a_folder_and_after_what_cannot_be_opene
     assert_true(ui_has_dialog(s.ui));
     scene_type(&s, "none.glb");
     scene_key(&s, UI_KEY_ENTER, 0);
-    assert_non_null(scene_word_with(&s, "is not there"));
+    assert_non_null(scene_word_with(&s, "does not exist"));
     scene_type(&s, name);
     scene_key(&s, UI_KEY_ENTER, 0);
     assert_false(ui_has_dialog(s.ui));
@@ -373,8 +373,7 @@ static void a_drafted_rig_is_read_again_as_it_was_drafted(void **state)
 static bool asks_mouth(scene *of, void *data)
 {
     (void)data;
-    return !app_notes_of(of->app)->is_drafting &&
-           scene_word(of, "There is no slit between the lips.");
+    return !app_notes_of(of->app)->is_drafting && scene_word(of, "The lips are joined.");
 }
 
 static bool has_cut(scene *of, void *data)
@@ -513,10 +512,10 @@ static void whatever_is_dropped_is_opened_as_what_it_is(void **state)
     assert_string_equal(show_path(app_show(s.app)), path);
     put(file, "voice.WAV", "RIFF");
     drop(file);
-    assert_non_null(strstr(newest(), "choose the take"));
+    assert_non_null(strstr(newest(), "select the take"));
     put(file, "letter", "Dear Sir,");
     drop(file);
-    assert_non_null(strstr(newest(), "is no show, face, recording of hands, sound or picture"));
+    assert_non_null(strstr(newest(), "is not a show, face, recorded hand, sound or picture"));
     drop(s.folder);
     assert_true(ui_has_dialog(s.ui));
     assert_non_null(scene_word(&s, "other.marotte"));
@@ -638,7 +637,7 @@ static void a_show_goes_on_under_another_name(void **state)
 
     type_path(before); /* a show is never written over */
     assert_true(ui_has_dialog(s.ui));
-    assert_non_null(scene_word_with(&s, "is there already"));
+    assert_non_null(scene_word_with(&s, "already exists"));
     scene_key(&s, UI_KEY_ESCAPE, 0);
     type_path("/nowhere/at/all.marotte"); /* what fails is said, and the old one goes on */
     assert_true(scene_until(&s, says_nowhere, NULL));
@@ -647,7 +646,7 @@ static void a_show_goes_on_under_another_name(void **state)
     scene_key(&s, 'R', 0);
     assert_true(scene_until(&s, has_recorded, NULL));
     type_path("late"); /* not in the middle of a take */
-    assert_non_null(scene_word_with(&s, "end it first"));
+    assert_non_null(scene_word_with(&s, "stop it first"));
     scene_close(&s);
 }
 

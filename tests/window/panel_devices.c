@@ -143,7 +143,7 @@ static void what_is_refused_is_said_in_the_panel_and_in_the_news(void **state)
     stand_plugin(&s, "plugins/log");
     stand_input(&s, demo);
     stand_wait_for(&s, "running");
-    s.refusal = "a take is being recorded: end it first";
+    s.refusal = "a take is being recorded: stop it first";
     stand_click(&s, "Remove");
     assert_int_equal(s.input_count, 1);
     assert_true(stand_shows(&s, "a take is being recorded"));

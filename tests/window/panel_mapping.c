@@ -119,7 +119,7 @@ static void a_refused_mapping_leaves_the_old_one_and_says_why(void **state)
     (void)state;
     stand s = {.input_count = 0};
     open_with(&s, "anchored", 1.0f);
-    s.refusal = "a take is being recorded: end it first";
+    s.refusal = "a take is being recorded: stop it first";
     stand_click(&s, "Anchored");
     stand_click_last(&s, "One hand");
     assert_string_equal(s.mapping.type->id, "org.marotte.anchored");

@@ -266,7 +266,7 @@ static void a_take_is_recorded_marked_and_ended_by_osc(void **state)
     assert_non_null(strstr(h.says, "already"));
     assert_true(app_status(d.room.app)->is_recording);
     h = osc(&d, "/marotte/remote/mark");
-    assert_string_equal(h.says, "marked this instant");
+    assert_string_equal(h.says, "marker added");
     h = osc(&d, "/marotte/remote/stop");
     assert_int_equal(h.ok, 1);
     assert_true(until(&d.room, has_ended));
@@ -550,7 +550,7 @@ static void one_that_the_network_reaches_is_not_open_again_at_the_next_start(voi
     make_room(&r);
     assert_string_equal(next_start(&r, "{\"looks\": {}, \"remote\": {\"place\": \"0.0.0.0:9\"}}"),
                         "");
-    assert_true(was_said(r.app, "not opened by itself"));
+    assert_true(was_said(r.app, "not switched on automatically"));
     app_set_remote(r.app, "127.0.0.1:9");
     app_destroy(r.app);
     assert_string_equal(next_start(&r, NULL), "127.0.0.1:9");

@@ -169,7 +169,7 @@ static void under_another_name_it_goes_on_there_and_undo_too(void **state)
     scene_key(&s, 'A', UI_CONTROL);
     scene_type(&s, "puppet");
     scene_key(&s, UI_KEY_ENTER, 0);
-    assert_non_null(scene_word_with(&s, "is there already"));
+    assert_non_null(scene_word_with(&s, "already exists"));
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_true(is_unsaved(&s, NULL));
 
@@ -221,7 +221,7 @@ static void undo_in_the_rig_stops_before_what_was_done_to_takes(void **state)
     assert_true(was_said(&s, "undone: rig: "));
     scene_key(&s, 'Z', UI_CONTROL);
     assert_int_equal(app_take(s.app)->rating, 4);
-    assert_true(was_said(&s, "leave the Rig panel"));
+    assert_true(was_said(&s, "Leave the panel Rig"));
     scene_look(&s, "rig_undo_stops");
     scene_do(&s, ACTION_RATE_2);
     scene_key(&s, 'Z', UI_CONTROL);

@@ -451,7 +451,7 @@ static void all_of_the_scene_is_undone_and_done_again_bit_for_bit(void **state)
                fill->where.y + 20.0f, 5);
     scene_click_word(&s, "Remove"); /* of the picture */
     scene_frames(&s, 2);
-    assert_string_equal(app_undo_words(s.app), "the picture behind the face");
+    assert_string_equal(app_undo_words(s.app), "the background picture");
     read_notes(&s, last);
     assert_false(has_backdrop(&s, NULL));
     for (int i = 0; i < 5; ++i) {

@@ -238,7 +238,7 @@ static void the_show_that_is_open_is_opened_again_and_records_on(void **state)
     assert_int_equal(app_take_id(s.app), chosen);
     assert_non_null(
         strstr(news_list_at(app_news(s.app), news_list_count(app_news(s.app)) - 1)->text,
-               "is open already"));
+               "is already open"));
     scene_do(&s, ACTION_LIVE);
     scene_do(&s, ACTION_RECORD);
     assert_true(scene_until(&s, has_recorded, NULL));
@@ -298,7 +298,8 @@ static void an_r_just_after_recording_ended_by_itself_begins_no_take(void **stat
     scene_do(&s, ACTION_RECORD);
     assert_false(app_status(s.app)->is_recording);
     const news_list *news = app_news(s.app);
-    assert_non_null(strstr(news_list_at(news, news_list_count(news) - 1)->text, "ended by itself"));
+    assert_non_null(
+        strstr(news_list_at(news, news_list_count(news) - 1)->text, "the overdub has ended"));
     scene_look(&s, "timeline_scene_punched");
     scene_close(&s);
 }
@@ -400,7 +401,7 @@ static void a_count_in_is_seen_given_up_and_then_records(void **state)
     scene_do(&s, ACTION_RECORD);
     assert_false(app_status(s.app)->is_recording);
     assert_true(app_leads_in_s(s.app) > 0.0);
-    assert_non_null(scene_word_with(&s, "gives the count-in up"));
+    assert_non_null(scene_word_with(&s, "to cancel the count-in"));
     scene_look(&s, "timeline_scene_count_in");
     scene_check_words(&s);
     assert_false(app_press(s.app, PATCH_RECORD)); /* a pedal that says record: it is begun */

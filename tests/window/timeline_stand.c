@@ -281,7 +281,7 @@ bool app_can(app *self, action of, const char **out_why_not)
     (void)self;
     bool needs_take = of != ACTION_RECORD && of != ACTION_KEEP && of != ACTION_MARK;
     if (out_why_not)
-        *out_why_not = "no take is chosen";
+        *out_why_not = "no take is selected";
     return here->take.id || !needs_take;
 }
 

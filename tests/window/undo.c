@@ -343,7 +343,7 @@ static uint32_t go_all(action way)
             count += next != (way == ACTION_UNDO ? app_undo_words(s.app) : app_redo_words(s.app));
             waits = 0;
         } else {
-            if (strstr(why, "L goes back") || way == ACTION_REDO)
+            if (strstr(why, "Press L to go back") || way == ACTION_REDO)
                 go_live();
             scene_frame(&s);
             if (++waits == 3000)

@@ -232,7 +232,7 @@ static void pulls_and_clay_are_undone_and_done_again_bit_for_bit(void **state)
     assert_null(scene_word(&s, "Held: N clears it"));
     for (uint32_t i = 1; i <= PULLS; ++i) {
         scene_do(&s, ACTION_REDO);
-        expect_face(&shown[i], "done again");
+        expect_face(&shown[i], "redone");
     }
     assert_non_null(scene_word(&s, "Held: N clears it"));
     for (uint32_t i = 0; i <= PULLS; ++i)

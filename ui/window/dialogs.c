@@ -56,8 +56,8 @@ static void say_desktop(ui *on, const dialogs_desktop *self)
 {
     if (self->asked)
         ui_text(on, UI_STYLE_DIM,
-                self->asks ? "The desktop's own dialog asks for the file."
-                           : "The desktop is asked for its dialog.");
+                self->asks ? "Choose the file in the dialog of the desktop."
+                           : "Opening the dialog of the desktop.");
 }
 
 /* Before the program ends or another face comes: what becomes of work that is not saved, and of
@@ -183,7 +183,7 @@ static void draw_answers(dialogs *self)
         self->waits_for_exports = true;
     ui_disabled_end(on);
     ui_same_line(on);
-    if (ui_button(on, "Give up and quit", UI_PLAIN)) {
+    if (ui_button(on, "Cancel and quit", UI_PLAIN)) {
         self->asks_exports = false;
         self->is_over = true;
         ui_dialog_close(on);
@@ -200,7 +200,7 @@ static void draw_exporting(dialogs *self)
 {
     ui *on = self->ui;
     const bool is_one = exporter_count(app_exporter(self->app)) == 1;
-    if (!ui_dialog_begin(on, exporting_dialog, "An export goes on", 520.0f)) {
+    if (!ui_dialog_begin(on, exporting_dialog, "An export is running", 520.0f)) {
         if (self->asks_exports)
             stay(self); /* Escape */
         self->asks_exports = false;
@@ -214,11 +214,11 @@ static void draw_exporting(dialogs *self)
     }
     export_page_list_going(on, self->app);
     if (self->waits_for_exports)
-        ui_text(on, UI_STYLE_DIM, "The program ends with the last of them.");
+        ui_text(on, UI_STYLE_DIM, "marotte quits when the last export has ended.");
     else
         ui_text(on, UI_STYLE_BODY,
-                is_one ? "It ends with the program: nothing of it would be left."
-                       : "They end with the program: nothing of them would be left.");
+                is_one ? "Quitting cancels it. Its file will not be written."
+                       : "Quitting cancels them. Their files will not be written.");
     ui_space(on, 8.0f);
     draw_answers(self);
     ui_dialog_end(on);
@@ -233,8 +233,12 @@ static const char *const kind_names[OPEN_KINDS] = {"All",   "Shows",  "Faces",
 static const char *const kind_keys[OPEN_KINDS] = {"open.any",   "open.show",  "open.face",
                                                   "open.hands", "open.voice", "open.picture"};
 static const char *const kind_nothing[OPEN_KINDS] = {
-    "Nothing that marotte opens is here.", "No show is here.",  "No face is here.",
-    "No recording of hands is here.",      "No sound is here.", "No picture (PNG, JPEG) is here."};
+    "This folder has no file that marotte can open.",
+    "This folder has no show.",
+    "This folder has no face.",
+    "This folder has no recorded hand.",
+    "This folder has no sound.",
+    "No picture (PNG, JPEG) is here."};
 /* The faces that come with the program. */
 static const char *const shipped[] = {"puppet", "moai"};
 
@@ -338,7 +342,7 @@ static bool path_typed(const dialogs *self, char out[OPEN_PATH])
 
 static void say_not_there(dialogs *self, const char *path)
 {
-    (void)error_set(&self->opening.trouble, MRT_ERR_IO, "%.900s is not there", path);
+    (void)error_set(&self->opening.trouble, MRT_ERR_IO, "%.900s does not exist", path);
 }
 
 static void open_path(dialogs *self, const char *path)
@@ -442,7 +446,7 @@ static bool draw_recent(dialogs *self, char chosen[OPEN_PATH])
         is_double = click == UI_ROW_DOUBLE_CLICKED;
     }
     if (any != (self->opening.desktop.asked != NULL))
-        ui_text(on, UI_STYLE_DIM, any ? "Here" : "Nothing was opened lately.");
+        ui_text(on, UI_STYLE_DIM, any ? "Here" : "No recent files.");
     return is_double;
 }
 
@@ -500,7 +504,7 @@ static bool draw_files(dialogs *self, char chosen[OPEN_PATH])
     if (at->count <= 1)
         ui_text(on, UI_STYLE_DIM, kind_nothing[self->opening.kind]);
     if (at->has_more)
-        ui_text(on, UI_STYLE_DIM, "There are more: type the name.");
+        ui_text(on, UI_STYLE_DIM, "There are more files: type the name.");
     return is_double;
 }
 
@@ -547,8 +551,8 @@ static void draw_whose_list(dialogs *self)
     ui_same_line(on);
     const bool is_pressed =
         ui_button(on, is_desktops ? "List in this window" : "Desktop's dialog", UI_QUIET);
-    ui_hint(on, is_desktops ? "Closes the desktop's dialog; files are listed here, from now on."
-                            : "Files are chosen in the desktop's own dialog, from now on.");
+    ui_hint(on, is_desktops ? "Close the dialog of the desktop, and list files here in future."
+                            : "Choose files in the dialog of the desktop in future.");
     if (!is_pressed)
         return;
     settings_set_number(kept, wait_key, is_desktops ? 0.0 : wait_s);
@@ -717,7 +721,7 @@ static void save_as(dialogs *self)
         strcmp(saving->replaced, saving->file) != 0) {
         (void)snprintf(saving->replaced, sizeof saving->replaced, "%s", saving->file);
         (void)error_set(&saving->trouble, MRT_ERR_ARGUMENT,
-                        "%.900s is there already. Save again replaces it.", saving->file);
+                        "%.900s already exists. Press Save again to replace it.", saving->file);
         return;
     }
     saving->trouble = (error){""};
@@ -762,8 +766,8 @@ static void draw_saving(dialogs *self)
     (void)ui_input(on, "##saved", "Path of the file", saving->file, sizeof saving->file);
     ui_text_wrapped(on, UI_STYLE_DIM,
                     saving->is_rig
-                        ? "In the folder of its mesh, or above it. You go on with the new one."
-                        : "A copy of all that is recorded. You go on with the new one.");
+                        ? "In the folder of the mesh, or above it. You continue with the new file."
+                        : "A copy of everything recorded. You continue with the copy.");
     if (saving->trouble.text[0])
         ui_text_wrapped(on, UI_STYLE_BAD, saving->trouble.text);
     ui_space(on, 8.0f);

@@ -33,8 +33,8 @@ enum {
 typedef struct look { /* what is read, and what take export is told; "": nothing */
     const char *name, *option;
 } look;
-static const look rates[] = {
-    {"As the take says", ""}, {"24", "24"}, {"25", "25"}, {"30", "30"}, {"50", "50"}, {"60", "60"}};
+static const look rates[] = {{"As in the take", ""}, {"24", "24"}, {"25", "25"},
+                             {"30", "30"},           {"50", "50"}, {"60", "60"}};
 static const look sizes[] = {{"1280 x 720", ""},
                              {"1920 x 1080", "1920x1080"},
                              {"2560 x 1440", "2560x1440"},
@@ -42,16 +42,18 @@ static const look sizes[] = {{"1280 x 720", ""},
                              {"1080 x 1920, upright", "1080x1920"},
                              {"1080 x 1080, square", "1080x1080"},
                              {"640 x 360", "640x360"},
-                             {"Another size", NULL}};
+                             {"Custom size", NULL}};
 static const look views[] = {
     {"From the front", ""}, {"From the side", "side"}, {"Three-quarter view", "three-quarter"},
     {"Camera view 1", "1"}, {"Camera view 2", "2"},    {"Camera view 3", "3"},
     {"Camera view 4", "4"}, {"Camera view 5", "5"},    {"Camera view 6", "6"}};
-static const look backgrounds[] = {
-    {"The wall of the stage", ""}, {"Green, to key", "#00b140"},
-    {"Blue, to key", "#0047bb"},   {"Black", "#000000"},
-    {"White", "#ffffff"},          {"Another colour, or a picture", NULL},
-    {"Transparent", "transparent"}}; /* last: not of an .mp4 */
+static const look backgrounds[] = {{"The wall of the stage", ""},
+                                   {"Green, for keying", "#00b140"},
+                                   {"Blue, for keying", "#0047bb"},
+                                   {"Black", "#000000"},
+                                   {"White", "#ffffff"},
+                                   {"Another colour, or a picture", NULL},
+                                   {"Transparent", "transparent"}}; /* last: not of an .mp4 */
 /* "NAME", ".ENDING|rate|size|view|background" */
 static const look presets[] = {{"Video 1080p", ".mp4||1920x1080||"},
                                {"Video, upright", ".mp4||1080x1920||"},
@@ -265,7 +267,7 @@ static mrt_result name_files(export_page *self, char (*out)[EXPORT_FILE], int64_
         for (uint32_t k = 0; k < i && result >= 0; ++k)
             if (strcmp(out[i], out[k]) == 0)
                 result = error_set(err, MRT_ERR_ARGUMENT,
-                                   "Two takes would both be %s: a name with {take} is no other's.",
+                                   "Two takes would both be written to %s: use {take} in the name.",
                                    out[i]);
     return result;
 }
@@ -296,11 +298,12 @@ static bool needs_a_word(export_page *self, char (*name)[EXPORT_FILE], uint32_t 
     self->replaced_count = there;
     if (there == 1)
         (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
-                        "%.900s is there already. Export again replaces it.", name[first]);
+                        "%.900s already exists. Press Export again to replace it.", name[first]);
     else
-        (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
-                        "%.900s is there already, and so are %u more. Export again replaces them.",
-                        name[first], there - 1);
+        (void)error_set(
+            &self->trouble, MRT_ERR_ARGUMENT,
+            "%.900s and %u more files already exist. Press Export again to replace them.",
+            name[first], there - 1);
     return true;
 }
 
@@ -360,7 +363,7 @@ static void begin_export(export_page *self)
     mrt_result result = name ? name_files(self, name, id, &count, err)
                              : error_set(err, MRT_ERR_MEMORY, "no memory");
     if (result >= 0 && count == 0)
-        result = error_set(err, MRT_ERR_ARGUMENT, "Tick the takes that are to be exported.");
+        result = error_set(err, MRT_ERR_ARGUMENT, "Tick the takes to export.");
     if (result >= 0)
         result = check_look(self, name[0], err);
     if (result >= 0 && !needs_a_word(self, name, count)) {
@@ -485,7 +488,7 @@ static void draw_choices(export_page *self)
     if (ui_choice(on, "Format", label, names, FORMATS, &self->format))
         put_ending(self);
     ui_text_wrapped(on, UI_STYLE_DIM, formats[self->format].holds);
-    choose_look(on, "Frames a second", label, rates, RATES, &self->rate);
+    choose_look(on, "Frames per second", label, rates, RATES, &self->rate);
     if (is_drawn(self))
         draw_looks(self, label);
     ui_space(on, 4.0f);

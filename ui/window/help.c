@@ -28,7 +28,7 @@ static void wait_for_key(help *self, action of)
     *self = (help){.waiting = of};
     if (of != ACTION_NONE)
         (void)snprintf(self->says, sizeof self->says,
-                       "%.60s: press its new key. Backspace: none; Esc: as it was.",
+                       "%.60s: press the new key. Backspace: no key. Esc: cancel.",
                        action_of(of)->title);
 }
 
@@ -45,8 +45,8 @@ static void offer(help *self, key_map *keys, key_chord chord)
     } else if (holder != ACTION_NONE && holder != of && !is_again) {
         self->offered = chord;
         (void)snprintf(self->says, sizeof self->says,
-                       "%s is \"%.60s\". Once more takes it from there; Esc leaves it.", words,
-                       action_of(holder)->title);
+                       "%s is the key of \"%.60s\". Press it again to reassign it. Esc: cancel.",
+                       words, action_of(holder)->title);
     } else {
         key_map_set(keys, of, chord);
         wait_for_key(self, ACTION_NONE);
@@ -162,20 +162,20 @@ static void put_actions(sheet *s, action_group group)
 }
 
 static const char *const mouse_lines[][2] = {
-    {"Drag", "Pulls the face"},
-    {"Drag, Shift", "Pulls it, and it stays so"},
-    {"Wheel", "Nearer, farther"},
-    {"Ctrl+drag", "Kneads, as clay"},
-    {"Double click", "Contact back to rest"},
-    {"Right drag", "Turns the view"},
-    {"Middle drag", "Moves the view"},
-    {"Alt+wheel", "How far a pull reaches"},
+    {"Drag", "Pull the face"},
+    {"Drag, Shift", "Pull and hold"},
+    {"Wheel", "Zoom"},
+    {"Ctrl+drag", "Shape like clay"},
+    {"Double click", "Reset the contact"},
+    {"Right drag", "Rotate the view"},
+    {"Middle drag", "Pan the view"},
+    {"Alt+wheel", "Radius of the pull"},
 };
 static const char *const timeline_lines[][2] = {
-    {"Wheel", "Closer, wider; Shift: along"},      {"Drag a clip", "Moves it; its ends trim it"},
-    {"Alt+drag", "An end: stretches the clip"},    {"Swipe", "A take below: into this one"},
-    {"Alt+drag", "A take below: shifts it"},       {"Drag on top", "A range, above the time"},
-    {"Double click", "Clip, layer, marker, take"}, {"Right click", "What else can be done"},
+    {"Wheel", "Zoom; with Shift: scroll"},         {"Drag a clip", "Move; drag an end to trim"},
+    {"Alt+drag", "Drag an end: stretch"},          {"Swipe", "A take below: comp into this take"},
+    {"Alt+drag", "A take below: shift it"},        {"Drag on top", "Drag above the time: range"},
+    {"Double click", "Clip, layer, marker, take"}, {"Right click", "More commands"},
 };
 enum {
     MOUSE_LINES = sizeof mouse_lines / sizeof mouse_lines[0],
@@ -248,9 +248,8 @@ static void draw_size(ui *on, app_looks *looks, float zoom)
     if (ui_choice(on, "##text_size", 0.0f, size_names, SIZES, &size))
         looks->text_size = sizes[size];
     ui_hint(on, zoom + 0.01f < looks->text_size
-                    ? "How large everything is. This window has no room for so much: a larger "
-                      "window has it."
-                    : "How large everything is.");
+                    ? "Size of the text. Enlarge the window to use a larger size."
+                    : "Size of the text.");
 }
 
 static bool has_own_keys(const key_map *keys)
@@ -267,18 +266,17 @@ static void draw_head(help *self, app_looks *looks, ui *on, ui_rectangle where, 
     draw_size(on, looks, zoom);
     ui_same_line(on);
     (void)ui_check(on, "Light", &looks->theme.is_light);
-    ui_hint(on, "Dark letters on light panels: for a bright room.");
+    ui_hint(on, "Use dark text on light panels, for a bright room.");
     ui_same_line(on);
     (void)ui_check(on, "Colour-safe", &looks->theme.is_colour_safe);
-    ui_hint(on, "Good and bad, left and right, recording: told apart by those who see no red, no "
-                "green or no blue.");
+    ui_hint(on, "Use colours that can be distinguished without red, green or blue.");
     if (has_own_keys(&looks->keys)) {
         ui_same_line(on);
-        if (ui_button(on, "Keys as at first", UI_PLAIN)) {
+        if (ui_button(on, "Reset keys", UI_PLAIN)) {
             memset(&looks->keys, 0, sizeof looks->keys);
             wait_for_key(self, ACTION_NONE);
         }
-        ui_hint(on, "Every action has the key again that the program brings.");
+        ui_hint(on, "Reset all keys to their defaults.");
     }
     if (zoom + 0.01f < looks->text_size) {
         char words[48];
@@ -339,7 +337,7 @@ void help_draw(help *self, app *of, ui *on, ui_rectangle where, float zoom)
     if (self->says[0])
         (void)snprintf(end, sizeof end, "%s", "");
     else
-        (void)snprintf(end, sizeof end, "A click on a line changes its key. %s%sEsc closes this.",
+        (void)snprintf(end, sizeof end, "Click a line to change its key. %s%sEsc closes this.",
                        keys, keys[0] ? " or " : "");
     const char *says = self->says[0] ? self->says : end;
     const float left = inner.x + 96.0f, room = inner.width - 96.0f;

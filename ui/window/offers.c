@@ -17,10 +17,10 @@ typedef enum offer {
 static const struct {
     const char *title, *help;
 } offers[OFFERS] = {
-    {"Camera", "A bare hand before a webcam: a page in your browser sees it."},
-    {"Keyboard hand", "The keys bend the fingers of a hand; Escape ends it."},
-    {"Try a demo hand", "A recorded hand performs, again and again, until it is removed."},
-    {"Mouse", "Drag the face itself. With Shift it stays, with Ctrl it is clay."},
+    {"Camera", "Track your bare hand with a webcam, in a page of your browser."},
+    {"Keyboard hand", "Bend the fingers of a virtual hand with the keys. Press Esc to stop."},
+    {"Try a demo hand", "A recorded hand performs in a loop until you remove it."},
+    {"Mouse", "Drag the face. Shift holds the pull, Ctrl shapes it like clay."},
 };
 
 /* A face is there, and nothing that an offer would be in the way of. */
@@ -110,7 +110,7 @@ static void draw_unit(app *of, ui *on, mesh_frame *wanted)
         ui_same_line(on);
         if (ui_button(on, units[i].name, m->mm_per_unit == units[i].mm ? UI_ACCENT : UI_PLAIN))
             wanted->mm_per_unit = units[i].mm;
-        (void)snprintf(hint, sizeof hint, "So it would be %.4g mm high.",
+        (void)snprintf(hint, sizeof hint, "With this unit it is %.4g mm high.",
                        height_mm / m->mm_per_unit * units[i].mm);
         ui_hint(on, hint);
     }
@@ -138,13 +138,13 @@ static void draw_turns(app *of, ui *on, mesh_frame *wanted)
         wanted->up = m->forward;
         wanted->forward = opposite(m->up);
     }
-    ui_hint(on, "A quarter towards you and up: until the head stands.");
+    ui_hint(on, "Turn by 90 degrees until the head is upright.");
     ui_same_line(on);
     if (ui_button(on, "Turn it", UI_PLAIN)) {
         wanted->up = m->up;
         wanted->forward = across(m->up, m->forward);
     }
-    ui_hint(on, "A quarter round: until it looks at you.");
+    ui_hint(on, "Turn by 90 degrees until the face looks at you.");
 }
 
 /* What is not said anew stays as it was said, or guessed. */
@@ -183,8 +183,8 @@ static void draw_rig_offer(app *of, ui *on, ui_rectangle over)
         char hint[192], keys[KEY_WORDS + 4];
         key_map_after(&app_looks_of(of)->keys, ACTION_PANEL_RIG, keys);
         (void)snprintf(hint, sizeof hint,
-                       "The head is found by its skeleton, its parts and its shape, and performs. "
-                       "Rig%s shows what was guessed.",
+                       "Find the face by its skeleton, parts and shape, and make it perform. The "
+                       "panel Rig%s shows what was guessed.",
                        keys);
         ui_hint(on, hint);
         ui_same_line(on);

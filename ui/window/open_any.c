@@ -235,7 +235,7 @@ mrt_result open_any(app *of, const char *path)
     default:
         return app_report(of,
                           error_set(&err, MRT_ERR_FORMAT,
-                                    "%s is no show, face, recording of hands, sound or picture",
+                                    "%s is not a show, face, recorded hand, sound or picture",
                                     path),
                           &err);
     }

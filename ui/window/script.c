@@ -229,27 +229,26 @@ static const struct {
     rest_kind rest;
     const char *help;
 } kinds[COMMAND_KINDS] = {
-    [COMMAND_MOVE] = {"move", 2, REST_NONE, "move X Y              the pointer, in points"},
+    [COMMAND_MOVE] = {"move", 2, REST_NONE, "move X Y              move the pointer, in points"},
     [COMMAND_DOWN] = {"down", 0, REST_BUTTON, "down [BUTTON]         left, right or middle"},
     [COMMAND_UP] = {"up", 0, REST_BUTTON, "up [BUTTON]"},
     [COMMAND_CLICK] = {"click", 2, REST_BUTTON, "click X Y [BUTTON]"},
-    [COMMAND_DRAG] = {"drag", 5, REST_BUTTON, "drag X Y X Y STEPS [BUTTON]   a step a frame"},
+    [COMMAND_DRAG] = {"drag", 5, REST_BUTTON,
+                      "drag X Y X Y STEPS [BUTTON]   one step in each frame"},
     [COMMAND_WHEEL] = {"wheel", 1, REST_NONE, "wheel NOTCHES         up is positive"},
     [COMMAND_KEY] = {"key", 0, REST_TEXT, "key NAME              R, Ctrl+Shift+Z, Space, F11, ?"},
     [COMMAND_HOLD] = {"hold", 0, REST_TEXT,
                       "hold KEY              until it is released: Shift, Ctrl"},
     [COMMAND_RELEASE] = {"release", 0, REST_TEXT, "release KEY"},
-    [COMMAND_TYPE] = {"type", 0, REST_TEXT, "type TEXT             into what is being typed in"},
+    [COMMAND_TYPE] = {"type", 0, REST_TEXT, "type TEXT             into the focused field"},
     [COMMAND_DO] = {"do", 0, REST_TEXT, "do ACTION             record, keep, play, view_side ..."},
-    [COMMAND_PRESS] = {"press", 0, REST_TEXT, "press WORDS           clicks where that is written"},
+    [COMMAND_PRESS] = {"press", 0, REST_TEXT, "press WORDS           click this text"},
     [COMMAND_WAIT] = {"wait", 1, REST_NONE, "wait SECONDS          of real time"},
-    [COMMAND_FRAMES] = {"frames", 1, REST_NONE, "frames N              so many are drawn"},
+    [COMMAND_FRAMES] = {"frames", 1, REST_NONE, "frames N              wait for N frames"},
     [COMMAND_PICTURE] = {"picture", 0, REST_TEXT, "picture FILE.png      of the window"},
-    [COMMAND_CALM] =
-        {"calm", 0, REST_NONE,
-         "calm                  ends what goes on: the live hands alone, as at the start"},
-    [COMMAND_MEMORY] = {"memory", 0, REST_TEXT,
-                        "memory WORDS          prints what the program has, and what of it can go"},
+    [COMMAND_CALM] = {"calm", 0, REST_NONE,
+                      "calm                  stop everything and return to the live hands"},
+    [COMMAND_MEMORY] = {"memory", 0, REST_TEXT, "memory WORDS          print the memory in use"},
     [COMMAND_RANDOM] = {"random", 2, REST_NONE,
                         "random SEED SECONDS   clicks, drags, keys; never ends the program"},
 };
@@ -463,8 +462,8 @@ static mrt_result do_press(script *self, const command *c, const script_stage *o
         }
     if (self->step++ < PATIENCE_FRAMES)
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT, "%s:%u: \"%s\" is not written in the window",
-                     self->path, c->line, c->text);
+    return error_set(err, MRT_ERR_ARGUMENT, "%s:%u: \"%s\" is not shown in the window", self->path,
+                     c->line, c->text);
 }
 
 static mrt_result do_time(script *self, const command *c, const script_stage *on)

@@ -405,7 +405,7 @@ static void put_names(pen *p, float width)
     show *s = app_show(of);
     if (s)
         name_of(show_path(s), name, sizeof name);
-    (void)snprintf(words, sizeof words, "%s%s", s ? name : "No show: nothing is recorded",
+    (void)snprintf(words, sizeof words, "%s%s", s ? name : "No show. Recording is off",
                    s && !show_is_writable(s) ? " (read only)" : "");
     put_name(p, top, width, UI_STYLE_STRONG, s && show_is_writable(s) ? THEME_TEXT : THEME_WARNING,
              words, s ? show_path(s) : "No show is open.", OPEN_SHOW);
@@ -501,15 +501,15 @@ static state_words state_of(app *of)
         (void)snprintf(out.large, sizeof out.large, "%.0f", ceil(leads_in_s));
         key_map_words(&app_looks_of(of)->keys, ACTION_RECORD, keys);
         if (view->mode == LIVE_OVERDUBS)
-            (void)snprintf(out.small, sizeof out.small, "Going to record over take %.150s", shown);
+            (void)snprintf(out.small, sizeof out.small, "About to record over take %.150s", shown);
         else
-            (void)snprintf(out.small, sizeof out.small, "%s gives the count-in up",
+            (void)snprintf(out.small, sizeof out.small, "Press %s to cancel the count-in",
                            keys[0] ? keys : action_of(ACTION_RECORD)->title);
         out.ink = THEME_RECORD;
     } else if (view->mode == LIVE_OVERDUBS) {
         write_time(out.large, sizeof out.large, view->at_ns);
         (void)snprintf(out.small, sizeof out.small, "%s take %.150s",
-                       view->is_recording_over ? "Recording over" : "Going to record over", shown);
+                       view->is_recording_over ? "Recording over" : "About to record over", shown);
         out.ink = view->is_recording_over ? THEME_RECORD : THEME_TEXT;
     } else if (status->is_recording) {
         write_time(out.large, sizeof out.large, status->recorded_ns);
@@ -519,7 +519,7 @@ static state_words state_of(app *of)
     } else if (view->mode == LIVE_SHOWS && app_looks_of(of)->has_timeline) {
         (void)snprintf(out.large, sizeof out.large, "Take %.50s", shown); /* time is below */
         key_map_words(&app_looks_of(of)->keys, ACTION_LIVE, keys);
-        (void)snprintf(out.small, sizeof out.small, "%s%s: back to the live hands",
+        (void)snprintf(out.small, sizeof out.small, "%s%s. Back to the live hands",
                        line->is_deleted ? "Deleted. " : "",
                        keys[0] ? keys : action_of(ACTION_LIVE)->title);
     } else if (view->mode == LIVE_SHOWS) {

@@ -15,7 +15,7 @@ mrt_result live_check_free(const live *self, const char *what, error *err)
     if (!self->status.is_recording)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: not possible while a take is recorded: end it first", what);
+                     "%s: not possible while a take is recorded: stop it first", what);
 }
 
 /* ---- mappings ---- */

@@ -384,9 +384,9 @@ void app_ask_draft(app *self);
 
 /* A head without a slit between its lips was drafted: the rig panel asks what to do, and takes the
  * answer once. */
-#define APP_MOUTH_QUESTION  "There is no slit between the lips."
-#define APP_MOUTH_CUT_HINT  "The edges between the lips open, with the dark of a mouth behind them."
-#define APP_MOUTH_CLAY_HINT "The skin stays whole: the jaw stretches it, and the lips do not part."
+#define APP_MOUTH_QUESTION  "The lips are joined."
+#define APP_MOUTH_CUT_HINT  "Opens the edges between the lips and adds a dark mouth behind them."
+#define APP_MOUTH_CLAY_HINT "Keeps the skin whole. The jaw stretches it, and the lips do not part."
 typedef enum app_mouth { APP_MOUTH_UNANSWERED = 0, APP_MOUTH_CUT, APP_MOUTH_CLAY } app_mouth;
 
 typedef struct app_figures {                 /* how fast the window is */

@@ -154,8 +154,8 @@ static mrt_result start_remote(app *self, const char *wanted, error *err)
     error ignored;
     if (!wanted && !remote_is_local(address)) {
         news_list_add(self->news, MRT_LOG_WARNING, "remote",
-                      "remote control: off. One that the network reaches is not opened by itself: "
-                      "use --remote, or Devices");
+                      "remote control: off. For safety it is not switched on automatically where "
+                      "the network can reach it: use --remote, or the panel Devices");
         return MRT_OK;
     }
     const mrt_result result = remote_listen(self->remote, address, wanted ? err : &ignored);
@@ -627,9 +627,8 @@ mrt_result app_export_take(app *self, int64_t id, const export_request *request)
 {
     error err = {0};
     if (!id || !self->show)
-        return app_report(
-            self, error_set(&err, MRT_ERR_ARGUMENT, "choose the take that is to be exported"),
-            &err);
+        return app_report(self, error_set(&err, MRT_ERR_ARGUMENT, "select the take to export"),
+                          &err);
     const mrt_result result =
         exporter_begin(self->exports, show_path(self->show), id, self->face_path, request, &err);
     if (result >= 0)
@@ -709,7 +708,7 @@ static void clear_pulls(app *self)
         begin_pull(self);
     live_neutral(self->live);
     if (self->is_held)
-        did_pull(self, "clearing what was held");
+        did_pull(self, "release all held pulls");
     self->is_held = false;
 }
 
@@ -754,7 +753,7 @@ static const char *why_no_record(const app *self)
 {
     if (self->status.is_recording || self->status.can_record)
         return NULL;
-    return self->status.why_not[0] ? self->status.why_not : "nothing can be recorded now";
+    return self->status.why_not[0] ? self->status.why_not : "recording is not possible now";
 }
 
 static const char *why_no_keep(const app *self)
@@ -768,11 +767,11 @@ static const char *why_no_keep(const app *self)
 static const char *why_no_transport(const app *self, action of)
 {
     if (self->status.is_recording)
-        return "a take is being recorded: end it first";
+        return "a take is being recorded: stop it first";
     if (of == ACTION_TAKE_BEFORE || of == ACTION_TAKE_NEXT)
         return self->line_count ? NULL : "there is no take yet";
     if (!self->history)
-        return "no take is chosen";
+        return "no take is selected";
     if (of == ACTION_STOP && self->view->mode == LIVE_PERFORMS)
         return "no take is on the stage";
     return NULL;
@@ -793,11 +792,11 @@ static const char *why_not(app *self, action of)
                    ? "the live hands are on the stage"
                    : NULL;
     case ACTION_SOUND_ARM:
-        return self->status.is_recording ? "a take is being recorded: end it first" : NULL;
+        return self->status.is_recording ? "a take is being recorded: stop it first" : NULL;
     case ACTION_UNDO:
         return app_undo_why_not(self);
     case ACTION_REDO:
-        return app_can_redo(self) ? NULL : "there is nothing to do again";
+        return app_can_redo(self) ? NULL : "nothing to redo";
     case ACTION_EXPORT:
         return self->line_count ? NULL : "there is no take yet";
     case ACTION_NONE:

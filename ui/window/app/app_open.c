@@ -240,10 +240,11 @@ static mrt_result make_show(show **out, error *err)
     const time_t seconds = time(NULL);
     if (!above || above[0] != '/')
         return error_set(err, MRT_ERR_IO,
-                         "there is no folder for shows: name one, marotte NAME.marotte");
+                         "no folder for shows was found: start marotte with the path of a show, "
+                         "marotte NAME.marotte");
     (void)snprintf(path, sizeof path, "%.*s/marotte", (int)sizeof path - 64, above);
     if (mkdir(path, 0755) != 0 && errno != EEXIST)
-        return error_set(err, MRT_ERR_IO, "%s: the folder for shows could not be made: %s", path,
+        return error_set(err, MRT_ERR_IO, "%s: cannot create the folder for shows: %s", path,
                          strerror(errno));
     if (!localtime_r(&seconds, &now) || strftime(day, sizeof day, "%Y-%m-%d", &now) == 0)
         (void)snprintf(day, sizeof day, "show");
@@ -261,7 +262,7 @@ static void keep_show_path(app *self)
     if (self->show && show_notice(self->show)[0])
         app_say(self, MRT_LOG_WARNING, "%s", show_notice(self->show));
     if (self->show && !show_is_writable(self->show))
-        app_say(self, MRT_LOG_INFO, "Save as makes a copy of it that is recorded into");
+        app_say(self, MRT_LOG_INFO, "use Save as to record into a copy");
 }
 
 /* A show that the person named must open. Otherwise the last one, or a new one; if there is none at
@@ -299,7 +300,7 @@ mrt_result app_open_show(app *self, const char *path)
     error err = {0};
     show *opened = NULL;
     if (self->show && show_is_writable(self->show) && show_is_file(self->show, path)) {
-        app_say(self, MRT_LOG_INFO, "%s is open already", path);
+        app_say(self, MRT_LOG_INFO, "%s is already open", path);
         return MRT_OK;
     }
     mrt_result result = open_or_make(&opened, path, &err);
@@ -399,12 +400,12 @@ mrt_result app_save_show_as(app *self, const char *path, error *err)
     if (!self->show)
         return error_set(err, MRT_ERR_ARGUMENT, "no show is open");
     if (self->status.is_recording || self->awaited)
-        return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: end it first");
+        return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: stop it first");
     if (self->copier)
-        return error_set(err, MRT_ERR_ARGUMENT, "the show is being saved already");
+        return error_set(err, MRT_ERR_ARGUMENT, "the show is already being saved");
     if (exists(path))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s is there already: a show is never written over, choose another name",
+                         "%s already exists. A show is never overwritten: choose another name",
                          path);
     show_copier *copier = calloc(1, sizeof *copier);
     if (copier) {
@@ -499,10 +500,10 @@ mrt_result app_attach_voice(app *self, const char *path)
     mrt_result result = MRT_OK;
     if (!app_take(self) || !show_is_writable(self->show))
         result = error_set(&err, MRT_ERR_ARGUMENT,
-                           "choose the take that the voice belongs to, then open it again");
+                           "select the take that the voice belongs to, then open it again");
     else if (self->audio_import)
         result = error_set(&err, MRT_ERR_ARGUMENT,
-                           "a voice is being read: wait until it is in its take");
+                           "another voice is being read: wait until it is finished");
     if (result >= 0)
         result = audio_import_begin(&self->audio_import, self->show, path, &err);
     self->audio_take = self->chosen;
@@ -610,9 +611,9 @@ static void rest(app *self, const face_file *made, const char *mapping, const er
     char names[400];
     (void)snprintf(self->resting, sizeof self->resting, "%s", mapping);
     live_list_fitting(self->live, names, sizeof names);
-    app_say(self, made->rig ? MRT_LOG_ERROR : MRT_LOG_INFO, "%s. At rest; these fit it: %s",
-            made->rig ? why->text : "This face has no rig yet",
-            names[0] ? names : "none that there is");
+    app_say(self, made->rig ? MRT_LOG_ERROR : MRT_LOG_INFO,
+            "%s. The face stays neutral. Mappings that fit it: %s",
+            made->rig ? why->text : "This face has no rig yet", names[0] ? names : "none");
 }
 
 /* After a change of the face or its rig: the mapping that did not fit before is tried again, unless
@@ -806,7 +807,7 @@ typedef struct face_reading {
 static void *read_first_face(void *data)
 {
     face_reading *self = data;
-    self->result = error_set(&self->err, MRT_ERR_IO, "no face was found: name one with --face");
+    self->result = error_set(&self->err, MRT_ERR_IO, "no face was found: choose one with --face");
     for (int i = 0; i < 3; ++i) {
         if (!self->path[i][0])
             continue;

@@ -342,7 +342,7 @@ static void follow_awaited(app *self, double dt_s)
             tell_kept(self, id);
     } else if (self->awaited_s > AWAITED_S) {
         self->awaited = 0;
-        app_say(self, MRT_LOG_WARNING, "the take is not in the show yet: the disk is slow");
+        app_say(self, MRT_LOG_WARNING, "the take is not in the show yet, because the disk is slow");
     }
 }
 
@@ -497,7 +497,7 @@ static mrt_result show_take_of(app *self, const app_done *step, const char *what
     mrt_result result = app_choose_take(self, step->take);
     const app_take_line *line = line_of(self, step->take);
     if (result >= 0)
-        app_say(self, MRT_LOG_INFO, "take %s is in front again: once more %s %s",
+        app_say(self, MRT_LOG_INFO, "take %s is shown again. Press once more to %s %s",
                 line ? line->title : "", what, step->step.words);
     return result;
 }
@@ -574,25 +574,25 @@ static const char *why_not_pulled(const app *self, const app_done *step)
     if (step->take || step->step.owner != self)
         return NULL;
     if (self->notes.is_rig_pending)
-        return "what comes next is a pull, and the rig is still being laid on the face";
+        return "the next step is a pull. Wait until the rig is ready";
     if (self->status.is_recording)
-        return "not a pull while a take is recorded: end it first";
-    return live_shown_take(self->live) ? "what comes next is a pull of the live face: L goes "
-                                         "back to it"
-                                       : NULL;
+        return "the next step is a pull. Stop the recording first";
+    return live_shown_take(self->live)
+               ? "the next step is a pull of the live face. Press L to go back to it"
+               : NULL;
 }
 
 const char *app_undo_why_not(const app *self)
 {
     if (self->done_count == 0 && !has_older(self))
-        return "there is nothing to undo";
+        return "nothing to undo";
     const char *why =
         self->done_count > 0 ? why_not_pulled(self, &self->done[self->done_count - 1]) : NULL;
     if (why)
         return why;
-    return is_behind_rig(self) ? "what comes next was done to a take, before the rig was in front: "
-                                 "leave the Rig panel to go on"
-                               : NULL;
+    return is_behind_rig(self)
+               ? "the next step is an edit of a take. Leave the panel Rig to continue"
+               : NULL;
 }
 
 bool app_can_redo(const app *self)
@@ -633,7 +633,7 @@ mrt_result app_undo(app *self)
     if (app_undo_why_not(self))
         return MRT_END;
     if (self->done_count > 0 && is_elsewhere(self, &self->done[self->done_count - 1]))
-        return show_take_of(self, &self->done[self->done_count - 1], "undoes");
+        return show_take_of(self, &self->done[self->done_count - 1], "undo");
     (void)snprintf(words, sizeof words, "%s", app_undo_words(self));
     const mrt_result result = has_older(self) ? undo_older(self) : undo_newest(self);
     if (result >= 0)
@@ -665,11 +665,11 @@ mrt_result app_redo(app *self)
 {
     char words[EDIT_TEXT];
     if (self->done_count < self->all_count && is_elsewhere(self, &self->done[self->done_count]))
-        return show_take_of(self, &self->done[self->done_count], "does again");
+        return show_take_of(self, &self->done[self->done_count], "redo");
     (void)snprintf(words, sizeof words, "%s", app_redo_words(self));
     const mrt_result result = redo(self);
     if (result == MRT_OK)
-        app_say(self, MRT_LOG_INFO, "done again: %s", words);
+        app_say(self, MRT_LOG_INFO, "redone: %s", words);
     return result;
 }
 
@@ -692,14 +692,14 @@ const char *app_redo_words(const app *self)
 static mrt_result check_editable(const app *self, error *err)
 {
     if (!self->history)
-        return error_set(err, MRT_ERR_ARGUMENT, "choose the take that is to be changed");
+        return error_set(err, MRT_ERR_ARGUMENT, "select the take to change");
     if (!show_is_writable(self->show))
         return error_set(err, MRT_ERR_UNSUPPORTED, "%s",
                          show_notice(self->show)[0] ? show_notice(self->show)
-                                                    : "the show can only be read");
+                                                    : "the show is read-only");
     if (self->status.is_recording && self->status.take == self->chosen)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "the take is being recorded: it can be changed when it has ended");
+                         "the take is still being recorded: change it when it has ended");
     return MRT_OK;
 }
 
@@ -846,8 +846,7 @@ static void begin_live(app *self)
     const app_take_line *line = line_of(self, self->chosen);
     if (app_report(self, live_record(self->live, NULL, &err), &err) >= 0 && line)
         app_say(self, MRT_LOG_INFO,
-                "a take of its own: to perform over take %.120s put it on the stage first, by a "
-                "double click",
+                "recorded as a new take. To perform over take %.120s, double-click it first",
                 line->title);
 }
 
@@ -899,7 +898,7 @@ void app_record_toggle(app *self)
     } else if (self->over_take || self->over_ended_s > 0.0) {
         /* R was meant to end a recording that has just ended by itself, not to begin another. */
         self->over_ended_s = 0.0;
-        app_say(self, MRT_LOG_INFO, "recording over the take ended by itself: R begins another");
+        app_say(self, MRT_LOG_INFO, "the overdub has ended. Press R to start another");
     } else if (live_shown_take(self->live)) { /* the view may be of a frame before */
         begin_over(self);
     } else {
@@ -923,7 +922,7 @@ void app_mark(app *self)
     error err = {0};
     if (!live_shown_take(self->live)) {
         if (app_report(self, live_mark(self->live, "", &err), &err) >= 0)
-            app_say(self, MRT_LOG_INFO, "marked this instant");
+            app_say(self, MRT_LOG_INFO, "marker added");
         return;
     }
     edit e;
@@ -956,7 +955,7 @@ static void take_over(app *self)
     for (uint32_t i = 0; list && i < count; ++i)
         list[i] = &edits[i];
     if (!list)
-        app_say(self, MRT_LOG_ERROR, "no memory: what was performed is a take of its own");
+        app_say(self, MRT_LOG_ERROR, "no memory: the performance was saved as a separate take");
     else if (app_pick_take(self, over) >= 0 && app_edit_all(self, list, count) >= 0)
         name_last_step(self, "record over the take");
     for (uint32_t i = 0; i < count; ++i)
@@ -985,7 +984,7 @@ static void say_problem(app *self)
     if (has_problem && !self->had_problem)
         app_say(self, MRT_LOG_ERROR, "%s", self->status.problem);
     else if (!has_problem && self->had_problem)
-        app_say(self, MRT_LOG_INFO, "all that is performed is recorded again");
+        app_say(self, MRT_LOG_INFO, "everything is recorded again");
     self->had_problem = has_problem;
 }
 
@@ -1179,7 +1178,7 @@ static void set_range(app *self, bool is_end)
     if (in_ns < out_ns)
         live_set_loop(self->live, in_ns, out_ns);
     else
-        app_say(self, MRT_LOG_INFO, "a range needs some time between its ends");
+        app_say(self, MRT_LOG_INFO, "the range is empty: set its end after its start");
 }
 
 static void change_speed(app *self, bool is_faster)
@@ -1322,8 +1321,8 @@ static const char *why_no_split(const app *self)
     const int64_t at_ns = head_ns(self);
     const take_clip *clip = clip_at(self, at_ns, &lane);
     if (!clip)
-        return "choose a clip of the timeline";
-    return is_within(clip, lane, at_ns) ? NULL : "the play head is not within the clip";
+        return "select a clip on the timeline";
+    return is_within(clip, lane, at_ns) ? NULL : "the playhead is outside the clip";
 }
 
 static const char *why_no_trim(const app *self)
@@ -1333,18 +1332,18 @@ static const char *why_no_trim(const app *self)
     const int64_t at_ns = head_ns(self);
     if (self->choice.clip) {
         const take_clip *clip = clip_of(t, self->choice.clip, &lane);
-        return clip && is_within(clip, lane, at_ns) ? NULL : "the play head is not within the clip";
+        return clip && is_within(clip, lane, at_ns) ? NULL : "the playhead is outside the clip";
     }
-    return at_ns > 0 && at_ns < t->duration_ns ? NULL : "the play head is not within the take";
+    return at_ns > 0 && at_ns < t->duration_ns ? NULL : "the playhead is outside the take";
 }
 
 const char *app_edit_why_not(app *self, action of)
 {
     const app_choice *choice = &self->choice;
     if (!self->history)
-        return "no take is chosen";
+        return "no take is selected";
     if (!show_is_writable(self->show))
-        return "the show can only be read";
+        return "the show is read-only";
     if (self->status.is_recording && self->status.take == self->chosen)
         return "the take is being recorded";
     switch (of) {
@@ -1356,11 +1355,11 @@ const char *app_edit_why_not(app *self, action of)
     case ACTION_REMOVE:
         return choice->clip || choice->layer || choice->marker >= 0 || choice->is_take
                    ? NULL
-                   : "choose a take of the list, or a clip, a layer or a marker of the timeline";
+                   : "select a take in the list, or a clip, a layer or a marker on the timeline";
     case ACTION_MUTE:
-        return choice->clip || choice->layer ? NULL : "choose a clip or a layer of the timeline";
+        return choice->clip || choice->layer ? NULL : "select a clip or a layer on the timeline";
     case ACTION_SOLO:
-        return choice->layer || choice->clip ? NULL : "choose a layer of the timeline";
+        return choice->layer || choice->clip ? NULL : "select a layer on the timeline";
     default:
         return NULL;
     }
@@ -1472,6 +1471,6 @@ void app_edit_do(app *self, action of)
 {
     edit e = {0};
     if (make(self, of, &e) && app_edit(self, &e) >= 0 && e.kind == EDIT_TAKE_DELETE)
-        app_say(self, MRT_LOG_INFO, "the take is among the deleted ones: undo brings it back");
+        app_say(self, MRT_LOG_INFO, "the take is deleted: undo restores it");
     edit_finish(&e);
 }

@@ -33,15 +33,16 @@ mrt_result camera_page_address(char out[CAMERA_PAGE_ADDRESS], uint16_t port, err
     error why;
     if (file_read(&token, path, LONGEST_TOKEN, &why) < 0)
         return error_set(err, MRT_ERR_IO,
-                         "the camera was never opened: perform with --input "
-                         "camera, or press \"Use the camera\" on the stage");
+                         "the camera was never opened: use --input camera, or press \"Use the "
+                         "camera\" on the stage");
     const char *text = (const char *)token.data;
     bool is_good = token.size == TOKEN && strspn(text, "0123456789abcdef") == TOKEN;
     if (is_good)
         (void)snprintf(out, CAMERA_PAGE_ADDRESS, "http://127.0.0.1:%u/%s/", (unsigned)port, text);
     file_bytes_finish(&token);
-    return is_good ? MRT_OK
-                   : error_set(err, MRT_ERR_FORMAT, "%s: is none of marotte's: remove it", path);
+    return is_good
+               ? MRT_OK
+               : error_set(err, MRT_ERR_FORMAT, "%s: was not written by marotte: remove it", path);
 }
 
 /* xdg-open returns at once, also when the browser that it starts goes on running. */
@@ -59,8 +60,8 @@ mrt_result camera_page_show(uint16_t port, error *err)
     const program_start how = {.program = program, .words = words, .in = -1, .out = -1, .err = -1};
     const int failed = program_spawn(&pid, &how);
     if (failed)
-        return error_set(err, MRT_ERR_IO, "%s cannot be run (%s): open %s in a browser yourself",
-                         program, strerror(failed), address);
+        return error_set(err, MRT_ERR_IO, "cannot run %s (%s): open %s in a browser", program,
+                         strerror(failed), address);
     (void)program_wait(pid, &status, patience_ns);
     return MRT_OK;
 }

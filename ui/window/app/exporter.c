@@ -186,8 +186,7 @@ static mrt_result begin_job(job *self, error *err)
     }
     close(end[0]);
     self->pid = 0;
-    return error_set(err, MRT_ERR_IO, "%s cannot be run: %s", self->call->program,
-                     strerror(failed));
+    return error_set(err, MRT_ERR_IO, "cannot run %s: %s", self->call->program, strerror(failed));
 }
 
 static uint32_t running(const exporter *self)
@@ -206,9 +205,9 @@ mrt_result exporter_begin(exporter *self, const char *show_path, int64_t take,
         at += 1;
     if (at == JOBS_MAX)
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%d exports are going on: wait until one has ended", JOBS_MAX);
+                         "%d exports are running: wait until one has ended", JOBS_MAX);
     if (!request->file[0] || request->file[0] == '-')
-        return error_set(err, MRT_ERR_ARGUMENT, "name the file that is to be written: NAME.glb");
+        return error_set(err, MRT_ERR_ARGUMENT, "enter the name of a file: NAME.glb");
     job *one = &self->job[at];
     call *what = calloc(1, sizeof *what);
     if (!what)
@@ -217,7 +216,7 @@ mrt_result exporter_begin(exporter *self, const char *show_path, int64_t take,
     (void)snprintf(one->going.file, sizeof one->going.file, "%s", request->file);
     make_call(what, show_path, take, face_path, request);
     mrt_result result = program_find(what->program, "marotte", "MAROTTE", MAROTTE_BUILD_DIR,
-                                     "it writes takes to files", err);
+                                     "it is exporting takes", err);
     if (result >= 0 && running(self) < RUNNING_MAX)
         result = begin_job(one, err);
     if (result >= 0) {

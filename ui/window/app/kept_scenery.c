@@ -37,7 +37,7 @@ struct kept_scenery {
 static const char *words_of(const scenery *a, const scenery *b)
 {
     if (strcmp(a->picture, b->picture) != 0 || a->fit != b->fit)
-        return "the picture behind the face";
+        return "the background picture";
     if (a->view_count != b->view_count || memcmp(a->view, b->view, sizeof a->view) != 0)
         return "a camera view";
     if (memcmp(a->light.lamp, b->light.lamp, sizeof a->light.lamp) == 0 &&
@@ -134,8 +134,7 @@ mrt_result kept_scenery_choose(kept_scenery *self, const char *path, error *err)
     show *into = app_show(self->of);
     if (!into || !show_is_writable(into))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "a picture behind the face is kept in the show: open one that can be "
-                         "written first");
+                         "a background picture is saved in the show: open a writable show first");
     if (self->reading)
         return error_set(err, MRT_ERR_ARGUMENT, "another picture is being read");
     return start(self, strdup(path), NULL, 0, "", file_name_of(path), err);
@@ -150,8 +149,8 @@ static mrt_result fetch(kept_scenery *self, error *err)
         show_picture_read(app_show(self->of), self->now.picture, &bytes, &size, err);
     if (result == MRT_END)
         return error_set(err, MRT_ERR_FORMAT,
-                         "the picture behind the face, %s, is not in the show any more: the wall "
-                         "is there, choose it again",
+                         "the background picture %s is no longer in the show. The wall is shown: "
+                         "choose the picture again",
                          self->now.picture_name);
     return result < 0
                ? result

@@ -156,7 +156,7 @@ const char *key_map_refusal(key_chord chord)
     if (chord.key == UI_KEY_ENTER)
         return "Enter confirms";
     if (chord.key == UI_KEY_NONE || chord.key >= UI_KEY_SHIFT)
-        return "a key is needed beside Shift, Ctrl or Alt";
+        return "press a key together with Shift, Ctrl or Alt";
     return NULL;
 }
 

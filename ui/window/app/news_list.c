@@ -75,7 +75,8 @@ void news_list_update(news_list *self, log_queue *from, double dt_s)
     const uint32_t lost = from ? log_take_lost(from) : 0;
     if (lost) {
         char text[80];
-        (void)snprintf(text, sizeof text, "%u lines of news were lost: there were too many", lost);
+        (void)snprintf(text, sizeof text, "%u messages were lost, because there were too many",
+                       lost);
         news_list_add(self, MRT_LOG_WARNING, "news", text);
     }
 }

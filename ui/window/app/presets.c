@@ -127,7 +127,7 @@ mrt_result presets_taught(const char *text, unsigned char **out, size_t *out_siz
     size_t size = bytes ? taught_of_text(bytes) : 0;
     if (size == 0) {
         free(bytes);
-        return error_set(err, MRT_ERR_FORMAT, "what the preset was taught is damaged");
+        return error_set(err, MRT_ERR_FORMAT, "the learned data of the preset is damaged");
     }
     *out = (unsigned char *)bytes;
     *out_size = size;
@@ -165,8 +165,8 @@ static void read_one(const mrt_plugin_type *type, char *text, double *out_values
     else if (!out_note->text[0])
         (void)error_set(out_note, MRT_ERR_FORMAT, "%s: \"%s\" of the preset is %s", type->name,
                         text,
-                        is_known ? "out of range: it stays as it is at first"
-                                 : "no parameter any more: it is left out");
+                        is_known ? "out of range: the default is used"
+                                 : "not a parameter any more: it is skipped");
 }
 
 void presets_values(const mrt_plugin_type *type, const char *text, double *out_values,

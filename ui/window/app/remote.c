@@ -199,7 +199,7 @@ static void do_expression(remote *self, answer *a)
     const remote_command *c = &a->command;
     if (!c->name[0]) {
         expressions_release(app_expressions(self->of), c->fade_s);
-        (void)snprintf(a->says, sizeof a->says, "all expressions ease out");
+        (void)snprintf(a->says, sizeof a->says, "all expressions fade out");
         return;
     }
     if (expressions_set(app_expressions(self->of), c->name, c->amount, c->fade_s, &err) < 0)
@@ -222,10 +222,10 @@ static void obey(remote *self, answer *a)
         if (is_recording)
             do_transport(self, a, false);
         else
-            do_action(self, a, ACTION_STOP, "it stands still");
+            do_action(self, a, ACTION_STOP, "it is paused");
         break;
     case REMOTE_MARK:
-        do_action(self, a, ACTION_MARK, "marked this instant");
+        do_action(self, a, ACTION_MARK, "marker added");
         break;
     case REMOTE_EXPRESSION:
         do_expression(self, a);
@@ -400,7 +400,7 @@ static void receive_datagrams(remote *self)
         if (size <= 0)
             return;
         if (osc_wire_read(bytes, (size_t)size, take_message, self) != OSC_FAULT_NONE)
-            complain(self, "a datagram that is no OSC was left out");
+            complain(self, "a datagram that is not OSC was ignored");
     }
 }
 
@@ -488,7 +488,7 @@ static void take_frames(remote *self, client *c, uint32_t *left)
             break;
         if (size < 0) {
             complain(self, size == -1009 ? "a message that is too long: 1 024 bytes at most"
-                                         : "a WebSocket that makes no sense was closed");
+                                         : "a WebSocket with invalid data was closed");
             close_client(c, -size);
             return;
         }
@@ -540,7 +540,7 @@ static void welcome(remote *self)
                 to = &self->client[k];
         if (!to || fcntl(fd, F_SETFD, FD_CLOEXEC) != 0 || fcntl(fd, F_SETFL, O_NONBLOCK) != 0) {
             close(fd);
-            complain(self, "eight are connected: one more was turned away");
+            complain(self, "eight clients are connected: another one was refused");
             continue;
         }
         (void)setsockopt(fd, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
@@ -594,9 +594,10 @@ static void open_sockets(remote *self)
     self->udp = udp_bind(self->host, self->port, why);
     self->tcp = self->udp >= 0 ? listen_at(self->host, self->port) : -1;
     if (self->udp >= 0 && self->tcp < 0)
-        (void)snprintf(why, sizeof why,
-                       "TCP port %u is another program's: choose another one, as in --remote %u",
-                       (unsigned)self->port, self->port < 65535 ? self->port + 1u : 9000u);
+        (void)snprintf(
+            why, sizeof why,
+            "TCP port %u is in use by another program: choose another one, as in --remote %u",
+            (unsigned)self->port, self->port < 65535 ? self->port + 1u : 9000u);
     const bool was_told = self->trouble[0] != '\0';
     if (self->tcp < 0) {
         close_sockets(self);

@@ -42,8 +42,8 @@ static bool take_verb(remote_command *out, const char *word, char why[REMOTE_WHY
     char shown[48];
     text_copy(shown, sizeof shown, text_view_of(word, strlen(word)));
     (void)snprintf(why, REMOTE_WHY,
-                   "\"%s\" is nothing that can be done from afar: record, stop, mark, keep, "
-                   "neutral, preset, expression, status ...",
+                   "\"%s\" is not a remote command: use record, stop, mark, keep, neutral, preset, "
+                   "expression, status ...",
                    shown);
     return false;
 }
@@ -56,7 +56,7 @@ static bool take_name(remote_command *out, const char *name, char why[REMOTE_WHY
     }
     if (strlen(name) >= sizeof out->name ||
         (name[0] && !text_is_printable(text_view_of(name, strlen(name))))) {
-        (void)snprintf(why, REMOTE_WHY, "%s: that is no name", out->word);
+        (void)snprintf(why, REMOTE_WHY, "%s: not a name", out->word);
         return false;
     }
     (void)snprintf(out->name, sizeof out->name, "%s", name);
@@ -117,7 +117,7 @@ static bool take_arguments(remote_command *out, const osc_message *message, uint
             !isfinite(number[i])) {
             (void)snprintf(why, REMOTE_WHY, "%s: expected %s", out->word,
                            most == 2 ? "a name, an amount and a fade in s"
-                                     : "at most one number: 0 is a button that is let go");
+                                     : "at most one number: 0 is a released button");
             return false;
         }
     if (out->verb == REMOTE_EXPRESSION)

@@ -106,7 +106,7 @@ static bool set_aside(const settings *self, char aside[PATH_MAX])
 static mrt_result refuse(const error *why, error *err)
 {
     return error_set(err, MRT_ERR_FORMAT,
-                     "%s. It is left as it is: choose another file for the settings", why->text);
+                     "%s. It is unchanged: choose another file for the settings", why->text);
 }
 
 /* A default file that is of no use stops nobody: the note says what becomes of it. */

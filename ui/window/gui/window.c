@@ -565,7 +565,7 @@ static mrt_result start(window_output *self, error *err)
         const char *why = NULL;
         (void)glfwGetError(&why);
         return error_set(err, MRT_ERR_UNSUPPORTED, "the output window cannot be opened: %s",
-                         why ? why : "the display refuses it");
+                         why ? why : "the display refused it");
     }
     glfwSetWindowUserPointer(self->window, self);
     glfwSetMouseButtonCallback(self->window, on_button);
@@ -1200,7 +1200,7 @@ static const char *last_words(void)
 {
     const char *why = NULL;
     (void)glfwGetError(&why);
-    return why ? why : "nobody says why";
+    return why ? why : "unknown reason";
 }
 
 static mrt_result open_glfw(glfw_window *self, uint32_t width, uint32_t height, const char *title,
