@@ -1,29 +1,29 @@
 /* marotte/plugin.h - the whole contract between marotte and its plugins.
  *
- * A plugin is a shared library exporting one symbol, `marotte_plugins`: a NULL-ended array of
- * types. A type is const data: what it is called, which parameters it has, which interfaces it
- * answers. A plugin includes this header and nothing else of marotte. C11; also valid C++17.
+ * A plugin is a shared library that exports one symbol, `marotte_plugins`: an array of types, ended
+ * by NULL. A type is constant data: its name, its parameters and its interfaces. A plugin includes
+ * only this header of marotte. C11; also valid C++17.
  *
- * THREADS  Each function is marked with where it runs:
- *            [main]  a thread that may wait, not always the same: the UI's, one that loads, one
- *                    that plays a take: may allocate, open files, take a few milliseconds;
- *            [input] a thread the host makes for one input: may block, until its deadline;
+ * THREADS  Each function is marked with the thread that calls it:
+ *            [main]  a thread that may wait; not always the same one. It may allocate, open files
+ *                    and take a few milliseconds;
+ *            [input] a thread that the host makes for one input: may block until its deadline;
  *            [frame] the real-time thread: no allocation, lock, I/O, clock or unbounded loop;
- *            [output] a thread the host makes for one face output;
+ *            [output] a thread that the host makes for one face output;
  *            [any]   all of these, even at the same time (host services only).
- *          Two calls into one instance never overlap, whatever their marks and threads, and each
- *          sees what the one before did: plugins need no lock, and keep nothing by thread.
+ *          Two calls into one instance never overlap, and each sees the effects of the previous
+ *          one. So plugins need no locks, and must not use thread-local data.
  * UNITS    mm, rad, ns (int64_t) or s (double); right-handed: +x the subject's left, +y up,
  *          +z out of the face. Faces and pulls are in the face frame. Hands are in the hand frame:
- *          origin at the wrist, fingers along +z, back of the hand along +y, so a right thumb is
- *          at +x: the frame of a hand inside a puppet's head. A tracked wrist moves the hand in it.
- *          Where that hand stands in the face is the mapping's to say: its placement parameters.
- * MEMORY   An argument may be read until the call returns. What a type points to lives as long as
- *          the process (libraries are never unloaded). Nobody frees the other side's memory.
- * ERRORS   < 0: an error, already explained through host->log. > 0: news, not an error.
- * REPLAY   A mapping's output depends on its state and arguments alone: same take, same bits.
- * VERSION  A type of another abi is refused, and the log says so. Structs never change within an
- *          abi, nor behind an interface id: what is new gets a new id, "domain.name/revision". */
+ *          origin at the wrist, +z along the fingers, +y out of the back of the hand, so a right
+ *          thumb is at +x: the frame of a hand inside the head of a puppet. A tracked wrist moves
+ *          the hand in it. The placement parameters of a mapping place the hand in the face.
+ * MEMORY   Arguments may be read until the call returns. What a type points to must live as long as
+ *          the process (libraries are never unloaded). Neither side frees memory of the other.
+ * ERRORS   < 0: an error, already explained through host->log. > 0: not an error.
+ * REPLAY   The output of a mapping depends only on its state and arguments: same take, same bits.
+ * VERSION  The host refuses a type with another abi, and logs it. Structs never change within an
+ *          abi or an interface id. New structs get a new id, "domain.name/revision". */
 #ifndef MAROTTE_PLUGIN_H
 #define MAROTTE_PLUGIN_H
 #include <stdbool.h>
@@ -48,12 +48,12 @@ typedef struct mrt_vec3 {
 typedef int32_t mrt_result;
 enum {
     MRT_OK = 0,
-    MRT_TIMEOUT = 1, /* read: nothing before the deadline */
+    MRT_TIMEOUT = 1, /* read: no sample before the deadline */
     MRT_END = 2,     /* read: the take is over */
-    MRT_HOLD = 3,    /* process: nothing to say, keep the last offsets */
+    MRT_HOLD = 3,    /* process: keep the last pull */
     MRT_ERR_MEMORY = -1,
     MRT_ERR_IO = -2,          /* device gone, file unreadable */
-    MRT_ERR_FORMAT = -3,      /* bytes that make no sense */
+    MRT_ERR_FORMAT = -3,      /* invalid data */
     MRT_ERR_UNSUPPORTED = -4, /* this rig, this device, this request */
     MRT_ERR_ARGUMENT = -5     /* a value outside its range */
 };
@@ -61,41 +61,45 @@ enum {
 /* ---- host services: valid from create() until destroy() returns ---- */
 enum { MRT_LOG_DEBUG, MRT_LOG_INFO, MRT_LOG_WARNING, MRT_LOG_ERROR };
 typedef struct mrt_host {
-    void *data;                                                                /* the host's own */
+    void *data; /* for the host only */
     void (*log)(const struct mrt_host *host, int32_t level, const char *text); /* [any] wait-free */
     int64_t (*now_ns)(const struct mrt_host *host); /* [main] [input] [output] monotonic */
-    /* [input] Waits until the host's clock reaches time_ns; returns the time then. A host that
-     * replays faster than life moves its clock instead of waiting: an input that paces itself with
-     * this, and with nothing else, can be replayed at any speed. */
+    /* [input] Waits until the clock of the host reaches time_ns, and returns the time. A host that
+     * replays faster than real time moves its clock instead of waiting. So an input that waits only
+     * with this function can be replayed at any speed. */
     int64_t (*wait_until_ns)(const struct mrt_host *host, int64_t time_ns);
-    void (*request_restart)(const struct mrt_host *host); /* [any] stop and start me soon */
-    /* [main] The functions of MRT_FOLDERS, MRT_LANDMARKS ..., until destroy() returns; NULL: this
-     * host has none. */
+    void (*request_restart)(
+        const struct mrt_host *host); /* [any] asks the host to close and reopen this instance */
+    /* [main] Returns the functions of a service such as MRT_FOLDERS or MRT_LANDMARKS, valid until
+     * destroy() returns. NULL: the host does not have it. */
     const void *(*service)(const struct mrt_host *host, const char *id);
 } mrt_host;
 
-/* ---- a service: folders that a plugin may write into; nothing else on the disk is its own ---- */
+/* ---- service: the folders that a plugin may write to. It must not write anywhere else ---- */
 #define MRT_FOLDERS "marotte.folders/1"
 typedef struct mrt_folders {
-    /* [main] An absolute path, of all instances of this type and of nobody else. The folder is made
-     * if need be. `out` is "" after an error, which is logged. */
+    /* [main] Writes an absolute path to `out`. All instances of this type share the folder. The
+     * host creates it. After an error, which the host logs, `out` is "". */
     mrt_result (*settings)(const struct mrt_host *host, char *out,
-                           size_t capacity);                                      /* to be kept */
-    mrt_result (*cache)(const struct mrt_host *host, char *out, size_t capacity); /* may vanish */
+                           size_t capacity); /* kept permanently */
+    mrt_result (*cache)(const struct mrt_host *host, char *out,
+                        size_t capacity); /* may be deleted at any time */
 } mrt_folders;
 
-/* ---- parameters: the host owns the values; sliders, presets and takes follow from this ---- */
+/* ---- parameters: the host owns the values. Sliders, presets and takes use them
+ * ---- */
 enum {
     MRT_PARAM_STEPPED = 1, /* whole numbers only */
-    MRT_PARAM_TRIGGER = 2, /* a button, or a pedal bound to it: 1 for exactly one call */
+    MRT_PARAM_TRIGGER = 2, /* a button, or a pedal connected to it: 1 during exactly one call */
     MRT_PARAM_HIDDEN = 4
 };
 typedef struct mrt_param {
-    uint32_t id;    /* stable for ever, never reused: presets and takes store it */
+    uint32_t id;    /* never changes and is never reused: presets and takes store it */
     uint32_t flags; /* MRT_PARAM_* */
     const char *name, *group, *unit, *help; /* "Gain", "Smoothing/Thumb", "mm", one sentence */
-    double min, max, initial;  /* finite, min < max, min <= initial <= max; a linear slider */
-    const char *const *labels; /* stepped: a name per value from min up, NULL-ended; or NULL */
+    double min, max, initial; /* finite, min < max, min <= initial <= max; a linear slider */
+    const char *const
+        *labels; /* stepped: a name for each value, from min, ended by NULL; or NULL */
 } mrt_param;
 
 /* ---- the type, and the library's one symbol ---- */
@@ -104,13 +108,14 @@ typedef struct mrt_interface {
     const void *functions;
 } mrt_interface;
 typedef struct mrt_plugin_type {
-    uint32_t abi; /* MRT_ABI; stays first for ever */
+    uint32_t abi; /* MRT_ABI; always the first field */
     uint32_t param_count;
     const mrt_param *params;
     const mrt_interface *interfaces; /* MRT_INPUT, MRT_MAPPING, MRT_STATE ...; ends with id NULL */
-    const char *id, *name, *version, *about;     /* id "org.marotte.anchored": stable for ever */
+    const char *id, *name, *version, *about;     /* id "org.marotte.anchored": never changes */
     mrt_plugin *(*create)(const mrt_host *host); /* [main] NULL: failed */
-    void (*destroy)(mrt_plugin *self);           /* [main] closed or deactivated; NULL is fine */
+    void (*destroy)(
+        mrt_plugin *self); /* [main] the instance is closed or deactivated; accepts NULL */
 } mrt_plugin_type;
 extern MRT_EXPORT const mrt_plugin_type *const marotte_plugins[];
 
@@ -118,111 +123,113 @@ extern MRT_EXPORT const mrt_plugin_type *const marotte_plugins[];
 #define MRT_INPUT "marotte.input/1"
 enum { MRT_MAX_CHANNELS = 64, MRT_MAX_PEDALS = 4, MRT_ANGLES = 22, MRT_JOINTS = 21, MRT_PALM = 8 };
 enum {
-    /* Told apart by name, any number of them: a fader from 0 to 1, a stick from -1 to 1, a shape of
-     * a tracked face. Where min < 0 < max it rests at 0, else at min. */
+    /* Any number of channels, identified by name: a fader from 0 to 1, a stick from -1 to 1, a
+       shape of a tracked face. The neutral value is 0 where min < 0 < max, otherwise min. */
     MRT_CH_OTHER = 0,
     MRT_CH_ANGLE = 1,    /* + 0..21, in sensor order: thumb roll ... wrist yaw */
     MRT_CH_WRIST = 32,   /* + 0..6: position x y z in mm, orientation quaternion x y z w */
     MRT_CH_PEDAL = 64,   /* + 0..3 */
-    MRT_CH_BUTTON = 72,  /* 0 up, 1 down; told apart by name */
-    MRT_CH_TIMECODE = 80 /* + 0: frames of time code from 00:00:00:00 to the sample's time, counted
-                            and not read off, parts of one too; + 1: how many a second, such as 25,
-                            negative for drop-frame. 96 and above are the host's own */
+    MRT_CH_BUTTON = 72,  /* 0 up, 1 down; identified by name */
+    MRT_CH_TIMECODE = 80 /* + 0: number of frames from 00:00:00:00 to the time of the sample, with
+                            fractions (a count, not the displayed numbers); + 1: frames per second,
+                            negative for drop-frame. The host uses 96 and above */
 };
 enum { MRT_LEFT = 0, MRT_RIGHT = 1, MRT_NO_HAND = 2 };
-#define MRT_UNIT_LANDMARKS "rad landmarks" /* noisier than a glove: the host filters it harder */
+#define MRT_UNIT_LANDMARKS "rad landmarks" /* noisier than a glove, so the host filters it more */
 typedef struct mrt_channel {
-    const char *name, *unit; /* "index MCP flexion"; of angles: "count" wants calibration, "rad" has
-                                it, MRT_UNIT_LANDMARKS is rad that was read from landmarks */
+    const char *name, *unit; /* "index MCP flexion". Unit of an angle: "count" needs calibration,
+                                "rad" does not, MRT_UNIT_LANDMARKS is rad computed from landmarks */
     uint32_t semantic, hand; /* MRT_CH_* + n; MRT_LEFT, MRT_RIGHT or MRT_NO_HAND */
     float min, max;          /* of the raw value */
 } mrt_channel;
 typedef struct mrt_sample {
-    int64_t time_ns;   /* host clock at which it was measured, as well as the device can tell: its
-                          own clock mapped to the host's, else when the last byte arrived; never
-                          before the last sample's, never in the future */
-    uint32_t sequence; /* +1 each time; a gap says samples were lost */
-    uint32_t count;    /* as channels() said */
+    int64_t time_ns;   /* host clock when it was measured: the clock of the device mapped to the
+                          host's, or else the arrival of the last byte; never before the previous
+                          sample, never in the future */
+    uint32_t sequence; /* +1 for each sample; a gap means that samples were lost */
+    uint32_t count;    /* number of values, as in channels() */
     float value[MRT_MAX_CHANNELS]; /* raw, finite */
 } mrt_sample;
 enum {
-    /* Samples come from a record and read() waits with host->wait_until_ns alone, so the host may
-     * run it faster than life. Without it the input is a device and runs in real time. */
+    /* Samples come from a recording, and read() waits only with host->wait_until_ns, so the host
+       may run it faster than real time. Without this flag the input is a device. */
     MRT_INPUT_RECORDED = 1
 };
 typedef struct mrt_input {
-    /* [main] "": the first found. When read() has failed with MRT_ERR_IO the host closes and opens
-     * again, with the same address, until the device is back; then [input]. An instance that was
-     * opened with "" finds the very device that it had, by where it is plugged in. Should
-     * host->wait_until_ns return early, the host is stopping: give up. */
+    /* [main] Opens the device at `address`; "" is the first device found. After read() returned
+     * MRT_ERR_IO, the host closes the instance and opens it again [input] with the same address
+     * until it succeeds. An instance opened with "" must then find the same device, at the same
+     * port. If host->wait_until_ns returns early, the host is stopping: return. */
     mrt_result (*open)(mrt_plugin *self, const char *address, const double *params);
     const mrt_channel *(*channels)(mrt_plugin *self, uint32_t *out_count); /* [main] until close */
-    /* An input with pedals that loses its device first gives a sample in which they are up. */
+    /* When an input with pedals loses its device, it first returns a sample with all pedals up. */
     mrt_result (*read)(mrt_plugin *self, const double *params, int64_t deadline_ns,
-                       mrt_sample *out_sample); /* [input] waits, never past the deadline */
-    void (*close)(mrt_plugin *self);            /* [main] [input] as open */
+                       mrt_sample *out_sample); /* [input] blocks until the deadline at most */
+    void (*close)(mrt_plugin *self);            /* [main] [input] as for open */
     uint32_t flags;                             /* MRT_INPUT_* */
 } mrt_input;
 
-/* ---- how long a recorded input plays, for whoever shows the progress ---- */
+/* ---- duration of a recorded input, to show progress ---- */
 #define MRT_DURATION "marotte.duration/1"
 typedef struct mrt_duration {
-    /* [main] On an open instance: nanoseconds from its first sample to its last, with these
-     * parameters; below 0: it does not end. */
+    /* [main] Returns the ns from the first to the last sample of an open instance, with these
+     * parameters; below 0: endless. */
     int64_t (*get_ns)(mrt_plugin *self, const double *params);
 } mrt_duration;
 
-/* ---- a service: landmarks of a hand, as cameras and headsets see them, back to its angles ---- */
+/* ---- service: converts landmarks of a hand, from a camera or a headset, to joint angles ---- */
 #define MRT_LANDMARKS "marotte.landmarks/1"
 typedef struct mrt_landmarks {
-    /* In any right-handed frame and unit: wrist, then base, MCP, IP, tip of the thumb and MCP, PIP,
-     * DIP, tip of index .. little finger: MediaPipe's order; OpenXR's without palm and metacarpals
-     * of the fingers. */
+    /* In any right-handed frame and any unit. Order: wrist; base, MCP, IP and tip of the thumb;
+     * MCP, PIP, DIP and tip of index to little finger. This is the order of MediaPipe, and of
+     * OpenXR without the palm and the metacarpals of the fingers. */
     mrt_vec3 at[MRT_JOINTS];
-    uint32_t doubtful; /* bit i: joint i is hidden or guessed: not used; as if not finite */
+    uint32_t doubtful; /* bit i: joint i is hidden or guessed, and is ignored like a value that is
+                          not finite */
     uint32_t side;     /* MRT_LEFT, MRT_RIGHT */
 } mrt_landmarks;
 typedef struct mrt_hand_reading {
-    float angle[MRT_ANGLES]; /* as channels of MRT_CH_ANGLE in MRT_UNIT_LANDMARKS; the wrist's two
+    float angle[MRT_ANGLES]; /* channels of MRT_CH_ANGLE in MRT_UNIT_LANDMARKS; the two of the wrist
                                 are 0 */
-    float wrist[7];          /* from the hand frame to the landmarks': position in their unit,
-                                orientation as a quaternion x y z w */
-    float size;              /* of the palm in their unit, over that of a hand of 190 mm */
-    float confidence;        /* 0..1; below 0.5 it should move no face */
+    float wrist[7];   /* from the hand frame to the frame of the landmarks: position in their unit,
+                         orientation quaternion x y z w */
+    float size;       /* length of the palm in their unit, divided by that of a hand of 190 mm */
+    float confidence; /* 0..1; do not perform with a hand below 0.5 */
 } mrt_hand_reading;
 typedef struct mrt_landmark_reader {
-    /* [main] [input] `reading` holds what was read last of this hand, or zeros: what cannot be told
-     * now is kept. Any number of hands may be read at the same time. */
+    /* [main] [input] `reading` contains the previous reading of this hand, or zeros. Values that
+     * cannot be measured now are left unchanged. Several hands may be read at the same time. */
     void (*read)(const struct mrt_host *host, const mrt_landmarks *seen, mrt_hand_reading *reading);
 } mrt_landmark_reader;
 
-/* ---- devices: what an input could open, and what to do about what it cannot ---- */
+/* ---- devices that an input can open, and advice for those that it cannot ---- */
 #define MRT_DEVICES "marotte.devices/1"
 enum {
-    MRT_DEVICE_READY = 0,  /* open() would do */
-    MRT_DEVICE_BUSY = 1,   /* another program holds it */
-    MRT_DEVICE_DENIED = 2, /* this user may not open it */
-    MRT_DEVICE_UNSURE = 3  /* a port at which it may be: only open() can tell */
+    MRT_DEVICE_READY = 0,  /* open() would succeed */
+    MRT_DEVICE_BUSY = 1,   /* in use by another program */
+    MRT_DEVICE_DENIED = 2, /* this user has no permission */
+    MRT_DEVICE_UNSURE = 3  /* a port that may have the device: only open() can find out */
 };
 typedef struct mrt_device {
-    char address[192]; /* for open(): this very device, also after it was away: its port path */
+    char address[192]; /* for open(): identifies this device by its port, also after it was
+                          disconnected */
     char name[64];     /* "VEC USB Footpedal" */
-    char advice[384];  /* what the person can do, in one sentence; "" when ready */
+    char advice[384];  /* one sentence: what the user can do; "" when ready */
     int32_t state;     /* MRT_DEVICE_* */
 } mrt_device;
 typedef struct mrt_devices {
-    /* [main] Writes up to `capacity` devices that are plugged in; returns how many there are. On an
-     * instance that need not be open. Looks, and disturbs nobody: sends nothing to a device. */
+    /* [main] Writes at most `capacity` connected devices, and returns their total number. The
+     * instance need not be open. It must not send anything to a device. */
     uint32_t (*list)(mrt_plugin *self, mrt_device *out, uint32_t capacity);
-    /* [main] [input] Which one is open; false: none. */
+    /* [main] [input] Writes the open device; false: none. */
     bool (*current)(mrt_plugin *self, mrt_device *out);
 } mrt_devices;
 
-/* ---- output: what the inputs measure, passed on ---- */
+/* ---- output: passes samples of inputs on ---- */
 #define MRT_OUTPUT "marotte.output/1"
 typedef struct mrt_output {
     mrt_result (*open)(mrt_plugin *self, const char *address, const double *params); /* [main] */
-    /* [one thread] Passes one sample of the input called `source` on. Never waits. */
+    /* [one thread] Passes on one sample of the input named `source`. Must not block. */
     mrt_result (*write)(mrt_plugin *self, const char *source, const mrt_channel *channels,
                         const mrt_sample *sample);
     void (*close)(mrt_plugin *self); /* [main] */
@@ -232,92 +239,96 @@ typedef struct mrt_output {
 #define MRT_MAPPING "marotte.mapping/1"
 enum { MRT_MAX_VECTORS = 64, MRT_MAX_DOFS = 32 };
 typedef struct mrt_hand {
-    bool present;               /* false: the rest is the last known, or zero */
-    int64_t time_ns;            /* of the sample behind it; its age is frame.time_ns - this */
+    bool present;    /* false: the other fields are the last known ones, or zero */
+    int64_t time_ns; /* time of its sample; the age of the hand is frame.time_ns - time_ns */
     float angle[MRT_ANGLES];    /* rad, calibrated and filtered, in sensor order */
     mrt_vec3 joint[MRT_JOINTS]; /* mm, hand frame; wrist, then thumb to little, 4 each, tip last */
     mrt_vec3 palm[MRT_PALM];    /* mm, hand frame; contact points of the palm */
 } mrt_hand;
 enum { MRT_MAX_INPUTS = 8 };
-typedef struct mrt_channels {   /* one input, as its newest sample says */
-    const char *name;           /* as the host calls it: "gamepad 2"; another input is another */
+typedef struct mrt_channels {   /* the newest sample of one input */
+    const char *name;           /* name that the host gives it, unique: "gamepad 2" */
     const mrt_channel *channel; /* count of them */
     const float *value;         /* count of them, raw: neither calibrated nor filtered */
     int64_t time_ns;            /* of that sample */
     uint32_t count;
 } mrt_channels;
 typedef struct mrt_frame {
-    int64_t time_ns;             /* of this frame: the time of the sample that caused it */
-    double dt_s;                 /* since the last one; 0 on the first after reset, at most 0.1 */
-    mrt_hand hand[2];            /* left, right */
+    int64_t time_ns;  /* of this frame: the time of the sample that caused it */
+    double dt_s;      /* since the previous frame; 0 in the first one after reset; at most 0.1 */
+    mrt_hand hand[2]; /* left, right */
     float pedal[MRT_MAX_PEDALS]; /* 0 up .. 1 down */
-    bool near;                   /* an end point of the last pull lies within its radius of the
-                                    shape; false if that pull did not ask (mrt_pull.gate) */
-    const double *params;        /* values, in table order */
-    const mrt_channels *inputs;  /* all that have given a sample, in the order of their first */
-    uint32_t input_count;        /* at most MRT_MAX_INPUTS */
+    bool near; /* an end point of the last pull is within its radius of the shape; false if
+                  mrt_pull.gate was 0 */
+    const double *params; /* values, in table order */
+    const mrt_channels
+        *inputs; /* all inputs that have delivered a sample, in the order of their first ones */
+    uint32_t input_count; /* at most MRT_MAX_INPUTS */
 } mrt_frame;
-typedef struct mrt_contact { /* a named place on the face that a mapping may pull */
-    const char *name, *bone; /* "mouth.corner.l"; the bone that it rides on: "skull", "jaw" */
+typedef struct mrt_contact { /* a named point of the face that a mapping may pull */
+    const char *name, *bone; /* "mouth.corner.l"; the bone that carries it: "skull", "jaw" */
     mrt_vec3 rest, normal;   /* mm, face frame; unit, outward */
 } mrt_contact;
-typedef struct mrt_dof {     /* a degree of freedom of a bone that a mapping may drive */
+typedef struct mrt_dof {     /* one way in which a bone can move */
     const char *name, *unit; /* "jaw.open", "rad" */
-    float min, max;          /* 0 is the rest pose; the host clamps softly */
+    float min, max;          /* 0 is the neutral pose; the host limits it softly */
 } mrt_dof;
 typedef struct mrt_face { /* valid from activate until deactivate */
     const mrt_contact *contacts;
     const mrt_dof *dofs;
     uint32_t contact_count, dof_count;
-    mrt_vec3 low, high; /* mm, bounds of the rest face */
+    mrt_vec3 low, high; /* mm, bounds of the neutral face */
 } mrt_face;
 typedef struct mrt_vector { /* one control vector */
     mrt_vec3 start, end;    /* mm, face frame */
-    uint32_t contact; /* 1 + index of the contact that it pulls: end - start is its way with the
-                         bones at rest, and it rides on the bones that dof drives;
-                         0: a free point, which lands on its end whatever the bones do */
+    uint32_t contact; /* 1 + index of the contact that it pulls: end - start is its displacement
+                         while the bones are neutral, and the motion of the bones is added. 0: a
+                         free point, whose final position is `end` whatever the bones do */
 } mrt_vector;
 enum {
-    MRT_IDLE = 0,      /* the shape stays as it is; vectors move nothing (but see gate) */
-    MRT_ANCHORED = 1,  /* the base shape, moved by end - start; starts stay while anchor stays */
-    MRT_UNANCHORED = 2 /* the shape shown, moved on from start to end: every sample is an edit */
+    MRT_IDLE = 0,      /* the shape does not change; vectors are ignored (but see gate) */
+    MRT_ANCHORED = 1,  /* moves the base shape by end - start; the starts must not change while
+                          `anchor` does not */
+    MRT_UNANCHORED = 2 /* moves the current shape from start to end: every sample is an edit */
 };
-enum {                       /* how the field is solved, where it is not to be as the rig says */
-       MRT_SOLVE_LINEAR = 1, /* with a linear polynomial: the whole of space follows */
-       MRT_SOLVE_ONCE = 2    /* unanchored: each sample is one step, even where it folds */
+enum {                       /* how the field is solved, to override the rig */
+       MRT_SOLVE_LINEAR = 1, /* with a linear polynomial: all of space follows */
+       MRT_SOLVE_ONCE = 2    /* unanchored: one step for each sample, even if it folds */
 };
-typedef struct mrt_pull { /* what process() fills; on entry: what it held last */
+typedef struct mrt_pull { /* written by process(); on entry it contains the last pull */
     uint32_t mode;        /* MRT_IDLE, MRT_ANCHORED or MRT_UNANCHORED */
-    uint32_t anchor;      /* changes when the starts of anchored vectors change */
-    uint32_t commit;      /* changes when the shape shown is to become the new base shape */
-    uint32_t gate;        /* 1: report mrt_frame.near; unanchored vectors move nothing while
-                             no end point is within the radius of the shape */
-    uint32_t count;       /* of vector[] in use */
-    float radius_mm;      /* support radius of the field; 0: what the rig says */
-    float leak_per_s;     /* unanchored: rate at which the shape eases back to the base shape;
-                             0: never */
-    uint32_t solve;       /* MRT_SOLVE_*; 0: as the rig says, in steps that do not fold */
-    float stretch_most; /* > 1: no edge of the skin is stretched further and nothing folds: near it
-                           less is given; 0: as the host says (8); below 0: all of it is given */
+    uint32_t anchor;      /* changed by the mapping when the starts of anchored vectors change */
+    uint32_t commit; /* changed by the mapping when the current shape must become the base shape */
+    uint32_t gate; /* 1: report mrt_frame.near; unanchored vectors have no effect while no end point
+                      is within the radius of the shape */
+    uint32_t count;     /* number of entries of vector[] */
+    float radius_mm;    /* support radius of the field; 0: from the rig */
+    float leak_per_s;   /* unanchored: rate at which the shape eases back to the base shape;
+                           0: never */
+    uint32_t solve;     /* MRT_SOLVE_*; 0: from the rig, in steps that do not fold */
+    float stretch_most; /* > 1: largest stretch of an edge of the skin. The host reduces the pull
+                           before an edge stretches further or a triangle folds. 0: the default (8).
+                           Below 0: no limit */
     mrt_vector vector[MRT_MAX_VECTORS];
-    float dof[MRT_MAX_DOFS]; /* NaN: not driven; the host derives the jaw from the vectors */
+    float dof[MRT_MAX_DOFS]; /* NaN: not driven; the host then derives the jaw from the vectors */
 } mrt_pull;
 typedef struct mrt_mapping {
-    mrt_result (*activate)(mrt_plugin *self, const mrt_face *face); /* [main] allocate now */
-    void (*deactivate)(mrt_plugin *self);                           /* [main] */
-    void (*reset)(mrt_plugin *self); /* [frame] forget the past: filters, anchors, clutch */
+    mrt_result (*activate)(mrt_plugin *self,
+                           const mrt_face *face); /* [main] allocates what process() needs */
+    void (*deactivate)(mrt_plugin *self);         /* [main] */
+    void (*reset)(mrt_plugin *self);              /* [frame] clears filters, anchors and clutch */
     mrt_result (*process)(mrt_plugin *self, const mrt_frame *frame, mrt_pull *pull); /* [frame] */
 } mrt_mapping;
 
-/* ---- the poses that a rig names ("viseme_PP", "joy"), and those of ARKit's and the visemes' names
- * that the head's own shapes make, for a mapping that performs them ---- */
+/* ---- poses of the rig ("viseme_PP", "joy"), and poses with the names of ARKit and of visemes that
+ * the shapes of the head make, for a mapping that performs them ---- */
 #define MRT_RIG_POSES "marotte.rig_poses/1"
 enum { MRT_POSE_WHOLE = 0, MRT_POSE_MOUTH = 1, MRT_POSE_UPPER = 2 };
 typedef struct mrt_rig_pose {
     const char *name;
     const mrt_vec3 *pulls; /* mm, one per contact: end - start of its vector */
     const float *dofs;     /* one per degree of freedom, in its unit */
-    uint32_t part;         /* MRT_POSE_*: a pose of one half leaves the other half at rest */
+    uint32_t part;         /* MRT_POSE_*: a pose of one half leaves the other half neutral */
 } mrt_rig_pose;
 typedef struct mrt_rig_poses {
     /* [main] Called before each activate, with the poses of that face. The poses stay valid until
@@ -325,102 +336,104 @@ typedef struct mrt_rig_poses {
     void (*set)(mrt_plugin *self, const mrt_face *face, const mrt_rig_pose *poses, uint32_t count);
 } mrt_rig_poses;
 
-/* ---- the card of a mapping: what each part of the hand does, for a person who learns it ---- */
+/* ---- hand card: describes what each part of the hand does, for users who learn a mapping ---- */
 #define MRT_HAND_CARD "marotte.hand_card/1"
 typedef struct mrt_card_line {
     const char *hand, *face;   /* "Thumb down", "jaw opens" */
-    uint32_t joint;            /* of MRT_JOINTS: the place on the hand */
-    float per_rad[MRT_ANGLES]; /* how much of it a change of each angle does; 1: all of it */
+    uint32_t joint;            /* index below MRT_JOINTS: the joint that the line points to */
+    float per_rad[MRT_ANGLES]; /* share of the effect for a change of 1 rad of each angle; 1: all of
+                                  it */
 } mrt_card_line;
 typedef struct mrt_hand_card {
-    /* [any] The lines for a hand that this input measures; input NULL: any input. The lines live as
+    /* [any] Returns the lines for a hand measured by this input; NULL: any input. They are valid as
      * long as the process. */
     const mrt_card_line *(*lines)(const double *params, const mrt_channels *input, uint32_t side,
                                   uint32_t *out_count);
 } mrt_hand_card;
 
-/* ---- face output: the face itself, for other programs, while it is performed or played ---- */
+/* ---- face output: sends the face to other programs while it is performed or played ---- */
 #define MRT_FACE_OUTPUT "marotte.face_output/1"
 typedef struct mrt_face_names { /* valid from begin until the next begin, or close */
     const mrt_face *face;       /* contacts, degrees of freedom, bounds */
     const char *const *bones;   /* "skull", "jaw", "eye.l" */
-    const int32_t *parents;     /* of each bone: an index; -1: it rides on nothing */
-    const mrt_vec3 *pivots;     /* of each bone, mm: what it turns about, at rest */
-    const char *const *shapes;  /* the head's own morph targets, as its file calls them */
-    /* What any face can be said in, whatever shapes it has: the 61 channels of Live Link Face in
-     * its order, which are ARKit's 52 ("EyeBlinkLeft" first) and 9 turns ("HeadYaw"); then others,
-     * told apart by name: VRM's expressions ("aa", "happy"), visemes. May be none. */
+    const int32_t *parents;     /* index of the parent of each bone; -1: none */
+    const mrt_vec3 *pivots;     /* mm, neutral: the centre of rotation of each bone */
+    const char *const *shapes;  /* names of the morph targets in the file of the head */
+    /* Weights that describe any face: the 61 channels of Live Link Face in their order (ARKit's 52
+     * shapes, "EyeBlinkLeft" first, and 9 rotations such as "HeadYaw"), then others by name:
+     * expressions of VRM ("aa", "happy") and visemes. May be empty. */
     const char *const *weights;
     uint32_t bone_count, shape_count, weight_count, vertex_count;
 } mrt_face_names;
-typedef struct mrt_bone_pose { /* from rest to now in the face frame: p becomes turn p + shift */
+typedef struct mrt_bone_pose { /* from neutral to now, in the face frame: p becomes turn p + shift
+                                */
     float turn[4];             /* quaternion x y z w */
     mrt_vec3 shift;            /* mm */
 } mrt_bone_pose;
 typedef struct mrt_face_sample {
-    int64_t time_ns;            /* host clock: when what moved the face was measured; of a take that
-                                   plays: when this instant of it is due */
-    int64_t take_ns;            /* of a take: from its start; below 0: no take plays */
-    uint64_t number;            /* of the face: larger with each; the same: it is said once more */
+    int64_t time_ns; /* host clock when the sample behind the face was measured; while a take plays:
+                        when this time of the take is due */
+    int64_t take_ns; /* time from the start of the take; below 0: no take plays */
+    uint64_t number; /* increases with each new face; unchanged: the same face is repeated */
     const mrt_bone_pose *bones; /* counts and order as in mrt_face_names */
-    const float *dofs;          /* rad or mm, as posed: derived and limited ones too */
-    const mrt_vec3 *contacts;   /* mm: how far each is from where it rests */
+    const float *dofs;          /* rad or mm, as applied, including derived and limited ones */
+    const mrt_vec3 *contacts;   /* mm: displacement of each contact from neutral */
     const float *shapes;        /* 0..1 */
-    const float *weights;     /* 0..1; of turns rad: to the face's left, up, to its left shoulder */
-    const mrt_vec3 *vertices; /* mm, the mesh file's order; NULL: not asked for */
+    const float *weights; /* 0..1; rotations in rad: to the left of the face, up, towards its left
+                             shoulder */
+    const mrt_vec3 *vertices; /* mm, in the order of the mesh file; NULL: not requested */
 } mrt_face_sample;
-typedef struct mrt_face_wants { /* what an output asks for; on entry: zeros */
-    double rate_hz;             /* at most so many faces a second, the newest; 0: each sample's */
-    double repeat_s;            /* a face that nothing moves is said again after so long; 0: 1 s */
-    uint32_t vertices;          /* 1: vertices too */
+typedef struct mrt_face_wants { /* what an output requests; zeros on entry */
+    double rate_hz;             /* largest number of faces per second; 0: one for each sample */
+    double repeat_s;            /* interval after which an unchanged face is repeated; 0: 1 s */
+    uint32_t vertices;          /* 1: send the vertices too */
 } mrt_face_wants;
 typedef struct mrt_face_output {
-    /* [output] is a thread of its own, or the plugin's own process: it may take some milliseconds,
-     * and makes no frame wait: a face that comes meanwhile replaces the one before it. After an
-     * error of open or send the host closes, and opens again a second later. */
+    /* [output] is a separate thread or process. It may take some milliseconds and does not delay
+     * frames: a newer face replaces the waiting one. After an error of open or send, the host
+     * closes the instance and opens it again after a second. */
     mrt_result (*open)(mrt_plugin *self, const char *address, const double *params,
-                       mrt_face_wants *wants); /* [output] "": the usual place */
-    mrt_result (*begin)(mrt_plugin *self, const mrt_face_names *names); /* [output] and for each
-                                                                           other face */
-    /* [output] Also looks for what the other side has sent. MRT_OK: it was sent; MRT_TIMEOUT:
-     * nobody is there who takes it. */
+                       mrt_face_wants *wants); /* [output] "": the default address */
+    mrt_result (*begin)(mrt_plugin *self,
+                        const mrt_face_names *names); /* [output] again for each other face */
+    /* [output] Sends a face, and reads what the receiver has sent. MRT_OK: sent; MRT_TIMEOUT: no
+     * receiver. */
     mrt_result (*send)(mrt_plugin *self, const double *params, const mrt_face_sample *sample);
-    void (*close)(mrt_plugin *self); /* [output] also when open has failed */
+    void (*close)(mrt_plugin *self); /* [output] called also after open failed */
 } mrt_face_output;
 
-/* ---- state: what a person taught it and parameters cannot hold, such as poses or a calibration.
- * Kept with takes, shows and presets; reset() returns to what was loaded last ---- */
+/* ---- state: learned data that parameters cannot hold, such as poses or a calibration. It is saved
+ * with takes, shows and presets. reset() returns to the state that was loaded last ---- */
 #define MRT_STATE "marotte.state/1"
 typedef struct mrt_state {
-    /* [frame] Writes at most `capacity` bytes (out may be NULL); returns the size it takes. */
+    /* [frame] Writes at most `capacity` bytes (out may be NULL), and returns the needed size. */
     size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
-    /* [frame] All or none; what it refuses, it logs as an error: the person loses it. */
+    /* [frame] Loads everything or nothing. It logs an error if it refuses the bytes, because the
+     * user loses them. */
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
 } mrt_state;
 
-/* ---- taught poses: how the hand is held that a trigger stands for, so that it can be drawn ----
- */
+/* ---- taught poses: the hand pose that a trigger parameter stands for, to draw it ---- */
 #define MRT_TAUGHT_POSES "marotte.taught_poses/1"
 typedef struct mrt_taught_poses {
-    /* [main] Of its bytes alone, which save() of MRT_STATE wrote. param: the trigger's id. out_rad:
-     * MRT_ANGLES, in sensor order. MRT_END: it teaches no pose; MRT_ERR_FORMAT: bytes that make no
-     * sense. */
+    /* [main] Reads the pose from bytes that save() of MRT_STATE wrote. param: id of the trigger.
+     * out_rad: MRT_ANGLES values in sensor order. MRT_END: no pose was taught; MRT_ERR_FORMAT:
+     * invalid bytes. */
     mrt_result (*pose)(const void *bytes, size_t size, uint32_t param, float *out_rad);
 } mrt_taught_poses;
 
-/* ---- resume: all that process() depends on but its parameters, so that a take can be taken up at
- * any instant without performing it from its start ---- */
+/* ---- resume: all that process() depends on except parameters, so that a take can continue from
+ * any time without performing it from its start ---- */
 #define MRT_RESUME "marotte.resume/1"
 typedef struct mrt_resume {
-    /* [frame] Writes at most `capacity` bytes (out may be NULL); returns the size it takes. */
+    /* [frame] Writes at most `capacity` bytes (out may be NULL), and returns the needed size. */
     size_t (*save)(mrt_plugin *self, void *out, size_t capacity);
-    /* [frame] All or none. Afterwards, on the same face, the same frames give the same pulls, bit
-     * for bit, as they did after save. Bytes from elsewhere, and damaged ones, are refused. */
+    /* [frame] Loads everything or nothing. On the same face, the same frames then give the same
+     * pulls as after save, bit for bit. It refuses foreign and damaged bytes. */
     mrt_result (*load)(mrt_plugin *self, const void *bytes, size_t size);
 } mrt_resume;
 
-/* ---- the layout, on every machine with pointers of 64 bits: who changes it changes MRT_ABI ----
- */
+/* ---- layout on machines with 64-bit pointers: if you change it, change MRT_ABI ---- */
 #if UINTPTR_MAX == UINT64_MAX
 #ifdef __cplusplus
 #define MRT_LAYOUT(type, size, last, offset)                                                       \
