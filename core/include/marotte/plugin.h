@@ -86,8 +86,7 @@ typedef struct mrt_folders {
                         size_t capacity); /* may be deleted at any time */
 } mrt_folders;
 
-/* ---- parameters: the host owns the values. Sliders, presets and takes use them
- * ---- */
+/* ---- parameters: the host owns the values. Sliders, presets and takes use them ---- */
 enum {
     MRT_PARAM_STEPPED = 1, /* whole numbers only */
     MRT_PARAM_TRIGGER = 2, /* a button, or a pedal connected to it: 1 during exactly one call */
