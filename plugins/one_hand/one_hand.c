@@ -917,10 +917,11 @@ static void reset(mrt_plugin *self)
     blink_reset(&self->blink);
     self->seal = (seal){.closure = 0.0};
     memset(self->steady_deg, 0, sizeof self->steady_deg);
-    if (memcmp(&self->answers, &self->stored_answers, sizeof self->answers) != 0) {
-        self->answers = self->before_change = self->stored_answers;
+    const bool has_learned =
+        memcmp(&self->answers, &self->stored_answers, sizeof self->answers) != 0;
+    self->answers = self->before_change = self->stored_answers; /* an undo has nothing to restore */
+    if (has_learned)
         learn_faces(self);
-    }
     attach_reset(&self->attach);
 }
 

@@ -135,7 +135,7 @@ cmp "$scratch/not_mine.csv" "$scratch/shipped.csv" || fail "counts are read as i
 grep -q 'not used: no log provides a right hand' "$scratch/not_mine.err" || fail "$(cat "$scratch/not_mine.err")"
 perform_bare bare.csv glove --calibration "$scratch/broken.json"
 cmp "$scratch/bare.glove.csv" "$scratch/bare.seen.csv" || fail "angles are read as if they were counts"
-refused 1 "is a calibration of a glove: choose another name" "$MAROTTE" calibrate --input "log:$scratch/bare.csv" --out "$user"
+refused 1 "is a calibration of a glove. Choose another name" "$MAROTTE" calibrate --input "log:$scratch/bare.csv" --out "$user"
 
 # A sender without a calibration is told the command, port and all.
 port=$((20000 + $$ % 10000))

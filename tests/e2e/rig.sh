@@ -111,7 +111,7 @@ refused 2 "fit needs a rig and a mesh" "$MAROTTE" rig fit new.rig.json
 grep -q "nothing was cut" cut.txt || fail "a mouth was cut into a head that has one"
 grep -q cut_mouth new.rig.json && fail "a cut is in the rig all the same"
 sed 's/"marotte_rig": 1,/"marotte_rig": 1, "cut_mouth": [1, 2, 3, 400],/' new.rig.json >cut.rig.json
-refused 1 'cut.rig.json: $.cut_mouth: vertices 1 and 2: no edge of two triangles joins them' \
+refused 1 'cut.rig.json: $.cut_mouth: vertices 1 and 2 are not joined by an edge of two triangles' \
     "$MAROTTE" rig check cut.rig.json
 refused 1 "this is a mesh, not a rig; marotte rig new" "$MAROTTE" rig check new.glb
 refused 1 "has no morph targets" "$MAROTTE" rig fit new.rig.json new.glb

@@ -21,5 +21,8 @@ done
 # A walk that the paper's manner followed further than a pull may reach.
 "$MAROTTE" plugin check "$BUILD_DIR/plugins/anchored.so" --seed 2769600 >"$scratch/said" ||
     { fail "anchored, far"; cat "$scratch/said"; }
+# A reset after an undo of a learned hand pose.
+"$MAROTTE" plugin check "$BUILD_DIR/plugins/one_hand.so" --seed 2206700 >"$scratch/said" ||
+    { fail "one_hand, reset"; cat "$scratch/said"; }
 [ $count -ge 7 ] || fail "only $count plugins were found"
 finish
