@@ -1,5 +1,6 @@
 /* io/export_formats.h - the formats that takes and performances are exported in, as the command
- * lines, their --help and the window offer them. Their writers: io/write/, called by ui/cli/exports.c.
+ * lines, their --help and the window offer them. Their writers: io/write/, called by
+ * ui/cli/exports.c.
  */
 #ifndef MAROTTE_IO_EXPORT_FORMATS_H
 #define MAROTTE_IO_EXPORT_FORMATS_H

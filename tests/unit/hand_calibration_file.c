@@ -128,7 +128,7 @@ static void errors_name_the_file_the_place_and_what_was_expected(void **state)
     refused("[148, 1.571]", "[62.0000000001, 1]", "a raw value above"); /* the same as a float */
     refused("0.03", "-1", "$.sensors[\"index.mpj\"].residual_rad: expected a number from 0");
     refused("\"rad_range\": [-0.07, 1.6],", "", "expected both raw_range and rad_range");
-    refused("\"middle.mpj\": 0.21", "\"nose\": 1", "cross_talk.nose: there is no sensor");
+    refused("\"middle.mpj\": 0.21", "\"nose\": 1", "cross_talk.nose: unknown sensor");
     refused("{\"source\": \"zeroed\", \"points\": [[100, 0.3], [150, 0]]}", "null",
             "$.sensors[\"middle.abd\"]: expected an object, found null");
 }
