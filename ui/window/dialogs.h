@@ -1,7 +1,6 @@
-/* window/dialogs.h - the questions over everything else: what is opened, and under which name
- * a show or a rig is saved (by the desktop's own file dialog, or the list of this window where it
- * has none or is not wanted), how takes are exported (export_page.h), and what becomes of work that
- * is not saved, and of exports that go on, before the program ends or another face comes. [main] */
+/* window/dialogs.h - modal dialogs: open and save (with the file dialog of the desktop, or a list
+ * in this window), export (export_page.h), unsaved work and running exports before the program
+ * quits or opens another face. [main] */
 #ifndef MAROTTE_UI_WINDOW_DIALOGS_H
 #define MAROTTE_UI_WINDOW_DIALOGS_H
 #include "window/export_page.h"
@@ -12,14 +11,14 @@
 
 typedef struct dialogs_desktop { /* the desktop's own dialog, beside one of ours */
     portal *asked;               /* NULL: it is not asked */
-    bool asks, is_shown;         /* it is there to be answered; ours is */
+    bool asks, is_shown;         /* the dialog of the desktop is open; ours is not */
 } dialogs_desktop;
 
-typedef struct dialogs_opening { /* the dialog that opens whatever there is */
+typedef struct dialogs_opening { /* the dialog that opens any file */
     open_kind kind;              /* of which it lists files; OPEN_ANY: all */
     open_folder at[OPEN_KINDS];
     char name[OPEN_PATH];
-    error trouble; /* why it was not done; "" */
+    error trouble; /* error of the last attempt; "" */
     bool is_asked_first;
     dialogs_desktop desktop; /* asks instead of the list */
 } dialogs_opening;
@@ -27,8 +26,8 @@ typedef struct dialogs_opening { /* the dialog that opens whatever there is */
 typedef struct dialogs_saving { /* the show or the rig under another name */
     bool is_rig;
     char file[OPEN_PATH];
-    char replaced[OPEN_PATH]; /* the file that the person was told is there already */
-    error trouble;            /* why it was not done; "" */
+    char replaced[OPEN_PATH]; /* the existing file that the user was warned about */
+    error trouble;            /* error of the last attempt; "" */
     bool is_asked_first;
     dialogs_desktop desktop; /* asks too */
 } dialogs_saving;
@@ -63,7 +62,8 @@ void dialogs_ask_open(dialogs *self, open_kind kind);
  */
 void dialogs_drop(dialogs *self, const char *path);
 void dialogs_ask_save_as(dialogs *self);
-/* At once, or after the questions about what is not saved and what goes on: is_over then. */
+/* Quits immediately, or after the questions about unsaved work and running exports; then is_over is
+ * set. */
 void dialogs_quit(dialogs *self);
 
 #endif

@@ -19,7 +19,8 @@ typedef struct export_page {
     uint32_t preset; /* 0: none; those that come with it, then those of the settings */
     char preset_name[PRESET_NAME];
     bool only_range, is_asked_first;
-    char replaced[EXPORT_FILE]; /* the first of replaced_count that were told to be there already */
+    char replaced[EXPORT_FILE]; /* the first of replaced_count existing files that the user was
+                                   warned about */
     uint32_t replaced_count;
     error trouble; /* why nothing was exported; "" */
 } export_page;
@@ -29,7 +30,7 @@ void export_page_init(export_page *out, app *of, ui *on);
 void export_page_draw(export_page *self);
 void export_page_ask(export_page *self);       /* how the chosen take, and others, are exported */
 void export_page_ask_going(export_page *self); /* how far they are */
-/* Each with how far it is and what cancels it, in a dialog of whoever asks. */
+/* Lists running exports with progress and Cancel, inside the dialog of the caller. */
 void export_page_list_going(ui *on, app *of);
 
 #endif

@@ -1,14 +1,14 @@
-/* window/help.h - `?`: every action with its key, what the mouse and the pedals do, over the stage;
- * and what suits the person: another key (a click on a line, then the key), text size, light or
- * dark, colours that are told apart without red and green. [main] */
+/* window/help.h - the help behind `?`: all actions with their keys, mouse and pedals; and settings
+ * of keys (click a line, then press the key), text size, light theme and colours for colour-blind
+ * users. [main] */
 #ifndef MAROTTE_UI_WINDOW_HELP_H
 #define MAROTTE_UI_WINDOW_HELP_H
 #include "window/gui/ui.h"
 #include "window/app/app.h"
 
 typedef struct help {
-    action waiting;    /* for its new key; ACTION_NONE: none does */
-    key_chord offered; /* another action has it: once more takes it away from that one */
+    action waiting;    /* the action that waits for its new key; ACTION_NONE: none */
+    key_chord offered; /* another action has this key; pressing it again reassigns it */
     char says[160];
 } help;
 

@@ -1,12 +1,12 @@
-/* window/open_any.h - what a file is to the stage, decided here alone, by how it ends and, where
- * that says nothing, by how it begins; what a folder has to open, looked at when it is asked for
- * and only then; what was opened lately. Leaves out asking (dialogs.h). [main] */
+/* window/open_any.h - decides what kind of file the stage opens, by its extension or by its first
+ * bytes; lists the files of a folder when requested; keeps recent files. Leaves out the dialog
+ * (dialogs.h). [main] */
 #ifndef MAROTTE_UI_WINDOW_OPEN_ANY_H
 #define MAROTTE_UI_WINDOW_OPEN_ANY_H
 #include "window/app/app.h"
 
 typedef enum open_kind {
-    OPEN_ANY = 0, /* of a file: nothing that is known */
+    OPEN_ANY = 0, /* of a file: unknown */
     OPEN_SHOW,
     OPEN_FACE,
     OPEN_HANDS,   /* recorded */
@@ -15,10 +15,11 @@ typedef enum open_kind {
     OPEN_KINDS
 } open_kind;
 
-/* Of a file that is there or, by its ending, of one that is not. */
+/* Kind of an existing file or, by its extension, of a missing one. */
 open_kind open_kind_of(const char *path);
 const char *const *open_endings(open_kind kind); /* ended by NULL; OPEN_ANY: all of them */
-/* An error is said in the news, and comes back. A face is opened whatever is not saved. */
+/* Opens a file. Reports errors as messages and returns them. Opens a face without asking about
+ * unsaved work. */
 CHECKED mrt_result open_any(app *of, const char *path);
 
 enum { OPEN_RECENT_MAX = 6 };
@@ -38,7 +39,7 @@ typedef struct open_entry {
 
 typedef struct open_folder {
     char path[OPEN_PATH]; /* absolute, without a '/' at its end but "/" itself */
-    open_entry *entry;    /* folders first, then by name; ".." where there is one */
+    open_entry *entry;    /* folders first, then by name; with ".." except at the root */
     uint32_t count;
     bool has_more; /* than OPEN_ENTRIES */
 } open_folder;
@@ -47,8 +48,7 @@ typedef struct open_folder {
 CHECKED mrt_result open_folder_go(open_folder *self, const char *path, const char *const *endings,
                                   error *err);
 void open_folder_finish(open_folder *self); /* accepts zeroed */
-/* path of an entry, or of a name that is typed: absolute ones stand for themselves. False: too
- * long. */
+/* Writes the path of an entry or of a typed name, which may be absolute. False: too long. */
 bool open_folder_join(const open_folder *self, const char *name, char out[OPEN_PATH]);
 bool open_name_ends(const char *name, const char *const *endings);
 

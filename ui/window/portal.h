@@ -1,7 +1,7 @@
-/* window/portal.h - the desktop's own file dialog: org.freedesktop.portal.FileChooser on the
- * session bus (https://flatpak.github.io/xdg-desktop-portal). A question is asked, and looked at
- * each frame until it is answered; nothing here waits. portal.c is the only file that knows sd-bus;
- * built without it no desktop has a dialog. Leaves out what is done with the file. [main] */
+/* window/portal.h - the file dialog of the desktop: org.freedesktop.portal.FileChooser on the
+ * session bus (https://flatpak.github.io/xdg-desktop-portal). A request is sent, and polled in each
+ * frame; nothing blocks. Only portal.c uses sd-bus; built without it, the list in the window is
+ * used. Leaves out the use of the file. [main] */
 #ifndef MAROTTE_UI_WINDOW_PORTAL_H
 #define MAROTTE_UI_WINDOW_PORTAL_H
 #include "base/error.h"
@@ -16,12 +16,12 @@ typedef struct portal_filter {
 } portal_filter;
 
 typedef struct portal_question {
-    bool is_saving; /* a new file, which the desktop asks about if it is there; else
-                       one to open */
-    const char *title, *folder, *name; /* where it begins; the name of a new file, or "" */
+    bool
+        is_saving; /* save a file (the desktop asks before it overwrites one); otherwise open one */
+    const char *title, *folder, *name; /* title, initial folder, and name of a new file or "" */
     const portal_filter *filter;       /* the first is chosen */
     uint32_t filter_count;
-    double patience_s; /* until the desktop says that it has begun to ask */
+    double patience_s; /* until the desktop has confirmed the request */
 } portal_question;
 
 typedef enum portal_answer {
@@ -34,7 +34,7 @@ typedef enum portal_answer {
 
 typedef struct portal portal;
 
-/* NULL: there is no session bus. Texts are copied. */
+/* NULL: no session bus. Texts are copied. */
 portal *portal_ask(const portal_question *question);
 /* Each frame. The path is absolute, and of nothing that was looked at: there may be no such file.
  */

@@ -1,8 +1,7 @@
-/* window/script.h - a person at the window, written down: a text file of events, one command a
- * line, given to the window frame by frame; or somebody who does not know the program, whose
- * clicks, drags, keys and words come in an order that a seed decides (it never ends the program,
- * and never saves a rig). The same file works in a window and without one. script_help() lists the
- * commands. Leaves out opening either. [main] */
+/* window/script.h - scripts of user input: a text file with one command in each line, performed
+ * frame by frame; or random clicks, drags, keys and words from a seed, which never quit the program
+ * or save a rig. A script runs with and without a window. script_help() lists the commands. [main]
+ */
 #ifndef MAROTTE_UI_WINDOW_SCRIPT_H
 #define MAROTTE_UI_WINDOW_SCRIPT_H
 #include "window/app/app.h"

@@ -8,9 +8,9 @@
 typedef struct workspace workspace;
 CHECKED mrt_result workspace_create(workspace **out, app *of, window *on, error *err);
 void workspace_destroy(workspace *self);
-ui *workspace_ui(workspace *self);            /* for whoever pushes events, and looks at words */
+ui *workspace_ui(workspace *self);            /* to push events and to read the drawn text */
 float workspace_scale(const workspace *self); /* pixels a point, of the last frame */
-/* Events, update, panels, picture. False: it is to be closed. */
+/* One frame: events, update, panels, picture. False: the window must be closed. */
 bool workspace_frame(workspace *self);
 
 typedef struct workspace_counts {

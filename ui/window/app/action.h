@@ -1,6 +1,6 @@
-/* window/app/action.h - everything that a person can tell the stage, as a table: name, key, help.
- * The keys (as the person may have changed them: key_map.h), the buttons, the list behind `?` and
- * scripts all come from it. What an action does is app.h's. Const data. */
+/* window/app/action.h - table of all actions of the stage: name, key, help. Keys (which the user
+ * can change: key_map.h), buttons, the list behind `?` and scripts use it. Leaves out what an
+ * action does (app.h). Constant data. */
 #ifndef MAROTTE_UI_WINDOW_APP_ACTION_H
 #define MAROTTE_UI_WINDOW_APP_ACTION_H
 #include <stdbool.h>
@@ -62,7 +62,7 @@ typedef enum action {
     ACTION_SHOW_SUPPORTS,      /* Shift+V */
     ACTION_SHOW_CONTACTS,      /* C */
     ACTION_SHOW_JAW,           /* J: the jaw's axis */
-    ACTION_SHOW_CARD,          /* Shift+H: what each part of the hand does */
+    ACTION_SHOW_CARD,          /* Shift+H: card of what each part of the hand does */
     ACTION_HEAT_NEXT,          /* W: no heat map, weights, mobility, strain, penetration */
     ACTION_OUTPUT,             /* F11: the face alone on the second monitor */
     ACTION_OUTPUT_MIRROR,      /* Shift+F11 */

@@ -19,13 +19,13 @@
 
 typedef struct app app;
 
-/* The picture for other programs: what is behind the face in the output window and in streams, how
- * that window is, and where pictures are sent. Kept between runs. */
+/* Video for other programs: background of the output window and of streams, look of that window,
+ * and targets of the streams. Kept between runs. */
 typedef struct app_picture {
     char background[16]; /* "": the studio's wall; "transparent", "#00b140" */
     bool is_on_top;      /* the output window, above all others */
-    bool is_window;      /* it is one, though there is a second monitor */
-    char targets[512];   /* of streams, parted by blanks (stream/stream.h); "" */
+    bool is_window;      /* use a window even with a second monitor */
+    char targets[512];   /* of streams, separated by spaces (stream/stream.h); "" */
     uint32_t width, height, fps;
     uint64_t edition; /* grows with each change; out */
 } app_picture;
@@ -43,7 +43,7 @@ typedef struct app_options {
     const char *mapping;       /* NULL: as last time, or one_hand */
     const char *const *inputs; /* NULL: what is plugged in */
     uint32_t input_count;
-    const char *settings_path;  /* NULL: the user's; "": none is read or written */
+    const char *settings_path;  /* NULL: the file of the user; "": no file */
     const char *remote;         /* "[HOST:]PORT"; NULL: as last time (remote.h) */
     const app_picture *picture; /* NULL: as last time */
     const char *note;           /* said to the person at the start; NULL: nothing */
@@ -53,8 +53,8 @@ typedef struct app_options {
 } app_options;
 
 CHECKED mrt_result app_create(app **out, const app_options *options, error *err);
-/* A take that is being recorded is kept; settings are written. < 0: part of what was recorded is
- * not in the show's file; stderr says what, and where it is. */
+/* Saves the take that is being recorded, and writes the settings. < 0: part of the recording is
+ * missing in the show file; stderr names it, and where it is stored. */
 mrt_result app_destroy(app *self);
 /* Once a frame, before panels are drawn. */
 void app_update(app *self, double dt_s);
@@ -63,7 +63,7 @@ void app_update(app *self, double dt_s);
 void app_want_frame(app *self, double in_s);
 double app_wanted_s(const app *self); /* HUGE_VAL: none */
 
-/* ---- what there is ---- */
+/* ---- parts of the application ---- */
 
 const plugin_list *app_plugins(app *self);
 log_queue *app_log(app *self);
@@ -75,7 +75,7 @@ const char *app_face_path(const app *self);
 show *app_show(app *self); /* NULL: none could be opened */
 settings *app_settings(app *self);
 #define APP_REZERO_PEDAL "hands.rezero_pedal" /* of the settings: 1..4; 0: none re-zeroes */
-news_list *app_news(app *self); /* what was said, for the log panel and the last line */
+news_list *app_news(app *self);               /* messages, for the panel Log and the status line */
 
 /* Shows an error in the news, and returns `result`. All functions below do the same with their
  * errors, but those that have an `err`. */
@@ -84,8 +84,7 @@ mrt_result app_report(app *self, mrt_result result, const error *err);
 /* ---- the show, and what is kept with it: how the surface is solved, the scene ---- */
 
 CHECKED mrt_result app_open_show(app *self, const char *path);
-/* Copies the show to a new name, and opens the copy as soon as it is complete, which the news tell.
- */
+/* Copies the show to a new name, and opens the copy when it is complete. A message reports it. */
 CHECKED mrt_result app_save_show_as(app *self, const char *path, error *err);
 
 /* The solver settings that the show keeps; NULL: the rig's. radius 0: the rig's. */
@@ -108,8 +107,8 @@ CHECKED mrt_result app_change_face(app *self, face_file *face);
 CHECKED mrt_result app_set_face_frame(app *self, const mesh_frame *frame);
 double app_face_unit_mm(const app *self); /* as set so; 0: it was not */
 
-/* Set by whoever holds unsaved work (the rig panel). The title then has a dot, and before the
- * program ends or another face is opened the person is asked: save, leave it, stay. */
+/* Set by the owner of unsaved work (the panel Rig). The title then has a dot. Before the program
+ * quits or opens another face, it asks the user to save, discard or cancel. */
 typedef struct app_unsaved {
     void *owner;
     char words[EDIT_TEXT]; /* "the rig puppet.rig.json" */
@@ -126,7 +125,7 @@ typedef struct app_rig_saver {
     mrt_result (*save_as)(void *owner, const char *path, error *err);
 } app_rig_saver;
 void app_set_rig_saver(app *self, const app_rig_saver *saver); /* copied; NULL: none */
-const char *app_rig_path(const app *self);                     /* NULL: there is no rig to save */
+const char *app_rig_path(const app *self);                     /* NULL: no rig to save */
 CHECKED mrt_result app_save_rig_as(app *self, const char *path, error *err);
 
 /* ---- inputs ---- */
@@ -142,7 +141,8 @@ const char *app_opening_trouble(const app *self);
 
 /* ---- outputs: where the face goes; kept between runs, and open from the start ---- */
 
-/* "vmc:192.168.1.20:39540,names=arkit". What is wrong is in the news, and by app_output_trouble. */
+/* "vmc:192.168.1.20:39540,names=arkit". Errors are reported as messages and by app_output_trouble.
+ */
 CHECKED mrt_result app_add_output(app *self, const char *text);
 void app_remove_output(app *self, uint32_t index);
 const char *app_output_trouble(const app *self); /* why the last one was not added; "" it was */
@@ -151,7 +151,7 @@ const char *app_output_trouble(const app *self); /* why the last one was not add
 
 const app_picture *app_picture_now(const app *self);
 void app_set_picture(app *self, const app_picture *wanted);
-/* Set by the sender of the streams: what is wrong (or ""), and how many streams there are. */
+/* Set by the streams: their error (or ""), and their number. */
 void app_note_picture(app *self, const char *says, uint32_t streams);
 const char *app_picture_says(const app *self, uint32_t *out_streams);
 
@@ -187,9 +187,9 @@ void app_set_remote(app *self, const char *address);
 void app_renew_remote_code(app *self);          /* those who have the old one are out */
 struct expressions *app_expressions(app *self); /* expressions.h */
 
-/* The time code from outside as it is now; false: none runs. */
+/* The current external time code; false: none is running. */
 bool app_outside_code(const app *self, timecode_rate *out_rate, int64_t *out_frame);
-/* The chosen take plays where the time code from outside is, as long as that runs; kept. */
+/* Whether the selected take follows the external time code while it runs. A setting. */
 bool app_chases(const app *self);
 void app_set_chases(app *self, bool chases);
 
@@ -204,7 +204,8 @@ typedef struct app_take_line { /* of the list; what was deleted can be restored 
     uint32_t rating;
     int64_t duration_ns, created_ns;
     bool is_recording, is_deleted;
-    int64_t over, over_at_ns; /* performed over that take, from there on; 0: over none */
+    int64_t over,
+        over_at_ns; /* the take that it was performed over, and from which time; 0: none */
 } app_take_line;
 uint32_t app_takes(const app *self, const app_take_line **out); /* newest last; until the
                                                                             next update */
@@ -234,9 +235,9 @@ uint64_t app_take_edition(const app *self);                   /* grows with each
 
 /* Chooses the copy, and puts it on the stage if the original was there; one step of undo. */
 CHECKED mrt_result app_duplicate_take(app *self, int64_t id);
-/* Its edits, for a list of them; NULL: none is chosen. Until the next edit. */
+/* Edits of the selected take; NULL: none is selected. Valid until the next edit. */
 const history *app_history(const app *self);
-/* Undoes or redoes until its edit `head` is the last in force; 0: as it was recorded. */
+/* Undoes or redoes until edit `head` is the last applied one; 0: the unedited recording. */
 CHECKED mrt_result app_history_go(app *self, int64_t head);
 /* Several edits that are one step of undo. */
 CHECKED mrt_result app_edit(app *self, const edit *e);
@@ -244,7 +245,7 @@ CHECKED mrt_result app_edit_all(app *self, const edit *const *e, uint32_t count)
 /* Another take than the chosen one (rating, name in the list). */
 CHECKED mrt_result app_edit_take(app *self, int64_t id, const edit *e);
 
-/* What the next undo or redo would do, "trim 'mouth' ..."; "": nothing is left. */
+/* Describes the next undo or redo, "trim 'mouth' ..."; "": none. */
 const char *app_undo_words(const app *self);
 const char *app_redo_words(const app *self);
 /* A step of undo that is not an edit of a take: a parameter, a rig. The owner must stay valid until
@@ -256,7 +257,7 @@ typedef struct app_step {
     void (*redo)(void *owner, void *data);
     void *data; /* what the two need to know; its size, about: */
     size_t bytes;
-    void (*forget)(void *data); /* frees it; NULL: there is nothing to free */
+    void (*forget)(void *data); /* frees the data; NULL: nothing to free */
 } app_step;
 /* Takes step->data over, and forgets it when the step can be neither undone nor redone any more:
  * another one is done after it was undone, or APP_UNDO_MAX steps or APP_UNDO_BYTES after it. */
@@ -286,10 +287,10 @@ typedef struct app_lead_in {
 } app_lead_in;
 app_lead_in app_lead_in_of(const app *self);
 void app_set_lead_in(app *self, app_lead_in to);
-/* The metronome; kept between runs. If it cannot be heard the news tell why. */
+/* The metronome, kept between runs. A message explains why it cannot play. */
 live_click app_click(const app *self);
 void app_set_click(app *self, const live_click *to);
-double app_leads_in_s(const app *self); /* until the recording begins; 0: none is awaited */
+double app_leads_in_s(const app *self); /* until the recording begins; 0: no count-in */
 
 /* As a pedal does it: record only begins, stop only ends. False: nothing had to change. */
 bool app_press(app *self, patch_action of);
@@ -300,7 +301,7 @@ void app_keep(app *self, int64_t from_ns, int64_t to_ns);
 
 /* Reads a sound file in the background, one at a time, and then attaches it to the chosen take. */
 CHECKED mrt_result app_attach_voice(app *self, const char *path);
-double app_voice_part(const app *self); /* 0..1 of it is read; < 0: none is being read */
+double app_voice_part(const app *self); /* 0..1: progress of reading a voice; < 0: none */
 
 /* ---- exports ---- */
 
@@ -348,7 +349,8 @@ typedef struct app_looks { /* how it is shown; kept between runs */
 } app_looks;
 app_looks *app_looks_of(app *self);
 
-/* An action that the window or a panel carries out; true once, for the one who takes it. */
+/* Consumes a request for an action that the window or a panel performs. Returns true once for each
+ * request. */
 bool app_take_request(app *self, action of);
 
 bool app_can(app *self, action of, const char **out_why_not);
@@ -362,10 +364,10 @@ bool app_has_hand_keys(const app *self); /* the keyboard is a hand now */
 /* Something that the pointer pulled or kneaded stays, until Neutral or another face. */
 bool app_is_held(const app *self);
 bool app_has_pulled(const app *self);        /* the pointer took hold of the face in this run */
-void app_begin_pull(app *self);              /* the face is as it was before it */
+void app_begin_pull(app *self);              /* restores the face */
 void app_hold(app *self, const char *words); /* what began stays: a step of undo */
-/* Called before the rig is changed: removes what the pointer has left on the face, as a step of
- * undo of its own, since it belongs to the rig as it was. */
+/* Called before the rig changes: removes the held pulls of the pointer, which belong to the
+ * previous rig, as a separate undo step. */
 void app_clear_pulls(app *self);
 
 /* ---- what one part of the window asks of the others, and tells them ---- */
@@ -402,9 +404,9 @@ typedef struct app_notes {
     app_figures figures;      /* by the workspace, some times a second; zeroes at first */
     bool is_drafting;         /* by the rig panel: a first rig is being found */
     bool is_mouth_asked;      /* by the rig panel: it waits for mouth_answer */
-    app_mouth mouth_answer;   /* by whoever asks; the rig panel takes it away */
-    bool is_rig_pending; /* by the rig panel: the rig as it was changed last is still being laid
-                            on the face; pulls wait for it */
+    app_mouth mouth_answer;   /* set by the caller; the panel Rig clears it */
+    bool is_rig_pending; /* set by the panel Rig: the changed rig is not on the face yet, and pulls
+                            wait for it */
 } app_notes;
 app_notes *app_notes_of(app *self);
 

@@ -517,7 +517,7 @@ const char *app_opening_trouble(const app *self)
     return self->input_trouble.text;
 }
 
-/* ---- what there is ---- */
+/* ---- parts of the application ---- */
 
 const plugin_list *app_plugins(app *self)
 {

@@ -20,13 +20,13 @@ typedef struct app_done {
     app_step step; /* of a take: its words alone */
     int64_t take;  /* 0: a step of another owner */
     int64_t head_before, head_after;
-    int64_t chosen_take; /* the take that was chosen as it was done */
+    int64_t chosen_take; /* the selected take at that time */
     int64_t copied_from; /* the take is a copy of it, which this step has made; 0: it is none */
 } app_done;
 
 /* The face that undoing a pull restores; once undone, the one that redoing it restores. */
 typedef struct app_pulled {
-    void *bytes; /* NULL: nothing has been pulled, or it was too much to keep */
+    void *bytes; /* NULL: no pulls, or too many to keep */
     size_t size;
     bool is_held;
 } app_pulled;
@@ -65,7 +65,7 @@ struct app {
 
     kept_scenery *scenery;
     app_picture picture;
-    char picture_says[256]; /* the last that was said of it too */
+    char picture_says[256]; /* their last message */
     uint32_t stream_count;
     expressions *expressions;
     remote *remote;
@@ -77,7 +77,7 @@ struct app {
     app_take_line *line;
     app_take_key *key;
     uint32_t line_count, line_room;
-    bool takes_are_stale, takes_failed; /* failed: it was said */
+    bool takes_are_stale, takes_failed; /* failed: reported */
     edit_store *store;                  /* of the take that is chosen; NULL: none */
     history *history;
     int64_t chosen;
@@ -96,7 +96,7 @@ struct app {
     uint32_t rig_done_count; /* done_count as it came there */
 
     /* ---- recording and playing ---- */
-    int64_t leads_in_until_ns; /* clock; 0: nothing is awaited */
+    int64_t leads_in_until_ns; /* clock; 0: none */
     bool counts_in;            /* a take of the live hands begins then; false: it has begun */
     bool was_recording, had_problem;
     int64_t over_take;   /* that is performed over; 0: none */
@@ -152,7 +152,7 @@ void app_keep_settings(app *self, double dt_s);
 void app_keep_settings_last(app *self);
 /* Opens show, face, plugins and stage, as the options or else the last run say. */
 CHECKED mrt_result app_open_first(app *self, const app_options *options, error *err);
-/* Once a frame: opens a copy of the show as soon as it is complete. */
+/* Opens a copy of the show when it is complete. Called in each frame. */
 void app_follow_copy(app *self);
 void app_drop_copy(app *self);    /* waits for it */
 void app_follow_audio(app *self); /* once a frame: attaches a sound that has been read */

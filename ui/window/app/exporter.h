@@ -12,16 +12,15 @@ typedef struct export_request {
     char file[EXPORT_FILE]; /* its end says the format: exports.h */
     double fps;             /* 0: the take's own */
     int64_t in_ns, out_ns;  /* in >= out: all of it */
-    /* Of videos and pictures, as --size, --view and --background of take export say it; "": as
-     * usual. */
+    /* For videos and pictures: values of --size, --view and --background of take export; "":
+     * default. */
     char size[24], view[24], background[EXPORT_FILE];
 } export_request;
 
 exporter *exporter_create(void); /* NULL: no memory */
-/* Those that go on are ended: what they were writing is not there; those that wait are not begun.
- * NULL is fine. */
+/* Cancels running exports, removes their files, and drops waiting ones. Accepts NULL. */
 void exporter_destroy(exporter *self);
-/* Two go on at a time, the others wait. < 0: at once why not. */
+/* Starts an export, or queues it while two are running. < 0: it cannot start. */
 CHECKED mrt_result exporter_begin(exporter *self, const char *show_path, int64_t take,
                                   const char *face_path, const export_request *request, error *err);
 typedef struct export_progress {
@@ -33,7 +32,7 @@ typedef struct export_progress {
 uint32_t exporter_count(const exporter *self); /* that go on or wait */
 /* index: 0..count - 1, the oldest first. */
 export_progress exporter_at(const exporter *self, uint32_t index);
-/* It ends soon, with nothing of it left; the news say so. */
+/* Cancels an export and removes its file. A message reports it. */
 void exporter_cancel(exporter *self, uint32_t index);
 /* Once a frame. True: one has ended; *out_result < 0: it failed. out_text: one line. */
 bool exporter_ended(exporter *self, mrt_result *out_result, char *out_text, size_t capacity);

@@ -1,7 +1,7 @@
-/* window/app/expressions.h - named poses of the rig, faded in and out over whatever performs. They
- * come in as any device does: an input with a channel for each pose, which is recorded, and
- * connections of the patch; so a take performs them again. Nothing of it is there until it is
- * wanted. [main] */
+/* window/app/expressions.h - fades named poses of the rig in and out over the performance. They
+ * arrive like a device: as an input with a channel for each pose, which is recorded, and as
+ * connections of the patch. So a take performs them again. The input exists only after
+ * expressions_want. [main] */
 #ifndef MAROTTE_UI_WINDOW_APP_EXPRESSIONS_H
 #define MAROTTE_UI_WINDOW_APP_EXPRESSIONS_H
 #include "stage/perform/patch.h"
@@ -11,7 +11,7 @@ typedef struct expressions expressions;
 expressions *expressions_create(struct app *of); /* NULL: no memory */
 void expressions_destroy(expressions *self);     /* after the stage ended; NULL is fine */
 
-/* From now on they can be asked for: the input joins the stage. */
+/* Adds the input to the stage, so that expressions can be requested. */
 void expressions_want(expressions *self);
 /* Once a frame. True: the connections are others than before. */
 bool expressions_update(expressions *self, double dt_s);

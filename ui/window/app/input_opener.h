@@ -1,6 +1,6 @@
-/* window/app/input_opener.h - opens inputs beside the window, which goes on: a glove takes a second
- * to answer, a device that hangs takes as long as it likes. Leaves out what becomes of them.
- * [main]; its threads are its own. */
+/* window/app/input_opener.h - opens inputs on threads, so that the window keeps running: a glove
+ * needs a second to answer, and a device may hang. Leaves out the use of opened inputs. [main]; it
+ * owns its threads. */
 #ifndef MAROTTE_UI_WINDOW_APP_INPUT_OPENER_H
 #define MAROTTE_UI_WINDOW_APP_INPUT_OPENER_H
 #include "stage/input/input.h"
@@ -11,8 +11,8 @@ enum { INPUT_OPENER_MAX = 8, INPUT_OPENINGS_MAX = 8, INPUT_OPENER_TEXT = 512 };
 typedef struct input_opener input_opener;
 
 input_opener *input_opener_create(const plugin_list *plugins, log_queue *log); /* NULL: no memory */
-/* Gives up what is being opened, and waits until it is; what was not taken is closed. NULL is fine.
- */
+/* Cancels pending inputs, waits for them, and closes opened ones that nobody has popped. Accepts
+ * NULL. */
 void input_opener_destroy(input_opener *self);
 
 /* Begins to open these, one after the other: at most INPUT_OPENER_MAX; texts: copied. When none
@@ -21,13 +21,13 @@ CHECKED mrt_result input_opener_open(input_opener *self, const char *const *text
                                      bool looks_further, error *err);
 
 typedef struct input_opened {
-    input *input; /* NULL: it could not be opened, and err says why; the taker's */
+    input *input; /* NULL: opening failed, see err; owned by the caller */
     char text[INPUT_OPENER_TEXT];
     error err;
 } input_opened;
-/* False: none now. What was given up does not come. */
+/* Pops an opened input; false: none. Cancelled ones are not returned. */
 bool input_opener_take(input_opener *self, input_opened *out);
-bool input_opener_are_done(input_opener *self); /* nothing is being opened, and all were taken */
+bool input_opener_are_done(input_opener *self); /* no pending and no unpopped inputs */
 
 typedef struct input_opening {
     uint64_t id;
@@ -36,7 +36,7 @@ typedef struct input_opening {
 } input_opening;
 /* What is on its way; those of one input_opener_open that wait for their turn are left out. */
 uint32_t input_opener_going(input_opener *self, input_opening out[INPUT_OPENINGS_MAX]);
-/* It does not come; at once, also when the device hangs. One that is none any more is fine. */
+/* Cancels an input immediately, even if the device hangs. Accepts an unknown id. */
 void input_opener_give_up(input_opener *self, uint64_t id);
 
 #endif

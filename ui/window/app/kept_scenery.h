@@ -1,6 +1,6 @@
-/* window/app/kept_scenery.h - the scene of the show that is open: on the stage at once, in the show
- * once it is as the person wants it, and a step of undo each time. Its picture is read and decoded
- * beside the window. Leaves out drawing and the panel. [main] */
+/* window/app/kept_scenery.h - the scene of the open show. Changes appear on the stage immediately,
+ * and are saved in the show as one undo step when the user has finished. The background picture is
+ * read and decoded on a thread. Leaves out drawing and the panel. [main] */
 #ifndef MAROTTE_UI_WINDOW_APP_KEPT_SCENERY_H
 #define MAROTTE_UI_WINDOW_APP_KEPT_SCENERY_H
 #include "window/app/app.h"
@@ -12,11 +12,11 @@ void kept_scenery_destroy(kept_scenery *self);
 void kept_scenery_read(kept_scenery *self);
 const scenery *kept_scenery_now(const kept_scenery *self);
 void kept_scenery_set(kept_scenery *self, const scenery *to);
-/* What was set is as it is wanted. */
+/* The user has finished a change: saves it, as one undo step. */
 void kept_scenery_keep(kept_scenery *self);
 
-/* A PNG or JPEG behind the face: it comes into the show when it has been read; what is wrong with
- * it is in the news. An error is that it is not even tried. */
+/* Starts to read a PNG or JPEG for the background, which is then saved in the show. Errors while
+ * reading are reported as messages; this returns an error only if it cannot start. */
 CHECKED mrt_result kept_scenery_choose(kept_scenery *self, const char *path, error *err);
 /* Each frame. */
 void kept_scenery_update(kept_scenery *self);

@@ -21,15 +21,14 @@ enum { KEY_WORDS = 40 };
 void key_map_words(const key_map *self, action of, char out[KEY_WORDS]); /* "Ctrl+Z", "?"; "" */
 /* After what a sentence names: " (F4)"; "" */
 void key_map_after(const key_map *self, action of, char out[KEY_WORDS + 4]);
-/* What the chord does; ACTION_NONE: nothing. */
+/* The action of the chord; ACTION_NONE: none. */
 action key_map_action(const key_map *self, key_chord chord);
 /* Why nothing can be done by that chord; NULL: it can. */
 const char *key_map_refusal(key_chord chord);
-/* The chord is `of`'s from now on; whatever had it has none. */
+/* Assigns the chord to `of`, and removes it from any other action. */
 void key_map_set(key_map *self, action of, key_chord chord);
 
-/* Where a file and the program's own keys disagree the file's are right; what makes no sense in it
- * is as if it were not there. */
+/* Reads keys from settings. They override the defaults; invalid entries are ignored. */
 void key_map_read(key_map *out, const settings *from);
 void key_map_keep(const key_map *self, settings *to);
 

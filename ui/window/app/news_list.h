@@ -21,8 +21,8 @@ void news_list_update(news_list *self, log_queue *from, double dt_s);
 uint32_t news_list_count(const news_list *self);
 uint64_t news_list_total(const news_list *self); /* how many there were, also those not kept */
 const news_item *news_list_at(const news_list *self, uint32_t index); /* 0: the oldest kept */
-/* The first that came after so many were said, of those kept; their count: none did. */
+/* Index of the first kept message after the first `total` ones; their count: none. */
 uint32_t news_list_first_after(const news_list *self, uint64_t total);
-const char *news_list_newest(const news_list *self); /* its text; "": there is none */
+const char *news_list_newest(const news_list *self); /* its text; "": none */
 
 #endif

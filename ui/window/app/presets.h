@@ -18,9 +18,9 @@ enum {
 bool presets_clean_name(char out[PRESET_NAME], const char *name);
 /* Names of this mapping's, to be freed as one block; returns their number. */
 uint32_t presets_list(const settings *of, const mrt_plugin_type *type, char ***out);
-/* Of the settings: what is kept there is its text. */
+/* Key of the preset in the settings. Its value is the text of the preset. */
 void presets_key(char out[PRESET_KEY], const mrt_plugin_type *type, const char *name);
-/* Its text; NULL: there is none. Until the settings change. */
+/* Text of the preset; NULL: none. Valid until the settings change. */
 const char *presets_kept(const settings *of, const mrt_plugin_type *type, const char *name);
 
 /* The changed values, "push=5,ease=0.2"; cut at a value's end where it does not fit. */
@@ -32,12 +32,12 @@ void presets_mapping_text(const instance *mapping, char *out, size_t capacity);
 char *presets_make(const instance *mapping, const void *taught, size_t size);
 /* Whether a preset's values are those of `values`, as presets_text writes them. */
 bool presets_has_values(const char *text, const char *values);
-/* What of a text was taught; to be freed, NULL with size 0: nothing. An error: it is damaged. */
+/* Returns the learned data in a text, to be freed; NULL with size 0: none. Error: the data is
+ * damaged. */
 CHECKED mrt_result presets_taught(const char *text, unsigned char **out, size_t *out_size,
                                   error *err);
-/* The values that a text stands for, param_count of them: what it does not name is initial. What it
- * names and the type does not have is in the note (""): a preset of another version is used as far
- * as it goes. */
+/* Reads param_count values from a text. Missing ones are initial values. Names that the type does
+ * not have are listed in the note (or ""), so a preset of another version can be used partly. */
 void presets_values(const mrt_plugin_type *type, const char *text, double *out_values,
                     error *out_note);
 

@@ -1,6 +1,6 @@
-/* window/app/remote_wire.h - what somebody says from afar, as a command: an OSC message, or the
- * JSON text of a WebSocket message. And who may ask at the WebSocket's port. Whoever sent the bytes
- * is not trusted. Pure. Leaves out what commands do and sockets (remote.h). */
+/* window/app/remote_wire.h - parses commands of the remote control, from an OSC message or the JSON
+ * text of a WebSocket message, and decides which HTTP requests are allowed. The sender is not
+ * trusted. Pure. Leaves out what commands do, and sockets (remote.h). */
 #ifndef MAROTTE_UI_WINDOW_APP_REMOTE_WIRE_H
 #define MAROTTE_UI_WINDOW_APP_REMOTE_WIRE_H
 #include "osc_wire.h"
@@ -25,7 +25,7 @@ typedef enum remote_verb {
 typedef struct remote_command {
     remote_verb verb;
     action of;
-    char word[24];          /* the verb as it was said, for the answer */
+    char word[24];          /* the received verb, for the answer */
     char name[REMOTE_NAME]; /* printable; "" */
     double amount;          /* 0..1; 1 */
     double fade_s;          /* 0..REMOTE_FADE_MOST_S; 0.3 */
@@ -33,9 +33,9 @@ typedef struct remote_command {
     bool has_id;
 } remote_command;
 
-/* ---- the pairing code of a remote control that the network reaches: REMOTE_CODE letters, as the
- * first part of an OSC address behind REMOTE_OSC_PREFIX and of a WebSocket's path. "": none is
- * needed ---- */
+/* ---- pairing code where the network can reach the remote control: REMOTE_CODE letters, the first
+ * part of an OSC address after REMOTE_OSC_PREFIX and of a WebSocket path. "": no code required ----
+ */
 
 #define REMOTE_CODE_LETTERS "0123456789abcdefghjkmnpqrstvwxyz" /* 32; none looks like another */
 bool remote_is_code(const char *text);
@@ -51,9 +51,9 @@ bool remote_command_of_osc(remote_command *out, const osc_message *message, cons
 bool remote_command_of_json(remote_command *out, const char *text, size_t size,
                             char why[REMOTE_WHY]);
 
-/* 101: a WebSocket; 200: the page; 403, 404. The host must be this computer, or, where there is a
- * code, an address in numbers: no name that somebody else's server answers to. An origin must be
- * that host. The path is "/", or "/CODE/". */
+/* 101: a WebSocket; 200: the page; 403, 404. The host must be this computer or, with a pairing
+ * code, a numeric address, because a name could belong to a foreign server. An origin must be the
+ * same host. The path is "/" or "/CODE/". */
 int remote_request_judge(const web_request *request, uint16_t port, const char *code);
 
 #endif

@@ -8,10 +8,10 @@
 
 typedef struct settings settings;
 
-/* path NULL: the user's default; "": nothing is read or written. A default file that is damaged is
- * renamed to window.json.damaged (-2, -3: never over another file), and out_note says so ("": there
- * is nothing to say). A named file that is no settings file of marotte is an error and is never
- * changed: a text, another program's JSON, a folder, a link that leads nowhere. */
+/* path NULL: the default file of the user; "": no file. A damaged default file is renamed to
+ * window.json.damaged (or -2, -3, never over another file), and out_note reports it (or ""). A
+ * named file that is not a settings file of marotte is an error and is never changed: a text, JSON
+ * of another program, a folder, a broken link. */
 CHECKED mrt_result settings_open(settings **out, const char *path, char *out_note, size_t capacity,
                                  error *err);
 /* Writes what has changed. MRT_END: another program writes there; the changes wait for the next
@@ -20,8 +20,8 @@ CHECKED mrt_result settings_write(settings *self, error *err);
 CHECKED mrt_result settings_write_last(settings *self, error *err); /* waits up to 5 s for others */
 void settings_close(settings *self); /* NULL is fine; does not write */
 
-/* Where the file lies, with the final '/': for what else is kept between runs (an unsaved rig);
- * "": nothing is to be written. */
+/* Folder of the file, with a final '/', for other data that is kept between runs (an unsaved rig);
+ * "": do not write anything. */
 const char *settings_folder(const settings *self);
 
 /* Keys are paths: "looks.timeline_height", "mapping.one_hand.preset.soft". */

@@ -1,6 +1,5 @@
-/* window/gui/hand_figure.h - a hand in a pose, drawn with the ui's own strokes: the skeleton of
- * core/hand as a person sees the back of the own hand, turning a little to and fro so that its
- * depth is seen. Leaves out which pose (hand/guide.h). [main] */
+/* window/gui/hand_figure.h - draws a hand in a pose: the skeleton of core/hand seen from the back
+ * of the hand, slowly turning to show its depth. Leaves out which pose (hand/guide.h). [main] */
 #ifndef MAROTTE_UI_WINDOW_GUI_HAND_FIGURE_H
 #define MAROTTE_UI_WINDOW_GUI_HAND_FIGURE_H
 #include "hand/hand.h"

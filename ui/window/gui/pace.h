@@ -39,7 +39,7 @@ void pace_ask(pace *self, int64_t at_ns);
 void pace_note_change(pace *self);
 /* Whether a frame is due now. */
 pace_reason pace_due(const pace *self, int64_t now_ns, bool has_event);
-/* How long the window may sleep if there is no event and no signal. */
+/* Time until which the window may sleep without an event or a signal. */
 int64_t pace_until_ns(const pace *self);
 /* A frame begins, and earlier requests end. Returns true if an event ended a rest: this frame then
  * only advances the clock by the rest, and the next frame, which follows immediately, handles the

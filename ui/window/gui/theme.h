@@ -1,7 +1,7 @@
-/* window/gui/theme.h - the colours and sizes of the window, in one place: calm and dark, for a dim
- * application. Colours are 0xRRGGBBAA as on a screen (sRGB). Every text colour has a contrast of at
- * least 4.5:1 on every ground (tests/unit/window_theme.c). Whoever draws says colours of the dark
- * theme; the ui turns them into those of the theme that is chosen (theme_colour). Pure. */
+/* window/gui/theme.h - colours and sizes of the window. Colours are 0xRRGGBBAA in sRGB. Each text
+ * colour has a contrast of at least 4.5:1 on each background (tests/unit/window_theme.c). Panels
+ * use colours of the dark theme, and the ui converts them to the selected theme (theme_colour).
+ * Pure. */
 #ifndef MAROTTE_UI_WINDOW_GUI_THEME_H
 #define MAROTTE_UI_WINDOW_GUI_THEME_H
 #include <stdbool.h>
@@ -29,12 +29,12 @@
 
 typedef struct theme {
     bool is_light;
-    /* What means something by its hue alone (good and bad, left and right, recording) can be told
-     * apart by whoever sees no red, no green or no blue. */
+    /* Colours that carry meaning (good and bad, left and right, recording) can be distinguished by
+     * users who cannot see red, green or blue. */
     bool is_colour_safe;
 } theme;
-/* `colour`, of the dark theme, in that theme; its alpha stays. One that has no name here keeps its
- * hue, and is as dark in the light theme as it is light in the dark one. */
+/* Converts `colour` of the dark theme to that theme, with the same alpha. A colour without a name
+ * here keeps its hue, and its lightness is inverted in the light theme. */
 uint32_t theme_colour(theme of, uint32_t colour);
 /* A part of a colour as on a screen, 0..255, as light, 0..1; and back. */
 double theme_linear(uint32_t part);

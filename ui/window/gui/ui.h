@@ -1,8 +1,8 @@
-/* window/gui/ui.h - the user interface as plain C: an immediate-mode facade over Dear ImGui, and
- * the queue of events that feeds it. No ImGui type crosses it; no text is a format string. What a
- * window, a script or a test gives are the same events. Leaves out windows and their contexts
- * (window.h), colours (theme.h) and what the panels say. Lengths are in points: at scale 2 a point
- * is two pixels. Needs a current OpenGL 3.3 context. [main] */
+/* window/gui/ui.h - the user interface in plain C: an immediate-mode facade over Dear ImGui, and
+ * its queue of events. It exposes no ImGui type, and no text is a format string. Windows, scripts
+ * and tests push the same events. Leaves out windows and their contexts (window.h), colours
+ * (theme.h) and the text of panels. Lengths are in points: at scale 2 a point is two pixels. Needs
+ * a current OpenGL 3.3 context. [main] */
 #ifndef MAROTTE_UI_WINDOW_GUI_UI_H
 #define MAROTTE_UI_WINDOW_GUI_UI_H
 #include "window/gui/theme.h"
@@ -52,10 +52,10 @@ void ui_draw_again(ui *self);
  * next frame. The request holds for one frame. */
 void ui_want_frame(ui *self, double in_s);
 double ui_wanted_s(const ui *self); /* HUGE_VAL: none */
-/* From the next frame on. All colours that are given to the ui are those of the dark theme. */
+/* Takes effect in the next frame. All colours passed to the ui are those of the dark theme. */
 void ui_set_theme(ui *self, theme of);
-/* What is drawn between the two lies on the face's picture, whose wall no theme changes: it stays
- * dark. */
+/* Begins drawing over the picture of the face. The theme does not change its wall, so colours stay
+ * dark there. */
 void ui_on_face_begin(ui *self);
 void ui_on_face_end(ui *self);
 
@@ -80,7 +80,7 @@ void ui_width(ui *self, float width); /* of the next widget; 0: as it likes, < 0
 float ui_available_width(const ui *self);
 float ui_available_height(const ui *self);
 float ui_row_height(const ui *self);
-void ui_id_begin(ui *self, const char *id); /* what is within has names of its own */
+void ui_id_begin(ui *self, const char *id); /* opens a scope of names */
 void ui_id_end(ui *self);
 void ui_disabled_begin(ui *self, bool is_disabled); /* greyed, takes no clicks */
 void ui_disabled_end(ui *self);
@@ -132,8 +132,7 @@ bool ui_input(ui *self, const char *id, const char *hint, char *text, size_t cap
 bool ui_input_lines(ui *self, const char *id, char *text, size_t capacity, float height);
 bool ui_input_is_entered(const ui *self); /* the last ui_input was ended with Enter, now */
 void ui_input_take_keys(ui *self);        /* the next ui_input gets the keyboard */
-/* In as many rows as it takes for words not to stand close; the height of all of them at a width.
- */
+/* Height of the tabs at a width. They use as many rows as needed. */
 float ui_tabs_height(const ui *self, const char *const *names, uint32_t count, float width);
 bool ui_tabs(ui *self, const char *id, const char *const *names, uint32_t count, uint32_t *index);
 bool ui_section(ui *self, const char *title, bool is_open_at_first); /* true: open, draw what is in
@@ -183,7 +182,7 @@ static inline bool ui_canvas_is_over(const ui_canvas *canvas, ui_rectangle where
 }
 /* is_released comes with the last position: apply the drag in it too. */
 void ui_canvas_begin(ui *self, const char *id, float width, float height, ui_canvas *out);
-void ui_canvas_end(ui *self); /* what was drawn within is clipped to it */
+void ui_canvas_end(ui *self); /* contents are clipped to it */
 
 /* On the screen's points, on the panel or canvas that is open. A colour: 0xRRGGBBAA, theme.h. */
 void ui_draw_box(ui *self, ui_rectangle where, uint32_t colour, float rounding);

@@ -1,6 +1,5 @@
-/* window/gui/ui_notes.h - what was drawn in a frame, for tests that look for text that overlaps, is
- * cut or cannot be read: words with what lies below them. Nothing is noted unless somebody asked.
- * Pure but for its own memory; one thread. */
+/* window/gui/ui_notes.h - records the text of a frame and its background, for tests that search for
+ * overlapping, cut or unreadable text. Off by default. Uses only its own memory; one thread. */
 #ifndef MAROTTE_UI_WINDOW_GUI_UI_NOTES_H
 #define MAROTTE_UI_WINDOW_GUI_UI_NOTES_H
 #include "window/gui/ui_types.h"
@@ -13,8 +12,8 @@ void ui_notes_set(ui_notes *self, bool is_noting);
 bool ui_notes_is_on(const ui_notes *self);
 void ui_notes_begin(ui_notes *self); /* a frame */
 
-/* Surfaces lie over each other in the order in which they are made; popups over all panels. Returns
- * its number. */
+/* Adds a surface. Later ones cover earlier ones, and popups cover all panels. Returns its number.
+ */
 uint32_t ui_notes_surface(ui_notes *self, ui_rectangle where, bool is_popup);
 /* A box of one colour; alpha 0: a picture, of which nobody knows the colour. */
 void ui_notes_box(ui_notes *self, uint32_t surface, ui_rectangle where, uint32_t colour);
@@ -25,7 +24,7 @@ void ui_notes_control(ui_notes *self, const char *label);
 void ui_notes_other(ui_notes *self);
 void ui_notes_hint(ui_notes *self);
 uint32_t ui_notes_controls(const ui_notes *self, const ui_control **out);
-/* What a popup hides is left out. */
+/* Removes text that a popup hides. */
 void ui_notes_end(ui_notes *self);
 uint32_t ui_notes_words(const ui_notes *self, const ui_word **out);
 

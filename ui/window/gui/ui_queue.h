@@ -1,7 +1,6 @@
-/* window/gui/ui_queue.h - events in the order in which they came, handed over a frame's worth at a
- * time: of one key or button at most one change, nothing moved between a press and what it is
- * pressed on, so that no tap is lost however slowly frames are drawn. Letters that are typed into a
- * text come as many as there are: they are no taps. Pure but for its own memory; one thread. */
+/* window/gui/ui_queue.h - a queue of events that gives each frame at most one change of a key or
+ * button, and no motion between a press and its target. So slow frames lose no tap. All typed
+ * letters are delivered together. Uses only its own memory; one thread. */
 #ifndef MAROTTE_UI_WINDOW_GUI_UI_QUEUE_H
 #define MAROTTE_UI_WINDOW_GUI_UI_QUEUE_H
 #include "window/gui/ui_types.h"
@@ -17,7 +16,7 @@ typedef struct ui_frame_input { /* what a frame sees */
     uint32_t text[UI_QUEUE_TEXT]; /* code points typed in this frame */
     uint32_t text_count;
     bool has_pointer; /* it was somewhere */
-    bool is_typing;   /* letters go into a text: whoever takes a frame says so before */
+    bool is_typing;   /* letters go into a text field; set before the frame is read */
 } ui_frame_input;
 
 typedef struct ui_queue {
@@ -30,7 +29,8 @@ void ui_queue_init(ui_queue *self);
  * and buttons go up. */
 void ui_queue_push(ui_queue *self, const ui_event *event);
 bool ui_queue_is_empty(const ui_queue *self);
-/* The next frame: what is held stays held, what was of one frame alone starts anew. */
+/* Fills the input of the next frame: held keys stay held, and values of a single frame are cleared.
+ */
 void ui_queue_take(ui_queue *self, ui_frame_input *input);
 /* A frame in which nothing happens but that time passes: the queue waits. */
 void ui_queue_pass(ui_frame_input *input);

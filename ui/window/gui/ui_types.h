@@ -79,7 +79,7 @@ typedef struct ui_word {
 
 /* A widget that was drawn: tests look for what says too little. */
 typedef struct ui_control {
-    char label[96]; /* as it is given, "Name##id"; of a text that is typed its id */
+    char label[96]; /* the label as passed, "Name##id"; for a text field its id */
     bool has_hint;
 } ui_control;
 

@@ -1,6 +1,6 @@
-/* window/gui/window.h - the two ways in which the stage is seen: a real window (GLFW) with its
- * events, gamepad and second monitor, or no window at all: a framebuffer, scripted events,
- * pictures. What is drawn is the same. Leaves out what is drawn (workspace.h). [main] */
+/* window/gui/window.h - a real window (GLFW) with events, gamepad and second monitor, or a hidden
+ * one with a framebuffer, scripted events and pictures. Both draw the same. Leaves out what is
+ * drawn (workspace.h). [main] */
 #ifndef MAROTTE_UI_WINDOW_GUI_WINDOW_H
 #define MAROTTE_UI_WINDOW_GUI_WINDOW_H
 #include "window/gui/pace.h"
@@ -10,12 +10,12 @@ typedef struct window window;
 
 CHECKED mrt_result window_open_window(window **out, uint32_t width, uint32_t height,
                                       const char *title, error *err);
-/* Time goes on by dt_s with each frame; 0: as the clock goes. scale: pixels a point. */
+/* dt_s: time step of each frame; 0: real time. scale: pixels in a point. */
 CHECKED mrt_result window_open_hidden(window **out, uint32_t width, uint32_t height, float scale,
                                       double dt_s, error *err);
 void window_close(window *self); /* NULL is fine */
-/* How much larger everything is than the screen's scale makes it, 0.5 to 3: as far as a window of
- * 800 x 500 points is left. */
+/* Zoom on top of the scale of the screen, 0.5 to 3. Limited so that the window keeps at least 800 x
+ * 500 points. */
 void window_set_zoom(window *self, float zoom);
 /* Pixels a point without it. */
 float window_scale(const window *self);
@@ -37,7 +37,7 @@ void window_set_title(window *self, const char *title);
 /* Requests a frame in at most that time; 0: the next frame. The request holds for one frame. */
 void window_want_frame(window *self, double in_s);
 const pace *window_pace(const window *self);
-wake *window_signal(window *self); /* [any] signal it when there is something new to draw */
+wake *window_signal(window *self); /* [any] signal it when a new frame must be drawn */
 /* Whether frames come at their full rate while it is put away: somebody afar waits for them. */
 void window_stay_awake(window *self, bool is_awaited);
 uint32_t window_width_px(const window *self);
@@ -52,11 +52,10 @@ typedef struct window_gamepad {
 } window_gamepad;
 bool window_read_gamepad(window *self, window_gamepad *out);
 
-/* The face alone, borderless and without the pointer, full screen on the second monitor (or a
- * window where there is one monitor, or one is wanted), at its own refresh: `texture`, of straight
- * alpha, is drawn to fill it. */
+/* The face alone, borderless and without the pointer, full screen on the second monitor (or in a
+ * window), at the refresh rate of that monitor. `texture` has straight alpha and fills it. */
 typedef struct window_output_look {
-    bool is_clear; /* what is behind the window is seen where nothing is: premultiplied alpha */
+    bool is_clear; /* the background is transparent: premultiplied alpha */
     bool is_on_top, is_window;
 } window_output_look;
 CHECKED mrt_result window_open_output(window *self, const window_output_look *look, error *err);
@@ -72,7 +71,7 @@ void window_show_output(window *self, uint32_t texture, bool is_mirrored, bool i
 void window_hidden_put_away(window *self, bool is_away);
 /* The last frame is drawn again, all of it: nothing changes, if no part of it was stale. */
 void window_hidden_draw_again(window *self, ui *from);
-/* What the gamepad says from now on; NULL: there is none. */
+/* Sets the state of the gamepad; NULL: none. */
 void window_hidden_gamepad(window *self, const window_gamepad *now);
 CHECKED mrt_result window_hidden_output_picture(window *self, const char *png_path, error *err);
 

@@ -558,7 +558,7 @@ void rig_model_destroy(rig_model *self)
     free(self);
 }
 
-/* ---- what there is ---- */
+/* ---- parts of the application ---- */
 
 const rig *rig_model_rig(const rig_model *self)
 {

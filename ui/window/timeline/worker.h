@@ -45,7 +45,7 @@ bool timeline_request_add(timeline_request *request, const timeline_strip *strip
 /* Copied; the same as last time costs nothing. */
 void timeline_worker_request(timeline_worker *self, const timeline_request *request);
 
-/* ---- what there is ---- */
+/* ---- parts of the application ---- */
 
 enum { TIMELINE_SPANS_MAX = 256 };
 typedef struct timeline_span { /* when a take was made; show time */
