@@ -96,15 +96,15 @@ static void follow(calibrate_guide *self, guide_news news, guide_step step)
     case GUIDE_NOTHING:
         return;
     case GUIDE_TAKEN:
-        say(self, CALIBRATE_TOOK, "Taken: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
+        say(self, CALIBRATE_TOOK, "Recorded: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
             reason);
         break;
     case GUIDE_SKIPPED:
-        say(self, CALIBRATE_SAYS, "Left out: %s", guide_step_name[step]);
+        say(self, CALIBRATE_SAYS, "Skipped: %s", guide_step_name[step]);
         break;
     case GUIDE_REFUSED:
     case GUIDE_TIMED_OUT:
-        say(self, CALIBRATE_REFUSED, "Not taken: %s", reason);
+        say(self, CALIBRATE_REFUSED, "Not recorded: %s", reason);
         return;
     }
     if (guide_current(self->guide) == GUIDE_STEPS)
@@ -130,7 +130,7 @@ static void calibrate_guide_back(calibrate_guide *self)
 {
     forget_result(self);
     guide_repeat(self->guide);
-    say(self, CALIBRATE_SAYS, "Again: %s", guide_step_name[guide_current(self->guide)]);
+    say(self, CALIBRATE_SAYS, "Repeat: %s", guide_step_name[guide_current(self->guide)]);
 }
 
 /* One pose once more, then back to the result. */
@@ -138,7 +138,8 @@ static void calibrate_guide_again(calibrate_guide *self, guide_step step)
 {
     forget_result(self);
     guide_again(self->guide, step);
-    say(self, CALIBRATE_SAYS, "Again: %s. Skip leaves it as it was.", guide_step_name[step]);
+    say(self, CALIBRATE_SAYS, "Repeat: %s. Skip keeps the earlier recording.",
+        guide_step_name[step]);
 }
 
 /* Into the user's folder; *out_path is to be freed. hand_length_mm 0: not said. */
@@ -290,8 +291,8 @@ void calibrate_panel_update(calibrate_panel *self)
     self->is_away = input_state_of(self->glove) != INPUT_RUNNING;
     if (has_other_channels(self)) {
         (void)error_set(&self->trouble, MRT_ERR_UNSUPPORTED,
-                        "The input has other sensors than at the beginning: close this and begin "
-                        "again.");
+                        "The sensors of the input changed during the calibration. Close this "
+                        "dialog and start again.");
         return;
     }
     app_want_frame(self->app, 0.0);
@@ -398,7 +399,7 @@ static void draw_news(const calibrate_panel *self, ui *on)
 static void draw_words(const calibrate_panel *self, ui *on)
 {
     guide_step step = guide_current(self->guide.guide);
-    const char *waits = self->is_away ? "the hand is away: waiting for it"
+    const char *waits = self->is_away ? "waiting for the hand: no samples arrive"
                                       : guide_wait_words[guide_waiting(self->guide.guide)];
     char name[64];
     (void)snprintf(name, sizeof name, "%s", guide_step_name[step]);
@@ -414,18 +415,18 @@ static void draw_words(const calibrate_panel *self, ui *on)
 static void draw_pose_buttons(calibrate_panel *self, ui *on)
 {
     ui_disabled_begin(on, self->is_away || self->trouble.text[0]);
-    if (ui_button(on, "Take it now", UI_ACCENT))
+    if (ui_button(on, "Record now", UI_ACCENT))
         calibrate_guide_advance(&self->guide, guide_next);
-    ui_hint(on, "Enter. Without waiting until the hand is still.");
+    ui_hint(on, "Record this pose without waiting for a still hand (Enter).");
     ui_disabled_end(on);
     ui_same_line(on);
     if (ui_button(on, "Back", UI_PLAIN))
         calibrate_guide_back(&self->guide);
-    ui_hint(on, "The pose before, once more.");
+    ui_hint(on, "Repeat the previous pose.");
     ui_same_line(on);
     if (ui_button(on, "Skip", UI_PLAIN))
         calibrate_guide_advance(&self->guide, guide_skip);
-    ui_hint(on, "Goes on without this pose: what it would tell is as shipped.");
+    ui_hint(on, "Skip this pose and use the default values for its sensors.");
     ui_same_line(on);
     ui_at(on, width - 36.0f - 80.0f);
     ui_width(on, 80.0f);
@@ -481,7 +482,7 @@ static void draw_summary(const calibration_file *file, ui *on)
             worst = i;
     }
     (void)snprintf(words, sizeof words, "%d measured, %d %s", measured, shipped,
-                   file->input[0] ? "else as they are seen" : "with the shipped gain");
+                   file->input[0] ? "the others not calibrated" : "with the default gain");
     ui_fact(on, "Sensors", 130.0f, UI_STYLE_BODY, words);
     if (worst < 0)
         return;
@@ -509,7 +510,7 @@ static void draw_findings(const calibrate_panel *self, ui *on)
         for (int k = 0; k < MRT_ANGLES && sensor->table.count > 0; ++k) {
             if (!(fabsf(sensor->cross_talk[k]) >= worth_telling))
                 continue;
-            (void)snprintf(words, sizeof words, "%s moves along with %s: %.0f %%",
+            (void)snprintf(words, sizeof words, "%s changes when %s moves: %.0f %%",
                            sensor_table[k].label, sensor_table[i].label,
                            100.0 * (double)sensor->cross_talk[k]);
             ui_text_wrapped(on, UI_STYLE_DIM, words);
@@ -519,8 +520,8 @@ static void draw_findings(const calibrate_panel *self, ui *on)
     if (count == 0)
         ui_text(on, UI_STYLE_GOOD,
                 self->guide.glove.input[0]
-                    ? "Every joint is seen where the poses say that it is."
-                    : "Every sensor says the same of the same pose, and alone.");
+                    ? "Every joint matches the poses."
+                    : "Every sensor is repeatable and independent of the others.");
     ui_scroll_end(on);
 }
 
@@ -530,9 +531,10 @@ static void keep(calibrate_panel *self, ui *on)
     double length_mm = strtod(self->length, NULL);
     bool has_length = length_mm >= HAND_LENGTH_MIN_MM && length_mm <= HAND_LENGTH_MAX_MM;
     if (self->length[0] && !has_length) {
-        (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
-                        "The hand's length is %d to %d mm, from the wrist to the middle fingertip.",
-                        HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
+        (void)error_set(
+            &self->trouble, MRT_ERR_ARGUMENT,
+            "Enter a hand length between %d and %d mm, from the wrist to the middle fingertip.",
+            HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
         return;
     }
     if (calibrate_guide_keep(&self->guide, self->name, has_length ? length_mm : 0.0, &path,
@@ -568,7 +570,7 @@ static void draw_result_buttons(calibrate_panel *self, ui *on)
             calibrate_guide_again(&self->guide, step);
             return;
         }
-        ui_hint(on, "Only this pose, once more; the others stay.");
+        ui_hint(on, "Repeat only this pose and keep the others.");
         ui_same_line(on);
     }
     if (ui_button(on, "Save and use", is_wrong ? UI_PLAIN : UI_ACCENT))
@@ -576,7 +578,7 @@ static void draw_result_buttons(calibrate_panel *self, ui *on)
     ui_same_line(on);
     if (ui_button(on, "Back", UI_PLAIN))
         calibrate_guide_back(&self->guide);
-    ui_hint(on, "The last pose, once more.");
+    ui_hint(on, "Repeat the last pose.");
     ui_same_line(on);
     ui_at(on, width - 36.0f - 80.0f);
     ui_width(on, 80.0f);
@@ -632,14 +634,14 @@ static uint32_t taken(const calibrate_panel *self)
 static void draw_giving_up(calibrate_panel *self, ui *on)
 {
     char words[80];
-    (void)snprintf(words, sizeof words, "%u poses were taken. Nothing of them is kept yet.",
+    (void)snprintf(words, sizeof words, "%u poses were recorded. They are not saved yet.",
                    taken(self));
     ui_text_wrapped(on, UI_STYLE_BODY, words);
     ui_space(on, 8.0f);
-    if (ui_button(on, "Go on", UI_ACCENT) || ui_pressed(on, UI_KEY_ENTER, 0))
+    if (ui_button(on, "Continue", UI_ACCENT) || ui_pressed(on, UI_KEY_ENTER, 0))
         self->gives_up = false;
     ui_same_line(on);
-    if (ui_button(on, "Give them up", UI_PLAIN)) {
+    if (ui_button(on, "Discard poses", UI_PLAIN)) {
         leave(self);
         ui_dialog_close(on);
     }

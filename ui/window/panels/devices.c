@@ -47,7 +47,7 @@ static devices_light running(const health_report *health, char out[DEVICES_WORDS
         return DEVICES_WELL;
     }
     say_duration(duration, health->silence_s);
-    (void)snprintf(out, DEVICES_WORDS, "open, silent for %s", duration);
+    (void)snprintf(out, DEVICES_WORDS, "open, no samples for %s", duration);
     return DEVICES_WAITS;
 }
 
@@ -64,7 +64,7 @@ devices_light devices_words_state(const health_report *health, char out[DEVICES_
         return DEVICES_OVER;
     case INPUT_LOST:
         say_duration(duration, health->state_s);
-        (void)snprintf(out, DEVICES_WORDS, "away for %s, tried again", duration);
+        (void)snprintf(out, DEVICES_WORDS, "disconnected for %s, retrying", duration);
         return DEVICES_WAITS;
     case INPUT_FAILED:
         break;
@@ -90,41 +90,44 @@ static uint32_t count_losses(const health_report *h, devices_fact *out)
 {
     uint32_t count = 0;
     if (h->gap_count > 0)
-        fact(&out[count++], "Gaps", "Samples that are missing in the device's own numbers.",
-             "%llu of %llu", (unsigned long long)h->gap_count,
-             (unsigned long long)(h->gap_count + h->sample_count))
+        fact(&out[count++], "Gaps",
+             "Samples that are missing, by the sequence numbers of the device.", "%llu of %llu",
+             (unsigned long long)h->gap_count, (unsigned long long)(h->gap_count + h->sample_count))
             ->is_odd = h->gap_count * 1000 > h->sample_count;
     if (h->refused_count > 0)
-        fact(&out[count++], "Refused", "Samples that made no sense.", "%llu",
+        fact(&out[count++], "Refused", "Samples with invalid values.", "%llu",
              (unsigned long long)h->refused_count)
             ->is_odd = true;
     if (h->dropped_count > 0)
-        fact(&out[count++], "Dropped", "Samples that this computer was too slow for.", "%llu",
-             (unsigned long long)h->dropped_count)
+        fact(&out[count++], "Dropped", "Samples that were lost because this computer was too slow.",
+             "%llu", (unsigned long long)h->dropped_count)
             ->is_odd = true;
     if (h->loss_count > 0)
-        fact(&out[count++], "Went away", "How often the device was lost.", "%u times",
-             h->loss_count);
+        fact(&out[count++], "Disconnects", "Number of times that the device was disconnected.",
+             "%u times", h->loss_count);
     return count;
 }
 
 uint32_t devices_words_facts(const health_report *h, devices_fact out[DEVICES_FACTS_MAX])
 {
     uint32_t count = 0;
-    fact(&out[count++], "Rate", "Samples a second, by their own times.", "%.1f Hz", h->rate_hz);
-    fact(&out[count++], "Jitter", "How unevenly they follow each other: one standard deviation.",
-         "%.2f ms", h->jitter_ms);
-    fact(&out[count++], "Lateness", "From measured to arrived: mean, and the worst of 2 s.",
+    fact(&out[count++], "Rate", "Samples per second, measured by their time stamps.", "%.1f Hz",
+         h->rate_hz);
+    fact(&out[count++], "Jitter", "Standard deviation of the interval between samples.", "%.2f ms",
+         h->jitter_ms);
+    fact(&out[count++], "Lateness",
+         "Time from the measurement to the arrival of a sample: mean and maximum over 2 s.",
          "%.1f ms, worst %.1f ms", h->lateness_ms, h->lateness_worst_ms)
         ->is_odd = h->lateness_ms > late_ms;
     if (h->has_drift)
-        fact(&out[count++], "Clock drift", "How much faster the device's clock runs than ours.",
+        fact(&out[count++], "Clock drift",
+             "How much faster the clock of the device runs than the clock of this computer.",
              "%+.0f ppm", h->drift_ppm)
             ->is_odd = fabs(h->drift_ppm) > odd_drift_ppm;
     else
-        fact(&out[count++], "Clock drift", "Known 10 s after the device was opened.",
-             "not known yet");
-    fact(&out[count++], "Samples", "Since it was opened.", "%llu",
+        fact(&out[count++], "Clock drift", "Available 10 s after the device was opened.",
+             "not measured yet");
+    fact(&out[count++], "Samples", "Number of samples since the device was opened.", "%llu",
          (unsigned long long)h->sample_count);
     return count + count_losses(h, out + count);
 }
@@ -501,7 +504,7 @@ enum { CALIBRATIONS_MAX = 64 };
 static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
                              const char *tracker)
 {
-    const char *items[CALIBRATIONS_MAX + 2] = {tracker[0] ? "as it is seen" : "as shipped"};
+    const char *items[CALIBRATIONS_MAX + 2] = {tracker[0] ? "not calibrated" : "default"};
     const char *paths[CALIBRATIONS_MAX + 2] = {""};
     const char *used = live_calibration(app_live(self->app), side);
     uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
@@ -524,7 +527,7 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
     }
     if (ui_choice(on, side_name[side], label_width, items, count, &chosen))
         calibrate(self, side, paths[chosen]);
-    ui_hint(on, "Whose calibration this hand's sensors are read with.");
+    ui_hint(on, "Choose the calibration for this hand.");
     ui_id_begin(on, side_name[side]);
     ui_text(on, UI_STYLE_DIM, "");
     ui_at(on, label_width);
@@ -533,8 +536,8 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
         if (!calibrate_panel_open(self->calibrate, index, side, &why))
             say_trouble(self, why.text);
     }
-    ui_hint(on,
-            tracker[0] ? "Flat, fist, spread: ten seconds." : "Ten poses, a minute and a half.");
+    ui_hint(on, tracker[0] ? "Calibrate with three poses (flat, fist, spread), about 10 s."
+                           : "Calibrate with ten poses, about 90 s.");
     ui_id_end(on);
 }
 
@@ -552,7 +555,7 @@ static void draw_details(ui *on, const health_report *health, const mrt_channel 
         ui_hint(on, fact[i].help);
     }
     if (devices_words_saturated(health, channels, count, names) > 0) {
-        ui_text(on, UI_STYLE_WARNING, "At an end of their range:");
+        ui_text(on, UI_STYLE_WARNING, "At the end of the range:");
         ui_text_wrapped(on, UI_STYLE_DIM, names);
     }
 }
@@ -637,14 +640,14 @@ static bool is_camera(const input *of)
 static void draw_camera_card(panel *self, ui *on, const char *input_text)
 {
     error err = {""};
-    if (ui_button(on, "Show its page", UI_PLAIN) &&
+    if (ui_button(on, "Open camera page", UI_PLAIN) &&
         camera_page_show(camera_page_port(input_text), &err) < 0)
         say_trouble(self, err.text);
-    ui_hint(on, "In your browser. Start the camera there, and show a hand.");
+    ui_hint(on, "Open the page in your browser, then start the camera there and show a hand.");
     if (!camera_page_has_package())
-        ui_text_wrapped(on, UI_STYLE_WARNING,
-                        "What finds hands in pictures is fetched once, in a terminal: marotte "
-                        "camera --setup");
+        ui_text_wrapped(
+            on, UI_STYLE_WARNING,
+            "Hand tracking is not installed. Run this once in a terminal: marotte camera --setup");
 }
 
 /* A click opens the input; its page is shown when that has an address. */
@@ -658,7 +661,7 @@ static void draw_use_camera(panel *self, ui *on)
 {
     if (ui_button(on, "Use the camera", UI_PLAIN))
         use_camera(self);
-    ui_hint(on, "A bare hand before a webcam: a page in your browser sees it.");
+    ui_hint(on, "Track a bare hand with a webcam, on a page in your browser.");
     ui_space(on, 4.0f);
 }
 
@@ -712,7 +715,7 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
         (void)snprintf(state, sizeof state, "at rest");
     }
     bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light,
-                           "Remove", "Closes this input. What it has performed stays recorded.");
+                           "Remove", "Close this input. Its recorded performances are kept.");
     draw_state(on, health, light, state, why);
     draw_strip(on, channels, count, now->has_sample ? &now->sample : NULL);
     if (is_camera(of))
@@ -736,9 +739,9 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
 /* One that is being opened; returns false when it is to be given up. */
 static bool devices_card_draw_opening(ui *on, const input_opening *one)
 {
-    bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Does not open it after all.");
+    bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Cancel opening this input.");
     ui_text(on, UI_STYLE_DIM,
-            one->is_open ? "open: joins when the take has ended" : "opening\u2026");
+            one->is_open ? "open, used after the current take ends" : "opening\u2026");
     return stays;
 }
 
@@ -747,9 +750,9 @@ static bool devices_card_draw_opening(ui *on, const input_opening *one)
 static const float button = 64.0f;
 
 static const char *const state_words[] = {[MRT_DEVICE_READY] = "ready",
-                                          [MRT_DEVICE_BUSY] = "another program holds it",
-                                          [MRT_DEVICE_DENIED] = "you may not open it",
-                                          [MRT_DEVICE_UNSURE] = "something may be there"};
+                                          [MRT_DEVICE_BUSY] = "in use by another program",
+                                          [MRT_DEVICE_DENIED] = "no permission to open it",
+                                          [MRT_DEVICE_UNSURE] = "a device may be connected"};
 
 /* ---- what is plugged in ---- */
 
@@ -780,7 +783,7 @@ static void draw_device(panel *self, ui *on, const device_found *found)
     bool is_known = device->state >= MRT_DEVICE_READY && device->state <= MRT_DEVICE_UNSURE;
     bool can_open = device->state == MRT_DEVICE_READY || device->state == MRT_DEVICE_UNSURE;
     ui_text(on, UI_STYLE_STRONG, device->name[0] ? device->name : device->address);
-    const char *words = is_known ? state_words[device->state] : "not known";
+    const char *words = is_known ? state_words[device->state] : "unknown";
     if (can_open && devices_input_text(found, text, sizeof text)) {
         ui_label(on, "state", ui_available_width(on) - button - 8.0f, THEME_DIM, words);
         ui_width(on, button);
@@ -808,14 +811,14 @@ static void draw_found(panel *self, ui *on)
         shown += 1;
     }
     if (!self->search)
-        ui_text_wrapped(on, UI_STYLE_DIM, "Devices cannot be looked for: start marotte again.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "Cannot search for devices. Restart marotte.");
     else if (!self->found->is_known)
-        ui_text(on, UI_STYLE_DIM, "Looking\xe2\x80\xa6");
+        ui_text(on, UI_STYLE_DIM, "Searching\xe2\x80\xa6");
     else if (shown == 0 && list->count > 0)
-        ui_text_wrapped(on, UI_STYLE_DIM, "Everything that is plugged in is open.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "All connected devices are open.");
     else if (shown == 0)
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "Nothing was found. Plug in a glove or a pedal: it appears here.");
+                        "No devices found. Connect a glove or a pedal, and it appears here.");
     if (self->found->note.text[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, self->found->note.text);
 }
@@ -826,9 +829,9 @@ static void open_recording(panel *self)
 {
     char text[DEVICES_PATH + 32];
     if (!self->path[0])
-        say_trouble(self, "Say which recording: the path of a log file.");
+        say_trouble(self, "Choose a recording: enter the path of a log file.");
     else if (strchr(self->path, ','))
-        say_trouble(self, "A path with a comma cannot be opened: rename the file.");
+        say_trouble(self, "Cannot open a path that contains a comma. Rename the file.");
     else {
         (void)snprintf(text, sizeof text, "log:%s%s", self->path, self->repeats ? ",loop=1" : "");
         open_input(self, text);
@@ -837,16 +840,16 @@ static void open_recording(panel *self)
 
 static void draw_recording(panel *self, ui *on)
 {
-    ui_text(on, UI_STYLE_DIM, "A recording of a hand");
+    ui_text(on, UI_STYLE_DIM, "Recording of a hand");
     ui_width(on, -(button + 8.0f));
     (void)ui_input(on, "##path", "path of a log file", self->path, sizeof self->path);
-    ui_hint(on, "A table of a hand's angles or counts: .csv, or a recording of GraspDB14.");
+    ui_hint(on, "Open a .csv table of joint angles or sensor counts, or a recording of GraspDB14.");
     ui_same_line(on);
     ui_width(on, button);
     if (ui_button(on, "Open##recording", UI_PLAIN))
         open_recording(self);
-    (void)ui_check(on, "Again and again", &self->repeats);
-    ui_hint(on, "It begins anew at its end, until it is removed.");
+    (void)ui_check(on, "Loop", &self->repeats);
+    ui_hint(on, "Play the recording again from the start when it ends.");
 }
 
 static void draw_network(panel *self, ui *on)
@@ -855,8 +858,8 @@ static void draw_network(panel *self, ui *on)
     ui_text(on, UI_STYLE_DIM, "Over the network (OSC)");
     ui_width(on, -(button + 8.0f));
     (void)ui_input(on, "##osc", "9105", self->osc, sizeof self->osc);
-    ui_hint(on, "A port: heard from this computer alone. 0.0.0.0:9105: from every computer. "
-                "9105/NAME: what another marotte forwards.");
+    ui_hint(on, "PORT receives from this computer only, 0.0.0.0:PORT from all computers, PORT/NAME "
+                "from another marotte that forwards.");
     ui_same_line(on);
     ui_width(on, button);
     if (!ui_button(on, "Open##osc", UI_PLAIN))
@@ -868,7 +871,7 @@ static void draw_network(panel *self, ui *on)
 /* What could be opened. */
 static void devices_open_draw(panel *self, ui *on)
 {
-    ui_text(on, UI_STYLE_TITLE, "Plugged in");
+    ui_text(on, UI_STYLE_TITLE, "Devices found");
     ui_space(on, 2.0f);
     draw_found(self, on);
     ui_space(on, 6.0f);
@@ -899,14 +902,14 @@ static void draw_rezero(panel *self, ui *on)
     uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), APP_REZERO_PEDAL, 0.0);
     if (ui_button(on, "Re-zero", UI_PLAIN))
         app_do(self->app, ACTION_REZERO);
-    ui_hint(on, "Z. The pose that the hands hold now becomes their neutral one. Hold still.");
+    ui_hint(on, "Make the current pose of the hands their rest (Z). Hold the hands still.");
     ui_same_line(on);
     ui_at(on, 92.0f);
     if (ui_choice(on, "also by", 58.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
         settings_set_number(app_settings(self->app), APP_REZERO_PEDAL, (double)pedal);
         live_set_rezero_pedal(app_live(self->app), pedal);
     }
-    ui_hint(on, "A press of this pedal re-zeroes too; mappings do not see that pedal then.");
+    ui_hint(on, "Re-zero with this pedal too. Mappings then ignore it.");
     if (self->was_refused && self->rezeros.refusal.text[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, self->rezeros.refusal.text);
 }
@@ -921,27 +924,26 @@ static void draw_remote(panel *self, ui *on)
     char line[96];
     if (!ui_section(on, "Remote control", false))
         return;
-    if (ui_check(on, "A phone, a Stream Deck or a script may perform along", &is_on))
+    if (ui_check(on, "Allow a phone, a Stream Deck or a script", &is_on))
         app_set_remote(self->app, !is_on ? "" : self->remote[0] ? self->remote : usual);
-    ui_hint(on, "Record, stop, mark, keep, neutral, presets and expressions by OSC and WebSocket: "
-                "the keyboard stays with whoever has it.");
+    ui_hint(on, "Record, stop, mark, keep, go to neutral and choose presets and expressions by OSC "
+                "or WebSocket.");
     ui_width(on, -1.0f);
-    if (ui_input(on, "##remote", "port, or 0.0.0.0:9110 for the whole network", self->remote,
+    if (ui_input(on, "##remote", "port, or 0.0.0.0:9110 for all computers", self->remote,
                  sizeof self->remote) &&
         is_on)
         app_set_remote(self->app, self->remote[0] ? self->remote : usual);
     if (now.trouble[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, now.trouble);
     else if (now.is_listening) {
-        (void)snprintf(line, sizeof line, "listening; %u connected by WebSocket", now.clients);
+        (void)snprintf(line, sizeof line, "listening, %u connected by WebSocket", now.clients);
         ui_text_wrapped(on, UI_STYLE_DIM, line);
     }
     if (now.code[0]) {
         (void)snprintf(line, sizeof line, "pairing code: %s", now.code);
         ui_text_wrapped(on, UI_STYLE_BODY, line);
-        ui_hint(on,
-                "The network reaches it: /marotte/remote/CODE/record, ws://HOST:9110/CODE/. It is "
-                "off at the next start.");
+        ui_hint(on, "Use this code in OSC (/marotte/remote/CODE/record) and WebSocket "
+                    "(ws://HOST:9110/CODE/). Remote control is off at the next start.");
         if (ui_button(on, "New code", UI_QUIET))
             app_renew_remote_code(self->app);
     }
@@ -963,33 +965,31 @@ static void draw_picture(panel *self, ui *on)
     for (uint32_t i = 0; i < 4; ++i)
         if (strcmp(wanted.background, colours[i]) == 0)
             ground = i;
-    if (ui_choice(on, "Behind it", 66.0f, words, 4, &ground)) {
+    if (ui_choice(on, "Backdrop", 66.0f, words, 4, &ground)) {
         (void)snprintf(wanted.background, sizeof wanted.background, "%s", colours[ground]);
         is_new = true;
     }
     char hint[256], keys[KEY_WORDS + 4];
     key_map_after(&app_looks_of(self->app)->keys, ACTION_OUTPUT, keys);
     (void)snprintf(hint, sizeof hint,
-                   "In the output window%s and in streams. Transparent: the desktop, or what OBS "
-                   "has below, is seen behind the face.",
+                   "Set the background of the output window%s and of streams. Transparent shows "
+                   "the desktop or the lower layers of OBS.",
                    keys);
     ui_hint(on, hint);
-    is_new |=
-        ui_check(on, "Output in a window, though there is a second screen", &wanted.is_window);
-    is_new |= ui_check(on, "Output above all other windows", &wanted.is_on_top);
+    is_new |= ui_check(on, "Output in a window, even with a second screen", &wanted.is_window);
+    is_new |= ui_check(on, "Output window always on top", &wanted.is_on_top);
     ui_width(on, -1.0f);
     if (ui_input(on, "##streams", "pipewire  /dev/video10  srt://HOST:PORT", self->streams,
                  sizeof self->streams)) {
         (void)snprintf(wanted.targets, sizeof wanted.targets, "%s", self->streams);
         is_new = true;
     }
-    ui_hint(on,
-            "A camera for programs that know PipeWire, a v4l2loopback device, a stream by ffmpeg: "
-            "parted by blanks.");
+    ui_hint(on, "Send the video to PipeWire, a v4l2loopback device or an ffmpeg stream. Separate "
+                "several targets with spaces.");
     const char *says = app_picture_says(self->app, &count);
     if (count > 0)
         ui_text_wrapped(on, says[0] ? UI_STYLE_WARNING : UI_STYLE_DIM,
-                        says[0] ? says : "pictures are sent");
+                        says[0] ? says : "sending video");
     if (is_new)
         app_set_picture(self->app, &wanted);
 }
@@ -1032,7 +1032,7 @@ static void draw_inputs(panel *self, ui *on)
     }
     if (live_input_count(stage) == 0 && self->opening_count == 0) {
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "No hand yet. Drag the face with the mouse, or open something below.");
+                        "No input is open. Drag the face with the mouse, or open an input below.");
         ui_space(on, 4.0f);
         draw_use_camera(self, on);
     }

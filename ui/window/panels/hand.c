@@ -416,8 +416,8 @@ static void follow_lesson(panel *self, double dt_s)
         (void)snprintf(
             self->said, sizeof self->said, "%s",
             kind == LESSON_ANSWER
-                ? "The mapping did not take the answer. Show your hand, then answer again."
-                : "There was nothing to forget.");
+                ? "The mapping did not learn the answer. Show your hand, then answer again."
+                : "This face already uses the default hand pose.");
         end_lesson(self);
     }
     free(now);
@@ -449,8 +449,8 @@ static void draw_absence(panel *self, ui *on)
     key_map_after(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, devices);
     key_map_words(&app_looks_of(self->app)->keys, ACTION_HAND_KEYS, keys);
     (void)snprintf(words, sizeof words,
-                   "No hand is there. Open a glove or a camera at Devices%s, or press %s for the "
-                   "keyboard as a hand.",
+                   "No hand is tracked. Open a glove or a camera in Devices%s, or press %s to use "
+                   "the keyboard as a hand.",
                    devices, keys[0] ? keys : "Y");
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
 }
@@ -482,8 +482,8 @@ static void draw_card(panel *self, ui *on)
     hand_card card = card_of(self);
     app_looks *looks = app_looks_of(self->app);
     char words[200];
-    (void)ui_check(on, "On the stage", &looks->shows_card);
-    ui_hint(on, "Shows the card beside the face, also while the panels are away.");
+    (void)ui_check(on, "Show on the stage", &looks->shows_card);
+    ui_hint(on, "Show the card beside the face, also while the panels are hidden.");
     if (self->is_present && self->device[0]) {
         (void)snprintf(words, sizeof words, "%s hand, %.120s",
                        self->side == MRT_LEFT ? "Left" : "Right", self->device);
@@ -596,7 +596,7 @@ static bool has_goals(panel *self, ui *on)
         return true;
     ui_text_wrapped(on, UI_STYLE_DIM,
                     file && file->rig ? "Finding the poses of the rig\xe2\x80\xa6"
-                                      : "The face has no rig, so there are no poses to perform.");
+                                      : "The face has no rig and therefore no poses to perform.");
     return false;
 }
 
@@ -620,10 +620,10 @@ static void draw_progress(panel *self, ui *on)
     uint32_t of;
     const uint32_t met = say_it_met(&self->say, &of, &took_s);
     if (met > 0)
-        (void)snprintf(words, sizeof words, "%u of %u met, %.1f s each", met, of,
+        (void)snprintf(words, sizeof words, "%u of %u done, %.1f s each", met, of,
                        took_s / (double)met);
     else
-        (void)snprintf(words, sizeof words, "%u of %u met", met, of);
+        (void)snprintf(words, sizeof words, "%u of %u done", met, of);
     ui_text(on, UI_STYLE_DIM, words);
 }
 
@@ -668,10 +668,9 @@ static void draw_say_it(panel *self, ui *on)
     }
     if (self->says)
         draw_progress(self, on);
-    ui_text_wrapped(
-        on, UI_STYLE_BODY,
-        "The puppet shows a face. Perform it with your hand: the ring closes as you come "
-        "near. Words come after the faces.");
+    ui_text_wrapped(on, UI_STYLE_BODY,
+                    "The puppet shows a face. Perform it with your hand. The ring closes as your "
+                    "face gets closer. Words follow after the faces.");
     draw_absence(self, on);
     ui_space(on, 4.0f);
     if (ui_button(on, "Start", UI_ACCENT) || is_answered(self, on)) {
@@ -704,8 +703,8 @@ static void draw_pair(const panel *self, ui *on, const simon_pair *pair)
 {
     char words[240];
     (void)snprintf(words, sizeof words,
-                   "%s and %s are nearly one hand (%.0f\xc2\xb0 apart). Answer one of them with "
-                   "another hand, or forget it.",
+                   "The hand poses for %s and %s are too similar (%.0f\xc2\xb0 apart). Answer one "
+                   "of them with another pose, or forget it.",
                    goals[self->face_goal[pair->a]].name, goals[self->face_goal[pair->b]].name,
                    pair->deg);
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
@@ -724,7 +723,7 @@ static void draw_answers(panel *self, ui *on)
             (void)snprintf(words, sizeof words, "answered once");
         else
             (void)snprintf(words, sizeof words, "%.0f\xc2\xb0 apart%s", deg,
-                           is_far ? ": again" : "");
+                           is_far ? ", repeat" : "");
         ui_fact(on, goals[self->face_goal[i]].name, 110.0f,
                 is_far ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
     }
@@ -752,13 +751,13 @@ static void draw_round_end(panel *self, ui *on, instance *mapping)
         ui_hint(on, keys);
     } else {
         ui_text_wrapped(on, UI_STYLE_GOOD,
-                        "Your hand is learned. It is kept with the show and "
-                        "with presets of the panel Mapping.");
+                        "The mapping has learned your hand. The show saves it. Presets in Mapping "
+                        "save it too.");
         if (ui_button(on, "Try it", UI_ACCENT) || is_answered(self, on)) {
             self->tab = TAB_SAY_IT;
             self->is_teaching = false;
         }
-        ui_hint(on, "Go to the exercise Say it.");
+        ui_hint(on, "Open the exercise \"Say it\".");
     }
     ui_same_line(on);
     if (ui_button(on, "Forget all", UI_QUIET))
@@ -767,7 +766,7 @@ static void draw_round_end(panel *self, ui *on, instance *mapping)
     ui_same_line(on);
     if (ui_button(on, "Restart", UI_QUIET))
         begin_teaching(self, mapping);
-    ui_hint(on, "Begin the rounds again; what was learned stays.");
+    ui_hint(on, "Start the rounds again and keep the learned hand poses.");
 }
 
 static void draw_question(panel *self, ui *on, instance *mapping)
@@ -784,7 +783,7 @@ static void draw_question(panel *self, ui *on, instance *mapping)
               ui_available_height(on) - 220.0f);
     draw_centred(on, "name", UI_STYLE_LARGE, of->name);
     write_keys(self, keys, sizeof keys, "answers");
-    (void)snprintf(words, sizeof words, "Hold your hand as this face. %s", keys);
+    (void)snprintf(words, sizeof words, "Hold the hand pose for this face. %s", keys);
     ui_text_wrapped(on, UI_STYLE_BODY, words);
     ui_disabled_begin(on, !self->is_present || self->lesson != LESSON_NONE);
     if (ui_button(on, "Answer", UI_ACCENT) || (is_answered(self, on) && self->is_present))
@@ -814,8 +813,7 @@ static void draw_simon(panel *self, ui *on, instance *mapping)
 {
     if (!lesson_params_of(mapping->type).has_all) {
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "This mapping does not learn hand poses. One hand does: choose it in the "
-                        "panel Mapping.");
+                        "This mapping cannot learn hand poses. Choose \"One hand\" in Mapping.");
         return;
     }
     if (!has_goals(self, on))
@@ -829,8 +827,8 @@ static void draw_simon(panel *self, ui *on, instance *mapping)
         return;
     }
     ui_text_wrapped(on, UI_STYLE_BODY,
-                    "The puppet shows twelve faces, twice. Hold your hand as each of them looks to "
-                    "you, and answer: the mapping learns your hand.");
+                    "The puppet shows twelve faces, twice. For each face, hold the hand pose that "
+                    "fits it, then answer. The mapping learns your poses.");
     draw_absence(self, on);
     ui_space(on, 4.0f);
     if (ui_button(on, "Start##simon", UI_ACCENT) || is_answered(self, on))
@@ -853,9 +851,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     if (!mapping || mapping->type != self->type || self->line_count == 0) {
         char words[200];
         (void)snprintf(words, sizeof words,
-                       "%.60s has no card of the hand. One hand has one: choose it in the panel "
-                       "Mapping.",
-                       mapping ? mapping->type->name : "The pointer alone");
+                       "%.60s has no hand card. Choose \"One hand\" in Mapping.",
+                       mapping ? mapping->type->name : "The mouse");
         ui_text_wrapped(on, UI_STYLE_DIM, words);
     } else {
         (void)ui_tabs(on, "tabs", tabs, TABS, &self->tab);

@@ -69,7 +69,7 @@ static void draw_items(panel *self, ui *on)
         }
     }
     if (shown == 0)
-        ui_text(on, UI_STYLE_DIM, "Nothing was said.");
+        ui_text(on, UI_STYLE_DIM, "No messages.");
     if (beyond == 0)
         return;
     char label[48];
@@ -134,12 +134,12 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     (void)ui_tabs(on, "filter", filters, LOG_FILTERS, &self->filter);
     ui_space(on, 2.0f);
     (void)ui_check(on, "As text", &self->is_text);
-    ui_hint(on, "To mark and copy.");
+    ui_hint(on, "Show the messages as text that you can select and copy.");
     ui_same_line(on);
     ui_at(on, 96.0f);
     if (ui_button(on, "Clear", UI_PLAIN))
         clear(self);
-    ui_hint(on, "Takes away what is shown here; nothing else.");
+    ui_hint(on, "Clear the messages in this panel.");
     ui_space(on, 2.0f);
     if (self->is_text) {
         draw_as_text(self, on);

@@ -106,7 +106,7 @@ static void go_to(panel *self, const step *of, int side)
         return;
     }
     if (!mapping || strcmp(mapping->type->id, of->type_id) != 0) {
-        say(self, MRT_LOG_WARNING, "that parameter is of another mapping: nothing has changed");
+        say(self, MRT_LOG_WARNING, "that parameter belongs to another mapping and was not changed");
         return;
     }
     for (uint32_t i = 0; i < of->change_count; ++i)
@@ -190,8 +190,8 @@ static void teach(panel *self, step *made, unsigned char *taught, size_t size)
     bool is_other = !before || before_size != size || memcmp(before, taught, size) != 0;
     if (is_other && live_teach(app_live(self->app), taught, size, &err) < 0) {
         char words[256];
-        (void)snprintf(words, sizeof words, "what the preset was taught is not taken: %.200s",
-                       err.text);
+        (void)snprintf(words, sizeof words,
+                       "cannot restore the learned hand poses of the preset: %.200s", err.text);
         say(self, MRT_LOG_ERROR, words);
         is_other = false;
     }
@@ -321,7 +321,7 @@ static void save_preset(panel *self, const char *name)
     unsigned char *taught = fetch_taught(self, &size);
     if (size > PRESET_TAUGHT_MAX) {
         say(self, MRT_LOG_ERROR,
-            "the mapping was taught more than a preset can keep: its values alone are saved");
+            "the learned hand poses are too large for a preset: only the values are saved");
         size = 0;
     }
     char *text = presets_make(mapping, taught, size);
@@ -766,7 +766,7 @@ static void draw_found(panel *self, ui *on, instance *mapping)
         draw_group(self, on, mapping, self->group[i], find);
     }
     if (!has_found)
-        ui_text(on, UI_STYLE_DIM, "No parameter is called like that.");
+        ui_text(on, UI_STYLE_DIM, "No matching parameter.");
 }
 
 static void draw_groups(panel *self, ui *on, instance *mapping)
@@ -793,7 +793,7 @@ static void mapping_params_draw(panel *self, ui *on, instance *mapping)
 {
     follow_lessons(self, mapping);
     if (mapping->type->param_count == 0) {
-        ui_text(on, UI_STYLE_DIM, "It has no parameters.");
+        ui_text(on, UI_STYLE_DIM, "This mapping has no parameters.");
         return;
     }
     ui_width(on, -92.0f);
@@ -807,8 +807,8 @@ static void mapping_params_draw(panel *self, ui *on, instance *mapping)
                                   : instance_value(mapping, i);
         set_all(self, self->values, "all parameters reset");
     }
-    ui_hint(on, "Every parameter as it is at first; links of fingers stay. A double click on one "
-                "resets that one.");
+    ui_hint(on, "Reset all parameters except finger links. Double-click a parameter to reset only "
+                "that one.");
     if (self->find[0])
         draw_found(self, on, mapping);
     else
@@ -840,7 +840,7 @@ static void draw_pedal(panel *self, ui *on, const instance *mapping, uint32_t pe
                     THEME_ACCENT, 2.0f);
     ui_draw_text(on, at.where.x + 96.0f, middle - 8.0f, UI_STYLE_BODY,
                  words[0] ? THEME_TEXT : THEME_DIM, at.where.width - 98.0f,
-                 words[0] ? words : "does nothing");
+                 words[0] ? words : "not used");
     ui_canvas_end(on);
     if (words[0])
         ui_hint(on, words);
@@ -869,8 +869,8 @@ static void mapping_pedals_draw(panel *self, ui *on, instance *mapping)
     ui_space(on, 4.0f);
     char words[128], keys[KEY_WORDS + 4];
     key_map_after(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, keys);
-    (void)snprintf(words, sizeof words,
-                   "The pedal that re-zeroes the hands is chosen at Devices%s.", keys);
+    (void)snprintf(words, sizeof words, "Choose the pedal that re-zeroes the hands in Devices%s.",
+                   keys);
     ui_text_wrapped(on, UI_STYLE_DIM, words);
 }
 
@@ -975,7 +975,7 @@ static void draw_list(panel *self, ui *on, const instance *mapping)
         use(self, mapping, self->presets[at]);
     ui_hint(
         on,
-        "Values of all parameters, and what it was taught, under a name, kept for this mapping.");
+        "Load a preset: the values of all parameters and the learned hand poses of this mapping.");
 }
 
 static void mapping_presets_draw(panel *self, ui *on, instance *mapping)
@@ -994,19 +994,19 @@ static void mapping_presets_draw(panel *self, ui *on, instance *mapping)
         self->was_naming = false;
         (void)snprintf(self->preset_name, sizeof self->preset_name, "%s", self->preset);
     }
-    ui_hint(on, "Keeps all values, and what was taught, under a name.");
+    ui_hint(on, "Save all values and the learned hand poses as a preset.");
     if (!self->preset[0] || !presets_kept(app_settings(self->app), mapping->type, self->preset))
         return;
     ui_same_line(on);
     if (ui_button(on, "Delete", UI_QUIET))
         delete_preset(self, self->preset);
-    ui_hint(on, "Deletes the preset; what is set now stays. Undo brings it back.");
+    ui_hint(on, "Delete the preset and keep the current values. Undo restores the preset.");
     if (!self->preset[0] || !plugin_interface(mapping->type, MRT_STATE))
         return;
     ui_same_line(on);
-    if (ui_button(on, "Use again", UI_QUIET))
+    if (ui_button(on, "Reload", UI_QUIET))
         use(self, mapping, self->preset);
-    ui_hint(on, "Sets its values, and teaches the mapping what the preset keeps.");
+    ui_hint(on, "Load the values and the learned hand poses of the preset again.");
 }
 
 /* ---- learn mode ---- */
@@ -1034,7 +1034,7 @@ static void set_link(panel *self, instance *mapping, int finger, uint32_t contac
     if (name)
         (void)snprintf(words, sizeof words, "%s pulls %.100s", learn_finger_name[finger], name);
     else
-        (void)snprintf(words, sizeof words, "%s is free again", learn_finger_name[finger]);
+        (void)snprintf(words, sizeof words, "%s is not linked", learn_finger_name[finger]);
     set_all(self, self->values, words);
     (void)snprintf(self->learnt, sizeof self->learnt, "%s", words);
 }
@@ -1050,7 +1050,7 @@ static void draw_links(panel *self, ui *on, instance *mapping)
         if (contact == 0)
             continue;
         const char *name = contact_name(self, contact);
-        (void)snprintf(missing, sizeof missing, "contact %u: not there", contact);
+        (void)snprintf(missing, sizeof missing, "contact %u not found", contact);
         ui_id_begin(on, learn_finger_name[finger]);
         ui_label(on, "finger", 92.0f, THEME_TEXT, learn_finger_name[finger]);
         ui_label(on, "contact", ui_available_width(on) - 80.0f, name ? THEME_ACCENT : THEME_WARNING,
@@ -1061,8 +1061,9 @@ static void draw_links(panel *self, ui *on, instance *mapping)
         count += 1;
     }
     if (count == 0)
-        ui_text_wrapped(on, UI_STYLE_DIM,
-                        "No finger is linked: each pulls the place where it is laid.");
+        ui_text_wrapped(
+            on, UI_STYLE_DIM,
+            "No finger is linked to a contact. Each finger pulls the point it touches.");
 }
 
 /* ---- learning ---- */
@@ -1095,11 +1096,10 @@ static void follow_click(panel *self, instance *mapping)
         return;
     if (self->learn.finger == LEARN_NONE) {
         (void)snprintf(self->learnt, sizeof self->learnt,
-                       "First move one finger, well apart from "
-                       "the others.");
+                       "First move one finger, clearly more than the others.");
     } else if (stroke->contact == 0) {
         (void)snprintf(self->learnt, sizeof self->learnt,
-                       "There is no contact there: click one of the dots.");
+                       "No contact at this point. Click one of the dots.");
     } else {
         set_link(self, mapping, self->learn.finger, stroke->contact);
         learn_begin(&self->learn); /* the next finger */
@@ -1150,11 +1150,11 @@ static void draw_learning(panel *self, ui *on)
     const mrt_hand *hand = app_view(self->app)->hand;
     char words[96];
     if (!hand[0].present && !hand[1].present)
-        (void)snprintf(words, sizeof words, "No hand is there: open a glove at Devices.");
+        (void)snprintf(words, sizeof words, "No hand is tracked. Open a glove in Devices.");
     else if (self->learn.finger == LEARN_NONE)
         (void)snprintf(words, sizeof words, "Move one finger.");
     else
-        (void)snprintf(words, sizeof words, "The %s. Now click a contact on the face.",
+        (void)snprintf(words, sizeof words, "Selected: %s. Now click a contact on the face.",
                        learn_finger_name[self->learn.finger]);
     ui_text_wrapped(on, UI_STYLE_STRONG, words);
     if (hand[MRT_RIGHT].present)
@@ -1163,20 +1163,20 @@ static void draw_learning(panel *self, ui *on)
         draw_travel(self, on, 5, "left");
     if (ui_button(on, "Done", UI_PLAIN) || ui_pressed(on, UI_KEY_ESCAPE, 0))
         mapping_learn_end(self);
-    ui_hint(on, "Escape");
+    ui_hint(on, "Stop learning (Escape).");
 }
 
 static void draw_cannot(panel *self, ui *on, const instance *mapping)
 {
     char words[200];
-    (void)snprintf(words, sizeof words,
-                   "%.60s decides by itself which finger moves what. Anchored lets each finger "
-                   "pull a contact of your choice.",
-                   mapping->type->name);
+    (void)snprintf(
+        words, sizeof words,
+        "%.60s cannot link fingers to contacts. Anchored can link each finger to a contact.",
+        mapping->type->name);
     ui_text_wrapped(on, UI_STYLE_DIM, words);
-    if (ui_button(on, "Perform with Anchored", UI_PLAIN))
+    if (ui_button(on, "Switch to Anchored", UI_PLAIN))
         choose_mapping(self, "anchored");
-    ui_hint(on, "Another mapping performs from now on; undo brings this one back.");
+    ui_hint(on, "Switch to another mapping. Undo restores this one.");
 }
 
 static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
@@ -1192,7 +1192,7 @@ static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
     else if (ui_button(on, "Learn", UI_ACCENT))
         begin(self);
     if (!self->is_learning)
-        ui_hint(on, "Move a finger, then click the contact that it is to pull.");
+        ui_hint(on, "Link a finger to a contact: move the finger, then click the contact.");
     if (self->learnt[0])
         ui_text_wrapped(on, UI_STYLE_DIM, self->learnt);
 }
@@ -1247,7 +1247,7 @@ static instance *follow_mapping(panel *self)
 static void draw_choice(panel *self, ui *on)
 {
     const plugin_list *plugins = app_plugins(self->app);
-    const char *items[MAPPING_CHOICES_MAX] = {"none: the mouse alone"};
+    const char *items[MAPPING_CHOICES_MAX] = {"none (mouse only)"};
     const mrt_plugin_type *types[MAPPING_CHOICES_MAX] = {NULL};
     uint32_t count = 1, chosen = 0;
     for (uint32_t i = 0; i < plugins->entry_count && count < MAPPING_CHOICES_MAX; ++i) {
@@ -1261,7 +1261,7 @@ static void draw_choice(panel *self, ui *on)
         types[count++] = type;
     }
     const bool is_other = ui_choice(on, "Mapping", 66.0f, items, count, &chosen);
-    ui_hint(on, "What makes a face of the hands: another one takes over without a jump.");
+    ui_hint(on, "Choose how hands move the face. The face does not jump when you switch.");
     if (!is_other)
         return;
     choose_mapping(self, types[chosen] ? types[chosen]->id : "");
@@ -1274,17 +1274,18 @@ static void draw_isolation(ui *on, const instance *mapping, const isolate_counts
     char words[400];
     const char *why = isolate_first_reason(mapping->self);
     if (counts->failed == 0) {
-        ui_text(on, UI_STYLE_DIM, "Runs apart, in a process of its own.");
+        ui_text(on, UI_STYLE_DIM, "Runs in a separate process.");
         return;
     }
-    (void)snprintf(words, sizeof words, "Runs apart; %s: %.300s.",
+    (void)snprintf(words, sizeof words, "Separate process %s: %.300s.",
                    counts->restarted > 1    ? "was restarted several times"
                    : counts->restarted == 1 ? "was restarted once"
                                             : "has failed",
                    why[0] ? why : "it failed");
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
     if (counts->is_away)
-        ui_text_wrapped(on, UI_STYLE_WARNING, "The face is held. Choose it again, or another one.");
+        ui_text_wrapped(on, UI_STYLE_WARNING,
+                        "The face is held. Choose this mapping again, or another one.");
 }
 
 static void draw_state(panel *self, ui *on, const instance *mapping)
@@ -1297,12 +1298,12 @@ static void draw_state(panel *self, ui *on, const instance *mapping)
         char times[24] = "once";
         if (status->reload_taken > 1)
             (void)snprintf(times, sizeof times, "%u times", status->reload_taken);
-        (void)snprintf(words, sizeof words, "Rebuilt while it performed: taken over %s.", times);
+        (void)snprintf(words, sizeof words, "Plugin reloaded %s.", times);
         ui_text_wrapped(on, UI_STYLE_DIM, words);
     }
     if (status->reload_refused > 0) {
         const bool is_one = status->reload_refused == 1;
-        (void)snprintf(words, sizeof words, "%u new version%s refused: the log says why.",
+        (void)snprintf(words, sizeof words, "%u new version%s refused. See the log for the reason.",
                        status->reload_refused, is_one ? " was" : "s were");
         ui_text_wrapped(on, UI_STYLE_WARNING, words);
     }
@@ -1345,8 +1346,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     if (mapping)
         draw_mapping(self, on, mapping, is_low);
     else
-        ui_text_wrapped(on, UI_STYLE_DIM,
-                        "No mapping performs. The mouse pulls the face; hands do nothing.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "No mapping is active. Only the mouse moves the face.");
     if (is_low)
         ui_scroll_end(on);
     self->was_drawn = mapping && self->tab == TAB_LEARN;

@@ -90,7 +90,7 @@ static void delete_chosen(panel *self)
             (p->count - self->chosen) * sizeof *p->connection);
     p->connection[p->count] = (patch_connection){.kind = PATCH_NOTHING};
     self->chosen = NOBODY;
-    change(self, "a connection deleted");
+    change(self, "connection deleted");
 }
 
 /* ---- what is heard now ---- */
@@ -357,7 +357,7 @@ static void draw_aim(panel *self, ui *on, patch_connection *c)
     static const char *const kinds[] = {"parameter", "bone",      "contact",
                                         "pose",      "transport", "shape"};
     uint32_t kind = (uint32_t)c->kind - PATCH_PARAM;
-    if (ui_choice(on, "Moves a", LABEL, kinds, PATCH_KINDS - PATCH_PARAM, &kind)) {
+    if (ui_choice(on, "Target", LABEL, kinds, PATCH_KINDS - PATCH_PARAM, &kind)) {
         list_targets(self, (patch_kind)(kind + PATCH_PARAM));
         if (self->item_count > 0) {
             patch_connection other = patch_connection_of((patch_kind)(kind + PATCH_PARAM));
@@ -370,7 +370,7 @@ static void draw_aim(panel *self, ui *on, patch_connection *c)
     }
     list_targets(self, c->kind);
     uint32_t at = index_of(self, c->target);
-    if (ui_choice(on, "Which", LABEL, self->items, self->item_count, &at)) {
+    if (ui_choice(on, "Name", LABEL, self->items, self->item_count, &at)) {
         (void)snprintf(c->target, sizeof c->target, "%.63s", self->items[at]);
         change(self, "another target");
     }
@@ -390,7 +390,7 @@ static void draw_sides(panel *self, ui *on, patch_connection *c)
             dot[1] = is_both ? '*' : 'l';
             change(self, is_both ? "both sides" : "one side");
         }
-        ui_hint(on, "The other side goes along, mirrored.");
+        ui_hint(on, "Move the other side too, mirrored.");
         return;
     }
 }
@@ -398,18 +398,18 @@ static void draw_sides(panel *self, ui *on, patch_connection *c)
 static void draw_way(panel *self, ui *on, patch_connection *c)
 {
     static const char *const names[] = {"up",      "down", "to its left", "to its right",
-                                        "forward", "back", "as it is"};
+                                        "forward", "back", "custom"};
     static const float ways[6][3] = {{0, 1, 0},  {0, -1, 0}, {1, 0, 0},
                                      {-1, 0, 0}, {0, 0, 1},  {0, 0, -1}};
     uint32_t at = 6;
     for (uint32_t i = 0; i < 6; ++i)
         if (memcmp(ways[i], c->way, sizeof c->way) == 0)
             at = i;
-    if (c->kind != PATCH_CONTACT || !ui_choice(on, "Way", LABEL, names, at == 6 ? 7 : 6, &at) ||
-        at == 6)
+    if (c->kind != PATCH_CONTACT ||
+        !ui_choice(on, "Direction", LABEL, names, at == 6 ? 7 : 6, &at) || at == 6)
         return;
     memcpy(c->way, ways[at], sizeof c->way);
-    change(self, "another way");
+    change(self, "another direction");
 }
 
 static void draw_number(panel *self, ui *on, const char *label, const ui_range *range,
@@ -463,7 +463,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
     double from = isnan(c->in[0]) ? in.min : c->in[0], to = isnan(c->in[1]) ? in.max : c->in[1];
     double from_was = from, to_was = to;
     if (in.max > in.min) {
-        draw_number(self, on, "Counts", &in, &from);
+        draw_number(self, on, "Input", &in, &from);
         draw_number(self, on, "to", &in, &to);
     }
     if ((from < from_was || from > from_was || to < to_was || to > to_was) && from < to) {
@@ -479,7 +479,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
         high = c->out[1];
     }
     double low_was = low, high_was = high;
-    draw_number(self, on, "Gives##low", &sliders, &low);
+    draw_number(self, on, "Output##low", &sliders, &low);
     draw_number(self, on, "to##high", &sliders, &high);
     if (low < low_was || low > low_was || high < high_was || high > high_was) {
         c->out[0] = low;
@@ -530,17 +530,19 @@ static void draw_chosen(panel *self, ui *on, const heard *now)
     if (c->kind != PATCH_ACTION) {
         draw_curve(on, c, now);
         draw_number(self, on, "Bend", &bend, &c->bend);
-        ui_hint(on, "Right: slow at first. Left: fast at first.");
+        ui_hint(on, "Bend the curve: right starts slowly, left starts fast.");
         draw_number(self, on, "Ease", &bend, &c->ease);
-        ui_hint(on, "Right: slow at both ends.");
+        ui_hint(on, "Ease the curve: right is slow at both ends.");
         draw_number(self, on, "Smooth", &smooth, &c->smooth_s);
-        if (ui_choice(on, "Moves it", LABEL, modes, 2, &mode)) {
+        if (ui_choice(on, "Mode", LABEL, modes, 2, &mode)) {
             c->adds = mode == 1;
             change(self, modes[mode]);
         }
         if (ui_check(on, "Pick up", &c->picks_up))
             change(self, c->picks_up ? "pick up" : "no pick up");
-        ui_hint(on, "Does nothing until it has come by where the face is: no jump.");
+        ui_hint(
+            on,
+            "Wait until the channel reaches the current value, so that the face does not jump.");
         ui_same_line(on);
         ui_at(on, 110.0f);
     }
@@ -585,10 +587,10 @@ static void draw_row(panel *self, ui *on, uint32_t i, const heard *now)
         ui_draw_ring(on, box.x + box.width - 9.0f, box.y + 14.0f, 3.5f, THEME_DIM, 1.0f);
     ui_canvas_end(on);
     ui_hint(on, c->is_muted   ? "Off."
-                : !is_heard   ? "No input has this channel now."
-                : speaks      ? "It moves the face."
-                : c->picks_up ? "Move it past where the face is: then it picks up."
-                              : "Pressed, it acts.");
+                : !is_heard   ? "No open input has this channel."
+                : speaks      ? "This connection moves the face."
+                : c->picks_up ? "Move the control past the current value to pick it up."
+                              : "Press the control to run the action.");
 }
 
 static void draw_learning(panel *self, ui *on)
@@ -598,9 +600,10 @@ static void draw_learning(panel *self, ui *on)
     if (!aim->is_learning)
         return;
     if (self->has_source)
-        (void)snprintf(words, sizeof words,
-                       "%s. Now click what it moves: a dot on the face, or a slider at Mapping.",
-                       self->source.channel);
+        (void)snprintf(
+            words, sizeof words,
+            "Selected: %s. Now click its target: a dot on the face, or a slider in Mapping.",
+            self->source.channel);
     else
         (void)snprintf(words, sizeof words, "Move one fader, stick, finger or pedal.");
     ui_text_wrapped(on, UI_STYLE_STRONG, words);
@@ -633,7 +636,7 @@ static void save_patch(panel *self)
         result = file_write(self->file, text, strlen(text), &err);
     free(text);
     log_push(app_log(self->app), result < 0 ? MRT_LOG_ERROR : MRT_LOG_INFO, "patch",
-             result < 0 ? err.text : "the patch is saved");
+             result < 0 ? err.text : "patch saved");
 }
 
 static void draw_head(panel *self, ui *on)
@@ -643,7 +646,7 @@ static void draw_head(panel *self, ui *on)
     enum { NAMES = sizeof names / sizeof *names };
     uint32_t at = 0;
     const bool is_chosen = ui_choice(on, "Use", LABEL, names, NAMES, &at);
-    ui_hint(on, "A patch that comes with marotte, or none; it takes the place of this one.");
+    ui_hint(on, "Replace this patch by a built-in patch, or by none.");
     if (is_chosen && at > 0) {
         if (at < NAMES - 1) {
             use_patch(self, names[at]);
@@ -655,7 +658,7 @@ static void draw_head(panel *self, ui *on)
     }
     if (!app_patch_aimed(self->app)->is_learning && ui_button(on, "Learn", UI_ACCENT))
         begin_learning(self);
-    ui_hint(on, "Move a fader, then click what it moves.");
+    ui_hint(on, "Add a connection: move a fader, then click its target.");
 }
 
 static void draw_file(panel *self, ui *on)
@@ -688,15 +691,14 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     ui_panel_begin(on, "patch", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
     if (is_recording)
-        ui_text_wrapped(on, UI_STYLE_DIM, "It can be changed when the take has ended.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "Recording. End the take to change the patch.");
     ui_disabled_begin(on, is_recording);
     draw_head(self, on);
     draw_learning(self, on);
     if (self->work.count == 0 && !app_patch_aimed(self->app)->is_learning)
-        ui_text_wrapped(
-            on, UI_STYLE_DIM,
-            "Faders, sticks, a phone's face, single fingers: each may move a parameter, "
-            "a bone, a place of the face or a pose, over what the mapping does.");
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "Connect faders, sticks, tracked shapes and fingers to parameters, bones, "
+                        "contacts and poses. Connections are applied after the mapping.");
     for (uint32_t i = 0; i < self->work.count; ++i) {
         draw_row(self, on, i, &now);
         if (self->chosen == i)
