@@ -317,7 +317,7 @@ mrt_result brush_move(brush *self, uint32_t vertex, const float position[3], err
 {
     brush_way way;
     if (vertex >= self->m->vertex_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no vertex %u", vertex);
+        return error_set(err, MRT_ERR_ARGUMENT, "the mesh has no vertex %u", vertex);
     mrt_result result = find_way(self, &way, vertex, position, err);
     for (uint32_t k = 0; result >= 0 && k < way.count; ++k)
         result = dab_sides(self, way.vertex[k], way.position[k], err);
@@ -421,7 +421,7 @@ static mrt_result allocate_layer(layer *l, const rig *r, uint32_t vertex_count, 
 static mrt_result add_region_layer(rig_stroke *self, const rig *r, uint32_t region, error *err)
 {
     if (self->layer_count == LAYERS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more painted regions than a stroke can change");
+        return error_set(err, MRT_ERR_UNSUPPORTED, "too many painted regions for one stroke");
     const rig_region *from = &r->region[region];
     layer *l = &self->layer[self->layer_count++];
     *l = (layer){.region = region,
@@ -446,9 +446,10 @@ static mrt_result find_target(rig_stroke *self, const rig *r, rig_ink ink, uint3
     }
     if (rig_edit_find_region(r, made.name) != RIG_NONE)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the region \"%s\" is not one that can be painted; rename it", made.name);
+                         "the region \"%s\" is not a vertex list and cannot be painted; rename it",
+                         made.name);
     if (self->layer_count == LAYERS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more painted regions than a stroke can change");
+        return error_set(err, MRT_ERR_UNSUPPORTED, "too many painted regions for one stroke");
     *out = self->layer_count;
     self->layer[self->layer_count++] = made;
     return allocate_layer(&self->layer[*out], r, self->vertex_count, err);
@@ -477,7 +478,7 @@ static mrt_result find_targets(rig_stroke *self, const rig *r, error *err)
     rig_ink ink = self->ink.ink;
     bool is_of_bone = ink == RIG_INK_RIDES || ink == RIG_INK_RIGID;
     if (is_of_bone && self->ink.bone >= r->bone_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "choose the bone to paint");
+        return error_set(err, MRT_ERR_ARGUMENT, "choose a bone to paint");
     if (is_of_bone) {
         self->bone[BRUSH_HERE] = self->ink.bone;
         self->bone[BRUSH_THERE] = bone_of_other_side(r, self->ink.bone);
@@ -493,7 +494,7 @@ static mrt_result find_region(rig_stroke *self, const rig *r, error *err)
     uint32_t region = self->ink.region;
     if (region >= r->region_count || !rig_edit_can_paint(r, region))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "this region is not given vertex by vertex; make it paint first");
+                         "this region is not a vertex list; press \"Make paintable\" first");
     self->target[BRUSH_HERE] = self->target[BRUSH_THERE] = 0;
     self->bone[BRUSH_HERE] = self->bone[BRUSH_THERE] = r->region[region].bone;
     return add_region_layer(self, r, region, err);

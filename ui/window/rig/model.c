@@ -134,8 +134,8 @@ static mrt_result rig_keep_take(rig_keep *self, const rig *r, const mesh *m, err
 {
     if (r->mesh_vertex_count != 0 && r->mesh_vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: it was made for a mesh of %u vertices, this one has %u",
-                         self->old_path, r->mesh_vertex_count, m->vertex_count);
+                         "%s: made for a mesh of %u vertices, but this mesh has %u", self->old_path,
+                         r->mesh_vertex_count, m->vertex_count);
     free(self->taken_path);
     self->taken_path = self->old_path;
     self->old_path = NULL;
@@ -970,9 +970,9 @@ mrt_result rig_model_save_as(rig_model *self, const char *path, error *err)
     char *folder = file_directory(path), *copy = strdup(path);
     mrt_result result = folder && copy ? MRT_OK : no_memory(err);
     if (result >= 0 && file_check_below(folder, self->mesh_path, NULL) < 0)
-        result =
-            error_set(err, MRT_ERR_ARGUMENT,
-                      "a rig lies in the folder of its mesh, or above it: %s", self->mesh_path);
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "save the rig in the folder of its mesh or in a folder above it: %s",
+                           self->mesh_path);
     char *before = self->path;
     if (result >= 0) {
         self->path = copy;
@@ -1009,7 +1009,7 @@ mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err
 {
     rig kept;
     if (!self->keep.old_path)
-        return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
+        return error_set(err, MRT_ERR_ARGUMENT, "no unsaved changes of this rig were found");
     mrt_result result = rig_read_trusted(&kept, self->keep.old_path, err);
     if (result < 0)
         return result;

@@ -183,7 +183,7 @@ static void put_contact(panel *self, uint32_t vertex)
     uint32_t image = brush_mirror_of(rig_model_brush(self->model), vertex);
     if (result >= 0 && self->is_even && mirror != RIG_NONE && image != UINT32_MAX)
         result = rig_edit_move_contact(r, mirror, image, &self->err);
-    (void)rig_panel_finish(self, result, "put a contact elsewhere");
+    (void)rig_panel_finish(self, result, "move a contact");
 }
 
 static void press_contact(panel *self, const viewport_stroke *s)
