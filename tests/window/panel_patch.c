@@ -78,7 +78,7 @@ static void a_fader_is_moved_and_a_dot_is_clicked(void **state)
     fader(&s, 1, 0.1f); /* noise */
     assert_true(stand_shows(&s, "Move one fader"));
     fader(&s, 1, 0.6f);
-    assert_true(stand_shows(&s, "cc.1. Now click what it moves"));
+    assert_true(stand_shows(&s, "cc.1. Now click its target"));
     stand_picture(&s, "panel_patch_learn");
     s.stroke = (viewport_stroke){.is_pressed = true, .contact = 2};
     stand_frame(&s);

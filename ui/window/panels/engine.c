@@ -284,7 +284,8 @@ static void draw_meters(ui *on, const live_view *view)
     (void)snprintf(words, sizeof words, "%.2f mm", view->penetration_mm);
     ui_fact(on, "Skin in the skull", column,
             view->penetration_mm > 1.0 ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
-    ui_hint(on, "Depth of the deepest vertex below the surface of the skull.");
+    ui_hint(on,
+            "Depth of the deepest vertex below the skull surface, before the skin is moved out.");
     if (view->meter.dropped_count > 0) {
         (void)snprintf(words, sizeof words, "%u pull an immobile point", view->meter.dropped_count);
         ui_fact(on, "Controls", column, UI_STYLE_WARNING, words);

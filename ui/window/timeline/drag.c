@@ -449,8 +449,8 @@ uint32_t timeline_comp_edits(edit out[TIMELINE_DRAG_EDITS], const take *t, const
     if (!clamp_span(from, later_ns, regions, in_ns, out_ns) ||
         *out_ns - *in_ns < COMP_SHORTEST_NS) {
         (void)error_set(err, MRT_ERR_ARGUMENT,
-                        "that take shows nothing of these parts there; swipe where its lane has a "
-                        "curve");
+                        "this take has no movement of these parts in the swiped span; swipe where "
+                        "its lane shows a curve");
         return 0;
     }
     int64_t middle_ns = *in_ns + (*out_ns - *in_ns) / 2 - later_ns;

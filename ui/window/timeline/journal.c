@@ -373,7 +373,7 @@ void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
                  TIMELINE_HEAD_WIDTH - 20.0f, "Always recorded");
     ui_draw_text(on, self->rows.x + 10.0f, s.y + 21.0f, UI_STYLE_BODY, THEME_DIM,
                  TIMELINE_HEAD_WIDTH - 20.0f,
-                 status->can_record ? "swipe over it to keep it" : "not now: see the log");
+                 status->can_record ? "swipe to keep a span" : "not recording: see the log");
     ui_clip_begin(on, (ui_rectangle){s.x, s.y, s.width, s.height});
     paint_takes(self, on, &s);
     paint_ruler(on, &s);

@@ -428,29 +428,28 @@ static void double_click(panel *self, ui *on, const ui_canvas *canvas)
 
 /* ---- what it looks like ---- */
 
-#define TRIM_HINT       "Drag: the clip begins or ends elsewhere. Alt: it is stretched, slower or faster."
-#define TRIM_SOUND_HINT "Drag: the sound is heard from or up to elsewhere."
+#define TRIM_HINT       "Drag to trim the clip. Hold Alt to stretch it."
+#define TRIM_SOUND_HINT "Drag to trim the sound."
 
 static const struct {
     ui_cursor cursor;
     const char *hint; /* NULL: none */
 } looks[TIMELINE_PARTS] = {
-    [TIMELINE_MUTE] = {UI_CURSOR_HAND, "Mute: the layer is not heard."},
-    [TIMELINE_SOLO] = {UI_CURSOR_HAND, "Solo: only layers that are solo are heard."},
+    [TIMELINE_MUTE] = {UI_CURSOR_HAND, "Mute the layer."},
+    [TIMELINE_SOLO] = {UI_CURSOR_HAND, "Solo: play only the layers that are set to solo."},
     [TIMELINE_ADDITIVE] = {UI_CURSOR_HAND,
-                           "Additive: it adds to the layers below. Off: where it has "
-                           "a clip it takes over."},
-    [TIMELINE_ARM] = {UI_CURSOR_HAND, "Arm: recording over the take goes into this layer."},
-    [TIMELINE_GAIN] = {UI_CURSOR_ACROSS, "Gain: drag across; a double click makes it 100 %."},
+                           "Add this layer to the layers below. If off, its clips replace them."},
+    [TIMELINE_ARM] = {UI_CURSOR_HAND, "Arm: record overdubs into this layer."},
+    [TIMELINE_GAIN] = {UI_CURSOR_ACROSS,
+                       "Drag to set the gain. Double-click to reset it to 100 %."},
     [TIMELINE_COMP_BODY] = {UI_CURSOR_CROSS,
-                            "Swipe over a span: it comes into the take, for the parts that are "
-                            "chosen above. Alt: the take below is laid earlier or later; a double "
-                            "click lays it back."},
+                            "Swipe a span to copy the selected parts into the take. Hold Alt to "
+                            "shift this other take in time. Double-click to reset the shift."},
     [TIMELINE_CLIP_START] = {UI_CURSOR_ACROSS, TRIM_HINT},
     [TIMELINE_CLIP_END] = {UI_CURSOR_ACROSS, TRIM_HINT},
     [TIMELINE_SOUND_START] = {UI_CURSOR_ACROSS, TRIM_SOUND_HINT},
     [TIMELINE_SOUND_END] = {UI_CURSOR_ACROSS, TRIM_SOUND_HINT},
-    [TIMELINE_MARKER] = {UI_CURSOR_ACROSS, "Drag it; a double click names it."},
+    [TIMELINE_MARKER] = {UI_CURSOR_ACROSS, "Drag to move the marker. Double-click to name it."},
     [TIMELINE_RANGE_IN] = {UI_CURSOR_ACROSS, NULL},
     [TIMELINE_RANGE_OUT] = {UI_CURSOR_ACROSS, NULL},
     [TIMELINE_FADE_IN] = {UI_CURSOR_ACROSS, NULL},

@@ -230,7 +230,7 @@ static void put_lead_in(pen *p)
     const bool clicks = click.when != LIVE_CLICK_OFF;
     char words[80] = "";
     if (lead.count_in_s > 0.0 && lead.preroll_s > 0.0)
-        (void)snprintf(words, sizeof words, "%g s + %g s before", lead.count_in_s, lead.preroll_s);
+        (void)snprintf(words, sizeof words, "%g s + %g s lead-in", lead.count_in_s, lead.preroll_s);
     else if (lead.count_in_s > 0.0)
         (void)snprintf(words, sizeof words, "Count-in %g s", lead.count_in_s);
     else if (lead.preroll_s > 0.0)
@@ -280,7 +280,8 @@ static void put_undo(pen *p)
     if (b.is_pressed)
         ui_dialog_open(p->on, "timeline_history");
     if (ui_canvas_is_over(p->canvas, b.box))
-        say_hint(p, "History", "All edits of this take; a click goes there.", "", "");
+        say_hint(p, "History", "List all edits of this take. Click one to go to that state.", "",
+                 "");
 }
 
 static void put_undo_words(pen *p, float end)
@@ -326,9 +327,9 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
 static void put_edit(panel *self, ui *on, const history *edits, int64_t n)
 {
     char label[EDIT_TEXT + 40];
-    const char *words = n == 0 ? "as it was recorded" : history_words(edits, n);
+    const char *words = n == 0 ? "original recording" : history_words(edits, n);
     bool is_now = n == history_head(edits);
-    (void)snprintf(label, sizeof label, "%s%s##%lld", words[0] ? words : "an edit",
+    (void)snprintf(label, sizeof label, "%s%s##%lld", words[0] ? words : "edit",
                    n > history_head(edits) ? "   (undone)" : "", (long long)n);
     if (ui_row(on, label, is_now) != UI_ROW_NONE && !is_now)
         (void)!app_history_go(self->app, n);

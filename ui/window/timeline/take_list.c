@@ -404,7 +404,7 @@ static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t co
     (void)snprintf(first[1], sizeof first[1], "%s records one,", record[0] ? record : "The dot");
     (void)snprintf(first[2], sizeof first[2], "%s keeps the last 30 s.", keep[0] ? keep : "Keep");
     const char *words =
-        self->takes.filter == TAKES_DELETED ? "Nothing was deleted." : "No take is like that.";
+        self->takes.filter == TAKES_DELETED ? "No deleted takes." : "No matching takes.";
     float x = canvas->where.x + 10.0f, y = canvas->where.y + 8.0f;
     float width = canvas->where.width - 16.0f;
     if (count > 0)
@@ -434,11 +434,10 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
         if (hovered != (int64_t)i)
             continue;
         self->hint = of->note[0] ? of->note
-                                 : "A click chooses it: Space plays it, Del deletes it. A double "
-                                   "click shows it, a right click does more.";
+                                 : "Click to select the take, double-click to show it on the "
+                                   "stage, right-click for more actions.";
         if (is_on_fold(&self->takes.row[i], canvas)) {
-            self->hint = "What was performed over this take, each with where: a click shows it, "
-                         "or puts it away.";
+            self->hint = "Show or hide the overdubs of this take.";
             if (canvas->is_pressed && canvas->button == 0)
                 toggle_fold(&self->takes, of->id);
         } else if (canvas->is_pressed || canvas->is_double_clicked)
@@ -619,8 +618,8 @@ static void put_back(panel *self, ui *on)
 {
     if (ui_row(on, "Always recorded", false) != UI_ROW_NONE)
         choose_take(self, 0);
-    ui_hint(on, "The strip of the last half hour, in place of the take: swipe over it, and that "
-                "span becomes a take. L, twice, does the same.");
+    ui_hint(on, "Show the last half hour in place of the take. Swipe over a span to keep it as a "
+                "take (press L twice).");
 }
 
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)

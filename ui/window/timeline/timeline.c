@@ -108,7 +108,7 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
         return;
     const slide_step made = {{self->comps->of, other->id, after_ns}, before_ns};
     app_step step = {.owner = self, .undo = undo, .redo = redo};
-    (void)snprintf(step.words, sizeof step.words, "take %u laid at %+.2f s", other->number,
+    (void)snprintf(step.words, sizeof step.words, "shift take %u to %+.2f s", other->number,
                    1e-9 * (double)after_ns);
     app_did_with(self->app, &step, &made, sizeof made);
 }

@@ -29,7 +29,7 @@ static const viewport_heat_legend legends[APP_HEATS] = {
                          .mid = "100 %",
                          .high = "200 %",
                          .stop = {0x3f7fd6ffu, 0x5f86b4ffu, 0x83868cffu, 0xc08a55ffu, 0xe8843affu}},
-    [APP_HEAT_PENETRATION] = {.title = "Way to the skull",
+    [APP_HEAT_PENETRATION] = {.title = "Approach to skull",
                               .low = "0 % at rest",
                               .high = "100 % touches",
                               .stop = {0x5f6670ffu, 0x847a62ffu, 0xb98a48ffu, 0xd9683fffu,
@@ -103,7 +103,7 @@ mrt_result viewport_heat_create(viewport_heat **out, const face_file *file, erro
     }
     mrt_result result = MRT_OK;
     if (!self || !self->rest_area || !self->area)
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for colours over the face");
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the colours of the face");
     else
         result = binding_create(&self->binding, file->rig, &file->mesh, &file->topology, err);
     if (result < 0) {

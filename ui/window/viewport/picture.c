@@ -469,7 +469,7 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
                                error *err)
 {
     if (!self->face) {
-        error_set(err, MRT_ERR_ARGUMENT, "there is no face to be shown: open one");
+        error_set(err, MRT_ERR_ARGUMENT, "no face is open. Open one.");
         return 0;
     }
     if (!has_target(self, look->width, look->height, err))

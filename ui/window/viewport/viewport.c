@@ -467,7 +467,7 @@ static void let_go_of_all(viewport *self)
         app_begin_pull(self->of);
     live_point(app_live(self->of), POINTER_LETS_GO, rest, at, false, 0.0);
     if (app_is_held(self->of))
-        app_hold(self->of, "letting go of all contacts");
+        app_hold(self->of, "release all contacts");
 }
 
 static bool can_pull(const viewport *self)
@@ -911,7 +911,7 @@ static void ink_quality(const viewport *self, ui *on)
     char words[64];
     if (self->quality.level == 0)
         return;
-    (void)snprintf(words, sizeof words, "%.0f %% sharp while it moves",
+    (void)snprintf(words, sizeof words, "%.0f %% resolution while the face moves",
                    100.0 * (double)quality_scale[self->quality.level]);
     write_on_plate(on, self->where.x + margin, self->where.y + margin + below_keys(self, on),
                    THEME_DIM, words);
@@ -956,8 +956,9 @@ static void ink_hold(const viewport *self, ui *on)
         return;
     ui_draw_ring(on, self->where.x + x, self->where.y + y, 7.5f, THEME_ACCENT, 2.0f);
     write_at_edge(self, on,
-                  self->grip.how == POINTER_KNEADS ? "Clay: it stays. Wheel: nearer, further"
-                                                   : "Shift: it stays. Wheel: nearer, further");
+                  self->grip.how == POINTER_KNEADS
+                      ? "Clay: the shape stays. Wheel: nearer, further"
+                      : "Shift: the pull stays. Wheel: nearer, further");
 }
 
 static void ink_pointer(const viewport *self, ui *on)
@@ -1077,7 +1078,7 @@ static void ink_heat(const viewport *self, ui *on)
     if (!has_depth)
         return;
     char text[80];
-    snprintf(text, sizeof text, "Held back now: %.1f mm", app_view(self->of)->penetration_mm);
+    snprintf(text, sizeof text, "Skin pushed out: %.1f mm", app_view(self->of)->penetration_mm);
     ui_draw_text(on, x, y + 12.0f + line, UI_STYLE_BODY, THEME_TEXT, inner, text);
 }
 

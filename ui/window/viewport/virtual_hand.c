@@ -345,7 +345,7 @@ static void change_side(virtual_hand *self)
     self->is_refused = false;
     settings_set_number(app_settings(self->of), side_key, self->side);
     char text[64];
-    snprintf(text, sizeof text, "The keyboard and the gamepad are the %s hand now",
+    snprintf(text, sizeof text, "The keyboard and the gamepad now control the %s hand",
              self->side == MRT_LEFT ? "left" : "right");
     news_list_add(app_news(self->of), MRT_LOG_INFO, "virtual hand", text);
 }
