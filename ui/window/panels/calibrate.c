@@ -23,12 +23,12 @@ typedef enum calibrate_tone {
 
 typedef struct calibrate_guide {
     glove_channels glove;
-    guide *guide;          /* NULL: none is made now */
-    float raw[MRT_ANGLES]; /* newest */
+    guide *guide;          /* NULL: no calibration in progress */
+    float raw[MRT_ANGLES]; /* newest sample */
     bool has_sample;
-    char news[600]; /* what was taken or refused last; "" */
+    char news[600]; /* last message about a recorded or refused pose; may be "" */
     calibrate_tone tone;
-    calibration_file *result;  /* once all steps are done; NULL before */
+    calibration_file *result;  /* NULL until all steps are done */
     guide_judgement judgement; /* of the result */
 } calibrate_guide;
 
@@ -56,7 +56,7 @@ static void forget_result(calibrate_guide *self)
     self->result = NULL;
 }
 
-/* zeroed is fine */
+/* Accepts zeroed memory. */
 static void calibrate_guide_end(calibrate_guide *self)
 {
     forget_result(self);
@@ -119,7 +119,7 @@ static void calibrate_guide_sample(calibrate_guide *self, const mrt_sample *samp
     follow(self, guide_sample(self->guide, self->raw, sample->time_ns), step);
 }
 
-/* what: guide_next, which takes the pose as it is, or guide_skip. */
+/* what: guide_next, which records the current pose, or guide_skip. */
 static void calibrate_guide_advance(calibrate_guide *self, guide_news (*what)(guide *))
 {
     guide_step step = guide_current(self->guide);
@@ -133,7 +133,7 @@ static void calibrate_guide_back(calibrate_guide *self)
     say(self, CALIBRATE_SAYS, "Repeat: %s", guide_step_name[guide_current(self->guide)]);
 }
 
-/* One pose once more, then back to the result. */
+/* Repeats one pose, then returns to the result. */
 static void calibrate_guide_again(calibrate_guide *self, guide_step step)
 {
     forget_result(self);
@@ -142,7 +142,8 @@ static void calibrate_guide_again(calibrate_guide *self, guide_step step)
         guide_step_name[step]);
 }
 
-/* Into the user's folder; *out_path is to be freed. hand_length_mm 0: not said. */
+/* Saves the calibration in the user's folder. The caller frees *out_path. hand_length_mm 0:
+ * unknown. */
 static mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
                                        double hand_length_mm, char **out_path, error *err)
 {
@@ -183,9 +184,9 @@ struct calibrate_panel {
     input *glove; /* NULL: closed */
     uint32_t index;
     calibrate_guide guide;
-    hand_skeleton *skeleton[2]; /* by side: of the poses that are drawn */
+    hand_skeleton *skeleton[2]; /* for the drawn poses, by side */
     bool is_asked, is_away;
-    bool gives_up; /* it was to be closed: whether the poses are to be given up is asked */
+    bool gives_up; /* the user closed the dialog, which now asks whether to discard the poses */
     char name[CALIBRATION_NAME], length[16];
     error trouble;
     char *kept;
@@ -254,7 +255,8 @@ const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
     return self->kept;
 }
 
-/* The list of inputs may have changed beneath it: the glove has another index then, or is gone. */
+/* Finds the glove in the list of inputs again. Its index changes when other inputs are opened or
+ * closed. Returns false if the glove was closed. */
 static bool is_still_there(calibrate_panel *self)
 {
     live *stage = app_live(self->app);
@@ -395,7 +397,7 @@ static void draw_news(const calibrate_panel *self, ui *on)
     ui_scroll_end(on);
 }
 
-/* Such that the buttons do not move from pose to pose. */
+/* The height is fixed, so that the buttons do not move between poses. */
 static void draw_words(const calibrate_panel *self, ui *on)
 {
     guide_step step = guide_current(self->guide.guide);
@@ -436,7 +438,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
         calibrate_guide_advance(&self->guide, guide_next);
 }
 
-/* The pose to make, as one sees the own hand. */
+/* Draws the pose as the user sees the own hand. */
 static void draw_figure(const calibrate_panel *self, ui *on)
 {
     float angle_rad[MRT_ANGLES];
@@ -492,9 +494,9 @@ static void draw_summary(const calibration_file *file, ui *on)
     ui_fact(on, "Worst residual", 130.0f, UI_STYLE_BODY, words);
 }
 
-static const float worth_telling = 0.1f; /* of one sensor in another, rad per rad */
+static const float worth_telling = 0.1f; /* cross-talk of one sensor in another, rad per rad */
 
-/* What is wrong, then what moves along: a line a sensor worth a word. */
+/* Lists flaws first, then cross-talk: one line for each sensor above the threshold. */
 static void draw_findings(const calibrate_panel *self, ui *on)
 {
     const guide_judgement *judgement = &self->guide.judgement;
@@ -556,7 +558,8 @@ static void draw_verdict(const guide_judgement *judgement, ui *on)
     ui_text(on, is_good ? UI_STYLE_GOOD : UI_STYLE_WARNING, words);
 }
 
-/* The pose that mends most is offered first; what is only loose may stay as it is. */
+/* Offers to repeat the pose that improves the result most. The repeat is the default button only if
+ * the result is wrong, not if it is merely loose. */
 static void draw_result_buttons(calibrate_panel *self, ui *on)
 {
     const guide_judgement *judgement = &self->guide.judgement;
@@ -618,7 +621,8 @@ static void draw_without_result(calibrate_panel *self, ui *on)
         ui_dialog_close(on);
 }
 
-/* Whoever closes it, by Escape or by Cancel, may not have meant it: poses take a while to make. */
+/* Poses take time to record. If at least this many are recorded, closing the dialog asks for
+ * confirmation. */
 
 enum { ASKED_FROM = 3 };
 
@@ -630,7 +634,7 @@ static uint32_t taken(const calibrate_panel *self)
     return count;
 }
 
-/* Escape is "Stay" here. */
+/* Escape returns to the calibration. */
 static void draw_giving_up(calibrate_panel *self, ui *on)
 {
     char words[80];
@@ -647,7 +651,7 @@ static void draw_giving_up(calibrate_panel *self, ui *on)
     }
 }
 
-/* It is not open any more. */
+/* Handles the close of the dialog by Escape or Cancel. */
 static void was_closed(calibrate_panel *self)
 {
     if (!self->gives_up && taken(self) < ASKED_FROM) {

@@ -28,7 +28,7 @@ static const float saturated_share = 0.5f;
 
 /* ---- the state ---- */
 
-/* "3 s", "2 min" */
+/* Writes "3 s" or "2 min". */
 static void say_duration(char out[32], double seconds)
 {
     if (seconds < 100.0)
@@ -185,23 +185,23 @@ bool devices_input_text(const device_found *device, char *out, size_t capacity)
 static const int64_t period_ns = 2 * NS_PER_S, interest_ns = 5 * NS_PER_S;
 
 typedef struct findings {
-    bool is_known; /* a first look is done */
+    bool is_known; /* the first search is done */
     device_list devices;
     calibration_list calibrations;
-    error note; /* what could not be read; "" */
+    error note; /* error of the search; may be "" */
 } findings;
 
 typedef struct devices_search {
     const plugin_list *plugins;
     log_queue *log;
     pthread_t thread;
-    pthread_mutex_t mutex; /* guards what follows up to is_stopping */
+    pthread_mutex_t mutex; /* guards the fields from change to wanted_ns */
     pthread_cond_t change;
     findings posted;
     bool has_posted, is_asked, is_stopping;
     int64_t wanted_ns;
     findings shown;          /* [main] */
-    log_once already_logged; /* the thread's */
+    log_once already_logged; /* [thread] */
     findings made;
 } devices_search;
 
@@ -258,7 +258,7 @@ static void *search(void *data)
 
 /* ---- main ---- */
 
-/* plugins and log must outlive it. NULL: no memory, or no thread. */
+/* plugins and log must outlive the search. Returns NULL without memory or a thread. */
 static devices_search *devices_search_create(const plugin_list *plugins, log_queue *log)
 {
     devices_search *self = calloc(1, sizeof *self);
@@ -278,7 +278,7 @@ static devices_search *devices_search_create(const plugin_list *plugins, log_que
     return NULL;
 }
 
-/* waits for a look that goes on; NULL is fine */
+/* Waits for a search in progress. Accepts NULL. */
 static void devices_search_destroy(devices_search *self)
 {
     if (!self)
@@ -295,7 +295,7 @@ static void devices_search_destroy(devices_search *self)
     free(self);
 }
 
-/* As soon as possible: something was plugged in, opened or saved. */
+/* Starts a search as soon as possible, after a device was connected, opened or saved. */
 static void devices_search_again(devices_search *self)
 {
     pthread_mutex_lock(&self->mutex);
@@ -304,8 +304,8 @@ static void devices_search_again(devices_search *self)
     pthread_mutex_unlock(&self->mutex);
 }
 
-/* The newest, until the next call; whoever asks keeps the search going for some seconds. The mutex
- * is never held for long: what takes time is done without it. */
+/* Returns the newest findings, valid until the next call. Each call keeps the search running for 5
+ * s. The search does not hold the mutex while it reads devices and files. */
 static const findings *devices_search_look(devices_search *self)
 {
     const int64_t now_ns = clock_now_ns();
@@ -328,12 +328,12 @@ static const findings *devices_search_look(devices_search *self)
 
 enum { DEVICES_PATH = 1024 };
 
-/* What an input says of itself, as it is shown: numbers that change a hundred times a second are
- * read a few times, and more often only while the face moves. */
+/* State of an input as the panel shows it. It is read four times a second, and in each frame while
+ * the face moves. */
 typedef struct input_meter {
-    const input *of; /* NULL: nothing was read */
+    const input *of; /* NULL: not read yet */
     int64_t read_ns;
-    uint64_t face; /* the number of the one that was shown then */
+    uint64_t face; /* number of the face at that time */
     health_report health;
     bool has_sample;
     mrt_sample sample;
@@ -344,19 +344,19 @@ static const double meter_every_s = 0.25;
 
 struct panel {
     app *app;
-    devices_search *search; /* NULL: nothing can be looked for */
+    devices_search *search; /* NULL: the search is not available */
     calibrate_panel *calibrate;
     const findings *found; /* of this frame */
     char path[DEVICES_PATH], osc[128];
     input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
     uint32_t opening_count, input_count;
     input_meter meter[METERS];
-    bool repeats;                    /* a recording begins again at its end */
-    bool shows_page;                 /* the camera's, as soon as it is open */
-    char remote[APP_REMOTE_ADDRESS]; /* the place that is typed */
+    bool repeats;                    /* loop recordings */
+    bool shows_page;                 /* open the camera page when the input is ready */
+    char remote[APP_REMOTE_ADDRESS]; /* address as typed */
     char streams[512];
-    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
-    rezero_counts rezeros; /* as of the frame before */
+    char trouble[1024];    /* error of the last action; may be "" */
+    rezero_counts rezeros; /* of the previous frame */
     bool was_refused;
 };
 
@@ -364,7 +364,7 @@ struct panel {
 
 static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
 
-/* In the panel and in the news. */
+/* Reports an error in the panel and in the log panel. */
 static void say_trouble(panel *self, const char *text)
 {
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", text);
@@ -372,11 +372,11 @@ static void say_trouble(panel *self, const char *text)
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "devices", text);
 }
 
-/* Opens it beside the window. */
+/* Opens an input in the background. */
 static void open_input(panel *self, const char *text)
 {
     self->trouble[0] = '\0';
-    (void)!app_open_input(self->app, text); /* says itself why it failed */
+    (void)!app_open_input(self->app, text); /* the function reports its own errors */
 }
 
 static void remove_input(panel *self, uint32_t index)
@@ -386,7 +386,7 @@ static void remove_input(panel *self, uint32_t index)
     say_trouble(self, result < 0 ? err.text : "");
 }
 
-/* path "": shipped defaults. */
+/* path "": default calibration. */
 static void calibrate(panel *self, uint32_t side, const char *path)
 {
     error err = {""};
@@ -413,7 +413,7 @@ static const ui_style light_style[] = {[DEVICES_OVER] = UI_STYLE_DIM,
 
 /* ---- head ---- */
 
-/* False: the button at its end was pressed. */
+/* Returns false if the button at the right end was pressed. */
 static bool draw_head(ui *on, const char *name, devices_light light, const char *button,
                       const char *hint)
 {
@@ -500,7 +500,7 @@ static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
 
 enum { CALIBRATIONS_MAX = 64 };
 
-/* tracker: as hand_calibration's input. */
+/* tracker: like the field input of hand_calibration. */
 static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
                              const char *tracker)
 {
@@ -512,7 +512,7 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
         const calibration_entry *entry = &self->found->calibrations.entry[i];
         const bool is_used = used && strcmp(used, entry->path) == 0;
         if (entry->side != side || strcmp(entry->input, tracker) != 0) {
-            chosen = is_used ? 0 : chosen; /* by an input of another kind */
+            chosen = is_used ? 0 : chosen; /* the calibration belongs to another kind of input */
             continue;
         }
         if (is_used)
@@ -520,7 +520,7 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
         items[count] = entry->label;
         paths[count++] = entry->path;
     }
-    if (chosen == UINT32_MAX) { /* of another folder */
+    if (chosen == UINT32_MAX) { /* the file is in another folder */
         chosen = count;
         items[count] = file_name_of(used);
         paths[count++] = used;
@@ -618,7 +618,8 @@ static void draw_params(panel *self, ui *on, input *of)
             draw_param(self, on, of, i);
 }
 
-/* What the program itself gives (the keyboard as a hand) is silent whenever nothing moves it. */
+/* Returns whether the program itself makes the input, such as the keyboard as a hand. It sends no
+ * samples while nothing moves it. */
 static bool is_made(const panel *self, const input *of)
 {
     return !plugin_list_path_of(app_plugins(self->app), input_plugin(of));
@@ -650,7 +651,7 @@ static void draw_camera_card(panel *self, ui *on, const char *input_text)
             "Hand tracking is not installed. Run this once in a terminal: marotte camera --setup");
 }
 
-/* A click opens the input; its page is shown when that has an address. */
+/* Opens the camera input. follow_camera opens its page when the input has an address. */
 static void use_camera(panel *self)
 {
     self->shows_page = true;
@@ -680,7 +681,7 @@ static void follow_camera(panel *self)
         return;
     }
     if (app_openings(self->app, self->opening) == 0 && app_opening_trouble(self->app)[0])
-        self->shows_page = false; /* it could not be opened: said there */
+        self->shows_page = false; /* opening failed; draw_trouble shows the error */
 }
 
 static const input_meter *read_meter(panel *self, ui *on, uint32_t index)
@@ -699,7 +700,7 @@ static const input_meter *read_meter(panel *self, ui *on, uint32_t index)
     return out;
 }
 
-/* An input that is open; returns false when it is to be removed. */
+/* Draws an open input. Returns false if the user removes it. */
 static bool devices_card_draw(panel *self, ui *on, uint32_t index)
 {
     live *stage = app_live(self->app);
@@ -736,7 +737,7 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
     return stays;
 }
 
-/* One that is being opened; returns false when it is to be given up. */
+/* Draws an input that is being opened. Returns false if the user cancels it. */
 static bool devices_card_draw_opening(ui *on, const input_opening *one)
 {
     bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Cancel opening this input.");
@@ -868,7 +869,7 @@ static void draw_network(panel *self, ui *on)
     open_input(self, text);
 }
 
-/* What could be opened. */
+/* Draws the inputs that can be opened. */
 static void devices_open_draw(panel *self, ui *on)
 {
     ui_text(on, UI_STYLE_TITLE, "Devices found");
@@ -886,7 +887,7 @@ static void devices_open_draw(panel *self, ui *on)
 static const char *const pedal_items[MRT_MAX_PEDALS + 1] = {"no pedal", "pedal 1", "pedal 2",
                                                             "pedal 3", "pedal 4"};
 
-/* Which of the two was last. */
+/* Remembers whether the last re-zero was refused. */
 static void follow_rezeros(panel *self)
 {
     const rezero_counts *now = &app_status(self->app)->rezeros;
@@ -996,7 +997,7 @@ static void draw_picture(panel *self, ui *on)
 
 /* ---- the panel ---- */
 
-/* What was opened beside the window, or closed: what is plugged in is looked at anew. */
+/* Searches for devices again when an input was opened or closed. */
 static void follow_inputs(panel *self)
 {
     const uint32_t count = live_input_count(app_live(self->app));
@@ -1087,7 +1088,7 @@ static void update(panel *self, double dt_s)
         devices_search_again(self->search);
 }
 
-/* What was kept of the run before. */
+/* Restores the re-zero pedal and the calibrations of the previous run. */
 static void use_settings(panel *self)
 {
     const settings *kept = app_settings(self->app);

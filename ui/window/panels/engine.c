@@ -18,7 +18,7 @@
 
 static const double nearly = 0.15;
 
-/* "nothing folds", "nearly folds", "folds"; how it is to be drawn. */
+/* Returns "nothing folds", "nearly folds" or "folds", with its style. */
 static const char *engine_fold_words(double min_determinant, ui_style *out_style)
 {
     if (!(min_determinant > 0.0)) {
@@ -117,7 +117,7 @@ static void draw_legend(ui *on, const ui_rectangle *at, const live_status *statu
     }
 }
 
-/* The period stands at four fifths of the height, unless frames need more than that. */
+/* Draws the frame times. The frame period is at 4/5 of the height, unless frames take longer. */
 static void engine_plot_draw(ui *on, const live_status *status, double period_ms, float height)
 {
     ui_canvas at;
@@ -153,12 +153,12 @@ typedef struct solver_step {
 
 struct panel {
     app *app;
-    csrbf_settings wanted; /* of this frame; radius 0: the rig's */
-    double radius_mm;      /* while it is dragged */
+    csrbf_settings wanted; /* of this frame; radius 0: use the radius of the rig */
+    double radius_mm;      /* while the slider is dragged */
     bool is_held;
-    error trouble; /* why the solver is not as it was asked for; "" */
+    error trouble; /* why the solver could not be changed; may be "" */
     uint64_t memory;
-    double memory_s; /* since it was read */
+    double memory_s; /* since the last reading */
 };
 
 /* ---- the solver ---- */
@@ -292,7 +292,7 @@ static void draw_meters(ui *on, const live_view *view)
     }
 }
 
-/* Figures are aligned at their right ends. */
+/* Draws a figure, right-aligned. */
 static void draw_figure(ui *on, float right, double ms)
 {
     char words[ENGINE_MS] = "\xe2\x80\x94";

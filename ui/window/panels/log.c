@@ -1,4 +1,4 @@
-/* The log panel: what was said to the person, the newest first. */
+/* The log panel: messages to the user, newest first. */
 #include "window/panels/panels.h"
 
 #include <stdio.h>
@@ -13,11 +13,11 @@ static const int32_t least_level[LOG_FILTERS] = {MRT_LOG_INFO, MRT_LOG_WARNING, 
 
 struct panel {
     app *app;
-    uint32_t filter, room; /* room: how many are drawn at most */
-    int64_t cleared_ms;    /* those until then are not shown */
+    uint32_t filter, room; /* room: maximum number of drawn messages */
+    int64_t cleared_ms;    /* messages up to this time are hidden */
     bool is_text;
-    char text[AS_TEXT];  /* for marking and copying */
-    uint64_t text_total; /* news_list_total, as it was written; UINT64_MAX: it is not */
+    char text[AS_TEXT];  /* for selecting and copying */
+    uint64_t text_total; /* news_list_total at the last write; UINT64_MAX: not written */
     uint32_t text_filter;
 };
 

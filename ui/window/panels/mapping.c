@@ -1,4 +1,4 @@
-/* The mapping panel: which mapping performs, its parameters and presets, pedals, learn mode. */
+/* The mapping panel: choice of the mapping, its parameters and presets, pedals, learn mode. */
 #include "window/panels/mapping.h"
 #include "window/app/app.h"
 #include "window/gui/hand_figure.h"
@@ -24,52 +24,54 @@ enum { MAPPING_GROUPS_MAX = 64, MAPPING_CHOICES_MAX = 128 };
 struct panel {
     app *app;
     uint32_t tab;
-    char find[64]; /* a part of a parameter's name */
+    char find[64]; /* search text for parameter names */
 
-    /* Of the mapping that performs, made anew when its type changes. */
-    const mrt_plugin_type *type; /* may be gone when another face is on the stage */
+    /* State for the active mapping. follow_mapping resets it when the type changes. */
+    const mrt_plugin_type *type; /* may be unloaded after a change of face */
     char type_id[128];           /* "": none */
     const char *group[MAPPING_GROUPS_MAX];
     uint32_t group_count;
     float label_width;
-    double *values; /* a scratch, param_count */
-    bool is_held;   /* a slider is dragged: */
-    uint32_t held;  /* which parameter */
+    double *values; /* scratch memory, param_count values */
+    bool is_held;   /* a slider is being dragged */
+    uint32_t held;  /* its parameter */
     double held_before;
 
-    char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
+    char preset[PRESET_NAME]; /* last used or saved preset; may be "" */
     char preset_name[PRESET_NAME];
     bool is_naming, was_naming;
     char **presets; /* their names; one block */
     uint32_t preset_count;
-    bool presets_are_stale; /* one was kept or deleted, also by undo and redo */
+    bool presets_are_stale; /* a preset was saved or deleted, also by undo or redo */
 
-    bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
+    bool is_learning, was_drawn,
+        had_contacts; /* had_contacts: contacts were shown before learning started */
     learn learn;
-    char learnt[160]; /* what was linked last, or why not */
+    char learnt[160]; /* last link, or the reason for a failure */
 
     /* ---- the poses of the hand that it was taught, drawn ---- */
     unsigned char *lessons; /* MRT_STATE; NULL: nothing is known */
     size_t lessons_size;
-    double lessons_wait_s; /* until they are asked for again */
+    double lessons_wait_s; /* until the next query */
     hand_skeleton *skeleton[2];
 };
 
 /* ---- steps ---- */
 
 typedef struct change {
-    uint32_t id; /* of the parameter: stays when the plugin is reloaded */
+    uint32_t id; /* of the parameter; constant across plugin reloads */
     double value[2];
 } change;
 
 typedef struct step {
-    char *type_id; /* values: of this mapping */
+    char *type_id; /* mapping of the values */
     change *changes;
     uint32_t change_count;
-    unsigned char *taught[2]; /* values: what it was taught before and after; NULL: it stays */
+    unsigned char *taught[2]; /* taught state before and after; NULL: unchanged */
     size_t taught_size[2];
-    char *text[2]; /* another mapping: before and after; NULL: values */
-    char *preset;  /* a key of the settings: text is its value there, NULL none; NULL: no preset */
+    char *text[2]; /* for a switch of the mapping: before and after; NULL: a change of values */
+    char *preset; /* settings key of a preset, whose values are in text (NULL: deleted); NULL: not a
+                     preset */
 } step;
 
 enum { BEFORE = 0, AFTER = 1 };
@@ -149,7 +151,8 @@ static void forget(void *data)
     free(data);
 }
 
-/* Takes the step over. Without memory it is done, but cannot be undone. */
+/* Adds the step to the undo history and takes ownership. Without memory the change stays, but
+ * cannot be undone. */
 static void keep(panel *self, step *made, const char *words)
 {
     step *kept = malloc(sizeof *kept);
@@ -169,7 +172,8 @@ static void keep(panel *self, step *made, const char *words)
     app_did(self->app, &told);
 }
 
-/* What the mapping that performs was taught; to be freed, NULL: nothing, or no memory. */
+/* Returns the taught state of the active mapping, which the caller frees. NULL: none, or no memory.
+ */
 static unsigned char *fetch_taught(panel *self, size_t *out_size)
 {
     unsigned char *out = malloc(TAUGHT_BYTES_MAX);
@@ -180,8 +184,8 @@ static unsigned char *fetch_taught(panel *self, size_t *out_size)
     return NULL;
 }
 
-/* Gives the mapping what a preset was taught (takes `taught` over), and adds that to the step
- * `made`. */
+/* Loads a taught state into the mapping and adds it to the step `made`. Takes ownership of
+ * `taught`. */
 static void teach(panel *self, step *made, unsigned char *taught, size_t size)
 {
     error err = {""};
@@ -206,8 +210,8 @@ static void teach(panel *self, step *made, unsigned char *taught, size_t size)
     made->taught_size[AFTER] = size;
 }
 
-/* Sets the parameters of the mapping that performs to these values (param_count, by index), teaches
- * it (NULL: nothing; freed) and makes a step of what differs. `words`: "gain 0.8". */
+/* Sets the parameters of the active mapping (values: param_count, by index) and its taught state
+ * (NULL: unchanged; freed). The changes become one undo step. `words`: such as "gain 0.8". */
 static void set_values(panel *self, const double *values, unsigned char *taught, size_t taught_size,
                        const char *words)
 {
@@ -237,7 +241,7 @@ static void set_values(panel *self, const double *values, unsigned char *taught,
         finish(&made);
 }
 
-/* Every value, as one step. */
+/* Sets all values as one undo step. */
 static void set_all(panel *self, const double *values, const char *words)
 {
     char all[EDIT_TEXT];
@@ -245,7 +249,7 @@ static void set_all(panel *self, const double *values, const char *words)
     set_values(self, values, NULL, 0, all);
 }
 
-/* One parameter that has its new value already (it was dragged); `before`: what it was. */
+/* Adds an undo step for a parameter that a drag has already changed. `before`: its old value. */
 static void note_value(panel *self, uint32_t index, double before)
 {
     instance *mapping = live_mapping(app_live(self->app));
@@ -268,7 +272,7 @@ static void note_value(panel *self, uint32_t index, double before)
     }
 }
 
-/* Another mapping, by name ("": none). What is wrong with it is said in the news. */
+/* Switches to a mapping by name ("": none). Reports errors in the log panel. */
 static void choose_mapping(panel *self, const char *name)
 {
     char before[PRESET_MAPPING], after[PRESET_MAPPING], words[EDIT_TEXT];
@@ -289,7 +293,8 @@ static void choose_mapping(panel *self, const char *name)
         finish(&made);
 }
 
-/* text: of the preset from now on; NULL: none. Without memory it is done, but cannot be undone. */
+/* Saves the text of a preset, or deletes the preset (text NULL). Without memory the change stays,
+ * but cannot be undone. */
 static void change_preset(panel *self, const mrt_plugin_type *type, const char *name,
                           const char *text)
 {
@@ -310,8 +315,7 @@ static void change_preset(panel *self, const mrt_plugin_type *type, const char *
         finish(&made);
 }
 
-/* A preset of the mapping that performs is kept (its values, and what it was taught, as they are
- * now), or deleted. `name` is clean. */
+/* Saves the current values and taught state of the active mapping as a preset. `name` is clean. */
 static void save_preset(panel *self, const char *name)
 {
     size_t size = 0;
@@ -342,12 +346,13 @@ static void delete_preset(panel *self, const char *name)
 
 /* ---- learning: which finger is meant ---- */
 
-static const double span_s = 1.0, step_s = 1.0 / 36.0; /* less than LEARN_MOMENTS in the span */
+static const double span_s = 1.0,
+                    step_s = 1.0 / 36.0; /* fewer than LEARN_MOMENTS moments in span_s */
 static const float least_rad = 0.4f, clearly = 1.3f;
 
 enum { JOINTS = 3 };
-/* Of a hand, from thumb to little finger: roll, MPJ, IJ; then MPJ and PIJ. DIJ is not measured by
- * every glove. */
+/* Joints from thumb to little finger. Thumb: roll, MPJ, IJ. Others: MPJ, PIJ. Not every glove
+ * measures the DIJ. */
 static const int joint_of[5][JOINTS] = {
     {0, 1, 2}, {4, 5, -1}, {7, 8, -1}, {11, 12, -1}, {15, 16, -1}};
 
@@ -485,10 +490,10 @@ void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32
 
 /* ---- parameters ---- */
 
-#define LESSON_S 0.3 /* after a button that teaches, until the frame thread has handled it */
+#define LESSON_S 0.3 /* time for the frame thread to handle a button that teaches */
 static const float label_least = 84.0f, label_most = 146.0f;
 
-/* Whether a parameter is drawn among the others: neither hidden nor a link. */
+/* Returns whether the parameter list shows a parameter: it is neither hidden nor a finger link. */
 static bool mapping_param_is_shown(const mrt_param *p)
 {
     return !(p->flags & MRT_PARAM_HIDDEN) && learn_finger_of(p) == LEARN_NONE;
@@ -528,7 +533,7 @@ static void draw_labels(panel *self, ui *on, instance *mapping, uint32_t index, 
     note_value(self, index, before);
 }
 
-/* A drag is one step, from where it began. */
+/* Draws a slider. One drag is one undo step. */
 static void draw_slider(panel *self, ui *on, instance *mapping, uint32_t index, const char *label)
 {
     const mrt_param *p = &mapping->type->params[index];
@@ -555,7 +560,7 @@ static void draw_slider(panel *self, ui *on, instance *mapping, uint32_t index, 
     }
 }
 
-/* While the patch panel learns, what is touched is what a fader is to move. */
+/* Selects a clicked parameter as target while the patch panel learns. */
 static bool is_pointed_at(panel *self, ui *on, const instance *mapping, uint32_t index)
 {
     const mrt_param *p = &mapping->type->params[index];
@@ -571,7 +576,7 @@ static bool is_pointed_at(panel *self, ui *on, const instance *mapping, uint32_t
     return true;
 }
 
-/* One parameter as its widget; a change of it is a step. */
+/* Draws the widget of a parameter. Each change is an undo step. */
 static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t index,
                                const char *name)
 {
@@ -596,7 +601,7 @@ static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t 
 
 /* ---- all of them, by group ---- */
 
-/* As wide as the group's longest name needs. */
+/* Sets the label width to the longest name of the group. */
 static void measure_labels(panel *self, const ui *on, const instance *mapping, const char *group)
 {
     float widest = label_least;
@@ -623,7 +628,7 @@ static bool contains(const char *text, const char *part)
 
 /* ---- poses that are taught, drawn as hands ---- */
 
-#define LESSONS_S     2.0 /* a pedal may teach too */
+#define LESSONS_S     2.0 /* interval of queries, because a pedal can teach too */
 #define FIGURE_HEIGHT 88.0f
 
 static bool pose_of(const panel *self, const instance *mapping, const mrt_param *p,
@@ -678,7 +683,7 @@ static void draw_figure(panel *self, ui *on, const mrt_param *p, const float *an
     ui_hint(on, p->help);
 }
 
-/* Each hand with the button below it that teaches it. */
+/* Draws the taught hand poses, each with its teach button below. */
 static void draw_lessons(panel *self, ui *on, instance *mapping, const char *group,
                          const char *find)
 {
@@ -710,7 +715,7 @@ static void draw_lessons(panel *self, ui *on, instance *mapping, const char *gro
 
 /* ---- a group ---- */
 
-/* Buttons stand beside each other. */
+/* Draws the parameters of a group, with buttons side by side. */
 static void draw_group(panel *self, ui *on, instance *mapping, const char *group, const char *find)
 {
     bool is_after_button = false;
@@ -916,7 +921,7 @@ static void save(panel *self)
     self->is_naming = false;
 }
 
-/* Whether the values and what was taught are still those of the preset that was used last. */
+/* Returns whether values and taught state still match the last used preset. */
 static bool is_still(const panel *self, const instance *mapping)
 {
     char now[PRESET_TEXT];
@@ -1102,7 +1107,7 @@ static void follow_click(panel *self, instance *mapping)
                        "No contact at this point. Click one of the dots.");
     } else {
         set_link(self, mapping, self->learn.finger, stroke->contact);
-        learn_begin(&self->learn); /* the next finger */
+        learn_begin(&self->learn); /* for the next finger */
     }
 }
 
@@ -1115,14 +1120,14 @@ static void mapping_learn_update(panel *self, instance *mapping, double dt_s)
         mapping_learn_end(self);
         return;
     }
-    app_want_frame(self->app, 0.0); /* what counts is the last second */
+    app_want_frame(self->app, 0.0); /* the travel over the last second changes in each frame */
     learn_look(&self->learn, app_view(self->app)->hand, dt_s);
     if (view)
         viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
     follow_click(self, mapping);
 }
 
-/* How far each finger of a hand has gone in the last second. */
+/* Draws the travel of each finger of a hand over the last second. */
 static void draw_travel(const panel *self, ui *on, int first, const char *id)
 {
     static const char *const letter[5] = {"thumb", "index", "middle", "ring", "little"};
@@ -1217,8 +1222,8 @@ static void find_groups(panel *self)
     }
 }
 
-/* The mapping that performs; adapts the panel when it is another or another version. NULL: none, or
- * no memory. */
+/* Returns the active mapping and resets the panel when the mapping or its version changes. NULL:
+ * none, or no memory. */
 static instance *follow_mapping(panel *self)
 {
     instance *mapping = live_mapping(app_live(self->app));
@@ -1231,7 +1236,8 @@ static instance *follow_mapping(panel *self)
         self->lessons_wait_s = 0.0;
         free(self->values);
         self->values = type ? calloc((size_t)type->param_count + 1, sizeof(double)) : NULL;
-        if (type && strcmp(type->id, self->type_id) != 0) { /* not another version of it */
+        if (type &&
+            strcmp(type->id, self->type_id) != 0) { /* another mapping, not just another version */
             (void)snprintf(self->type_id, sizeof self->type_id, "%s", type->id);
             self->preset[0] = self->find[0] = '\0';
             self->is_naming = false;
@@ -1311,7 +1317,7 @@ static void draw_state(panel *self, ui *on, const instance *mapping)
 
 /* ---- the panel ---- */
 
-#define LOW_POINTS 420.0f /* a panel that is lower scrolls as a whole */
+#define LOW_POINTS 420.0f /* below this height, the whole panel scrolls */
 
 static void draw_mapping(panel *self, ui *on, instance *mapping, bool is_low)
 {

@@ -1,5 +1,5 @@
-/* Where the face goes: each output with a light, how often it is sent and how late; and another one
- * is opened. */
+/* The output panel: each open output with its state, rate and latency, and a form to add an output.
+ */
 #include "window/panels/panels.h"
 
 #include "window/gui/theme.h"
@@ -9,12 +9,12 @@
 #include <string.h>
 
 enum { ADDRESS = 200, PLUGINS_MAX = 32 };
-#define LABEL  62.0f /* points: where the widgets of a line begin */
+#define LABEL  62.0f /* x of the widgets in a row, points */
 #define INDENT 18.0f
 
 struct panel {
     app *app;
-    const char *name[PLUGINS_MAX]; /* of those that send faces: the last part of the id */
+    const char *name[PLUGINS_MAX]; /* short names of the output plugins */
     const mrt_plugin_type *type[PLUGINS_MAX];
     uint32_t count, chosen;
     char address[ADDRESS], settings[ADDRESS];
@@ -48,7 +48,7 @@ static uint32_t light_of(output_state state)
     return colours[state];
 }
 
-/* False: it is to be removed. */
+/* Returns false if the user closes the output. */
 static bool draw_output(panel *self, ui *on, uint32_t index)
 {
     output_status s;
@@ -94,7 +94,7 @@ static void draw_outputs(panel *self, ui *on)
         app_remove_output(self->app, removed);
 }
 
-/* How well the 52 names say what is seen. */
+/* Draws the error of the approximation by the 52 ARKit weights. */
 static void draw_residual(const panel *self, ui *on)
 {
     char text[32];

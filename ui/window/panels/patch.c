@@ -1,5 +1,6 @@
-/* The patch panel: which channel moves what, with live meters; connections are learnt by moving and
- * clicking, chosen from lists, undone. */
+/* The patch panel: connections from channels to targets, with live meters. The user adds a
+ * connection by moving a channel and clicking a target, or chooses both from lists. Changes can be
+ * undone. */
 #include "window/panels/panels.h"
 
 #include "base/file.h"
@@ -17,13 +18,14 @@ enum { ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
 #define NOBODY UINT32_MAX
 #define LABEL  74.0f
 
-typedef struct patch_step { /* undone and done again */
+typedef struct patch_step { /* data for undo and redo */
     patch before, after;
 } patch_step;
 
 struct panel {
     app *app;
-    patch work;      /* as it is drawn: ahead of the application's while a slider is dragged */
+    patch work; /* patch as drawn; newer than the patch of the application while a slider is dragged
+                 */
     uint32_t chosen; /* NOBODY: none */
     bool is_changed, is_held;
     char words[EDIT_TEXT];
@@ -33,9 +35,9 @@ struct panel {
     bool has_source, had_contacts;
     patch_connection source;
     bool is_known[LIVE_INPUTS];
-    float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* when it began */
+    float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* value at the start of learning */
 
-    char item[ITEMS_MAX][ITEM]; /* of the list that is drawn */
+    char item[ITEMS_MAX][ITEM]; /* items of the list that is being drawn */
     const char *items[ITEMS_MAX];
     uint32_t item_count;
 };
@@ -95,7 +97,7 @@ static void delete_chosen(panel *self)
 
 /* ---- what is heard now ---- */
 
-/* What a mapping would be shown now; points into the inputs and `value`. */
+/* Current frame as a mapping receives it. Points into the inputs and into `sample`. */
 typedef struct heard {
     mrt_frame frame;
     mrt_channels inputs[LIVE_INPUTS];
@@ -117,14 +119,15 @@ static void hear(const panel *self, heard *out)
         in->channel = input_channels(live_input(stage, i), &in->count);
         in->value = sample->value;
         if (!is_heard || in->count != sample->count)
-            in->count = 0; /* its channels are being changed */
+            in->count = 0; /* the channels are changing */
         out->frame.input_count += 1;
     }
     memcpy(out->frame.hand, view->hand, sizeof out->frame.hand);
     memcpy(out->frame.pedal, view->pedal, sizeof out->frame.pedal);
 }
 
-/* 0..1 of the part of the channel's way that counts; false: nobody has it. */
+/* Computes the position of the channel in its input range, 0..1. Returns false if no input has the
+ * channel. */
 static bool share_of(const patch_connection *c, const heard *now, double *out_share)
 {
     static const patch_range whole = {-1.0, 1.0, 0.0};
@@ -133,7 +136,7 @@ static bool share_of(const patch_connection *c, const heard *now, double *out_sh
     patch_connection plain = *c;
     if (!patch_listen(c, &now->frame, &channel, &raw))
         return false;
-    plain.kind = PATCH_DOF; /* 0 to 1, and a stick from -1 */
+    plain.kind = PATCH_DOF; /* range 0 to 1, or -1 to 1 for a stick */
     plain.bend = plain.ease = 0.0;
     plain.out[0] = plain.out[1] = NAN;
     *out_share = fabs(patch_wanted(&plain, &channel, raw, &whole));
@@ -164,7 +167,7 @@ static void begin_learning(panel *self)
     memset(self->is_known, 0, sizeof self->is_known);
 }
 
-/* The first word of an input's name where no other begins with it. */
+/* Writes the first word of the input's name, or the whole name if the word is not unique. */
 static void name_input(const heard *now, uint32_t which, char out[PATCH_NAME])
 {
     const char *name = now->inputs[which].name;
@@ -177,7 +180,8 @@ static void name_input(const heard *now, uint32_t which, char out[PATCH_NAME])
         (void)snprintf(out, PATCH_NAME, "%.63s", name);
 }
 
-/* Sensors and pedals as mappings see them, calibrated; everything else raw. */
+/* Names sensors and pedals as calibrated channels of the performer, and all others as raw channels
+ * of their input. */
 static void name_channel(const heard *now, uint32_t which, uint32_t c, patch_connection *out)
 {
     const mrt_channel *channel = &now->inputs[which].channel[c];
@@ -195,7 +199,8 @@ static void name_channel(const heard *now, uint32_t which, uint32_t c, patch_con
     }
 }
 
-/* What has moved furthest since it began, by a quarter of its way at least. */
+/* Selects the channel that has moved most since learning started, by at least a quarter of its
+ * range. */
 static void look_for_source(panel *self, const heard *now)
 {
     double most = 0.25;
@@ -245,7 +250,7 @@ static void connect(panel *self, patch_kind kind, const char *target)
     end_learning(self);
 }
 
-/* Also while another panel is open: its sliders are pointed at. */
+/* Runs also while another panel is open, because the user may click one of its sliders. */
 static void update(panel *self, double dt_s)
 {
     (void)dt_s;
@@ -262,7 +267,7 @@ static void update(panel *self, double dt_s)
     if (self->has_source)
         connect(self, aim->kind, aim->target);
     else
-        aim->kind = PATCH_NOTHING; /* first the fader */
+        aim->kind = PATCH_NOTHING; /* the channel must be selected before the target */
     if (self->is_changed)
         commit(self);
     self->is_changed = false;
@@ -279,7 +284,7 @@ static void add_item(panel *self, const char *text)
     self->item_count += 1;
 }
 
-/* Its index; one that is not there is added at the end. */
+/* Returns the index of an item. Appends the item if it is missing. */
 static uint32_t index_of(panel *self, const char *text)
 {
     for (uint32_t i = 0; i < self->item_count; ++i)
@@ -376,7 +381,7 @@ static void draw_aim(panel *self, ui *on, patch_connection *c)
     }
 }
 
-/* "brow.mid.l" <-> "brow.mid.*" */
+/* Switches the target between "brow.mid.l" and "brow.mid.*". */
 static void draw_sides(panel *self, ui *on, patch_connection *c)
 {
     if (c->kind != PATCH_DOF && c->kind != PATCH_CONTACT)
@@ -420,7 +425,7 @@ static void draw_number(panel *self, ui *on, const char *label, const ui_range *
     self->is_held |= ui_slider_is_held(on);
 }
 
-/* Of the target, and the widest that its sliders go. */
+/* Returns the range of the target. `out`: range of the sliders. */
 static patch_range range_of(const panel *self, const patch_connection *c, ui_range *out)
 {
     const mrt_face *about = app_view(self->app)->about;
@@ -487,7 +492,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
     }
 }
 
-/* The curve, and where the channel is on it now. */
+/* Draws the curve and the current position of the channel on it. */
 static void draw_curve(ui *on, const patch_connection *c, const heard *now)
 {
     enum { POINTS = 33 };
@@ -680,7 +685,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
 {
     heard now;
     hear(self, &now);
-    if (live_input_count(app_live(self->app)) > 0) /* what a fader says need not move the face */
+    if (live_input_count(app_live(self->app)) >
+        0) /* a moving fader does not always move the face, so the meters need their own frames */
         ui_want_frame(on, app_patch_aimed(self->app)->is_learning ? 0.03 : 0.1);
     bool is_recording = app_status(self->app)->is_recording;
     if (!self->is_held)

@@ -1,5 +1,5 @@
-/* The scene of the face: a look out of the table, three lights that are dragged, the wall or a
- * picture behind it, and the camera's views. All of it is the show's. */
+/* The scene panel: look presets, three movable lights, the wall or a background picture, and camera
+ * views. The show stores all of them. */
 #include "window/panels/panels.h"
 #include "window/app/kept_scenery.h"
 #include "window/gui/theme.h"
@@ -16,8 +16,8 @@
 
 struct panel {
     app *app;
-    int held;         /* the lamp that is dragged; -1: none */
-    bool has_changed; /* since it was kept */
+    int held;         /* dragged lamp; -1: none */
+    bool has_changed; /* since the last save */
 };
 
 static const char *const lamp_names[LIGHTING_LAMPS] = {"Key", "Fill", "Rim"};
@@ -60,7 +60,7 @@ static void lamp_position(const ui_canvas *pad, const lighting_lamp *lamp, float
     out[1] = pad->where.y + 0.5f * PAD - radius * lamp->direction[1];
 }
 
-/* The nearest one under the pointer; -1: none. */
+/* Returns the nearest lamp under the pointer, or -1. */
 static int lamp_at(const ui_canvas *pad, const lighting *light)
 {
     const float x = pad->where.x + pad->x, y = pad->where.y + pad->y;
@@ -95,7 +95,8 @@ static void paint_lamp(ui *on, const ui_canvas *pad, const lighting_lamp *lamp, 
                  UI_STYLE_STRONG, is_behind ? colour : THEME_STAGE, 0.0f, letter);
 }
 
-/* A ball as the camera sees the face: where a lamp stands before it, or behind it (hollow). */
+/* Draws a sphere as seen by the camera, with the lamps in front of the head (filled) and behind it
+ * (hollow). */
 static bool draw_pad(panel *self, ui *on, lighting *light)
 {
     ui_canvas pad;

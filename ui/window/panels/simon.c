@@ -27,7 +27,7 @@ uint32_t simon_asked(const simon *self)
     return self->place < self->face_count ? face_at(self, self->place) : self->face_count;
 }
 
-/* Whether a round asks for that face. */
+/* Returns whether a round asks for this face. */
 static bool is_asked(const simon *self, uint32_t round, uint32_t face)
 {
     return self->answered[face] < SIMON_ROUNDS_MAX &&

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How much longer than the straight way the way along edges may be on a plain piece of surface. */
+/* Maximum ratio of the distance along edges to the straight distance on a plane surface. */
 static const double detour = 1.3;
 enum { STEPS_MAX = 64, NONE = -1 };
 
@@ -24,9 +24,9 @@ struct brush {
     float *touch[2];   /* vertex_count */
     uint32_t *touched; /* vertex_count */
     uint32_t touched_count;
-    int64_t last_vertex; /* of the stroke; NONE: it has none yet */
+    int64_t last_vertex; /* last vertex of the stroke; NONE: none yet */
     float last_position[3];
-    double middle_mm, near_mm; /* near: how far an image may be from its vertex */
+    double middle_mm, near_mm; /* near_mm: maximum distance of a mirror image from its vertex */
 };
 
 /* ---- what is known of the mesh ---- */
@@ -77,7 +77,8 @@ static bool take_normals(brush *self)
     return scratch != NULL;
 }
 
-/* The middle of the head; of all that there is where that fits better or no head is found. */
+/* Finds the plane of symmetry of the head, or of the whole mesh if that fits better or no head is
+ * found. */
 static bool find_middle(brush *self)
 {
     const double reach_mm = 0.5;
@@ -196,7 +197,7 @@ void brush_begin(brush *self, const brush_shape *shape)
     self->last_vertex = NONE;
 }
 
-/* Distances along the surface from a point beside `vertex`. */
+/* Computes distances along the surface from a point near `vertex`. */
 static mrt_result spread(brush *self, uint32_t vertex, const float position[3], double reach_mm,
                          error *err)
 {
@@ -233,8 +234,8 @@ static void touch(brush *self, uint32_t side, uint32_t vertex, float strength)
     *there = strength;
 }
 
-/* The straight distance, as long as the way along the edges is not much longer: so a brush is
- * round, whatever the edges, and still does not cross a slit. */
+/* Uses the straight distance unless the distance along edges is much longer. So the brush is round
+ * on any mesh, but does not cross a slit. */
 static mrt_result dab(brush *self, uint32_t side, uint32_t vertex, const float position[3],
                       error *err)
 {
@@ -264,7 +265,7 @@ static mrt_result dab_sides(brush *self, uint32_t vertex, const float position[3
 
 /* ---- between two points ---- */
 
-/* Of the vertices that the last spread has reached. */
+/* Returns the nearest vertex among those that the last spread reached. */
 static uint32_t nearest_reached(const brush *self, const float position[3])
 {
     uint32_t best = (uint32_t)self->last_vertex;
@@ -287,8 +288,8 @@ typedef struct brush_way {
     uint32_t count;
 } brush_way;
 
-/* Points of the way along the surface, less than half a radius apart; none where no surface
- * connects its ends. */
+/* Finds points along the surface, less than half a radius apart. Returns none if no surface
+ * connects the ends. */
 static mrt_result find_way(brush *self, brush_way *out, uint32_t vertex, const float position[3],
                            error *err)
 {
@@ -343,13 +344,13 @@ const uint32_t *brush_touched(const brush *self, uint32_t *out_count)
 
 enum { NAME = 64, LAYERS_MAX = 2 * RIG_BONES_MAX + 4, SIDES = 2, FULL = 255, HALF = 128 };
 
-typedef struct layer { /* the region of an ink */
+typedef struct layer { /* region that an ink writes to */
     char name[NAME];
-    uint32_t region; /* RIG_NONE: it is to be made, or found by its name */
+    uint32_t region; /* RIG_NONE: find by name, or create */
     rig_edit_says says;
-    bool is_binary; /* it says all or nothing */
+    bool is_binary; /* values are 0 or 255 only */
     bool is_mobility;
-    uint8_t *before, *start, *now; /* vertex_count; start: what a touch begins with */
+    uint8_t *before, *start, *now; /* vertex_count; start: values at the first touch */
 } layer;
 
 struct rig_stroke {
@@ -362,7 +363,7 @@ struct rig_stroke {
 
 /* ---- names ---- */
 
-/* As rig_region_is_paint knows them. */
+/* The same prefixes as in rig_region_is_paint. */
 static const char paint_prefix[] = "painted ", rigid_prefix[] = "rigid ";
 static const char free_name[] = "painted free", still_name[] = "painted still";
 
@@ -431,7 +432,7 @@ static mrt_result add_region_layer(rig_stroke *self, const rig *r, uint32_t regi
     return allocate_layer(l, r, self->vertex_count, err);
 }
 
-/* The layer of an ink, made when there is none. */
+/* Finds the layer of an ink, or creates it. */
 static mrt_result find_target(rig_stroke *self, const rig *r, rig_ink ink, uint32_t bone,
                               uint32_t *out, error *err)
 {
@@ -512,7 +513,7 @@ static uint8_t in_255ths(float share)
     return (uint8_t)lrintf(fminf(fmaxf(share, 0.0f), 1.0f) * (float)FULL);
 }
 
-/* Whether any ink of that kind is at the vertex. */
+/* Returns whether the vertex has ink of this kind. */
 static bool is_painted(const rig_stroke *self, bool is_mobility, uint32_t vertex)
 {
     for (uint32_t i = 0; i < self->layer_count; ++i)
@@ -528,7 +529,7 @@ static void start_from(rig_stroke *self, layer *l, const float *filled)
             l->start[v] = in_255ths(filled[v]);
 }
 
-/* One layer for each bone, so that the others keep their shares of a vertex. */
+/* Makes one layer for each bone, so that the other bones keep their weights. */
 static mrt_result find_all_shares(rig_stroke *self, const rig *r, const binding *filled, error *err)
 {
     mrt_result result = MRT_OK;
@@ -613,8 +614,8 @@ static bool theirs_is_new(const layer *winner, uint32_t vertex)
     return winner->now[vertex] > 0 && winner->before[vertex] == 0;
 }
 
-/* The value of a layer at a vertex that the stroke gives to another layer: shares of bones sum to 1
- * at most, and mobility has one value. */
+/* Returns the reduced value of a layer at a vertex where another layer gains. The weights of all
+ * bones sum to at most 1, and mobility has one value. */
 static uint8_t make_room(const layer *l, const layer *winner, uint32_t vertex)
 {
     bool begins = is_share(l) && is_share(winner) && theirs_is_new(winner, vertex);
@@ -724,7 +725,7 @@ mrt_result rig_stroke_end(rig_stroke *self, rig *changed, uint32_t *out_changed,
 {
     *out_changed = 0;
     mrt_result result = put_layers(self, THE_OTHERS, changed, out_changed, err);
-    if (result >= 0) /* last: what was painted last wins */
+    if (result >= 0) /* appended as last region, so that the newest paint wins */
         result = put_layers(self, THE_TARGETS, changed, out_changed, err);
     return result;
 }

@@ -1,5 +1,4 @@
-/* The rig panel: which vertex rides on what, where the face can be pulled, and what is wrong with
- * it. */
+/* The rig panel: regions, contacts and the check of the rig. */
 #include "window/rig/panel.h"
 #include "window/gui/theme.h"
 
@@ -18,7 +17,7 @@ static const ui_range strength_range = {5.0, 100.0, "%", 0, true, 100.0};
 static const double radius_step = 1.15;
 static const char *const falloff_items[] = {"soft", "hard"};
 
-/* The list of inks: bones first, then what is said of mobility. */
+/* List of inks: bones first, then mobility. */
 typedef struct ink_list {
     char text[INK_ITEMS][ITEM_TEXT];
     const char *item[INK_ITEMS];
@@ -141,8 +140,9 @@ static void draw_brush(panel *self, ui *on)
 
 enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
 static const float chip_width = 8.0f, size_width = 62.0f;
-static const float list_least = 150.0f, list_most = 420.0f;         /* points high */
-static const float below_list = 235.0f, below_list_chosen = 405.0f; /* what comes below it */
+static const float list_least = 150.0f, list_most = 420.0f; /* height in points */
+static const float below_list = 235.0f,
+                   below_list_chosen = 405.0f; /* height of the widgets below the list */
 
 typedef enum region_kind { KIND_RIDES = 0, KIND_RIGID, KIND_MOBILITY } region_kind;
 static const char *const kind_items[] = {"moves with the bone", "rigid on the bone",
@@ -158,7 +158,7 @@ static void say_share(char *out, size_t capacity, const char *what, double share
         (void)snprintf(out, capacity, "%s", what);
 }
 
-/* What it says: "jaw, rigid", "skull 50 %, mobile", "immobile". */
+/* Writes the effect of a region: "jaw, rigid", "skull 50 %, mobile", "immobile". */
 static void say_region(const rig *r, const rig_region *region, char *out, size_t capacity)
 {
     char rides[96] = "", mobile[32] = "";
@@ -179,7 +179,7 @@ static bool is_alike(double a, double b)
     return a == b || (isnan(a) && isnan(b));
 }
 
-/* Of those before it that have no name either, how many say the same. */
+/* Counts the unnamed regions before this one that have the same effect. */
 static uint32_t says_the_same(const rig *r, uint32_t index)
 {
     const rig_region *region = &r->region[index];
@@ -205,7 +205,7 @@ static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
         (void)snprintf(out, capacity, "%s##region%u", region->name ? region->name : words, index);
 }
 
-/* After the row of what is chosen: it is brought into sight once, wherever it was chosen. */
+/* Scrolls to the selected row once. Call it after drawing that row. */
 static void follow_chosen(panel *self, ui *on)
 {
     if (self->is_to_follow)
@@ -298,7 +298,7 @@ static void move(panel *self, uint32_t index, uint32_t to)
         self->region = to;
 }
 
-/* What its selector gives becomes its own vertices. */
+/* Converts the selector of a region to a vertex list. */
 static void make_paint(panel *self, uint32_t index)
 {
     rig *r = rig_panel_begin(self);
@@ -396,7 +396,7 @@ static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_s
         change_kind(self, says, (region_kind)kind);
 }
 
-/* A slider that is a step of undo once it is let go. True: it is held. */
+/* Draws a slider that makes an undo step when released. Returns true while it is held. */
 static bool draw_share(ui *on, const char *label, double *value)
 {
     static const ui_range range = {0.0, 100.0, "%", 0, false, 100.0};
@@ -473,7 +473,7 @@ static void draw_regions(panel *self, ui *on)
 
 static const float vertex_width = 62.0f;
 static const float contact_list_least = 130.0f, contact_list_most = 480.0f,
-                   below_contact_list = 175.0f; /* points high */
+                   below_contact_list = 175.0f; /* height in points */
 
 static float contact_list_height(const ui *on)
 {
@@ -697,7 +697,7 @@ static void cut_mouth(panel *self)
     rig_panel_say(self, rig_model_cut_mouth(self->model, &err) < 0 ? err.text : "");
 }
 
-/* As the empty stage asks it too. */
+/* Asks the same question as the empty stage. */
 static void draw_mouth_question(panel *self, ui *on)
 {
     if (!rig_model_asks_mouth(self->model))
@@ -735,7 +735,7 @@ static void draw_check(panel *self, ui *on)
         if (found->item[i].severity != RIG_NOTE)
             draw_finding(self, on, r, &found->item[i], i);
     draw_confirm(self, on);
-    /* Beside a draft, which wants to be looked at, they wait. */
+    /* Notes are folded while the lines of a draft must be checked. */
     if (found->count == told || !ui_section(on, "Notes", !self->confirm))
         return;
     for (uint32_t i = 0; i < found->count; ++i)
@@ -745,7 +745,8 @@ static void draw_check(panel *self, ui *on)
 
 /* ---- the panel ---- */
 
-static const double look_after_s = 1.5; /* for what was kept, when the panel is not seen */
+static const double look_after_s =
+    1.5; /* delay before the search for unsaved changes while the panel is hidden */
 
 /* ---- what is said ---- */
 
@@ -773,7 +774,7 @@ static void go(panel *self, uint64_t number)
     app_notes_of(self->of)->is_rig_pending = true;
 }
 
-/* A step's data is the number of the state that it led to. */
+/* The data of a step is the number of the state after it. */
 static void undo(void *owner, void *data)
 {
     go(owner, (uintptr_t)data - 1);
@@ -905,7 +906,7 @@ static void follow_face(panel *self, double dt_s)
     self->adopts = false;
 }
 
-/* Not before it is needed: the first face should be on the screen by then. */
+/* Opens the model late, so that it does not delay the first drawn face. */
 static void open_model(panel *self)
 {
     error err = {""};
@@ -929,19 +930,19 @@ static void open_model(panel *self)
 static void give_to_stage(panel *self)
 {
     if (app_status(self->of)->is_recording)
-        return; /* later: the face of a take does not change */
+        return; /* later, because the face must not change during a take */
     face_file *file = rig_model_take_face(self->model);
     if (!file)
         return;
     if (app_change_face(self->of, file) < 0)
-        self->trouble[0] = '\0'; /* the application has said why not */
+        self->trouble[0] = '\0'; /* the application has reported the error */
     free(file);
     note_face(self);
 }
 
 /* ---- the file ---- */
 
-/* The first rig of a mesh alone: from now on it is the face, so that the show names it. */
+/* Opens the saved rig as the face, so that the show refers to it. */
 static void open_saved(panel *self, const char *path)
 {
     char copy[RIG_PANEL_PATH];
@@ -1003,7 +1004,7 @@ static const char *path_to_save(void *owner)
     return self->model && rig_model_rig(self->model) ? rig_model_path(self->model) : NULL;
 }
 
-/* What is not saved is in the new file, and the stage goes on with that one. */
+/* Saves unsaved changes to the new file and opens that file on the stage. */
 static mrt_result save_elsewhere(void *owner, const char *path, error *err)
 {
     panel *self = owner;
@@ -1065,8 +1066,8 @@ static void take_draft(panel *self)
     }
 }
 
-/* What is edited is what the viewport shows: a mouth that was cut, or is whole again, comes to the
- * stage a moment later. */
+/* Returns whether the viewport shows the edited mesh. A cut or restored mouth reaches the stage
+ * with a delay. */
 static bool is_on_stage(const panel *self, const face_file *before)
 {
     const face_file *file = app_face(self->of);

@@ -1,5 +1,5 @@
-/* The parts of a rig as tabs of its panel: bones, the ellipsoids that skin does not enter, poses,
- * the turns of a ball, the jaw. */
+/* The tabs Parts and Jaw of the rig panel: bones, collision ellipsoids, poses, turns of a ball, jaw
+ * and mouth. */
 #include "window/rig/panel.h"
 
 #include "face/rig_draft.h"
@@ -17,7 +17,7 @@ enum { UNDO_WORDS = 160, WAYS = 6, OWN_WAY = WAYS };
 static const double degree = ANGLE_PI / 180.0;
 static const char unit[] = "\xc2\xb0";
 
-/* What a positive angle does, as mappings expect it (rigs/README.md). */
+/* Effect of a positive angle, as mappings expect it (rigs/README.md). */
 static const struct {
     const char *words, *name;
     vec3 axis;
@@ -88,7 +88,7 @@ static bool has_axis(const rig_bone *ball, vec3 axis)
     return false;
 }
 
-/* The first way that it does not turn yet. */
+/* Adds the first turn of the list that the ball does not have. */
 static void add_turn(panel *self, const rig_bone *ball)
 {
     char name[RIG_PANEL_NAME];
@@ -118,7 +118,7 @@ static bool draw_angle(ui *on, const char *label, double low_deg, double high_de
     return ui_slider_is_held(on);
 }
 
-/* True while a slider is held. */
+/* Returns true while a slider is held. */
 static bool draw_own_axis(ui *on, vec3 *axis)
 {
     bool is_held = false;
@@ -149,7 +149,7 @@ static bool is_changed(const rig_turn *a, const rig_turn *b)
            fabs(a->max_rad - b->max_rad) > 1e-9;
 }
 
-/* The way that is chosen, or its own. True: a slider is held. */
+/* Draws the axis: one of the list, or custom. Returns true while a slider is held. */
 static bool draw_turn_axis(panel *self, ui *on, rig_turn *now)
 {
     rig_parting *parting = &self->parting;
@@ -200,7 +200,7 @@ static void draw_turn(panel *self, ui *on, const rig_bone *ball)
     ui_id_end(on);
 }
 
-/* of a ball */
+/* Draws the turns of a ball. */
 static void draw_turns(panel *self, ui *on, uint32_t bone)
 {
     const uint64_t number = rig_model_number(self->model);
@@ -241,7 +241,7 @@ bool rig_panel_show_pose(panel *self)
     if (rig_poses_show_on(work->face, &work->rig, pose, &solver, &err) < 0)
         return false;
     points_to_rows(self->shown.position, face_shown(work->face), face_order(work->face));
-    face_reset(work->face); /* as others expect it */
+    face_reset(work->face); /* other users of the face expect neutral */
     return true;
 }
 
@@ -259,7 +259,7 @@ static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
     }
 }
 
-/* NULL: it can be made. */
+/* Returns why no pose can be added, or NULL. */
 static const char *why_not(const panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
@@ -451,7 +451,8 @@ static const char *free_bone_name(const rig *r, rig_bone_kind kind, char out[RIG
     return out;
 }
 
-/* Where it can be seen and taken hold of: a jaw before the ears, a ball in the middle. */
+/* Adds a bone where it can be seen and dragged: a jaw in front of the ears, a ball in the middle.
+ */
 static void add_bone(panel *self)
 {
     char name[RIG_PANEL_NAME];
@@ -536,7 +537,7 @@ static void draw_what_rides(panel *self, ui *on)
     ui_hint(on, "Add a region for this bone, then paint it in the tab \"Regions\".");
 }
 
-/* On one that is listed before it. */
+/* Draws the choice of the parent, which must be listed before the bone. */
 static void draw_parent(panel *self, ui *on, const rig *r)
 {
     const char *items[RIG_BONES_MAX + 1];
@@ -709,7 +710,7 @@ static uint32_t put_ellipsoid(overlay_item *out, vec3 centre, vec3 radii)
     uint32_t count = put_ring(out, centre, x, y);
     count += put_ring(out + count, centre, y, z);
     count += put_ring(out + count, centre, z, x);
-    out[count++] = overlay_dot(centre, 11.0f, rim_rgba); /* the rim first */
+    out[count++] = overlay_dot(centre, 11.0f, rim_rgba); /* the rim is drawn first */
     out[count++] = overlay_dot(centre, 8.0f, ring_rgba);
     return count;
 }
@@ -753,7 +754,7 @@ static const ui_range percent_range = {0.0, 100.0, "%", 0, false, 0.0};
 static const ui_range sticky_range = {0.0, RIG_STICKINESS_MOST_MM, "mm", 1, false, 0.0};
 static const ui_range slide_range = {0.0, 30.0, "mm", 1, false, 12.0};
 
-/* True while it is held or was changed in this frame. */
+/* Returns true while the slider is held or was changed in this frame. */
 static bool draw_number(ui *on, const char *label, const ui_range *range, double *value)
 {
     bool has_changed = ui_slider(on, label, RIG_PANEL_LABEL, range, value);
@@ -844,7 +845,7 @@ static void draw_jaw_try(panel *self, ui *on)
                            &self->mouthing.sealed_percent) ||
                  is_new;
     (void)snprintf(text, sizeof text, "%.0f mm", jawing->gap_mm);
-    ui_fact(on, "Teeth go", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
+    ui_fact(on, "Teeth move", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
     if (ui_button(on, "Reset##try", UI_PLAIN)) {
         jawing->open_deg = jawing->aside_mm = jawing->forward_mm = 0.0;
         self->mouthing.sealed_percent = 0.0;
@@ -863,7 +864,7 @@ static void set_mouth(panel *self, const rig_mouth *mouth, const char *words)
         (void)rig_panel_finish(self, rig_edit_set_mouth(r, mouth, &self->err), words);
 }
 
-/* Keeps the settings of the seal. */
+/* Finds the rims of the mouth and keeps the seal settings. */
 static void find_rims(panel *self)
 {
     char why_not[BIND_FAULT], words[sizeof(error) + 64];
@@ -897,7 +898,7 @@ static void remove_mouth(panel *self)
     (void)rig_panel_finish(self, MRT_OK, "remove the mouth");
 }
 
-/* A slider is one step of undo, once it is let go. */
+/* Draws the seal settings. A slider makes an undo step when released. */
 static void draw_sealing(panel *self, ui *on, const rig_mouth *mouth)
 {
     static const char *const from_items[] = {"the corners", "the middle"};
