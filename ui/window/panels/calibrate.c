@@ -32,7 +32,7 @@ typedef struct calibrate_guide {
     guide_judgement judgement; /* of the result */
 } calibrate_guide;
 
-/* ---- a calibration that is being made ---- */
+/* ---- calibration in progress ---- */
 
 static mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel,
                                         uint32_t count, uint32_t side, const char *name, error *err)
@@ -438,7 +438,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
         calibrate_guide_advance(&self->guide, guide_next);
 }
 
-/* Draws the pose as the user sees the own hand. */
+/* Draws the pose from the user's point of view. */
 static void draw_figure(const calibrate_panel *self, ui *on)
 {
     float angle_rad[MRT_ANGLES];
@@ -467,7 +467,7 @@ static void draw_poses(calibrate_panel *self, ui *on)
     draw_pose_buttons(self, on);
 }
 
-/* ---- what came out ---- */
+/* ---- result ---- */
 
 static void draw_summary(const calibration_file *file, ui *on)
 {

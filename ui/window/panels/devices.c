@@ -21,7 +21,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- text ---- */
 
 static const double silent_s = 1.0, late_ms = 20.0, odd_drift_ppm = 500.0;
 static const float saturated_share = 0.5f;
@@ -29,7 +29,7 @@ static const float saturated_share = 0.5f;
 /* ---- the state ---- */
 
 /* Writes "3 s" or "2 min". */
-static void say_duration(char out[32], double seconds)
+static void write_duration(char out[32], double seconds)
 {
     if (seconds < 100.0)
         (void)snprintf(out, 32, "%.0f s", floor(seconds));
@@ -46,7 +46,7 @@ static devices_light running(const health_report *health, char out[DEVICES_WORDS
         (void)snprintf(out, DEVICES_WORDS, "running");
         return DEVICES_WELL;
     }
-    say_duration(duration, health->silence_s);
+    write_duration(duration, health->silence_s);
     (void)snprintf(out, DEVICES_WORDS, "open, no samples for %s", duration);
     return DEVICES_WAITS;
 }
@@ -63,7 +63,7 @@ devices_light devices_words_state(const health_report *health, char out[DEVICES_
         (void)snprintf(out, DEVICES_WORDS, "over");
         return DEVICES_OVER;
     case INPUT_LOST:
-        say_duration(duration, health->state_s);
+        write_duration(duration, health->state_s);
         (void)snprintf(out, DEVICES_WORDS, "disconnected for %s, retrying", duration);
         return DEVICES_WAITS;
     case INPUT_FAILED:
@@ -73,7 +73,7 @@ devices_light devices_words_state(const health_report *health, char out[DEVICES_
     return DEVICES_FAILED;
 }
 
-/* ---- figures ---- */
+/* ---- statistics ---- */
 
 __attribute__((format(printf, 4, 5))) static devices_fact *
 fact(devices_fact *at, const char *label, const char *help, const char *format, ...)
@@ -150,7 +150,7 @@ uint32_t devices_words_saturated(const health_report *health, const mrt_channel 
     return found;
 }
 
-/* ---- which are open ---- */
+/* ---- open devices ---- */
 
 static bool is_named(const char *name, size_t length, const mrt_plugin_type *type)
 {
@@ -180,7 +180,7 @@ bool devices_input_text(const device_found *device, char *out, size_t capacity)
     return length > 0 && (size_t)length < capacity && !strchr(device->device.address, ',');
 }
 
-/* ---- what is plugged in, looked for in the background ---- */
+/* ---- background search for devices ---- */
 
 static const int64_t period_ns = 2 * NS_PER_S, interest_ns = 5 * NS_PER_S;
 
@@ -360,12 +360,12 @@ struct panel {
     bool was_refused;
 };
 
-/* ---- what is done ---- */
+/* ---- actions ---- */
 
 static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
 
 /* Reports an error in the panel and in the log panel. */
-static void say_trouble(panel *self, const char *text)
+static void report_trouble(panel *self, const char *text)
 {
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", text);
     if (text[0])
@@ -383,7 +383,7 @@ static void remove_input(panel *self, uint32_t index)
 {
     error err = {""};
     mrt_result result = live_remove_input(app_live(self->app), index, &err);
-    say_trouble(self, result < 0 ? err.text : "");
+    report_trouble(self, result < 0 ? err.text : "");
 }
 
 /* path "": default calibration. */
@@ -391,14 +391,14 @@ static void calibrate(panel *self, uint32_t side, const char *path)
 {
     error err = {""};
     if (live_calibrate(app_live(self->app), side, path[0] ? path : NULL, &err) < 0) {
-        say_trouble(self, err.text);
+        report_trouble(self, err.text);
         return;
     }
-    say_trouble(self, "");
+    report_trouble(self, "");
     settings_set_text(app_settings(self->app), calibration_key[side], path);
 }
 
-/* ---- an input that is open ---- */
+/* ---- open inputs ---- */
 
 static const float label_width = 104.0f, strip_height = 30.0f;
 static const char *const side_name[2] = {"Left hand", "Right hand"};
@@ -411,7 +411,7 @@ static const ui_style light_style[] = {[DEVICES_OVER] = UI_STYLE_DIM,
                                        [DEVICES_WAITS] = UI_STYLE_WARNING,
                                        [DEVICES_FAILED] = UI_STYLE_BAD};
 
-/* ---- head ---- */
+/* ---- header of a card ---- */
 
 /* Returns false if the button at the right end was pressed. */
 static bool draw_head(ui *on, const char *name, devices_light light, const char *button,
@@ -534,14 +534,14 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
     if (ui_button(on, "Calibrate\xe2\x80\xa6", UI_PLAIN)) {
         error why = {""};
         if (!calibrate_panel_open(self->calibrate, index, side, &why))
-            say_trouble(self, why.text);
+            report_trouble(self, why.text);
     }
     ui_hint(on, tracker[0] ? "Calibrate with three poses (flat, fist, spread), about 10 s."
                            : "Calibrate with ten poses, about 90 s.");
     ui_id_end(on);
 }
 
-/* ---- what is folded away ---- */
+/* ---- details and settings ---- */
 
 static void draw_details(ui *on, const health_report *health, const mrt_channel *channels,
                          uint32_t count)
@@ -567,7 +567,7 @@ static void set_value(panel *self, input *of, uint32_t index, double value)
     instance_key(input_plugin(of), index, key, sizeof key);
     (void)snprintf(text, sizeof text, "%.9g", value);
     if (input_set(of, key, text, &err) < 0)
-        say_trouble(self, err.text);
+        report_trouble(self, err.text);
 }
 
 static uint32_t label_count(const mrt_param *p)
@@ -643,7 +643,7 @@ static void draw_camera_card(panel *self, ui *on, const char *input_text)
     error err = {""};
     if (ui_button(on, "Open camera page", UI_PLAIN) &&
         camera_page_show(camera_page_port(input_text), &err) < 0)
-        say_trouble(self, err.text);
+        report_trouble(self, err.text);
     ui_hint(on, "Open the page in your browser, then start the camera there and show a hand.");
     if (!camera_page_has_package())
         ui_text_wrapped(
@@ -677,7 +677,7 @@ static void follow_camera(panel *self)
             continue;
         self->shows_page = false;
         if (camera_page_show(camera_page_port(live_input_text(stage, i)), &err) < 0)
-            say_trouble(self, err.text);
+            report_trouble(self, err.text);
         return;
     }
     if (app_openings(self->app, self->opening) == 0 && app_opening_trouble(self->app)[0])
@@ -746,7 +746,7 @@ static bool devices_card_draw_opening(ui *on, const input_opening *one)
     return stays;
 }
 
-/* ---- what could be opened ---- */
+/* ---- inputs that can be opened ---- */
 
 static const float button = 64.0f;
 
@@ -755,7 +755,7 @@ static const char *const state_words[] = {[MRT_DEVICE_READY] = "ready",
                                           [MRT_DEVICE_DENIED] = "no permission to open it",
                                           [MRT_DEVICE_UNSURE] = "a device may be connected"};
 
-/* ---- what is plugged in ---- */
+/* ---- connected devices ---- */
 
 static bool is_open(const panel *self, const device_found *device, bool is_first)
 {
@@ -824,15 +824,15 @@ static void draw_found(panel *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_WARNING, self->found->note.text);
 }
 
-/* ---- what has no plug ---- */
+/* ---- recordings and network ---- */
 
 static void open_recording(panel *self)
 {
     char text[DEVICES_PATH + 32];
     if (!self->path[0])
-        say_trouble(self, "Choose a recording: enter the path of a log file.");
+        report_trouble(self, "Choose a recording: enter the path of a log file.");
     else if (strchr(self->path, ','))
-        say_trouble(self, "Cannot open a path that contains a comma. Rename the file.");
+        report_trouble(self, "Cannot open a path that contains a comma. Rename the file.");
     else {
         (void)snprintf(text, sizeof text, "log:%s%s", self->path, self->repeats ? ",loop=1" : "");
         open_input(self, text);
@@ -915,7 +915,7 @@ static void draw_rezero(panel *self, ui *on)
         ui_text_wrapped(on, UI_STYLE_WARNING, self->rezeros.refusal.text);
 }
 
-/* ---- from afar ---- */
+/* ---- remote control ---- */
 
 static void draw_remote(panel *self, ui *on)
 {

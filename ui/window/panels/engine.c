@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- text ---- */
 
 static const double nearly = 0.15;
 
@@ -249,7 +249,7 @@ static void draw_solver(panel *self, ui *on, const live_view *view)
         ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
 }
 
-/* ---- how it does ---- */
+/* ---- meters ---- */
 
 static void draw_meters(ui *on, const live_view *view)
 {

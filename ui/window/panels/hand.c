@@ -83,7 +83,7 @@ struct panel {
     char said[160]; /* result of the last answer */
 };
 
-/* ---- the mapping: its card, and what it learns by ---- */
+/* ---- the mapping: its card and its lesson parameters ---- */
 
 typedef struct lesson_params { /* indices; param_count: not present */
     uint32_t face, answer, forget, forget_all;
@@ -278,12 +278,12 @@ static void follow_goal(panel *self, double dt_s)
         self->cheer_s = 0.0;
 }
 
-/* ---- what the mapping is taught: steps of undo ---- */
+/* ---- lessons: undo steps ---- */
 
 typedef struct lesson_step {
     simon side[2]; /* before and after */
     size_t size[2];
-    unsigned char bytes[]; /* before, then after: what the mapping was taught */
+    unsigned char bytes[]; /* taught state before, followed by the state after */
 } lesson_step;
 
 static void say(panel *self, int32_t level, const char *text)

@@ -14,7 +14,7 @@ static const float leader_room = 16.0f; /* between hand and text */
 static const float gap_least = 3.0f, row_gap = 0.0f, word_gap = 9.0f;
 static const float light_radius = 4.5f, dot_radius = 2.5f;
 
-/* ---- text in as many rows as it takes ---- */
+/* ---- wrapped text ---- */
 
 /* Returns the length of the first row: up to the last space that fits. */
 static size_t row_end(const ui *on, ui_style style, const char *text, float width)
@@ -69,7 +69,7 @@ static uint32_t between(uint32_t dark, uint32_t lit, float level)
     return out;
 }
 
-/* ---- where things are ---- */
+/* ---- layout ---- */
 
 typedef struct column {
     uint32_t line[HAND_LIGHTS_MAX]; /* from top to bottom */

@@ -26,7 +26,7 @@ static bool is_shown(const panel *self, const news_item *item)
     return item->level >= least_level[self->filter] && item->utc_ms > self->cleared_ms;
 }
 
-static void say_time(const news_item *item, char out[16])
+static void write_time(const news_item *item, char out[16])
 {
     time_t seconds = (time_t)(item->utc_ms / 1000);
     struct tm local;
@@ -44,7 +44,7 @@ static ui_style style_of(int32_t level)
 static void draw_item(ui *on, const news_item *item)
 {
     char time_words[16];
-    say_time(item, time_words);
+    write_time(item, time_words);
     ui_text(on, UI_STYLE_DIM, time_words);
     ui_same_line(on);
     ui_at(on, 66.0f);
@@ -91,7 +91,7 @@ static void write_text(panel *self)
         const news_item *item = news_list_at(news, i);
         if (!is_shown(self, item))
             continue;
-        say_time(item, time_words);
+        write_time(item, time_words);
         bool is_known = item->level >= MRT_LOG_DEBUG && item->level <= MRT_LOG_ERROR;
         int length =
             snprintf(self->text + used, AS_TEXT - used, "%s %s: %s: %s\n", time_words,

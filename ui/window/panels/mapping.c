@@ -49,14 +49,14 @@ struct panel {
     learn learn;
     char learnt[160]; /* last link, or the reason for a failure */
 
-    /* ---- the poses of the hand that it was taught, drawn ---- */
-    unsigned char *lessons; /* MRT_STATE; NULL: nothing is known */
+    /* ---- taught hand poses ---- */
+    unsigned char *lessons; /* MRT_STATE; NULL: unknown */
     size_t lessons_size;
     double lessons_wait_s; /* until the next query */
     hand_skeleton *skeleton[2];
 };
 
-/* ---- steps ---- */
+/* ---- undo steps ---- */
 
 typedef struct change {
     uint32_t id; /* of the parameter; constant across plugin reloads */
@@ -81,7 +81,7 @@ static bool same(double a, double b)
     return a >= b && a <= b;
 }
 
-/* ---- doing it ---- */
+/* ---- undo and redo ---- */
 
 static void say(panel *self, int32_t level, const char *text)
 {
@@ -130,7 +130,7 @@ static void redo(void *owner, void *data)
     go_to(owner, data, AFTER);
 }
 
-/* ---- keeping it ---- */
+/* ---- recording of undo steps ---- */
 
 static void finish(void *data)
 {
@@ -344,7 +344,7 @@ static void delete_preset(panel *self, const char *name)
         change_preset(self, mapping->type, name, NULL);
 }
 
-/* ---- learning: which finger is meant ---- */
+/* ---- learning: selection of the finger ---- */
 
 static const double span_s = 1.0,
                     step_s = 1.0 / 36.0; /* fewer than LEARN_MOMENTS moments in span_s */
@@ -459,7 +459,7 @@ bool learn_can(const mrt_plugin_type *type)
     return false;
 }
 
-/* ---- what a pedal does ---- */
+/* ---- functions of pedals ---- */
 
 static const char ending[] = " pedal";
 
@@ -599,7 +599,7 @@ static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t 
     ui_hint(on, p->help);
 }
 
-/* ---- all of them, by group ---- */
+/* ---- all parameters by group ---- */
 
 /* Sets the label width to the longest name of the group. */
 static void measure_labels(panel *self, const ui *on, const instance *mapping, const char *group)
@@ -626,7 +626,7 @@ static bool contains(const char *text, const char *part)
     return !*part;
 }
 
-/* ---- poses that are taught, drawn as hands ---- */
+/* ---- taught hand poses, drawn as hands ---- */
 
 #define LESSONS_S     2.0 /* interval of queries, because a pedal can teach too */
 #define FIGURE_HEIGHT 88.0f
@@ -1016,7 +1016,7 @@ static void mapping_presets_draw(panel *self, ui *on, instance *mapping)
 
 /* ---- learn mode ---- */
 
-/* ---- what is linked ---- */
+/* ---- links ---- */
 
 static const char *contact_name(const panel *self, uint32_t contact)
 {
@@ -1207,7 +1207,7 @@ static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
 enum { TAB_PARAMETERS = 0, TAB_PEDALS, TAB_LEARN, TABS };
 static const char *const tabs[TABS] = {"Parameters", "Pedals", "Learn"};
 
-/* ---- of the mapping that performs ---- */
+/* ---- the active mapping ---- */
 
 static void find_groups(panel *self)
 {
@@ -1273,7 +1273,7 @@ static void draw_choice(panel *self, ui *on)
     choose_mapping(self, types[chosen] ? types[chosen]->id : "");
 }
 
-/* ---- a process of its own, another version ---- */
+/* ---- isolation and reload ---- */
 
 static void draw_isolation(ui *on, const instance *mapping, const isolate_counts *counts)
 {

@@ -20,7 +20,7 @@ struct panel {
     char address[ADDRESS], settings[ADDRESS];
 };
 
-/* ---- those that are open ---- */
+/* ---- open outputs ---- */
 
 static void describe(char out[256], ui_style *style, const output_status *s)
 {
@@ -107,7 +107,7 @@ static void draw_residual(const panel *self, ui *on)
     ui_hint(on, "Distance between the face and its approximation by the ARKit weights.");
 }
 
-/* ---- another one ---- */
+/* ---- new output ---- */
 
 static void list_plugins(panel *self)
 {

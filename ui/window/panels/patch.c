@@ -42,7 +42,7 @@ struct panel {
     uint32_t item_count;
 };
 
-/* ---- changed, undone ---- */
+/* ---- changes and undo ---- */
 
 static void undo(void *owner, void *data)
 {
@@ -95,7 +95,7 @@ static void delete_chosen(panel *self)
     change(self, "connection deleted");
 }
 
-/* ---- what is heard now ---- */
+/* ---- current channel values ---- */
 
 /* Current frame as a mapping receives it. Points into the inputs and into `sample`. */
 typedef struct heard {
@@ -104,7 +104,7 @@ typedef struct heard {
     mrt_sample sample[LIVE_INPUTS];
 } heard;
 
-static void hear(const panel *self, heard *out)
+static void read_channels(const panel *self, heard *out)
 {
     live *stage = app_live(self->app);
     const live_view *view = app_view(self->app);
@@ -258,7 +258,7 @@ static void update(panel *self, double dt_s)
     if (!aim->is_learning)
         return;
     heard now;
-    hear(self, &now);
+    read_channels(self, &now);
     self->work = *app_patch(self->app);
     look_for_source(self, &now);
     look_for_click(self);
@@ -335,7 +335,7 @@ static void list_sources(panel *self, const heard *now)
         }
 }
 
-/* ---- the chosen connection ---- */
+/* ---- the selected connection ---- */
 
 static void draw_source(panel *self, ui *on, patch_connection *c, const heard *now)
 {
@@ -684,7 +684,7 @@ static void draw_file(panel *self, ui *on)
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
     heard now;
-    hear(self, &now);
+    read_channels(self, &now);
     if (live_input_count(app_live(self->app)) >
         0) /* a moving fader does not always move the face, so the meters need their own frames */
         ui_want_frame(on, app_patch_aimed(self->app)->is_learning ? 0.03 : 0.1);
@@ -723,7 +723,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     commit(self);
 }
 
-/* ---- life ---- */
+/* ---- create and destroy ---- */
 
 static void destroy(panel *self)
 {

@@ -22,7 +22,7 @@ uint32_t goal_step_count(const goal *of);
 /* Returns whether the rig has all poses of the goal. */
 bool goal_is_there(const goal *of, const rig *r);
 
-/* ---- how near a face is ---- */
+/* ---- distance of a face ---- */
 
 typedef struct goal_face {               /* in the terms of a rig pose */
     vec3 pull_mm[LIVE_CONTACTS_MAX];     /* of each contact, with the bones at neutral */

@@ -180,7 +180,7 @@ static bool draw_wall(ui *on, lighting *light)
     return true;
 }
 
-/* ---- the picture behind ---- */
+/* ---- background picture ---- */
 
 static bool draw_picture(panel *self, ui *on, scenery *scene)
 {

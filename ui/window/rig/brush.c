@@ -29,7 +29,7 @@ struct brush {
     double middle_mm, near_mm; /* near_mm: maximum distance of a mirror image from its vertex */
 };
 
-/* ---- what is known of the mesh ---- */
+/* ---- properties of the mesh ---- */
 
 static const float *position_of(const brush *self, uint32_t vertex)
 {
@@ -501,7 +501,7 @@ static mrt_result find_region(rig_stroke *self, const rig *r, error *err)
     return add_region_layer(self, r, region, err);
 }
 
-/* ---- what a touch begins with ---- */
+/* ---- values at the first touch ---- */
 
 static bool is_share(const layer *l)
 {
@@ -586,7 +586,7 @@ void rig_stroke_destroy(rig_stroke *self)
     free(self);
 }
 
-/* ---- what a touch does to one vertex ---- */
+/* ---- effect of a touch on a vertex ---- */
 
 static uint8_t blend(uint8_t before, double to, float touch)
 {
@@ -686,7 +686,7 @@ uint32_t rig_stroke_bone(const rig_stroke *self, uint32_t side)
     return self->bone[side];
 }
 
-/* ---- into the rig ---- */
+/* ---- result in the rig ---- */
 
 static uint32_t count_changed(const layer *l, uint32_t vertex_count)
 {

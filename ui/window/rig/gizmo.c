@@ -78,7 +78,7 @@ void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, 
         *other = mirrored(to, middle_mm);
 }
 
-/* ---- what it looks like ---- */
+/* ---- drawing of the axis ---- */
 
 static uint32_t draw_handle(overlay_item *out, vec3 at, float width_px, const float rgba[4])
 {

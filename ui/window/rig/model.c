@@ -22,7 +22,7 @@ typedef struct rig_keep {
     bool is_begun;
 } rig_keep;
 
-/* ---- the file that keeps what is not saved ---- */
+/* ---- recovery file ---- */
 
 /* Returns the FNV-1a hash of the rig's folder, so that rigs with the same name in different folders
  * have separate files. */
@@ -143,7 +143,7 @@ static mrt_result rig_keep_take(rig_keep *self, const rig *r, const mesh *m, err
     return MRT_OK;
 }
 
-/* ---- the worker: lays a state on the mesh and checks it ---- */
+/* ---- the worker: binds a state to the mesh and checks it ---- */
 
 typedef struct order { /* work order for the worker */
     rig rig;
@@ -446,7 +446,7 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to edit the rig");
 }
 
-/* ---- made ---- */
+/* ---- create and destroy ---- */
 
 /* Returns "head.rig.json" for "head.glb". If that file exists, returns "head.2.rig.json" and sets
  * *out_beside to the existing file, so that a draft never overwrites a rig. */
@@ -564,7 +564,7 @@ void rig_model_destroy(rig_model *self)
     free(self);
 }
 
-/* ---- what there is ---- */
+/* ---- current state ---- */
 
 const rig *rig_model_rig(const rig_model *self)
 {
@@ -629,7 +629,7 @@ bool rig_model_is_pending(const rig_model *self)
            (self->waits_s >= 0.0 || rig_worker_is_busy(self->worker) || self->for_stage);
 }
 
-/* ---- laid on the mesh ---- */
+/* ---- binding ---- */
 
 /* Offers the mesh without a rig to the stage after the draft was undone. */
 static void offer_mesh_alone(rig_model *self)

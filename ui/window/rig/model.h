@@ -30,7 +30,7 @@ typedef struct rig_work { /* result of the worker for one state of the rig */
  * recovery file. */
 CHECKED mrt_result rig_model_create(rig_model **out, const face_file *of, const char *path,
                                     const char *keep_folder, error *err);
-/* Keeps the recovery file if there are unsaved changes. */
+/* Destroys the model. Unsaved changes stay in the recovery file. */
 void rig_model_destroy(rig_model *self); /* NULL is fine */
 /* Requests the binding of the opened rig, because the panel is visible. Without this call only
  * changes are bound. */

@@ -287,7 +287,7 @@ static void turn_jaw(panel *self, viewport *view)
     rig_panel_put_jaw(self);
 }
 
-/* ---- how the rig is shown ---- */
+/* ---- display of the rig ---- */
 
 enum { ITEMS_MAX = 900 };
 static const float dot_rgba[4] = {0.96f, 0.94f, 0.88f, 0.95f};

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the brush: what it paints, how large it is ---- */
+/* ---- the brush: ink and size ---- */
 
 enum { INK_ITEMS = RIG_BONES_MAX + 8, ITEM_TEXT = 64 };
 static const ui_range radius_range = {1.0, 80.0, "mm", 0, false, 12.0};
@@ -136,7 +136,7 @@ static void draw_brush(panel *self, ui *on)
     ui_hint(on, "Choose whether a stroke fades towards the rim of the brush.");
 }
 
-/* ---- regions: the list, and what the chosen one says ---- */
+/* ---- regions: list and selected region ---- */
 
 enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
 static const float chip_width = 8.0f, size_width = 62.0f;
@@ -150,7 +150,7 @@ static const char *const kind_items[] = {"moves with the bone", "rigid on the bo
 
 /* ---- the list ---- */
 
-static void say_share(char *out, size_t capacity, const char *what, double share)
+static void write_share(char *out, size_t capacity, const char *what, double share)
 {
     if (share < 1.0)
         (void)snprintf(out, capacity, "%s %.0f %%", what, 100.0 * share);
@@ -159,16 +159,16 @@ static void say_share(char *out, size_t capacity, const char *what, double share
 }
 
 /* Writes the effect of a region: "jaw, rigid", "skull 50 %, mobile", "immobile". */
-static void say_region(const rig *r, const rig_region *region, char *out, size_t capacity)
+static void describe_region(const rig *r, const rig_region *region, char *out, size_t capacity)
 {
     char rides[96] = "", mobile[32] = "";
     const char *bone = region->bone == RIG_NONE ? "" : r->bone[region->bone].name;
     if (region->is_rigid)
         (void)snprintf(rides, sizeof rides, "%s, rigid", bone);
     else if (!isnan(region->weight))
-        say_share(rides, sizeof rides, bone, region->weight);
+        write_share(rides, sizeof rides, bone, region->weight);
     if (!isnan(region->mobility) && region->mobility > 0.0)
-        say_share(mobile, sizeof mobile, "mobile", region->mobility);
+        write_share(mobile, sizeof mobile, "mobile", region->mobility);
     else if (!isnan(region->mobility))
         (void)snprintf(mobile, sizeof mobile, "immobile");
     (void)snprintf(out, capacity, "%s%s%s", rides, rides[0] && mobile[0] ? ", " : "", mobile);
@@ -180,7 +180,7 @@ static bool is_alike(double a, double b)
 }
 
 /* Counts the unnamed regions before this one that have the same effect. */
-static uint32_t says_the_same(const rig *r, uint32_t index)
+static uint32_t count_same_effect(const rig *r, uint32_t index)
 {
     const rig_region *region = &r->region[index];
     uint32_t count = 0;
@@ -197,8 +197,8 @@ static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
 {
     char words[140];
     const rig_region *region = &r->region[index];
-    const uint32_t before = region->name ? 0 : says_the_same(r, index);
-    say_region(r, region, words, sizeof words);
+    const uint32_t before = region->name ? 0 : count_same_effect(r, index);
+    describe_region(r, region, words, sizeof words);
     if (before)
         (void)snprintf(out, capacity, "%s (%u)##region%u", words, before + 1, index);
     else
@@ -323,7 +323,7 @@ static void set_says(panel *self, const rig_edit_says *says, const char *words)
         (void)rig_panel_finish(self, rig_edit_set_region(r, self->region, says, &self->err), words);
 }
 
-/* ---- the chosen one ---- */
+/* ---- the selected item ---- */
 
 static void draw_region_name(panel *self, ui *on, const rig_region *region)
 {
@@ -469,7 +469,7 @@ static void draw_regions(panel *self, ui *on)
     draw_brush(self, on);
 }
 
-/* ---- contacts: the list, and the chosen one ---- */
+/* ---- contacts: list and selected contact ---- */
 
 static const float vertex_width = 62.0f;
 static const float contact_list_least = 130.0f, contact_list_most = 480.0f,
@@ -503,7 +503,7 @@ static void draw_contact_list(panel *self, ui *on, const rig *r)
     ui_scroll_end(on);
 }
 
-/* ---- the chosen one ---- */
+/* ---- the selected item ---- */
 
 static void draw_contact_name(panel *self, ui *on, const rig *r)
 {
@@ -593,7 +593,7 @@ static void draw_contacts(panel *self, ui *on)
                         "Click a dot on the face to select it. Drag it to move it.");
 }
 
-/* ---- what is wrong: a click goes to what a finding speaks of ---- */
+/* ---- check: findings, with a click to select their item ---- */
 
 enum { TITLE = 200 };
 
@@ -748,7 +748,7 @@ static void draw_check(panel *self, ui *on)
 static const double look_after_s =
     1.5; /* delay before the search for unsaved changes while the panel is hidden */
 
-/* ---- what is said ---- */
+/* ---- messages ---- */
 
 void rig_panel_say(panel *self, const char *trouble)
 {
@@ -848,7 +848,7 @@ void rig_panel_choose(panel *self, rig_tab tab, uint32_t index)
     self->shown.is_tint_new = true;
 }
 
-/* ---- which face ---- */
+/* ---- current face ---- */
 
 static void forget_face(panel *self)
 {
@@ -986,7 +986,7 @@ static void save_as_asked(panel *self)
         rig_panel_say(self, err.text);
 }
 
-static void tell_unsaved(panel *self)
+static void update_unsaved(panel *self)
 {
     bool is_unsaved = !rig_model_is_saved(self->model);
     if (is_unsaved == self->was_unsaved)
@@ -1018,7 +1018,7 @@ static mrt_result save_elsewhere(void *owner, const char *path, error *err)
     (void)snprintf(text, sizeof text, "Saved %.400s", path);
     tell(self, text);
     self->trouble[0] = '\0';
-    tell_unsaved(self);
+    update_unsaved(self);
     open_saved(self, path);
     return result;
 }
@@ -1106,7 +1106,7 @@ static void update(panel *self, double dt_s)
             self->shown.is_tint_new = self->shown.is_shape_new = true;
         give_to_stage(self);
         notes->is_rig_pending = rig_model_is_pending(self->model);
-        tell_unsaved(self);
+        update_unsaved(self);
         keep_choices(self);
         if (rig_model_is_busy(self->model))
             app_want_frame(self->of, 0.02);
@@ -1120,7 +1120,7 @@ static void update(panel *self, double dt_s)
     self->is_shown = false;
 }
 
-/* ---- drawn ---- */
+/* ---- drawing ---- */
 
 static void draw_head(panel *self, ui *on)
 {
@@ -1239,7 +1239,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     ui_panel_end(on);
 }
 
-/* ---- made ---- */
+/* ---- create and destroy ---- */
 
 static panel *create(app *of)
 {

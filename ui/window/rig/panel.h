@@ -133,7 +133,7 @@ void rig_panel_end_stroke(panel *self);
 void rig_panel_shown_finish(rig_shown *shown);
 void rig_panel_put_jaw(panel *self); /* writes the shown jaw into the rig */
 
-/* ---- the tabs that are in parts.c ---- */
+/* ---- tabs in parts.c ---- */
 
 void rig_panel_draw_jaw(panel *self, ui *on);
 void rig_panel_draw_parts(panel *self, ui *on);

@@ -106,7 +106,7 @@ static void add_turn(panel *self, const rig_bone *ball)
         choose_turn(self, index);
 }
 
-/* ---- one of them ---- */
+/* ---- one turn ---- */
 
 static bool draw_angle(ui *on, const char *label, double low_deg, double high_deg, double usual_deg,
                        double *value_rad)
@@ -225,9 +225,9 @@ static void draw_turns(panel *self, ui *on, uint32_t bone)
     ui_hint(on, "Add a turn to the bone. The first turn in the list is applied last.");
 }
 
-/* ---- poses: listed, shown, made of the shape that is on the stage ---- */
+/* ---- poses: list, display, creation from the current shape ---- */
 
-/* ---- shown ---- */
+/* ---- display ---- */
 
 bool rig_panel_show_pose(panel *self)
 {
@@ -245,7 +245,7 @@ bool rig_panel_show_pose(panel *self)
     return true;
 }
 
-/* ---- made ---- */
+/* ---- creation ---- */
 
 static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
 {
@@ -310,7 +310,7 @@ static void name_pose(panel *self)
             "name a pose");
 }
 
-/* ---- drawn ---- */
+/* ---- drawing ---- */
 
 static void draw_chosen(panel *self, ui *on, const rig *r)
 {
@@ -362,7 +362,7 @@ static const char *const kind_words[] = {
 static const char *const kind_items[] = {"a rigid part", "a jaw, with a hinge",
                                          "a ball, like an eye"};
 
-/* ---- what is chosen ---- */
+/* ---- selection ---- */
 
 void rig_panel_choose_part(panel *self, uint32_t bone, uint32_t proxy, uint32_t pose)
 {
@@ -387,7 +387,7 @@ void rig_panel_keep_part(panel *self)
         rig_panel_choose_part(self, bone, proxy, pose);
 }
 
-/* ---- where something lies: sliders that are a step of undo once they are let go ---- */
+/* ---- positions: sliders that make an undo step when released ---- */
 
 typedef struct bounds {
     vec3 low, high;

@@ -1,4 +1,4 @@
-/* What a right click offers, and what is asked in words and numbers. */
+/* The context menus and dialogs of the timeline. */
 #include "window/timeline/timeline.h"
 
 #include <math.h>
@@ -190,7 +190,7 @@ void timeline_menu(panel *self, ui *on)
     ui_menu_end(on);
 }
 
-/* ---- the layer's question ---- */
+/* ---- dialog of a layer ---- */
 
 void timeline_ask_layer(panel *self, ui *on, uint32_t id)
 {
@@ -203,7 +203,7 @@ void timeline_ask_layer(panel *self, ui *on, uint32_t id)
     ui_dialog_open(on, "timeline_layer");
 }
 
-/* Patterns that belong to no region stay as they are. */
+/* Collects the patterns of a layer and keeps patterns that belong to no region. */
 static uint32_t gather_own(char (*out)[TAKE_NAME], const take_layer *lane, uint32_t regions)
 {
     uint32_t count = 0, before = lane ? timeline_own_regions(lane) : 0;
@@ -293,7 +293,7 @@ static void layer_dialog(panel *self, ui *on)
     ui_dialog_end(on);
 }
 
-/* ---- the clip's ---- */
+/* ---- dialog of a clip ---- */
 
 void timeline_ask_clip(panel *self, ui *on, uint32_t id)
 {
@@ -369,7 +369,7 @@ static void clip_dialog(panel *self, ui *on)
     ui_dialog_end(on);
 }
 
-/* ---- the marker's ---- */
+/* ---- dialog of a marker ---- */
 
 void timeline_ask_marker(panel *self, ui *on, int32_t marker)
 {

@@ -6,7 +6,7 @@
 static const double leads_s[] = {0.0, 1.0, 2.0, 3.0, 5.0};
 enum { LEADS = sizeof leads_s / sizeof leads_s[0] };
 
-/* True: another is chosen. */
+/* Returns true if the choice has changed. */
 static bool lead_items(ui *on, const char *what, const char *none, double *s)
 {
     const double before_s = *s;
@@ -21,7 +21,7 @@ static bool lead_items(ui *on, const char *what, const char *none, double *s)
     return *s != before_s;
 }
 
-/* Bars of the click, as a count-in. True: another is chosen. */
+/* Draws count-in lengths in bars of the click. Returns true if the choice has changed. */
 static bool bar_items(ui *on, const live_click *click, double *s)
 {
     const double before_s = *s;
@@ -69,7 +69,7 @@ void record_menu_draw(app *of, ui *on)
     ui_menu_end(on);
 }
 
-/* What is changed is heard at once. */
+/* Draws the tempo dialog. Changes take effect immediately. */
 void record_menu_tempo(app *of, ui *on)
 {
     static const ui_range bpm_range =

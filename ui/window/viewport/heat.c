@@ -9,11 +9,11 @@ enum { PALETTE = 8 };
 struct viewport_heat {
     const face_file *file;
     binding binding;
-    float *rest_area; /* vertex_count: of the triangles around it, mm2 */
+    float *rest_area; /* vertex_count; area of the triangles around each vertex, mm2 */
     float *area;      /* scratch */
 };
 
-/* Colours as on a screen; what is drawn is linear. */
+/* sRGB colours; drawing converts them to linear. */
 static const uint32_t palette[PALETTE] = {0x4f7fb8ffu, 0xc96a55ffu, 0x6fae8cffu, 0xb98fc4ffu,
                                           0xd2b45affu, 0x5fb0b5ffu, 0xc98aa0ffu, 0x8f9a5fffu};
 static const viewport_heat_legend legends[APP_HEATS] = {
@@ -61,7 +61,7 @@ static ramp ramp_of(app_heat kind)
     return r;
 }
 
-/* share: 0..1; NaN as 0. */
+/* Interpolates a ramp. share: 0..1; NaN counts as 0. */
 static void ramp_at(float out[3], const ramp *r, float share)
 {
     float position =
@@ -158,7 +158,7 @@ static void colour_strain(const viewport_heat *self, float *out_rgb, const float
     }
 }
 
-/* Height over an ellipsoid along the way from its centre, mm. */
+/* Returns the height above an ellipsoid along the line from its centre, mm. */
 static double height_mm(const rig_proxy *proxy, vec3 at)
 {
     vec3 from = vec3_sub(at, proxy->centre);
@@ -173,12 +173,12 @@ static vec3 vertex_of(const float *position, uint32_t v)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* How much of its way from rest to the floor over this proxy a vertex has gone; 0 too where it has
- * none. */
+/* Returns how far a vertex has moved from its neutral height towards the floor above this proxy, as
+ * a share of that distance. Returns 0 if the proxy does not apply. */
 static double share_gone(const rig_proxy *proxy, const rigid *into, vec3 rest, vec3 now)
 {
     double at_rest = height_mm(proxy, rest);
-    if (proxy->kind == PROXY_TEETH) /* no ellipsoid */
+    if (proxy->kind == PROXY_TEETH) /* not an ellipsoid */
         return 0.0;
     if (!(at_rest > 0.0 && at_rest < proxy_reach_mm))
         return 0.0;
@@ -226,7 +226,7 @@ bool viewport_heat_is_fixed(app_heat kind)
     return kind == APP_HEAT_WEIGHTS || kind == APP_HEAT_MOBILITY;
 }
 
-/* ---- what they mean ---- */
+/* ---- legends ---- */
 
 void viewport_heat_legend_of(const viewport_heat *self, app_heat kind, viewport_heat_legend *out)
 {
