@@ -104,9 +104,7 @@ bool timeline_axis_follow(timeline_axis *self, int64_t at_ns)
 /* ---- ticks ---- */
 
 #define MINOR_POINTS 7.0
-#define LABEL_POINTS                                                                               \
-    120.0f /* distance outside the axis from which a label can still be visible                    \
-            */
+#define LABEL_POINTS 120.0f /* maximum width of a label */
 static const int64_t second_ns = 1000000000;
 
 timeline_code timeline_code_of(const take *t)

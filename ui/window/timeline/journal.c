@@ -11,8 +11,7 @@
 #include <string.h>
 #include <time.h>
 
-#define SEEN_SHARE                                                                                 \
-    16.0f /* gain from movement per bin (share of the range) to the height of a lane */
+#define SEEN_SHARE  16.0f /* lane height per share of a range moved in a bin */
 #define SHORTEST_NS 200000000LL
 #define NOW_NS      300000000LL /* an end this close to now counts as now */
 
