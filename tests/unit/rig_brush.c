@@ -254,7 +254,7 @@ static void only_regions_of_vertices_can_be_painted(void **state)
     assert_true(rig_stroke_begin(&stroke, puppet.rig, puppet.mesh.vertex_count, &ink, NULL, &err) <
                 0);
     assert_null(stroke);
-    assert_non_null(strstr(err.text, "make it paint"));
+    assert_non_null(strstr(err.text, "Make paintable"));
 }
 
 /* ---- files ---- */

@@ -25,10 +25,10 @@ static void each_state_has_a_light_and_words(void **state)
     assert_string_equal(words, "running");
     health.silence_s = 4.7;
     assert_int_equal(devices_words_state(&health, words, why), DEVICES_WAITS);
-    assert_string_equal(words, "open, silent for 4 s");
+    assert_string_equal(words, "open, no samples for 4 s");
     health = (health_report){.state = INPUT_LOST, .state_s = 185.0, .words = "no such device"};
     assert_int_equal(devices_words_state(&health, words, why), DEVICES_WAITS);
-    assert_string_equal(words, "away for 3 min, tried again");
+    assert_string_equal(words, "disconnected for 3 min, retrying");
     assert_string_equal(why, "no such device");
     health.state = INPUT_FAILED;
     assert_int_equal(devices_words_state(&health, words, why), DEVICES_FAILED);

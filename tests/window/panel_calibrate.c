@@ -154,12 +154,12 @@ static void ten_poses_become_a_calibration_that_is_used(void **state)
         }
     }
     assert_true(stand_shows(s, "All poses are done."));
-    assert_true(stand_shows(s, "ring knuckle moves along with middle knuckle: 50 %"));
+    assert_true(stand_shows(s, "ring knuckle changes when middle knuckle moves: 50 %"));
     stand_check_words(s, NULL);
     stand_picture(s, "panel_calibrate_result");
     stand_key(s, UI_KEY_ESCAPE);
     stand_settle(s);
-    assert_true(stand_shows(s, "10 poses were taken. Nothing of them is kept yet."));
+    assert_true(stand_shows(s, "10 poses were recorded. They are not saved yet."));
     stand_picture(s, "panel_calibrate_giving_up");
     stand_key(s, UI_KEY_ESCAPE);
     stand_settle(s);
@@ -223,7 +223,7 @@ static void a_bare_hand_is_calibrated_by_three_poses(void **state)
         }
     }
     assert_true(stand_shows(s, "All poses are done."));
-    assert_true(stand_shows(s, "Every joint is seen where the poses say that it is."));
+    assert_true(stand_shows(s, "Every joint matches the poses."));
     stand_check_words(s, NULL);
     stand_click(s, "Save and use");
     assert_non_null(
@@ -271,7 +271,7 @@ static void buttons_take_skip_and_go_back(void **state)
     stand *s = &d.stand;
     perform(&d, GUIDE_RELAXED, 0.3); /* not long enough by itself */
     assert_true(stand_shows(s, "pose 1 of 10"));
-    stand_click(s, "Take it now");
+    stand_click(s, "Record now");
     assert_true(stand_shows(s, "pose 2 of 10"));
     stand_click(s, "Skip");
     assert_true(stand_shows(s, "pose 2 of 10"));

@@ -25,8 +25,8 @@ static void with_nothing_it_says_what_to_do(void **state)
     (void)state;
     stand s = {.input_count = 0};
     stand_open(&s, &panel_devices, 1.0f);
-    stand_wait_for(&s, "Nothing was found");
-    assert_true(stand_shows(&s, "No hand yet"));
+    stand_wait_for(&s, "No devices found");
+    assert_true(stand_shows(&s, "No input is open"));
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_devices_nothing");
     stand_close(&s);
@@ -66,7 +66,7 @@ static void use_the_camera_is_one_click(void **state)
     stand_plugin(&s, "plugins/camera");
     stand_wait_for(&s, "Use the camera");
     stand_click(&s, "Use the camera");
-    stand_wait_for(&s, "Show its page");
+    stand_wait_for(&s, "Open camera page");
     assert_int_equal(s.input_count, 1);
     assert_string_equal(s.input_text[0], "camera");
     wait_for_file(&s, told);
@@ -131,7 +131,7 @@ static void remove_closes_the_input(void **state)
     stand_wait_for(&s, "running");
     stand_click(&s, "Remove");
     assert_int_equal(s.input_count, 0);
-    assert_true(stand_shows(&s, "No hand yet"));
+    assert_true(stand_shows(&s, "No input is open"));
     stand_close(&s);
 }
 
@@ -158,7 +158,7 @@ static void a_recording_is_opened_by_its_path(void **state)
     stand_open(&s, &panel_devices, 1.0f);
     stand_plugin(&s, "plugins/log");
     stand_click(&s, "Open");
-    assert_true(stand_shows(&s, "Say which recording"));
+    assert_true(stand_shows(&s, "Choose a recording"));
     stand_click(&s, "path of a log file");
     stand_type(&s, SOURCE_DIR "/plugins/log/demo_hand.csv");
     stand_key(&s, UI_KEY_ENTER);
@@ -248,7 +248,7 @@ static void a_glove_in_counts_is_read_with_a_calibration_of_its_hand(void **stat
     stand_wait_for(&s, "Right hand");
     assert_false(stand_shows(&s, "Left hand"));
     stand_picture(&s, "panel_devices_glove");
-    stand_click(&s, "as shipped");
+    stand_click(&s, "default");
     stand_wait_for(&s, "anna, 2026-03-01");
     assert_false(stand_shows(&s, "bertil"));
     stand_click(&s, "anna, 2026-03-01");
@@ -274,7 +274,7 @@ static void what_is_plugged_in_is_opened_or_says_what_to_do(void **state)
     setenv("MAROTTE_FLAKY", path, 1);
     stand_open(&s, &panel_devices, 1.0f);
     stand_plugin(&s, "tests/plugin/flaky");
-    stand_wait_for(&s, "you may not open it");
+    stand_wait_for(&s, "no permission to open it");
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_devices_plugged");
     uint32_t before = s.input_count;
@@ -288,7 +288,7 @@ static void what_is_plugged_in_is_opened_or_says_what_to_do(void **state)
         assert_string_not_equal(words[i].text, address);
     assert_int_equal(unlink(path), 0);
     stand_click_at(&s, 10.0f, 10.0f); /* beside the panel, so that no hint lies over it */
-    stand_wait_for(&s, "Nothing was found");
+    stand_wait_for(&s, "No devices found");
     unsetenv("MAROTTE_FLAKY");
     stand_close(&s);
 }

@@ -86,7 +86,7 @@ static void a_kernel_is_chosen_and_taken_back(void **state)
     stand s = {.input_count = 0};
     stand_open(&s, &panel_engine, 1.0f);
     stand_face(&s, &about);
-    stand_click(&s, "Time of a frame");
+    stand_click(&s, "Frame time");
     stand_click(&s, "Wendland C2");
     stand_click(&s, "Wendland C4");
     assert_int_equal(s.solver.kernel, CSRBF_WENDLAND_C4);
@@ -104,11 +104,11 @@ static void a_refused_solver_is_not_shown_as_chosen(void **state)
     (void)state;
     stand s = {.input_count = 0};
     stand_open(&s, &panel_engine, 1.0f);
-    stand_click(&s, "Time of a frame"); /* folded: there is room for the solver */
+    stand_click(&s, "Frame time"); /* folded: there is room for the solver */
     s.refusal = "too many controls for a linear polynomial";
-    stand_click(&s, "none: local");
+    stand_click(&s, "none (local)");
     stand_click(&s, "constant");
-    assert_true(stand_shows(&s, "none: local"));
+    assert_true(stand_shows(&s, "none (local)"));
     assert_true(stand_shows(&s, "too many controls"));
     assert_int_equal(s.step_count, 0);
     stand_close(&s);
@@ -120,8 +120,8 @@ static void a_radius_is_dragged_in_one_step(void **state)
     stand s = {.input_count = 0};
     stand_open(&s, &panel_engine, 1.0f);
     stand_face(&s, &about);
-    stand_click(&s, "Time of a frame");
-    stand_click(&s, "Radius as the rig says");
+    stand_click(&s, "Frame time");
+    stand_click(&s, "Use the radius of the rig");
     assert_float_equal(s.solver.radius, 60.0, 1e-9);
     const ui_word *label = stand_word(&s, "Radius");
     float x = label->where.x + 160.0f, y = label->where.y + 6.0f;
@@ -202,7 +202,7 @@ static void the_log_tells_time_source_and_level(void **state)
     (void)state;
     stand s = {.input_count = 0};
     stand_open(&s, &panel_log, 1.0f);
-    assert_true(stand_shows(&s, "Nothing was said."));
+    assert_true(stand_shows(&s, "No messages."));
     fill_log(&s);
     assert_true(stand_shows(&s, "night_ride"));
     stand_check_words(&s, NULL);
@@ -223,7 +223,7 @@ static void the_log_is_cleared_and_goes_on(void **state)
     stand_open(&s, &panel_log, 1.0f);
     fill_log(&s);
     stand_click(&s, "Clear");
-    assert_true(stand_shows(&s, "Nothing was said."));
+    assert_true(stand_shows(&s, "No messages."));
     for (int i = 0; i < 400 && !stand_shows(&s, "and on"); ++i) {
         log_push(s.log, MRT_LOG_INFO, "test", "and on");
         stand_frame(&s);

@@ -136,9 +136,9 @@ static void the_card_says_what_each_part_does_and_lights_what_moves(void **state
     stand *s = &p.stand;
     open_person(&p, "one_hand");
     stand_settle(s);
-    assert_true(stand_shows(s, "No hand is there"));
+    assert_true(stand_shows(s, "No hand is tracked"));
     show_hand(&p);
-    assert_false(stand_shows(s, "No hand is there"));
+    assert_false(stand_shows(s, "No hand is tracked"));
     assert_true(stand_shows(s, "Thumb down"));
     assert_true(stand_shows(s, "jaw opens"));
     stand_check_words(s, NULL);
@@ -152,7 +152,7 @@ static void the_card_says_what_each_part_does_and_lights_what_moves(void **state
     assert_int_not_equal(stand_word(s, "Thumb down")->colour, dark);
     assert_int_equal(stand_word(s, "Fingers spread")->colour, dark);
     stand_picture(s, "panel_hand_lit");
-    stand_click(s, "On the stage");
+    stand_click(s, "Show on the stage");
     assert_true(s->looks.shows_card);
     close_person(&p);
 }
@@ -248,7 +248,7 @@ static void a_mapping_without_a_card_says_so(void **state)
     person p;
     open_person(&p, "anchored");
     stand_settle(&p.stand);
-    assert_true(stand_shows(&p.stand, "Anchored has no card of the hand"));
+    assert_true(stand_shows(&p.stand, "Anchored has no hand card"));
     stand_check_words(&p.stand, NULL);
     close_person(&p);
 }
@@ -301,7 +301,7 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     begin_simon(&p);
     assert_true(s->looks.is_answering);
     assert_true(stand_shows(s, "Round 1, face 1 of 12"));
-    assert_true(stand_shows(s, "Hold your hand as this face."));
+    assert_true(stand_shows(s, "Hold the hand pose for this face."));
     stand_check_words(s, NULL);
     stand_picture(s, "panel_hand_simon");
     (void)taught_save(&s->mapping, first, sizeof first);
@@ -327,7 +327,7 @@ static void two_rounds_teach_the_mapping_and_faces_are_met(void **state)
     stand_key(s, ' ');
     for (int i = 0; i < 12; ++i)
         answer(&p, i % 2 ? 1.0f : -1.0f);
-    assert_true(stand_shows(s, "Your hand is learned."));
+    assert_true(stand_shows(s, "The mapping has learned your hand."));
     stand_picture(s, "panel_hand_learned");
     stand_key(s, ' '); /* Try it */
     stand_settle(s);
@@ -400,7 +400,7 @@ static void a_preset_brings_the_answers_of_simon_says_back(void **state)
     assert_memory_not_equal(now, answered, size);
     assert_true(pulls_apart(&learned, &s->view.pull) > 1.0);
     stand_settle(s);
-    stand_click(s, "Use again");
+    stand_click(s, "Reload");
     perform(&p, 100);
     assert_int_equal(taught_save(&s->mapping, now, sizeof now), size);
     assert_memory_equal(now, answered, size);

@@ -15,11 +15,11 @@ static void a_lost_device_is_said_calmly_and_comes_back(void **state)
     stand_open(&s, &panel_devices, 1.0f);
     stand_plugin(&s, "tests/plugin/flaky");
     stand_input(&s, "flaky:port:1-2,run=0.2,away=1.5,losses=1");
-    stand_wait_for(&s, "away for 1 s, tried again");
+    stand_wait_for(&s, "disconnected for 1 s, retrying");
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_devices_lost");
     stand_wait_for(&s, "running");
-    assert_false(stand_shows(&s, "away for"));
+    assert_false(stand_shows(&s, "disconnected for"));
     stand_close(&s);
 }
 

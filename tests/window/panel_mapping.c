@@ -73,7 +73,7 @@ static void without_a_mapping_it_says_so(void **state)
     (void)state;
     stand s = {.input_count = 0};
     open_with(&s, "", 1.0f);
-    assert_true(stand_shows(&s, "No mapping performs"));
+    assert_true(stand_shows(&s, "No mapping is active"));
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_mapping_none");
     stand_close(&s);
@@ -357,7 +357,7 @@ static void a_preset_keeps_what_was_taught(void **state)
     assert_memory_equal(now, shipped, size);
     stand_settle(&s);
     stand_picture(&s, "panel_mapping_preset_taught");
-    stand_click(&s, "Use again");
+    stand_click(&s, "Reload");
     assert_int_equal(lessons_of(&s, now), size);
     assert_memory_equal(now, taught, size);
     undo(&s);
@@ -369,12 +369,12 @@ static void a_preset_keeps_what_was_taught(void **state)
     /* Somebody else's file: it says what is wrong, and what was taught stays. */
     const uint32_t steps = s.step_count;
     settings_set_text(s.settings, "mapping.poses.preset.my hand", "amount=50,taught:00nonsense");
-    stand_click(&s, "Use again");
+    stand_click(&s, "Reload");
     assert_float_equal(value_of(&s, "Amount"), 50.0, 1e-9);
     assert_true(news_say(&s, "damaged"));
     settings_set_text(s.settings, "mapping.poses.preset.my hand", "amount=50,taught:00112233");
-    stand_click(&s, "Use again");
-    assert_true(news_say(&s, "is not taken"));
+    stand_click(&s, "Reload");
+    assert_true(news_say(&s, "cannot restore the learned hand poses"));
     assert_int_equal(lessons_of(&s, now), size);
     assert_memory_equal(now, taught, size);
     assert_int_equal(s.step_count, steps + 1); /* the values, once */
@@ -421,7 +421,7 @@ static void pedals_say_what_they_do_and_how_far_they_are_down(void **state)
     settings_set_number(s.settings, "hands.rezero_pedal", 4);
     stand_click(&s, "Pedals");
     assert_non_null(stand_word(&s, "Re-zero"));
-    assert_non_null(stand_word(&s, "does nothing") ? NULL : &s);
+    assert_non_null(stand_word(&s, "not used") ? NULL : &s);
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_mapping_pedals");
     stand_click(&s, "Pedal 2"); /* of Hold */
@@ -462,7 +462,7 @@ static void a_finger_is_moved_and_a_contact_clicked(void **state)
     stand_frame(&s);
     s.stroke.is_pressed = false;
     stand_settle(&s);
-    assert_true(stand_shows(&s, "There is no contact there"));
+    assert_true(stand_shows(&s, "No contact at this point"));
     s.stroke = (viewport_stroke){.is_on_face = true, .is_pressed = true, .contact = 3};
     stand_frame(&s);
     s.stroke.is_pressed = false;
@@ -501,7 +501,7 @@ static void a_mapping_that_links_nothing_offers_one_that_does(void **state)
     open_with(&s, "one_hand", 1.0f);
     stand_click(&s, "Learn");
     stand_picture(&s, "panel_mapping_cannot_learn");
-    stand_click(&s, "Perform with Anchored");
+    stand_click(&s, "Switch to Anchored");
     assert_string_equal(s.mapping.type->id, "org.marotte.anchored");
     stand_close(&s);
 }

@@ -72,7 +72,7 @@ static void it_begins_with_what_it_is_for(void **state)
     (void)state;
     stand s = {.input_count = 0};
     open_panel(&s);
-    assert_true(stand_shows(&s, "The face goes nowhere yet."));
+    assert_true(stand_shows(&s, "No output is open."));
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_output_none");
     close_panel(&s);
@@ -85,10 +85,10 @@ static void one_is_added_says_how_it_does_and_is_closed(void **state)
     open_panel(&s);
     stand_click(&s, "Add");
     assert_int_equal(outputs_count(sent), 1);
-    stand_wait_for(&s, "Opens");
-    assert_false(stand_shows(&s, "goes nowhere"));
+    stand_wait_for(&s, "Opening");
+    assert_false(stand_shows(&s, "No output is open"));
     assert_true(outputs_add(sent, "troubled_output:9,trouble=4", &trouble) >= 0);
-    stand_wait_for(&s, "the door is locked; it is tried again");
+    stand_wait_for(&s, "the door is locked. Retrying.");
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_output");
     stand_click(&s, "Close");

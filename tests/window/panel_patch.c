@@ -56,7 +56,7 @@ static void with_nothing_it_says_what_it_is_for(void **state)
     (void)state;
     stand s = {.input_count = 0};
     open_with(&s, 1.0f);
-    assert_true(stand_shows(&s, "Faders, sticks, a phone's face"));
+    assert_true(stand_shows(&s, "Connect faders, sticks, tracked shapes"));
     stand_check_words(&s, NULL);
     stand_picture(&s, "panel_patch_none");
     stand_close(&s);
@@ -78,7 +78,7 @@ static void a_fader_is_moved_and_a_dot_is_clicked(void **state)
     fader(&s, 1, 0.1f); /* noise */
     assert_true(stand_shows(&s, "Move one fader"));
     fader(&s, 1, 0.6f);
-    assert_true(stand_shows(&s, "cc.1. Now click what it moves"));
+    assert_true(stand_shows(&s, "cc.1. Now click its target"));
     stand_picture(&s, "panel_patch_learn");
     s.stroke = (viewport_stroke){.is_pressed = true, .contact = 2};
     stand_frame(&s);
@@ -142,7 +142,7 @@ static void a_list_is_readable_and_a_connection_can_be_changed_and_deleted(void 
         const ui_word *row = stand_word(&s, "cc.0 \xe2\x86\x92 jaw.open");
         assert_non_null(row);
         stand_click_at(&s, row->where.x + 20.0f, row->where.y + 6.0f);
-        assert_true(stand_shows(&s, "Counts"));
+        assert_true(stand_shows(&s, "Input"));
         stand_picture(&s, i == 0 ? "panel_patch_chosen" : "panel_patch_chosen_2x");
         stand_click(&s, "Pick up");
         assert_true(s.patch.connection[0].picks_up);
@@ -163,7 +163,7 @@ static void while_a_take_is_recorded_nothing_is_changed(void **state)
     open_with(&s, 1.0f);
     s.status.is_recording = true;
     stand_settle(&s);
-    assert_true(stand_shows(&s, "when the take has ended"));
+    assert_true(stand_shows(&s, "End the take to change the patch"));
     stand_click(&s, "Learn");
     assert_false(s.aim.is_learning);
     stand_close(&s);

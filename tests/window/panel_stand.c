@@ -499,7 +499,7 @@ static void settle_first(stand *s)
 {
     const int64_t until_ns = clock_now_ns() + PATIENCE_S * NS_PER_S;
     stand_settle(s);
-    while (stand_shows(s, "Looking\xe2\x80\xa6") && clock_now_ns() < until_ns)
+    while (stand_shows(s, "Searching\xe2\x80\xa6") && clock_now_ns() < until_ns)
         wait_a_frame(s);
     stand_settle(s);
 }

@@ -96,7 +96,7 @@ static bool is_back(scene *s, void *data)
 {
     int32_t level;
     (void)data;
-    return was_said(s, "is back after", &level) && !scene_word_with(s, "away for");
+    return was_said(s, "is back after", &level) && !scene_word_with(s, "disconnected for");
 }
 
 static void tell_all(scene *s)
@@ -113,7 +113,7 @@ static void tell_all(scene *s)
 /* Pressed, pulled out in that state, plugged in again, pressed. */
 static void replug(scene *s, pedal_double *machine, pedal_unit *unit, const char *picture)
 {
-    char away[] = "away for", name[64];
+    char away[] = "disconnected for", name[64];
     int32_t level = -1;
     REPORT(unit, 1, 0);
     wait_for_pedal(s, 1.0f);

@@ -92,7 +92,7 @@ static void a_region_that_is_chosen_is_shown_alone(void **state)
     rig_stand_click_on(&s, "mobile");
     rig_stand_picture(&s, "rig_region");
     rig_stand_check_words(&s);
-    rig_stand_click_on(&s, "Take out");
+    rig_stand_click_on(&s, "Remove");
     assert_int_equal(s.step_count, 1);
     rig_stand_frames(&s, 2);
     rig_stand_wait_for_change(&s, 1);
@@ -232,11 +232,11 @@ static void the_rims_of_the_mouth_are_found_and_taken_out(void **state)
     assert_true(rig_stand_says(&s, "37 and 37 vertices"));
     rig_stand_picture(&s, "rig_mouth");
     rig_stand_check_words(&s);
-    rig_stand_click_on(&s, "Take out");
+    rig_stand_click_on(&s, "Remove");
     rig_stand_wait_for_change(&s, 1);
-    assert_string_equal(s.step[0].words, "rig: take out the mouth");
+    assert_string_equal(s.step[0].words, "rig: remove the mouth");
     assert_null(s.of.file.rig->mouth.upper);
-    assert_true(rig_stand_says(&s, "No rims"));
+    assert_true(rig_stand_says(&s, "The mouth has no rims"));
     for (uint32_t i = 0; i < s.of.file.rig->pose_count; ++i)
         for (uint32_t k = 0; k < s.of.file.rig->pose[i].dof_count; ++k)
             assert_string_not_equal(s.of.file.rig->pose[i].dof_name[k], RIG_LIPS_SEAL);

@@ -68,7 +68,7 @@ static void a_ball_is_added_and_taken_back(void **state)
     rig_stand_frames(&s, 3);
     assert_string_equal(s.step[0].words, "rig: add a bone");
     assert_true(rig_stand_says(&s, "Radius"));
-    assert_true(rig_stand_says(&s, "No region says")); /* nobody rides on it yet */
+    assert_true(rig_stand_says(&s, "No region moves with this bone")); /* nobody rides on it yet */
     rig_stand_picture(&s, "rig_parts_ball");
     rig_stand_check_words(&s);
     s.step[0].undo(s.step[0].owner, s.step[0].data);
@@ -79,7 +79,7 @@ static void a_ball_is_added_and_taken_back(void **state)
     assert_int_equal(s.step_count, 1);
     rig_stand_click_on(&s, "lid_lower.r"); /* the one behind it in the list is the new one */
     rig_stand_frames(&s, 2);
-    assert_false(rig_stand_says(&s, "No region says"));
+    assert_false(rig_stand_says(&s, "No region moves with this bone"));
     rig_stand_close(&s);
 }
 
@@ -89,7 +89,7 @@ static void a_ball_s_turns_are_edited_by_hand(void **state)
     (void)state;
     open_parts(1280, 1100, 1.0f); /* all of it is seen */
     const uint32_t eye = rig_find_bone(rig_now(), "eye.l");
-    fold("What skin does not enter");
+    fold("Collision shapes");
     fold("Poses");
     rig_stand_click_on(&s, "eye.l");
     rig_stand_frames(&s, 3);
@@ -139,16 +139,16 @@ static void a_bone_is_taken_out_and_the_skull_stays(void **state)
     (void)state;
     open_parts(1280, 720, 1.0f);
     const uint32_t count = rig_now()->bone_count;
-    fold("What skin does not enter");
+    fold("Collision shapes");
     fold("Poses");
     rig_stand_click_on(&s, "skull");
     rig_stand_frames(&s, 2);
-    rig_stand_click_on(&s, "Take out");
+    rig_stand_click_on(&s, "Remove");
     rig_stand_frames(&s, 20);
     assert_int_equal(s.step_count, 0);
     rig_stand_click_on(&s, "jaw");
     rig_stand_frames(&s, 2);
-    rig_stand_click_on(&s, "Take out");
+    rig_stand_click_on(&s, "Remove");
     rig_stand_wait_for_change(&s, 1);
     assert_int_equal(rig_now()->bone_count, count - 1);
     assert_int_equal(rig_find_bone(rig_now(), "jaw"), RIG_NONE);
@@ -169,7 +169,7 @@ static void an_ellipsoid_is_added_and_taken_out(void **state)
     rig_stand_frames(&s, 3);
     rig_stand_picture(&s, "rig_parts_ellipsoid");
     rig_stand_check_words(&s);
-    rig_stand_click_on(&s, "Take out");
+    rig_stand_click_on(&s, "Remove");
     rig_stand_wait_for_change(&s, 2);
     assert_int_equal(rig_now()->proxy_count, count);
     undo_last();
@@ -182,7 +182,7 @@ static void add_shape(void)
 {
     const int64_t end_ns = clock_now_ns() + 600 * NS_PER_S;
     while (s.step_count == 0 && clock_now_ns() < end_ns) {
-        rig_stand_click_on(&s, "Add the shape on the stage");
+        rig_stand_click_on(&s, "Add current shape");
         rig_stand_frames(&s, 5);
     }
     assert_int_equal(s.step_count, 1);
@@ -194,7 +194,7 @@ static void the_shape_on_the_stage_becomes_a_pose(void **state)
     open_parts(1280, 720, 1.0f);
     const uint32_t count = rig_now()->pose_count, tip = stand_contact(&s.of, "nose.tip");
     fold("Bones");
-    fold("What skin does not enter");
+    fold("Collision shapes");
     s.of.view.contact[tip].z += 7.0;
     add_shape();
     rig_stand_wait_for_change(&s, 1);
@@ -207,7 +207,7 @@ static void the_shape_on_the_stage_becomes_a_pose(void **state)
     rig_stand_frames(&s, 20);
     rig_stand_picture(&s, "rig_parts_pose");
     rig_stand_check_words(&s);
-    rig_stand_click_on(&s, "Take out");
+    rig_stand_click_on(&s, "Remove");
     rig_stand_wait_for_change(&s, 2);
     assert_int_equal(rig_now()->pose_count, count);
     undo_last();

@@ -177,7 +177,7 @@ static void under_another_name_it_goes_on_there_and_undo_too(void **state)
     scene_key(&s, 'A', UI_CONTROL);
     scene_type(&s, "/tmp/marotte_elsewhere/x");
     scene_key(&s, UI_KEY_ENTER, 0);
-    assert_non_null(scene_word_with(&s, "in the folder of its mesh, or above it"));
+    assert_non_null(scene_word_with(&s, "in the folder of its mesh or in a folder above it"));
     scene_key(&s, UI_KEY_ESCAPE, 0);
     assert_string_equal(app_face_path(s.app), path);
     rig_destroy(&before);
@@ -252,7 +252,7 @@ static void what_is_not_saved_is_asked_about_and_offered_again(void **state)
     assert_true(scene_until(&s, has_rig_panel, NULL));
     scene_look(&s, "rig_offer");
     scene_check_words(&s);
-    scene_click_word(&s, "Take them up");
+    scene_click_word(&s, "Restore");
     assert_true(scene_until(&s, is_unsaved, NULL));
     scene_key(&s, 'S', UI_CONTROL);
     assert_true(scene_until(&s, is_saved, NULL));

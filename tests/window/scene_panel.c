@@ -198,7 +198,7 @@ static void a_view_of_the_camera_is_kept_and_come_back_to(void **state)
     scene_do(&s, ACTION_VIEW_SIDE);
     scene_frames(&s, 60);
     there = viewport_view(app_viewport(s.app));
-    scene_click_word(&s, "Keep this view");
+    scene_click_word(&s, "Save view");
     assert_int_equal(kept_scenery_now(app_scenery(s.app))->view_count, 1);
     scene_do(&s, ACTION_VIEW_FRONT);
     scene_frames(&s, 60);
@@ -304,7 +304,7 @@ static void a_picture_behind_is_the_shows_in_the_window_and_in_exports(void **st
     assert_tinted(BUILD_DIR "/out/scene_backdrop_again.png", 0.03, 0.12, 0);
     scene_do(&s, ACTION_VIEW_SIDE);
     scene_frames(&s, 60);
-    scene_click_word(&s, "Keep this view");
+    scene_click_word(&s, "Save view");
     scene_end(&s);
 
     (void)snprintf(arguments, sizeof arguments,
@@ -441,7 +441,7 @@ static void all_of_the_scene_is_undone_and_done_again_bit_for_bit(void **state)
     write_two_tones(path, 60, 30);
     read_notes(&s, first);
     scene_click_word(&s, "Theatre");
-    scene_click_word(&s, "Keep this view");
+    scene_click_word(&s, "Save view");
     drop(&s, path);
     assert_true(scene_until(&s, has_backdrop, NULL));
     scene_frames(&s, 2);

@@ -44,7 +44,7 @@ static bool is_recorded(scene *s, void *data)
 static bool waits_for_the_take(scene *s, void *data)
 {
     (void)data;
-    return scene_word_with(s, "joins when the take has ended") != NULL;
+    return scene_word_with(s, "used after the current take ends") != NULL;
 }
 
 static void open_scene(scene *s, uint32_t width_px, uint32_t height_px, float scale)

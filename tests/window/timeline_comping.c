@@ -117,7 +117,7 @@ static void laying_another_take_elsewhere_is_undone(void **state)
     const int64_t laid_ns = timeline_comp_later_ns(s->panel, 0);
     const app_step dragged = s->did;
     assert_int_equal(s->did_count, 1);
-    assert_non_null(strstr(dragged.words, "take 3 laid at +0.5"));
+    assert_non_null(strstr(dragged.words, "shift take 3 to +0.5"));
     stand_double_click(s, stand_x(s, 2.0), stand_y(s, 2)); /* lays it back */
     assert_int_equal(s->did_count, 2);
     assert_int_equal(timeline_comp_later_ns(s->panel, 0), 0);

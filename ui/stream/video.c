@@ -215,7 +215,7 @@ mrt_result video_look_open(video_look *self, show *from, log_queue *log, error *
         result = open_picture(self, err);
     if (result >= 0 && self->kept_view > self->scene.view_count)
         result = error_set(err, MRT_ERR_ARGUMENT,
-                           "--view %u: the show has %u camera views (Scene, Keep this view)",
+                           "--view %u: the show has %u camera views (Scene, Save view)",
                            self->kept_view, self->scene.view_count);
     return result < 0 ? result : MRT_OK;
 }

@@ -23,16 +23,16 @@ typedef enum calibrate_tone {
 
 typedef struct calibrate_guide {
     glove_channels glove;
-    guide *guide;          /* NULL: none is made now */
-    float raw[MRT_ANGLES]; /* newest */
+    guide *guide;          /* NULL: no calibration in progress */
+    float raw[MRT_ANGLES]; /* newest sample */
     bool has_sample;
-    char news[600]; /* what was taken or refused last; "" */
+    char news[600]; /* last message about a recorded or refused pose; may be "" */
     calibrate_tone tone;
-    calibration_file *result;  /* once all steps are done; NULL before */
+    calibration_file *result;  /* NULL until all steps are done */
     guide_judgement judgement; /* of the result */
 } calibrate_guide;
 
-/* ---- a calibration that is being made ---- */
+/* ---- calibration in progress ---- */
 
 static mrt_result calibrate_guide_begin(calibrate_guide *out, const mrt_channel *channel,
                                         uint32_t count, uint32_t side, const char *name, error *err)
@@ -56,7 +56,7 @@ static void forget_result(calibrate_guide *self)
     self->result = NULL;
 }
 
-/* zeroed is fine */
+/* Accepts zeroed memory. */
 static void calibrate_guide_end(calibrate_guide *self)
 {
     forget_result(self);
@@ -96,15 +96,15 @@ static void follow(calibrate_guide *self, guide_news news, guide_step step)
     case GUIDE_NOTHING:
         return;
     case GUIDE_TAKEN:
-        say(self, CALIBRATE_TOOK, "Taken: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
+        say(self, CALIBRATE_TOOK, "Recorded: %s%s%s", guide_step_name[step], reason[0] ? "; " : "",
             reason);
         break;
     case GUIDE_SKIPPED:
-        say(self, CALIBRATE_SAYS, "Left out: %s", guide_step_name[step]);
+        say(self, CALIBRATE_SAYS, "Skipped: %s", guide_step_name[step]);
         break;
     case GUIDE_REFUSED:
     case GUIDE_TIMED_OUT:
-        say(self, CALIBRATE_REFUSED, "Not taken: %s", reason);
+        say(self, CALIBRATE_REFUSED, "Not recorded: %s", reason);
         return;
     }
     if (guide_current(self->guide) == GUIDE_STEPS)
@@ -119,7 +119,7 @@ static void calibrate_guide_sample(calibrate_guide *self, const mrt_sample *samp
     follow(self, guide_sample(self->guide, self->raw, sample->time_ns), step);
 }
 
-/* what: guide_next, which takes the pose as it is, or guide_skip. */
+/* what: guide_next, which records the current pose, or guide_skip. */
 static void calibrate_guide_advance(calibrate_guide *self, guide_news (*what)(guide *))
 {
     guide_step step = guide_current(self->guide);
@@ -130,18 +130,20 @@ static void calibrate_guide_back(calibrate_guide *self)
 {
     forget_result(self);
     guide_repeat(self->guide);
-    say(self, CALIBRATE_SAYS, "Again: %s", guide_step_name[guide_current(self->guide)]);
+    say(self, CALIBRATE_SAYS, "Repeat: %s", guide_step_name[guide_current(self->guide)]);
 }
 
-/* One pose once more, then back to the result. */
+/* Repeats one pose, then returns to the result. */
 static void calibrate_guide_again(calibrate_guide *self, guide_step step)
 {
     forget_result(self);
     guide_again(self->guide, step);
-    say(self, CALIBRATE_SAYS, "Again: %s. Skip leaves it as it was.", guide_step_name[step]);
+    say(self, CALIBRATE_SAYS, "Repeat: %s. Skip keeps the earlier recording.",
+        guide_step_name[step]);
 }
 
-/* Into the user's folder; *out_path is to be freed. hand_length_mm 0: not said. */
+/* Saves the calibration in the user's folder. The caller frees *out_path. hand_length_mm 0:
+ * unknown. */
 static mrt_result calibrate_guide_keep(calibrate_guide *self, const char *name,
                                        double hand_length_mm, char **out_path, error *err)
 {
@@ -182,9 +184,9 @@ struct calibrate_panel {
     input *glove; /* NULL: closed */
     uint32_t index;
     calibrate_guide guide;
-    hand_skeleton *skeleton[2]; /* by side: of the poses that are drawn */
+    hand_skeleton *skeleton[2]; /* for the drawn poses, by side */
     bool is_asked, is_away;
-    bool gives_up; /* it was to be closed: whether the poses are to be given up is asked */
+    bool gives_up; /* the user closed the dialog, which now asks whether to discard the poses */
     char name[CALIBRATION_NAME], length[16];
     error trouble;
     char *kept;
@@ -253,7 +255,8 @@ const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side)
     return self->kept;
 }
 
-/* The list of inputs may have changed beneath it: the glove has another index then, or is gone. */
+/* Finds the glove in the list of inputs again. Its index changes when other inputs are opened or
+ * closed. Returns false if the glove was closed. */
 static bool is_still_there(calibrate_panel *self)
 {
     live *stage = app_live(self->app);
@@ -290,8 +293,8 @@ void calibrate_panel_update(calibrate_panel *self)
     self->is_away = input_state_of(self->glove) != INPUT_RUNNING;
     if (has_other_channels(self)) {
         (void)error_set(&self->trouble, MRT_ERR_UNSUPPORTED,
-                        "The input has other sensors than at the beginning: close this and begin "
-                        "again.");
+                        "The sensors of the input changed during the calibration. Close this "
+                        "dialog and start again.");
         return;
     }
     app_want_frame(self->app, 0.0);
@@ -394,11 +397,11 @@ static void draw_news(const calibrate_panel *self, ui *on)
     ui_scroll_end(on);
 }
 
-/* Such that the buttons do not move from pose to pose. */
+/* The height is fixed, so that the buttons do not move between poses. */
 static void draw_words(const calibrate_panel *self, ui *on)
 {
     guide_step step = guide_current(self->guide.guide);
-    const char *waits = self->is_away ? "the hand is away: waiting for it"
+    const char *waits = self->is_away ? "waiting for the hand: no samples arrive"
                                       : guide_wait_words[guide_waiting(self->guide.guide)];
     char name[64];
     (void)snprintf(name, sizeof name, "%s", guide_step_name[step]);
@@ -414,18 +417,18 @@ static void draw_words(const calibrate_panel *self, ui *on)
 static void draw_pose_buttons(calibrate_panel *self, ui *on)
 {
     ui_disabled_begin(on, self->is_away || self->trouble.text[0]);
-    if (ui_button(on, "Take it now", UI_ACCENT))
+    if (ui_button(on, "Record now", UI_ACCENT))
         calibrate_guide_advance(&self->guide, guide_next);
-    ui_hint(on, "Enter. Without waiting until the hand is still.");
+    ui_hint(on, "Record this pose without waiting for a still hand (Enter).");
     ui_disabled_end(on);
     ui_same_line(on);
     if (ui_button(on, "Back", UI_PLAIN))
         calibrate_guide_back(&self->guide);
-    ui_hint(on, "The pose before, once more.");
+    ui_hint(on, "Repeat the previous pose.");
     ui_same_line(on);
     if (ui_button(on, "Skip", UI_PLAIN))
         calibrate_guide_advance(&self->guide, guide_skip);
-    ui_hint(on, "Goes on without this pose: what it would tell is as shipped.");
+    ui_hint(on, "Skip this pose and use the default values for its sensors.");
     ui_same_line(on);
     ui_at(on, width - 36.0f - 80.0f);
     ui_width(on, 80.0f);
@@ -435,7 +438,7 @@ static void draw_pose_buttons(calibrate_panel *self, ui *on)
         calibrate_guide_advance(&self->guide, guide_next);
 }
 
-/* The pose to make, as one sees the own hand. */
+/* Draws the pose from the user's point of view. */
 static void draw_figure(const calibrate_panel *self, ui *on)
 {
     float angle_rad[MRT_ANGLES];
@@ -464,7 +467,7 @@ static void draw_poses(calibrate_panel *self, ui *on)
     draw_pose_buttons(self, on);
 }
 
-/* ---- what came out ---- */
+/* ---- result ---- */
 
 static void draw_summary(const calibration_file *file, ui *on)
 {
@@ -481,7 +484,7 @@ static void draw_summary(const calibration_file *file, ui *on)
             worst = i;
     }
     (void)snprintf(words, sizeof words, "%d measured, %d %s", measured, shipped,
-                   file->input[0] ? "else as they are seen" : "with the shipped gain");
+                   file->input[0] ? "the others not calibrated" : "with the default gain");
     ui_fact(on, "Sensors", 130.0f, UI_STYLE_BODY, words);
     if (worst < 0)
         return;
@@ -491,9 +494,9 @@ static void draw_summary(const calibration_file *file, ui *on)
     ui_fact(on, "Worst residual", 130.0f, UI_STYLE_BODY, words);
 }
 
-static const float worth_telling = 0.1f; /* of one sensor in another, rad per rad */
+static const float worth_telling = 0.1f; /* cross-talk of one sensor in another, rad per rad */
 
-/* What is wrong, then what moves along: a line a sensor worth a word. */
+/* Lists flaws first, then cross-talk: one line for each sensor above the threshold. */
 static void draw_findings(const calibrate_panel *self, ui *on)
 {
     const guide_judgement *judgement = &self->guide.judgement;
@@ -509,7 +512,7 @@ static void draw_findings(const calibrate_panel *self, ui *on)
         for (int k = 0; k < MRT_ANGLES && sensor->table.count > 0; ++k) {
             if (!(fabsf(sensor->cross_talk[k]) >= worth_telling))
                 continue;
-            (void)snprintf(words, sizeof words, "%s moves along with %s: %.0f %%",
+            (void)snprintf(words, sizeof words, "%s changes when %s moves: %.0f %%",
                            sensor_table[k].label, sensor_table[i].label,
                            100.0 * (double)sensor->cross_talk[k]);
             ui_text_wrapped(on, UI_STYLE_DIM, words);
@@ -519,8 +522,8 @@ static void draw_findings(const calibrate_panel *self, ui *on)
     if (count == 0)
         ui_text(on, UI_STYLE_GOOD,
                 self->guide.glove.input[0]
-                    ? "Every joint is seen where the poses say that it is."
-                    : "Every sensor says the same of the same pose, and alone.");
+                    ? "Every joint matches the poses."
+                    : "Every sensor is repeatable and independent of the others.");
     ui_scroll_end(on);
 }
 
@@ -530,9 +533,10 @@ static void keep(calibrate_panel *self, ui *on)
     double length_mm = strtod(self->length, NULL);
     bool has_length = length_mm >= HAND_LENGTH_MIN_MM && length_mm <= HAND_LENGTH_MAX_MM;
     if (self->length[0] && !has_length) {
-        (void)error_set(&self->trouble, MRT_ERR_ARGUMENT,
-                        "The hand's length is %d to %d mm, from the wrist to the middle fingertip.",
-                        HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
+        (void)error_set(
+            &self->trouble, MRT_ERR_ARGUMENT,
+            "Enter a hand length between %d and %d mm, from the wrist to the middle fingertip.",
+            HAND_LENGTH_MIN_MM, HAND_LENGTH_MAX_MM);
         return;
     }
     if (calibrate_guide_keep(&self->guide, self->name, has_length ? length_mm : 0.0, &path,
@@ -554,7 +558,8 @@ static void draw_verdict(const guide_judgement *judgement, ui *on)
     ui_text(on, is_good ? UI_STYLE_GOOD : UI_STYLE_WARNING, words);
 }
 
-/* The pose that mends most is offered first; what is only loose may stay as it is. */
+/* Offers to repeat the pose that improves the result most. The repeat is the default button only if
+ * the result is wrong, not if it is merely loose. */
 static void draw_result_buttons(calibrate_panel *self, ui *on)
 {
     const guide_judgement *judgement = &self->guide.judgement;
@@ -568,7 +573,7 @@ static void draw_result_buttons(calibrate_panel *self, ui *on)
             calibrate_guide_again(&self->guide, step);
             return;
         }
-        ui_hint(on, "Only this pose, once more; the others stay.");
+        ui_hint(on, "Repeat only this pose and keep the others.");
         ui_same_line(on);
     }
     if (ui_button(on, "Save and use", is_wrong ? UI_PLAIN : UI_ACCENT))
@@ -576,7 +581,7 @@ static void draw_result_buttons(calibrate_panel *self, ui *on)
     ui_same_line(on);
     if (ui_button(on, "Back", UI_PLAIN))
         calibrate_guide_back(&self->guide);
-    ui_hint(on, "The last pose, once more.");
+    ui_hint(on, "Repeat the last pose.");
     ui_same_line(on);
     ui_at(on, width - 36.0f - 80.0f);
     ui_width(on, 80.0f);
@@ -616,7 +621,8 @@ static void draw_without_result(calibrate_panel *self, ui *on)
         ui_dialog_close(on);
 }
 
-/* Whoever closes it, by Escape or by Cancel, may not have meant it: poses take a while to make. */
+/* Poses take time to record. If at least this many are recorded, closing the dialog asks for
+ * confirmation. */
 
 enum { ASKED_FROM = 3 };
 
@@ -628,24 +634,24 @@ static uint32_t taken(const calibrate_panel *self)
     return count;
 }
 
-/* Escape is "Stay" here. */
+/* Escape returns to the calibration. */
 static void draw_giving_up(calibrate_panel *self, ui *on)
 {
     char words[80];
-    (void)snprintf(words, sizeof words, "%u poses were taken. Nothing of them is kept yet.",
+    (void)snprintf(words, sizeof words, "%u poses were recorded. They are not saved yet.",
                    taken(self));
     ui_text_wrapped(on, UI_STYLE_BODY, words);
     ui_space(on, 8.0f);
-    if (ui_button(on, "Go on", UI_ACCENT) || ui_pressed(on, UI_KEY_ENTER, 0))
+    if (ui_button(on, "Continue", UI_ACCENT) || ui_pressed(on, UI_KEY_ENTER, 0))
         self->gives_up = false;
     ui_same_line(on);
-    if (ui_button(on, "Give them up", UI_PLAIN)) {
+    if (ui_button(on, "Discard poses", UI_PLAIN)) {
         leave(self);
         ui_dialog_close(on);
     }
 }
 
-/* It is not open any more. */
+/* Handles the close of the dialog by Escape or Cancel. */
 static void was_closed(calibrate_panel *self)
 {
     if (!self->gives_up && taken(self) < ASKED_FROM) {

@@ -1,6 +1,6 @@
-/* window/panels/calibrate.h - the guided calibration of a glove or a bare hand as a dialog over the
- * workspace: its poses with words and live bars, then how well it fits, a name, and it is used at
- * once. Part of the devices panel. [main] */
+/* window/panels/calibrate.h - the dialog that calibrates a glove or a bare hand. It shows each pose
+ * with instructions and live bars, then the quality of the result. The saved calibration is used
+ * immediately. Part of the devices panel. [main] */
 #ifndef MAROTTE_UI_WINDOW_PANELS_CALIBRATE_H
 #define MAROTTE_UI_WINDOW_PANELS_CALIBRATE_H
 #include "window/app/app.h"
@@ -10,13 +10,14 @@ typedef struct calibrate_panel calibrate_panel;
 calibrate_panel *calibrate_panel_create(app *of);    /* NULL: no memory */
 void calibrate_panel_destroy(calibrate_panel *self); /* NULL is fine */
 
-/* index: of live_input. False: that cannot be calibrated; out_why says it. */
+/* Opens the dialog. index: of live_input. Returns false, with the reason in out_why, if this input
+ * cannot be calibrated. */
 bool calibrate_panel_open(calibrate_panel *self, uint32_t index, uint32_t side, error *out_why);
-/* Each frame, seen or not: takes what the glove gave. */
+/* Reads the new samples of the glove. Call it in each frame, also while the dialog is hidden. */
 void calibrate_panel_update(calibrate_panel *self);
-/* Each frame of the panel that it belongs to. */
+/* Draws the dialog. Call it in each frame of the devices panel. */
 void calibrate_panel_draw(calibrate_panel *self, ui *on);
-/* Once after one was kept: its path, until the next call; NULL: none. */
+/* Returns the path of a newly saved calibration once, then NULL. Valid until the next call. */
 const char *calibrate_panel_take_kept(calibrate_panel *self, uint32_t *out_side);
 
 #endif

@@ -21,15 +21,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- text ---- */
 
 static const double silent_s = 1.0, late_ms = 20.0, odd_drift_ppm = 500.0;
 static const float saturated_share = 0.5f;
 
 /* ---- the state ---- */
 
-/* "3 s", "2 min" */
-static void say_duration(char out[32], double seconds)
+/* Writes "3 s" or "2 min". */
+static void write_duration(char out[32], double seconds)
 {
     if (seconds < 100.0)
         (void)snprintf(out, 32, "%.0f s", floor(seconds));
@@ -46,8 +46,8 @@ static devices_light running(const health_report *health, char out[DEVICES_WORDS
         (void)snprintf(out, DEVICES_WORDS, "running");
         return DEVICES_WELL;
     }
-    say_duration(duration, health->silence_s);
-    (void)snprintf(out, DEVICES_WORDS, "open, silent for %s", duration);
+    write_duration(duration, health->silence_s);
+    (void)snprintf(out, DEVICES_WORDS, "open, no samples for %s", duration);
     return DEVICES_WAITS;
 }
 
@@ -63,8 +63,8 @@ devices_light devices_words_state(const health_report *health, char out[DEVICES_
         (void)snprintf(out, DEVICES_WORDS, "over");
         return DEVICES_OVER;
     case INPUT_LOST:
-        say_duration(duration, health->state_s);
-        (void)snprintf(out, DEVICES_WORDS, "away for %s, tried again", duration);
+        write_duration(duration, health->state_s);
+        (void)snprintf(out, DEVICES_WORDS, "disconnected for %s, retrying", duration);
         return DEVICES_WAITS;
     case INPUT_FAILED:
         break;
@@ -73,7 +73,7 @@ devices_light devices_words_state(const health_report *health, char out[DEVICES_
     return DEVICES_FAILED;
 }
 
-/* ---- figures ---- */
+/* ---- statistics ---- */
 
 __attribute__((format(printf, 4, 5))) static devices_fact *
 fact(devices_fact *at, const char *label, const char *help, const char *format, ...)
@@ -90,41 +90,44 @@ static uint32_t count_losses(const health_report *h, devices_fact *out)
 {
     uint32_t count = 0;
     if (h->gap_count > 0)
-        fact(&out[count++], "Gaps", "Samples that are missing in the device's own numbers.",
-             "%llu of %llu", (unsigned long long)h->gap_count,
-             (unsigned long long)(h->gap_count + h->sample_count))
+        fact(&out[count++], "Gaps",
+             "Samples that are missing, by the sequence numbers of the device.", "%llu of %llu",
+             (unsigned long long)h->gap_count, (unsigned long long)(h->gap_count + h->sample_count))
             ->is_odd = h->gap_count * 1000 > h->sample_count;
     if (h->refused_count > 0)
-        fact(&out[count++], "Refused", "Samples that made no sense.", "%llu",
+        fact(&out[count++], "Refused", "Samples with invalid values.", "%llu",
              (unsigned long long)h->refused_count)
             ->is_odd = true;
     if (h->dropped_count > 0)
-        fact(&out[count++], "Dropped", "Samples that this computer was too slow for.", "%llu",
-             (unsigned long long)h->dropped_count)
+        fact(&out[count++], "Dropped", "Samples that were lost because this computer was too slow.",
+             "%llu", (unsigned long long)h->dropped_count)
             ->is_odd = true;
     if (h->loss_count > 0)
-        fact(&out[count++], "Went away", "How often the device was lost.", "%u times",
-             h->loss_count);
+        fact(&out[count++], "Disconnects", "Number of times that the device was disconnected.",
+             "%u times", h->loss_count);
     return count;
 }
 
 uint32_t devices_words_facts(const health_report *h, devices_fact out[DEVICES_FACTS_MAX])
 {
     uint32_t count = 0;
-    fact(&out[count++], "Rate", "Samples a second, by their own times.", "%.1f Hz", h->rate_hz);
-    fact(&out[count++], "Jitter", "How unevenly they follow each other: one standard deviation.",
-         "%.2f ms", h->jitter_ms);
-    fact(&out[count++], "Lateness", "From measured to arrived: mean, and the worst of 2 s.",
+    fact(&out[count++], "Rate", "Samples per second, measured by their time stamps.", "%.1f Hz",
+         h->rate_hz);
+    fact(&out[count++], "Jitter", "Standard deviation of the interval between samples.", "%.2f ms",
+         h->jitter_ms);
+    fact(&out[count++], "Lateness",
+         "Time from the measurement to the arrival of a sample: mean and maximum over 2 s.",
          "%.1f ms, worst %.1f ms", h->lateness_ms, h->lateness_worst_ms)
         ->is_odd = h->lateness_ms > late_ms;
     if (h->has_drift)
-        fact(&out[count++], "Clock drift", "How much faster the device's clock runs than ours.",
+        fact(&out[count++], "Clock drift",
+             "How much faster the clock of the device runs than the clock of this computer.",
              "%+.0f ppm", h->drift_ppm)
             ->is_odd = fabs(h->drift_ppm) > odd_drift_ppm;
     else
-        fact(&out[count++], "Clock drift", "Known 10 s after the device was opened.",
-             "not known yet");
-    fact(&out[count++], "Samples", "Since it was opened.", "%llu",
+        fact(&out[count++], "Clock drift", "Available 10 s after the device was opened.",
+             "not measured yet");
+    fact(&out[count++], "Samples", "Number of samples since the device was opened.", "%llu",
          (unsigned long long)h->sample_count);
     return count + count_losses(h, out + count);
 }
@@ -147,7 +150,7 @@ uint32_t devices_words_saturated(const health_report *health, const mrt_channel 
     return found;
 }
 
-/* ---- which are open ---- */
+/* ---- open devices ---- */
 
 static bool is_named(const char *name, size_t length, const mrt_plugin_type *type)
 {
@@ -177,28 +180,28 @@ bool devices_input_text(const device_found *device, char *out, size_t capacity)
     return length > 0 && (size_t)length < capacity && !strchr(device->device.address, ',');
 }
 
-/* ---- what is plugged in, looked for in the background ---- */
+/* ---- background search for devices ---- */
 
 static const int64_t period_ns = 2 * NS_PER_S, interest_ns = 5 * NS_PER_S;
 
 typedef struct findings {
-    bool is_known; /* a first look is done */
+    bool is_known; /* the first search is done */
     device_list devices;
     calibration_list calibrations;
-    error note; /* what could not be read; "" */
+    error note; /* error of the search; may be "" */
 } findings;
 
 typedef struct devices_search {
     const plugin_list *plugins;
     log_queue *log;
     pthread_t thread;
-    pthread_mutex_t mutex; /* guards what follows up to is_stopping */
+    pthread_mutex_t mutex; /* guards the fields from change to wanted_ns */
     pthread_cond_t change;
     findings posted;
     bool has_posted, is_asked, is_stopping;
     int64_t wanted_ns;
     findings shown;          /* [main] */
-    log_once already_logged; /* the thread's */
+    log_once already_logged; /* [thread] */
     findings made;
 } devices_search;
 
@@ -255,7 +258,7 @@ static void *search(void *data)
 
 /* ---- main ---- */
 
-/* plugins and log must outlive it. NULL: no memory, or no thread. */
+/* plugins and log must outlive the search. Returns NULL without memory or a thread. */
 static devices_search *devices_search_create(const plugin_list *plugins, log_queue *log)
 {
     devices_search *self = calloc(1, sizeof *self);
@@ -275,7 +278,7 @@ static devices_search *devices_search_create(const plugin_list *plugins, log_que
     return NULL;
 }
 
-/* waits for a look that goes on; NULL is fine */
+/* Waits for a search in progress. Accepts NULL. */
 static void devices_search_destroy(devices_search *self)
 {
     if (!self)
@@ -292,7 +295,7 @@ static void devices_search_destroy(devices_search *self)
     free(self);
 }
 
-/* As soon as possible: something was plugged in, opened or saved. */
+/* Starts a search as soon as possible, after a device was connected, opened or saved. */
 static void devices_search_again(devices_search *self)
 {
     pthread_mutex_lock(&self->mutex);
@@ -301,8 +304,8 @@ static void devices_search_again(devices_search *self)
     pthread_mutex_unlock(&self->mutex);
 }
 
-/* The newest, until the next call; whoever asks keeps the search going for some seconds. The mutex
- * is never held for long: what takes time is done without it. */
+/* Returns the newest findings, valid until the next call. Each call keeps the search running for 5
+ * s. The search does not hold the mutex while it reads devices and files. */
 static const findings *devices_search_look(devices_search *self)
 {
     const int64_t now_ns = clock_now_ns();
@@ -325,12 +328,12 @@ static const findings *devices_search_look(devices_search *self)
 
 enum { DEVICES_PATH = 1024 };
 
-/* What an input says of itself, as it is shown: numbers that change a hundred times a second are
- * read a few times, and more often only while the face moves. */
+/* State of an input as the panel shows it. It is read four times a second, and in each frame while
+ * the face moves. */
 typedef struct input_meter {
-    const input *of; /* NULL: nothing was read */
+    const input *of; /* NULL: not read yet */
     int64_t read_ns;
-    uint64_t face; /* the number of the one that was shown then */
+    uint64_t face; /* number of the face at that time */
     health_report health;
     bool has_sample;
     mrt_sample sample;
@@ -341,61 +344,61 @@ static const double meter_every_s = 0.25;
 
 struct panel {
     app *app;
-    devices_search *search; /* NULL: nothing can be looked for */
+    devices_search *search; /* NULL: the search is not available */
     calibrate_panel *calibrate;
     const findings *found; /* of this frame */
     char path[DEVICES_PATH], osc[128];
     input_opening opening[INPUT_OPENINGS_MAX]; /* of this frame */
     uint32_t opening_count, input_count;
     input_meter meter[METERS];
-    bool repeats;                    /* a recording begins again at its end */
-    bool shows_page;                 /* the camera's, as soon as it is open */
-    char remote[APP_REMOTE_ADDRESS]; /* the place that is typed */
+    bool repeats;                    /* loop recordings */
+    bool shows_page;                 /* open the camera page when the input is ready */
+    char remote[APP_REMOTE_ADDRESS]; /* address as typed */
     char streams[512];
-    char trouble[1024];    /* why the last thing that was asked for did not happen; "" */
-    rezero_counts rezeros; /* as of the frame before */
+    char trouble[1024];    /* error of the last action; may be "" */
+    rezero_counts rezeros; /* of the previous frame */
     bool was_refused;
 };
 
-/* ---- what is done ---- */
+/* ---- actions ---- */
 
 static const char *const calibration_key[2] = {"hands.calibration.left", "hands.calibration.right"};
 
-/* In the panel and in the news. */
-static void say_trouble(panel *self, const char *text)
+/* Reports an error in the panel and in the log panel. */
+static void report_trouble(panel *self, const char *text)
 {
     (void)snprintf(self->trouble, sizeof self->trouble, "%s", text);
     if (text[0])
         news_list_add(app_news(self->app), MRT_LOG_ERROR, "devices", text);
 }
 
-/* Opens it beside the window. */
+/* Opens an input in the background. */
 static void open_input(panel *self, const char *text)
 {
     self->trouble[0] = '\0';
-    (void)!app_open_input(self->app, text); /* says itself why it failed */
+    (void)!app_open_input(self->app, text); /* the function reports its own errors */
 }
 
 static void remove_input(panel *self, uint32_t index)
 {
     error err = {""};
     mrt_result result = live_remove_input(app_live(self->app), index, &err);
-    say_trouble(self, result < 0 ? err.text : "");
+    report_trouble(self, result < 0 ? err.text : "");
 }
 
-/* path "": shipped defaults. */
+/* path "": default calibration. */
 static void calibrate(panel *self, uint32_t side, const char *path)
 {
     error err = {""};
     if (live_calibrate(app_live(self->app), side, path[0] ? path : NULL, &err) < 0) {
-        say_trouble(self, err.text);
+        report_trouble(self, err.text);
         return;
     }
-    say_trouble(self, "");
+    report_trouble(self, "");
     settings_set_text(app_settings(self->app), calibration_key[side], path);
 }
 
-/* ---- an input that is open ---- */
+/* ---- open inputs ---- */
 
 static const float label_width = 104.0f, strip_height = 30.0f;
 static const char *const side_name[2] = {"Left hand", "Right hand"};
@@ -408,9 +411,9 @@ static const ui_style light_style[] = {[DEVICES_OVER] = UI_STYLE_DIM,
                                        [DEVICES_WAITS] = UI_STYLE_WARNING,
                                        [DEVICES_FAILED] = UI_STYLE_BAD};
 
-/* ---- head ---- */
+/* ---- header of a card ---- */
 
-/* False: the button at its end was pressed. */
+/* Returns false if the button at the right end was pressed. */
 static bool draw_head(ui *on, const char *name, devices_light light, const char *button,
                       const char *hint)
 {
@@ -497,11 +500,11 @@ static void draw_strip(ui *on, const mrt_channel *channels, uint32_t count,
 
 enum { CALIBRATIONS_MAX = 64 };
 
-/* tracker: as hand_calibration's input. */
+/* tracker: like the field input of hand_calibration. */
 static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
                              const char *tracker)
 {
-    const char *items[CALIBRATIONS_MAX + 2] = {tracker[0] ? "as it is seen" : "as shipped"};
+    const char *items[CALIBRATIONS_MAX + 2] = {tracker[0] ? "not calibrated" : "default"};
     const char *paths[CALIBRATIONS_MAX + 2] = {""};
     const char *used = live_calibration(app_live(self->app), side);
     uint32_t count = 1, chosen = used ? UINT32_MAX : 0;
@@ -509,7 +512,7 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
         const calibration_entry *entry = &self->found->calibrations.entry[i];
         const bool is_used = used && strcmp(used, entry->path) == 0;
         if (entry->side != side || strcmp(entry->input, tracker) != 0) {
-            chosen = is_used ? 0 : chosen; /* by an input of another kind */
+            chosen = is_used ? 0 : chosen; /* the calibration belongs to another kind of input */
             continue;
         }
         if (is_used)
@@ -517,28 +520,28 @@ static void draw_calibration(panel *self, ui *on, uint32_t index, uint32_t side,
         items[count] = entry->label;
         paths[count++] = entry->path;
     }
-    if (chosen == UINT32_MAX) { /* of another folder */
+    if (chosen == UINT32_MAX) { /* the file is in another folder */
         chosen = count;
         items[count] = file_name_of(used);
         paths[count++] = used;
     }
     if (ui_choice(on, side_name[side], label_width, items, count, &chosen))
         calibrate(self, side, paths[chosen]);
-    ui_hint(on, "Whose calibration this hand's sensors are read with.");
+    ui_hint(on, "Choose the calibration for this hand.");
     ui_id_begin(on, side_name[side]);
     ui_text(on, UI_STYLE_DIM, "");
     ui_at(on, label_width);
     if (ui_button(on, "Calibrate\xe2\x80\xa6", UI_PLAIN)) {
         error why = {""};
         if (!calibrate_panel_open(self->calibrate, index, side, &why))
-            say_trouble(self, why.text);
+            report_trouble(self, why.text);
     }
-    ui_hint(on,
-            tracker[0] ? "Flat, fist, spread: ten seconds." : "Ten poses, a minute and a half.");
+    ui_hint(on, tracker[0] ? "Calibrate with three poses (flat, fist, spread), about 10 s."
+                           : "Calibrate with ten poses, about 90 s.");
     ui_id_end(on);
 }
 
-/* ---- what is folded away ---- */
+/* ---- details and settings ---- */
 
 static void draw_details(ui *on, const health_report *health, const mrt_channel *channels,
                          uint32_t count)
@@ -552,7 +555,7 @@ static void draw_details(ui *on, const health_report *health, const mrt_channel 
         ui_hint(on, fact[i].help);
     }
     if (devices_words_saturated(health, channels, count, names) > 0) {
-        ui_text(on, UI_STYLE_WARNING, "At an end of their range:");
+        ui_text(on, UI_STYLE_WARNING, "At the end of the range:");
         ui_text_wrapped(on, UI_STYLE_DIM, names);
     }
 }
@@ -564,7 +567,7 @@ static void set_value(panel *self, input *of, uint32_t index, double value)
     instance_key(input_plugin(of), index, key, sizeof key);
     (void)snprintf(text, sizeof text, "%.9g", value);
     if (input_set(of, key, text, &err) < 0)
-        say_trouble(self, err.text);
+        report_trouble(self, err.text);
 }
 
 static uint32_t label_count(const mrt_param *p)
@@ -615,7 +618,8 @@ static void draw_params(panel *self, ui *on, input *of)
             draw_param(self, on, of, i);
 }
 
-/* What the program itself gives (the keyboard as a hand) is silent whenever nothing moves it. */
+/* Returns whether the program itself makes the input, such as the keyboard as a hand. It sends no
+ * samples while nothing moves it. */
 static bool is_made(const panel *self, const input *of)
 {
     return !plugin_list_path_of(app_plugins(self->app), input_plugin(of));
@@ -637,17 +641,17 @@ static bool is_camera(const input *of)
 static void draw_camera_card(panel *self, ui *on, const char *input_text)
 {
     error err = {""};
-    if (ui_button(on, "Show its page", UI_PLAIN) &&
+    if (ui_button(on, "Open camera page", UI_PLAIN) &&
         camera_page_show(camera_page_port(input_text), &err) < 0)
-        say_trouble(self, err.text);
-    ui_hint(on, "In your browser. Start the camera there, and show a hand.");
+        report_trouble(self, err.text);
+    ui_hint(on, "Open the page in your browser, then start the camera there and show a hand.");
     if (!camera_page_has_package())
-        ui_text_wrapped(on, UI_STYLE_WARNING,
-                        "What finds hands in pictures is fetched once, in a terminal: marotte "
-                        "camera --setup");
+        ui_text_wrapped(
+            on, UI_STYLE_WARNING,
+            "Hand tracking is not installed. Run this once in a terminal: marotte camera --setup");
 }
 
-/* A click opens the input; its page is shown when that has an address. */
+/* Opens the camera input. follow_camera opens its page when the input has an address. */
 static void use_camera(panel *self)
 {
     self->shows_page = true;
@@ -658,7 +662,7 @@ static void draw_use_camera(panel *self, ui *on)
 {
     if (ui_button(on, "Use the camera", UI_PLAIN))
         use_camera(self);
-    ui_hint(on, "A bare hand before a webcam: a page in your browser sees it.");
+    ui_hint(on, "Track a bare hand with a webcam, on a page in your browser.");
     ui_space(on, 4.0f);
 }
 
@@ -673,11 +677,11 @@ static void follow_camera(panel *self)
             continue;
         self->shows_page = false;
         if (camera_page_show(camera_page_port(live_input_text(stage, i)), &err) < 0)
-            say_trouble(self, err.text);
+            report_trouble(self, err.text);
         return;
     }
     if (app_openings(self->app, self->opening) == 0 && app_opening_trouble(self->app)[0])
-        self->shows_page = false; /* it could not be opened: said there */
+        self->shows_page = false; /* opening failed; draw_trouble shows the error */
 }
 
 static const input_meter *read_meter(panel *self, ui *on, uint32_t index)
@@ -696,7 +700,7 @@ static const input_meter *read_meter(panel *self, ui *on, uint32_t index)
     return out;
 }
 
-/* An input that is open; returns false when it is to be removed. */
+/* Draws an open input. Returns false if the user removes it. */
 static bool devices_card_draw(panel *self, ui *on, uint32_t index)
 {
     live *stage = app_live(self->app);
@@ -712,7 +716,7 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
         (void)snprintf(state, sizeof state, "at rest");
     }
     bool stays = draw_head(on, is_made(self, of) ? input_plugin(of)->name : input_name(of), light,
-                           "Remove", "Closes this input. What it has performed stays recorded.");
+                           "Remove", "Close this input. Its recorded performances are kept.");
     draw_state(on, health, light, state, why);
     draw_strip(on, channels, count, now->has_sample ? &now->sample : NULL);
     if (is_camera(of))
@@ -733,25 +737,25 @@ static bool devices_card_draw(panel *self, ui *on, uint32_t index)
     return stays;
 }
 
-/* One that is being opened; returns false when it is to be given up. */
+/* Draws an input that is being opened. Returns false if the user cancels it. */
 static bool devices_card_draw_opening(ui *on, const input_opening *one)
 {
-    bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Does not open it after all.");
+    bool stays = draw_head(on, one->name, DEVICES_OVER, "Cancel", "Cancel opening this input.");
     ui_text(on, UI_STYLE_DIM,
-            one->is_open ? "open: joins when the take has ended" : "opening\u2026");
+            one->is_open ? "open, used after the current take ends" : "opening\u2026");
     return stays;
 }
 
-/* ---- what could be opened ---- */
+/* ---- inputs that can be opened ---- */
 
 static const float button = 64.0f;
 
 static const char *const state_words[] = {[MRT_DEVICE_READY] = "ready",
-                                          [MRT_DEVICE_BUSY] = "another program holds it",
-                                          [MRT_DEVICE_DENIED] = "you may not open it",
-                                          [MRT_DEVICE_UNSURE] = "something may be there"};
+                                          [MRT_DEVICE_BUSY] = "in use by another program",
+                                          [MRT_DEVICE_DENIED] = "no permission to open it",
+                                          [MRT_DEVICE_UNSURE] = "a device may be connected"};
 
-/* ---- what is plugged in ---- */
+/* ---- connected devices ---- */
 
 static bool is_open(const panel *self, const device_found *device, bool is_first)
 {
@@ -780,7 +784,7 @@ static void draw_device(panel *self, ui *on, const device_found *found)
     bool is_known = device->state >= MRT_DEVICE_READY && device->state <= MRT_DEVICE_UNSURE;
     bool can_open = device->state == MRT_DEVICE_READY || device->state == MRT_DEVICE_UNSURE;
     ui_text(on, UI_STYLE_STRONG, device->name[0] ? device->name : device->address);
-    const char *words = is_known ? state_words[device->state] : "not known";
+    const char *words = is_known ? state_words[device->state] : "unknown";
     if (can_open && devices_input_text(found, text, sizeof text)) {
         ui_label(on, "state", ui_available_width(on) - button - 8.0f, THEME_DIM, words);
         ui_width(on, button);
@@ -808,27 +812,27 @@ static void draw_found(panel *self, ui *on)
         shown += 1;
     }
     if (!self->search)
-        ui_text_wrapped(on, UI_STYLE_DIM, "Devices cannot be looked for: start marotte again.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "Cannot search for devices. Restart marotte.");
     else if (!self->found->is_known)
-        ui_text(on, UI_STYLE_DIM, "Looking\xe2\x80\xa6");
+        ui_text(on, UI_STYLE_DIM, "Searching\xe2\x80\xa6");
     else if (shown == 0 && list->count > 0)
-        ui_text_wrapped(on, UI_STYLE_DIM, "Everything that is plugged in is open.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "All connected devices are open.");
     else if (shown == 0)
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "Nothing was found. Plug in a glove or a pedal: it appears here.");
+                        "No devices found. Connect a glove or a pedal, and it appears here.");
     if (self->found->note.text[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, self->found->note.text);
 }
 
-/* ---- what has no plug ---- */
+/* ---- recordings and network ---- */
 
 static void open_recording(panel *self)
 {
     char text[DEVICES_PATH + 32];
     if (!self->path[0])
-        say_trouble(self, "Say which recording: the path of a log file.");
+        report_trouble(self, "Choose a recording: enter the path of a log file.");
     else if (strchr(self->path, ','))
-        say_trouble(self, "A path with a comma cannot be opened: rename the file.");
+        report_trouble(self, "Cannot open a path that contains a comma. Rename the file.");
     else {
         (void)snprintf(text, sizeof text, "log:%s%s", self->path, self->repeats ? ",loop=1" : "");
         open_input(self, text);
@@ -837,16 +841,16 @@ static void open_recording(panel *self)
 
 static void draw_recording(panel *self, ui *on)
 {
-    ui_text(on, UI_STYLE_DIM, "A recording of a hand");
+    ui_text(on, UI_STYLE_DIM, "Recording of a hand");
     ui_width(on, -(button + 8.0f));
     (void)ui_input(on, "##path", "path of a log file", self->path, sizeof self->path);
-    ui_hint(on, "A table of a hand's angles or counts: .csv, or a recording of GraspDB14.");
+    ui_hint(on, "Open a .csv table of joint angles or sensor counts, or a recording of GraspDB14.");
     ui_same_line(on);
     ui_width(on, button);
     if (ui_button(on, "Open##recording", UI_PLAIN))
         open_recording(self);
-    (void)ui_check(on, "Again and again", &self->repeats);
-    ui_hint(on, "It begins anew at its end, until it is removed.");
+    (void)ui_check(on, "Loop", &self->repeats);
+    ui_hint(on, "Play the recording again from the start when it ends.");
 }
 
 static void draw_network(panel *self, ui *on)
@@ -855,8 +859,8 @@ static void draw_network(panel *self, ui *on)
     ui_text(on, UI_STYLE_DIM, "Over the network (OSC)");
     ui_width(on, -(button + 8.0f));
     (void)ui_input(on, "##osc", "9105", self->osc, sizeof self->osc);
-    ui_hint(on, "A port: heard from this computer alone. 0.0.0.0:9105: from every computer. "
-                "9105/NAME: what another marotte forwards.");
+    ui_hint(on, "PORT receives from this computer only, 0.0.0.0:PORT from all computers, PORT/NAME "
+                "from another marotte that forwards.");
     ui_same_line(on);
     ui_width(on, button);
     if (!ui_button(on, "Open##osc", UI_PLAIN))
@@ -865,10 +869,10 @@ static void draw_network(panel *self, ui *on)
     open_input(self, text);
 }
 
-/* What could be opened. */
+/* Draws the inputs that can be opened. */
 static void devices_open_draw(panel *self, ui *on)
 {
-    ui_text(on, UI_STYLE_TITLE, "Plugged in");
+    ui_text(on, UI_STYLE_TITLE, "Devices found");
     ui_space(on, 2.0f);
     draw_found(self, on);
     ui_space(on, 6.0f);
@@ -883,7 +887,7 @@ static void devices_open_draw(panel *self, ui *on)
 static const char *const pedal_items[MRT_MAX_PEDALS + 1] = {"no pedal", "pedal 1", "pedal 2",
                                                             "pedal 3", "pedal 4"};
 
-/* Which of the two was last. */
+/* Remembers whether the last re-zero was refused. */
 static void follow_rezeros(panel *self)
 {
     const rezero_counts *now = &app_status(self->app)->rezeros;
@@ -899,19 +903,19 @@ static void draw_rezero(panel *self, ui *on)
     uint32_t pedal = (uint32_t)settings_number(app_settings(self->app), APP_REZERO_PEDAL, 0.0);
     if (ui_button(on, "Re-zero", UI_PLAIN))
         app_do(self->app, ACTION_REZERO);
-    ui_hint(on, "Z. The pose that the hands hold now becomes their neutral one. Hold still.");
+    ui_hint(on, "Make the current pose of the hands their rest (Z). Hold the hands still.");
     ui_same_line(on);
     ui_at(on, 92.0f);
     if (ui_choice(on, "also by", 58.0f, pedal_items, MRT_MAX_PEDALS + 1, &pedal)) {
         settings_set_number(app_settings(self->app), APP_REZERO_PEDAL, (double)pedal);
         live_set_rezero_pedal(app_live(self->app), pedal);
     }
-    ui_hint(on, "A press of this pedal re-zeroes too; mappings do not see that pedal then.");
+    ui_hint(on, "Re-zero with this pedal too. Mappings then ignore it.");
     if (self->was_refused && self->rezeros.refusal.text[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, self->rezeros.refusal.text);
 }
 
-/* ---- from afar ---- */
+/* ---- remote control ---- */
 
 static void draw_remote(panel *self, ui *on)
 {
@@ -921,27 +925,26 @@ static void draw_remote(panel *self, ui *on)
     char line[96];
     if (!ui_section(on, "Remote control", false))
         return;
-    if (ui_check(on, "A phone, a Stream Deck or a script may perform along", &is_on))
+    if (ui_check(on, "Allow a phone, a Stream Deck or a script", &is_on))
         app_set_remote(self->app, !is_on ? "" : self->remote[0] ? self->remote : usual);
-    ui_hint(on, "Record, stop, mark, keep, neutral, presets and expressions by OSC and WebSocket: "
-                "the keyboard stays with whoever has it.");
+    ui_hint(on, "Record, stop, mark, keep, go to neutral and choose presets and expressions by OSC "
+                "or WebSocket.");
     ui_width(on, -1.0f);
-    if (ui_input(on, "##remote", "port, or 0.0.0.0:9110 for the whole network", self->remote,
+    if (ui_input(on, "##remote", "port, or 0.0.0.0:9110 for all computers", self->remote,
                  sizeof self->remote) &&
         is_on)
         app_set_remote(self->app, self->remote[0] ? self->remote : usual);
     if (now.trouble[0])
         ui_text_wrapped(on, UI_STYLE_WARNING, now.trouble);
     else if (now.is_listening) {
-        (void)snprintf(line, sizeof line, "listening; %u connected by WebSocket", now.clients);
+        (void)snprintf(line, sizeof line, "listening, %u connected by WebSocket", now.clients);
         ui_text_wrapped(on, UI_STYLE_DIM, line);
     }
     if (now.code[0]) {
         (void)snprintf(line, sizeof line, "pairing code: %s", now.code);
         ui_text_wrapped(on, UI_STYLE_BODY, line);
-        ui_hint(on,
-                "The network reaches it: /marotte/remote/CODE/record, ws://HOST:9110/CODE/. It is "
-                "off at the next start.");
+        ui_hint(on, "Use this code in OSC (/marotte/remote/CODE/record) and WebSocket "
+                    "(ws://HOST:9110/CODE/). Remote control is off at the next start.");
         if (ui_button(on, "New code", UI_QUIET))
             app_renew_remote_code(self->app);
     }
@@ -963,40 +966,38 @@ static void draw_picture(panel *self, ui *on)
     for (uint32_t i = 0; i < 4; ++i)
         if (strcmp(wanted.background, colours[i]) == 0)
             ground = i;
-    if (ui_choice(on, "Behind it", 66.0f, words, 4, &ground)) {
+    if (ui_choice(on, "Backdrop", 66.0f, words, 4, &ground)) {
         (void)snprintf(wanted.background, sizeof wanted.background, "%s", colours[ground]);
         is_new = true;
     }
     char hint[256], keys[KEY_WORDS + 4];
     key_map_after(&app_looks_of(self->app)->keys, ACTION_OUTPUT, keys);
     (void)snprintf(hint, sizeof hint,
-                   "In the output window%s and in streams. Transparent: the desktop, or what OBS "
-                   "has below, is seen behind the face.",
+                   "Set the background of the output window%s and of streams. Transparent shows "
+                   "the desktop or the lower layers of OBS.",
                    keys);
     ui_hint(on, hint);
-    is_new |=
-        ui_check(on, "Output in a window, though there is a second screen", &wanted.is_window);
-    is_new |= ui_check(on, "Output above all other windows", &wanted.is_on_top);
+    is_new |= ui_check(on, "Output in a window, even with a second screen", &wanted.is_window);
+    is_new |= ui_check(on, "Output window always on top", &wanted.is_on_top);
     ui_width(on, -1.0f);
     if (ui_input(on, "##streams", "pipewire  /dev/video10  srt://HOST:PORT", self->streams,
                  sizeof self->streams)) {
         (void)snprintf(wanted.targets, sizeof wanted.targets, "%s", self->streams);
         is_new = true;
     }
-    ui_hint(on,
-            "A camera for programs that know PipeWire, a v4l2loopback device, a stream by ffmpeg: "
-            "parted by blanks.");
+    ui_hint(on, "Send the video to PipeWire, a v4l2loopback device or an ffmpeg stream. Separate "
+                "several targets with spaces.");
     const char *says = app_picture_says(self->app, &count);
     if (count > 0)
         ui_text_wrapped(on, says[0] ? UI_STYLE_WARNING : UI_STYLE_DIM,
-                        says[0] ? says : "pictures are sent");
+                        says[0] ? says : "sending video");
     if (is_new)
         app_set_picture(self->app, &wanted);
 }
 
 /* ---- the panel ---- */
 
-/* What was opened beside the window, or closed: what is plugged in is looked at anew. */
+/* Searches for devices again when an input was opened or closed. */
 static void follow_inputs(panel *self)
 {
     const uint32_t count = live_input_count(app_live(self->app));
@@ -1032,7 +1033,7 @@ static void draw_inputs(panel *self, ui *on)
     }
     if (live_input_count(stage) == 0 && self->opening_count == 0) {
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "No hand yet. Drag the face with the mouse, or open something below.");
+                        "No input is open. Drag the face with the mouse, or open an input below.");
         ui_space(on, 4.0f);
         draw_use_camera(self, on);
     }
@@ -1087,7 +1088,7 @@ static void update(panel *self, double dt_s)
         devices_search_again(self->search);
 }
 
-/* What was kept of the run before. */
+/* Restores the re-zero pedal and the calibrations of the previous run. */
 static void use_settings(panel *self)
 {
     const settings *kept = app_settings(self->app);

@@ -15,11 +15,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- text ---- */
 
 static const double nearly = 0.15;
 
-/* "nothing folds", "nearly folds", "folds"; how it is to be drawn. */
+/* Returns "nothing folds", "nearly folds" or "folds", with its style. */
 static const char *engine_fold_words(double min_determinant, ui_style *out_style)
 {
     if (!(min_determinant > 0.0)) {
@@ -52,23 +52,25 @@ uint32_t engine_counters(const live_status *status, engine_counter out[ENGINE_CO
     const composer_counts *of = &status->counts;
     uint32_t n = 0;
     n = add(out, n, of->bad_pulls, true, "Bad pulls",
-            "The mapping gave nonsense: its last good pull was held.");
+            "The mapping returned invalid values. The last valid pull was kept.");
     n = add(out, n, of->held_pulls, true, "Held pulls",
-            "The engine could not use a pull: the shape was held.");
+            "The engine could not apply a pull. The shape was kept.");
     n = add(out, n, of->folded_steps, true, "Folded steps",
-            "Clay: a step in which the shape folded.");
+            "Clay: steps in which the shape folded.");
     n = add(out, n, of->limited_steps, false, "Limited steps",
-            "Clay: the tips were faster than the substeps allow.");
+            "Clay: steps in which the fingertips moved faster than the substeps allow.");
     n = add(out, n, status->isolated.failed, true, "Mapping failed",
-            "The mapping's process crashed, hung or gave nonsense.");
+            "Times that the process of the mapping crashed, hung or returned invalid values.");
     n = add(out, n, status->isolated.late, true, "Mapping late",
-            "Samples in which the face was held because the mapping's process was late.");
+            "Samples for which the face was held because the process of the mapping was late.");
     n = add(out, n, status->reload_refused, true, "Refused versions",
-            "New versions of the mapping that could not be used: the log says why.");
-    n = add(out, n, of->engagements, false, "Took hold",
-            "How often a pull took hold of the face anew.");
-    n = add(out, n, of->commits, false, "Commits", "How often the shape shown became the base.");
-    n = add(out, n, of->substeps, false, "Substeps", "Clay: parts in which steps were made.");
+            "New versions of the mapping that could not be loaded. See the log for the reason.");
+    n = add(out, n, of->engagements, false, "Engagements",
+            "Number of times that a new pull grabbed the face.");
+    n = add(out, n, of->commits, false, "Commits",
+            "Number of times that the current shape became the new base.");
+    n = add(out, n, of->substeps, false, "Substeps",
+            "Clay: number of parts into which the steps were divided.");
     return n;
 }
 
@@ -116,7 +118,7 @@ static void draw_legend(ui *on, const ui_rectangle *at, const live_status *statu
     }
 }
 
-/* The period stands at four fifths of the height, unless frames need more than that. */
+/* Draws the frame times. The frame period is at 4/5 of the height, unless frames take longer. */
 static void engine_plot_draw(ui *on, const live_status *status, double period_ms, float height)
 {
     ui_canvas at;
@@ -139,12 +141,12 @@ static void engine_plot_draw(ui *on, const live_status *status, double period_ms
 static const float column = 112.0f, p50_right = 212.0f, p99_right = 296.0f;
 static const double period_ms = 1000.0 / 60.0;
 static const char *const kernels[] = {"Wendland C2", "Wendland C0", "Wendland C4", "Wendland C6"};
-static const char *const polynomials[] = {"none: local", "constant", "linear: the paper's",
+static const char *const polynomials[] = {"none (local)", "constant", "linear (as in the paper)",
                                           "windowed"};
 static const char *const phase_name[LIVE_PHASES] = {"Map", "Constrain", "Deform", "Publish"};
 static const char *const phase_help[LIVE_PHASES] = {
-    "Hands, mapping, guard.", "Bones and control vectors.", "Every vertex, skull, normals.",
-    "The face is handed to the window."};
+    "Time for hands, mapping and guard.", "Time for bones and control vectors.",
+    "Time for vertices, skull and normals.", "Time to hand the face to the window."};
 
 typedef struct solver_step {
     kept_solver before, after;
@@ -152,12 +154,12 @@ typedef struct solver_step {
 
 struct panel {
     app *app;
-    csrbf_settings wanted; /* of this frame; radius 0: the rig's */
-    double radius_mm;      /* while it is dragged */
+    csrbf_settings wanted; /* of this frame; radius 0: use the radius of the rig */
+    double radius_mm;      /* while the slider is dragged */
     bool is_held;
-    error trouble; /* why the solver is not as it was asked for; "" */
+    error trouble; /* why the solver could not be changed; may be "" */
     uint64_t memory;
-    double memory_s; /* since it was read */
+    double memory_s; /* since the last reading */
 };
 
 /* ---- the solver ---- */
@@ -200,11 +202,11 @@ static void draw_radius(panel *self, ui *on, const live_view *view)
     csrbf_settings next = self->wanted;
     char words[64];
     bool is_rigs = !(self->wanted.radius > 0.0);
-    if (ui_check(on, "Radius as the rig says", &is_rigs)) {
+    if (ui_check(on, "Use the radius of the rig", &is_rigs)) {
         next.radius = is_rigs ? 0.0 : view->solver.radius;
-        choose(self, &next, is_rigs ? "radius as the rig says" : "a radius of its own");
+        choose(self, &next, is_rigs ? "radius of the rig" : "custom radius");
     }
-    ui_hint(on, "How far a pull is felt, where the mapping does not say.");
+    ui_hint(on, "Radius of a pull, unless the mapping sets one.");
     double height = view->about ? (double)(view->about->high.y - view->about->low.y) : 300.0;
     const ui_range range = {.min = 1.0,
                             .max = fmax(height, 2.0),
@@ -215,7 +217,7 @@ static void draw_radius(panel *self, ui *on, const live_view *view)
         self->radius_mm = is_rigs ? view->solver.radius : self->wanted.radius;
     ui_disabled_begin(on, is_rigs);
     bool has_changed = ui_slider(on, "Radius", column, &range, &self->radius_mm);
-    ui_hint(on, "How far around each control vector the face moves with it.");
+    ui_hint(on, "Distance from a control vector up to which the face moves with it.");
     bool was_held = self->is_held;
     self->is_held = ui_slider_is_held(on);
     ui_disabled_end(on);
@@ -235,20 +237,20 @@ static void draw_solver(panel *self, ui *on, const live_view *view)
         next.kernel = (csrbf_kernel)kernel;
         choose(self, &next, kernels[kernel]);
     }
-    ui_hint(on, "How a pull fades with the distance: C0 pointed, C6 broad and smooth.");
+    ui_hint(on, "How a pull fades with distance: C0 is pointed, C6 is broad and smooth.");
     next = self->wanted;
     if (ui_choice(on, "Polynomial", column, polynomials, 4, &polynomial)) {
         next.polynomial = (csrbf_polynomial)polynomial;
         choose(self, &next, polynomials[polynomial]);
     }
-    ui_hint(on, "What moves the whole face beside the local pulls. Linear, as in the paper, moves "
-                "the back of the head too.");
+    ui_hint(on, "Part of the movement that applies to the whole face. Linear also moves the back "
+                "of the head.");
     draw_radius(self, on, view);
     if (self->trouble.text[0])
         ui_text_wrapped(on, UI_STYLE_BAD, self->trouble.text);
 }
 
-/* ---- how it does ---- */
+/* ---- meters ---- */
 
 static void draw_meters(ui *on, const live_view *view)
 {
@@ -260,38 +262,38 @@ static void draw_meters(ui *on, const live_view *view)
     ui_at(on, column);
     ui_text(on, style, fold);
     ui_bar(on, (float)fmin(fmax(view->min_determinant, 0.0), 1.0), 0.0f, 8.0f, style);
-    ui_hint(on, "The skin that is squeezed most: what is left of its area. 0 and below: it folds.");
+    ui_hint(on, "Remaining area of the most compressed skin. At 0 and below, the skin folds.");
     (void)snprintf(words, sizeof words, "%.2f of 1", view->min_determinant);
     ui_fact(on, "Least area", column, UI_STYLE_BODY, words);
     const surface_state *skin = &view->skin;
     (void)snprintf(words, sizeof words, "%.2f times", skin->stretch);
     ui_fact(on, "Stretch", column, UI_STYLE_BODY, words);
-    ui_hint(on, "The edge that is stretched most: its length over that at rest, or in one of the "
-                "head's own shapes.");
+    ui_hint(on, "Length of the most stretched edge, relative to the neutral face or to a shape of "
+                "the mesh.");
     (void)snprintf(words, sizeof words, "%.0f degrees", skin->bend_deg);
     ui_fact(on, "Bend", column, skin->bent_count > 0 ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
-    ui_hint(on, "The edge that is bent most, beyond what it is at rest.");
+    ui_hint(on, "Angle of the most bent edge, relative to the neutral face.");
     if (skin->inside_out_count > 0) {
         (void)snprintf(words, sizeof words, "%u triangles", skin->inside_out_count);
         ui_fact(on, "Inside out", column, UI_STYLE_BAD, words);
     }
     if (view->meter.held_back_mm > 0.0) {
         (void)snprintf(words, sizeof words, "by %.1f mm", view->meter.held_back_mm);
-        ui_fact(on, "Held back", column, UI_STYLE_WARNING, words);
-        ui_hint(on, "Where the skin would fold or tear it is given less than the hand asks for.");
+        ui_fact(on, "Limited", column, UI_STYLE_WARNING, words);
+        ui_hint(on, "The pull is reduced where the skin would fold or tear.");
     }
     (void)snprintf(words, sizeof words, "%.2f mm", view->penetration_mm);
     ui_fact(on, "Skin in the skull", column,
             view->penetration_mm > 1.0 ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
-    ui_hint(on, "How deep the deepest vertex lies beneath the skull's surface.");
+    ui_hint(on,
+            "Depth of the deepest vertex below the skull surface, before the skin is moved out.");
     if (view->meter.dropped_count > 0) {
-        (void)snprintf(words, sizeof words, "%u pull at what cannot move",
-                       view->meter.dropped_count);
+        (void)snprintf(words, sizeof words, "%u pull an immobile point", view->meter.dropped_count);
         ui_fact(on, "Controls", column, UI_STYLE_WARNING, words);
     }
 }
 
-/* Figures are aligned at their right ends. */
+/* Draws a figure, right-aligned. */
 static void draw_figure(ui *on, float right, double ms)
 {
     char words[ENGINE_MS] = "\xe2\x80\x94";
@@ -329,15 +331,15 @@ static void draw_times(const panel *self, ui *on, const live_status *status)
         draw_pair(on, phase_name[i], status->phase_p50_ms[i], status->phase_p99_ms[i],
                   phase_help[i]);
     draw_pair(on, "Hand to picture", figures->latency_p50_ms, figures->latency_p99_ms,
-              "From a sample measured to its face handed to the screen.");
+              "Time from the measurement of a sample to the display of its face.");
     draw_pair(on, "Window", figures->interval_p50_ms, figures->interval_p99_ms,
-              "From one drawn frame to the next.");
+              "Time from one drawn frame to the next.");
     draw_pair(on, "Drawing", figures->draw_p50_ms, figures->draw_p99_ms,
-              "A drawn frame, until it is handed to the screen.");
+              "Time to draw a frame and hand it to the screen.");
     draw_pair(on, "Panels", figures->panels_p50_ms, figures->panels_p99_ms,
-              "All panels of a drawn frame, without the face.");
+              "Time to draw all panels, without the face.");
     ui_text(on, UI_STYLE_DIM, "Sample performed");
-    ui_hint(on, "From a sample measured to performed, over the last seconds.");
+    ui_hint(on, "Time from the measurement of a sample to its performance, over the last seconds.");
     draw_figure(on, p99_right, status->lag_p99_ms);
 }
 
@@ -348,13 +350,12 @@ static void draw_machine(ui *on)
     (void)snprintf(words, sizeof words, "%s%s", used == ISA_GENERIC ? "" : "x86-64-",
                    isa_name(used));
     ui_fact(on, "Instructions", 148.0f, UI_STYLE_BODY, words);
-    ui_hint(on,
-            "What the engine's loops are compiled for: the best that this computer has, or what "
-            "MAROTTE_ISA names. Faces are the same with each.");
+    ui_hint(on, "Instruction set of the engine: the best of this computer, or MAROTTE_ISA. It does "
+                "not change the face.");
     (void)snprintf(words, sizeof words, "%u", pool_threads());
     ui_fact(on, "Threads", 148.0f, UI_STYLE_BODY, words);
-    ui_hint(on, "At most so many share a large piece of work; MAROTTE_THREADS says another number. "
-                "Faces are the same with each.");
+    ui_hint(on, "Maximum number of threads for a large task. MAROTTE_THREADS overrides it. It does "
+                "not change the face.");
 }
 
 static void draw_counters(const panel *self, ui *on, const live_status *status)
@@ -376,7 +377,7 @@ static void draw_counters(const panel *self, ui *on, const live_status *status)
     if (self->memory > 0) {
         (void)snprintf(words, sizeof words, "%.0f MB", (double)self->memory / 1e6);
         ui_fact(on, "Memory", 148.0f, UI_STYLE_BODY, words);
-        ui_hint(on, "Of the whole program.");
+        ui_hint(on, "Memory of the whole program.");
     }
 }
 
@@ -394,7 +395,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
     if (ui_section(on, "Face", true))
         draw_meters(on, view);
-    if (ui_section(on, "Time of a frame", true))
+    if (ui_section(on, "Frame time", true))
         draw_times(self, on, status);
     if (ui_section(on, "Counters", true))
         draw_counters(self, on, status);

@@ -1,5 +1,5 @@
-/* The hand panel: the card of the mapping, the exercise "Say it", and "Simon says", which teaches
- * the mapping a performer's own hand. */
+/* The hand panel: the hand card of the mapping, the exercise "Say it", and "Simon says", which
+ * teaches the mapping the hand poses of a performer. */
 #include "window/panels/hand.h"
 #include "window/gui/theme.h"
 #include "window/panels/hand_card.h"
@@ -17,8 +17,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A relaxed hand, in sensor order: where none is there, and to order the lines of the card at
- * first. */
+/* Angles of a relaxed hand, in sensor order. They are used while no hand is tracked, and for the
+ * initial order of the lines. */
 static const float relaxed_rad[MRT_ANGLES] = {0.8f,  0.15f, 0.2f,  0.4f, 0.3f,  0.35f, 0.2f,  0.3f,
                                               0.35f, 0.2f,  0.05f, 0.3f, 0.35f, 0.2f,  0.05f, 0.3f,
                                               0.35f, 0.2f,  0.08f, 0.1f, 0.0f,  0.0f};
@@ -27,7 +27,7 @@ enum { VALUES_MAX = 256 };
 enum { TAB_CARD = 0, TAB_SAY_IT, TAB_SIMON, TABS };
 static const char *const tabs[TABS] = {"Card", "Say it", "Simon says"};
 
-/* What the mapping is to learn next, or has been asked to. */
+/* Lesson that the mapping is learning. */
 typedef enum lesson_kind {
     LESSON_NONE = 0,
     LESSON_ANSWER,
@@ -39,11 +39,11 @@ struct panel {
     app *app;
     uint32_t tab;
     bool was_drawn, was_pedal_down;
-    uint32_t pedal;  /* that answers and skips, 1..MRT_MAX_PEDALS; 0: none is free */
-    bool is_pressed; /* it went down in this frame */
+    uint32_t pedal;  /* pedal that answers and skips, 1..MRT_MAX_PEDALS; 0: no free pedal */
+    bool is_pressed; /* the pedal was pressed in this frame */
 
     /* ---- the card ---- */
-    const mrt_plugin_type *type; /* of the mapping that performs; only to be compared */
+    const mrt_plugin_type *type; /* of the active mapping; only compared, never dereferenced */
     double value[VALUES_MAX];    /* of its parameters */
     const mrt_card_line *line;
     uint32_t line_count, side;
@@ -51,41 +51,41 @@ struct panel {
     bool is_present;
     hand_lights lights;
     float angle_rad[MRT_ANGLES], rest_rad[MRT_ANGLES];
-    float steady_rad[MRT_ANGLES]; /* eased over a moment: what an answer is */
-    float order_rad[MRT_ANGLES];  /* the hand by which the lines of the card are ordered */
-    double still_s;               /* how long the hand has been as steady_rad */
+    float steady_rad[MRT_ANGLES]; /* smoothed; recorded as the answer */
+    float order_rad[MRT_ANGLES];  /* angles that determine the order of the lines */
+    double still_s;               /* time for which the hand stays at steady_rad */
     hand_skeleton *skeleton[2];
 
     /* ---- goals ---- */
     posed_shape *shapes;
     bool needs_shapes; /* a tab that shows a goal was opened */
-    const rig *rig;    /* with complete poses; only until the next update */
+    const rig *rig;    /* with complete poses; valid until the next update */
     goal_face wanted, performed;
     goal_distance how;
     bool is_measured;
-    char measured[64]; /* name of the step that `wanted` is of; "" */
+    char measured[64]; /* name of the step of `wanted`; may be "" */
 
-    bool says; /* the exercise runs */
+    bool says; /* the exercise is running */
     say_it say;
-    double cheer_s; /* since a step was met */
+    double cheer_s; /* since the last step was done */
 
     /* ---- Simon says ---- */
     bool is_teaching;
     simon simon;
-    uint32_t face_goal[SIMON_FACES_MAX];  /* of each of its faces: index into goals */
+    uint32_t face_goal[SIMON_FACES_MAX];  /* index into goals, for each face */
     uint32_t face_label[SIMON_FACES_MAX]; /* value of the parameter "Face" */
-    lesson_kind lesson;                   /* that the mapping is being given */
+    lesson_kind lesson;                   /* lesson in progress */
     double lesson_s;
-    unsigned char *before; /* what it was taught before that */
+    unsigned char *before; /* taught state before the lesson */
     size_t before_size;
     simon simon_before;
     float answer_rad[MRT_ANGLES];
-    char said[160]; /* what came of the last answer */
+    char said[160]; /* result of the last answer */
 };
 
-/* ---- the mapping: its card, and what it learns by ---- */
+/* ---- the mapping: its card and its lesson parameters ---- */
 
-typedef struct lesson_params { /* by index; param_count: it has none */
+typedef struct lesson_params { /* indices; param_count: not present */
     uint32_t face, answer, forget, forget_all;
     bool has_all;
 } lesson_params;
@@ -120,7 +120,7 @@ static lesson_params lesson_params_of(const mrt_plugin_type *type)
     return out;
 }
 
-/* The value of the parameter that has that label; false: none. */
+/* Finds the value of the parameter with this label. Returns false if there is none. */
 static bool find_label(const mrt_param *p, const char *name, uint32_t *out)
 {
     for (uint32_t i = 0; p->labels[i]; ++i)
@@ -139,7 +139,7 @@ static bool measures(const mrt_channels *of, uint32_t side)
     return false;
 }
 
-/* The first input that measures the hand that performs, as mappings see it; false: none. */
+/* Finds the first input that measures the performing hand. Returns false if there is none. */
 static bool find_input(panel *self, mrt_channels *out, mrt_sample *room)
 {
     live *stage = app_live(self->app);
@@ -155,7 +155,7 @@ static bool find_input(panel *self, mrt_channels *out, mrt_sample *room)
     return false;
 }
 
-/* NULL: it has more parameters than there is room for. */
+/* Returns NULL if the mapping has more than VALUES_MAX parameters. */
 static const double *read_values(panel *self, const instance *mapping)
 {
     for (uint32_t i = 0; i < mapping->type->param_count && i < VALUES_MAX; ++i)
@@ -182,7 +182,7 @@ static void follow_card(panel *self, const instance *mapping)
                : NULL;
 }
 
-/* What is lit goes out by and by, and what is drawn steadily follows. */
+/* Returns whether lights still fade or smoothed angles still move. */
 static bool is_hand_moving(const panel *self)
 {
     static const float level_least = 0.01f, angle_least = 0.005f;
@@ -215,7 +215,7 @@ static void follow_hand(panel *self, double dt_s)
         app_want_frame(self->app, 0.0);
 }
 
-/* The last pedal that nothing else is for. */
+/* Selects the last pedal that has no other function. */
 static void follow_pedal(panel *self, const instance *mapping)
 {
     const double *values = mapping ? read_values(self, mapping) : NULL;
@@ -235,7 +235,7 @@ static void follow_pedal(panel *self, const instance *mapping)
 
 /* ---- goals ---- */
 
-/* A step is measured on the live face. */
+/* Measures the live face against a step. */
 static void measure(panel *self, const goal_step *step)
 {
     const live_view *view = app_view(self->app);
@@ -278,12 +278,12 @@ static void follow_goal(panel *self, double dt_s)
         self->cheer_s = 0.0;
 }
 
-/* ---- what the mapping is taught: steps of undo ---- */
+/* ---- lessons: undo steps ---- */
 
 typedef struct lesson_step {
     simon side[2]; /* before and after */
     size_t size[2];
-    unsigned char bytes[]; /* before, then after: what the mapping was taught */
+    unsigned char bytes[]; /* taught state before, followed by the state after */
 } lesson_step;
 
 static void say(panel *self, int32_t level, const char *text)
@@ -313,7 +313,7 @@ static void redo(void *owner, void *data)
     go_to(owner, data, 1);
 }
 
-/* To be freed; NULL: the mapping keeps nothing, or no memory. */
+/* Returns the taught state, which the caller frees. NULL: the mapping has none, or no memory. */
 static unsigned char *fetch_taught(panel *self, size_t *out_size)
 {
     unsigned char *out = malloc(TAUGHT_BYTES_MAX);
@@ -329,7 +329,7 @@ static void keep_step(panel *self, const unsigned char *after, size_t after_size
     const size_t bytes = sizeof(lesson_step) + self->before_size + after_size;
     lesson_step *made = malloc(bytes);
     if (!made)
-        return; /* it is done, but cannot be undone */
+        return; /* the lesson stays, but cannot be undone */
     *made = (lesson_step){.side = {self->simon_before, self->simon},
                           .size = {self->before_size, after_size}};
     memcpy(made->bytes, self->before, self->before_size);
@@ -348,7 +348,7 @@ static void end_lesson(panel *self)
     self->lesson = LESSON_NONE;
 }
 
-/* The mapping is given a lesson about that face; it has learned it when its state is another. */
+/* Starts a lesson about a face. The lesson is done when the taught state of the mapping changes. */
 static void begin_lesson(panel *self, instance *mapping, lesson_kind kind, uint32_t asked)
 {
     const lesson_params at = lesson_params_of(mapping->type);
@@ -403,7 +403,7 @@ static void follow_lesson(panel *self, double dt_s)
     if (floor(before_s / asked_every_s) >= floor(self->lesson_s / asked_every_s))
         return;
     unsigned char *now = fetch_taught(self, &size);
-    const bool is_kept = now && self->before; /* else it is believed */
+    const bool is_kept = now && self->before; /* otherwise the lesson is assumed to be done */
     const bool has_learned =
         !is_kept || size != self->before_size || memcmp(now, self->before, size) != 0;
     if (has_learned) {
@@ -416,8 +416,8 @@ static void follow_lesson(panel *self, double dt_s)
         (void)snprintf(
             self->said, sizeof self->said, "%s",
             kind == LESSON_ANSWER
-                ? "The mapping did not take the answer. Show your hand, then answer again."
-                : "There was nothing to forget.");
+                ? "The mapping did not learn the answer. Show your hand, then answer again."
+                : "This face already uses the default hand pose.");
         end_lesson(self);
     }
     free(now);
@@ -449,13 +449,13 @@ static void draw_absence(panel *self, ui *on)
     key_map_after(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, devices);
     key_map_words(&app_looks_of(self->app)->keys, ACTION_HAND_KEYS, keys);
     (void)snprintf(words, sizeof words,
-                   "No hand is there. Open a glove or a camera at Devices%s, or press %s for the "
-                   "keyboard as a hand.",
+                   "No hand is tracked. Open a glove or a camera in Devices%s, or press %s to use "
+                   "the keyboard as a hand.",
                    devices, keys[0] ? keys : "Y");
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
 }
 
-/* Dense where it does not fit otherwise. False: it does not fit at all. */
+/* Uses the dense layout if the card does not fit otherwise. Returns false if neither fits. */
 static bool fit_card(const ui *on, hand_card *card, float width, float height)
 {
     for (int dense = 0; dense < 2; ++dense) {
@@ -482,8 +482,8 @@ static void draw_card(panel *self, ui *on)
     hand_card card = card_of(self);
     app_looks *looks = app_looks_of(self->app);
     char words[200];
-    (void)ui_check(on, "On the stage", &looks->shows_card);
-    ui_hint(on, "Shows the card beside the face, also while the panels are away.");
+    (void)ui_check(on, "Show on the stage", &looks->shows_card);
+    ui_hint(on, "Show the card beside the face, also while the panels are hidden.");
     if (self->is_present && self->device[0]) {
         (void)snprintf(words, sizeof words, "%s hand, %.120s",
                        self->side == MRT_LEFT ? "Left" : "Right", self->device);
@@ -530,7 +530,7 @@ static void ground_of(const panel *self, float out[4])
     out[3] = 1.0f;
 }
 
-/* The face that is to be performed, and around it how near the performed one is. */
+/* Draws the goal face with a ring that shows how close the performed face is. */
 static void draw_goal(panel *self, ui *on, const goal_step *step, double closed, float room)
 {
     static const uint32_t pixels = 448;
@@ -544,7 +544,7 @@ static void draw_goal(panel *self, ui *on, const goal_step *step, double closed,
     const float *position = posed_shape_of(self->shapes, step->pose, &vertex_count);
     viewport *view = app_viewport(self->app);
     ground_of(self, ground);
-    if (!position) /* it is being found */
+    if (!position) /* the shape is being computed */
         ui_want_frame(on, 0.05);
     if (position && view && !ui_is_hidden(on))
         texture = viewport_portrait(view, position, vertex_count, ground, pixels, pixels);
@@ -569,8 +569,8 @@ static void draw_centred(ui *on, const char *id, ui_style style, const char *tex
     ui_canvas_end(on);
 }
 
-/* Space belongs to the panel while it waits for it: Enter does the same, for the keyboard as a
- * hand has Space. */
+/* Returns whether the user answered with pedal, Space or Enter. Space is not available while the
+ * keyboard controls the virtual hand. */
 static bool is_answered(panel *self, ui *on)
 {
     app_looks_of(self->app)->is_answering = true;
@@ -587,7 +587,7 @@ static void write_keys(const panel *self, char *out, size_t capacity, const char
         (void)snprintf(out, capacity, "%s %s.", keys, what);
 }
 
-/* The rig's poses, or why there are none yet. False: they are not there. */
+/* Returns whether the poses of the rig are ready. Otherwise draws the reason. */
 static bool has_goals(panel *self, ui *on)
 {
     const face_file *file = app_face(self->app);
@@ -596,7 +596,7 @@ static bool has_goals(panel *self, ui *on)
         return true;
     ui_text_wrapped(on, UI_STYLE_DIM,
                     file && file->rig ? "Finding the poses of the rig\xe2\x80\xa6"
-                                      : "The face has no rig, so there are no poses to perform.");
+                                      : "The face has no rig and therefore no poses to perform.");
     return false;
 }
 
@@ -620,10 +620,10 @@ static void draw_progress(panel *self, ui *on)
     uint32_t of;
     const uint32_t met = say_it_met(&self->say, &of, &took_s);
     if (met > 0)
-        (void)snprintf(words, sizeof words, "%u of %u met, %.1f s each", met, of,
+        (void)snprintf(words, sizeof words, "%u of %u done, %.1f s each", met, of,
                        took_s / (double)met);
     else
-        (void)snprintf(words, sizeof words, "%u of %u met", met, of);
+        (void)snprintf(words, sizeof words, "%u of %u done", met, of);
     ui_text(on, UI_STYLE_DIM, words);
 }
 
@@ -668,10 +668,9 @@ static void draw_say_it(panel *self, ui *on)
     }
     if (self->says)
         draw_progress(self, on);
-    ui_text_wrapped(
-        on, UI_STYLE_BODY,
-        "The puppet shows a face. Perform it with your hand: the ring closes as you come "
-        "near. Words come after the faces.");
+    ui_text_wrapped(on, UI_STYLE_BODY,
+                    "The puppet shows a face. Perform it with your hand. The ring closes as your "
+                    "face gets closer. Words follow after the faces.");
     draw_absence(self, on);
     ui_space(on, 4.0f);
     if (ui_button(on, "Start", UI_ACCENT) || is_answered(self, on)) {
@@ -704,8 +703,8 @@ static void draw_pair(const panel *self, ui *on, const simon_pair *pair)
 {
     char words[240];
     (void)snprintf(words, sizeof words,
-                   "%s and %s are nearly one hand (%.0f\xc2\xb0 apart). Answer one of them with "
-                   "another hand, or forget it.",
+                   "The hand poses for %s and %s are too similar (%.0f\xc2\xb0 apart). Answer one "
+                   "of them with another pose, or forget it.",
                    goals[self->face_goal[pair->a]].name, goals[self->face_goal[pair->b]].name,
                    pair->deg);
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
@@ -724,7 +723,7 @@ static void draw_answers(panel *self, ui *on)
             (void)snprintf(words, sizeof words, "answered once");
         else
             (void)snprintf(words, sizeof words, "%.0f\xc2\xb0 apart%s", deg,
-                           is_far ? ": again" : "");
+                           is_far ? ", repeat" : "");
         ui_fact(on, goals[self->face_goal[i]].name, 110.0f,
                 is_far ? UI_STYLE_WARNING : UI_STYLE_BODY, words);
     }
@@ -752,13 +751,13 @@ static void draw_round_end(panel *self, ui *on, instance *mapping)
         ui_hint(on, keys);
     } else {
         ui_text_wrapped(on, UI_STYLE_GOOD,
-                        "Your hand is learned. It is kept with the show and "
-                        "with presets of the panel Mapping.");
+                        "The mapping has learned your hand. The show saves it. Presets in Mapping "
+                        "save it too.");
         if (ui_button(on, "Try it", UI_ACCENT) || is_answered(self, on)) {
             self->tab = TAB_SAY_IT;
             self->is_teaching = false;
         }
-        ui_hint(on, "Go to the exercise Say it.");
+        ui_hint(on, "Open the exercise \"Say it\".");
     }
     ui_same_line(on);
     if (ui_button(on, "Forget all", UI_QUIET))
@@ -767,7 +766,7 @@ static void draw_round_end(panel *self, ui *on, instance *mapping)
     ui_same_line(on);
     if (ui_button(on, "Restart", UI_QUIET))
         begin_teaching(self, mapping);
-    ui_hint(on, "Begin the rounds again; what was learned stays.");
+    ui_hint(on, "Start the rounds again and keep the learned hand poses.");
 }
 
 static void draw_question(panel *self, ui *on, instance *mapping)
@@ -784,7 +783,7 @@ static void draw_question(panel *self, ui *on, instance *mapping)
               ui_available_height(on) - 220.0f);
     draw_centred(on, "name", UI_STYLE_LARGE, of->name);
     write_keys(self, keys, sizeof keys, "answers");
-    (void)snprintf(words, sizeof words, "Hold your hand as this face. %s", keys);
+    (void)snprintf(words, sizeof words, "Hold the hand pose for this face. %s", keys);
     ui_text_wrapped(on, UI_STYLE_BODY, words);
     ui_disabled_begin(on, !self->is_present || self->lesson != LESSON_NONE);
     if (ui_button(on, "Answer", UI_ACCENT) || (is_answered(self, on) && self->is_present))
@@ -814,8 +813,7 @@ static void draw_simon(panel *self, ui *on, instance *mapping)
 {
     if (!lesson_params_of(mapping->type).has_all) {
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "This mapping does not learn hand poses. One hand does: choose it in the "
-                        "panel Mapping.");
+                        "This mapping cannot learn hand poses. Choose \"One hand\" in Mapping.");
         return;
     }
     if (!has_goals(self, on))
@@ -829,8 +827,8 @@ static void draw_simon(panel *self, ui *on, instance *mapping)
         return;
     }
     ui_text_wrapped(on, UI_STYLE_BODY,
-                    "The puppet shows twelve faces, twice. Hold your hand as each of them looks to "
-                    "you, and answer: the mapping learns your hand.");
+                    "The puppet shows twelve faces, twice. For each face, hold the hand pose that "
+                    "fits it, then answer. The mapping learns your poses.");
     draw_absence(self, on);
     ui_space(on, 4.0f);
     if (ui_button(on, "Start##simon", UI_ACCENT) || is_answered(self, on))
@@ -853,9 +851,8 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     if (!mapping || mapping->type != self->type || self->line_count == 0) {
         char words[200];
         (void)snprintf(words, sizeof words,
-                       "%.60s has no card of the hand. One hand has one: choose it in the panel "
-                       "Mapping.",
-                       mapping ? mapping->type->name : "The pointer alone");
+                       "%.60s has no hand card. Choose \"One hand\" in Mapping.",
+                       mapping ? mapping->type->name : "The mouse");
         ui_text_wrapped(on, UI_STYLE_DIM, words);
     } else {
         (void)ui_tabs(on, "tabs", tabs, TABS, &self->tab);
@@ -878,7 +875,7 @@ static void update(panel *self, double dt_s)
     if (!self->was_drawn) {
         looks->is_answering = false;
         if (!looks->shows_card && self->lesson == LESSON_NONE)
-            return; /* nobody looks */
+            return; /* neither the panel nor the card is visible */
     }
     self->was_drawn = false;
     const mrt_plugin_type *type = mapping ? mapping->type : NULL;
@@ -910,7 +907,7 @@ float hand_panel_card_width(panel *self, const ui *on, ui_rectangle stage)
         if (stage.width - widths[i] >= face_least &&
             fit_card(on, &card, widths[i] - 2.0f * card_margin, stage.height - 2.0f * card_margin))
             return widths[i];
-    return 0.0f; /* the panel has the list */
+    return 0.0f; /* the panel shows the list instead */
 }
 
 void hand_panel_draw_card(panel *self, ui *on, ui_rectangle where)

@@ -9,14 +9,14 @@
 
 static const float hand_least = 96.0f, hand_most = 230.0f; /* width of the hand */
 static const float text_least = 190.0f, text_most = 340.0f;
-static const float text_share = 0.6f;   /* of the width; the hand has the rest */
+static const float text_share = 0.6f;   /* share of the width; the hand uses the rest */
 static const float leader_room = 16.0f; /* between hand and text */
 static const float gap_least = 3.0f, row_gap = 0.0f, word_gap = 9.0f;
 static const float light_radius = 4.5f, dot_radius = 2.5f;
 
-/* ---- text in as many rows as it takes ---- */
+/* ---- wrapped text ---- */
 
-/* Where a text is broken: at its last blank that fits. */
+/* Returns the length of the first row: up to the last space that fits. */
 static size_t row_end(const ui *on, ui_style style, const char *text, float width)
 {
     char part[256];
@@ -69,22 +69,22 @@ static uint32_t between(uint32_t dark, uint32_t lit, float level)
     return out;
 }
 
-/* ---- where things are ---- */
+/* ---- layout ---- */
 
 typedef struct column {
     uint32_t line[HAND_LIGHTS_MAX]; /* from top to bottom */
     uint32_t count;
     float x, width; /* of the text */
-    bool is_left;   /* of the hand */
+    bool is_left;   /* left of the hand */
 } column;
 
 typedef struct layout {
     ui_rectangle hand;
-    column column[2]; /* the second may be empty */
+    column column[2]; /* the second column may be empty */
     float high;       /* of the higher column, without gaps */
 } layout;
 
-/* What the face does stands behind what the hand does. */
+/* Returns whether the texts of hand and face fit in one row. */
 static bool is_one_row(const ui *on, const hand_card *card, const mrt_card_line *line, float width)
 {
     return card->is_dense && ui_text_width(on, UI_STYLE_STRONG, line->hand) + word_gap +
@@ -114,7 +114,7 @@ static uint32_t joint_of(const mrt_card_line *line)
     return line->joint < MRT_JOINTS ? line->joint : 0;
 }
 
-/* The y of each line's top. */
+/* Computes the y of the top of each line. */
 static void find_tops(float out_y[HAND_LIGHTS_MAX], const ui *on, ui_rectangle where,
                       const hand_card *card, const column *of)
 {
@@ -144,13 +144,14 @@ static leader leader_of(const ui *on, const hand_card *card, const column *of, u
                     {joint[0], joint[1]}};
 }
 
-/* Twice the area of the triangle: whose sign says on which side of a, b a point is. */
+/* Returns twice the signed area of the triangle. The sign is the side of the line a, b on which the
+ * point is. */
 static float side_of(const float a[2], const float b[2], const float point[2])
 {
     return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0]);
 }
 
-/* Two that meet in one joint do not. */
+/* Returns whether two leaders cross. Leaders that end at the same joint do not. */
 static bool do_cross(const leader *a, const leader *b)
 {
     const float from_a[2] = {a->knee_x, a->y}, from_b[2] = {b->knee_x, b->y};
@@ -158,8 +159,8 @@ static bool do_cross(const leader *a, const leader *b)
            side_of(from_b, b->joint, from_a) * side_of(from_b, b->joint, a->joint) < 0.0f;
 }
 
-/* Two lines whose leaders cross change places: that makes both leaders together shorter, so it
- * ends. Heights of lines differ, therefore the passes are limited. */
+/* Swaps two lines whose leaders cross. Each swap shortens the sum of both leaders, so the loop
+ * ends. The number of passes is limited because lines differ in height. */
 static void uncross(column *of, const ui *on, const hand_card *card, ui_rectangle where,
                     float xy[MRT_JOINTS][2])
 {
@@ -182,7 +183,8 @@ static void uncross(column *of, const ui *on, const hand_card *card, ui_rectangl
     }
 }
 
-/* Lines of a column by how high their joints are; of one joint as the card has them. */
+/* Sorts the lines of a column by the height of their joints. Lines of one joint keep the order of
+ * the card. */
 static void sort_column(column *of, const hand_card *card, float xy[MRT_JOINTS][2])
 {
     for (uint32_t i = 1; i < of->count; ++i) {
@@ -195,7 +197,7 @@ static void sort_column(column *of, const hand_card *card, float xy[MRT_JOINTS][
     }
 }
 
-/* The half of the lines whose joints are further to the left goes to the left. */
+/* Puts the half of the lines with the leftmost joints in the left column. */
 static void split(layout *out, const hand_card *card, uint32_t count, float xy[MRT_JOINTS][2])
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -209,7 +211,7 @@ static void split(layout *out, const hand_card *card, uint32_t count, float xy[M
     }
 }
 
-/* False: no room for the hand. */
+/* Returns false if the hand does not fit. */
 static bool lay_out(layout *out, const ui *on, const hand_card *card, ui_rectangle where)
 {
     const uint32_t count = card->count < HAND_LIGHTS_MAX ? card->count : HAND_LIGHTS_MAX;
@@ -255,7 +257,7 @@ float hand_card_height(const ui *on, const hand_card *card, float width)
 
 /* ---- drawing ---- */
 
-/* Returns where it ends. */
+/* Returns the y of its end. */
 static float draw_block(ui *on, const hand_card *card, uint32_t index, float x, float y,
                         float width)
 {

@@ -1,7 +1,7 @@
-/* window/panels/hand_card.h - the card of a mapping, drawn: a hand, and beside it, with a thin
- * leader to its joint, each line of what the hand does and what the face does. Lines that are lit
- * have the accent's colour. Where there is no room for the hand it is a list with lights. Leaves
- * out which lines are lit (hand_lights.h). [main] */
+/* window/panels/hand_card.h - draws the hand card of a mapping: a hand with one line for each
+ * movement. A line names the movement of the hand and of the face, and a leader connects it with
+ * its joint. Lit lines have the accent colour. If the hand does not fit, the card is a list with
+ * lights. Leaves out which lines are lit (hand_lights.h). [main] */
 #ifndef MAROTTE_UI_WINDOW_PANELS_HAND_CARD_H
 #define MAROTTE_UI_WINDOW_PANELS_HAND_CARD_H
 #include "hand/hand.h"
@@ -12,20 +12,19 @@ typedef struct hand_card {
     uint32_t count;     /* at most HAND_LIGHTS_MAX are drawn */
     const float *level; /* count: 0 dark .. 1 lit */
     const hand_skeleton *skeleton;
-    const float *rest_rad;  /* MRT_ANGLES: orders the lines, so that they keep their places while
-                               the hand moves */
-    const float *angle_rad; /* MRT_ANGLES: the hand as it is now */
+    const float *rest_rad;  /* MRT_ANGLES; fixed hand that determines the order of the lines */
+    const float *angle_rad; /* MRT_ANGLES; current hand */
     uint32_t colour;        /* of the hand */
-    bool is_dense;          /* one row where what the hand and the face do fit in it */
+    bool is_dense;          /* put both texts in one row if they fit */
 } hand_card;
 
-/* How high the drawn card is at that width; 0: no room for the hand beside the lines. */
+/* Returns the height of the card at this width, or 0 if the hand does not fit beside the lines. */
 float hand_card_height(const ui *on, const hand_card *card, float width);
-/* How many pairs of leaders cross there. None of a hand that is as `rest_rad`. */
+/* Returns the number of crossing pairs of leaders. It is 0 if the hand is at `rest_rad`. */
 uint32_t hand_card_crossings(const ui *on, ui_rectangle where, const hand_card *card);
-/* On the panel or canvas that is open. */
+/* Draws the card on the open panel or canvas. */
 void hand_card_draw(ui *on, ui_rectangle where, const hand_card *card);
-/* Rows that flow downwards in the panel. */
+/* Draws the card as a list of rows. */
 void hand_card_list(ui *on, const hand_card *card);
 
 #endif

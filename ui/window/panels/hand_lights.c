@@ -3,13 +3,15 @@
 #include <math.h>
 #include <string.h>
 
-static const double span_s = 0.25; /* of the change */
-static const double step_s = 0.02; /* between two moments: HAND_LIGHTS_MOMENTS cover the span */
+static const double span_s = 0.25; /* window of the change */
+static const double step_s =
+    0.02; /* between two moments; HAND_LIGHTS_MOMENTS of them cover span_s */
 static const double rise_s = 0.05, fall_s = 0.4;
-static const float least = 0.16f;    /* 1: the whole way of a line; less is trembling */
-static const float lit_from = 0.45f; /* fully */
-static const float backwards = 0.5f; /* of a way against the line's own */
-static const float dominance = 0.7f; /* of the strongest line; weaker ones stay dark */
+static const float least =
+    0.16f; /* minimum; 1 is the full movement of a line, smaller changes are tremor */
+static const float lit_from = 0.45f; /* fully lit from this strength */
+static const float backwards = 0.5f; /* weight of a movement in the opposite direction */
+static const float dominance = 0.7f; /* share of the strongest line; weaker lines stay dark */
 
 void hand_lights_begin(hand_lights *self)
 {
@@ -29,7 +31,7 @@ static void remember(hand_lights *self, const mrt_hand *hand)
         self->count += 1;
 }
 
-/* The oldest moment within the span; NULL: none. */
+/* Returns the oldest moment within span_s, or NULL. */
 static const struct hand_moment *moment_before(const hand_lights *self)
 {
     const struct hand_moment *out = NULL;
@@ -41,8 +43,8 @@ static const struct hand_moment *moment_before(const hand_lights *self)
     return out;
 }
 
-/* A line of two ways that exclude each other, such as a nod and a turn, is as strong as the
- * stronger of them. */
+/* Returns the strength of a line. If a line has two exclusive movements, such as nod and turn, the
+ * stronger one counts. */
 static float strength_of(const mrt_card_line *line, const mrt_hand *hand,
                          const struct hand_moment *before)
 {

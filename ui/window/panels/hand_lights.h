@@ -1,14 +1,14 @@
-/* window/panels/hand_lights.h - which lines of a mapping's card are lit: those whose angles move.
- * A line's level is the change of its angles over the last quarter of a second, weighed as the line
- * says, so that no neutral pose is needed. Of lines that share angles the strongest are lit. Leaves
- * out drawing (hand_card.h). Pure; no allocation. */
+/* window/panels/hand_lights.h - computes which lines of a hand card are lit: those whose angles
+ * move. The level of a line is the weighted change of its angles over the last 0.25 s, so it needs
+ * no rest pose. Of the lines that share angles, only the strongest are lit. Leaves out drawing
+ * (hand_card.h). Pure; no allocation. */
 #ifndef MAROTTE_UI_WINDOW_PANELS_HAND_LIGHTS_H
 #define MAROTTE_UI_WINDOW_PANELS_HAND_LIGHTS_H
 #include <marotte/plugin.h>
 
 enum {
-    HAND_LIGHTS_MAX = 32,    /* lines; further ones stay dark */
-    HAND_LIGHTS_MOMENTS = 16 /* kept */
+    HAND_LIGHTS_MAX = 32,    /* lines; any others stay dark */
+    HAND_LIGHTS_MOMENTS = 16 /* stored moments */
 };
 
 typedef struct hand_lights {
@@ -22,7 +22,7 @@ typedef struct hand_lights {
 } hand_lights;
 
 void hand_lights_begin(hand_lights *self);
-/* Once a drawn frame. An absent hand lights nothing. */
+/* Updates the levels. Call it once for each drawn frame. Without a hand no line is lit. */
 void hand_lights_look(hand_lights *self, const mrt_card_line *line, uint32_t count,
                       const mrt_hand *hand, double dt_s);
 

@@ -1,4 +1,4 @@
-/* The log panel: what was said to the person, the newest first. */
+/* The log panel: messages to the user, newest first. */
 #include "window/panels/panels.h"
 
 #include <stdio.h>
@@ -13,11 +13,11 @@ static const int32_t least_level[LOG_FILTERS] = {MRT_LOG_INFO, MRT_LOG_WARNING, 
 
 struct panel {
     app *app;
-    uint32_t filter, room; /* room: how many are drawn at most */
-    int64_t cleared_ms;    /* those until then are not shown */
+    uint32_t filter, room; /* room: maximum number of drawn messages */
+    int64_t cleared_ms;    /* messages up to this time are hidden */
     bool is_text;
-    char text[AS_TEXT];  /* for marking and copying */
-    uint64_t text_total; /* news_list_total, as it was written; UINT64_MAX: it is not */
+    char text[AS_TEXT];  /* for selecting and copying */
+    uint64_t text_total; /* news_list_total at the last write; UINT64_MAX: not written */
     uint32_t text_filter;
 };
 
@@ -26,7 +26,7 @@ static bool is_shown(const panel *self, const news_item *item)
     return item->level >= least_level[self->filter] && item->utc_ms > self->cleared_ms;
 }
 
-static void say_time(const news_item *item, char out[16])
+static void write_time(const news_item *item, char out[16])
 {
     time_t seconds = (time_t)(item->utc_ms / 1000);
     struct tm local;
@@ -44,7 +44,7 @@ static ui_style style_of(int32_t level)
 static void draw_item(ui *on, const news_item *item)
 {
     char time_words[16];
-    say_time(item, time_words);
+    write_time(item, time_words);
     ui_text(on, UI_STYLE_DIM, time_words);
     ui_same_line(on);
     ui_at(on, 66.0f);
@@ -69,7 +69,7 @@ static void draw_items(panel *self, ui *on)
         }
     }
     if (shown == 0)
-        ui_text(on, UI_STYLE_DIM, "Nothing was said.");
+        ui_text(on, UI_STYLE_DIM, "No messages.");
     if (beyond == 0)
         return;
     char label[48];
@@ -91,7 +91,7 @@ static void write_text(panel *self)
         const news_item *item = news_list_at(news, i);
         if (!is_shown(self, item))
             continue;
-        say_time(item, time_words);
+        write_time(item, time_words);
         bool is_known = item->level >= MRT_LOG_DEBUG && item->level <= MRT_LOG_ERROR;
         int length =
             snprintf(self->text + used, AS_TEXT - used, "%s %s: %s: %s\n", time_words,
@@ -134,12 +134,12 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     (void)ui_tabs(on, "filter", filters, LOG_FILTERS, &self->filter);
     ui_space(on, 2.0f);
     (void)ui_check(on, "As text", &self->is_text);
-    ui_hint(on, "To mark and copy.");
+    ui_hint(on, "Show the messages as text that you can select and copy.");
     ui_same_line(on);
     ui_at(on, 96.0f);
     if (ui_button(on, "Clear", UI_PLAIN))
         clear(self);
-    ui_hint(on, "Takes away what is shown here; nothing else.");
+    ui_hint(on, "Clear the messages in this panel.");
     ui_space(on, 2.0f);
     if (self->is_text) {
         draw_as_text(self, on);

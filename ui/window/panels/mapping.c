@@ -1,4 +1,4 @@
-/* The mapping panel: which mapping performs, its parameters and presets, pedals, learn mode. */
+/* The mapping panel: choice of the mapping, its parameters and presets, pedals, learn mode. */
 #include "window/panels/mapping.h"
 #include "window/app/app.h"
 #include "window/gui/hand_figure.h"
@@ -24,52 +24,54 @@ enum { MAPPING_GROUPS_MAX = 64, MAPPING_CHOICES_MAX = 128 };
 struct panel {
     app *app;
     uint32_t tab;
-    char find[64]; /* a part of a parameter's name */
+    char find[64]; /* search text for parameter names */
 
-    /* Of the mapping that performs, made anew when its type changes. */
-    const mrt_plugin_type *type; /* may be gone when another face is on the stage */
+    /* State for the active mapping. follow_mapping resets it when the type changes. */
+    const mrt_plugin_type *type; /* may be unloaded after a change of face */
     char type_id[128];           /* "": none */
     const char *group[MAPPING_GROUPS_MAX];
     uint32_t group_count;
     float label_width;
-    double *values; /* a scratch, param_count */
-    bool is_held;   /* a slider is dragged: */
-    uint32_t held;  /* which parameter */
+    double *values; /* scratch memory, param_count values */
+    bool is_held;   /* a slider is being dragged */
+    uint32_t held;  /* its parameter */
     double held_before;
 
-    char preset[PRESET_NAME]; /* name of the one that was used or saved last; "" */
+    char preset[PRESET_NAME]; /* last used or saved preset; may be "" */
     char preset_name[PRESET_NAME];
     bool is_naming, was_naming;
     char **presets; /* their names; one block */
     uint32_t preset_count;
-    bool presets_are_stale; /* one was kept or deleted, also by undo and redo */
+    bool presets_are_stale; /* a preset was saved or deleted, also by undo or redo */
 
-    bool is_learning, was_drawn, had_contacts; /* contacts were shown before it began */
+    bool is_learning, was_drawn,
+        had_contacts; /* had_contacts: contacts were shown before learning started */
     learn learn;
-    char learnt[160]; /* what was linked last, or why not */
+    char learnt[160]; /* last link, or the reason for a failure */
 
-    /* ---- the poses of the hand that it was taught, drawn ---- */
-    unsigned char *lessons; /* MRT_STATE; NULL: nothing is known */
+    /* ---- taught hand poses ---- */
+    unsigned char *lessons; /* MRT_STATE; NULL: unknown */
     size_t lessons_size;
-    double lessons_wait_s; /* until they are asked for again */
+    double lessons_wait_s; /* until the next query */
     hand_skeleton *skeleton[2];
 };
 
-/* ---- steps ---- */
+/* ---- undo steps ---- */
 
 typedef struct change {
-    uint32_t id; /* of the parameter: stays when the plugin is reloaded */
+    uint32_t id; /* of the parameter; constant across plugin reloads */
     double value[2];
 } change;
 
 typedef struct step {
-    char *type_id; /* values: of this mapping */
+    char *type_id; /* mapping of the values */
     change *changes;
     uint32_t change_count;
-    unsigned char *taught[2]; /* values: what it was taught before and after; NULL: it stays */
+    unsigned char *taught[2]; /* taught state before and after; NULL: unchanged */
     size_t taught_size[2];
-    char *text[2]; /* another mapping: before and after; NULL: values */
-    char *preset;  /* a key of the settings: text is its value there, NULL none; NULL: no preset */
+    char *text[2]; /* for a switch of the mapping: before and after; NULL: a change of values */
+    char *preset; /* settings key of a preset, whose values are in text (NULL: deleted); NULL: not a
+                     preset */
 } step;
 
 enum { BEFORE = 0, AFTER = 1 };
@@ -79,7 +81,7 @@ static bool same(double a, double b)
     return a >= b && a <= b;
 }
 
-/* ---- doing it ---- */
+/* ---- undo and redo ---- */
 
 static void say(panel *self, int32_t level, const char *text)
 {
@@ -106,7 +108,7 @@ static void go_to(panel *self, const step *of, int side)
         return;
     }
     if (!mapping || strcmp(mapping->type->id, of->type_id) != 0) {
-        say(self, MRT_LOG_WARNING, "that parameter is of another mapping: nothing has changed");
+        say(self, MRT_LOG_WARNING, "that parameter belongs to another mapping and was not changed");
         return;
     }
     for (uint32_t i = 0; i < of->change_count; ++i)
@@ -128,7 +130,7 @@ static void redo(void *owner, void *data)
     go_to(owner, data, AFTER);
 }
 
-/* ---- keeping it ---- */
+/* ---- recording of undo steps ---- */
 
 static void finish(void *data)
 {
@@ -149,7 +151,8 @@ static void forget(void *data)
     free(data);
 }
 
-/* Takes the step over. Without memory it is done, but cannot be undone. */
+/* Adds the step to the undo history and takes ownership. Without memory the change stays, but
+ * cannot be undone. */
 static void keep(panel *self, step *made, const char *words)
 {
     step *kept = malloc(sizeof *kept);
@@ -169,7 +172,8 @@ static void keep(panel *self, step *made, const char *words)
     app_did(self->app, &told);
 }
 
-/* What the mapping that performs was taught; to be freed, NULL: nothing, or no memory. */
+/* Returns the taught state of the active mapping, which the caller frees. NULL: none, or no memory.
+ */
 static unsigned char *fetch_taught(panel *self, size_t *out_size)
 {
     unsigned char *out = malloc(TAUGHT_BYTES_MAX);
@@ -180,8 +184,8 @@ static unsigned char *fetch_taught(panel *self, size_t *out_size)
     return NULL;
 }
 
-/* Gives the mapping what a preset was taught (takes `taught` over), and adds that to the step
- * `made`. */
+/* Loads a taught state into the mapping and adds it to the step `made`. Takes ownership of
+ * `taught`. */
 static void teach(panel *self, step *made, unsigned char *taught, size_t size)
 {
     error err = {""};
@@ -190,8 +194,8 @@ static void teach(panel *self, step *made, unsigned char *taught, size_t size)
     bool is_other = !before || before_size != size || memcmp(before, taught, size) != 0;
     if (is_other && live_teach(app_live(self->app), taught, size, &err) < 0) {
         char words[256];
-        (void)snprintf(words, sizeof words, "what the preset was taught is not taken: %.200s",
-                       err.text);
+        (void)snprintf(words, sizeof words,
+                       "cannot restore the learned hand poses of the preset: %.200s", err.text);
         say(self, MRT_LOG_ERROR, words);
         is_other = false;
     }
@@ -206,8 +210,8 @@ static void teach(panel *self, step *made, unsigned char *taught, size_t size)
     made->taught_size[AFTER] = size;
 }
 
-/* Sets the parameters of the mapping that performs to these values (param_count, by index), teaches
- * it (NULL: nothing; freed) and makes a step of what differs. `words`: "gain 0.8". */
+/* Sets the parameters of the active mapping (values: param_count, by index) and its taught state
+ * (NULL: unchanged; freed). The changes become one undo step. `words`: such as "gain 0.8". */
 static void set_values(panel *self, const double *values, unsigned char *taught, size_t taught_size,
                        const char *words)
 {
@@ -237,7 +241,7 @@ static void set_values(panel *self, const double *values, unsigned char *taught,
         finish(&made);
 }
 
-/* Every value, as one step. */
+/* Sets all values as one undo step. */
 static void set_all(panel *self, const double *values, const char *words)
 {
     char all[EDIT_TEXT];
@@ -245,7 +249,7 @@ static void set_all(panel *self, const double *values, const char *words)
     set_values(self, values, NULL, 0, all);
 }
 
-/* One parameter that has its new value already (it was dragged); `before`: what it was. */
+/* Adds an undo step for a parameter that a drag has already changed. `before`: its old value. */
 static void note_value(panel *self, uint32_t index, double before)
 {
     instance *mapping = live_mapping(app_live(self->app));
@@ -268,7 +272,7 @@ static void note_value(panel *self, uint32_t index, double before)
     }
 }
 
-/* Another mapping, by name ("": none). What is wrong with it is said in the news. */
+/* Switches to a mapping by name ("": none). Reports errors in the log panel. */
 static void choose_mapping(panel *self, const char *name)
 {
     char before[PRESET_MAPPING], after[PRESET_MAPPING], words[EDIT_TEXT];
@@ -289,7 +293,8 @@ static void choose_mapping(panel *self, const char *name)
         finish(&made);
 }
 
-/* text: of the preset from now on; NULL: none. Without memory it is done, but cannot be undone. */
+/* Saves the text of a preset, or deletes the preset (text NULL). Without memory the change stays,
+ * but cannot be undone. */
 static void change_preset(panel *self, const mrt_plugin_type *type, const char *name,
                           const char *text)
 {
@@ -310,8 +315,7 @@ static void change_preset(panel *self, const mrt_plugin_type *type, const char *
         finish(&made);
 }
 
-/* A preset of the mapping that performs is kept (its values, and what it was taught, as they are
- * now), or deleted. `name` is clean. */
+/* Saves the current values and taught state of the active mapping as a preset. `name` is clean. */
 static void save_preset(panel *self, const char *name)
 {
     size_t size = 0;
@@ -321,7 +325,7 @@ static void save_preset(panel *self, const char *name)
     unsigned char *taught = fetch_taught(self, &size);
     if (size > PRESET_TAUGHT_MAX) {
         say(self, MRT_LOG_ERROR,
-            "the mapping was taught more than a preset can keep: its values alone are saved");
+            "the learned hand poses are too large for a preset: only the values are saved");
         size = 0;
     }
     char *text = presets_make(mapping, taught, size);
@@ -340,14 +344,15 @@ static void delete_preset(panel *self, const char *name)
         change_preset(self, mapping->type, name, NULL);
 }
 
-/* ---- learning: which finger is meant ---- */
+/* ---- learning: selection of the finger ---- */
 
-static const double span_s = 1.0, step_s = 1.0 / 36.0; /* less than LEARN_MOMENTS in the span */
+static const double span_s = 1.0,
+                    step_s = 1.0 / 36.0; /* fewer than LEARN_MOMENTS moments in span_s */
 static const float least_rad = 0.4f, clearly = 1.3f;
 
 enum { JOINTS = 3 };
-/* Of a hand, from thumb to little finger: roll, MPJ, IJ; then MPJ and PIJ. DIJ is not measured by
- * every glove. */
+/* Joints from thumb to little finger. Thumb: roll, MPJ, IJ. Others: MPJ, PIJ. Not every glove
+ * measures the DIJ. */
 static const int joint_of[5][JOINTS] = {
     {0, 1, 2}, {4, 5, -1}, {7, 8, -1}, {11, 12, -1}, {15, 16, -1}};
 
@@ -454,7 +459,7 @@ bool learn_can(const mrt_plugin_type *type)
     return false;
 }
 
-/* ---- what a pedal does ---- */
+/* ---- functions of pedals ---- */
 
 static const char ending[] = " pedal";
 
@@ -485,10 +490,10 @@ void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32
 
 /* ---- parameters ---- */
 
-#define LESSON_S 0.3 /* after a button that teaches, until the frame thread has handled it */
+#define LESSON_S 0.3 /* time for the frame thread to handle a button that teaches */
 static const float label_least = 84.0f, label_most = 146.0f;
 
-/* Whether a parameter is drawn among the others: neither hidden nor a link. */
+/* Returns whether the parameter list shows a parameter: it is neither hidden nor a finger link. */
 static bool mapping_param_is_shown(const mrt_param *p)
 {
     return !(p->flags & MRT_PARAM_HIDDEN) && learn_finger_of(p) == LEARN_NONE;
@@ -528,7 +533,7 @@ static void draw_labels(panel *self, ui *on, instance *mapping, uint32_t index, 
     note_value(self, index, before);
 }
 
-/* A drag is one step, from where it began. */
+/* Draws a slider. One drag is one undo step. */
 static void draw_slider(panel *self, ui *on, instance *mapping, uint32_t index, const char *label)
 {
     const mrt_param *p = &mapping->type->params[index];
@@ -555,7 +560,7 @@ static void draw_slider(panel *self, ui *on, instance *mapping, uint32_t index, 
     }
 }
 
-/* While the patch panel learns, what is touched is what a fader is to move. */
+/* Selects a clicked parameter as target while the patch panel learns. */
 static bool is_pointed_at(panel *self, ui *on, const instance *mapping, uint32_t index)
 {
     const mrt_param *p = &mapping->type->params[index];
@@ -571,7 +576,7 @@ static bool is_pointed_at(panel *self, ui *on, const instance *mapping, uint32_t
     return true;
 }
 
-/* One parameter as its widget; a change of it is a step. */
+/* Draws the widget of a parameter. Each change is an undo step. */
 static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t index,
                                const char *name)
 {
@@ -594,9 +599,9 @@ static void mapping_param_draw(panel *self, ui *on, instance *mapping, uint32_t 
     ui_hint(on, p->help);
 }
 
-/* ---- all of them, by group ---- */
+/* ---- all parameters by group ---- */
 
-/* As wide as the group's longest name needs. */
+/* Sets the label width to the longest name of the group. */
 static void measure_labels(panel *self, const ui *on, const instance *mapping, const char *group)
 {
     float widest = label_least;
@@ -621,9 +626,9 @@ static bool contains(const char *text, const char *part)
     return !*part;
 }
 
-/* ---- poses that are taught, drawn as hands ---- */
+/* ---- taught hand poses, drawn as hands ---- */
 
-#define LESSONS_S     2.0 /* a pedal may teach too */
+#define LESSONS_S     2.0 /* interval of queries, because a pedal can teach too */
 #define FIGURE_HEIGHT 88.0f
 
 static bool pose_of(const panel *self, const instance *mapping, const mrt_param *p,
@@ -678,7 +683,7 @@ static void draw_figure(panel *self, ui *on, const mrt_param *p, const float *an
     ui_hint(on, p->help);
 }
 
-/* Each hand with the button below it that teaches it. */
+/* Draws the taught hand poses, each with its teach button below. */
 static void draw_lessons(panel *self, ui *on, instance *mapping, const char *group,
                          const char *find)
 {
@@ -710,7 +715,7 @@ static void draw_lessons(panel *self, ui *on, instance *mapping, const char *gro
 
 /* ---- a group ---- */
 
-/* Buttons stand beside each other. */
+/* Draws the parameters of a group, with buttons side by side. */
 static void draw_group(panel *self, ui *on, instance *mapping, const char *group, const char *find)
 {
     bool is_after_button = false;
@@ -766,7 +771,7 @@ static void draw_found(panel *self, ui *on, instance *mapping)
         draw_group(self, on, mapping, self->group[i], find);
     }
     if (!has_found)
-        ui_text(on, UI_STYLE_DIM, "No parameter is called like that.");
+        ui_text(on, UI_STYLE_DIM, "No matching parameter.");
 }
 
 static void draw_groups(panel *self, ui *on, instance *mapping)
@@ -793,7 +798,7 @@ static void mapping_params_draw(panel *self, ui *on, instance *mapping)
 {
     follow_lessons(self, mapping);
     if (mapping->type->param_count == 0) {
-        ui_text(on, UI_STYLE_DIM, "It has no parameters.");
+        ui_text(on, UI_STYLE_DIM, "This mapping has no parameters.");
         return;
     }
     ui_width(on, -92.0f);
@@ -807,8 +812,8 @@ static void mapping_params_draw(panel *self, ui *on, instance *mapping)
                                   : instance_value(mapping, i);
         set_all(self, self->values, "all parameters reset");
     }
-    ui_hint(on, "Every parameter as it is at first; links of fingers stay. A double click on one "
-                "resets that one.");
+    ui_hint(on, "Reset all parameters except finger links. Double-click a parameter to reset only "
+                "that one.");
     if (self->find[0])
         draw_found(self, on, mapping);
     else
@@ -840,7 +845,7 @@ static void draw_pedal(panel *self, ui *on, const instance *mapping, uint32_t pe
                     THEME_ACCENT, 2.0f);
     ui_draw_text(on, at.where.x + 96.0f, middle - 8.0f, UI_STYLE_BODY,
                  words[0] ? THEME_TEXT : THEME_DIM, at.where.width - 98.0f,
-                 words[0] ? words : "does nothing");
+                 words[0] ? words : "not used");
     ui_canvas_end(on);
     if (words[0])
         ui_hint(on, words);
@@ -869,8 +874,8 @@ static void mapping_pedals_draw(panel *self, ui *on, instance *mapping)
     ui_space(on, 4.0f);
     char words[128], keys[KEY_WORDS + 4];
     key_map_after(&app_looks_of(self->app)->keys, ACTION_PANEL_DEVICES, keys);
-    (void)snprintf(words, sizeof words,
-                   "The pedal that re-zeroes the hands is chosen at Devices%s.", keys);
+    (void)snprintf(words, sizeof words, "Choose the pedal that re-zeroes the hands in Devices%s.",
+                   keys);
     ui_text_wrapped(on, UI_STYLE_DIM, words);
 }
 
@@ -916,7 +921,7 @@ static void save(panel *self)
     self->is_naming = false;
 }
 
-/* Whether the values and what was taught are still those of the preset that was used last. */
+/* Returns whether values and taught state still match the last used preset. */
 static bool is_still(const panel *self, const instance *mapping)
 {
     char now[PRESET_TEXT];
@@ -975,7 +980,7 @@ static void draw_list(panel *self, ui *on, const instance *mapping)
         use(self, mapping, self->presets[at]);
     ui_hint(
         on,
-        "Values of all parameters, and what it was taught, under a name, kept for this mapping.");
+        "Load a preset: the values of all parameters and the learned hand poses of this mapping.");
 }
 
 static void mapping_presets_draw(panel *self, ui *on, instance *mapping)
@@ -994,24 +999,24 @@ static void mapping_presets_draw(panel *self, ui *on, instance *mapping)
         self->was_naming = false;
         (void)snprintf(self->preset_name, sizeof self->preset_name, "%s", self->preset);
     }
-    ui_hint(on, "Keeps all values, and what was taught, under a name.");
+    ui_hint(on, "Save all values and the learned hand poses as a preset.");
     if (!self->preset[0] || !presets_kept(app_settings(self->app), mapping->type, self->preset))
         return;
     ui_same_line(on);
     if (ui_button(on, "Delete", UI_QUIET))
         delete_preset(self, self->preset);
-    ui_hint(on, "Deletes the preset; what is set now stays. Undo brings it back.");
+    ui_hint(on, "Delete the preset and keep the current values. Undo restores the preset.");
     if (!self->preset[0] || !plugin_interface(mapping->type, MRT_STATE))
         return;
     ui_same_line(on);
-    if (ui_button(on, "Use again", UI_QUIET))
+    if (ui_button(on, "Reload", UI_QUIET))
         use(self, mapping, self->preset);
-    ui_hint(on, "Sets its values, and teaches the mapping what the preset keeps.");
+    ui_hint(on, "Load the values and the learned hand poses of the preset again.");
 }
 
 /* ---- learn mode ---- */
 
-/* ---- what is linked ---- */
+/* ---- links ---- */
 
 static const char *contact_name(const panel *self, uint32_t contact)
 {
@@ -1034,7 +1039,7 @@ static void set_link(panel *self, instance *mapping, int finger, uint32_t contac
     if (name)
         (void)snprintf(words, sizeof words, "%s pulls %.100s", learn_finger_name[finger], name);
     else
-        (void)snprintf(words, sizeof words, "%s is free again", learn_finger_name[finger]);
+        (void)snprintf(words, sizeof words, "%s is not linked", learn_finger_name[finger]);
     set_all(self, self->values, words);
     (void)snprintf(self->learnt, sizeof self->learnt, "%s", words);
 }
@@ -1050,7 +1055,7 @@ static void draw_links(panel *self, ui *on, instance *mapping)
         if (contact == 0)
             continue;
         const char *name = contact_name(self, contact);
-        (void)snprintf(missing, sizeof missing, "contact %u: not there", contact);
+        (void)snprintf(missing, sizeof missing, "contact %u not found", contact);
         ui_id_begin(on, learn_finger_name[finger]);
         ui_label(on, "finger", 92.0f, THEME_TEXT, learn_finger_name[finger]);
         ui_label(on, "contact", ui_available_width(on) - 80.0f, name ? THEME_ACCENT : THEME_WARNING,
@@ -1061,8 +1066,9 @@ static void draw_links(panel *self, ui *on, instance *mapping)
         count += 1;
     }
     if (count == 0)
-        ui_text_wrapped(on, UI_STYLE_DIM,
-                        "No finger is linked: each pulls the place where it is laid.");
+        ui_text_wrapped(
+            on, UI_STYLE_DIM,
+            "No finger is linked to a contact. Each finger pulls the point it touches.");
 }
 
 /* ---- learning ---- */
@@ -1095,14 +1101,13 @@ static void follow_click(panel *self, instance *mapping)
         return;
     if (self->learn.finger == LEARN_NONE) {
         (void)snprintf(self->learnt, sizeof self->learnt,
-                       "First move one finger, well apart from "
-                       "the others.");
+                       "First move one finger, clearly more than the others.");
     } else if (stroke->contact == 0) {
         (void)snprintf(self->learnt, sizeof self->learnt,
-                       "There is no contact there: click one of the dots.");
+                       "No contact at this point. Click one of the dots.");
     } else {
         set_link(self, mapping, self->learn.finger, stroke->contact);
-        learn_begin(&self->learn); /* the next finger */
+        learn_begin(&self->learn); /* for the next finger */
     }
 }
 
@@ -1115,14 +1120,14 @@ static void mapping_learn_update(panel *self, instance *mapping, double dt_s)
         mapping_learn_end(self);
         return;
     }
-    app_want_frame(self->app, 0.0); /* what counts is the last second */
+    app_want_frame(self->app, 0.0); /* the travel over the last second changes in each frame */
     learn_look(&self->learn, app_view(self->app)->hand, dt_s);
     if (view)
         viewport_set_use(view, VIEWPORT_PICKS, 0.0f);
     follow_click(self, mapping);
 }
 
-/* How far each finger of a hand has gone in the last second. */
+/* Draws the travel of each finger of a hand over the last second. */
 static void draw_travel(const panel *self, ui *on, int first, const char *id)
 {
     static const char *const letter[5] = {"thumb", "index", "middle", "ring", "little"};
@@ -1150,11 +1155,11 @@ static void draw_learning(panel *self, ui *on)
     const mrt_hand *hand = app_view(self->app)->hand;
     char words[96];
     if (!hand[0].present && !hand[1].present)
-        (void)snprintf(words, sizeof words, "No hand is there: open a glove at Devices.");
+        (void)snprintf(words, sizeof words, "No hand is tracked. Open a glove in Devices.");
     else if (self->learn.finger == LEARN_NONE)
         (void)snprintf(words, sizeof words, "Move one finger.");
     else
-        (void)snprintf(words, sizeof words, "The %s. Now click a contact on the face.",
+        (void)snprintf(words, sizeof words, "Selected: %s. Now click a contact on the face.",
                        learn_finger_name[self->learn.finger]);
     ui_text_wrapped(on, UI_STYLE_STRONG, words);
     if (hand[MRT_RIGHT].present)
@@ -1163,20 +1168,20 @@ static void draw_learning(panel *self, ui *on)
         draw_travel(self, on, 5, "left");
     if (ui_button(on, "Done", UI_PLAIN) || ui_pressed(on, UI_KEY_ESCAPE, 0))
         mapping_learn_end(self);
-    ui_hint(on, "Escape");
+    ui_hint(on, "Stop learning (Escape).");
 }
 
 static void draw_cannot(panel *self, ui *on, const instance *mapping)
 {
     char words[200];
-    (void)snprintf(words, sizeof words,
-                   "%.60s decides by itself which finger moves what. Anchored lets each finger "
-                   "pull a contact of your choice.",
-                   mapping->type->name);
+    (void)snprintf(
+        words, sizeof words,
+        "%.60s cannot link fingers to contacts. Anchored can link each finger to a contact.",
+        mapping->type->name);
     ui_text_wrapped(on, UI_STYLE_DIM, words);
-    if (ui_button(on, "Perform with Anchored", UI_PLAIN))
+    if (ui_button(on, "Switch to Anchored", UI_PLAIN))
         choose_mapping(self, "anchored");
-    ui_hint(on, "Another mapping performs from now on; undo brings this one back.");
+    ui_hint(on, "Switch to another mapping. Undo restores this one.");
 }
 
 static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
@@ -1192,7 +1197,7 @@ static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
     else if (ui_button(on, "Learn", UI_ACCENT))
         begin(self);
     if (!self->is_learning)
-        ui_hint(on, "Move a finger, then click the contact that it is to pull.");
+        ui_hint(on, "Link a finger to a contact: move the finger, then click the contact.");
     if (self->learnt[0])
         ui_text_wrapped(on, UI_STYLE_DIM, self->learnt);
 }
@@ -1202,7 +1207,7 @@ static void mapping_learn_draw(panel *self, ui *on, instance *mapping)
 enum { TAB_PARAMETERS = 0, TAB_PEDALS, TAB_LEARN, TABS };
 static const char *const tabs[TABS] = {"Parameters", "Pedals", "Learn"};
 
-/* ---- of the mapping that performs ---- */
+/* ---- the active mapping ---- */
 
 static void find_groups(panel *self)
 {
@@ -1217,8 +1222,8 @@ static void find_groups(panel *self)
     }
 }
 
-/* The mapping that performs; adapts the panel when it is another or another version. NULL: none, or
- * no memory. */
+/* Returns the active mapping and resets the panel when the mapping or its version changes. NULL:
+ * none, or no memory. */
 static instance *follow_mapping(panel *self)
 {
     instance *mapping = live_mapping(app_live(self->app));
@@ -1231,7 +1236,8 @@ static instance *follow_mapping(panel *self)
         self->lessons_wait_s = 0.0;
         free(self->values);
         self->values = type ? calloc((size_t)type->param_count + 1, sizeof(double)) : NULL;
-        if (type && strcmp(type->id, self->type_id) != 0) { /* not another version of it */
+        if (type &&
+            strcmp(type->id, self->type_id) != 0) { /* another mapping, not just another version */
             (void)snprintf(self->type_id, sizeof self->type_id, "%s", type->id);
             self->preset[0] = self->find[0] = '\0';
             self->is_naming = false;
@@ -1247,7 +1253,7 @@ static instance *follow_mapping(panel *self)
 static void draw_choice(panel *self, ui *on)
 {
     const plugin_list *plugins = app_plugins(self->app);
-    const char *items[MAPPING_CHOICES_MAX] = {"none: the mouse alone"};
+    const char *items[MAPPING_CHOICES_MAX] = {"none (mouse only)"};
     const mrt_plugin_type *types[MAPPING_CHOICES_MAX] = {NULL};
     uint32_t count = 1, chosen = 0;
     for (uint32_t i = 0; i < plugins->entry_count && count < MAPPING_CHOICES_MAX; ++i) {
@@ -1261,30 +1267,31 @@ static void draw_choice(panel *self, ui *on)
         types[count++] = type;
     }
     const bool is_other = ui_choice(on, "Mapping", 66.0f, items, count, &chosen);
-    ui_hint(on, "What makes a face of the hands: another one takes over without a jump.");
+    ui_hint(on, "Choose how hands move the face. The face does not jump when you switch.");
     if (!is_other)
         return;
     choose_mapping(self, types[chosen] ? types[chosen]->id : "");
 }
 
-/* ---- a process of its own, another version ---- */
+/* ---- isolation and reload ---- */
 
 static void draw_isolation(ui *on, const instance *mapping, const isolate_counts *counts)
 {
     char words[400];
     const char *why = isolate_first_reason(mapping->self);
     if (counts->failed == 0) {
-        ui_text(on, UI_STYLE_DIM, "Runs apart, in a process of its own.");
+        ui_text(on, UI_STYLE_DIM, "Runs in a separate process.");
         return;
     }
-    (void)snprintf(words, sizeof words, "Runs apart; %s: %.300s.",
+    (void)snprintf(words, sizeof words, "Separate process %s: %.300s.",
                    counts->restarted > 1    ? "was restarted several times"
                    : counts->restarted == 1 ? "was restarted once"
                                             : "has failed",
                    why[0] ? why : "it failed");
     ui_text_wrapped(on, UI_STYLE_WARNING, words);
     if (counts->is_away)
-        ui_text_wrapped(on, UI_STYLE_WARNING, "The face is held. Choose it again, or another one.");
+        ui_text_wrapped(on, UI_STYLE_WARNING,
+                        "The face is held. Choose this mapping again, or another one.");
 }
 
 static void draw_state(panel *self, ui *on, const instance *mapping)
@@ -1297,12 +1304,12 @@ static void draw_state(panel *self, ui *on, const instance *mapping)
         char times[24] = "once";
         if (status->reload_taken > 1)
             (void)snprintf(times, sizeof times, "%u times", status->reload_taken);
-        (void)snprintf(words, sizeof words, "Rebuilt while it performed: taken over %s.", times);
+        (void)snprintf(words, sizeof words, "Plugin reloaded %s.", times);
         ui_text_wrapped(on, UI_STYLE_DIM, words);
     }
     if (status->reload_refused > 0) {
         const bool is_one = status->reload_refused == 1;
-        (void)snprintf(words, sizeof words, "%u new version%s refused: the log says why.",
+        (void)snprintf(words, sizeof words, "%u new version%s refused. See the log for the reason.",
                        status->reload_refused, is_one ? " was" : "s were");
         ui_text_wrapped(on, UI_STYLE_WARNING, words);
     }
@@ -1310,7 +1317,7 @@ static void draw_state(panel *self, ui *on, const instance *mapping)
 
 /* ---- the panel ---- */
 
-#define LOW_POINTS 420.0f /* a panel that is lower scrolls as a whole */
+#define LOW_POINTS 420.0f /* below this height, the whole panel scrolls */
 
 static void draw_mapping(panel *self, ui *on, instance *mapping, bool is_low)
 {
@@ -1345,8 +1352,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     if (mapping)
         draw_mapping(self, on, mapping, is_low);
     else
-        ui_text_wrapped(on, UI_STYLE_DIM,
-                        "No mapping performs. The mouse pulls the face; hands do nothing.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "No mapping is active. Only the mouse moves the face.");
     if (is_low)
         ui_scroll_end(on);
     self->was_drawn = mapping && self->tab == TAB_LEARN;

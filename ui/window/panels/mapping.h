@@ -1,7 +1,7 @@
-/* window/panels/mapping.h - what the mapping panel knows without being seen: which finger somebody
- * moves and which parameter links it to a contact (learn mode), and which parameters say what a
- * pedal does. A finger is meant when its joints have gone through more than those of any other over
- * the last second. Pure; no allocation. */
+/* window/panels/mapping.h - the part of the mapping panel that does not draw. It detects the moving
+ * finger and the parameter that links it to a contact (learn mode), and finds the parameters that
+ * assign pedals. The selected finger is the one whose joints travelled most in the last second.
+ * Pure; no allocation. */
 #ifndef MAROTTE_UI_WINDOW_PANELS_MAPPING_H
 #define MAROTTE_UI_WINDOW_PANELS_MAPPING_H
 #include <marotte/plugin.h>
@@ -21,24 +21,27 @@ typedef struct learn {
         float angle[2][MRT_ANGLES];
     } moment[LEARN_MOMENTS];
     float travel_rad[LEARN_FINGERS]; /* over the last second */
-    int finger;                      /* that is meant: the last that clearly moved; LEARN_NONE */
+    int finger; /* selected finger: the last one that clearly moved; LEARN_NONE */
 } learn;
 
 void learn_begin(learn *self);
-/* Once a drawn frame: the hands of now, left and right. */
+/* Adds the current hands, left and right. Call it once for each drawn frame. */
 void learn_look(learn *self, const mrt_hand hand[2], double dt_s);
 
-/* Which finger a parameter of a mapping links to a contact (group "Contacts", stepped, named as
- * above; 0: none, n: contact n): LEARN_NONE: it is none of these. */
+/* Returns the finger that a parameter links to a contact, or LEARN_NONE. Such a parameter is
+ * stepped, is in the group "Contacts" and has the name of the finger. Its value is 0 for no
+ * contact, or n for contact n. */
 int learn_finger_of(const mrt_param *param);
-/* The parameter that links this finger; param_count: the mapping links none. */
+/* Returns the index of the parameter that links this finger, or param_count. */
 uint32_t learn_param_of(const mrt_plugin_type *type, int finger);
-bool learn_can(const mrt_plugin_type *type); /* it links some finger */
+bool learn_can(const mrt_plugin_type *type); /* the mapping can link a finger */
 
 enum { PEDAL_MEANING = 64 };
-/* False: it is no such parameter. out: "Anchor". */
+/* Writes the function of a pedal parameter, such as "Anchor". Returns false for other parameters.
+ */
 bool pedal_table_meaning(const mrt_param *param, char out[PEDAL_MEANING]);
-/* "Anchor, Hold": what pedal 1..4 does by these values (param_count); "" nothing. */
+/* Writes the functions of pedal 1..4 for these values (param_count), such as "Anchor, Hold", or "".
+ */
 void pedal_table_words(const mrt_plugin_type *type, const double *values, uint32_t pedal, char *out,
                        size_t capacity);
 

@@ -1,5 +1,5 @@
-/* Where the face goes: each output with a light, how often it is sent and how late; and another one
- * is opened. */
+/* The output panel: each open output with its state, rate and latency, and a form to add an output.
+ */
 #include "window/panels/panels.h"
 
 #include "window/gui/theme.h"
@@ -9,33 +9,33 @@
 #include <string.h>
 
 enum { ADDRESS = 200, PLUGINS_MAX = 32 };
-#define LABEL  62.0f /* points: where the widgets of a line begin */
+#define LABEL  62.0f /* x of the widgets in a row, points */
 #define INDENT 18.0f
 
 struct panel {
     app *app;
-    const char *name[PLUGINS_MAX]; /* of those that send faces: the last part of the id */
+    const char *name[PLUGINS_MAX]; /* short names of the output plugins */
     const mrt_plugin_type *type[PLUGINS_MAX];
     uint32_t count, chosen;
     char address[ADDRESS], settings[ADDRESS];
 };
 
-/* ---- those that are open ---- */
+/* ---- open outputs ---- */
 
 static void describe(char out[256], ui_style *style, const output_status *s)
 {
     *style = UI_STYLE_DIM;
     if (s->state == OUTPUT_FAILED) {
         *style = UI_STYLE_BAD;
-        (void)snprintf(out, 256, "%s; it is tried again", s->trouble);
+        (void)snprintf(out, 256, "%s. Retrying.", s->trouble);
     } else if (s->state == OUTPUT_UNHEARD) {
         *style = UI_STYLE_WARNING;
-        (void)snprintf(out, 256, "Nobody answers there. It is sent all the same.");
+        (void)snprintf(out, 256, "No program answers at this address. The face is still sent.");
     } else if (s->state == OUTPUT_OPENS || s->sent == 0) {
-        (void)snprintf(out, 256, "Opens ...");
+        (void)snprintf(out, 256, "Opening ...");
     } else {
-        (void)snprintf(out, 256, "%.0f a second, %.1f ms after the hand%s", s->rate_hz, s->p50_ms,
-                       s->is_isolated ? ", in a process of its own" : "");
+        (void)snprintf(out, 256, "%.0f per second, %.1f ms after the hand%s", s->rate_hz, s->p50_ms,
+                       s->is_isolated ? ", in a separate process" : "");
     }
 }
 
@@ -48,7 +48,7 @@ static uint32_t light_of(output_state state)
     return colours[state];
 }
 
-/* False: it is to be removed. */
+/* Returns false if the user closes the output. */
 static bool draw_output(panel *self, ui *on, uint32_t index)
 {
     output_status s;
@@ -88,13 +88,13 @@ static void draw_outputs(panel *self, ui *on)
     }
     if (outputs_count(of) == 0)
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "The face goes nowhere yet. Avatars, engines and patches can have it while "
-                        "it is performed, and while a take plays.");
+                        "No output is open. Outputs send the face to other programs, live and "
+                        "while a take plays.");
     if (removed != UINT32_MAX)
         app_remove_output(self->app, removed);
 }
 
-/* How well the 52 names say what is seen. */
+/* Draws the error of the approximation by the 52 ARKit weights. */
 static void draw_residual(const panel *self, ui *on)
 {
     char text[32];
@@ -104,10 +104,10 @@ static void draw_residual(const panel *self, ui *on)
         return;
     (void)snprintf(text, sizeof text, "%.2f mm off", residual_mm);
     ui_fact(on, "In ARKit's 52", 110.0f, UI_STYLE_NUMBER, text);
-    ui_hint(on, "How far the face that is seen is from the one that its weights say.");
+    ui_hint(on, "Distance between the face and its approximation by the ARKit weights.");
 }
 
-/* ---- another one ---- */
+/* ---- new output ---- */
 
 static void list_plugins(panel *self)
 {
@@ -139,31 +139,32 @@ static void draw_new(panel *self, ui *on)
     list_plugins(self);
     ui_text(on, UI_STYLE_TITLE, "Send the face");
     if (self->count == 0) {
-        ui_text_wrapped(on, UI_STYLE_DIM, "No plugin that sends faces was found.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "No output plugin was found.");
         return;
     }
-    (void)ui_choice(on, "By", LABEL, self->name, self->count, &self->chosen);
+    (void)ui_choice(on, "Plugin", LABEL, self->name, self->count, &self->chosen);
     ui_hint(on, self->type[self->chosen]->about);
-    ui_text(on, UI_STYLE_DIM, "To");
+    ui_text(on, UI_STYLE_DIM, "Address");
     ui_same_line(on);
     ui_at(on, LABEL);
     ui_width(on, 0.0f);
-    (void)ui_input(on, "##address", "HOST:PORT; empty: here", self->address, sizeof self->address);
+    (void)ui_input(on, "##address", "HOST:PORT, or empty for this computer", self->address,
+                   sizeof self->address);
     bool is_entered = ui_input_is_entered(on);
-    ui_text(on, UI_STYLE_DIM, "With");
+    ui_text(on, UI_STYLE_DIM, "Settings");
     ui_same_line(on);
     ui_at(on, LABEL);
     ui_width(on, 0.0f);
     (void)ui_input(on, "##settings", "names=arkit,rate=60", self->settings, sizeof self->settings);
-    ui_hint(on, "Its parameters: marotte plugin list --params has them.");
+    ui_hint(on, "Set parameters of the plugin. \"marotte plugin list --params\" lists them.");
     is_entered |= ui_input_is_entered(on);
     ui_space(on, 2.0f);
     bool is_full = outputs_count(live_outputs(app_live(self->app))) == OUTPUTS_MAX;
     ui_disabled_begin(on, is_full);
     if (ui_button(on, "Add", UI_ACCENT) || (is_entered && !is_full))
         send(self);
-    ui_hint(on, is_full ? "No more are possible: remove one first."
-                        : "Sends the face there from now on, and each time marotte starts.");
+    ui_hint(on, is_full ? "The maximum number of outputs is open. Close one first."
+                        : "Send the face to this address, now and at each start of marotte.");
     ui_disabled_end(on);
     if (app_output_trouble(self->app)[0])
         ui_text_wrapped(on, UI_STYLE_BAD, app_output_trouble(self->app));

@@ -1,5 +1,6 @@
-/* The patch panel: which channel moves what, with live meters; connections are learnt by moving and
- * clicking, chosen from lists, undone. */
+/* The patch panel: connections from channels to targets, with live meters. The user adds a
+ * connection by moving a channel and clicking a target, or chooses both from lists. Changes can be
+ * undone. */
 #include "window/panels/panels.h"
 
 #include "base/file.h"
@@ -17,13 +18,14 @@ enum { ITEMS_MAX = 640, ITEM = 112, LIVE_INPUTS = 8 };
 #define NOBODY UINT32_MAX
 #define LABEL  74.0f
 
-typedef struct patch_step { /* undone and done again */
+typedef struct patch_step { /* data for undo and redo */
     patch before, after;
 } patch_step;
 
 struct panel {
     app *app;
-    patch work;      /* as it is drawn: ahead of the application's while a slider is dragged */
+    patch work; /* patch as drawn; newer than the patch of the application while a slider is dragged
+                 */
     uint32_t chosen; /* NOBODY: none */
     bool is_changed, is_held;
     char words[EDIT_TEXT];
@@ -33,14 +35,14 @@ struct panel {
     bool has_source, had_contacts;
     patch_connection source;
     bool is_known[LIVE_INPUTS];
-    float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* when it began */
+    float was[LIVE_INPUTS][MRT_MAX_CHANNELS]; /* value at the start of learning */
 
-    char item[ITEMS_MAX][ITEM]; /* of the list that is drawn */
+    char item[ITEMS_MAX][ITEM]; /* items of the list that is being drawn */
     const char *items[ITEMS_MAX];
     uint32_t item_count;
 };
 
-/* ---- changed, undone ---- */
+/* ---- changes and undo ---- */
 
 static void undo(void *owner, void *data)
 {
@@ -90,19 +92,19 @@ static void delete_chosen(panel *self)
             (p->count - self->chosen) * sizeof *p->connection);
     p->connection[p->count] = (patch_connection){.kind = PATCH_NOTHING};
     self->chosen = NOBODY;
-    change(self, "a connection deleted");
+    change(self, "connection deleted");
 }
 
-/* ---- what is heard now ---- */
+/* ---- current channel values ---- */
 
-/* What a mapping would be shown now; points into the inputs and `value`. */
+/* Current frame as a mapping receives it. Points into the inputs and into `sample`. */
 typedef struct heard {
     mrt_frame frame;
     mrt_channels inputs[LIVE_INPUTS];
     mrt_sample sample[LIVE_INPUTS];
 } heard;
 
-static void hear(const panel *self, heard *out)
+static void read_channels(const panel *self, heard *out)
 {
     live *stage = app_live(self->app);
     const live_view *view = app_view(self->app);
@@ -117,14 +119,15 @@ static void hear(const panel *self, heard *out)
         in->channel = input_channels(live_input(stage, i), &in->count);
         in->value = sample->value;
         if (!is_heard || in->count != sample->count)
-            in->count = 0; /* its channels are being changed */
+            in->count = 0; /* the channels are changing */
         out->frame.input_count += 1;
     }
     memcpy(out->frame.hand, view->hand, sizeof out->frame.hand);
     memcpy(out->frame.pedal, view->pedal, sizeof out->frame.pedal);
 }
 
-/* 0..1 of the part of the channel's way that counts; false: nobody has it. */
+/* Computes the position of the channel in its input range, 0..1. Returns false if no input has the
+ * channel. */
 static bool share_of(const patch_connection *c, const heard *now, double *out_share)
 {
     static const patch_range whole = {-1.0, 1.0, 0.0};
@@ -133,7 +136,7 @@ static bool share_of(const patch_connection *c, const heard *now, double *out_sh
     patch_connection plain = *c;
     if (!patch_listen(c, &now->frame, &channel, &raw))
         return false;
-    plain.kind = PATCH_DOF; /* 0 to 1, and a stick from -1 */
+    plain.kind = PATCH_DOF; /* range 0 to 1, or -1 to 1 for a stick */
     plain.bend = plain.ease = 0.0;
     plain.out[0] = plain.out[1] = NAN;
     *out_share = fabs(patch_wanted(&plain, &channel, raw, &whole));
@@ -164,7 +167,7 @@ static void begin_learning(panel *self)
     memset(self->is_known, 0, sizeof self->is_known);
 }
 
-/* The first word of an input's name where no other begins with it. */
+/* Writes the first word of the input's name, or the whole name if the word is not unique. */
 static void name_input(const heard *now, uint32_t which, char out[PATCH_NAME])
 {
     const char *name = now->inputs[which].name;
@@ -177,7 +180,8 @@ static void name_input(const heard *now, uint32_t which, char out[PATCH_NAME])
         (void)snprintf(out, PATCH_NAME, "%.63s", name);
 }
 
-/* Sensors and pedals as mappings see them, calibrated; everything else raw. */
+/* Names sensors and pedals as calibrated channels of the performer, and all others as raw channels
+ * of their input. */
 static void name_channel(const heard *now, uint32_t which, uint32_t c, patch_connection *out)
 {
     const mrt_channel *channel = &now->inputs[which].channel[c];
@@ -195,7 +199,8 @@ static void name_channel(const heard *now, uint32_t which, uint32_t c, patch_con
     }
 }
 
-/* What has moved furthest since it began, by a quarter of its way at least. */
+/* Selects the channel that has moved most since learning started, by at least a quarter of its
+ * range. */
 static void look_for_source(panel *self, const heard *now)
 {
     double most = 0.25;
@@ -245,7 +250,7 @@ static void connect(panel *self, patch_kind kind, const char *target)
     end_learning(self);
 }
 
-/* Also while another panel is open: its sliders are pointed at. */
+/* Runs also while another panel is open, because the user may click one of its sliders. */
 static void update(panel *self, double dt_s)
 {
     (void)dt_s;
@@ -253,7 +258,7 @@ static void update(panel *self, double dt_s)
     if (!aim->is_learning)
         return;
     heard now;
-    hear(self, &now);
+    read_channels(self, &now);
     self->work = *app_patch(self->app);
     look_for_source(self, &now);
     look_for_click(self);
@@ -262,7 +267,7 @@ static void update(panel *self, double dt_s)
     if (self->has_source)
         connect(self, aim->kind, aim->target);
     else
-        aim->kind = PATCH_NOTHING; /* first the fader */
+        aim->kind = PATCH_NOTHING; /* the channel must be selected before the target */
     if (self->is_changed)
         commit(self);
     self->is_changed = false;
@@ -279,7 +284,7 @@ static void add_item(panel *self, const char *text)
     self->item_count += 1;
 }
 
-/* Its index; one that is not there is added at the end. */
+/* Returns the index of an item. Appends the item if it is missing. */
 static uint32_t index_of(panel *self, const char *text)
 {
     for (uint32_t i = 0; i < self->item_count; ++i)
@@ -330,7 +335,7 @@ static void list_sources(panel *self, const heard *now)
         }
 }
 
-/* ---- the chosen connection ---- */
+/* ---- the selected connection ---- */
 
 static void draw_source(panel *self, ui *on, patch_connection *c, const heard *now)
 {
@@ -357,7 +362,7 @@ static void draw_aim(panel *self, ui *on, patch_connection *c)
     static const char *const kinds[] = {"parameter", "bone",      "contact",
                                         "pose",      "transport", "shape"};
     uint32_t kind = (uint32_t)c->kind - PATCH_PARAM;
-    if (ui_choice(on, "Moves a", LABEL, kinds, PATCH_KINDS - PATCH_PARAM, &kind)) {
+    if (ui_choice(on, "Target", LABEL, kinds, PATCH_KINDS - PATCH_PARAM, &kind)) {
         list_targets(self, (patch_kind)(kind + PATCH_PARAM));
         if (self->item_count > 0) {
             patch_connection other = patch_connection_of((patch_kind)(kind + PATCH_PARAM));
@@ -370,13 +375,13 @@ static void draw_aim(panel *self, ui *on, patch_connection *c)
     }
     list_targets(self, c->kind);
     uint32_t at = index_of(self, c->target);
-    if (ui_choice(on, "Which", LABEL, self->items, self->item_count, &at)) {
+    if (ui_choice(on, "Name", LABEL, self->items, self->item_count, &at)) {
         (void)snprintf(c->target, sizeof c->target, "%.63s", self->items[at]);
         change(self, "another target");
     }
 }
 
-/* "brow.mid.l" <-> "brow.mid.*" */
+/* Switches the target between "brow.mid.l" and "brow.mid.*". */
 static void draw_sides(panel *self, ui *on, patch_connection *c)
 {
     if (c->kind != PATCH_DOF && c->kind != PATCH_CONTACT)
@@ -390,7 +395,7 @@ static void draw_sides(panel *self, ui *on, patch_connection *c)
             dot[1] = is_both ? '*' : 'l';
             change(self, is_both ? "both sides" : "one side");
         }
-        ui_hint(on, "The other side goes along, mirrored.");
+        ui_hint(on, "Move the other side too, mirrored.");
         return;
     }
 }
@@ -398,18 +403,18 @@ static void draw_sides(panel *self, ui *on, patch_connection *c)
 static void draw_way(panel *self, ui *on, patch_connection *c)
 {
     static const char *const names[] = {"up",      "down", "to its left", "to its right",
-                                        "forward", "back", "as it is"};
+                                        "forward", "back", "custom"};
     static const float ways[6][3] = {{0, 1, 0},  {0, -1, 0}, {1, 0, 0},
                                      {-1, 0, 0}, {0, 0, 1},  {0, 0, -1}};
     uint32_t at = 6;
     for (uint32_t i = 0; i < 6; ++i)
         if (memcmp(ways[i], c->way, sizeof c->way) == 0)
             at = i;
-    if (c->kind != PATCH_CONTACT || !ui_choice(on, "Way", LABEL, names, at == 6 ? 7 : 6, &at) ||
-        at == 6)
+    if (c->kind != PATCH_CONTACT ||
+        !ui_choice(on, "Direction", LABEL, names, at == 6 ? 7 : 6, &at) || at == 6)
         return;
     memcpy(c->way, ways[at], sizeof c->way);
-    change(self, "another way");
+    change(self, "another direction");
 }
 
 static void draw_number(panel *self, ui *on, const char *label, const ui_range *range,
@@ -420,7 +425,7 @@ static void draw_number(panel *self, ui *on, const char *label, const ui_range *
     self->is_held |= ui_slider_is_held(on);
 }
 
-/* Of the target, and the widest that its sliders go. */
+/* Returns the range of the target. `out`: range of the sliders. */
 static patch_range range_of(const panel *self, const patch_connection *c, ui_range *out)
 {
     const mrt_face *about = app_view(self->app)->about;
@@ -463,7 +468,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
     double from = isnan(c->in[0]) ? in.min : c->in[0], to = isnan(c->in[1]) ? in.max : c->in[1];
     double from_was = from, to_was = to;
     if (in.max > in.min) {
-        draw_number(self, on, "Counts", &in, &from);
+        draw_number(self, on, "Input", &in, &from);
         draw_number(self, on, "to", &in, &to);
     }
     if ((from < from_was || from > from_was || to < to_was || to > to_was) && from < to) {
@@ -479,7 +484,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
         high = c->out[1];
     }
     double low_was = low, high_was = high;
-    draw_number(self, on, "Gives##low", &sliders, &low);
+    draw_number(self, on, "Output##low", &sliders, &low);
     draw_number(self, on, "to##high", &sliders, &high);
     if (low < low_was || low > low_was || high < high_was || high > high_was) {
         c->out[0] = low;
@@ -487,7 +492,7 @@ static void draw_ranges(panel *self, ui *on, patch_connection *c, const heard *n
     }
 }
 
-/* The curve, and where the channel is on it now. */
+/* Draws the curve and the current position of the channel on it. */
 static void draw_curve(ui *on, const patch_connection *c, const heard *now)
 {
     enum { POINTS = 33 };
@@ -530,17 +535,19 @@ static void draw_chosen(panel *self, ui *on, const heard *now)
     if (c->kind != PATCH_ACTION) {
         draw_curve(on, c, now);
         draw_number(self, on, "Bend", &bend, &c->bend);
-        ui_hint(on, "Right: slow at first. Left: fast at first.");
+        ui_hint(on, "Bend the curve: right starts slowly, left starts fast.");
         draw_number(self, on, "Ease", &bend, &c->ease);
-        ui_hint(on, "Right: slow at both ends.");
+        ui_hint(on, "Ease the curve: right is slow at both ends.");
         draw_number(self, on, "Smooth", &smooth, &c->smooth_s);
-        if (ui_choice(on, "Moves it", LABEL, modes, 2, &mode)) {
+        if (ui_choice(on, "Mode", LABEL, modes, 2, &mode)) {
             c->adds = mode == 1;
             change(self, modes[mode]);
         }
         if (ui_check(on, "Pick up", &c->picks_up))
             change(self, c->picks_up ? "pick up" : "no pick up");
-        ui_hint(on, "Does nothing until it has come by where the face is: no jump.");
+        ui_hint(
+            on,
+            "Wait until the channel reaches the current value, so that the face does not jump.");
         ui_same_line(on);
         ui_at(on, 110.0f);
     }
@@ -585,10 +592,10 @@ static void draw_row(panel *self, ui *on, uint32_t i, const heard *now)
         ui_draw_ring(on, box.x + box.width - 9.0f, box.y + 14.0f, 3.5f, THEME_DIM, 1.0f);
     ui_canvas_end(on);
     ui_hint(on, c->is_muted   ? "Off."
-                : !is_heard   ? "No input has this channel now."
-                : speaks      ? "It moves the face."
-                : c->picks_up ? "Move it past where the face is: then it picks up."
-                              : "Pressed, it acts.");
+                : !is_heard   ? "No open input has this channel."
+                : speaks      ? "This connection moves the face."
+                : c->picks_up ? "Move the control past the current value to pick it up."
+                              : "Press the control to run the action.");
 }
 
 static void draw_learning(panel *self, ui *on)
@@ -598,9 +605,10 @@ static void draw_learning(panel *self, ui *on)
     if (!aim->is_learning)
         return;
     if (self->has_source)
-        (void)snprintf(words, sizeof words,
-                       "%s. Now click what it moves: a dot on the face, or a slider at Mapping.",
-                       self->source.channel);
+        (void)snprintf(
+            words, sizeof words,
+            "Selected: %s. Now click its target: a dot on the face, or a slider in Mapping.",
+            self->source.channel);
     else
         (void)snprintf(words, sizeof words, "Move one fader, stick, finger or pedal.");
     ui_text_wrapped(on, UI_STYLE_STRONG, words);
@@ -633,7 +641,7 @@ static void save_patch(panel *self)
         result = file_write(self->file, text, strlen(text), &err);
     free(text);
     log_push(app_log(self->app), result < 0 ? MRT_LOG_ERROR : MRT_LOG_INFO, "patch",
-             result < 0 ? err.text : "the patch is saved");
+             result < 0 ? err.text : "patch saved");
 }
 
 static void draw_head(panel *self, ui *on)
@@ -643,7 +651,7 @@ static void draw_head(panel *self, ui *on)
     enum { NAMES = sizeof names / sizeof *names };
     uint32_t at = 0;
     const bool is_chosen = ui_choice(on, "Use", LABEL, names, NAMES, &at);
-    ui_hint(on, "A patch that comes with marotte, or none; it takes the place of this one.");
+    ui_hint(on, "Replace this patch by a built-in patch, or by none.");
     if (is_chosen && at > 0) {
         if (at < NAMES - 1) {
             use_patch(self, names[at]);
@@ -655,7 +663,7 @@ static void draw_head(panel *self, ui *on)
     }
     if (!app_patch_aimed(self->app)->is_learning && ui_button(on, "Learn", UI_ACCENT))
         begin_learning(self);
-    ui_hint(on, "Move a fader, then click what it moves.");
+    ui_hint(on, "Add a connection: move a fader, then click its target.");
 }
 
 static void draw_file(panel *self, ui *on)
@@ -676,8 +684,9 @@ static void draw_file(panel *self, ui *on)
 static void draw(panel *self, ui *on, ui_rectangle where)
 {
     heard now;
-    hear(self, &now);
-    if (live_input_count(app_live(self->app)) > 0) /* what a fader says need not move the face */
+    read_channels(self, &now);
+    if (live_input_count(app_live(self->app)) >
+        0) /* a moving fader does not always move the face, so the meters need their own frames */
         ui_want_frame(on, app_patch_aimed(self->app)->is_learning ? 0.03 : 0.1);
     bool is_recording = app_status(self->app)->is_recording;
     if (!self->is_held)
@@ -688,15 +697,14 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     ui_panel_begin(on, "patch", where, UI_GROUND_PANEL);
     ui_scroll_begin(on, "scroll", 0.0f, 0.0f);
     if (is_recording)
-        ui_text_wrapped(on, UI_STYLE_DIM, "It can be changed when the take has ended.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "Recording. End the take to change the patch.");
     ui_disabled_begin(on, is_recording);
     draw_head(self, on);
     draw_learning(self, on);
     if (self->work.count == 0 && !app_patch_aimed(self->app)->is_learning)
-        ui_text_wrapped(
-            on, UI_STYLE_DIM,
-            "Faders, sticks, a phone's face, single fingers: each may move a parameter, "
-            "a bone, a place of the face or a pose, over what the mapping does.");
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "Connect faders, sticks, tracked shapes and fingers to parameters, bones, "
+                        "contacts and poses. Connections are applied after the mapping.");
     for (uint32_t i = 0; i < self->work.count; ++i) {
         draw_row(self, on, i, &now);
         if (self->chosen == i)
@@ -715,7 +723,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     commit(self);
 }
 
-/* ---- life ---- */
+/* ---- create and destroy ---- */
 
 static void destroy(panel *self)
 {

@@ -44,7 +44,7 @@ const goal goals[GOAL_COUNT] = {
 
 static const double hold_s = 0.25, hold_in_word_s = 0.08;
 static const double near_mm = 2.0, near_share = 0.15, near_most_share = 0.5;
-static const double moved_mm = 0.5; /* what moves less is not what the goal is about */
+static const double moved_mm = 0.5; /* smaller movements do not belong to the goal */
 
 uint32_t goal_step_count(const goal *of)
 {
@@ -73,7 +73,7 @@ bool goal_is_there(const goal *of, const rig *r)
 
 /* ---- faces ---- */
 
-/* How far a degree of freedom moves what is seen, mm for its unit, on a head of an adult. */
+/* Returns the visible movement of a degree of freedom on an adult head, mm per unit. */
 static double mm_of_dof(const mrt_dof *dof)
 {
     static const struct {
@@ -86,7 +86,7 @@ static double mm_of_dof(const mrt_dof *dof)
     for (size_t i = 0; i < sizeof levers / sizeof *levers; ++i)
         if (strncmp(dof->name, levers[i].starts, strlen(levers[i].starts)) == 0)
             return levers[i].mm;
-    return 0.0; /* the head's turns are no part of an expression */
+    return 0.0; /* head rotation is not part of an expression */
 }
 
 static void count_parts(goal_face *out, const mrt_face *about)
@@ -121,7 +121,7 @@ bool goal_face_of_rig(goal_face *out, const goal_step *step, const rig *r, const
     memset(out, 0, sizeof *out);
     count_parts(out, about);
     if (r->contact_count != about->contact_count || r->contact_count > LIVE_CONTACTS_MAX)
-        return false; /* the stage has another face */
+        return false; /* the stage shows another face */
     for (uint32_t i = 0; i < out->contact_count; ++i)
         at[i] = (vec3){(double)about->contacts[i].rest.x, (double)about->contacts[i].rest.y,
                        (double)about->contacts[i].rest.z};
@@ -159,7 +159,8 @@ void goal_face_of_pull(goal_face *out, const mrt_pull *pull, const float *posed_
     }
 }
 
-/* Sums of squares over what the goal has, of the way between two faces; `from` NULL: from rest. */
+/* Returns the sum of squared differences between two faces over the parts of the goal. `from` NULL:
+ * neutral face. */
 static double squares(const goal_face *wanted, const goal_face *from, uint32_t *out_moved)
 {
     double sum = 0.0;

@@ -1,5 +1,5 @@
-/* The scene of the face: a look out of the table, three lights that are dragged, the wall or a
- * picture behind it, and the camera's views. All of it is the show's. */
+/* The scene panel: look presets, three movable lights, the wall or a background picture, and camera
+ * views. The show stores all of them. */
 #include "window/panels/panels.h"
 #include "window/app/kept_scenery.h"
 #include "window/gui/theme.h"
@@ -16,14 +16,14 @@
 
 struct panel {
     app *app;
-    int held;         /* the lamp that is dragged; -1: none */
-    bool has_changed; /* since it was kept */
+    int held;         /* dragged lamp; -1: none */
+    bool has_changed; /* since the last save */
 };
 
 static const char *const lamp_names[LIGHTING_LAMPS] = {"Key", "Fill", "Rim"};
 static const char *const lamp_hints[LIGHTING_LAMPS] = {
-    "The light that makes the shadow.", "Brightens what the key leaves dark.",
-    "From behind: parts the head from the wall."};
+    "Main light. It casts the shadow.", "Brightens the side that the key light leaves dark.",
+    "Light from behind. It separates the head from the wall."};
 
 /* ---- looks ---- */
 
@@ -60,7 +60,7 @@ static void lamp_position(const ui_canvas *pad, const lighting_lamp *lamp, float
     out[1] = pad->where.y + 0.5f * PAD - radius * lamp->direction[1];
 }
 
-/* The nearest one under the pointer; -1: none. */
+/* Returns the nearest lamp under the pointer, or -1. */
 static int lamp_at(const ui_canvas *pad, const lighting *light)
 {
     const float x = pad->where.x + pad->x, y = pad->where.y + pad->y;
@@ -95,7 +95,8 @@ static void paint_lamp(ui *on, const ui_canvas *pad, const lighting_lamp *lamp, 
                  UI_STYLE_STRONG, is_behind ? colour : THEME_STAGE, 0.0f, letter);
 }
 
-/* A ball as the camera sees the face: where a lamp stands before it, or behind it (hollow). */
+/* Draws a sphere as seen by the camera, with the lamps in front of the head (filled) and behind it
+ * (hollow). */
 static bool draw_pad(panel *self, ui *on, lighting *light)
 {
     ui_canvas pad;
@@ -127,8 +128,8 @@ static bool draw_pad(panel *self, ui *on, lighting *light)
     if (over >= 0)
         ui_set_cursor(on, UI_CURSOR_MOVE);
     ui_canvas_end(on);
-    ui_hint(on, "Drag a light to where it is to come from. A double click puts it behind the head "
-                "(hollow), and before it again.");
+    ui_hint(on, "Drag a light to move it. Double-click it to switch between front and behind the "
+                "head (hollow).");
     return has_changed;
 }
 
@@ -149,7 +150,7 @@ typedef struct wall {
     const char *name;
     float edge[3], light[3];
 } wall;
-static const wall walls[] = {{"As the look has it", {0}, {0}},
+static const wall walls[] = {{"From the look", {0}, {0}},
                              {"Black", {0.0f, 0.0f, 0.0f}, {0.0f, 0.0f, 0.0f}},
                              {"Grey", {0.33f, 0.33f, 0.34f}, {0.50f, 0.50f, 0.51f}},
                              {"White", {0.93f, 0.93f, 0.93f}, {1.0f, 1.0f, 1.0f}},
@@ -169,7 +170,7 @@ static bool draw_wall(ui *on, lighting *light)
             now = i;
     }
     const bool has_changed = ui_choice(on, "Wall", LABEL, names, WALLS, &now);
-    ui_hint(on, "What is behind the face, here, in streams and in pictures and videos.");
+    ui_hint(on, "Set the background of the face in the window, in streams and in exports.");
     if (!has_changed)
         return false;
     const uint32_t look = look_now(light);
@@ -179,22 +180,23 @@ static bool draw_wall(ui *on, lighting *light)
     return true;
 }
 
-/* ---- the picture behind ---- */
+/* ---- background picture ---- */
 
 static bool draw_picture(panel *self, ui *on, scenery *scene)
 {
-    static const char *const fits[] = {
-        [DRAW_COVER] = "Fills the picture", [DRAW_CONTAIN] = "All of it, the wall beside it"};
+    static const char *const fits[] = {[DRAW_COVER] = "Fill", [DRAW_CONTAIN] = "Whole picture"};
     const bool is_reading = kept_scenery_is_reading(app_scenery(self->app));
     show *of = app_show(self->app);
     const bool can_be_kept = of && show_is_writable(of);
     bool has_changed = false;
     ui_disabled_begin(on, is_reading || !can_be_kept);
-    if (ui_button(on, is_reading ? "Reading the picture##picture" : "Picture behind...##picture",
+    if (ui_button(on,
+                  is_reading ? "Loading the picture##picture" : "Background picture...##picture",
                   UI_PLAIN))
         app_ask(self->app, APP_CALL_PICTURE);
-    ui_hint(on, can_be_kept ? "PNG or JPEG; it comes into the show. Or drop one on the window."
-                            : "It is kept in the show: open one that can be written first.");
+    ui_hint(on, can_be_kept ? "Choose a PNG or JPEG for the background, or drop one on the window. "
+                              "The show stores it."
+                            : "The picture is stored in the show. Open a writable show first.");
     ui_disabled_end(on);
     if (!scene->picture[0])
         return false;
@@ -205,11 +207,11 @@ static bool draw_picture(panel *self, ui *on, scenery *scene)
         scene->fit = DRAW_COVER;
         return true;
     }
-    ui_hint(on, "The wall is behind the face again.");
+    ui_hint(on, "Remove the picture and show the wall.");
     ui_text(on, UI_STYLE_DIM, scene->picture_name);
     uint32_t fit = scene->fit;
     has_changed = ui_choice(on, "Fit", LABEL, fits, 2, &fit);
-    ui_hint(on, "What becomes of a picture of another shape than the window's or the video's.");
+    ui_hint(on, "Choose how the picture fits a window or video of another aspect ratio.");
     scene->fit = (draw_fit)fit;
     return has_changed;
 }
@@ -229,7 +231,7 @@ static bool draw_views(panel *self, ui *on, scenery *scene)
         ui_width(on, -70.0f);
         if (ui_row(on, name, false) != UI_ROW_NONE && view)
             viewport_go_to(view, &scene->view[i]);
-        ui_hint(on, "Glides there.");
+        ui_hint(on, "Move the camera to this view.");
         ui_same_line(on);
         if (ui_button(on, "Remove", UI_QUIET)) {
             scene->view_count -= 1;
@@ -241,12 +243,12 @@ static bool draw_views(panel *self, ui *on, scenery *scene)
         ui_id_end(on);
     }
     ui_disabled_begin(on, scene->view_count == SCENERY_VIEWS || !view);
-    if (ui_button(on, "Keep this view", UI_PLAIN) && view) {
+    if (ui_button(on, "Save view", UI_PLAIN) && view) {
         scene->view[scene->view_count++] = viewport_view(view);
         has_changed = true;
     }
-    ui_hint(on, scene->view_count == SCENERY_VIEWS ? "Six are kept: remove one first."
-                                                   : "As the camera stands now, with the show.");
+    ui_hint(on, scene->view_count == SCENERY_VIEWS ? "Six views are saved. Remove one first."
+                                                   : "Save the current camera view in the show.");
     ui_disabled_end(on);
     return has_changed;
 }
@@ -270,7 +272,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
             draw_power(on, lamp_names[i], lamp_hints[i], &scene.light.lamp[i].power, 3.0f);
         is_held |= ui_slider_is_held(on);
     }
-    has_changed |= draw_power(on, "Room", "Light from all sides: less makes it harder.",
+    has_changed |= draw_power(on, "Room", "Ambient light. Less light gives harder shadows.",
                               &scene.light.room, 3.0f);
     is_held |= ui_slider_is_held(on) || self->held >= 0;
     ui_space(on, 6.0f);

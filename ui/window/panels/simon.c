@@ -27,7 +27,7 @@ uint32_t simon_asked(const simon *self)
     return self->place < self->face_count ? face_at(self, self->place) : self->face_count;
 }
 
-/* Whether a round asks for that face. */
+/* Returns whether a round asks for this face. */
 static bool is_asked(const simon *self, uint32_t round, uint32_t face)
 {
     return self->answered[face] < SIMON_ROUNDS_MAX &&
@@ -35,7 +35,7 @@ static bool is_asked(const simon *self, uint32_t round, uint32_t face)
             simon_spread_deg(self, face) > SIMON_SPREAD_DEG);
 }
 
-static void go_on(simon *self)
+static void skip_settled(simon *self)
 {
     while (self->place < self->face_count &&
            !is_asked(self, self->round, face_at(self, self->place)))
@@ -51,7 +51,7 @@ void simon_answer(simon *self, const float angle_rad[MRT_ANGLES])
         memcpy(self->angle_rad[face][self->answered[face]++], angle_rad,
                sizeof self->angle_rad[face][0]);
     self->place += 1;
-    go_on(self);
+    skip_settled(self);
 }
 
 void simon_skip(simon *self)
@@ -59,7 +59,7 @@ void simon_skip(simon *self)
     if (self->place >= self->face_count)
         return;
     self->place += 1;
-    go_on(self);
+    skip_settled(self);
 }
 
 void simon_forget(simon *self, uint32_t face)
@@ -84,10 +84,10 @@ void simon_next_round(simon *self)
 {
     self->round += 1;
     self->place = 0;
-    go_on(self);
+    skip_settled(self);
 }
 
-/* ---- how far hands lie apart ---- */
+/* ---- distance of hand poses ---- */
 
 static double apart_deg(const simon *self, const float *a, const float *b)
 {

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How much longer than the straight way the way along edges may be on a plain piece of surface. */
+/* Maximum ratio of the distance along edges to the straight distance on a plane surface. */
 static const double detour = 1.3;
 enum { STEPS_MAX = 64, NONE = -1 };
 
@@ -24,12 +24,12 @@ struct brush {
     float *touch[2];   /* vertex_count */
     uint32_t *touched; /* vertex_count */
     uint32_t touched_count;
-    int64_t last_vertex; /* of the stroke; NONE: it has none yet */
+    int64_t last_vertex; /* last vertex of the stroke; NONE: none yet */
     float last_position[3];
-    double middle_mm, near_mm; /* near: how far an image may be from its vertex */
+    double middle_mm, near_mm; /* near_mm: maximum distance of a mirror image from its vertex */
 };
 
-/* ---- what is known of the mesh ---- */
+/* ---- properties of the mesh ---- */
 
 static const float *position_of(const brush *self, uint32_t vertex)
 {
@@ -77,7 +77,8 @@ static bool take_normals(brush *self)
     return scratch != NULL;
 }
 
-/* The middle of the head; of all that there is where that fits better or no head is found. */
+/* Finds the plane of symmetry of the head, or of the whole mesh if that fits better or no head is
+ * found. */
 static bool find_middle(brush *self)
 {
     const double reach_mm = 0.5;
@@ -196,7 +197,7 @@ void brush_begin(brush *self, const brush_shape *shape)
     self->last_vertex = NONE;
 }
 
-/* Distances along the surface from a point beside `vertex`. */
+/* Computes distances along the surface from a point near `vertex`. */
 static mrt_result spread(brush *self, uint32_t vertex, const float position[3], double reach_mm,
                          error *err)
 {
@@ -233,8 +234,8 @@ static void touch(brush *self, uint32_t side, uint32_t vertex, float strength)
     *there = strength;
 }
 
-/* The straight distance, as long as the way along the edges is not much longer: so a brush is
- * round, whatever the edges, and still does not cross a slit. */
+/* Uses the straight distance unless the distance along edges is much longer. So the brush is round
+ * on any mesh, but does not cross a slit. */
 static mrt_result dab(brush *self, uint32_t side, uint32_t vertex, const float position[3],
                       error *err)
 {
@@ -264,7 +265,7 @@ static mrt_result dab_sides(brush *self, uint32_t vertex, const float position[3
 
 /* ---- between two points ---- */
 
-/* Of the vertices that the last spread has reached. */
+/* Returns the nearest vertex among those that the last spread reached. */
 static uint32_t nearest_reached(const brush *self, const float position[3])
 {
     uint32_t best = (uint32_t)self->last_vertex;
@@ -287,8 +288,8 @@ typedef struct brush_way {
     uint32_t count;
 } brush_way;
 
-/* Points of the way along the surface, less than half a radius apart; none where no surface
- * connects its ends. */
+/* Finds points along the surface, less than half a radius apart. Returns none if no surface
+ * connects the ends. */
 static mrt_result find_way(brush *self, brush_way *out, uint32_t vertex, const float position[3],
                            error *err)
 {
@@ -317,7 +318,7 @@ mrt_result brush_move(brush *self, uint32_t vertex, const float position[3], err
 {
     brush_way way;
     if (vertex >= self->m->vertex_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "there is no vertex %u", vertex);
+        return error_set(err, MRT_ERR_ARGUMENT, "the mesh has no vertex %u", vertex);
     mrt_result result = find_way(self, &way, vertex, position, err);
     for (uint32_t k = 0; result >= 0 && k < way.count; ++k)
         result = dab_sides(self, way.vertex[k], way.position[k], err);
@@ -343,13 +344,13 @@ const uint32_t *brush_touched(const brush *self, uint32_t *out_count)
 
 enum { NAME = 64, LAYERS_MAX = 2 * RIG_BONES_MAX + 4, SIDES = 2, FULL = 255, HALF = 128 };
 
-typedef struct layer { /* the region of an ink */
+typedef struct layer { /* region that an ink writes to */
     char name[NAME];
-    uint32_t region; /* RIG_NONE: it is to be made, or found by its name */
+    uint32_t region; /* RIG_NONE: find by name, or create */
     rig_edit_says says;
-    bool is_binary; /* it says all or nothing */
+    bool is_binary; /* values are 0 or 255 only */
     bool is_mobility;
-    uint8_t *before, *start, *now; /* vertex_count; start: what a touch begins with */
+    uint8_t *before, *start, *now; /* vertex_count; start: values at the first touch */
 } layer;
 
 struct rig_stroke {
@@ -362,7 +363,7 @@ struct rig_stroke {
 
 /* ---- names ---- */
 
-/* As rig_region_is_paint knows them. */
+/* The same prefixes as in rig_region_is_paint. */
 static const char paint_prefix[] = "painted ", rigid_prefix[] = "rigid ";
 static const char free_name[] = "painted free", still_name[] = "painted still";
 
@@ -421,7 +422,7 @@ static mrt_result allocate_layer(layer *l, const rig *r, uint32_t vertex_count, 
 static mrt_result add_region_layer(rig_stroke *self, const rig *r, uint32_t region, error *err)
 {
     if (self->layer_count == LAYERS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more painted regions than a stroke can change");
+        return error_set(err, MRT_ERR_UNSUPPORTED, "too many painted regions for one stroke");
     const rig_region *from = &r->region[region];
     layer *l = &self->layer[self->layer_count++];
     *l = (layer){.region = region,
@@ -431,7 +432,7 @@ static mrt_result add_region_layer(rig_stroke *self, const rig *r, uint32_t regi
     return allocate_layer(l, r, self->vertex_count, err);
 }
 
-/* The layer of an ink, made when there is none. */
+/* Finds the layer of an ink, or creates it. */
 static mrt_result find_target(rig_stroke *self, const rig *r, rig_ink ink, uint32_t bone,
                               uint32_t *out, error *err)
 {
@@ -446,9 +447,10 @@ static mrt_result find_target(rig_stroke *self, const rig *r, rig_ink ink, uint3
     }
     if (rig_edit_find_region(r, made.name) != RIG_NONE)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "the region \"%s\" is not one that can be painted; rename it", made.name);
+                         "the region \"%s\" is not a vertex list and cannot be painted; rename it",
+                         made.name);
     if (self->layer_count == LAYERS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "more painted regions than a stroke can change");
+        return error_set(err, MRT_ERR_UNSUPPORTED, "too many painted regions for one stroke");
     *out = self->layer_count;
     self->layer[self->layer_count++] = made;
     return allocate_layer(&self->layer[*out], r, self->vertex_count, err);
@@ -477,7 +479,7 @@ static mrt_result find_targets(rig_stroke *self, const rig *r, error *err)
     rig_ink ink = self->ink.ink;
     bool is_of_bone = ink == RIG_INK_RIDES || ink == RIG_INK_RIGID;
     if (is_of_bone && self->ink.bone >= r->bone_count)
-        return error_set(err, MRT_ERR_ARGUMENT, "choose the bone to paint");
+        return error_set(err, MRT_ERR_ARGUMENT, "choose a bone to paint");
     if (is_of_bone) {
         self->bone[BRUSH_HERE] = self->ink.bone;
         self->bone[BRUSH_THERE] = bone_of_other_side(r, self->ink.bone);
@@ -493,13 +495,13 @@ static mrt_result find_region(rig_stroke *self, const rig *r, error *err)
     uint32_t region = self->ink.region;
     if (region >= r->region_count || !rig_edit_can_paint(r, region))
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "this region is not given vertex by vertex; make it paint first");
+                         "this region is not a vertex list; press \"Make paintable\" first");
     self->target[BRUSH_HERE] = self->target[BRUSH_THERE] = 0;
     self->bone[BRUSH_HERE] = self->bone[BRUSH_THERE] = r->region[region].bone;
     return add_region_layer(self, r, region, err);
 }
 
-/* ---- what a touch begins with ---- */
+/* ---- values at the first touch ---- */
 
 static bool is_share(const layer *l)
 {
@@ -511,7 +513,7 @@ static uint8_t in_255ths(float share)
     return (uint8_t)lrintf(fminf(fmaxf(share, 0.0f), 1.0f) * (float)FULL);
 }
 
-/* Whether any ink of that kind is at the vertex. */
+/* Returns whether the vertex has ink of this kind. */
 static bool is_painted(const rig_stroke *self, bool is_mobility, uint32_t vertex)
 {
     for (uint32_t i = 0; i < self->layer_count; ++i)
@@ -527,7 +529,7 @@ static void start_from(rig_stroke *self, layer *l, const float *filled)
             l->start[v] = in_255ths(filled[v]);
 }
 
-/* One layer for each bone, so that the others keep their shares of a vertex. */
+/* Makes one layer for each bone, so that the other bones keep their weights. */
 static mrt_result find_all_shares(rig_stroke *self, const rig *r, const binding *filled, error *err)
 {
     mrt_result result = MRT_OK;
@@ -584,7 +586,7 @@ void rig_stroke_destroy(rig_stroke *self)
     free(self);
 }
 
-/* ---- what a touch does to one vertex ---- */
+/* ---- effect of a touch on a vertex ---- */
 
 static uint8_t blend(uint8_t before, double to, float touch)
 {
@@ -612,8 +614,8 @@ static bool theirs_is_new(const layer *winner, uint32_t vertex)
     return winner->now[vertex] > 0 && winner->before[vertex] == 0;
 }
 
-/* The value of a layer at a vertex that the stroke gives to another layer: shares of bones sum to 1
- * at most, and mobility has one value. */
+/* Returns the reduced value of a layer at a vertex where another layer gains. The weights of all
+ * bones sum to at most 1, and mobility has one value. */
 static uint8_t make_room(const layer *l, const layer *winner, uint32_t vertex)
 {
     bool begins = is_share(l) && is_share(winner) && theirs_is_new(winner, vertex);
@@ -684,7 +686,7 @@ uint32_t rig_stroke_bone(const rig_stroke *self, uint32_t side)
     return self->bone[side];
 }
 
-/* ---- into the rig ---- */
+/* ---- result in the rig ---- */
 
 static uint32_t count_changed(const layer *l, uint32_t vertex_count)
 {
@@ -723,7 +725,7 @@ mrt_result rig_stroke_end(rig_stroke *self, rig *changed, uint32_t *out_changed,
 {
     *out_changed = 0;
     mrt_result result = put_layers(self, THE_OTHERS, changed, out_changed, err);
-    if (result >= 0) /* last: what was painted last wins */
+    if (result >= 0) /* appended as last region, so that the newest paint wins */
         result = put_layers(self, THE_TARGETS, changed, out_changed, err);
     return result;
 }

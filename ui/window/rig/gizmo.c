@@ -78,7 +78,7 @@ void rig_gizmo_put(rig_edit_jaw *jaw, rig_handle handle, vec3 to, bool is_even, 
         *other = mirrored(to, middle_mm);
 }
 
-/* ---- what it looks like ---- */
+/* ---- drawing of the axis ---- */
 
 static uint32_t draw_handle(overlay_item *out, vec3 at, float width_px, const float rgba[4])
 {
@@ -90,10 +90,11 @@ static uint32_t draw_handle(overlay_item *out, vec3 at, float width_px, const fl
     return count;
 }
 
-/* The incisor turned about the axis alone, from closed to wide open. */
+/* Draws the path of the incisor around the axis, from closed to fully open. */
 static uint32_t draw_arc(overlay_item *out, const rig_edit_jaw *jaw)
 {
-    const vec3 across = {1.0, 0.0, 0.0}; /* right-handed about it, the chin goes down and back */
+    const vec3 across = {
+        1.0, 0.0, 0.0}; /* a right-handed turn around this axis moves the chin down and back */
     vec3 axis = vec3_normalised(vec3_sub(jaw->left, jaw->right), across), before = jaw->incisor;
     for (uint32_t i = 0; i < ARC_STEPS; ++i) {
         double angle = jaw->open_max_rad * (double)(i + 1) / ARC_STEPS;
@@ -127,7 +128,7 @@ uint32_t rig_gizmo_draw(overlay_item out[RIG_GIZMO_ITEMS], const rig_edit_jaw *j
 
 static const float plain[3] = {0.20f, 0.195f, 0.19f};
 static const float mobile[3] = {0.10f, 0.42f, 0.24f};
-static const float still_part = 0.25f; /* of its colour, where nothing can be pulled */
+static const float still_part = 0.25f; /* share of the colour at mobility 0 */
 
 void rig_tint_of_bone(float out[3], const rig *r, uint32_t bone)
 {

@@ -16,15 +16,16 @@
 #include <unistd.h>
 
 typedef struct rig_keep {
-    char *path;       /* what is written now; NULL: nothing is kept */
-    char *old_path;   /* of another time; NULL: none is there */
-    char *taken_path; /* the same, taken up and not saved since; NULL: none */
+    char *path;       /* current recovery file; NULL: none */
+    char *old_path;   /* recovery file of an earlier session; NULL: none */
+    char *taken_path; /* restored earlier file, not saved since; NULL: none */
     bool is_begun;
 } rig_keep;
 
-/* ---- the file that keeps what is not saved ---- */
+/* ---- recovery file ---- */
 
-/* FNV-1a of the rig's folder: rigs of one name in several folders are kept side by side. */
+/* Returns the FNV-1a hash of the rig's folder, so that rigs with the same name in different folders
+ * have separate files. */
 static uint32_t hash_of(const char *text, size_t length)
 {
     uint32_t hash = 2166136261u;
@@ -61,7 +62,7 @@ static bool is_there(const char *path)
     return path && access(path, F_OK) == 0;
 }
 
-/* The files stay. */
+/* Frees the paths and leaves the files. */
 static void rig_keep_close(rig_keep *self)
 {
     free(self->path);
@@ -70,7 +71,7 @@ static void rig_keep_close(rig_keep *self)
     *self = (rig_keep){0};
 }
 
-/* Looks whether something is kept of the rig at rig_path. folder "": nothing is kept. */
+/* Searches for a recovery file of the rig at rig_path. folder "": recovery is off. */
 static mrt_result rig_keep_open(rig_keep *out, const char *folder, const char *rig_path, error *err)
 {
     *out = (rig_keep){0};
@@ -92,7 +93,7 @@ static mrt_result rig_keep_open(rig_keep *out, const char *folder, const char *r
     return MRT_OK;
 }
 
-/* The old file may lie where the new one is to be. */
+/* Renames the old file if it has the name of the new one. */
 static void make_way(rig_keep *self)
 {
     if (!self->old_path || strcmp(self->old_path, self->path) != 0)
@@ -106,8 +107,8 @@ static void make_way(rig_keep *self)
     self->old_path = moved;
 }
 
-/* Where to write the rig as it is now; what another time has left is moved out of the way. NULL:
- * nowhere. Until rig_keep_close. */
+/* Returns the path for the recovery file, or NULL. Moves an earlier file out of the way. Valid
+ * until rig_keep_close. */
 static const char *rig_keep_begin(rig_keep *self)
 {
     if (!self->path)
@@ -117,7 +118,7 @@ static const char *rig_keep_begin(rig_keep *self)
     return self->path;
 }
 
-/* It is saved, or given up: the file goes. Nobody may be writing it. */
+/* Deletes the recovery file after a save or discard. The worker must not be writing it. */
 static void rig_keep_end(rig_keep *self)
 {
     if (self->is_begun)
@@ -129,24 +130,24 @@ static void rig_keep_end(rig_keep *self)
     self->is_begun = false;
 }
 
-/* refuses one for another mesh */
+/* Refuses a rig for another mesh. */
 static mrt_result rig_keep_take(rig_keep *self, const rig *r, const mesh *m, error *err)
 {
     if (r->mesh_vertex_count != 0 && r->mesh_vertex_count != m->vertex_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: it was made for a mesh of %u vertices, this one has %u",
-                         self->old_path, r->mesh_vertex_count, m->vertex_count);
+                         "%s: made for a mesh of %u vertices, but this mesh has %u", self->old_path,
+                         r->mesh_vertex_count, m->vertex_count);
     free(self->taken_path);
     self->taken_path = self->old_path;
     self->old_path = NULL;
     return MRT_OK;
 }
 
-/* ---- the worker: lays a state on the mesh and checks it ---- */
+/* ---- the worker: binds a state to the mesh and checks it ---- */
 
-typedef struct order { /* what is asked */
+typedef struct order { /* work order for the worker */
     rig rig;
-    const mesh *m; /* it outlives the worker */
+    const mesh *m; /* outlives the worker */
     const topology *t;
     uint64_t number;
     char *keep_path; /* NULL: no file is written */
@@ -154,7 +155,7 @@ typedef struct order { /* what is asked */
 
 typedef struct rig_worker {
     pthread_t thread;
-    pthread_mutex_t lock; /* of all below */
+    pthread_mutex_t lock; /* guards all fields below */
     pthread_cond_t news;
     order *waiting;
     rig_work *done;
@@ -191,7 +192,7 @@ static void rig_work_destroy(rig_work *work)
 
 /* ---- the work [worker] ---- */
 
-/* So that the stage need not find it again. */
+/* Copies the binding, so that the stage does not compute it again. */
 static mrt_result copy_binding(face_file *file, const binding *b, error *err)
 {
     file->bound = calloc(1, sizeof *file->bound);
@@ -217,7 +218,7 @@ static mrt_result copy_for_stage(rig_work *work, const order *o, error *err)
     return result < 0 ? result : copy_binding(file, face_binding(work->face), err);
 }
 
-/* binding: taken over. */
+/* Takes ownership of the binding. */
 static mrt_result make_face(rig_work *work, const order *o, binding *b, error *err)
 {
     const csrbf_settings solver = rig_poses_solver(&work->rig, o->m);
@@ -332,7 +333,7 @@ static mrt_result rig_worker_create(rig_worker **out, error *err)
     return error_set(err, MRT_ERR_MEMORY, "no thread to check the rig");
 }
 
-/* waits for what is being worked on; NULL is fine */
+/* Waits for the current order. Accepts NULL. */
 static void rig_worker_destroy(rig_worker *self)
 {
     if (!self)
@@ -349,7 +350,7 @@ static void rig_worker_destroy(rig_worker *self)
     free(self);
 }
 
-/* Takes all of it over, also on error. */
+/* Takes ownership of the order, also on error. */
 static mrt_result rig_worker_ask(rig_worker *self, order *all, error *err)
 {
     order *o = malloc(sizeof *o);
@@ -368,7 +369,7 @@ static mrt_result rig_worker_ask(rig_worker *self, order *all, error *err)
     return MRT_OK;
 }
 
-/* The newest that is done, once; it is the caller's. NULL: nothing new. */
+/* Returns the newest result once, or NULL. The caller owns it. */
 static rig_work *rig_worker_take(rig_worker *self)
 {
     (void)pthread_mutex_lock(&self->lock);
@@ -378,7 +379,7 @@ static rig_work *rig_worker_take(rig_worker *self)
     return out;
 }
 
-/* something is asked and not done */
+/* Returns whether an order is not finished. */
 static bool rig_worker_is_busy(rig_worker *self)
 {
     (void)pthread_mutex_lock(&self->lock);
@@ -389,17 +390,22 @@ static bool rig_worker_is_busy(rig_worker *self)
 
 /* ---- the model ---- */
 
-typedef enum draft_state { DRAFT_GOES = 0, DRAFT_DONE, DRAFT_LEFT /* by the model */ } draft_state;
+typedef enum draft_state {
+    DRAFT_GOES = 0,
+    DRAFT_DONE,
+    DRAFT_LEFT /* abandoned by the model */
+} draft_state;
 
-/* It takes seconds, and a face that goes does not wait for it: its thread has all that it needs,
- * and the last one that is done with it, model or thread, frees it. */
+/* A draft takes seconds, and closing a face does not wait for it. Therefore the thread owns copies
+ * of its input. Whichever of model and thread finishes last frees the struct. */
 typedef struct drafting {
-    face_file file;  /* the mesh alone */
-    uint32_t *chain; /* a mouth is cut along it first; NULL: none. Of a head that lacks one where */
-    uint32_t chain_count; /* it may be cut, once it is drafted */
+    face_file file;  /* mesh without a rig */
+    uint32_t *chain; /* NULL: none. Before the draft: the chain along which a mouth is cut first. */
+    uint32_t chain_count; /* After the draft of a head without a mouth: the chain along which one
+                             can be cut. */
     bool cuts;
     char *mesh_path;
-    _Atomic draft_state state; /* what follows is [main]'s once it is done */
+    _Atomic draft_state state; /* once done, [main] owns the following fields */
     rig rig;
     rig_model_drafted made;
 } drafting;
@@ -411,28 +417,28 @@ typedef struct surface {
 } surface;
 
 struct rig_model {
-    surface whole;          /* the face as it was opened */
-    surface cut;            /* with the mouth that rigs of it cut; no brush: none does */
-    uint32_t *chain;        /* where one may be cut, which is asked; NULL: nowhere */
-    uint32_t chain_count;   /* of it */
-    uint64_t asked_number;  /* of the state that asks */
-    char *mesh_path, *path; /* path: where the rig is saved */
+    surface whole;          /* face as opened */
+    surface cut;            /* face with a cut mouth; brush NULL: no rig cuts a mouth */
+    uint32_t *chain;        /* chain of the mouth that the user is asked to cut; NULL: none */
+    uint32_t chain_count;   /* length of chain */
+    uint64_t asked_number;  /* number of the state that asks */
+    char *mesh_path, *path; /* path: path for saving the rig */
     char *beside_path;      /* NULL: none */
     rig_history *history;
-    rig *changing; /* between begin and commit; NULL: none */
+    rig *changing; /* copy between begin and commit, or NULL */
     rig_worker *worker;
-    drafting *draft;      /* NULL: none is made */
+    drafting *draft;      /* NULL: no draft in progress */
     rig_work *work;       /* NULL: none yet */
     face_file *for_stage; /* NULL: nothing new */
-    double waits_s;       /* until the worker is asked; < 0: it was, or need not be */
-    uint64_t edition;     /* grows with every change, undone ones too */
+    double waits_s;       /* time until the worker starts; < 0: started or not needed */
+    uint64_t edition;     /* increases with each change, also with undo */
     uint64_t saved_number;
-    bool is_saved_known; /* some state is what the file has */
-    bool is_left;        /* what is not saved is not wanted */
+    bool is_saved_known; /* saved_number is valid */
+    bool is_left;        /* the user discarded unsaved changes */
     bool is_looked_at;
     rig_keep keep;
     char *keep_folder;
-    bool is_moved; /* it is saved elsewhere now: what is kept is to be kept for that one */
+    bool is_moved; /* saved under another path, so the recovery file must belong to that path */
 };
 
 static mrt_result no_memory(error *err)
@@ -440,10 +446,10 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory to edit the rig");
 }
 
-/* ---- made ---- */
+/* ---- create and destroy ---- */
 
-/* "head.glb" gives "head.rig.json", or where there is one already "head.2.rig.json": a draft never
- * takes the place of somebody's rig, which is *out_beside then. */
+/* Returns "head.rig.json" for "head.glb". If that file exists, returns "head.2.rig.json" and sets
+ * *out_beside to the existing file, so that a draft never overwrites a rig. */
 static char *rig_path_for(const char *mesh_path, char **out_beside)
 {
     const char *slash = strrchr(mesh_path, '/'), *dot = strrchr(mesh_path, '.');
@@ -500,12 +506,12 @@ mrt_result rig_model_create(rig_model **out, const face_file *of, const char *pa
     return result;
 }
 
-/* Changes of the last moment, which the worker has not written. */
+/* Writes the last changes that the worker has not written yet. */
 static void keep_last_changes(rig_model *self)
 {
     const char *path = self->history ? rig_keep_begin(&self->keep) : NULL;
     if (path && rig_write(rig_model_rig(self), path, NULL) < 0)
-        return; /* what was kept before is still there */
+        return; /* the earlier recovery file still exists */
 }
 
 static void surface_finish(surface *self)
@@ -558,7 +564,7 @@ void rig_model_destroy(rig_model *self)
     free(self);
 }
 
-/* ---- parts of the application ---- */
+/* ---- current state ---- */
 
 const rig *rig_model_rig(const rig_model *self)
 {
@@ -566,7 +572,7 @@ const rig *rig_model_rig(const rig_model *self)
     return now->bone_count > 0 ? now : NULL;
 }
 
-/* What that rig is laid on; NULL: a mesh alone. */
+/* Returns the surface to which this rig is bound. rig NULL: mesh without a rig. */
 static const surface *surface_of(const rig_model *self, const rig *r)
 {
     return r && r->cut_mouth && self->cut.brush ? &self->cut : &self->whole;
@@ -623,9 +629,9 @@ bool rig_model_is_pending(const rig_model *self)
            (self->waits_s >= 0.0 || rig_worker_is_busy(self->worker) || self->for_stage);
 }
 
-/* ---- laid on the mesh ---- */
+/* ---- binding ---- */
 
-/* The draft was undone: the mesh alone is the face again. */
+/* Offers the mesh without a rig to the stage after the draft was undone. */
 static void offer_mesh_alone(rig_model *self)
 {
     face_file *file = calloc(1, sizeof *file);
@@ -655,10 +661,10 @@ static void ask(rig_model *self)
     const char *keep_path = keeps ? rig_keep_begin(&self->keep) : NULL;
     all.keep_path = keep_path ? strdup(keep_path) : NULL;
     if (rig_worker_ask(self->worker, &all, &err) < 0)
-        self->waits_s = RIG_MODEL_WAIT_S; /* later, with more memory */
+        self->waits_s = RIG_MODEL_WAIT_S; /* retry later, when memory may be available */
 }
 
-/* Its face has other vertices than what is shown now. */
+/* Drops a result whose face has another vertex count than the shown face. */
 static void drop_work_elsewhere(rig_model *self)
 {
     if (!self->work || surface_of(self, &self->work->rig) == surface_now(self))
@@ -677,7 +683,8 @@ static bool take_work(rig_model *self)
     drop_work_elsewhere(self);
     if (!self->work)
         return true;
-    if (work->file && rig_model_is_laid(self) && self->edition > 0) { /* 0 is there already */
+    if (work->file && rig_model_is_laid(self) &&
+        self->edition > 0) { /* the stage already has edition 0 */
         free_file(self->for_stage);
         self->for_stage = work->file;
         work->file = NULL;
@@ -685,7 +692,7 @@ static bool take_work(rig_model *self)
     return true;
 }
 
-/* Not while the worker may write it. */
+/* Must not run while the worker may write the file. */
 static void end_keeping(rig_model *self)
 {
     bool is_wanted = !rig_model_is_saved(self) && !self->is_left;
@@ -729,7 +736,7 @@ static void has_changed(rig_model *self)
 {
     free_file(self->for_stage);
     self->for_stage = NULL;
-    leave_draft(self); /* it was of the state before */
+    leave_draft(self); /* the draft belongs to the previous state */
     drop_work_elsewhere(self);
     self->edition += 1;
     self->is_left = false;
@@ -757,13 +764,13 @@ rig *rig_model_begin(rig_model *self, error *err)
 uint64_t rig_model_commit(rig_model *self)
 {
     uint64_t before = rig_model_number(self);
-    if (before < self->saved_number) /* the state that is saved can no longer be gone to */
+    if (before < self->saved_number) /* the saved state is no longer in the history */
         self->is_saved_known = false;
     rig_history_push(self->history, self->changing);
     free(self->changing);
     self->changing = NULL;
     if (rig_model_number(self) <= self->asked_number)
-        self->asked_number = 0; /* that state is no more */
+        self->asked_number = 0; /* this state no longer exists */
     has_changed(self);
     return rig_model_number(self);
 }
@@ -783,7 +790,7 @@ bool rig_model_go(rig_model *self, uint64_t number)
     return true;
 }
 
-/* Takes the rig over. */
+/* Commits a rig and takes ownership. */
 static mrt_result commit_rig(rig_model *self, rig *r, uint64_t *out_number, error *err)
 {
     rig_model_abandon(self);
@@ -797,7 +804,8 @@ static mrt_result commit_rig(rig_model *self, rig *r, uint64_t *out_number, erro
     return MRT_OK;
 }
 
-/* Only what can be cut is asked; the mesh has served. */
+/* Tests whether the mouth can be cut, so that the user is only asked if it can. Consumes the mesh.
+ */
 static void try_cut(drafting *self)
 {
     error ignored;
@@ -840,7 +848,7 @@ static mrt_result begin_draft(drafting *made, error *err)
     return MRT_OK;
 }
 
-/* chain: along which a mouth is cut, the draft's; NULL: none is. */
+/* chain: line along which to cut a mouth; the draft takes ownership. NULL: no cut. */
 static mrt_result draft(rig_model *self, uint32_t *chain, uint32_t count, error *err)
 {
     drafting *made = calloc(1, sizeof *made);
@@ -903,7 +911,8 @@ bool rig_model_is_busy(const rig_model *self)
            self->for_stage;
 }
 
-/* What rigs with a cut mouth are laid on: taken over. One head is cut in one place. */
+/* Keeps the surface for rigs with a cut mouth and takes ownership. A head is cut in one place only.
+ */
 static mrt_result keep_cut(rig_model *self, face_file *file, error *err)
 {
     if (self->cut.brush)
@@ -931,7 +940,7 @@ bool rig_model_take_draft(rig_model *self, rig_model_drafted *out)
         out->result = keep_cut(self, &made->file, &out->err);
     if (out->result >= 0) {
         out->result = commit_rig(self, &made->rig, &out->number, &out->err);
-        made->rig = (rig){0}; /* it was taken over */
+        made->rig = (rig){0}; /* ownership moved to the state */
     }
     if (out->result >= 0 && !made->cuts && made->chain) {
         free(self->chain);
@@ -970,9 +979,9 @@ mrt_result rig_model_save_as(rig_model *self, const char *path, error *err)
     char *folder = file_directory(path), *copy = strdup(path);
     mrt_result result = folder && copy ? MRT_OK : no_memory(err);
     if (result >= 0 && file_check_below(folder, self->mesh_path, NULL) < 0)
-        result =
-            error_set(err, MRT_ERR_ARGUMENT,
-                      "a rig lies in the folder of its mesh, or above it: %s", self->mesh_path);
+        result = error_set(err, MRT_ERR_ARGUMENT,
+                           "save the rig in the folder of its mesh or in a folder above it: %s",
+                           self->mesh_path);
     char *before = self->path;
     if (result >= 0) {
         self->path = copy;
@@ -990,7 +999,7 @@ bool rig_model_has_kept(const rig_model *self)
     return self->keep.old_path != NULL;
 }
 
-/* A rig of another time that cuts the mouth of this mesh. */
+/* Makes the cut surface for a restored rig that cuts the mouth of this mesh. */
 static mrt_result cut_for(rig_model *self, const rig *r, error *err)
 {
     face_file file = {.rig = NULL};
@@ -1009,7 +1018,7 @@ mrt_result rig_model_take_kept(rig_model *self, uint64_t *out_number, error *err
 {
     rig kept;
     if (!self->keep.old_path)
-        return error_set(err, MRT_ERR_ARGUMENT, "nothing is kept of this rig");
+        return error_set(err, MRT_ERR_ARGUMENT, "no unsaved changes of this rig were found");
     mrt_result result = rig_read_trusted(&kept, self->keep.old_path, err);
     if (result < 0)
         return result;

@@ -1,6 +1,5 @@
-/* The rig panel on the face: what the pointer does there (strokes of the brush, contacts and
- * handles of the jaw that are dragged), and how the rig is shown (tints, the face at rest or with
- * its jaw tried, dots, the axis). */
+/* The rig panel on the face. Handles the pointer: brush strokes, dragged contacts and jaw handles.
+ * Draws the rig: tints, dots, the axis, and the neutral face or a tried jaw position. */
 #include "window/rig/panel.h"
 
 #include "base/angle.h"
@@ -126,7 +125,7 @@ static vec3 contact_position(const panel *self, uint32_t contact)
     return vertex < m->vertex_count ? vec3_of(m->position + (size_t)vertex * 3) : (vec3){0, 0, 0};
 }
 
-/* The contact whose dot the pointer is at, on the side of the face that is seen. */
+/* Returns the contact under the pointer, on the visible side of the face. */
 static uint32_t contact_at(const panel *self, const viewport_stroke *s)
 {
     const rig *r = rig_model_rig(self->model);
@@ -149,7 +148,7 @@ static uint32_t contact_at(const panel *self, const viewport_stroke *s)
     return best;
 }
 
-/* "contact 3": the first that is free. */
+/* Writes the first free name, such as "contact 3". */
 static void new_name(const rig *r, char *out, size_t capacity)
 {
     uint32_t number = r->contact_count;
@@ -172,7 +171,7 @@ static void add_contact(panel *self, uint32_t vertex)
         rig_panel_choose(self, RIG_TAB_CONTACTS, index);
 }
 
-/* Its mirror goes with it. */
+/* Moves the contact together with its mirror. */
 static void put_contact(panel *self, uint32_t vertex)
 {
     rig *r = rig_panel_begin(self);
@@ -183,7 +182,7 @@ static void put_contact(panel *self, uint32_t vertex)
     uint32_t image = brush_mirror_of(rig_model_brush(self->model), vertex);
     if (result >= 0 && self->is_even && mirror != RIG_NONE && image != UINT32_MAX)
         result = rig_edit_move_contact(r, mirror, image, &self->err);
-    (void)rig_panel_finish(self, result, "put a contact elsewhere");
+    (void)rig_panel_finish(self, result, "move a contact");
 }
 
 static void press_contact(panel *self, const viewport_stroke *s)
@@ -288,7 +287,7 @@ static void turn_jaw(panel *self, viewport *view)
     rig_panel_put_jaw(self);
 }
 
-/* ---- how the rig is shown ---- */
+/* ---- display of the rig ---- */
 
 enum { ITEMS_MAX = 900 };
 static const float dot_rgba[4] = {0.96f, 0.94f, 0.88f, 0.95f};
@@ -358,7 +357,7 @@ static void tint_region(panel *self, const rig *r)
     rig_tint_share(self->shown.rgb, self->shown.share, m->vertex_count, colour);
 }
 
-/* What the stroke has touched so far, over what is known. */
+/* Tints the current stroke over the known binding. */
 static void tint_stroke(panel *self, const rig *r)
 {
     static const float erased[3] = {0.34f, 0.33f, 0.32f};
@@ -441,7 +440,7 @@ static double tried_open(float *dof, const bones *b, const rig *r, const rig_jaw
     return way_of_teeth(b, dof);
 }
 
-/* Of the face that is laid: its names may be those of a moment ago. */
+/* Applies the tried turns to the bound face, whose names can be older than those of the rig. */
 static void try_turns(float *dof, const bones *b, const rig *now, const rig_parting *parting)
 {
     const rig_bone *ball = &now->bone[parting->bone];
@@ -460,7 +459,7 @@ static bool tries_turns(const panel *self)
            r->bone[bone].kind == BONE_BALL;
 }
 
-/* The jaw, or the chosen ball. False: nothing can be tried. */
+/* Poses the jaw or the selected ball. Returns false if nothing can be tried. */
 static bool pose_face(panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
@@ -508,7 +507,7 @@ static void tell_shape(panel *self, viewport *view)
 
 /* ---- things in space ---- */
 
-/* Those behind something are drawn faintly: twice, so that they are found. */
+/* Adds the contacts twice, because hidden items are drawn faintly. */
 static uint32_t add_contacts(const panel *self, overlay_item *out)
 {
     uint32_t contacts = rig_model_rig(self->model)->contact_count, count = 0;
@@ -523,7 +522,7 @@ static uint32_t add_contacts(const panel *self, overlay_item *out)
     return count;
 }
 
-/* The rims of the mouth on the face that is tried: the upper one bright, the lower one amber. */
+/* Adds the rims of the mouth on the tried face: upper bright, lower amber. */
 static uint32_t add_rims(const panel *self, overlay_item *out, uint32_t capacity)
 {
     const rig_work *work = rig_model_work(self->model);

@@ -1,5 +1,4 @@
-/* The rig panel: which vertex rides on what, where the face can be pulled, and what is wrong with
- * it. */
+/* The rig panel: regions, contacts and the check of the rig. */
 #include "window/rig/panel.h"
 #include "window/gui/theme.h"
 
@@ -10,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the brush: what it paints, how large it is ---- */
+/* ---- the brush: ink and size ---- */
 
 enum { INK_ITEMS = RIG_BONES_MAX + 8, ITEM_TEXT = 64 };
 static const ui_range radius_range = {1.0, 80.0, "mm", 0, false, 12.0};
@@ -18,7 +17,7 @@ static const ui_range strength_range = {5.0, 100.0, "%", 0, true, 100.0};
 static const double radius_step = 1.15;
 static const char *const falloff_items[] = {"soft", "hard"};
 
-/* The list of inks: bones first, then what is said of mobility. */
+/* List of inks: bones first, then mobility. */
 typedef struct ink_list {
     char text[INK_ITEMS][ITEM_TEXT];
     const char *item[INK_ITEMS];
@@ -41,7 +40,7 @@ static void list_inks(ink_list *list, const rig *r)
         add_ink(list, RIG_INK_RIDES, i, r->bone[i].name);
     add_ink(list, RIG_INK_FREE, 0, "mobile");
     add_ink(list, RIG_INK_STILL, 0, "immobile");
-    add_ink(list, RIG_INK_REGION, 0, "the chosen region");
+    add_ink(list, RIG_INK_REGION, 0, "the selected region");
     add_ink(list, RIG_INK_ERASER, 0, "eraser");
 }
 
@@ -69,7 +68,7 @@ static void choose_ink(rig_stroke_ink *ink, const rig_stroke_ink *chosen)
 
 static void draw_ink(panel *self, ui *on, const rig *r)
 {
-    static const char eraser_hint[] = "Shift while painting is the eraser too.";
+    static const char eraser_hint[] = "Choose what the brush paints. Hold Shift to erase.";
     ink_list list;
     rig_stroke_ink *ink = &self->painting.ink;
     list_inks(&list, r);
@@ -83,15 +82,15 @@ static void draw_ink(panel *self, ui *on, const rig *r)
     if (is_of_bone(ink->ink)) {
         if (ui_check(on, "Rigid: cannot be pulled", &is_rigid))
             ink->ink = is_rigid ? RIG_INK_RIGID : RIG_INK_RIDES;
-        ui_hint(on, "It goes with its bone alone, as teeth and eyes do.");
+        ui_hint(on, "The painted skin moves only with its bone, like teeth and eyes.");
     }
     if (ink->ink == RIG_INK_REGION &&
         (self->region == RIG_NONE || !rig_edit_can_paint(r, self->region)))
         ui_text_wrapped(
             on, UI_STYLE_WARNING,
             self->region == RIG_NONE
-                ? "Choose a region in the list."
-                : "This region is not given vertex by vertex: \"To paint\" makes it so.");
+                ? "Select a region in the list."
+                : "This region is not a vertex list. Press \"Make paintable\" to paint it.");
 }
 
 static void take_keys(panel *self, const ui *on)
@@ -117,40 +116,41 @@ static void draw_brush(panel *self, ui *on)
         rig_panel_end_stroke(self);
         self->shown.is_tint_new = self->shown.is_shape_new = true;
     }
-    ui_hint(on,
-            "The brush on the face, which is shown at rest. The performance goes on meanwhile.");
+    ui_hint(on, "Paint on the neutral face. The performance continues in the background.");
     ui_same_line(on);
     ui_at(on, 104.0f);
     (void)ui_check(on, "Both sides##brush", &self->is_even);
-    ui_hint(on, "What is painted on one side of the face is painted on the other.");
+    ui_hint(on, "Paint both sides of the face symmetrically.");
     if (painting->is_on)
         take_keys(self, on);
     draw_ink(self, on, r);
     (void)ui_slider(on, "Radius", RIG_PANEL_LABEL, &radius_range, &painting->shape.radius_mm);
-    ui_hint(on, "[ and ]");
+    ui_hint(on, "Set the radius of the brush ([ and ]).");
     double strength = 100.0 * painting->ink.strength;
     if (ui_slider(on, "Strength", RIG_PANEL_LABEL, &strength_range, &strength))
         painting->ink.strength = strength / 100.0;
-    ui_hint(on, "How much of it one stroke lays on.");
+    ui_hint(on, "Set how much one stroke adds.");
     uint32_t falloff = (uint32_t)painting->shape.falloff;
     if (ui_choice(on, "Edge", RIG_PANEL_LABEL, falloff_items, 2, &falloff))
         painting->shape.falloff = (brush_falloff)falloff;
-    ui_hint(on, "Whether a stroke fades towards the rim of the brush.");
+    ui_hint(on, "Choose whether a stroke fades towards the rim of the brush.");
 }
 
-/* ---- regions: the list, and what the chosen one says ---- */
+/* ---- regions: list and selected region ---- */
 
 enum { WORDS = 400, BONE_ITEMS = RIG_BONES_MAX + 1 };
 static const float chip_width = 8.0f, size_width = 62.0f;
-static const float list_least = 150.0f, list_most = 420.0f;         /* points high */
-static const float below_list = 235.0f, below_list_chosen = 405.0f; /* what comes below it */
+static const float list_least = 150.0f, list_most = 420.0f; /* height in points */
+static const float below_list = 235.0f,
+                   below_list_chosen = 405.0f; /* height of the widgets below the list */
 
 typedef enum region_kind { KIND_RIDES = 0, KIND_RIGID, KIND_MOBILITY } region_kind;
-static const char *const kind_items[] = {"rides on it", "rigid on it", "only mobility"};
+static const char *const kind_items[] = {"moves with the bone", "rigid on the bone",
+                                         "mobility only"};
 
 /* ---- the list ---- */
 
-static void say_share(char *out, size_t capacity, const char *what, double share)
+static void write_share(char *out, size_t capacity, const char *what, double share)
 {
     if (share < 1.0)
         (void)snprintf(out, capacity, "%s %.0f %%", what, 100.0 * share);
@@ -158,17 +158,17 @@ static void say_share(char *out, size_t capacity, const char *what, double share
         (void)snprintf(out, capacity, "%s", what);
 }
 
-/* What it says: "jaw, rigid", "skull 50 %, mobile", "immobile". */
-static void say_region(const rig *r, const rig_region *region, char *out, size_t capacity)
+/* Writes the effect of a region: "jaw, rigid", "skull 50 %, mobile", "immobile". */
+static void describe_region(const rig *r, const rig_region *region, char *out, size_t capacity)
 {
     char rides[96] = "", mobile[32] = "";
     const char *bone = region->bone == RIG_NONE ? "" : r->bone[region->bone].name;
     if (region->is_rigid)
         (void)snprintf(rides, sizeof rides, "%s, rigid", bone);
     else if (!isnan(region->weight))
-        say_share(rides, sizeof rides, bone, region->weight);
+        write_share(rides, sizeof rides, bone, region->weight);
     if (!isnan(region->mobility) && region->mobility > 0.0)
-        say_share(mobile, sizeof mobile, "mobile", region->mobility);
+        write_share(mobile, sizeof mobile, "mobile", region->mobility);
     else if (!isnan(region->mobility))
         (void)snprintf(mobile, sizeof mobile, "immobile");
     (void)snprintf(out, capacity, "%s%s%s", rides, rides[0] && mobile[0] ? ", " : "", mobile);
@@ -179,8 +179,8 @@ static bool is_alike(double a, double b)
     return a == b || (isnan(a) && isnan(b));
 }
 
-/* Of those before it that have no name either, how many say the same. */
-static uint32_t says_the_same(const rig *r, uint32_t index)
+/* Counts the unnamed regions before this one that have the same effect. */
+static uint32_t count_same_effect(const rig *r, uint32_t index)
 {
     const rig_region *region = &r->region[index];
     uint32_t count = 0;
@@ -197,15 +197,15 @@ static void label_of(const rig *r, uint32_t index, char *out, size_t capacity)
 {
     char words[140];
     const rig_region *region = &r->region[index];
-    const uint32_t before = region->name ? 0 : says_the_same(r, index);
-    say_region(r, region, words, sizeof words);
+    const uint32_t before = region->name ? 0 : count_same_effect(r, index);
+    describe_region(r, region, words, sizeof words);
     if (before)
         (void)snprintf(out, capacity, "%s (%u)##region%u", words, before + 1, index);
     else
         (void)snprintf(out, capacity, "%s##region%u", region->name ? region->name : words, index);
 }
 
-/* After the row of what is chosen: it is brought into sight once, wherever it was chosen. */
+/* Scrolls to the selected row once. Call it after drawing that row. */
 static void follow_chosen(panel *self, ui *on)
 {
     if (self->is_to_follow)
@@ -240,7 +240,7 @@ static void draw_size(const panel *self, ui *on, uint32_t index)
     if (rig_model_is_laid(self->model) && work->region_size && index < work->rig.region_count)
         (void)snprintf(text, sizeof text, "%u", work->region_size[index]);
     rig_panel_write_right(on, text);
-    ui_hint(on, "How many vertices it has.");
+    ui_hint(on, "Number of vertices of the region.");
 }
 
 static float list_height(const panel *self, const ui *on)
@@ -287,7 +287,7 @@ static void remove_region(panel *self, uint32_t index)
     rig *r = rig_panel_begin(self);
     if (r)
         (void)rig_panel_finish(self, rig_edit_remove_region(r, index, &self->err),
-                               "take out a region");
+                               "remove a region");
 }
 
 static void move(panel *self, uint32_t index, uint32_t to)
@@ -298,7 +298,7 @@ static void move(panel *self, uint32_t index, uint32_t to)
         self->region = to;
 }
 
-/* What its selector gives becomes its own vertices. */
+/* Converts the selector of a region to a vertex list. */
 static void make_paint(panel *self, uint32_t index)
 {
     rig *r = rig_panel_begin(self);
@@ -313,7 +313,7 @@ static void make_paint(panel *self, uint32_t index)
         value[v] = (uint8_t)(share[v] * 255.0f + 0.5f);
     if (result >= 0)
         result = rig_edit_paint(r, index, value, m->vertex_count, &self->err);
-    (void)rig_panel_finish(self, result, "give a region its vertices one by one");
+    (void)rig_panel_finish(self, result, "make a region paintable");
 }
 
 static void set_says(panel *self, const rig_edit_says *says, const char *words)
@@ -323,7 +323,7 @@ static void set_says(panel *self, const rig_edit_says *says, const char *words)
         (void)rig_panel_finish(self, rig_edit_set_region(r, self->region, says, &self->err), words);
 }
 
-/* ---- the chosen one ---- */
+/* ---- the selected item ---- */
 
 static void draw_region_name(panel *self, ui *on, const rig_region *region)
 {
@@ -349,17 +349,17 @@ static void draw_buttons(panel *self, ui *on, const rig *r)
     if (ui_button(on, "Down", UI_PLAIN))
         move(self, index, index + 1);
     ui_disabled_end(on);
-    ui_hint(on,
-            "Where two regions speak of a vertex, the lower one wins; rigid ones win over all.");
+    ui_hint(on, "Move the region in the list. For a shared vertex the lower region wins, and a "
+                "rigid region always wins.");
     ui_same_line(on);
-    if (ui_button(on, "Take out", UI_PLAIN))
+    if (ui_button(on, "Remove", UI_PLAIN))
         remove_region(self, index);
     ui_same_line(on);
     ui_disabled_begin(on, rig_edit_can_paint(r, index));
-    if (ui_button(on, "To paint", UI_PLAIN))
+    if (ui_button(on, "Make paintable", UI_PLAIN))
         make_paint(self, index);
     ui_disabled_end(on);
-    ui_hint(on, "Its vertices are kept one by one from now on, so that the brush can change them.");
+    ui_hint(on, "Convert the region to a vertex list that the brush can change.");
 }
 
 static region_kind kind_of(const rig_edit_says *says)
@@ -376,7 +376,7 @@ static void change_kind(panel *self, const rig_edit_says *says, region_kind kind
         next.weight = 1.0;
     if (kind == KIND_MOBILITY)
         next.mobility = isnan(says->mobility) ? 1.0 : says->mobility;
-    set_says(self, &next, "change what a region says");
+    set_says(self, &next, "change the effect of a region");
 }
 
 static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_says *says)
@@ -389,14 +389,14 @@ static void draw_region_bone(panel *self, ui *on, const rig *r, const rig_edit_s
         ui_choice(on, "Bone", RIG_PANEL_LABEL, items, r->bone_count, &index)) {
         rig_edit_says next = *says;
         next.bone = index;
-        set_says(self, &next, "change a region's bone");
+        set_says(self, &next, "change the bone of a region");
         return;
     }
-    if (ui_choice(on, "Says", RIG_PANEL_LABEL, kind_items, 3, &kind))
+    if (ui_choice(on, "Effect", RIG_PANEL_LABEL, kind_items, 3, &kind))
         change_kind(self, says, (region_kind)kind);
 }
 
-/* A slider that is a step of undo once it is let go. True: it is held. */
+/* Draws a slider that makes an undo step when released. Returns true while it is held. */
 static bool draw_share(ui *on, const char *label, double *value)
 {
     static const ui_range range = {0.0, 100.0, "%", 0, false, 100.0};
@@ -430,7 +430,7 @@ static void draw_shares(panel *self, ui *on, const rig_region *region)
     if (is_held || has_same_attributes(says, region))
         return;
     rig_edit_says next = *says;
-    set_says(self, &next, "change a region's share");
+    set_says(self, &next, "change the weight of a region");
 }
 
 static void draw_chosen_region(panel *self, ui *on, const rig *r)
@@ -458,7 +458,7 @@ static void draw_regions(panel *self, ui *on)
     const rig *r = rig_model_rig(self->model);
     draw_region_list(self, on, r);
     const bool is_added = ui_button(on, "Add a region", UI_PLAIN);
-    ui_hint(on, "An empty one, to be painted; it stands over those before it.");
+    ui_hint(on, "Add an empty region to paint. It overrides the regions above it in the list.");
     if (is_added) {
         add(self);
         return;
@@ -469,11 +469,11 @@ static void draw_regions(panel *self, ui *on)
     draw_brush(self, on);
 }
 
-/* ---- contacts: the list, and the chosen one ---- */
+/* ---- contacts: list and selected contact ---- */
 
 static const float vertex_width = 62.0f;
 static const float contact_list_least = 130.0f, contact_list_most = 480.0f,
-                   below_contact_list = 175.0f; /* points high */
+                   below_contact_list = 175.0f; /* height in points */
 
 static float contact_list_height(const ui *on)
 {
@@ -498,11 +498,12 @@ static void draw_contact_list(panel *self, ui *on, const rig *r)
         rig_panel_write_right(on, vertex);
     }
     if (r->contact_count == 0)
-        ui_text_wrapped(on, UI_STYLE_DIM, "None yet: nothing can be pulled by name.");
+        ui_text_wrapped(on, UI_STYLE_DIM,
+                        "No contacts yet. Mappings need contacts to pull the face.");
     ui_scroll_end(on);
 }
 
-/* ---- the chosen one ---- */
+/* ---- the selected item ---- */
 
 static void draw_contact_name(panel *self, ui *on, const rig *r)
 {
@@ -519,17 +520,17 @@ static void draw_contact_name(panel *self, ui *on, const rig *r)
 
 static void draw_contact_bone(panel *self, ui *on, const rig *r)
 {
-    const char *items[BONE_ITEMS] = {"by its vertex"};
+    const char *items[BONE_ITEMS] = {"from its vertex"};
     uint32_t bone = r->contact[self->contact].bone, index = bone == RIG_NONE ? 0 : bone + 1;
     for (uint32_t i = 0; i < r->bone_count; ++i)
         items[i + 1] = r->bone[i].name;
-    if (!ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, r->bone_count + 1, &index))
+    if (!ui_choice(on, "Moves with", RIG_PANEL_LABEL, items, r->bone_count + 1, &index))
         return;
     rig *changed = rig_panel_begin(self);
     bone = index == 0 ? RIG_NONE : index - 1;
     if (changed)
         (void)rig_panel_finish(self, rig_edit_ride(changed, self->contact, bone, &self->err),
-                               "change what a contact rides on");
+                               "change the bone of a contact");
 }
 
 static void mirror(panel *self)
@@ -541,7 +542,7 @@ static void mirror(panel *self)
         brush_mirror_of(rig_model_brush(self->model), changed->contact[self->contact].vertex);
     mrt_result result = image == UINT32_MAX
                             ? error_set(&self->err, MRT_ERR_ARGUMENT,
-                                        "there is no vertex on the other side of this one")
+                                        "the mesh has no mirrored vertex for this contact")
                             : rig_edit_mirror_contact(changed, self->contact, image, &self->err);
     (void)rig_panel_finish(self, result, "mirror a contact");
 }
@@ -551,7 +552,7 @@ static void remove_contact(panel *self)
     rig *changed = rig_panel_begin(self);
     if (changed &&
         rig_panel_finish(self, rig_edit_remove_contact(changed, self->contact, &self->err),
-                         "take out a contact"))
+                         "remove a contact"))
         self->contact = RIG_NONE;
 }
 
@@ -569,10 +570,9 @@ static void draw_chosen_contact(panel *self, ui *on, const rig *r)
             contact->mirror == RIG_NONE ? "none" : r->contact[contact->mirror].name);
     if (ui_button(on, "Mirror it", UI_PLAIN))
         mirror(self);
-    ui_hint(on,
-            "Puts the contact of the other side where this one's mirror image is, or makes it.");
+    ui_hint(on, "Move the contact of the other side to the mirrored position, or add it.");
     ui_same_line(on);
-    if (ui_button(on, "Take out", UI_PLAIN) && number == rig_model_number(self->model))
+    if (ui_button(on, "Remove", UI_PLAIN) && number == rig_model_number(self->model))
         remove_contact(self);
 }
 
@@ -590,10 +590,10 @@ static void draw_contacts(panel *self, ui *on)
         draw_chosen_contact(self, on, rig_model_rig(self->model));
     else
         ui_text_wrapped(on, UI_STYLE_DIM,
-                        "Click a dot on the face to choose it, drag it to put it elsewhere.");
+                        "Click a dot on the face to select it. Drag it to move it.");
 }
 
-/* ---- what is wrong: a click goes to what a finding speaks of ---- */
+/* ---- check: findings, with a click to select their item ---- */
 
 enum { TITLE = 200 };
 
@@ -673,21 +673,21 @@ static void draw_summary(const rig_work *work, const rig *r, bool is_laid, ui *o
     uint32_t notes = work->findings.count - errors - warnings;
     char text[128];
     if (!is_laid) {
-        ui_text(on, UI_STYLE_DIM, "Looking at the last change \xe2\x80\xa6");
+        ui_text(on, UI_STYLE_DIM, "Checking the last change \xe2\x80\xa6");
         return;
     }
     if (errors > 0)
-        (void)snprintf(text, sizeof text, "%u to be mended: the stage keeps the rig before.",
-                       errors);
+        (void)snprintf(text, sizeof text,
+                       "%u errors to fix. The stage still uses the previous rig.", errors);
     else if (r->contact_count == 0)
         (void)snprintf(text, sizeof text,
-                       "No face was found in it: it can be kneaded, and contacts can be added.");
+                       "No face was found in the mesh. Perform it as clay, or add contacts.");
     else if (warnings > 0)
-        (void)snprintf(text, sizeof text, "It performs; %u to look at.", warnings);
+        (void)snprintf(text, sizeof text, "Ready, %u warnings.", warnings);
     else if (notes > 0)
-        (void)snprintf(text, sizeof text, "It performs; %u to know.", notes);
+        (void)snprintf(text, sizeof text, "Ready, %u notes.", notes);
     else
-        (void)snprintf(text, sizeof text, "Nothing is wrong with it.");
+        (void)snprintf(text, sizeof text, "Ready, no problems found.");
     ui_text_wrapped(on, errors ? UI_STYLE_BAD : warnings ? UI_STYLE_WARNING : UI_STYLE_GOOD, text);
 }
 
@@ -697,7 +697,7 @@ static void cut_mouth(panel *self)
     rig_panel_say(self, rig_model_cut_mouth(self->model, &err) < 0 ? err.text : "");
 }
 
-/* As the empty stage asks it too. */
+/* Asks the same question as the empty stage. */
 static void draw_mouth_question(panel *self, ui *on)
 {
     if (!rig_model_asks_mouth(self->model))
@@ -721,7 +721,7 @@ static void draw_check(panel *self, ui *on)
     const rig_work *work = rig_model_work(self->model);
     const rig *r = rig_model_rig(self->model);
     if (!work) {
-        ui_text(on, UI_STYLE_DIM, "Looking at it \xe2\x80\xa6");
+        ui_text(on, UI_STYLE_DIM, "Checking the rig \xe2\x80\xa6");
         return;
     }
     const rig_findings *found = &work->findings;
@@ -735,8 +735,8 @@ static void draw_check(panel *self, ui *on)
         if (found->item[i].severity != RIG_NOTE)
             draw_finding(self, on, r, &found->item[i], i);
     draw_confirm(self, on);
-    /* Beside a draft, which wants to be looked at, they wait. */
-    if (found->count == told || !ui_section(on, "To know", !self->confirm))
+    /* Notes are folded while the lines of a draft must be checked. */
+    if (found->count == told || !ui_section(on, "Notes", !self->confirm))
         return;
     for (uint32_t i = 0; i < found->count; ++i)
         if (found->item[i].severity == RIG_NOTE)
@@ -745,9 +745,10 @@ static void draw_check(panel *self, ui *on)
 
 /* ---- the panel ---- */
 
-static const double look_after_s = 1.5; /* for what was kept, when the panel is not seen */
+static const double look_after_s =
+    1.5; /* delay before the search for unsaved changes while the panel is hidden */
 
-/* ---- what is said ---- */
+/* ---- messages ---- */
 
 void rig_panel_say(panel *self, const char *trouble)
 {
@@ -768,12 +769,12 @@ static void go(panel *self, uint64_t number)
     rig_panel_end_stroke(self);
     self->jawing.is_changing = self->is_says_held = self->parting.is_held = false;
     if (!self->model || !rig_model_go(self->model, number))
-        rig_panel_say(self, "That change of the rig is too long ago to be undone.");
+        rig_panel_say(self, "This change of the rig is no longer in the undo history.");
     self->shown.is_tint_new = self->shown.is_shape_new = true;
     app_notes_of(self->of)->is_rig_pending = true;
 }
 
-/* A step's data is the number of the state that it led to. */
+/* The data of a step is the number of the state after it. */
 static void undo(void *owner, void *data)
 {
     go(owner, (uintptr_t)data - 1);
@@ -847,7 +848,7 @@ void rig_panel_choose(panel *self, rig_tab tab, uint32_t index)
     self->shown.is_tint_new = true;
 }
 
-/* ---- which face ---- */
+/* ---- current face ---- */
 
 static void forget_face(panel *self)
 {
@@ -905,7 +906,7 @@ static void follow_face(panel *self, double dt_s)
     self->adopts = false;
 }
 
-/* Not before it is needed: the first face should be on the screen by then. */
+/* Opens the model late, so that it does not delay the first drawn face. */
 static void open_model(panel *self)
 {
     error err = {""};
@@ -921,7 +922,7 @@ static void open_model(panel *self)
     }
     self->shown.is_tint_new = self->shown.is_shape_new = true;
     if (rig_model_has_kept(self->model))
-        tell(self, "Changes of this face's rig that were not saved are still here: F4.");
+        tell(self, "Unsaved changes of this rig can be restored in the Rig panel (F4).");
 }
 
 /* ---- the stage ---- */
@@ -929,19 +930,19 @@ static void open_model(panel *self)
 static void give_to_stage(panel *self)
 {
     if (app_status(self->of)->is_recording)
-        return; /* later: the face of a take does not change */
+        return; /* later, because the face must not change during a take */
     face_file *file = rig_model_take_face(self->model);
     if (!file)
         return;
     if (app_change_face(self->of, file) < 0)
-        self->trouble[0] = '\0'; /* the application has said why not */
+        self->trouble[0] = '\0'; /* the application has reported the error */
     free(file);
     note_face(self);
 }
 
 /* ---- the file ---- */
 
-/* The first rig of a mesh alone: from now on it is the face, so that the show names it. */
+/* Opens the saved rig as the face, so that the show refers to it. */
 static void open_saved(panel *self, const char *path)
 {
     char copy[RIG_PANEL_PATH];
@@ -985,7 +986,7 @@ static void save_as_asked(panel *self)
         rig_panel_say(self, err.text);
 }
 
-static void tell_unsaved(panel *self)
+static void update_unsaved(panel *self)
 {
     bool is_unsaved = !rig_model_is_saved(self->model);
     if (is_unsaved == self->was_unsaved)
@@ -1003,7 +1004,7 @@ static const char *path_to_save(void *owner)
     return self->model && rig_model_rig(self->model) ? rig_model_path(self->model) : NULL;
 }
 
-/* What is not saved is in the new file, and the stage goes on with that one. */
+/* Saves unsaved changes to the new file and opens that file on the stage. */
 static mrt_result save_elsewhere(void *owner, const char *path, error *err)
 {
     panel *self = owner;
@@ -1017,7 +1018,7 @@ static mrt_result save_elsewhere(void *owner, const char *path, error *err)
     (void)snprintf(text, sizeof text, "Saved %.400s", path);
     tell(self, text);
     self->trouble[0] = '\0';
-    tell_unsaved(self);
+    update_unsaved(self);
     open_saved(self, path);
     return result;
 }
@@ -1060,14 +1061,13 @@ static void take_draft(panel *self)
     if (!self->is_shown) {
         char text[128], keys[KEY_WORDS + 4];
         key_map_after(&app_looks_of(self->of)->keys, ACTION_PANEL_RIG, keys);
-        (void)snprintf(text, sizeof text,
-                       "A rig is drafted: what to look at, and Save, are in Rig%s.", keys);
+        (void)snprintf(text, sizeof text, "A rig was drafted. Check and save it in Rig%s.", keys);
         tell(self, text);
     }
 }
 
-/* What is edited is what the viewport shows: a mouth that was cut, or is whole again, comes to the
- * stage a moment later. */
+/* Returns whether the viewport shows the edited mesh. A cut or restored mouth reaches the stage
+ * with a delay. */
 static bool is_on_stage(const panel *self, const face_file *before)
 {
     const face_file *file = app_face(self->of);
@@ -1106,7 +1106,7 @@ static void update(panel *self, double dt_s)
             self->shown.is_tint_new = self->shown.is_shape_new = true;
         give_to_stage(self);
         notes->is_rig_pending = rig_model_is_pending(self->model);
-        tell_unsaved(self);
+        update_unsaved(self);
         keep_choices(self);
         if (rig_model_is_busy(self->model))
             app_want_frame(self->of, 0.02);
@@ -1120,7 +1120,7 @@ static void update(panel *self, double dt_s)
     self->is_shown = false;
 }
 
-/* ---- drawn ---- */
+/* ---- drawing ---- */
 
 static void draw_head(panel *self, ui *on)
 {
@@ -1134,7 +1134,7 @@ static void draw_head(panel *self, ui *on)
                    is_saved ? "" : " \xe2\x97\x8f");
     ui_text(on, UI_STYLE_TITLE, text);
     if (!is_saved)
-        ui_hint(on, "There are changes that are not saved.");
+        ui_hint(on, "The rig has unsaved changes.");
     ui_same_line(on);
     ui_at(on, 252.0f);
     ui_disabled_begin(on, is_saved);
@@ -1152,15 +1152,15 @@ static void draw_kept(panel *self, ui *on)
     error err = {""};
     if (!rig_model_has_kept(self->model))
         return;
-    ui_text_wrapped(on, UI_STYLE_WARNING, "Changes that were not saved last time are still here.");
-    if (ui_button(on, "Take them up", UI_ACCENT)) {
+    ui_text_wrapped(on, UI_STYLE_WARNING, "Unsaved changes of the last session were found.");
+    if (ui_button(on, "Restore", UI_ACCENT)) {
         mrt_result result = rig_model_take_kept(self->model, &number, &err);
         rig_panel_say(self, result < 0 ? err.text : "");
         if (result >= 0)
-            note_step(self, number, "take up what was not saved");
+            note_step(self, number, "restore unsaved changes");
     }
     ui_same_line(on);
-    if (ui_button(on, "Forget them", UI_QUIET))
+    if (ui_button(on, "Discard", UI_QUIET))
         rig_model_drop_kept(self->model);
     ui_rule(on);
 }
@@ -1170,8 +1170,8 @@ static void draw_without_rig(panel *self, ui *on)
     char label[128], path[1024];
     const char *beside = rig_model_beside(self->model);
     ui_text_wrapped(on, UI_STYLE_BODY,
-                    "This mesh has no rig: all of it can be pulled, like clay. A rig gives it a "
-                    "skull, a jaw and places to pull at.");
+                    "This mesh has no rig. You can pull all of it, like clay. A rig adds a skull, "
+                    "a jaw and contacts.");
     ui_space(on, 6.0f);
     if (beside) {
         (void)snprintf(label, sizeof label, "Open %.60s", file_name(beside));
@@ -1184,9 +1184,11 @@ static void draw_without_rig(panel *self, ui *on)
     if (ui_button(on, "Draft a rig", beside ? UI_PLAIN : UI_ACCENT))
         begin_draft(self);
     ui_disabled_end(on);
-    ui_hint(on, "From its shape, its parts and its skeleton: a first one, to be looked at.");
+    ui_hint(
+        on,
+        "Draft a first rig from the shape, parts and skeleton of the mesh. Check it afterwards.");
     if (rig_model_is_drafting(self->model))
-        ui_text(on, UI_STYLE_DIM, "Looking for the face...");
+        ui_text(on, UI_STYLE_DIM, "Searching for the face...");
 }
 
 static void check_title(const panel *self, char *out, size_t capacity)
@@ -1223,8 +1225,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     self->is_shown = true;
     ui_panel_begin(on, "rig", where, UI_GROUND_PANEL);
     if (!self->model) {
-        ui_text_wrapped(on, UI_STYLE_DIM,
-                        self->trouble[0] ? self->trouble : "There is no face on the stage.");
+        ui_text_wrapped(on, UI_STYLE_DIM, self->trouble[0] ? self->trouble : "No face is open.");
     } else {
         draw_head(self, on);
         draw_kept(self, on);
@@ -1238,7 +1239,7 @@ static void draw(panel *self, ui *on, ui_rectangle where)
     ui_panel_end(on);
 }
 
-/* ---- made ---- */
+/* ---- create and destroy ---- */
 
 static panel *create(app *of)
 {

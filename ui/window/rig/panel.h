@@ -1,7 +1,6 @@
-/* window/rig/panel.h - the state of the rig panel, which its files share: panel.c has the panel and
- * the tabs of regions, contacts and checks, parts.c those of bones, poses and the jaw, on_face.c
- * what the pointer does on the face and how the rig is shown there. No other room includes this
- * header. [main] */
+/* window/rig/panel.h - the state of the rig panel, shared by its files. panel.c: the panel and the
+ * tabs Regions, Contacts and Check. parts.c: the tabs Parts and Jaw. on_face.c: pointer and drawing
+ * on the face. No other folder includes this header. [main] */
 #ifndef MAROTTE_UI_WINDOW_RIG_PANEL_H
 #define MAROTTE_UI_WINDOW_RIG_PANEL_H
 #include "window/panels/panels.h"
@@ -10,8 +9,8 @@
 #include "window/rig/model.h"
 #include "window/viewport/viewport.h"
 
-#define RIG_PANEL_LABEL 74.0f  /* points: where the widgets of a line begin */
-#define RIG_PANEL_RIGHT 292.0f /* where rows end */
+#define RIG_PANEL_LABEL 74.0f  /* x of the widgets in a row, points */
+#define RIG_PANEL_RIGHT 292.0f /* right end of the rows, points */
 
 typedef enum rig_tab {
     RIG_TAB_REGIONS = 0,
@@ -24,85 +23,85 @@ typedef enum rig_tab {
 
 enum { RIG_PANEL_NAME = 64, RIG_PANEL_TROUBLE = 1024, RIG_PANEL_PATH = 4096 };
 
-typedef struct rig_painting { /* the brush */
+typedef struct rig_painting { /* state of the brush */
     bool is_on;
     rig_stroke_ink ink;
     brush_shape shape;
-    rig_stroke *stroke; /* NULL: none is being made */
+    rig_stroke *stroke; /* NULL: no stroke in progress */
 } rig_painting;
 
-typedef struct rig_naming { /* of one of a list, as it is typed */
+typedef struct rig_naming { /* name of a list item while it is typed */
     char text[RIG_PANEL_NAME];
-    uint32_t of, number; /* of which and which state that is */
+    uint32_t of, number; /* item and number of its rig state */
 } rig_naming;
 
-typedef struct rig_placing { /* of contacts, on the face */
+typedef struct rig_placing { /* placing of contacts on the face */
     bool is_adding;          /* the next click places a new one */
-    bool is_pressed;         /* on the dot of the chosen contact */
-    bool is_moving;          /* and was dragged */
-    rig_ray pressed;         /* where */
-    uint32_t vertex;         /* where it is dragged to */
+    bool is_pressed;         /* pressed on the dot of the selected contact */
+    bool is_moving;          /* dragged after the press */
+    rig_ray pressed;         /* ray at the press */
+    uint32_t vertex;         /* target of the drag */
     rig_naming name;
 } rig_placing;
 
-typedef struct rig_jawing {                /* the axis, and how the jaw moves about it */
-    rig_edit_jaw jaw;                      /* as shown; the rig's but while it is changed */
+typedef struct rig_jawing {                /* jaw axis and movement */
+    rig_edit_jaw jaw;                      /* as shown; differs from the rig only during a change */
     bool is_changing;                      /* a slider or a handle is held */
     rig_handle held;                       /* RIG_HANDLES: none */
-    vec3 grip;                             /* from where it was taken hold of to the handle */
-    double open_deg, aside_mm, forward_mm; /* tried */
-    double gap_mm;                         /* of the incisors, as tried */
+    vec3 grip;                             /* vector from the grabbed point to the handle */
+    double open_deg, aside_mm, forward_mm; /* tried values */
+    double gap_mm;                         /* movement of the lower incisor, as tried */
 } rig_jawing;
 
-typedef struct rig_mouthing { /* the mouth, as shown; the rig's but while a slider is held */
+typedef struct rig_mouthing { /* mouth as shown; differs from the rig only while a slider is held */
     double upper_percent, stickiness_mm;
-    double sealed_percent; /* tried */
+    double sealed_percent; /* tried values */
     bool is_held;
 } rig_mouthing;
 
-typedef struct rig_parting {    /* bones, what skin does not enter, poses */
-    uint32_t bone, proxy, pose; /* that is chosen, at most one of them; RIG_NONE */
-    uint32_t kind;              /* of the bone that is to be added */
+typedef struct rig_parting {    /* bones, collision shapes, poses */
+    uint32_t bone, proxy, pose; /* selection, at most one of the three; RIG_NONE */
+    uint32_t kind;              /* kind of the bone to add */
     rig_naming bone_name, pose_name;
-    vec3 centre, radii; /* of the chosen one as shown; of a ball radii.x */
-    bool is_held;       /* a slider is dragged */
-    uint32_t turn;      /* of the chosen ball, that is chosen; RIG_NONE */
-    rig_turn turn_now;  /* as shown; its name is the rig's */
+    vec3 centre, radii; /* of the selected item as shown; radii.x for a ball */
+    bool is_held;       /* a slider is being dragged */
+    uint32_t turn;      /* selected turn of the selected ball; RIG_NONE */
+    rig_turn turn_now;  /* as shown; the rig owns the name */
     rig_naming turn_name;
-    bool is_turn_held, has_own_axis; /* own: none of the usual ones was asked for */
-    double tried_rad[RIG_TURNS_MAX]; /* on the face */
+    bool is_turn_held, has_own_axis; /* has_own_axis: custom axis selected */
+    double tried_rad[RIG_TURNS_MAX]; /* tried on the face */
 } rig_parting;
 
-typedef struct rig_shown {       /* what the viewport was told */
-    bool is_released;            /* nothing: the panel is not seen */
-    bool is_tinted, is_tint_new; /* new: it is to be told again */
-    uint32_t vertex_count;       /* of the memory below */
+typedef struct rig_shown {       /* state of the viewport */
+    bool is_released;            /* the panel is hidden and shows nothing */
+    bool is_tinted, is_tint_new; /* is_tint_new: the tint must be sent again */
+    uint32_t vertex_count;       /* size of the buffers below */
     float *rgb, *share;          /* vertex_count by 3; vertex_count */
-    float *position, *normal;    /* vertex_count by 3: of the jaw that is tried */
+    float *position, *normal;    /* vertex_count by 3, for the tried pose */
     float *scratch;              /* 6 by vertex_count */
     bool stands_in, is_shape_new;
 } rig_shown;
 
 struct panel {
     app *of;
-    rig_model *model; /* NULL: there is no face, or no memory */
+    rig_model *model; /* NULL: no face, or no memory */
     const rig *stage_rig;
-    const float *stage_position; /* which face that is */
+    const float *stage_position; /* identifies the face of the stage */
     char *stage_path;
-    bool stage_rig_is_file; /* false: the stage's face is a mesh's file, its rig is new */
-    bool adopts;            /* the next face of the stage is the model's own */
-    double known_s;         /* since the face is known */
+    bool stage_rig_is_file; /* false: the stage opened a mesh file, and its rig is new */
+    bool adopts;            /* the next face of the stage comes from the model */
+    double known_s;         /* time since the face was opened */
     bool is_shown, was_unsaved;
-    bool is_draft_wanted; /* as soon as there is a model */
+    bool is_draft_wanted; /* start a draft when the model exists */
     uint32_t tab;
-    error err;                       /* of the change that is made */
-    char trouble[RIG_PANEL_TROUBLE]; /* of the last thing that was done; "" */
-    char *confirm;                   /* of a draft, lines; NULL */
-    uint32_t region, contact;        /* that is chosen; RIG_NONE */
-    bool is_to_follow;               /* it was chosen: its row is to be seen */
-    bool is_even;                    /* both sides alike: strokes, contacts, the jaw */
+    error err;                       /* error of the current change */
+    char trouble[RIG_PANEL_TROUBLE]; /* error of the last action; may be "" */
+    char *confirm;                   /* lines of a draft to check; NULL: none */
+    uint32_t region, contact;        /* selected; RIG_NONE */
+    bool is_to_follow;               /* scroll to the selected row */
+    bool is_even;                    /* symmetric edits: strokes, contacts, jaw */
     rig_naming region_name;
-    rig_edit_says says; /* of the chosen region while a slider is held */
+    rig_edit_says says; /* effect of the selected region while a slider is held */
     bool is_says_held;
     rig_painting painting;
     rig_placing placing;
@@ -114,35 +113,36 @@ struct panel {
 
 /* ---- changes: begin, change the copy, finish; one step of undo (panel.c) ---- */
 
-rig *rig_panel_begin(panel *self); /* NULL: it is said why */
-/* words: "paint jaw". On result < 0 nothing has changed, and it is said why: self->err. */
+rig *rig_panel_begin(panel *self); /* NULL: failed, reported to the user */
+/* Commits a change. words: name of the undo step, such as "paint jaw". result < 0: reports
+ * self->err and changes nothing. */
 bool rig_panel_finish(panel *self, mrt_result result, const char *words);
-void rig_panel_say(panel *self, const char *trouble);            /* "": nothing */
-void rig_panel_choose(panel *self, rig_tab tab, uint32_t index); /* a region, a contact */
+void rig_panel_say(panel *self, const char *trouble); /* reports an error; "" clears it */
+void rig_panel_choose(panel *self, rig_tab tab, uint32_t index); /* index: region or contact */
 
-/* A name that is typed; true: it was ended and is another one. */
+/* Draws a name field. Returns true when the user has entered another name. */
 bool rig_panel_draw_name(const panel *self, ui *on, const char *hint, rig_naming *naming,
                          uint32_t of, const char *name);
-void rig_panel_write_right(ui *on, const char *words); /* at the end of a row */
+void rig_panel_write_right(ui *on, const char *words); /* right-aligned in the row */
 
 /* ---- on the face (on_face.c) ---- */
 
-void rig_panel_face(panel *self, viewport *view);    /* each frame in which it is seen */
-void rig_panel_release(panel *self, viewport *view); /* when it no longer is */
+void rig_panel_face(panel *self, viewport *view);    /* in each frame while the panel is visible */
+void rig_panel_release(panel *self, viewport *view); /* when the panel is no longer visible */
 void rig_panel_end_stroke(panel *self);
 void rig_panel_shown_finish(rig_shown *shown);
-void rig_panel_put_jaw(panel *self); /* what is shown of it into the rig */
+void rig_panel_put_jaw(panel *self); /* writes the shown jaw into the rig */
 
-/* ---- the tabs that are in parts.c ---- */
+/* ---- tabs in parts.c ---- */
 
 void rig_panel_draw_jaw(panel *self, ui *on);
 void rig_panel_draw_parts(panel *self, ui *on);
-/* At most one of the three. */
+/* Selects at most one of the three. */
 void rig_panel_choose_part(panel *self, uint32_t bone, uint32_t proxy, uint32_t pose);
-void rig_panel_keep_part(panel *self); /* what is chosen may be gone */
-/* The chosen pose into shown.position; false: it cannot be shown. */
+void rig_panel_keep_part(panel *self); /* drops a selection that no longer exists */
+/* Writes the selected pose into shown.position. Returns false if it cannot be shown. */
 bool rig_panel_show_pose(panel *self);
-/* What is chosen, as lines and dots. Returns how many. */
+/* Draws the selection as lines and dots. Returns the number of items. */
 uint32_t rig_panel_part_items(const panel *self, overlay_item *out, uint32_t capacity);
 
 #endif

@@ -1,5 +1,5 @@
-/* The parts of a rig as tabs of its panel: bones, the ellipsoids that skin does not enter, poses,
- * the turns of a ball, the jaw. */
+/* The tabs Parts and Jaw of the rig panel: bones, collision ellipsoids, poses, turns of a ball, jaw
+ * and mouth. */
 #include "window/rig/panel.h"
 
 #include "face/rig_draft.h"
@@ -17,7 +17,7 @@ enum { UNDO_WORDS = 160, WAYS = 6, OWN_WAY = WAYS };
 static const double degree = ANGLE_PI / 180.0;
 static const char unit[] = "\xc2\xb0";
 
-/* What a positive angle does, as mappings expect it (rigs/README.md). */
+/* Effect of a positive angle, as mappings expect it (rigs/README.md). */
 static const struct {
     const char *words, *name;
     vec3 axis;
@@ -68,7 +68,7 @@ static void remove_turn(panel *self)
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(
                  self, rig_edit_remove_turn(r, self->parting.bone, self->parting.turn, &self->err),
-                 "take out a turn"))
+                 "remove a turn"))
         choose_turn(self, RIG_NONE);
 }
 
@@ -88,7 +88,7 @@ static bool has_axis(const rig_bone *ball, vec3 axis)
     return false;
 }
 
-/* The first way that it does not turn yet. */
+/* Adds the first turn of the list that the ball does not have. */
 static void add_turn(panel *self, const rig_bone *ball)
 {
     char name[RIG_PANEL_NAME];
@@ -106,7 +106,7 @@ static void add_turn(panel *self, const rig_bone *ball)
         choose_turn(self, index);
 }
 
-/* ---- one of them ---- */
+/* ---- one turn ---- */
 
 static bool draw_angle(ui *on, const char *label, double low_deg, double high_deg, double usual_deg,
                        double *value_rad)
@@ -118,7 +118,7 @@ static bool draw_angle(ui *on, const char *label, double low_deg, double high_de
     return ui_slider_is_held(on);
 }
 
-/* True while a slider is held. */
+/* Returns true while a slider is held. */
 static bool draw_own_axis(ui *on, vec3 *axis)
 {
     bool is_held = false;
@@ -128,8 +128,7 @@ static bool draw_own_axis(ui *on, vec3 *axis)
         (void)ui_slider(on, label[i], RIG_PANEL_LABEL, &part_range, part[i]);
         is_held = ui_slider_is_held(on) || is_held;
     }
-    ui_hint(on, "Along its axis, which it turns about as a right hand's fingers do about the "
-                "thumb.");
+    ui_hint(on, "Set the axis of the turn. Positive angles follow the right-hand rule.");
     return is_held;
 }
 
@@ -139,7 +138,7 @@ static void draw_turn_try(panel *self, ui *on, const rig_turn *turn)
     const double before_rad = *tried_rad;
     *tried_rad = fmin(fmax(*tried_rad, turn->min_rad), turn->max_rad);
     (void)draw_angle(on, "Try", turn->min_rad / degree, turn->max_rad / degree, 0.0, tried_rad);
-    ui_hint(on, "On the face, not in the rig. A double click: as the mesh is.");
+    ui_hint(on, "Try the turn on the face without changing the rig. Double-click to reset.");
     if (fabs(*tried_rad - before_rad) > 0.0)
         self->shown.is_shape_new = true;
 }
@@ -150,22 +149,22 @@ static bool is_changed(const rig_turn *a, const rig_turn *b)
            fabs(a->max_rad - b->max_rad) > 1e-9;
 }
 
-/* The way that is chosen, or its own. True: a slider is held. */
+/* Draws the axis: one of the list, or custom. Returns true while a slider is held. */
 static bool draw_turn_axis(panel *self, ui *on, rig_turn *now)
 {
     rig_parting *parting = &self->parting;
     const char *items[WAYS + 1];
     for (uint32_t i = 0; i < WAYS; ++i)
         items[i] = ways[i].words;
-    items[OWN_WAY] = "about an axis of its own";
+    items[OWN_WAY] = "about a custom axis";
     uint32_t way = parting->has_own_axis ? OWN_WAY : way_of(now->axis);
     if (ui_choice(on, "Turns", RIG_PANEL_LABEL, items, WAYS + 1, &way)) {
         parting->has_own_axis = way == OWN_WAY;
         if (way < WAYS)
             now->axis = ways[way].axis;
     }
-    ui_hint(on, "What a positive angle does. Mappings look for \"yaw\" to the left, \"pitch\" up, "
-                "\"close\" where a lid closes.");
+    ui_hint(on, "Choose the effect of a positive angle. Mappings expect \"yaw\" to the left, "
+                "\"pitch\" up and \"close\" to close a lid.");
     return way == OWN_WAY && draw_own_axis(on, &now->axis);
 }
 
@@ -187,21 +186,21 @@ static void draw_turn(panel *self, ui *on, const rig_bone *ball)
     }
     if (number == rig_model_number(self->model)) {
         bool is_held = draw_turn_axis(self, on, now);
-        is_held = draw_angle(on, "Least", -180.0, 0.0, 0.0, &now->min_rad) || is_held;
-        is_held = draw_angle(on, "Most", 0.0, 180.0, 0.0, &now->max_rad) || is_held;
+        is_held = draw_angle(on, "Minimum", -180.0, 0.0, 0.0, &now->min_rad) || is_held;
+        is_held = draw_angle(on, "Maximum", 0.0, 180.0, 0.0, &now->max_rad) || is_held;
         parting->is_turn_held = is_held;
         draw_turn_try(self, on, now);
         if (!is_held && is_changed(now, turn))
             set_turn(self, now, "change a turn");
     }
     ui_disabled_begin(on, ball->turn_count == 1);
-    if (number == rig_model_number(self->model) && ui_button(on, "Take out the turn", UI_PLAIN))
+    if (number == rig_model_number(self->model) && ui_button(on, "Remove the turn", UI_PLAIN))
         remove_turn(self);
     ui_disabled_end(on);
     ui_id_end(on);
 }
 
-/* of a ball */
+/* Draws the turns of a ball. */
 static void draw_turns(panel *self, ui *on, uint32_t bone)
 {
     const uint64_t number = rig_model_number(self->model);
@@ -223,12 +222,12 @@ static void draw_turns(panel *self, ui *on, uint32_t bone)
         return;
     if (ui_button(on, "Add a turn", UI_PLAIN))
         add_turn(self, ball);
-    ui_hint(on, "Another way in which it moves; the first of the list is applied last.");
+    ui_hint(on, "Add a turn to the bone. The first turn in the list is applied last.");
 }
 
-/* ---- poses: listed, shown, made of the shape that is on the stage ---- */
+/* ---- poses: list, display, creation from the current shape ---- */
 
-/* ---- shown ---- */
+/* ---- display ---- */
 
 bool rig_panel_show_pose(panel *self)
 {
@@ -242,11 +241,11 @@ bool rig_panel_show_pose(panel *self)
     if (rig_poses_show_on(work->face, &work->rig, pose, &solver, &err) < 0)
         return false;
     points_to_rows(self->shown.position, face_shown(work->face), face_order(work->face));
-    face_reset(work->face); /* as others expect it */
+    face_reset(work->face); /* other users of the face expect neutral */
     return true;
 }
 
-/* ---- made ---- */
+/* ---- creation ---- */
 
 static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
 {
@@ -260,15 +259,15 @@ static const char *free_pose_name(const rig *r, char out[RIG_PANEL_NAME])
     }
 }
 
-/* NULL: it can be made. */
+/* Returns why no pose can be added, or NULL. */
 static const char *why_not(const panel *self)
 {
     const rig_work *work = rig_model_work(self->model);
     const live_view *view = app_view(self->of);
     if (!work || !work->face || !rig_model_is_laid(self->model))
-        return "The rig is being laid on the face.";
+        return "Wait until the rig is applied to the face.";
     if (!view->about || view->contact_count != work->rig.contact_count)
-        return "The stage does not have this rig yet.";
+        return "Wait until the stage uses this rig.";
     return NULL;
 }
 
@@ -297,7 +296,7 @@ static void remove_pose(panel *self)
 {
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(self, rig_edit_remove_pose(r, self->parting.pose, &self->err),
-                              "take out a pose"))
+                              "remove a pose"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
 }
 
@@ -311,7 +310,7 @@ static void name_pose(panel *self)
             "name a pose");
 }
 
-/* ---- drawn ---- */
+/* ---- drawing ---- */
 
 static void draw_chosen(panel *self, ui *on, const rig *r)
 {
@@ -325,8 +324,8 @@ static void draw_chosen(panel *self, ui *on, const rig *r)
                    part ? ": " : "", pose->pull_count, pose->dof_count);
     if (rig_panel_draw_name(self, on, "name", &self->parting.pose_name, index, pose->name))
         name_pose(self);
-    ui_fact(on, "Holds", RIG_PANEL_LABEL, UI_STYLE_BODY, words);
-    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+    ui_fact(on, "Contents", RIG_PANEL_LABEL, UI_STYLE_BODY, words);
+    if (number == rig_model_number(self->model) && ui_button(on, "Remove", UI_PLAIN))
         remove_pose(self);
     ui_id_end(on);
 }
@@ -335,10 +334,10 @@ static void draw_poses(panel *self, ui *on)
 {
     const char *why = why_not(self);
     ui_disabled_begin(on, why != NULL);
-    if (ui_button(on, "Add the shape on the stage", UI_PLAIN))
+    if (ui_button(on, "Add current shape", UI_PLAIN))
         add_pose(self);
     ui_disabled_end(on);
-    ui_hint(on, why ? why : "Bones as they are turned, contacts where they are, become a pose.");
+    ui_hint(on, why ? why : "Save the current bones and contacts of the stage as a pose.");
     if (self->parting.pose != RIG_NONE)
         draw_chosen(self, on, rig_model_rig(self->model));
     const rig *r = rig_model_rig(self->model);
@@ -349,7 +348,7 @@ static void draw_poses(panel *self, ui *on)
             rig_panel_choose_part(self, RIG_NONE, RIG_NONE, i == self->parting.pose ? RIG_NONE : i);
     }
     if (r->pose_count == 0)
-        ui_text_wrapped(on, UI_STYLE_DIM, "None yet.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "No poses yet.");
 }
 
 /* ---- bones, ellipsoids, poses: the tab ---- */
@@ -363,7 +362,7 @@ static const char *const kind_words[] = {
 static const char *const kind_items[] = {"a rigid part", "a jaw, with a hinge",
                                          "a ball, like an eye"};
 
-/* ---- what is chosen ---- */
+/* ---- selection ---- */
 
 void rig_panel_choose_part(panel *self, uint32_t bone, uint32_t proxy, uint32_t pose)
 {
@@ -388,7 +387,7 @@ void rig_panel_keep_part(panel *self)
         rig_panel_choose_part(self, bone, proxy, pose);
 }
 
-/* ---- where something lies: sliders that are a step of undo once they are let go ---- */
+/* ---- positions: sliders that make an undo step when released ---- */
 
 typedef struct bounds {
     vec3 low, high;
@@ -452,7 +451,8 @@ static const char *free_bone_name(const rig *r, rig_bone_kind kind, char out[RIG
     return out;
 }
 
-/* Where it can be seen and taken hold of: a jaw before the ears, a ball in the middle. */
+/* Adds a bone where it can be seen and dragged: a jaw in front of the ears, a ball in the middle.
+ */
 static void add_bone(panel *self)
 {
     char name[RIG_PANEL_NAME];
@@ -474,7 +474,7 @@ static void remove_bone(panel *self)
 {
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(self, rig_edit_remove_bone(r, self->parting.bone, &self->err),
-                              "take out a bone"))
+                              "remove a bone"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
 }
 
@@ -529,15 +529,15 @@ static void add_region(panel *self)
 
 static void draw_what_rides(panel *self, ui *on)
 {
-    ui_text_wrapped(on, UI_STYLE_WARNING,
-                    "No region says what rides on it: until then the stage has the rig as it was "
-                    "before.");
+    ui_text_wrapped(
+        on, UI_STYLE_WARNING,
+        "No region moves with this bone. The stage uses the previous rig until one does.");
     if (ui_button(on, "Add a region for it", UI_ACCENT))
         add_region(self);
-    ui_hint(on, "It is painted where \"Regions\" is open.");
+    ui_hint(on, "Add a region for this bone, then paint it in the tab \"Regions\".");
 }
 
-/* On one that is listed before it. */
+/* Draws the choice of the parent, which must be listed before the bone. */
 static void draw_parent(panel *self, ui *on, const rig *r)
 {
     const char *items[RIG_BONES_MAX + 1];
@@ -547,13 +547,14 @@ static void draw_parent(panel *self, ui *on, const rig *r)
     for (uint32_t i = 0; i < index; ++i)
         items[i] = r->bone[i].name;
     items[nothing] = "nothing";
-    if (!ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, index + 1, &chosen) || chosen == before)
+    if (!ui_choice(on, "Moves with", RIG_PANEL_LABEL, items, index + 1, &chosen) ||
+        chosen == before)
         return;
     rig *to = rig_panel_begin(self);
     if (to)
         (void)rig_panel_finish(
             self, rig_edit_ride_bone(to, index, chosen == nothing ? RIG_NONE : chosen, &self->err),
-            "change what a bone rides on");
+            "change the parent of a bone");
 }
 
 static void draw_bone(panel *self, ui *on, const rig *r)
@@ -576,12 +577,13 @@ static void draw_bone(panel *self, ui *on, const rig *r)
     if (number == rig_model_number(self->model) && bone->kind == BONE_BALL)
         draw_turns(self, on, index);
     if (number == rig_model_number(self->model) && bone->kind == BONE_JAW)
-        ui_text_wrapped(on, UI_STYLE_DIM, "Its axis is dragged where \"Jaw\" is open.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "Drag the axis of this bone in the tab \"Jaw\".");
     ui_disabled_begin(on, stays);
-    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+    if (number == rig_model_number(self->model) && ui_button(on, "Remove", UI_PLAIN))
         remove_bone(self);
     ui_disabled_end(on);
-    ui_hint(on, stays ? "It carries the face." : "What rides on it rides on its own bone then.");
+    ui_hint(on, stays ? "This bone carries the face and cannot be removed."
+                      : "Remove the bone. Its parts move with its parent bone.");
     ui_id_end(on);
 }
 
@@ -592,12 +594,12 @@ static void draw_bones(panel *self, ui *on)
         draw_bone(self, on, rig_model_rig(self->model));
     ui_width(on, -(RIG_PANEL_RIGHT - removes_at + 16.0f));
     (void)ui_choice(on, "New", RIG_PANEL_LABEL, kind_items, 3, &self->parting.kind);
-    ui_hint(on, "What kind of bone \"Add\" makes.");
+    ui_hint(on, "Choose the kind of bone to add.");
     ui_same_line(on);
     ui_at(on, removes_at);
     if (ui_button(on, "Add##bone", UI_PLAIN))
         add_bone(self);
-    ui_hint(on, "Regions say which vertices ride on it.");
+    ui_hint(on, "Add a bone. Regions define which vertices move with it.");
 }
 
 /* ---- ellipsoids ---- */
@@ -621,7 +623,7 @@ static void remove_proxy(panel *self)
 {
     rig *r = rig_panel_begin(self);
     if (r && rig_panel_finish(self, rig_edit_remove_proxy(r, self->parting.proxy, &self->err),
-                              "take out an ellipsoid"))
+                              "remove an ellipsoid"))
         rig_panel_choose_part(self, RIG_NONE, RIG_NONE, RIG_NONE);
 }
 
@@ -648,19 +650,19 @@ static void draw_proxy(panel *self, ui *on, const rig *r)
     }
     ui_id_begin(on, "proxy");
     bool is_held = draw_position(self, on, &parting->centre);
-    is_held = draw_mm(on, "Wide", 1.0, most, &parting->radii.x) || is_held;
-    is_held = draw_mm(on, "High", 1.0, most, &parting->radii.y) || is_held;
-    is_held = draw_mm(on, "Deep", 1.0, most, &parting->radii.z) || is_held;
+    is_held = draw_mm(on, "Width", 1.0, most, &parting->radii.x) || is_held;
+    is_held = draw_mm(on, "Height", 1.0, most, &parting->radii.y) || is_held;
+    is_held = draw_mm(on, "Depth", 1.0, most, &parting->radii.z) || is_held;
     parting->is_held = is_held;
     if (!is_held &&
         (!is_same(parting->centre, proxy.centre) || !is_same(parting->radii, proxy.radii))) {
         proxy.centre = parting->centre;
         proxy.radii = parting->radii;
         set_proxy(self, &proxy, "change an ellipsoid");
-    } else if (ui_choice(on, "Rides on", RIG_PANEL_LABEL, items, r->bone_count, &proxy.bone)) {
-        set_proxy(self, &proxy, "change what an ellipsoid rides on");
+    } else if (ui_choice(on, "Moves with", RIG_PANEL_LABEL, items, r->bone_count, &proxy.bone)) {
+        set_proxy(self, &proxy, "change the bone of an ellipsoid");
     }
-    if (number == rig_model_number(self->model) && ui_button(on, "Take out", UI_PLAIN))
+    if (number == rig_model_number(self->model) && ui_button(on, "Remove", UI_PLAIN))
         remove_proxy(self);
     ui_id_end(on);
 }
@@ -679,12 +681,12 @@ static void draw_proxies(panel *self, ui *on)
                                   RIG_NONE);
     }
     if (r->proxy_count == 0)
-        ui_text_wrapped(on, UI_STYLE_DIM, "None: skin may go into the skull.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "No collision shapes. Skin can enter the skull.");
     if (self->parting.proxy != RIG_NONE)
         draw_proxy(self, on, r);
     if (ui_button(on, "Add an ellipsoid", UI_PLAIN))
         add_proxy(self);
-    ui_hint(on, "Skin slides over it and does not enter it.");
+    ui_hint(on, "Add an ellipsoid that the skin slides over and cannot enter.");
 }
 
 /* ---- on the face ---- */
@@ -708,7 +710,7 @@ static uint32_t put_ellipsoid(overlay_item *out, vec3 centre, vec3 radii)
     uint32_t count = put_ring(out, centre, x, y);
     count += put_ring(out + count, centre, y, z);
     count += put_ring(out + count, centre, z, x);
-    out[count++] = overlay_dot(centre, 11.0f, rim_rgba); /* the rim first */
+    out[count++] = overlay_dot(centre, 11.0f, rim_rgba); /* the rim is drawn first */
     out[count++] = overlay_dot(centre, 8.0f, ring_rgba);
     return count;
 }
@@ -736,7 +738,7 @@ void rig_panel_draw_parts(panel *self, ui *on)
 {
     if (ui_section(on, "Bones", true))
         draw_bones(self, on);
-    if (ui_section(on, "What skin does not enter", true))
+    if (ui_section(on, "Collision shapes", true))
         draw_proxies(self, on);
     if (ui_section(on, "Poses", true))
         draw_poses(self, on);
@@ -752,7 +754,7 @@ static const ui_range percent_range = {0.0, 100.0, "%", 0, false, 0.0};
 static const ui_range sticky_range = {0.0, RIG_STICKINESS_MOST_MM, "mm", 1, false, 0.0};
 static const ui_range slide_range = {0.0, 30.0, "mm", 1, false, 12.0};
 
-/* True while it is held or was changed in this frame. */
+/* Returns true while the slider is held or was changed in this frame. */
 static bool draw_number(ui *on, const char *label, const ui_range *range, double *value)
 {
     bool has_changed = ui_slider(on, label, RIG_PANEL_LABEL, range, value);
@@ -774,11 +776,12 @@ static void draw_limits(panel *self, ui *on)
         jawing->jaw.open_min_rad = close_deg * degree;
         is_held = true;
     }
-    ui_hint(on, "Tighter than the mesh has it: where that has a mouth that stands open a little.");
-    is_held = draw_number(on, "Aside", &lateral_range, &jawing->jaw.lateral_mm) || is_held;
+    ui_hint(on, "Set how far the jaw closes beyond the mesh. Use it if the mouth of the mesh is "
+                "slightly open.");
+    is_held = draw_number(on, "Sideways", &lateral_range, &jawing->jaw.lateral_mm) || is_held;
     is_held = draw_number(on, "Forward", &forward_range, &jawing->jaw.forward_mm) || is_held;
     is_held = draw_number(on, "Slides", &slide_range, &jawing->jaw.slide_mm) || is_held;
-    ui_hint(on, "How far its joints go forward and down as it opens.");
+    ui_hint(on, "Set how far the jaw joints move forward and down while the jaw opens.");
     if (jawing->held != RIG_HANDLES)
         return;
     jawing->is_changing = is_held;
@@ -799,14 +802,14 @@ static void draw_jaw_axis(panel *self, ui *on)
     bool has_incisor = jaw->has_incisor;
     ui_text(on, UI_STYLE_TITLE, "Axis");
     ui_text_wrapped(on, UI_STYLE_DIM,
-                    "Drag the balls on the face: the two joints before the ears, and the edge of "
-                    "the lower front teeth.");
+                    "Drag the balls on the face: the two joints in front of the ears, and the edge "
+                    "of the lower front teeth.");
     draw_jaw_point(on, "Left", jaw->left);
     draw_jaw_point(on, "Right", jaw->right);
     if (jaw->has_incisor)
         draw_jaw_point(on, "Teeth", jaw->incisor);
     (void)ui_check(on, "Both sides##jaw", &self->is_even);
-    if (!ui_check(on, "The teeth are placed by hand", &has_incisor))
+    if (!ui_check(on, "Place the teeth by hand", &has_incisor))
         return;
     if (has_incisor) {
         const rig_work *work = rig_model_work(self->model);
@@ -832,7 +835,8 @@ static void draw_jaw_try(panel *self, ui *on)
     ui_text(on, UI_STYLE_TITLE, "Try");
     is_new = ui_slider(on, "Open##try", RIG_PANEL_LABEL, &open, &jawing->open_deg) || is_new;
     if (aside.max > 0.0)
-        is_new = ui_slider(on, "Aside##try", RIG_PANEL_LABEL, &aside, &jawing->aside_mm) || is_new;
+        is_new =
+            ui_slider(on, "Sideways##try", RIG_PANEL_LABEL, &aside, &jawing->aside_mm) || is_new;
     if (forward.max > 0.0)
         is_new =
             ui_slider(on, "Forward##try", RIG_PANEL_LABEL, &forward, &jawing->forward_mm) || is_new;
@@ -841,8 +845,8 @@ static void draw_jaw_try(panel *self, ui *on)
                            &self->mouthing.sealed_percent) ||
                  is_new;
     (void)snprintf(text, sizeof text, "%.0f mm", jawing->gap_mm);
-    ui_fact(on, "Teeth go", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
-    if (ui_button(on, "Close##try", UI_PLAIN)) {
+    ui_fact(on, "Teeth move", RIG_PANEL_LABEL, UI_STYLE_NUMBER, text);
+    if (ui_button(on, "Reset##try", UI_PLAIN)) {
         jawing->open_deg = jawing->aside_mm = jawing->forward_mm = 0.0;
         self->mouthing.sealed_percent = 0.0;
         is_new = true;
@@ -860,7 +864,7 @@ static void set_mouth(panel *self, const rig_mouth *mouth, const char *words)
         (void)rig_panel_finish(self, rig_edit_set_mouth(r, mouth, &self->err), words);
 }
 
-/* Keeps the settings of the seal. */
+/* Finds the rims of the mouth and keeps the seal settings. */
 static void find_rims(panel *self)
 {
     char why_not[BIND_FAULT], words[sizeof(error) + 64];
@@ -869,7 +873,7 @@ static void find_rims(panel *self)
     mrt_result result = rig_draft_rims(&found, why_not, rig_model_mesh(self->model),
                                        rig_model_topology(self->model), &err);
     if (result < 0 || !found.upper) {
-        (void)snprintf(words, sizeof words, "The rims are not found: %s.",
+        (void)snprintf(words, sizeof words, "Cannot find the rims of the mouth: %s.",
                        result < 0 ? err.text : why_not);
         rig_panel_say(self, words);
         return;
@@ -891,10 +895,10 @@ static void remove_mouth(panel *self)
     if (!r)
         return;
     rig_edit_remove_mouth(r);
-    (void)rig_panel_finish(self, MRT_OK, "take out the mouth");
+    (void)rig_panel_finish(self, MRT_OK, "remove the mouth");
 }
 
-/* A slider is one step of undo, once it is let go. */
+/* Draws the seal settings. A slider makes an undo step when released. */
 static void draw_sealing(panel *self, ui *on, const rig_mouth *mouth)
 {
     static const char *const from_items[] = {"the corners", "the middle"};
@@ -908,9 +912,9 @@ static void draw_sealing(panel *self, ui *on, const rig_mouth *mouth)
     const double upper_percent = shown->upper_percent, stickiness_mm = shown->stickiness_mm;
     const bool was_held = shown->is_held;
     bool is_held = draw_number(on, "Upper lip", &percent_range, &shown->upper_percent);
-    ui_hint(on, "The upper lip's part of the way when the lips close.");
-    is_held = draw_number(on, "Sticks", &sticky_range, &shown->stickiness_mm) || is_held;
-    ui_hint(on, "Lips that are closer than this draw together.");
+    ui_hint(on, "Set the share of the closing movement that the upper lip makes.");
+    is_held = draw_number(on, "Stickiness", &sticky_range, &shown->stickiness_mm) || is_held;
+    ui_hint(on, "Set the distance below which the lips stick together.");
     bool is_changed = was_held || shown->upper_percent < upper_percent ||
                       shown->upper_percent > upper_percent ||
                       shown->stickiness_mm < stickiness_mm || shown->stickiness_mm > stickiness_mm;
@@ -918,10 +922,10 @@ static void draw_sealing(panel *self, ui *on, const rig_mouth *mouth)
     next.upper_share = shown->upper_percent / 100.0;
     next.stickiness_mm = shown->stickiness_mm;
     if (is_changed && !is_held) {
-        set_mouth(self, &next, "change how lips close");
+        set_mouth(self, &next, "change the closing of the lips");
     } else if (!is_held && ui_choice(on, "Starts at", RIG_PANEL_LABEL, from_items, 2, &from)) {
         next.seal_from = (rig_seal_from)from;
-        set_mouth(self, &next, "change where lips close first");
+        set_mouth(self, &next, "change where the lips close first");
     }
 }
 
@@ -933,7 +937,7 @@ static void draw_mouth(panel *self, ui *on)
     char text[96];
     ui_text(on, UI_STYLE_TITLE, "Mouth");
     if (!is_declared)
-        ui_text_wrapped(on, UI_STYLE_DIM, "No rims: the lips cannot be sealed.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "The mouth has no rims, so the lips cannot be sealed.");
     if (is_declared && !mouth->fault) {
         (void)snprintf(text, sizeof text, "%u and %u vertices", mouth->upper_count,
                        mouth->lower_count);
@@ -950,10 +954,10 @@ static void draw_mouth(panel *self, ui *on)
         find_rims(self);
         return;
     }
-    ui_hint(on, "Looks for the slit between the lips on the face at rest.");
+    ui_hint(on, "Find the slit between the lips on the neutral face.");
     ui_same_line(on);
     ui_disabled_begin(on, !is_declared);
-    if (ui_button(on, "Take out##mouth", UI_PLAIN))
+    if (ui_button(on, "Remove##mouth", UI_PLAIN))
         remove_mouth(self);
     ui_disabled_end(on);
 }
@@ -965,7 +969,7 @@ void rig_panel_draw_jaw(panel *self, ui *on)
     const rig *r = rig_model_rig(self->model);
     uint32_t jaw = rig_find_jaw(r);
     if (jaw == RIG_NONE) {
-        ui_text_wrapped(on, UI_STYLE_DIM, "This rig has no jaw: no bone of it has a hinge.");
+        ui_text_wrapped(on, UI_STYLE_DIM, "This rig has no jaw. None of its bones has a hinge.");
         ui_rule(on);
         draw_mouth(self, on);
         return;

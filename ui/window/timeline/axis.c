@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#define AIR  0.02 /* of the width, on both sides of what is fitted */
-#define PAGE 0.08 /* where on the next page the play head comes */
-#define SEEN 0.1  /* of the width, that shows something */
+#define AIR  0.02 /* margin on both sides, share of the width */
+#define PAGE 0.08 /* position of the playhead on a new page, share of the width */
+#define SEEN 0.1  /* minimum visible part, share of the width */
 
 static double within(double value, double low, double high)
 {
@@ -104,7 +104,7 @@ bool timeline_axis_follow(timeline_axis *self, int64_t at_ns)
 /* ---- ticks ---- */
 
 #define MINOR_POINTS 7.0
-#define LABEL_POINTS 120.0f /* that a label may reach into sight */
+#define LABEL_POINTS 120.0f /* maximum width of a label */
 static const int64_t second_ns = 1000000000;
 
 timeline_code timeline_code_of(const take *t)
@@ -123,13 +123,13 @@ void timeline_code_write(char out[TIMECODE_TEXT], const timeline_code *code, int
     timecode_write(out, code->rate, code->first_frame + timecode_frame(code->rate, at_ns));
 }
 
-/* ---- steps: a count of one unit, and of how many the next smaller ticks are ---- */
+/* ---- steps of labels and smaller ticks, as a count of one unit ---- */
 
 typedef struct step {
     int64_t count, minor;
 } step;
 
-/* The smallest step that is `least` wide; the last one if none is. */
+/* Returns the smallest step that is at least `least` wide, or the last step. */
 static step choose(const step *steps, size_t count, double unit_points, double least)
 {
     size_t i = 0;
@@ -149,7 +149,8 @@ static uint32_t nominal(timecode_rate rate)
 
 /* ---- labels as frames ---- */
 
-/* The frame whose label is so many whole seconds; of labels that drop-frame leaves out the next. */
+/* Returns the frame labelled with a whole second. If drop-frame skips this label, returns the next
+ * frame. */
 static int64_t frame_of_second(timecode_rate rate, int64_t seconds)
 {
     int64_t frame = seconds * nominal(rate);
@@ -184,7 +185,7 @@ static int64_t time_of_label(const timeline_code *code, int64_t frame)
     return timecode_time_ns(code->rate, frame - code->first_frame);
 }
 
-/* Some seconds early: labels and the clock differ by a thousandth. */
+/* Returns a second safely before a time, because labels and clock differ by a factor of 1.001. */
 static int64_t second_before(const timeline_code *code, int64_t at_ns)
 {
     int64_t second = at_ns / second_ns + code->first_frame / nominal(code->rate);
@@ -210,8 +211,8 @@ static uint32_t tick_seconds(timeline_tick *out, const timeline_axis *axis,
     }
 }
 
-/* Second by second, so that whole seconds have their label at every rate; of seconds that lack
- * frames (drop-frame) the first ones. */
+/* Computes ticks second by second, so that whole seconds have a label at each rate. If drop-frame
+ * skips frames, the first existing frame has the label. */
 static uint32_t tick_frames(timeline_tick *out, const timeline_axis *axis,
                             const timeline_code *code, step by)
 {
@@ -236,8 +237,8 @@ static uint32_t tick_frames(timeline_tick *out, const timeline_axis *axis,
     }
 }
 
-/* The least number of frames that divides a second, or 10, and is wide enough; count 0: none, or
- * frames cannot be told apart. */
+/* Returns the smallest step in frames that divides a second, or 10, and is wide enough. count 0:
+ * none. */
 static step choose_frames(timecode_rate rate, double frame_points, double least)
 {
     int64_t second = nominal(rate);
@@ -273,7 +274,7 @@ static uint32_t tick_within(timeline_tick *out, const timeline_axis *axis,
         for (; start_ns + within_ns + (within_ns ? by.minor / 2 : 0) < end_ns &&
                start_ns + within_ns <= until_ns;
              within_ns += by.minor) {
-            /* no label so late that the next frame's would lie on it */
+            /* skip a label that would overlap the label of the next frame */
             bool is_major = within_ns % by.count == 0 &&
                             (within_ns == 0 || start_ns + within_ns + by.count <= end_ns);
             if (!put(out, &count, start_ns + within_ns, is_major))
@@ -358,7 +359,7 @@ static nearest find(const timeline_snap *snap, int64_t at_ns)
     return n;
 }
 
-/* Frames draw everything, if they are far enough from each other to be meant. */
+/* Snaps to the nearest frame. */
 static int64_t on_grid(const timeline_snap *snap, int64_t at_ns)
 {
     if (snap->reach_ns <= 0)

@@ -1,6 +1,6 @@
-/* window/timeline/axis.h - the time axis of the timeline: which instant lies where across the
- * screen, zoom from a day to some samples, pan, following the play head by pages; the time code
- * that is written along it; and to which instant a drag snaps. Pure; x in points. */
+/* window/timeline/axis.h - the time axis of the timeline: conversion between time and x, zoom from
+ * a day to a few samples, pan, paging with the playhead, timecode labels, and snapping of drags.
+ * Pure; x in points. */
 #ifndef MAROTTE_UI_WINDOW_TIMELINE_AXIS_H
 #define MAROTTE_UI_WINDOW_TIMELINE_AXIS_H
 #include "show/take.h"
@@ -13,38 +13,39 @@
 #define TIMELINE_SPAN_MAX_NS 86400000000000.0 /* a day */
 
 typedef struct timeline_axis {
-    float x, width;  /* where it lies; width > 0 */
-    int64_t from_ns; /* at x */
+    float x, width;  /* position and width on the screen; width > 0 */
+    int64_t from_ns; /* time at x */
     double ns_per_point;
 } timeline_axis;
 
-/* Shows from..to, with a little air on both sides. */
+/* Shows from..to, with a small margin on both sides. */
 void timeline_axis_fit(timeline_axis *self, int64_t from_ns, int64_t to_ns);
-/* The same instants on another part of the screen: those at its left stay. */
+/* Moves the axis to another part of the screen and keeps the time at its left end. */
 void timeline_axis_set_extent(timeline_axis *self, float x, float width);
 
 float timeline_axis_x(const timeline_axis *self, int64_t at_ns);
 int64_t timeline_axis_ns(const timeline_axis *self, float x);
-int64_t timeline_axis_until_ns(const timeline_axis *self); /* at its right end */
+int64_t timeline_axis_until_ns(const timeline_axis *self); /* time at the right end */
 int64_t timeline_axis_span_ns(const timeline_axis *self, float points);
 float timeline_axis_points(const timeline_axis *self, int64_t span_ns);
 
-/* factor > 1: shows less. What is at x stays there. */
+/* Zooms around x, whose time stays in place. factor > 1: zooms in. */
 void timeline_axis_zoom(timeline_axis *self, float x, double factor);
-/* Positive: what is shown moves to the right. */
+/* Pans. Positive: moves the content to the right. */
 void timeline_axis_pan(timeline_axis *self, float points);
-/* Keeps something of low..high in sight. */
+/* Keeps a part of low..high visible. */
 void timeline_axis_hold(timeline_axis *self, int64_t low_ns, int64_t high_ns);
-/* Scrolls by a page when the instant has left the axis; true: it did. */
+/* Scrolls by a page if the time is outside the axis. Returns true if it scrolled. */
 bool timeline_axis_follow(timeline_axis *self, int64_t at_ns);
 
-typedef struct timeline_code { /* how instants are called */
+typedef struct timeline_code { /* timecode for labels */
     timecode_rate rate;
-    int64_t first_frame; /* of timeline 0 */
+    int64_t first_frame; /* frame number at timeline 0 */
 } timeline_code;
-/* A take without a rate is counted in 30 frames a second. NULL: no take. */
+/* Returns the timecode of a take. A take without a rate uses 30 frames per second. NULL: no take.
+ */
 timeline_code timeline_code_of(const take *t);
-/* "01:02:03:04" of the frame that is shown at an instant. */
+/* Writes the timecode of the frame at a time: "01:02:03:04". */
 void timeline_code_write(char out[TIMECODE_TEXT], const timeline_code *code, int64_t at_ns);
 
 enum { TIMELINE_TICKS_MAX = 1024 };
@@ -53,8 +54,8 @@ typedef struct timeline_tick {
     bool is_major;             /* has a label */
     char label[TIMECODE_TEXT]; /* "" */
 } timeline_tick;
-/* Labels are at least label_width apart, ticks some points. Within a frame the label says how far:
- * "+2.5 ms". Returns how many. */
+/* Computes the ticks. Labels are at least label_width apart. A label within a frame is the offset
+ * from the frame: "+2.5 ms". Returns the number of ticks. */
 uint32_t timeline_ticks(timeline_tick out[TIMELINE_TICKS_MAX], const timeline_axis *axis,
                         const timeline_code *code, float label_width);
 
@@ -62,16 +63,16 @@ typedef struct timeline_snap {
     const take *take;
     timeline_code code;
     int64_t head_ns;        /* INT64_MIN: none */
-    int64_t in_ns, out_ns;  /* the range; in >= out: none */
-    int64_t reach_ns;       /* how near things are that draw; <= 0: nothing does, nor the grid */
-    uint32_t without_clip;  /* its ends do not draw; 0 */
-    int32_t without_marker; /* -1 */
+    int64_t in_ns, out_ns;  /* selected range; in >= out: none */
+    int64_t reach_ns;       /* snap distance; <= 0: snapping is off, also to frames */
+    uint32_t without_clip;  /* clip whose ends are ignored; 0: none */
+    int32_t without_marker; /* -1: none */
 } timeline_snap;
 
-/* *out_to (may be NULL): the thing that it was drawn to, to be shown; INT64_MIN: none or the grid.
- */
+/* Returns the snapped time. *out_to (may be NULL): the target of the snap, for drawing; INT64_MIN:
+ * none or a frame. */
 int64_t timeline_snap_to(const timeline_snap *snap, int64_t at_ns, int64_t *out_to);
-/* A span that keeps its length: by whichever end is nearer to something. The start comes back. */
+/* Snaps a span of constant length by the end that is nearer to a target. Returns its new start. */
 int64_t timeline_snap_span(const timeline_snap *snap, int64_t start_ns, int64_t length_ns,
                            int64_t *out_to);
 

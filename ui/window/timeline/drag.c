@@ -5,11 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SHORTEST_NS 1000000LL /* that a drag makes a clip */
-#define GAIN_POINTS 120.0     /* of a gain from 0 to 1 */
+#define SHORTEST_NS 1000000LL /* shortest clip that a drag can make */
+#define GAIN_POINTS 120.0     /* for a change of the gain from 0 to 1 */
 #define GAIN_MOST   4.0
 
-/* ---- what is dragged ---- */
+/* ---- dragged items ---- */
 
 const take_layer *timeline_layer(const take *t, uint32_t id)
 {
@@ -72,7 +72,7 @@ void timeline_drag_begin(timeline_drag *out, timeline_drag_kind kind, const take
     out->initial = layer ? layer->gain : t->audio.gain;
 }
 
-/* ---- what it becomes: each fills an edit; EDIT_NONE: as it is ---- */
+/* ---- edits: each function fills an edit; EDIT_NONE: no change ---- */
 
 static void move(edit *out, timeline_drag *self, const take *t, const timeline_snap *snap,
                  int64_t at_ns, uint32_t onto_layer)
@@ -198,7 +198,7 @@ static void move_marker(edit *out, timeline_drag *self, const take *t, const tim
     out->at_ns = wanted_ns;
 }
 
-/* Sound is laid by ear and by its waveform: not to frames. */
+/* Moves the sound without snapping to frames, because it is aligned by ear and waveform. */
 static void move_sound(edit *out, const timeline_drag *self, const take *t, int64_t at_ns)
 {
     if (!t->audio.audio || at_ns == self->grabbed_ns)
@@ -295,9 +295,9 @@ static void make(edit *out, timeline_drag *self, const take *t, const timeline_s
     }
 }
 
-/* ---- seen on a copy ---- */
+/* ---- preview ---- */
 
-/* The take with the edit, or nothing when it is not possible. */
+/* Copies the take and applies the edit. Returns false if the edit is not possible. */
 static bool try_edit(take *out, const take *t, const edit *e, error *err)
 {
     if (take_copy(out, t, err) < 0)
@@ -343,8 +343,8 @@ void timeline_drag_finish(timeline_drag *self)
 
 /* ---- comping ---- */
 
-#define FADE_NS          100000000LL /* of a span that is punched in; less where it is short */
-#define COMP_SHORTEST_NS 20000000LL  /* that can be swiped */
+#define FADE_NS          100000000LL /* fade of a punched-in span; shorter for a short span */
+#define COMP_SHORTEST_NS 20000000LL  /* shortest span that can be swiped */
 
 bool timeline_moves(const take_layer *layer, own_region region)
 {
@@ -365,12 +365,13 @@ static const take_clip *clip_at(const take_layer *layer, int64_t at_ns)
     return count == 2 && voice[1].weight > voice[0].weight ? voice[1].clip : voice[0].clip;
 }
 
-typedef struct origin { /* of what is comped */
+typedef struct origin { /* source of a comped region */
     const take_layer *layer;
     const take_clip *clip;
 } origin;
 
-/* The topmost layer that moves the region there; OWN_REGION_COUNT: the lowest that speaks. */
+/* Returns the topmost audible layer that moves the region at this time. OWN_REGION_COUNT: the
+ * lowest audible layer. */
 static origin find_origin(const take *from, own_region region, int64_t at_ns)
 {
     for (uint32_t n = 0; n < from->layer_count; ++n) {
@@ -384,7 +385,7 @@ static origin find_origin(const take *from, own_region region, int64_t at_ns)
     return (origin){NULL, NULL};
 }
 
-/* The curve of the origin, on the timeline of the take that it comes into. */
+/* Copies the retiming curve of the origin to the timeline of the target take. */
 static mrt_result give_warp(edit *e, origin of, int64_t later_ns, error *err)
 {
     int64_t by_ns = of.layer->offset_ns + later_ns;
@@ -413,7 +414,7 @@ static mrt_result fill(edit *e, origin of, int64_t later_ns, int64_t in_ns, int6
     return give_warp(e, of, later_ns, err);
 }
 
-/* What of in..out the origins of all regions show. */
+/* Clamps in..out to the span that the origins of all regions cover. */
 static bool clamp_span(const take *from, int64_t later_ns, uint32_t regions, int64_t *in_ns,
                        int64_t *out_ns)
 {
@@ -449,8 +450,8 @@ uint32_t timeline_comp_edits(edit out[TIMELINE_DRAG_EDITS], const take *t, const
     if (!clamp_span(from, later_ns, regions, in_ns, out_ns) ||
         *out_ns - *in_ns < COMP_SHORTEST_NS) {
         (void)error_set(err, MRT_ERR_ARGUMENT,
-                        "that take shows nothing of these parts there; swipe where its lane has a "
-                        "curve");
+                        "this take has no movement of these parts in the swiped span; swipe where "
+                        "its lane shows a curve");
         return 0;
     }
     int64_t middle_ns = *in_ns + (*out_ns - *in_ns) / 2 - later_ns;

@@ -1,5 +1,5 @@
-/* The journal of the last half hour: how much the inputs moved in it, and how it is drawn while no
- * take is chosen, with the takes that were made in it. */
+/* The journal of the last half hour: how much each input moved, drawn with the recorded takes while
+ * no take is selected. */
 #include "window/timeline/timeline.h"
 
 #include "base/clock.h"
@@ -11,14 +11,14 @@
 #include <string.h>
 #include <time.h>
 
-#define SEEN_SHARE  16.0f /* of a range in a bin, times this: as high as a input_lane is */
+#define SEEN_SHARE  16.0f /* lane height per share of a range moved in a bin */
 #define SHORTEST_NS 200000000LL
-#define NOW_NS      300000000LL /* so near to now is now */
+#define NOW_NS      300000000LL /* an end this close to now counts as now */
 
 typedef struct input_lane {
     bool is_known, has_last;
     uint64_t of;
-    int64_t bin; /* the newest; those before it are whole */
+    int64_t bin; /* newest bin; earlier bins are complete */
     uint32_t count;
     float last[MRT_MAX_CHANNELS];
     float moved[JOURNAL_BINS];
@@ -38,9 +38,9 @@ void timeline_journal_destroy(timeline_journal *self)
     free(self);
 }
 
-/* ---- written ---- */
+/* ---- writing ---- */
 
-/* Up to a bin, those that nobody saw are still. */
+/* Advances to a bin. Skipped bins have no movement. */
 static void go_on(input_lane *l, int64_t bin)
 {
     if (!l->is_known || bin - l->bin >= JOURNAL_BINS) {
@@ -103,7 +103,7 @@ void timeline_journal_note(timeline_journal *self, uint64_t of, int64_t now_ns,
     l->has_last = true;
 }
 
-/* ---- read ---- */
+/* ---- reading ---- */
 
 float timeline_journal_read(const timeline_journal *self, uint64_t of, int64_t from_ns,
                             int64_t to_ns)
@@ -122,7 +122,7 @@ float timeline_journal_read(const timeline_journal *self, uint64_t of, int64_t f
     return sqrtf(fminf(most * SEEN_SHARE, 1.0f));
 }
 
-/* ---- kept ---- */
+/* ---- memory ---- */
 
 bool timeline_keep_span(int64_t *io_from_ns, int64_t *io_to_ns, int64_t now_ns, int64_t reach_ns)
 {
@@ -133,16 +133,16 @@ bool timeline_keep_span(int64_t *io_from_ns, int64_t *io_to_ns, int64_t now_ns, 
     return *io_to_ns - *io_from_ns >= SHORTEST_NS;
 }
 
-/* ---- drawn ---- */
+/* ---- drawing ---- */
 
 #define SPAN_LEAST_NS (10 * NS_PER_S)
 #define SPAN_MOST_NS  (1800 * NS_PER_S)
 #define LANE_MOST     56.0f
 #define TAKES_HEIGHT  22.0f
 
-typedef struct strip { /* of the journal */
+typedef struct strip { /* area of the journal on the screen */
     float x, y, width, height, lanes_y;
-    int64_t now_ns, from_ns; /* by the monotonic clock */
+    int64_t now_ns, from_ns; /* monotonic clock */
 } strip;
 
 static float x_of(const strip *s, int64_t at_ns)
@@ -238,14 +238,15 @@ static void paint_takes(panel *self, ui *on, const strip *s)
 
 /* ---- lanes ---- */
 
-/* The text says which device; of two alike the address tells them apart. */
+/* Returns an id for an input. The text identifies the device, and the pointer distinguishes two
+ * equal texts. */
 uint64_t timeline_journal_input(live *stage, uint32_t index)
 {
     const char *text = live_input_text(stage, index);
     return hash_bytes((uint64_t)(uintptr_t)live_input(stage, index), text, text ? strlen(text) : 0);
 }
 
-/* In whole columns of whole bins, so that what is past stands still in its shape. */
+/* Draws whole columns of whole bins, so that the past does not change its shape. */
 static void paint_movement(panel *self, ui *on, const strip *s, uint32_t lane, float y,
                            float height)
 {
@@ -291,7 +292,7 @@ static void paint_lanes(panel *self, ui *on, const strip *s)
     }
 }
 
-/* ---- keeping ---- */
+/* ---- swipe to keep ---- */
 
 static void keep_swiped(panel *self, const strip *s)
 {
@@ -341,8 +342,8 @@ static void handle_pointer(panel *self, ui *on, const ui_canvas *canvas, const s
     keep_swiped(self, s);
 }
 
-/* It goes along with the hands. While nothing moves it goes on in steps, so that it alone does not
- * make all of the window be drawn again and again. */
+/* Returns the right end of the journal. It follows each new face. While nothing moves it advances
+ * once a second, so that it does not force a redraw of the window in each frame. */
 static int64_t journal_now(panel *self)
 {
     static const int64_t step_ns = NS_PER_S;
@@ -373,7 +374,7 @@ void timeline_paint_journal(panel *self, ui *on, const ui_canvas *canvas)
                  TIMELINE_HEAD_WIDTH - 20.0f, "Always recorded");
     ui_draw_text(on, self->rows.x + 10.0f, s.y + 21.0f, UI_STYLE_BODY, THEME_DIM,
                  TIMELINE_HEAD_WIDTH - 20.0f,
-                 status->can_record ? "swipe over it to keep it" : "not now: see the log");
+                 status->can_record ? "swipe to keep a span" : "not recording: see the log");
     ui_clip_begin(on, (ui_rectangle){s.x, s.y, s.width, s.height});
     paint_takes(self, on, &s);
     paint_ruler(on, &s);

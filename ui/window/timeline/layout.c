@@ -1,11 +1,11 @@
 #include "window/timeline/layout.h"
 
-#define GRAB   5.0f  /* on both sides of a handle */
-#define EDGE   7.0f  /* within a clip */
-#define CORNER 11.0f /* about the end of a fade, at the top of a clip */
-#define GROW   1.4f  /* of rows, where there is room */
+#define GRAB   5.0f  /* grab distance on both sides of a handle */
+#define EDGE   7.0f  /* grab distance of a clip edge, inside the clip */
+#define CORNER 11.0f /* grab distance around the end of a fade, at the top of a clip */
+#define GROW   1.4f  /* maximum growth of rows if there is space */
 
-/* ---- laying ---- */
+/* ---- layout ---- */
 
 static void put(timeline_rows *out, timeline_row_kind kind, uint32_t index, float height)
 {
@@ -72,7 +72,7 @@ ui_rectangle timeline_clip_box(const timeline_row *row, const timeline_axis *axi
 
 uint32_t timeline_first_clip(const take_layer *layer, int64_t from_ns)
 {
-    uint32_t low = 0, high = layer->clip_count; /* ends are in order as starts are */
+    uint32_t low = 0, high = layer->clip_count; /* ends have the same order as starts */
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
         if (layer->clip[middle].end_ns + layer->offset_ns <= from_ns)
@@ -83,7 +83,7 @@ uint32_t timeline_first_clip(const take_layer *layer, int64_t from_ns)
     return low;
 }
 
-/* ---- hitting ---- */
+/* ---- hit test ---- */
 
 static bool is_near(float a, float b, float reach)
 {
@@ -145,7 +145,7 @@ static timeline_part part_of_clip(const timeline_axis *axis, const take_clip *cl
     return TIMELINE_CLIP;
 }
 
-/* Where two clips cross-fade, the nearer end is meant. */
+/* Finds the clip under the pointer. In a crossfade, the nearer end wins. */
 static timeline_hit hit_clips(const timeline_under *under, timeline_hit hit, float x, float y)
 {
     const timeline_row *row = &under->rows->row[hit.row];

@@ -1,4 +1,4 @@
-/* What a right click offers, and what is asked in words and numbers. */
+/* The context menus and dialogs of the timeline. */
 #include "window/timeline/timeline.h"
 
 #include <math.h>
@@ -27,9 +27,9 @@ static void clip_menu(panel *self, ui *on, const take *t)
     if (!clip)
         return;
     key_map_words(&app_looks_of(self->app)->keys, ACTION_SPLIT, keys);
-    if (ui_menu_item(on, "Split at the play head", keys, app_can(self->app, ACTION_SPLIT, NULL)))
+    if (ui_menu_item(on, "Split at playhead", keys, app_can(self->app, ACTION_SPLIT, NULL)))
         app_do(self->app, ACTION_SPLIT);
-    if (ui_menu_item(on, clip->is_muted ? "Hear it again" : "Mute", "", true)) {
+    if (ui_menu_item(on, clip->is_muted ? "Unmute" : "Mute", "", true)) {
         edit e;
         edit_init(&e, EDIT_CLIP_MUTE);
         e.clip = clip->id;
@@ -95,13 +95,13 @@ static void ruler_menu(panel *self, ui *on)
     bool has_range = timeline_range(self, &in_ns, &out_ns);
     if (ui_menu_item(on, "Marker here \u2026", "", true))
         timeline_ask_marker(self, on, -1);
-    if (ui_menu_item(on, "No range", "", has_range))
+    if (ui_menu_item(on, "Remove range", "", has_range))
         app_set_range(self->app, 0, 0);
-    if (ui_menu_item(on, "Keep the range only", "", has_range))
+    if (ui_menu_item(on, "Crop to range", "", has_range))
         cut_range(self, EDIT_RANGE_KEEP, false);
-    if (ui_menu_item(on, "Cut the range, close the gap", "", has_range))
+    if (ui_menu_item(on, "Cut range and close gap", "", has_range))
         cut_range(self, EDIT_RANGE_CUT, true);
-    if (ui_menu_item(on, "Clear the range, leave the gap", "", has_range))
+    if (ui_menu_item(on, "Clear range and leave gap", "", has_range))
         cut_range(self, EDIT_RANGE_CUT, false);
 }
 
@@ -119,20 +119,20 @@ static void lane_menu(panel *self, ui *on, const take *t)
     if (ui_menu_item(on, "Add a layer \u2026", "", t->layer_count < EDIT_LAYERS_MAX))
         timeline_ask_layer(self, on, 0);
     const bool is_within = self->menu_ns > 0 && self->menu_ns < t->duration_ns;
-    if (ui_menu_item(on, "Begin the take here", "", is_within))
+    if (ui_menu_item(on, "Trim start to here", "", is_within))
         keep_span(self, self->menu_ns, t->duration_ns);
-    if (ui_menu_item(on, "End the take here", "", is_within))
+    if (ui_menu_item(on, "Trim end to here", "", is_within))
         keep_span(self, 0, self->menu_ns);
     char keys[KEY_WORDS];
     key_map_words(&app_looks_of(self->app)->keys, ACTION_TIMELINE_FIT, keys);
-    if (ui_menu_item(on, "Show the whole take", keys, true))
+    if (ui_menu_item(on, "Zoom to the whole take", keys, true))
         timeline_fit(self);
 }
 
 static void sound_menu(panel *self, ui *on, const take_audio *audio)
 {
     edit e;
-    if (ui_menu_item(on, "Begin with the take", "", true)) {
+    if (ui_menu_item(on, "Align with the take start", "", true)) {
         edit_init(&e, EDIT_AUDIO_OFFSET);
         e.offset_ns = 0;
         timeline_edit(self, &e);
@@ -140,15 +140,15 @@ static void sound_menu(panel *self, ui *on, const take_audio *audio)
     const int64_t sound_ns = timeline_sound_ns(self);
     const int64_t head_ns = live_position(app_live(self->app)).at_ns;
     edit_init(&e, EDIT_AUDIO_TRIM);
-    if (ui_menu_item(on, "Trim its start to the play head", "", true)) {
+    if (ui_menu_item(on, "Trim start to playhead", "", true)) {
         e.start_ns = head_ns;
         timeline_edit(self, &e);
     }
-    if (ui_menu_item(on, "Trim its end to the play head", "", true)) {
+    if (ui_menu_item(on, "Trim end to playhead", "", true)) {
         e.end_ns = head_ns;
         timeline_edit(self, &e);
     }
-    if (ui_menu_item(on, "Hear all of it", "",
+    if (ui_menu_item(on, "Restore the whole sound", "",
                      (audio->in_ns > 0 || audio->out_ns > 0) && sound_ns > 0)) {
         e.start_ns = audio->offset_ns;
         e.end_ns = audio->offset_ns + sound_ns;
@@ -158,7 +158,7 @@ static void sound_menu(panel *self, ui *on, const take_audio *audio)
         edit_init(&e, EDIT_AUDIO_GAIN);
         timeline_edit(self, &e);
     }
-    if (ui_menu_item(on, "Take the sound away", "", true))
+    if (ui_menu_item(on, "Remove sound", "", true))
         do_edit(self, EDIT_AUDIO_DETACH, 0, 0);
 }
 
@@ -190,7 +190,7 @@ void timeline_menu(panel *self, ui *on)
     ui_menu_end(on);
 }
 
-/* ---- the layer's question ---- */
+/* ---- dialog of a layer ---- */
 
 void timeline_ask_layer(panel *self, ui *on, uint32_t id)
 {
@@ -203,7 +203,7 @@ void timeline_ask_layer(panel *self, ui *on, uint32_t id)
     ui_dialog_open(on, "timeline_layer");
 }
 
-/* Patterns that belong to no region stay as they are. */
+/* Collects the patterns of a layer and keeps patterns that belong to no region. */
 static uint32_t gather_own(char (*out)[TAKE_NAME], const take_layer *lane, uint32_t regions)
 {
     uint32_t count = 0, before = lane ? timeline_own_regions(lane) : 0;
@@ -276,7 +276,7 @@ static void layer_dialog(panel *self, ui *on)
     ui_width(on, -1.0f);
     (void)ui_input(on, "##name", "mouth", self->text, TAKE_NAME);
     ui_space(on, 4.0f);
-    ui_text(on, UI_STYLE_DIM, "It moves");
+    ui_text(on, UI_STYLE_DIM, "Moves");
     (void)ui_check(on, "everything", &self->is_everything);
     ui_disabled_begin(on, self->is_everything);
     for (uint32_t region = 0; region < OWN_REGION_COUNT; ++region) {
@@ -293,7 +293,7 @@ static void layer_dialog(panel *self, ui *on)
     ui_dialog_end(on);
 }
 
-/* ---- the clip's ---- */
+/* ---- dialog of a clip ---- */
 
 void timeline_ask_clip(panel *self, ui *on, uint32_t id)
 {
@@ -369,7 +369,7 @@ static void clip_dialog(panel *self, ui *on)
     ui_dialog_end(on);
 }
 
-/* ---- the marker's ---- */
+/* ---- dialog of a marker ---- */
 
 void timeline_ask_marker(panel *self, ui *on, int32_t marker)
 {
@@ -407,7 +407,7 @@ static void marker_dialog(panel *self, ui *on)
         ui_input_take_keys(on);
     self->is_asked_first = false;
     ui_width(on, -1.0f);
-    (void)ui_input(on, "##text", "what happens here", self->text, 96);
+    (void)ui_input(on, "##text", "name of the marker", self->text, 96);
     bool is_entered = ui_input_is_entered(on);
     if (end_dialog(on, self->asked_marker < 0 ? "Add" : "Name", true) || is_entered) {
         answer_marker(self);

@@ -3,13 +3,13 @@
 #include <math.h>
 #include <string.h>
 
-#define START_POINTS 3.0f /* moved, before something is dragged along */
+#define START_POINTS 3.0f /* movement that starts a drag */
 #define SNAP_POINTS  8.0f
-#define NOTCH        1.25 /* of the wheel */
+#define NOTCH        1.25 /* zoom factor per notch of the wheel */
 #define FLAG_POINTS  60.0f
-#define SCROLL_SHARE 0.12f /* of how far the pointer is beyond the edge, a frame */
+#define SCROLL_SHARE 0.12f /* scroll per frame, share of the distance beyond the edge */
 
-/* ---- where the pointer is ---- */
+/* ---- position of the pointer ---- */
 
 static float screen_x(const ui_canvas *canvas)
 {
@@ -96,7 +96,7 @@ static void scrub(panel *self, int64_t at_ns)
         app_seek(self->app, at_ns);
 }
 
-/* The comp lane that was pressed; UINT32_MAX: none, or it has gone. */
+/* Returns the pressed comp lane; UINT32_MAX: none, or it no longer exists. */
 static uint32_t pressed_comp(const panel *self)
 {
     const uint32_t row = (uint32_t)self->pressed.row;
@@ -218,13 +218,13 @@ static void drag_edit(panel *self, const ui_canvas *canvas)
                      canvas->x - canvas->start_x);
 }
 
-/* The end that is dragged is span_to; the other one stays. */
+/* Drags one end of the range: span_to. The other end stays. */
 static void drag_range(panel *self, const ui_canvas *canvas)
 {
     timeline_snap snap = snap_now(self, (canvas->modifiers & UI_ALT) != 0);
     const take *t = app_take(self->app);
     int64_t most_ns = t ? t->duration_ns : 0;
-    snap.in_ns = snap.out_ns = 0; /* the range does not draw itself */
+    snap.in_ns = snap.out_ns = 0; /* the range does not snap to itself */
     int64_t at_ns = timeline_snap_to(&snap, pointed_ns(self, canvas), NULL);
     at_ns = at_ns < 0 ? 0 : at_ns > most_ns ? most_ns : at_ns;
     if (self->pressed.part == TIMELINE_RANGE_IN)
@@ -233,7 +233,7 @@ static void drag_range(panel *self, const ui_canvas *canvas)
         self->span_to_ns = at_ns;
 }
 
-/* Scrolls while something is dragged beyond an edge. */
+/* Scrolls while the pointer drags beyond an edge. */
 static void scroll_page(panel *self, const ui_canvas *canvas)
 {
     float x = screen_x(canvas), end = self->axis.x + self->axis.width;
@@ -247,7 +247,7 @@ static void scroll_page(panel *self, const ui_canvas *canvas)
     timeline_axis_pan(&self->axis, -SCROLL_SHARE * beyond);
 }
 
-/* Without snapping to frames, as sound is laid by ear and eye. */
+/* Slides a comp lane without snapping to frames, because it is aligned by ear and eye. */
 static void slide_comp(panel *self, const ui_canvas *canvas)
 {
     const uint32_t comp = pressed_comp(self);
@@ -287,7 +287,7 @@ static void follow(panel *self, const ui_canvas *canvas)
     scroll_page(self, canvas);
 }
 
-/* ---- letting go ---- */
+/* ---- release ---- */
 
 static void flip(panel *self, edit_kind kind, bool is_muted, bool is_solo, bool is_additive)
 {
@@ -355,7 +355,7 @@ static void end_swipe(panel *self)
     for (uint32_t i = 0; i < count; ++i)
         list[i] = &made[i];
     if (count)
-        (void)!app_edit_all(self->app, list, count); /* says itself why it failed */
+        (void)!app_edit_all(self->app, list, count); /* the function reports its own errors */
     else
         timeline_say(self, &err);
     for (uint32_t i = 0; i < count; ++i)
@@ -426,31 +426,30 @@ static void double_click(panel *self, ui *on, const ui_canvas *canvas)
         timeline_ask_clip(self, on, hit.clip);
 }
 
-/* ---- what it looks like ---- */
+/* ---- cursor and hints ---- */
 
-#define TRIM_HINT       "Drag: the clip begins or ends elsewhere. Alt: it is stretched, slower or faster."
-#define TRIM_SOUND_HINT "Drag: the sound is heard from or up to elsewhere."
+#define TRIM_HINT       "Drag to trim the clip. Hold Alt to stretch it."
+#define TRIM_SOUND_HINT "Drag to trim the sound."
 
 static const struct {
     ui_cursor cursor;
     const char *hint; /* NULL: none */
 } looks[TIMELINE_PARTS] = {
-    [TIMELINE_MUTE] = {UI_CURSOR_HAND, "Mute: the layer is not heard."},
-    [TIMELINE_SOLO] = {UI_CURSOR_HAND, "Solo: only layers that are solo are heard."},
+    [TIMELINE_MUTE] = {UI_CURSOR_HAND, "Mute the layer."},
+    [TIMELINE_SOLO] = {UI_CURSOR_HAND, "Solo: play only the layers that are set to solo."},
     [TIMELINE_ADDITIVE] = {UI_CURSOR_HAND,
-                           "Additive: it adds to the layers below. Off: where it has "
-                           "a clip it takes over."},
-    [TIMELINE_ARM] = {UI_CURSOR_HAND, "Arm: recording over the take goes into this layer."},
-    [TIMELINE_GAIN] = {UI_CURSOR_ACROSS, "Gain: drag across; a double click makes it 100 %."},
+                           "Add this layer to the layers below. If off, its clips replace them."},
+    [TIMELINE_ARM] = {UI_CURSOR_HAND, "Arm: record overdubs into this layer."},
+    [TIMELINE_GAIN] = {UI_CURSOR_ACROSS,
+                       "Drag to set the gain. Double-click to reset it to 100 %."},
     [TIMELINE_COMP_BODY] = {UI_CURSOR_CROSS,
-                            "Swipe over a span: it comes into the take, for the parts that are "
-                            "chosen above. Alt: the take below is laid earlier or later; a double "
-                            "click lays it back."},
+                            "Swipe a span to copy the selected parts into the take. Hold Alt to "
+                            "shift this other take in time. Double-click to reset the shift."},
     [TIMELINE_CLIP_START] = {UI_CURSOR_ACROSS, TRIM_HINT},
     [TIMELINE_CLIP_END] = {UI_CURSOR_ACROSS, TRIM_HINT},
     [TIMELINE_SOUND_START] = {UI_CURSOR_ACROSS, TRIM_SOUND_HINT},
     [TIMELINE_SOUND_END] = {UI_CURSOR_ACROSS, TRIM_SOUND_HINT},
-    [TIMELINE_MARKER] = {UI_CURSOR_ACROSS, "Drag it; a double click names it."},
+    [TIMELINE_MARKER] = {UI_CURSOR_ACROSS, "Drag to move the marker. Double-click to name it."},
     [TIMELINE_RANGE_IN] = {UI_CURSOR_ACROSS, NULL},
     [TIMELINE_RANGE_OUT] = {UI_CURSOR_ACROSS, NULL},
     [TIMELINE_FADE_IN] = {UI_CURSOR_ACROSS, NULL},

@@ -1,5 +1,5 @@
-/* What is drawn of a take: the corner left of the ruler, the ruler, and a row for each layer, the
- * sound and each take to comp from. */
+/* Draws a take: the corner left of the ruler, the ruler, and a row for each layer, for the sound
+ * and for each take to comp from. */
 #include "window/timeline/timeline.h"
 
 #include <math.h>
@@ -7,13 +7,13 @@
 
 #define HEIGHT 18.0f
 
-typedef struct switch_row { /* along a row of the corner */
+typedef struct switch_row { /* position in a row of switches in the corner */
     ui *on;
     const ui_canvas *canvas;
     float x, y;
 } switch_row;
 
-/* A switch, drawn as a small word; true: clicked. */
+/* Draws a switch as a small word. Returns true if it was clicked. */
 static bool put_word(switch_row *p, const char *word, float width, bool is_on, bool is_bright,
                      bool *out_over)
 {
@@ -52,8 +52,8 @@ static void put_regions(panel *self, switch_row *p)
     }
 }
 
-/* When less than a frame is shown the ruler's labels lack the time code: the corner has that of the
- * left end. */
+/* Writes the name of the take. If less than a frame is visible, writes the timecode of the left
+ * end, because the labels of the ruler then lack it. */
 static void put_name(panel *self, switch_row *p, const take *t)
 {
     timeline_code code = timeline_code_now(self);
@@ -71,12 +71,13 @@ static void put_name(panel *self, switch_row *p, const take *t)
 void timeline_paint_corner(panel *self, ui *on, const ui_canvas *canvas)
 {
     switch_row p = {.on = on, .canvas = canvas, .x = self->rows.x + 4.0f, .y = self->rows.y + 2.0f};
-    put_switch(self, &p, "Snap",
-               "Drags are drawn to the play head, clips, markers and frames. Alt: not this one.",
-               &self->is_snapping);
-    put_switch(self, &p, "Follow", "The page turns with the play head.", &self->is_following);
+    put_switch(
+        self, &p, "Snap",
+        "Snap to the playhead, clips, markers and frames. Hold Alt to turn this off for one drag.",
+        &self->is_snapping);
+    put_switch(self, &p, "Follow", "Scroll the timeline with the playhead.", &self->is_following);
     put_switch(self, &p, "Takes",
-               "Other takes of the same slate below: swipe over what is better there.",
+               "Show other takes of the same slate below. Swipe their best passes into this take.",
                &self->has_comps);
     p.x = self->rows.x + 4.0f;
     p.y += HEIGHT + 2.0f;
@@ -215,7 +216,7 @@ void timeline_paint_head(panel *self, ui *on)
 
 /* ---- the sound ---- */
 
-/* Sound that is hardly heard is seen. */
+/* Compresses the amplitude, so that quiet sound is visible. */
 static float swing(float value)
 {
     float size = sqrtf(fminf(fabsf(value), 1.0f));
@@ -227,7 +228,7 @@ static int64_t frame_ns(const show_audio *about, int64_t frame)
     return (int64_t)((double)frame * 1e9 / about->rate_hz);
 }
 
-/* Of what of it is heard. */
+/* Returns the rectangle of the untrimmed part of the sound. */
 static ui_rectangle body_of(const panel *self, const timeline_row *row, const take *t)
 {
     const show_audio *about = &self->result->about;
@@ -279,9 +280,9 @@ static void paint_wave(panel *self, ui *on, const timeline_row *row, const take 
 
 /* ---- clips ---- */
 
-#define AFAR_NS 400e6 /* of a bin */
-#define BASE    3.0f  /* of a curve, above the lower edge */
-#define HIGHEST 0.86f /* of a curve, as a share of the clip */
+#define AFAR_NS 400e6 /* length of a bin above which the curve is drawn as an area */
+#define BASE    3.0f  /* distance of a curve from the lower edge */
+#define HIGHEST 0.86f /* maximum height of a curve, share of the clip */
 
 typedef struct look {
     uint32_t ground, curve, fill;
@@ -296,7 +297,8 @@ static look look_of(const take_clip *clip, bool is_heard)
 
 /* ---- the curve ---- */
 
-/* Small movements are seen, large ones fit: a whole face that speaks is at 0.05 to 0.25. */
+/* Compresses the movement, so that small movements are visible and large ones fit. A speaking face
+ * is at 0.05 to 0.25. */
 static float height_of(float value)
 {
     return 1.0f - expf(-7.0f * value);
@@ -309,7 +311,8 @@ static float clip_x(const panel *self, const take_layer *lane, const take_clip *
     return timeline_axis_x(&self->axis, at_ns + lane->offset_ns);
 }
 
-/* From afar a line would only be noise: how far it goes always is brighter. */
+/* Draws a curve. When zoomed out, a line would be noise, so the minimum of each column is drawn
+ * brighter instead. */
 static void flush(panel *self, ui *on, uint32_t count, look as, bool is_afar)
 {
     if (count < 2)
@@ -349,7 +352,7 @@ static void paint_curve(panel *self, ui *on, ui_rectangle box, const take_layer 
     flush(self, on, count, as, step_ns > AFAR_NS);
 }
 
-/* ---- fades: what they take away is dark ---- */
+/* ---- fades: the faded part is dark ---- */
 
 static void paint_fades(panel *self, ui *on, ui_rectangle box, const take_clip *clip)
 {
@@ -378,7 +381,7 @@ static void paint_handles(panel *self, ui *on, ui_rectangle box, const take_clip
     ui_draw_disc(on, box.x + box.width - (out > 4.0f ? out : 4.0f), box.y + 4.0f, 3.0f, THEME_TEXT);
 }
 
-/* ---- words: only what is not as it was recorded ---- */
+/* ---- text: only values that differ from the recording ---- */
 
 static void write_words(char *out, size_t capacity, const take_clip *clip)
 {
@@ -410,7 +413,7 @@ static void paint_words(panel *self, ui *on, ui_rectangle box, const take_clip *
         ui_draw_text(on, x + 10.0f, box.y + 3.0f, UI_STYLE_BODY, THEME_TEXT, width, words);
 }
 
-/* ---- all of it ---- */
+/* ---- whole clips ---- */
 
 static ui_rectangle visible_part(const panel *self, ui_rectangle box)
 {
@@ -445,7 +448,7 @@ static void paint_clip(panel *self, ui *on, ui_rectangle box, const take_layer *
         paint_handles(self, on, box, clip);
 }
 
-/* Where two clips share an instant: both slopes. */
+/* Draws both slopes where two clips overlap. */
 static void paint_overlaps(panel *self, ui *on, const timeline_row *row, const take_layer *lane)
 {
     uint32_t first = timeline_first_clip(lane, self->axis.from_ns);
@@ -611,7 +614,7 @@ static void paint_row(panel *self, ui *on, const timeline_row *row, const take *
                  1.0f);
 }
 
-/* Shades what lies beyond the take's end, which is not played. */
+/* Shades the area after the end of the take, which is not played. */
 static void paint_end(panel *self, ui *on, const take *t)
 {
     float end = self->axis.x + self->axis.width;

@@ -6,7 +6,7 @@
 static const double leads_s[] = {0.0, 1.0, 2.0, 3.0, 5.0};
 enum { LEADS = sizeof leads_s / sizeof leads_s[0] };
 
-/* True: another is chosen. */
+/* Returns true if the choice has changed. */
 static bool lead_items(ui *on, const char *what, const char *none, double *s)
 {
     const double before_s = *s;
@@ -21,7 +21,7 @@ static bool lead_items(ui *on, const char *what, const char *none, double *s)
     return *s != before_s;
 }
 
-/* Bars of the click, as a count-in. True: another is chosen. */
+/* Draws count-in lengths in bars of the click. Returns true if the choice has changed. */
 static bool bar_items(ui *on, const live_click *click, double *s)
 {
     const double before_s = *s;
@@ -45,7 +45,7 @@ static void click_items(app *of, ui *on)
             click.when = (live_click_when)i;
             app_set_click(of, &click);
         }
-    if (ui_menu_item(on, "Play with time code from outside", app_chases(of) ? "\u2713" : "", true))
+    if (ui_menu_item(on, "Follow external timecode", app_chases(of) ? "\u2713" : "", true))
         app_set_chases(of, !app_chases(of));
     if (ui_menu_item(on, "Tempo \u2026", "", true))
         ui_dialog_open(on, "tempo");
@@ -69,7 +69,7 @@ void record_menu_draw(app *of, ui *on)
     ui_menu_end(on);
 }
 
-/* What is changed is heard at once. */
+/* Draws the tempo dialog. Changes take effect immediately. */
 void record_menu_tempo(app *of, ui *on)
 {
     static const ui_range bpm_range =
@@ -77,12 +77,12 @@ void record_menu_tempo(app *of, ui *on)
                           bar_range = {1.0, LIVE_CLICK_BAR_MAX, "beats", 0, false, 4.0};
     live_click click = app_click(of);
     double bar = (double)click.bar;
-    if (!ui_dialog_begin(on, "tempo", "Tempo of the click", 420.0f))
+    if (!ui_dialog_begin(on, "tempo", "Click tempo", 420.0f))
         return;
     ui_width(on, -1.0f);
-    bool is_other = ui_slider(on, "Beats a minute", 120.0f, &bpm_range, &click.bpm);
+    bool is_other = ui_slider(on, "Beats per minute", 120.0f, &bpm_range, &click.bpm);
     ui_width(on, -1.0f);
-    is_other |= ui_slider(on, "Beats in a bar", 120.0f, &bar_range, &bar);
+    is_other |= ui_slider(on, "Beats per bar", 120.0f, &bar_range, &bar);
     click.bar = (uint32_t)floor(bar + 0.5);
     if (is_other)
         app_set_click(of, &click);

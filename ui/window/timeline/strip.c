@@ -1,4 +1,4 @@
-/* The transport: time code, what plays and records, the tools of the timeline, undo. */
+/* The transport strip: timecode, transport buttons, recording settings and undo. */
 #include "window/timeline/record_menu.h"
 #include "window/timeline/timeline.h"
 
@@ -10,19 +10,19 @@
 #define ICON_HEIGHT 30.0f
 #define GAP         12.0f
 
-typedef struct pen { /* along the strip */
+typedef struct pen { /* drawing position along the strip */
     panel *self;
     ui *on;
     const ui_canvas *canvas;
-    float x, y, end, undo; /* undo: where that begins */
+    float x, y, end, undo; /* undo: x of the undo buttons */
     bool is_clicked;
     const char *hint;
-    char words[400]; /* of the hint */
+    char words[400]; /* text of the hint */
 } pen;
 
 /* ---- buttons ---- */
 
-static void say_hint(pen *p, const char *title, const char *help, const char *keys,
+static void set_hint(pen *p, const char *title, const char *help, const char *keys,
                      const char *why_not)
 {
     (void)snprintf(p->words, sizeof p->words, "%s%s%s%s\n%s%s%s", title, keys[0] ? "  (" : "", keys,
@@ -50,7 +50,7 @@ static button place_button(pen *p, float width, bool is_on, bool can)
     return out;
 }
 
-/* The middle of the button; size: of the sign. */
+/* Draws the sign of a button. x, y: centre of the button. */
 typedef void paint_sign(ui *on, float x, float y, uint32_t ink);
 
 static void sign_play(ui *on, float x, float y, uint32_t ink)
@@ -128,10 +128,10 @@ static void action_hint(pen *p, action of, const char *why_not)
     const char *step = of == ACTION_UNDO   ? app_undo_words(p->self->app)
                        : of == ACTION_REDO ? app_redo_words(p->self->app)
                                            : "";
-    say_hint(p, entry->title, step[0] ? step : entry->help, keys, why_not);
+    set_hint(p, entry->title, step[0] ? step : entry->help, keys, why_not);
 }
 
-/* What is said of its button, and what a click on it does. */
+/* Sets the hint of an action button and runs the action on a click. */
 static void end_action(pen *p, action of, const button *b, bool can, const char *why_not)
 {
     if (ui_canvas_is_over(p->canvas, b->box))
@@ -149,7 +149,7 @@ static void put_action(pen *p, action of, paint_sign *sign, bool is_on)
     end_action(p, of, &b, can, why_not);
 }
 
-/* A word as a button. */
+/* Draws a word as a button. */
 static button put_word(pen *p, const char *word, bool can)
 {
     float width = ui_text_width(p->on, UI_STYLE_BODY, word);
@@ -167,19 +167,19 @@ static void put_action_word(pen *p, action of, const char *word)
     end_action(p, of, &b, can, why_not);
 }
 
-/* Where there is none its key still does it. */
+/* Draws the button only if there is space. The key works in any case. */
 static void put_word_with_room(pen *p, action of, const char *word)
 {
     if (p->x + ui_text_width(p->on, UI_STYLE_BODY, word) + 16.0f < p->undo)
         put_action_word(p, of, word);
 }
 
-/* ---- what stands there ---- */
+/* ---- contents of the strip ---- */
 
 static void put_time(pen *p)
 {
     const live_status *status = app_status(p->self->app);
-    /* While hands perform the clock shows them, whichever take is chosen. */
+    /* During a live recording the clock shows its time, not the selected take. */
     const bool is_live = status->is_recording && app_view(p->self->app)->mode == LIVE_PERFORMS;
     const take *t = is_live ? NULL : app_take(p->self->app);
     timeline_code code = timeline_code_of(t);
@@ -192,7 +192,7 @@ static void put_time(pen *p)
     if (!t && app_outside_code(p->self->app, &rate, &frame))
         timecode_write(words, rate, frame);
     else if (!t && !status->is_recording)
-        words[0] = '\0'; /* the bar above says that the hands are live */
+        words[0] = '\0'; /* the bar above already shows that the hands are live */
     float height = ui_text_height(p->on, UI_STYLE_LARGE);
     ui_draw_text(p->on, p->x, p->y + 0.5f * (ICON_HEIGHT - height), UI_STYLE_LARGE, ink, 0.0f,
                  words);
@@ -201,7 +201,8 @@ static void put_time(pen *p)
     p->x += (other > width ? other : width) + GAP;
 }
 
-/* In a narrow window the speed is shown only when it is not 1, as keys change it, too. */
+/* Draws the speed. In a narrow window it is drawn only if it is not 1, because keys can also change
+ * it. */
 static void put_speed(pen *p, double speed)
 {
     char words[24];
@@ -222,7 +223,7 @@ static void put_speed(pen *p, double speed)
     p->x += GAP - 4.0f;
 }
 
-/* What is set is seen where there is room. */
+/* Draws the lead-in and click settings if there is space. */
 static void put_lead_in(pen *p)
 {
     const app_lead_in lead = app_lead_in_of(p->self->app);
@@ -230,7 +231,7 @@ static void put_lead_in(pen *p)
     const bool clicks = click.when != LIVE_CLICK_OFF;
     char words[80] = "";
     if (lead.count_in_s > 0.0 && lead.preroll_s > 0.0)
-        (void)snprintf(words, sizeof words, "%g s + %g s before", lead.count_in_s, lead.preroll_s);
+        (void)snprintf(words, sizeof words, "%g s + %g s lead-in", lead.count_in_s, lead.preroll_s);
     else if (lead.count_in_s > 0.0)
         (void)snprintf(words, sizeof words, "Count-in %g s", lead.count_in_s);
     else if (lead.preroll_s > 0.0)
@@ -265,7 +266,7 @@ static void put_transport(pen *p)
     put_lead_in(p);
 }
 
-/* From the right end. */
+/* Returns the width of the undo buttons at the right end. */
 static float undo_width(const pen *p)
 {
     return 2.0f * (ICON_WIDTH + 2.0f) + ui_text_width(p->on, UI_STYLE_BODY, "History") + 16.0f;
@@ -280,7 +281,8 @@ static void put_undo(pen *p)
     if (b.is_pressed)
         ui_dialog_open(p->on, "timeline_history");
     if (ui_canvas_is_over(p->canvas, b.box))
-        say_hint(p, "History", "All edits of this take; a click goes there.", "", "");
+        set_hint(p, "History", "List all edits of this take. Click one to go to that state.", "",
+                 "");
 }
 
 static void put_undo_words(pen *p, float end)
@@ -326,9 +328,9 @@ void timeline_strip_draw(panel *self, ui *on, ui_rectangle where)
 static void put_edit(panel *self, ui *on, const history *edits, int64_t n)
 {
     char label[EDIT_TEXT + 40];
-    const char *words = n == 0 ? "as it was recorded" : history_words(edits, n);
+    const char *words = n == 0 ? "original recording" : history_words(edits, n);
     bool is_now = n == history_head(edits);
-    (void)snprintf(label, sizeof label, "%s%s##%lld", words[0] ? words : "an edit",
+    (void)snprintf(label, sizeof label, "%s%s##%lld", words[0] ? words : "edit",
                    n > history_head(edits) ? "   (undone)" : "", (long long)n);
     if (ui_row(on, label, is_now) != UI_ROW_NONE && !is_now)
         (void)!app_history_go(self->app, n);

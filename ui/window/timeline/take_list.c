@@ -12,7 +12,7 @@
 enum { GOOD_STARS = 3 };
 static const char *const takes_filter_name[TAKES_FILTERS] = {"All", "3 stars +", "Deleted"};
 
-/* ---- words ---- */
+/* ---- text ---- */
 
 static int lower(char byte)
 {
@@ -69,7 +69,7 @@ static bool reserve(timeline_takes *self, uint32_t count)
     return true;
 }
 
-/* Lines are by id. `count`: there is none. */
+/* Finds a line by id; lines are sorted by id. Returns `count` if there is none. */
 static uint32_t find_index(const app_take_line *line, uint32_t count, int64_t id)
 {
     uint32_t low = 0, high = count;
@@ -100,7 +100,7 @@ static void toggle_fold(timeline_takes *self, int64_t id)
         self->unfolded[self->unfolded_next++ % TAKES_UNFOLDED] = id;
 }
 
-/* The root of a take: overdubs of overdubs are listed under the first take, too. */
+/* Finds the root of each take. Overdubs of overdubs are listed under the first take. */
 static void find_roots(timeline_takes *self, const app_take_line *line, uint32_t count)
 {
     for (uint32_t i = 0; i < count; ++i) {
@@ -114,7 +114,7 @@ static void find_roots(timeline_takes *self, const app_take_line *line, uint32_t
     }
 }
 
-/* Overdubs come below their root, by their times on its timeline. */
+/* Inserts an overdub below its root, ordered by its time on the root's timeline. */
 static void put_over(timeline_takes *self, const app_take_line *line, uint32_t i)
 {
     takes_root *root = &self->root[self->root[i].at];
@@ -125,8 +125,8 @@ static void put_over(timeline_takes *self, const app_take_line *line, uint32_t i
     self->row[at] = (takes_row){.line = i, .is_over = true};
 }
 
-/* Each frame; nothing while there is no memory. What is searched for, chosen or being recorded is
- * not folded away. */
+/* Lays out the rows in each frame; without memory, none. Overdubs that are selected, being recorded
+ * or found by the search stay visible. */
 static void lay_out_rows(timeline_takes *self, const app_take_line *line, uint32_t count,
                          int64_t chosen)
 {
@@ -195,7 +195,8 @@ static void paint_stars(ui *on, float x, float y, uint32_t rating)
             ui_draw_disc(on, x + (float)i * STAR_WIDTH + 5.5f, y + 9.0f, 1.5f, 0x565b62ffu);
 }
 
-/* All five where a click chooses among them, else how many. Returns where they begin. */
+/* Draws the rating: all five stars if the user can click them, otherwise only the rated ones.
+ * Returns the x of the first star. */
 static float paint_rating(ui *on, float right, float y, uint32_t rating, bool is_wide)
 {
     char words[16];
@@ -219,7 +220,7 @@ static bool is_folded(const panel *self, const takes_row *row)
     return next >= self->takes.row + self->takes.count || !next->is_over;
 }
 
-/* Points down while what was performed over it is seen. */
+/* Draws the fold arrow. It points down while the overdubs are visible. */
 static void paint_fold(ui *on, float x, float y, bool is_folded)
 {
     const float right[6] = {x, y - 4.0f, x, y + 4.0f, x + 5.0f, y};
@@ -227,7 +228,7 @@ static void paint_fold(ui *on, float x, float y, bool is_folded)
     ui_draw_triangle(on, is_folded ? right : down, THEME_DIM);
 }
 
-/* "at 12.3 s  1/a/4 Poses" of what was performed over a take. */
+/* Writes the title of a row. An overdub also has its time: "at 12.3 s 1/a/4 Poses". */
 static void put_title(char out[256], const app_take_line *line, bool is_over)
 {
     char at[24];
@@ -262,8 +263,9 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, const tak
         x += FOLD_WIDTH;
     float width = ui_text_width(on, UI_STYLE_NUMBER, time);
     ui_draw_text(on, right - width, y, UI_STYLE_NUMBER, THEME_DIM, 0.0f, time);
-    const uint32_t rating =
-        self->rates.take == line->id ? self->rates.rating : line->rating; /* as it is clicked */
+    const uint32_t rating = self->rates.take == line->id
+                                ? self->rates.rating
+                                : line->rating; /* rating shown directly after the click */
     float stars = paint_rating(on, right - TIME_WIDTH - 4.0f, y, rating, is_hovered && is_chosen);
     ui_draw_text(on, x, y, is_chosen ? UI_STYLE_STRONG : UI_STYLE_BODY,
                  is_chosen          ? THEME_ACCENT
@@ -272,7 +274,7 @@ static void paint_line(panel *self, ui *on, const app_take_line *line, const tak
                  stars - 8.0f - x, title);
 }
 
-/* ---- what is done to it ---- */
+/* ---- actions ---- */
 
 static void edit_take(panel *self, int64_t id, edit *e)
 {
@@ -283,7 +285,7 @@ static void edit_take(panel *self, int64_t id, edit *e)
     edit_finish(e);
 }
 
-/* Longer than between the clicks of a double click (ui.h). */
+/* Longer than the interval of a double click (ui.h). */
 #define RATES_AFTER_S 0.35
 
 static void rate(panel *self, const app_take_line *line, uint32_t stars)
@@ -309,10 +311,10 @@ void timeline_takes_update(panel *self, double dt_s)
 
 static void choose_take(panel *self, int64_t id)
 {
-    (void)!app_choose_take(self->app, id); /* says itself why it failed */
+    (void)!app_choose_take(self->app, id); /* the function reports its own errors */
 }
 
-/* Space and Del are about the take then. */
+/* Selects a take, so that Space and Del apply to it. */
 static void select_take(panel *self, int64_t id)
 {
     (void)!app_select_take(self->app, id);
@@ -320,7 +322,7 @@ static void select_take(panel *self, int64_t id)
     *choice = (app_choice){.marker = -1, .armed = choice->armed, .is_take = true};
 }
 
-/* 1 .. 5: on a star. */
+/* Returns the star under the pointer, 1..5. */
 static uint32_t star_at(ui_rectangle where, float x)
 {
     float from = where.x + where.width - 8.0f - TIME_WIDTH - STARS_WIDTH - 4.0f;
@@ -337,7 +339,7 @@ static bool is_on_fold(const takes_row *row, const ui_canvas *canvas)
 static void click_line(panel *self, const app_take_line *line, const ui_canvas *canvas,
                        ui_rectangle where)
 {
-    /* In a line that is not chosen a click anywhere chooses it. */
+    /* A click anywhere on an unselected line selects it. */
     const bool is_chosen = app_take_id(self->app) == line->id;
     const uint32_t star = is_chosen ? star_at(where, canvas->where.x + canvas->x) : 0;
     const bool is_click = canvas->is_pressed && canvas->button == 0 && !line->is_recording;
@@ -354,7 +356,7 @@ static void click_line(panel *self, const app_take_line *line, const ui_canvas *
 
 /* ---- the list ---- */
 
-/* Scrolls to a take that was chosen elsewhere. */
+/* Scrolls to a take that was selected elsewhere. */
 static void keep_in_sight(panel *self, const app_take_line *line, float height)
 {
     int64_t chosen = app_take_id(self->app);
@@ -404,7 +406,7 @@ static void paint_none(panel *self, ui *on, const ui_canvas *canvas, uint32_t co
     (void)snprintf(first[1], sizeof first[1], "%s records one,", record[0] ? record : "The dot");
     (void)snprintf(first[2], sizeof first[2], "%s keeps the last 30 s.", keep[0] ? keep : "Keep");
     const char *words =
-        self->takes.filter == TAKES_DELETED ? "Nothing was deleted." : "No take is like that.";
+        self->takes.filter == TAKES_DELETED ? "No deleted takes." : "No matching takes.";
     float x = canvas->where.x + 10.0f, y = canvas->where.y + 8.0f;
     float width = canvas->where.width - 16.0f;
     if (count > 0)
@@ -434,11 +436,10 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
         if (hovered != (int64_t)i)
             continue;
         self->hint = of->note[0] ? of->note
-                                 : "A click chooses it: Space plays it, Del deletes it. A double "
-                                   "click shows it, a right click does more.";
+                                 : "Click to select the take, double-click to show it on the "
+                                   "stage, right-click for more actions.";
         if (is_on_fold(&self->takes.row[i], canvas)) {
-            self->hint = "What was performed over this take, each with where: a click shows it, "
-                         "or puts it away.";
+            self->hint = "Show or hide the overdubs of this take.";
             if (canvas->is_pressed && canvas->button == 0)
                 toggle_fold(&self->takes, of->id);
         } else if (canvas->is_pressed || canvas->is_double_clicked)
@@ -447,7 +448,7 @@ static void paint_list(panel *self, ui *on, const ui_canvas *canvas, const app_t
     paint_scrollbar(self, on, canvas);
 }
 
-/* ---- menu and question ---- */
+/* ---- menu and dialog ---- */
 
 static void ask_take(panel *self, ui *on, int64_t id)
 {
@@ -499,7 +500,7 @@ static void menu(panel *self, ui *on, const app_take_line *line, uint32_t count)
     key_map_words(&app_looks_of(self->app)->keys, ACTION_DUPLICATE, keys);
     if (ui_menu_item(on, "Duplicate", app_take_id(self->app) == of->id ? keys : "",
                      !of->is_deleted && !of->is_recording))
-        (void)!app_duplicate_take(self->app, of->id); /* says itself why it failed */
+        (void)!app_duplicate_take(self->app, of->id); /* the function reports its own errors */
     else if (ui_menu_item(on, of->is_deleted ? "Restore" : "Delete", "", !of->is_recording))
         delete_take(self, of);
     ui_menu_end(on);
@@ -521,7 +522,7 @@ static bool is_same_slate(const timeline_slip *a, const timeline_slip *b)
            strcmp(a->number, b->number) == 0;
 }
 
-/* Only what was changed; of the chosen take one step of undo. */
+/* Applies only the changed values. For the selected take this is one undo step. */
 static void answer_take(panel *self)
 {
     const timeline_slip *slip = &self->slip, *before = &self->slip_before;
@@ -548,7 +549,7 @@ static void answer_take(panel *self)
             (void)!app_edit_take(self->app, self->asked_take, list[i]);
 }
 
-/* True: it was ended with Enter. */
+/* Returns true if the user pressed Enter. */
 static bool ask_line(ui *on, const char *label, const char *id, char *text, size_t capacity,
                      float width)
 {
@@ -559,7 +560,7 @@ static bool ask_line(ui *on, const char *label, const char *id, char *text, size
     return ui_input_is_entered(on);
 }
 
-/* True: one of them was ended with Enter. */
+/* Returns true if the user pressed Enter in a field. */
 static bool ask_lines(panel *self, ui *on)
 {
     timeline_slip *slip = &self->slip;
@@ -614,13 +615,13 @@ static void put_filter(panel *self, ui *on, uint32_t count)
 
 #define BACK_HEIGHT 32.0f
 
-/* The button that goes back to the strip of the last half hour. */
+/* Draws the button that returns to the journal of the last half hour. */
 static void put_back(panel *self, ui *on)
 {
     if (ui_row(on, "Always recorded", false) != UI_ROW_NONE)
         choose_take(self, 0);
-    ui_hint(on, "The strip of the last half hour, in place of the take: swipe over it, and that "
-                "span becomes a take. L, twice, does the same.");
+    ui_hint(on, "Show the last half hour in place of the take. Swipe over a span to keep it as a "
+                "take (press L twice).");
 }
 
 void timeline_takes_draw(panel *self, ui *on, ui_rectangle where)

@@ -1,4 +1,4 @@
-/* The timeline's panel, put together: takes to the left, the transport above, ruler and lanes. */
+/* The timeline panel: takes at the left, the transport at the top, ruler and lanes. */
 #include "window/timeline/timeline.h"
 
 #include "base/clock.h"
@@ -8,13 +8,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define BIN_POINTS  1.5f /* across, of a curve */
+#define BIN_POINTS  1.5f /* width of a bin of a curve */
 #define NARROW      1100.0f
 #define NARROW_LIST 200.0f
 
-/* ---- other takes, laid under the chosen one ---- */
+/* ---- other takes below the selected take ---- */
 
-/* TIMELINE_COMPS_MAX: it lies where it was recorded. */
+/* Returns the slot of a shifted take, or TIMELINE_COMPS_MAX if it is not shifted. */
 static uint32_t find(const panel *self, int64_t of, int64_t id)
 {
     uint32_t i = 0;
@@ -33,7 +33,8 @@ static void lay(panel *self, const timeline_slid *so)
     self->slid[slot] = *so;
 }
 
-/* What was performed over the take lies where it was performed: the take shows it there too. */
+/* Returns the default shift of an overdub: the time at which the take itself shows the same
+ * performance. */
 static int64_t performed_later_ns(const take *t, const take *other)
 {
     const take_clip *raw = other->layer[0].clip_count ? &other->layer[0].clip[0] : NULL;
@@ -45,7 +46,7 @@ static int64_t performed_later_ns(const take *t, const take *other)
             const int64_t raw_ns = raw->from_ns + take_warp_to_source(raw, raw->start_ns);
             if (clip->performance != raw->performance || show_ns >= raw->to_ns ||
                 raw_ns >= clip->from_ns + take_warp_to_source(clip, clip->end_ns))
-                continue; /* live performances go on from take to take */
+                continue; /* one live performance can span several takes */
             return at_ns - (show_ns - raw_ns) - raw->start_ns - other->layer[0].offset_ns;
         }
     return 0;
@@ -83,7 +84,7 @@ static void go(panel *self, const slide_step *step, bool is_after)
     timeline_slid wanted = step->after;
     if (!is_after)
         wanted.later_ns = step->before_ns;
-    /* Where it is seen; a take that is gone has been said to be so. */
+    /* Shows the change in its take. app_choose_take reports a take that no longer exists. */
     if (app_take_id(self->app) != wanted.of && app_choose_take(self->app, wanted.of) < 0)
         return;
     self->has_comps = true;
@@ -108,12 +109,12 @@ void timeline_slide_note(panel *self, uint32_t index, int64_t before_ns)
         return;
     const slide_step made = {{self->comps->of, other->id, after_ns}, before_ns};
     app_step step = {.owner = self, .undo = undo, .redo = redo};
-    (void)snprintf(step.words, sizeof step.words, "take %u laid at %+.2f s", other->number,
+    (void)snprintf(step.words, sizeof step.words, "shift take %u to %+.2f s", other->number,
                    1e-9 * (double)after_ns);
     app_did_with(self->app, &step, &made, sizeof made);
 }
 
-/* ---- whose takes they are ---- */
+/* ---- show of the takes ---- */
 
 static void forget_slides(panel *self)
 {
@@ -122,7 +123,7 @@ static void forget_slides(panel *self)
     self->slid_show = NULL;
 }
 
-/* The ids are of the takes of one show. */
+/* Resets the shifts when the show changes, because take ids are valid in one show only. */
 static void follow_show(panel *self, const char *show_path)
 {
     if (self->slid_show && strcmp(self->slid_show, show_path) == 0)
@@ -190,7 +191,7 @@ void timeline_own_words(const take_layer *lane, char *out, size_t capacity)
             append(out, capacity, lane->own[i]);
 }
 
-/* ---- what the files share ---- */
+/* ---- functions shared by the files ---- */
 
 const take *timeline_take(const panel *self)
 {
@@ -248,7 +249,7 @@ double timeline_clip_speed(const take_clip *clip)
 
 void timeline_edit(panel *self, edit *e)
 {
-    (void)!app_edit(self->app, e); /* says itself why it failed */
+    (void)!app_edit(self->app, e); /* the function reports its own errors */
     edit_finish(e);
 }
 
@@ -263,7 +264,8 @@ static uint32_t lanes_of(const take_layer *of)
     return out ? out : 1u << (ACTIVITY_LANES - 1);
 }
 
-/* A little more than is seen, in bins that lie where they lay before: pans show no gaps. */
+/* Requests slightly more than the visible span, with bins at constant times, so that pans show no
+ * gaps. */
 static void request_clip(panel *self, const take_layer *of, const take_clip *clip, uint32_t owner,
                          uint32_t lanes)
 {
@@ -361,7 +363,7 @@ static void look(panel *self)
         self->comps = NULL;
 }
 
-/* ---- the axis goes along ---- */
+/* ---- axis follows the playhead ---- */
 
 static void follow_take(panel *self)
 {
@@ -439,7 +441,7 @@ static void draw_lanes(panel *self, ui *on, ui_rectangle where)
                              where.width - TIMELINE_HEAD_WIDTH);
     follow_take(self);
     self->hint = "";
-    /* While hands perform the timeline shows them, whichever take is chosen. */
+    /* During a live recording the timeline shows it, not the selected take. */
     const bool is_live =
         app_status(self->app)->is_recording && app_view(self->app)->mode == LIVE_PERFORMS;
     if (app_take(self->app) && !is_live) {

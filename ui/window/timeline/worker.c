@@ -14,20 +14,20 @@
 
 enum { WORKER_CURVES_MAX = 32, WORKER_SAMPLES = 512, WORKER_FRAMES = 1 << 18, WORKER_PATH = 4096 };
 
-typedef struct worker_curve { /* of a performance */
+typedef struct worker_curve { /* curve of a performance */
     int64_t performance, from_ns;
-    activity *curve; /* NULL: it cannot be performed */
+    activity *curve; /* NULL: cannot be performed */
     bool is_done;
-    uint64_t used; /* when it was last requested */
+    uint64_t used; /* time of the last request */
 } worker_curve;
 
 typedef struct worker_reader { /* [thread] */
     const plugin_list *plugins;
-    log_queue *log; /* what recordings have to say was said when they were made */
-    char show_path[WORKER_PATH], face_path[WORKER_PATH]; /* that were opened; "": none */
+    log_queue *log; /* discards messages, which were already reported during the recording */
+    char show_path[WORKER_PATH], face_path[WORKER_PATH]; /* opened paths; "": none */
     show *show;
     face_file face;
-    bool has_face, is_face_open; /* is_face_open: it was tried */
+    bool has_face, is_face_open; /* is_face_open: opening was tried */
     performer *scratch;
     replay_world world;
     worker_curve curve[WORKER_CURVES_MAX];
@@ -43,10 +43,10 @@ typedef struct worker_reader { /* [thread] */
     char note[256];
 } worker_reader;
 
-typedef struct order {                                   /* what main wants */
+typedef struct order {                                   /* order from [main] */
     char show_path[WORKER_PATH], face_path[WORKER_PATH]; /* "": none */
     timeline_request request;
-    uint64_t number; /* grows with every change */
+    uint64_t number; /* increases with each change */
     bool ends;
 } order;
 
@@ -55,24 +55,24 @@ struct timeline_worker {
     pthread_cond_t wake;
     pthread_t thread;
     bool has_thread; /* [main] */
-    order wanted;    /* main writes it under the lock */
+    order wanted;    /* written by [main] under the lock */
     order taken;     /* [thread] */
     publish_slot slot;
-    timeline_result result[3];   /* of the slot: to main */
-    timeline_comps *comps_ready; /* to main; under the lock */
+    timeline_result result[3];   /* triple buffer to [main] */
+    timeline_comps *comps_ready; /* to [main]; under the lock */
     bool has_comps;
     timeline_comps *comps; /* [main] */
     worker_reader reader;  /* [thread] */
 };
 
-/* ---- what is read ---- */
+/* ---- reader ---- */
 
 static void note(worker_reader *self, const error *err)
 {
     (void)snprintf(self->note, sizeof self->note, "%.255s", err->text);
 }
 
-/* Not before there is a curve to be performed: binding a face takes a tenth of a second. */
+/* Opens the face only when a curve is needed, because binding takes 0.1 s. */
 static void open_face(worker_reader *self)
 {
     error err = {""};
@@ -91,7 +91,7 @@ static void open_face(worker_reader *self)
     self->world.scratch = self->scratch;
 }
 
-/* Opens what the paths name; what fails is noted. */
+/* Opens the show. Notes errors. */
 static void worker_reader_open(worker_reader *self, const order *now)
 {
     error err = {""};
@@ -188,7 +188,8 @@ static bool step_curve(worker_reader *self, worker_curve *curve)
     return !curve->is_done;
 }
 
-/* The first that is not done; those that are may go on as their recording does. */
+/* Continues the first unfinished curve. Then marks all curves as unfinished, because their
+ * recordings can grow. */
 static bool step_curves(worker_reader *self, const timeline_request *request)
 {
     for (uint32_t i = 0; i < request->strip_count; ++i) {
@@ -230,7 +231,7 @@ static bool step_wave(worker_reader *self)
     return result != MRT_END;
 }
 
-/* Of all that is known: a number that changes when more is. */
+/* Returns a number that changes when more data is known. */
 static int64_t worker_reader_known(const worker_reader *self)
 {
     int64_t known = self->wave ? waveform_known_frames(self->wave) : 0;
@@ -239,7 +240,7 @@ static int64_t worker_reader_known(const worker_reader *self)
     return known + self->curve_count;
 }
 
-/* ---- when takes were made ---- */
+/* ---- times of takes ---- */
 
 static void read_spans(worker_reader *self, uint64_t edition)
 {
@@ -258,7 +259,7 @@ static void read_spans(worker_reader *self, uint64_t edition)
     free(takes);
 }
 
-/* A piece of what is requested; false: there is nothing left to do now. */
+/* Computes a part of the request. Returns false if nothing is left to do. */
 static bool worker_reader_step(worker_reader *self, const timeline_request *request)
 {
     if (!self->show)
@@ -271,7 +272,7 @@ static bool worker_reader_step(worker_reader *self, const timeline_request *requ
     return step_curves(self, request) || has_more;
 }
 
-/* ---- what is given ---- */
+/* ---- results ---- */
 
 static void read_strip(const worker_curve *curve, const timeline_strip *strip, activity_bin *out,
                        activity_bin *scratch)
@@ -356,7 +357,8 @@ static void look_at(worker_reader *self, const show_take *of, const timeline_req
         take_finish(t);
 }
 
-/* The other takes, if they are to be looked for anew: to be freed by timeline_comps_free. */
+/* Reads the other takes if the request needs them again. The caller frees the result with
+ * timeline_comps_free. */
 static timeline_comps *worker_reader_comps(worker_reader *self, const timeline_request *request)
 {
     error err = {""};
@@ -377,8 +379,8 @@ static timeline_comps *worker_reader_comps(worker_reader *self, const timeline_r
     return out;
 }
 
-#define PUBLISH_NS (80 * NS_PER_MS)  /* while it is being computed */
-#define AGAIN_NS   (400 * NS_PER_MS) /* a recording may go on */
+#define PUBLISH_NS (80 * NS_PER_MS)  /* publish interval during computation */
+#define AGAIN_NS   (400 * NS_PER_MS) /* poll interval for growing recordings */
 enum { NICENESS = 10 };
 
 /* ---- requests ---- */
@@ -408,7 +410,7 @@ const timeline_strip *timeline_result_strip(const timeline_result *result, uint3
     return NULL;
 }
 
-/* NULL is fine */
+/* Accepts NULL. */
 static void timeline_comps_free(timeline_comps *comps)
 {
     for (uint32_t i = 0; comps && i < comps->count; ++i)
@@ -418,9 +420,8 @@ static void timeline_comps_free(timeline_comps *comps)
 
 /* ---- the thread ---- */
 
-/* While idle: waits for a request, or until a recording may have grown. True: there is a new
- * request.
- */
+/* Reads the newest request. While idle, waits for a request or until a recording may have grown.
+ * Returns true if there is a new request. */
 static bool take_order(timeline_worker *self, bool is_idle)
 {
     pthread_mutex_lock(&self->lock);
@@ -469,7 +470,8 @@ static void *run(void *data)
     const timeline_request *request = &self->taken.request;
     bool is_idle = false, was_idle = false;
     int64_t published_ns = 0, known_then = -1;
-    (void)setpriority(PRIO_PROCESS, 0, NICENESS); /* on Linux: of this thread */
+    (void)setpriority(PRIO_PROCESS, 0,
+                      NICENESS); /* on Linux this applies to the calling thread only */
     for (;;) {
         const bool is_new = take_order(self, is_idle);
         if (self->taken.ends)
@@ -508,7 +510,7 @@ timeline_worker *timeline_worker_create(const plugin_list *plugins)
     return NULL;
 }
 
-/* What was changed of `wanted`, under the lock, is to be taken. */
+/* Wakes the thread after a change of `wanted` under the lock. */
 static void end_order(timeline_worker *self)
 {
     self->wanted.number += 1;

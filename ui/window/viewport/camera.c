@@ -5,8 +5,8 @@
 #include <math.h>
 
 static const float rad_per_point = 0.0075f, steepest_rad = 1.45f, zoom_per_notch = 0.88f;
-static const float nearest = 0.12f, furthest = 5.0f; /* home's distances */
-static const float widest_target = 0.6f;             /* the same, from home's target */
+static const float nearest = 0.12f, furthest = 5.0f; /* distance limits, relative to home */
+static const float widest_target = 0.6f;             /* limit of the target, relative to home */
 static const float turn_rad_s = 0.4f;
 static const float side_rad = 1.5707963f, quarter_rad = 0.62f, quarter_pitch_rad = 0.10f;
 static const double pi = 3.14159265358979;
@@ -16,7 +16,7 @@ static float within(float value, float low, float high)
     return value < low ? low : value > high ? high : value;
 }
 
-/* -pi .. pi */
+/* Normalises an angle to -pi..pi. */
 static float turned_back(float angle_rad)
 {
     return (float)remainder((double)angle_rad, 2.0 * pi);
@@ -147,7 +147,7 @@ void viewport_camera_update(viewport_camera *self, double dt_s)
     limit(self);
 }
 
-/* ---- kept ---- */
+/* ---- saved views ---- */
 
 draw_camera_view viewport_camera_keep(const viewport_camera *self)
 {

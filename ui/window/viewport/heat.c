@@ -9,11 +9,11 @@ enum { PALETTE = 8 };
 struct viewport_heat {
     const face_file *file;
     binding binding;
-    float *rest_area; /* vertex_count: of the triangles around it, mm2 */
+    float *rest_area; /* vertex_count; area of the triangles around each vertex, mm2 */
     float *area;      /* scratch */
 };
 
-/* Colours as on a screen; what is drawn is linear. */
+/* sRGB colours; drawing converts them to linear. */
 static const uint32_t palette[PALETTE] = {0x4f7fb8ffu, 0xc96a55ffu, 0x6fae8cffu, 0xb98fc4ffu,
                                           0xd2b45affu, 0x5fb0b5ffu, 0xc98aa0ffu, 0x8f9a5fffu};
 static const viewport_heat_legend legends[APP_HEATS] = {
@@ -29,7 +29,7 @@ static const viewport_heat_legend legends[APP_HEATS] = {
                          .mid = "100 %",
                          .high = "200 %",
                          .stop = {0x3f7fd6ffu, 0x5f86b4ffu, 0x83868cffu, 0xc08a55ffu, 0xe8843affu}},
-    [APP_HEAT_PENETRATION] = {.title = "Way to the skull",
+    [APP_HEAT_PENETRATION] = {.title = "Approach to skull",
                               .low = "0 % at rest",
                               .high = "100 % touches",
                               .stop = {0x5f6670ffu, 0x847a62ffu, 0xb98a48ffu, 0xd9683fffu,
@@ -61,7 +61,7 @@ static ramp ramp_of(app_heat kind)
     return r;
 }
 
-/* share: 0..1; NaN as 0. */
+/* Interpolates a ramp. share: 0..1; NaN counts as 0. */
 static void ramp_at(float out[3], const ramp *r, float share)
 {
     float position =
@@ -103,7 +103,7 @@ mrt_result viewport_heat_create(viewport_heat **out, const face_file *file, erro
     }
     mrt_result result = MRT_OK;
     if (!self || !self->rest_area || !self->area)
-        result = error_set(err, MRT_ERR_MEMORY, "no memory for colours over the face");
+        result = error_set(err, MRT_ERR_MEMORY, "no memory for the colours of the face");
     else
         result = binding_create(&self->binding, file->rig, &file->mesh, &file->topology, err);
     if (result < 0) {
@@ -158,7 +158,7 @@ static void colour_strain(const viewport_heat *self, float *out_rgb, const float
     }
 }
 
-/* Height over an ellipsoid along the way from its centre, mm. */
+/* Returns the height above an ellipsoid along the line from its centre, mm. */
 static double height_mm(const rig_proxy *proxy, vec3 at)
 {
     vec3 from = vec3_sub(at, proxy->centre);
@@ -173,12 +173,12 @@ static vec3 vertex_of(const float *position, uint32_t v)
     return (vec3){(double)p[0], (double)p[1], (double)p[2]};
 }
 
-/* How much of its way from rest to the floor over this proxy a vertex has gone; 0 too where it has
- * none. */
+/* Returns how far a vertex has moved from its neutral height towards the floor above this proxy, as
+ * a share of that distance. Returns 0 if the proxy does not apply. */
 static double share_gone(const rig_proxy *proxy, const rigid *into, vec3 rest, vec3 now)
 {
     double at_rest = height_mm(proxy, rest);
-    if (proxy->kind == PROXY_TEETH) /* no ellipsoid */
+    if (proxy->kind == PROXY_TEETH) /* not an ellipsoid */
         return 0.0;
     if (!(at_rest > 0.0 && at_rest < proxy_reach_mm))
         return 0.0;
@@ -226,7 +226,7 @@ bool viewport_heat_is_fixed(app_heat kind)
     return kind == APP_HEAT_WEIGHTS || kind == APP_HEAT_MOBILITY;
 }
 
-/* ---- what they mean ---- */
+/* ---- legends ---- */
 
 void viewport_heat_legend_of(const viewport_heat *self, app_heat kind, viewport_heat_legend *out)
 {

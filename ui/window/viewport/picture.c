@@ -50,16 +50,19 @@ static float face_height(const mrt_face *about)
 /* ---- hands: in the lower corners of the picture, wherever the camera is ---- */
 
 enum { FINGERS = 5, FINGER_JOINTS = 4 };
-static const double hand_share = 0.30;    /* of the picture's height: wrist to fingertip */
-static const double hand_edge = 0.11;     /* of its width, from either edge */
-static const double hand_up = -0.20;      /* of its height, from the middle: the wrist */
-static const double hand_tilt_rad = 0.95; /* the back of the hand is seen, fingers come nearer */
+static const double hand_share =
+    0.30; /* length of a hand from wrist to fingertip, share of the picture's height */
+static const double hand_edge = 0.11; /* distance from the left or right edge, share of the width */
+static const double hand_up =
+    -0.20; /* position of the wrist from the middle, share of the height */
+static const double hand_tilt_rad =
+    0.95; /* shows the back of the hand, with the fingers towards the viewer */
 static const double hand_length_mm = 190.0;
 static const float absent_alpha = 0.22f;
 
 typedef struct hand_stance {
-    vec3 wrist, right, up, out; /* unit vectors: the hand's x, y, z in the face frame */
-    double mm;                  /* of the picture in a mm of the hand */
+    vec3 wrist, right, up, out; /* unit vectors of the hand's x, y, z in the face frame */
+    double mm;                  /* scale from hand to picture */
 } hand_stance;
 
 static hand_stance hand_stance_of(const viewport_scene_of *of, uint32_t side)
@@ -142,7 +145,7 @@ double viewport_half_radius(csrbf_kernel kernel)
     return 0.5 * (low + high);
 }
 
-/* How the bone that a contact rides on stands. */
+/* Returns the current pose of the bone of a contact. */
 static rigid bone_of_contact(const viewport_scene_of *of, uint32_t contact)
 {
     const rig *r = of->file->rig;
@@ -150,8 +153,8 @@ static rigid bone_of_contact(const viewport_scene_of *of, uint32_t contact)
     return bone < RIG_BONES_MAX ? of->view->bone[bone] : rigid_identity();
 }
 
-/* Where vector `index` of the view's pull is in the face shown, mm: its contact's way is turned
- * with the bone that it rides on. False: it is none, or moves nothing to be seen. */
+/* Computes the ends of control vector `index` on the shown face, mm. The vector of a contact turns
+ * with its bone. Returns false if there is no visible vector. */
 static bool viewport_vector_shown(const viewport_scene_of *of, uint32_t index, float out_from[3],
                                   float out_to[3])
 {
@@ -176,7 +179,7 @@ static bool viewport_vector_shown(const viewport_scene_of *of, uint32_t index, f
 
 static void add_vectors(viewport_scene *out, const viewport_scene_of *of)
 {
-    overlay_item arrow = {.kind = OVERLAY_ARROW}, shade = arrow; /* legible on every skin */
+    overlay_item arrow = {.kind = OVERLAY_ARROW}, shade = arrow; /* visible on any skin colour */
     arrow.width_px = vector_points * of->px_per_point;
     shade.width_px = (vector_points + 1.6f) * of->px_per_point;
     set_ink(arrow.rgba, THEME_ACCENT, 1.0f);
@@ -240,7 +243,7 @@ static void add_line(viewport_scene *out, const overlay_item *like, vec3 from, v
     viewport_scene_add(out, &line);
 }
 
-/* Where the incisor goes as the jaw opens, and where it is. */
+/* Adds the opening path of the incisor and its current position. */
 static void add_arc(viewport_scene *out, const viewport_scene_of *of, const rig_bone *jaw,
                     uint32_t jaw_index, const rigid *carrier)
 {
@@ -304,11 +307,11 @@ void viewport_scene_make(viewport_scene *out, const viewport_scene_of *of)
 
 /* ---- the texture ---- */
 
-typedef struct picture_key { /* all that a picture depends on beside shape, colours and items */
+typedef struct picture_key { /* inputs of a picture other than shape, colours and items */
     draw_camera camera;
     lighting light;
     bool has_backdrop, has_ground;
-    draw_fit fit; /* of the backdrop */
+    draw_fit fit; /* fit of the backdrop */
     uint64_t backdrop_number;
     float ground[4];
 } picture_key;
@@ -319,10 +322,10 @@ struct viewport_picture {
     uint32_t width, height;
     draw_face *face;
     uint32_t vertex_count;
-    float *shape; /* vertex_count by 3: as drawn last, while has_shape */
+    float *shape; /* vertex_count by 3; last drawn shape, if has_shape */
     bool is_shaded, has_shape, has_colours, is_stale;
     picture_key drawn;
-    viewport_scene scene; /* likewise */
+    viewport_scene scene; /* last drawn scene */
     uint64_t count, shape_count;
 };
 
@@ -435,7 +438,7 @@ static draw_fit fit_of(const viewport_picture_look *look)
     return look->scenery ? look->scenery->fit : DRAW_COVER;
 }
 
-/* Zeroed where unset, so that memcmp compares. */
+/* Makes the key, zeroed first so that memcmp can compare it. */
 static void make_key(picture_key *out, const viewport_picture_look *look)
 {
     memset(out, 0, sizeof *out);
@@ -469,7 +472,7 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
                                error *err)
 {
     if (!self->face) {
-        error_set(err, MRT_ERR_ARGUMENT, "there is no face to be shown: open one");
+        error_set(err, MRT_ERR_ARGUMENT, "no face is open. Open one.");
         return 0;
     }
     if (!has_target(self, look->width, look->height, err))
@@ -485,7 +488,8 @@ uint32_t viewport_picture_draw(viewport_picture *self, const viewport_picture_lo
         draw_render(self->renderer, self->target, self->face, &look->camera, 0, 0, look->width,
                     look->height);
         draw_ground(self->renderer, NULL);
-        draw_behind(self->renderer, NULL, DRAW_COVER); /* it may be gone by the next time */
+        draw_behind(self->renderer, NULL,
+                    DRAW_COVER); /* the backdrop may not exist at the next draw */
         if (look->scene)
             draw_overlay(self->renderer, self->target, self->face, &look->camera, whole,
                          look->scene->item, look->scene->count);

@@ -7,11 +7,11 @@
 #include <string.h>
 
 enum { SHAPE_NAME = 64 };
-typedef struct wish { /* which poses */
+typedef struct wish { /* requested poses */
     char pose[POSED_TOGETHER][SHAPE_NAME];
 } wish;
 
-typedef struct model { /* of one face; the thread's until `is_ready` */
+typedef struct model { /* model of one face; owned by the thread until `is_ready` */
     rig rig;
     mesh mesh;
     topology topology;
@@ -19,19 +19,19 @@ typedef struct model { /* of one face; the thread's until `is_ready` */
 } model;
 
 struct posed_shape {
-    /* which face is copied: it may be gone, and is only compared */
+    /* source of the copy; may no longer exist and is only compared */
     const face_file *file;
     const rig *of_rig;
     const float *of_position;
     bool has_thread;
     pthread_t thread;
-    pthread_mutex_t lock; /* of all below, but the model */
+    pthread_mutex_t lock; /* guards all fields below except the model */
     pthread_cond_t news;
-    bool is_ending, is_ready; /* ready: the model is complete, its rig does not change any more */
+    bool is_ending, is_ready; /* is_ready: the model is complete and its rig is constant */
     bool is_wished, is_shown;
     wish wished, shown;
     model *model;
-    float *found, *taken; /* vertex_count by 3; taken: [main]'s copy of the shape */
+    float *found, *taken; /* vertex_count by 3; taken: copy of the shape for [main] */
 };
 
 /* ---- the thread ---- */
@@ -44,7 +44,7 @@ static uint32_t index_of(const rig *r, const char *name)
     return RIG_NONE;
 }
 
-/* Several poses add. */
+/* Computes the sum of the poses. */
 static void find_shape(model *of, const wish *wanted, float *out)
 {
     const size_t size = (size_t)of->mesh.vertex_count * 3;
@@ -76,7 +76,7 @@ static void *run(void *given)
         const wish wanted = self->wished;
         self->is_wished = false;
         if (self->is_shown && memcmp(&self->shown, &wanted, sizeof wanted) == 0)
-            continue; /* it was asked for again while it was being found */
+            continue; /* the request has changed during the computation */
         self->is_shown = false;
         (void)pthread_mutex_unlock(&self->lock);
         find_shape(of, &wanted, self->found);
@@ -176,7 +176,7 @@ const rig *posed_shape_rig(posed_shape *self)
 const float *posed_shape_of(posed_shape *self, const char *const pose[POSED_TOGETHER],
                             uint32_t *out_vertex_count)
 {
-    wish wanted = {{{0}}}; /* zeroed, so that memcmp compares */
+    wish wanted = {{{0}}}; /* zeroed, so that memcmp can compare it */
     if (!self->model)
         return NULL;
     for (int k = 0; k < POSED_TOGETHER && pose[k]; ++k)

@@ -1,22 +1,23 @@
-/* window/viewport/posed_shape.h - the poses of the rig as shapes of the face, found beside the
- * window on a face of their own. Leaves out drawing (viewport_portrait). [main] but for the thread,
- * which begins with the first face. */
+/* window/viewport/posed_shape.h - computes the shapes of rig poses in a background thread, on a
+ * separate copy of the face. Leaves out drawing (viewport_portrait). [main], except for the thread,
+ * which starts with the first face. */
 #ifndef MAROTTE_UI_WINDOW_VIEWPORT_POSED_SHAPE_H
 #define MAROTTE_UI_WINDOW_VIEWPORT_POSED_SHAPE_H
 #include "stage/perform/face_file.h"
 
 typedef struct posed_shape posed_shape;
 posed_shape *posed_shape_create(void);       /* NULL: no memory */
-void posed_shape_destroy(posed_shape *self); /* NULL is fine; waits for the thread */
+void posed_shape_destroy(posed_shape *self); /* waits for the thread; accepts NULL */
 
-/* Each frame: the face on the stage, which is copied when it is another one. NULL: none. */
+/* Follows the face of the stage. Call it in each frame; a new face is copied. NULL: none. */
 void posed_shape_follow(posed_shape *self, const face_file *of);
-/* The rig with complete poses; NULL: not found yet, or there is none. Until the next follow. */
+/* Returns the rig with complete poses; NULL: not ready, or no rig. Valid until the next follow. */
 const rig *posed_shape_rig(posed_shape *self);
 
 enum { POSED_TOGETHER = 2 };
-/* The shape of these poses together (NULL: no more): vertex_count by 3, mm, in the mesh file's
- * order; NULL: not found yet, asked for again. Until the next call or follow. */
+/* Returns the shape of the sum of these poses (NULL: end): vertex_count by 3, mm, in the order of
+ * the mesh file. Returns NULL while it is being computed; call again. Valid until the next call or
+ * follow. */
 const float *posed_shape_of(posed_shape *self, const char *const pose[POSED_TOGETHER],
                             uint32_t *out_vertex_count);
 

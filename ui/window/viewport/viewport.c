@@ -19,22 +19,22 @@
 typedef struct viewport_grip {
     bool holds;
     pointer_grip how;
-    float rest[3];   /* mm: what is held, of the rest face */
-    float begin[3];  /* mm: that, as shown when it was taken */
-    float offset[3]; /* mm: from the point under the pointer to what is held */
-    float depth_mm;  /* towards the viewer, by the wheel */
-    float at[3];     /* mm: where it is to be now */
+    float rest[3];   /* held point on the neutral face, mm */
+    float begin[3];  /* held point as shown at the grab, mm */
+    float offset[3]; /* from the point under the pointer to the held point, mm */
+    float depth_mm;  /* offset towards the viewer, set with the wheel */
+    float at[3];     /* current target, mm */
 } viewport_grip;
 
-typedef enum viewport_drag { /* what the button that is down does */
+typedef enum viewport_drag { /* action of the pressed button */
                              VIEWPORT_DRAGS_NOTHING = 0,
                              VIEWPORT_ORBITS,
                              VIEWPORT_PANS,
-                             VIEWPORT_HOLDS, /* the face, by the grip */
-                             VIEWPORT_GIVES  /* to whoever asked for the pointer */
+                             VIEWPORT_HOLDS, /* holds the face at the grip */
+                             VIEWPORT_GIVES  /* passes the pointer to the panel that requested it */
 } viewport_drag;
 
-typedef struct viewport_face { /* which face is shown: another if any of these is */
+typedef struct viewport_face { /* identity of the shown face: each field counts */
     const face_file *file;
     const rig *rig;
     const float *position;
@@ -42,35 +42,36 @@ typedef struct viewport_face { /* which face is shown: another if any of these i
     uint32_t vertex_count;
 } viewport_face;
 
-typedef struct viewport_quality { /* pixels are saved while a slow renderer must draw anew */
-    uint32_t level;               /* of quality_scale; 0: all pixels */
+typedef struct viewport_quality { /* reduces the resolution while a slow renderer must redraw */
+    uint32_t level;               /* index of quality_scale; 0: full resolution */
     double slow_s, fast_s, still_s;
-    uint64_t count; /* of the picture, a frame ago */
-    bool was_drawn; /* then */
+    uint64_t count; /* draw count of the picture one frame ago */
+    bool was_drawn; /* drawn in that frame */
 } viewport_quality;
 
 struct viewport {
     app *of;
     draw_renderer *renderer;
     viewport_picture *picture;
-    viewport_picture *output[VIEWPORT_TAKERS]; /* the face alone; NULL: not asked for yet */
+    viewport_picture
+        *output[VIEWPORT_TAKERS]; /* the face without overlays; NULL: not requested yet */
     bool has_ground;
     float ground[4];
     viewport_face face;
-    uint64_t surface; /* a hash of all of the mesh that is drawn */
+    uint64_t surface; /* hash of the drawn mesh */
     bool has_face, output_has_face[VIEWPORT_TAKERS];
-    float low[3], high[3]; /* mm: of the face at rest */
+    float low[3], high[3]; /* bounds of the neutral face, mm */
     virtual_hand *hand;
     double dt_s;
 
-    float *shape, *normal; /* vertex_count by 3: as shown */
-    float *stand_in;       /* 2 by vertex_count by 3; used while stands_in */
+    float *shape, *normal; /* vertex_count by 3; as shown */
+    float *stand_in;       /* 2 by vertex_count by 3; used if stands_in */
     bool stands_in;
-    viewport_heat *heat; /* NULL: not asked for yet */
+    viewport_heat *heat; /* NULL: not requested yet */
     float *rgb, *paint;  /* vertex_count by 3 */
     bool has_paint, is_painted_anew;
     app_heat heat_shown;
-    uint64_t colours_of; /* which shape they were found for */
+    uint64_t colours_of; /* shape of the colours */
     bool has_colours, has_failed;
     overlay_item *extra;
     uint32_t extra_count, extra_capacity;
@@ -83,27 +84,27 @@ struct viewport {
 
     viewport_scene scene;
     viewport_quality quality;
-    ui_rectangle where; /* points, on the screen */
+    ui_rectangle where; /* position on the screen, points */
     float px_per_point;
-    uint32_t rectangle[4]; /* of the whole picture, pixels: 0, 0, width, height */
+    uint32_t rectangle[4]; /* 0, 0, width, height of the whole picture, pixels */
 
     viewport_use use;
     float brush_mm;
     viewport_drag drag;
     viewport_grip grip;
-    double radius_mm; /* of the pointer; 0: the rig's */
+    double radius_mm; /* radius of pulls with the pointer; 0: radius of the rig */
     double radius_shown_s;
-    ui_rectangle chip;        /* the button "what is held", as drawn; width 0: not shown */
-    ui_rectangle mirrored;    /* likewise "Mirrored" */
-    bool is_over, is_on_face; /* the pointer: over the viewport, on the face */
+    ui_rectangle chip;        /* the button that clears held pulls, as drawn; width 0: hidden */
+    ui_rectangle mirrored;    /* likewise for "Mirrored" */
+    bool is_over, is_on_face; /* pointer is over the viewport; on the face */
     float pointer_px[2];
     draw_hit hit;      /* while it is on the face */
-    uint32_t contact;  /* 1 + index: in reach of the pointer; 0: none */
+    uint32_t contact;  /* 1 + index of the contact near the pointer; 0: none */
     bool is_off_stage; /* a take is shown instead of the live face */
     viewport_stroke stroke;
 };
 
-/* ---- what the parts share ---- */
+/* ---- shared functions ---- */
 
 static void say(const viewport *self, int32_t level, const char *text)
 {
@@ -143,7 +144,7 @@ static ui_rectangle dot_of(const viewport_label *l, float dot)
     return (ui_rectangle){l->x - dot, l->y - dot, 2.0f * dot, 2.0f * dot};
 }
 
-/* Where a name may be: right, left, above, below. */
+/* Possible sides of a name: right, left, above, below. */
 enum { SIDES = 4 };
 static void put(viewport_label *l, int side, float dot)
 {
@@ -180,12 +181,12 @@ void viewport_labels_place(viewport_label *label, uint32_t count, ui_rectangle w
     }
 }
 
-/* ---- the pointer's hold of the face ---- */
+/* ---- grip of the pointer on the face ---- */
 
-/* How far towards the camera a held point may be lifted, as a share of the camera's distance. */
+/* Maximum lift of a held point towards the camera, share of the camera distance. */
 static const float most_lift = 0.5f;
 
-/* The point under the pointer in the plane of what is held, lifted. */
+/* Computes the point under the pointer in the lifted plane of the held point. */
 static bool point_under_pointer(float out[3], const viewport *self)
 {
     const draw_camera *camera = &self->camera.now;
@@ -198,7 +199,7 @@ static bool point_under_pointer(float out[3], const viewport *self)
     return true;
 }
 
-/* Takes hold of `rest`, which is shown at `shown`: neither jumps under the pointer. */
+/* Grabs the point `rest`, which is shown at `shown`, without a jump. */
 static void take_grip(viewport *self, pointer_grip how, const float rest[3], const float shown[3])
 {
     viewport_grip *grip = &self->grip;
@@ -213,7 +214,8 @@ static void take_grip(viewport *self, pointer_grip how, const float rest[3], con
         grip->offset[i] = shown[i] - under[i];
 }
 
-/* In the plane that faces the camera; towards_mm: nearer to the viewer, more. */
+/* Drags the held point in the plane that faces the camera. towards_mm: additional movement towards
+ * the viewer. */
 static void drag_grip(viewport *self, float towards_mm)
 {
     viewport_grip *grip = &self->grip;
@@ -229,10 +231,11 @@ static void drag_grip(viewport *self, float towards_mm)
         grip->at[i] = under[i] + grip->offset[i];
 }
 
-/* ---- what the pointer finds and does ---- */
+/* ---- the pointer ---- */
 
-static const float reach_points = 14.0f;        /* of the pointer around a contact's dot */
-static const float notch_share = 1.0f / 120.0f; /* of the face's height: towards the viewer */
+static const float reach_points = 14.0f; /* distance of the pointer from a contact's dot */
+static const float notch_share =
+    1.0f / 120.0f; /* movement towards the viewer per notch, share of the face height */
 static const double radius_step = 1.12, radius_least_mm = 4.0, radius_most_share = 0.8;
 static const double radius_shown_for_s = 1.5;
 static const char radius_key[] = "viewport.pointer_radius_mm";
@@ -252,7 +255,7 @@ static float face_height(const viewport *self)
     return fmaxf(self->high[1] - self->low[1], 1.0f);
 }
 
-/* of the support of what is pulled */
+/* Returns the support radius of a pull with the pointer. */
 static double reach_mm(const viewport *self)
 {
     double rigs = view_of(self)->solver.radius;
@@ -263,7 +266,8 @@ static double reach_mm(const viewport *self)
 
 /* ---- positions ---- */
 
-/* Points from the canvas's top left; false: behind the eye. */
+/* Projects a point to points from the top left of the canvas. Returns false if it is behind the
+ * eye. */
 static bool to_points(const viewport *self, const float at[3], float *out_x, float *out_y)
 {
     float px[2];
@@ -289,7 +293,7 @@ static uint32_t contact_count(const viewport *self)
     return view->about && view->contact_count < of_rig ? view->contact_count : of_rig;
 }
 
-/* The position of a contact in the shape that is shown. */
+/* Computes the position of a contact in the shown shape. */
 static void contact_position(const viewport *self, uint32_t contact, float out[3])
 {
     memcpy(out, self->shape + (size_t)self->face.rig->contact[contact].vertex * 3, 3 * sizeof *out);
@@ -306,7 +310,7 @@ static bool contact_is_seen(const viewport *self, uint32_t contact)
     return facing > 0.0f;
 }
 
-/* ---- what is under the pointer ---- */
+/* ---- hit test ---- */
 
 static uint32_t find_contact(const viewport *self, const ui_canvas *canvas)
 {
@@ -395,9 +399,9 @@ static void tell_stroke(viewport *self, const ui_canvas *canvas)
     memcpy(out->at, self->hit.at, sizeof out->at);
 }
 
-/* ---- the face is pulled ---- */
+/* ---- pulls ---- */
 
-static void tell_stage(const viewport *self, pointer_grip how, bool stays)
+static void send_pointer(const viewport *self, pointer_grip how, bool stays)
 {
     live_point(app_live(self->of), how, self->grip.rest, self->grip.at, stays, self->radius_mm);
 }
@@ -418,7 +422,7 @@ static void take_hold(viewport *self, const ui_canvas *canvas)
     take_grip(self, kneads ? POINTER_KNEADS : POINTER_PULLS, rest, shown);
     self->drag = VIEWPORT_HOLDS;
     app_begin_pull(self->of);
-    tell_stage(self, self->grip.how, false);
+    send_pointer(self, self->grip.how, false);
 }
 
 static void hold_pull(viewport *self)
@@ -436,28 +440,28 @@ static void drag_hold(viewport *self, const ui_canvas *canvas)
     drag_grip(self, lifts ? canvas->wheel_y * notch_share * face_height(self) : 0.0f);
     bool stays = (canvas->modifiers & UI_SHIFT) != 0;
     if (canvas->is_released) {
-        tell_stage(self, POINTER_AWAY, stays);
+        send_pointer(self, POINTER_AWAY, stays);
         if (self->grip.how == POINTER_KNEADS)
             app_hold(self->of, "clay");
         else if (stays)
             hold_pull(self);
         self->grip.holds = false;
     } else {
-        tell_stage(self, self->grip.how, stays);
+        send_pointer(self, self->grip.how, stays);
     }
 }
 
-/* of whatever is held */
-static void let_go(viewport *self)
+/* Releases the held point or camera drag. */
+static void release_grip(viewport *self)
 {
     if (self->drag == VIEWPORT_HOLDS && app_live(self->of))
-        tell_stage(self, POINTER_AWAY, false);
+        send_pointer(self, POINTER_AWAY, false);
     self->grip.holds = false;
     self->drag = VIEWPORT_DRAGS_NOTHING;
 }
 
-/* All that stays goes back to rest. */
-static void let_go_of_all(viewport *self)
+/* Releases all remaining pulls. */
+static void release_all_pulls(viewport *self)
 {
     const mrt_contact *contact = &view_of(self)->about->contacts[self->contact - 1];
     const float rest[3] = {contact->rest.x, contact->rest.y, contact->rest.z};
@@ -467,7 +471,7 @@ static void let_go_of_all(viewport *self)
         app_begin_pull(self->of);
     live_point(app_live(self->of), POINTER_LETS_GO, rest, at, false, 0.0);
     if (app_is_held(self->of))
-        app_hold(self->of, "letting go of all contacts");
+        app_hold(self->of, "release all contacts");
 }
 
 static bool can_pull(const viewport *self)
@@ -497,7 +501,7 @@ static void press_left(viewport *self, const ui_canvas *canvas)
     if (!can_pull(self))
         return;
     if (canvas->is_double_clicked && self->contact)
-        let_go_of_all(self);
+        release_all_pulls(self);
     else
         take_hold(self, canvas);
 }
@@ -549,7 +553,7 @@ static void follow_pointer(viewport *self, const ui_canvas *canvas)
     self->is_off_stage = view_of(self)->mode == LIVE_SHOWS;
     take_pixel(self, canvas);
     if (canvas->button < 0)
-        let_go(self); /* somebody else has the pointer now */
+        release_grip(self); /* another panel uses the pointer now */
     turn_wheel(self, canvas);
     if (self->drag != VIEWPORT_HOLDS)
         find(self, canvas);
@@ -562,7 +566,7 @@ static void follow_pointer(viewport *self, const ui_canvas *canvas)
         self->drag = VIEWPORT_DRAGS_NOTHING;
 }
 
-/* ---- which face ---- */
+/* ---- current face ---- */
 
 static bool is_same_face(const viewport_face *a, const viewport_face *b)
 {
@@ -587,7 +591,7 @@ static uint64_t surface_of(const mesh *m)
 
 static void drop_face(viewport *self)
 {
-    let_go(self);
+    release_grip(self);
     float **arrays[] = {&self->shape, &self->normal, &self->stand_in, &self->rgb, &self->paint};
     for (size_t i = 0; i < sizeof arrays / sizeof *arrays; ++i) {
         free(*arrays[i]);
@@ -627,8 +631,8 @@ static bool take_face(viewport *self, const viewport_face *now, error *err)
     return true;
 }
 
-/* Another rig on the same surface: the picture and the camera stay, but the camera moves to the
- * head if the rig has another one. */
+/* Adopts another rig on the same surface. The picture and the camera stay, unless the rig has
+ * another head. */
 static void take_rig(viewport *self, const viewport_face *now)
 {
     float low[3], high[3];
@@ -672,12 +676,13 @@ static void follow_face(viewport *self)
     if (self->has_camera)
         keep_camera(self);
     viewport_camera_init(&self->camera, self->low, self->high, aspect_of(self));
-    if (!self->has_camera) /* as the program was left; another head is looked at whole */
+    if (!self->has_camera) /* the first face uses the saved camera; another head is shown as a whole
+                            */
         viewport_camera_recall(&self->camera, &self->camera_kept);
     self->has_camera = true;
 }
 
-/* ---- which shape ---- */
+/* ---- current shape ---- */
 
 static void follow_shape(viewport *self)
 {
@@ -688,7 +693,7 @@ static void follow_shape(viewport *self)
         position = self->stand_in;
         normal = self->stand_in + count;
     } else if (view->vertex_count != self->face.vertex_count) {
-        return; /* the stage has not changed over to this face yet */
+        return; /* the stage does not use this face yet */
     }
     if (!position)
         return;
@@ -711,7 +716,7 @@ void viewport_stand_in(viewport *self, const float *position, const float *norma
     memcpy(self->stand_in + count, normal, count * sizeof *position);
 }
 
-/* ---- which colours ---- */
+/* ---- current colours ---- */
 
 static bool has_heat(viewport *self)
 {
@@ -770,10 +775,10 @@ void viewport_paint(viewport *self, const float *rgb)
     self->is_painted_anew = true;
 }
 
-/* ---- what is written over the picture ---- */
+/* ---- overlay text ---- */
 
 static const float margin = 12.0f, dot_radius = 5.0f;
-static const uint32_t plate = 0x101113c8u; /* below words that lie on the face */
+static const uint32_t plate = 0x101113c8u; /* background of text over the face */
 
 static void write_on_plate(ui *on, float x, float y, uint32_t colour, const char *text)
 {
@@ -801,7 +806,8 @@ static bool add_label(const viewport *self, const ui *on, uint32_t contact, view
     return true;
 }
 
-/* The name under the pointer is laid out first, so that it always has room. */
+/* Draws the names of contacts. The name under the pointer is placed first, so that it always has
+ * space. */
 static void ink_contacts(const viewport *self, ui *on)
 {
     const live_view *view = app_view(self->of);
@@ -847,7 +853,7 @@ static void smooth_normal(const viewport *self, float out[3])
         out[i] = squared > 1e-8f ? out[i] / sqrtf(squared) : self->hit.normal[i];
 }
 
-/* A circle on the skin, in the plane that touches it. */
+/* Draws a circle on the skin, in the tangent plane. */
 static void ink_ring(const viewport *self, ui *on, float radius_mm, uint32_t colour)
 {
     float normal[3], side[3], other[3], xy[2 * (RING_POINTS + 1)], squared = 0.0f;
@@ -875,7 +881,7 @@ static void ink_ring(const viewport *self, ui *on, float radius_mm, uint32_t col
     ui_draw_lines(on, xy, RING_POINTS + 1, colour, 1.5f);
 }
 
-/* Beside the pointer, and within the picture. */
+/* Writes text near the pointer, within the picture. */
 static void write_beside(const viewport *self, ui *on, const float at[3], const char *text)
 {
     float x, y;
@@ -889,7 +895,7 @@ static void write_beside(const viewport *self, ui *on, const float at[3], const 
                    text);
 }
 
-/* Writes at the upper edge of the picture, away from the pointer. */
+/* Writes text at the upper edge of the picture, away from the pointer. */
 static void write_at_edge(const viewport *self, ui *on, const char *text)
 {
     float width = ui_text_width(on, UI_STYLE_BODY, text);
@@ -897,27 +903,27 @@ static void write_at_edge(const viewport *self, ui *on, const char *text)
                    THEME_DIM, text);
 }
 
-static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* fewer look coarse */
+static const float quality_scale[] = {1.0f, 0.85f, 0.7f, 0.6f}; /* lower resolutions look coarse */
 
-/* How far down the picture's upper corners begin. */
+/* Returns the height of the key help above the upper corners of the picture. */
 static float below_keys(const viewport *self, const ui *on)
 {
     return virtual_hand_keys_height(self->hand, on, self->where.width);
 }
 
-/* That the picture is not as sharp as it will be. */
+/* Writes the resolution while it is reduced. */
 static void ink_quality(const viewport *self, ui *on)
 {
     char words[64];
     if (self->quality.level == 0)
         return;
-    (void)snprintf(words, sizeof words, "%.0f %% sharp while it moves",
+    (void)snprintf(words, sizeof words, "%.0f %% resolution while the face moves",
                    100.0 * (double)quality_scale[self->quality.level]);
     write_on_plate(on, self->where.x + margin, self->where.y + margin + below_keys(self, on),
                    THEME_DIM, words);
 }
 
-/* A button that removes what pulls with Shift, and clay, have left on the face. */
+/* Draws the button that removes Shift pulls and clay changes from the face. */
 static void ink_chip(viewport *self, ui *on)
 {
     char keys[KEY_WORDS], words[80];
@@ -935,7 +941,7 @@ static void ink_chip(viewport *self, ui *on)
                  THEME_ACCENT, 0.0f, words);
 }
 
-/* Tells that the view is mirrored, which is easily overlooked; a click ends it. */
+/* Draws a sign that the view is mirrored, which is easy to overlook. A click ends it. */
 static void ink_mirrored(viewport *self, ui *on)
 {
     static const char words[] = "Mirrored";
@@ -956,8 +962,9 @@ static void ink_hold(const viewport *self, ui *on)
         return;
     ui_draw_ring(on, self->where.x + x, self->where.y + y, 7.5f, THEME_ACCENT, 2.0f);
     write_at_edge(self, on,
-                  self->grip.how == POINTER_KNEADS ? "Clay: it stays. Wheel: nearer, further"
-                                                   : "Shift: it stays. Wheel: nearer, further");
+                  self->grip.how == POINTER_KNEADS
+                      ? "Clay: the shape stays. Wheel: nearer, further"
+                      : "Shift: the pull stays. Wheel: nearer, further");
 }
 
 static void ink_pointer(const viewport *self, ui *on)
@@ -1001,7 +1008,7 @@ static void set_cursor(const viewport *self, ui *on)
         ui_set_cursor(on, UI_CURSOR_HAND);
 }
 
-/* ---- what the colours mean ---- */
+/* ---- legends ---- */
 
 static uint32_t mixed(uint32_t a, uint32_t b, float share)
 {
@@ -1077,7 +1084,7 @@ static void ink_heat(const viewport *self, ui *on)
     if (!has_depth)
         return;
     char text[80];
-    snprintf(text, sizeof text, "Held back now: %.1f mm", app_view(self->of)->penetration_mm);
+    snprintf(text, sizeof text, "Skin pushed out: %.1f mm", app_view(self->of)->penetration_mm);
     ui_draw_text(on, x, y + 12.0f + line, UI_STYLE_BODY, THEME_TEXT, inner, text);
 }
 
@@ -1092,9 +1099,10 @@ static void ink_all(const viewport *self, ui *on)
 
 /* ---- the viewport ---- */
 
-static const char output_key[] = "viewport.output_from_front"; /* 1: whatever the camera does */
+static const char output_key[] =
+    "viewport.output_from_front"; /* 1: the output shows the front, independent of the camera */
 
-/* ---- made and unmade ---- */
+/* ---- create and destroy ---- */
 
 static bool make_parts(viewport *self, error *err)
 {
@@ -1195,16 +1203,16 @@ void viewport_update(viewport *self, const ui *keys, const struct window_gamepad
         app_want_frame(self->of, 0.0);
     if (self->radius_shown_s > 0.0)
         app_want_frame(self->of, self->radius_shown_s);
-    if (self->quality.level > 0) /* sharp again once it stands still */
+    if (self->quality.level > 0) /* full resolution when the picture does not change */
         app_want_frame(self->of, 0.05);
 }
 
-/* ---- how many pixels ---- */
+/* ---- resolution ---- */
 
 enum { QUALITIES = sizeof quality_scale / sizeof *quality_scale };
 static const double slow_frame_s = 0.040, slow_for_s = 0.25, still_for_s = 0.30, fast_for_s = 1.0;
 
-/* Whether a frame with the pixels of the level above would still be no slow one. */
+/* Returns whether a frame at the next higher resolution would still be fast enough. */
 static bool has_time_for_more(const viewport *self)
 {
     const uint32_t level = self->quality.level;
@@ -1214,14 +1222,14 @@ static bool has_time_for_more(const viewport *self)
     return self->dt_s * more * more < 0.75 * slow_frame_s;
 }
 
-/* A renderer that takes long is given fewer pixels while it must draw anew each frame, and more
- * again when it has the time; all of them once the picture stands still. */
+/* Chooses the resolution. It decreases while a slow renderer must redraw each frame, increases when
+ * there is time, and is full when nothing changes. */
 static float choose_quality(viewport *self)
 {
     viewport_quality *q = &self->quality;
     uint64_t count = viewport_picture_count(self->picture);
     const bool was_drawn = count != q->count;
-    const bool is_going_on = was_drawn && q->was_drawn; /* one picture alone may take its time */
+    const bool is_going_on = was_drawn && q->was_drawn; /* a single slow picture does not count */
     q->count = count;
     q->was_drawn = was_drawn;
     if (!was_drawn) {
@@ -1283,7 +1291,7 @@ static void make_scene(viewport *self)
     }
 }
 
-/* The scene's picture on the graphics card; NULL: the wall. */
+/* Returns the background picture of the scene on the graphics card; NULL: the wall. */
 static const draw_backdrop *backdrop_of(viewport *self)
 {
     uint64_t number;
@@ -1340,7 +1348,7 @@ static void draw_face_in(viewport *self, ui *on, const ui_canvas *canvas)
         keep_camera(self);
 }
 
-/* A window that is put away has not drawn yet. */
+/* Prepares the shading of the face. A hidden window has not drawn yet. */
 static void shade_face(viewport *self)
 {
     error err = {{0}};
@@ -1366,7 +1374,7 @@ void viewport_draw(viewport *self, ui *on, ui_rectangle where, float scale)
     ui_panel_end(on);
 }
 
-/* ---- for others ---- */
+/* ---- output for other programs ---- */
 
 void viewport_set_use(viewport *self, viewport_use use, float brush_mm)
 {
@@ -1457,7 +1465,8 @@ uint64_t viewport_output_drawn(const viewport *self, viewport_taker to)
 uint32_t viewport_portrait(viewport *self, const float *position, uint32_t vertex_count,
                            const float ground[4], uint32_t width, uint32_t height)
 {
-    static const float closer = 0.86f; /* than the camera that has air around the head */
+    static const float closer =
+        0.86f; /* factor of the default camera distance, which leaves a margin around the head */
     error err = {{0}};
     if (!self->has_face || vertex_count != self->face.vertex_count || width == 0 || height == 0 ||
         !has_output(self, VIEWPORT_PORTRAIT, &err))

@@ -53,7 +53,7 @@ void virtual_hand_add_keys(virtual_hand_intent *intent, const bool is_down[VIRTU
     add(&intent->yaw, between(is_down, VIRTUAL_WRIST_RIGHT, VIRTUAL_WRIST_LEFT));
 }
 
-/* -1..1 without the middle, where worn sticks rest. */
+/* Returns -1..1 with a dead zone in the middle, because worn sticks do not centre. */
 static float stick(const window_gamepad *pad, int axis)
 {
     float value = pad->axis[axis];
@@ -62,7 +62,7 @@ static float stick(const window_gamepad *pad, int axis)
     return copysignf(fminf((fabsf(value) - dead_zone) / (1.0f - dead_zone), 1.0f), value);
 }
 
-/* 0..1 */
+/* Returns 0..1. */
 static float trigger(const window_gamepad *pad, int axis)
 {
     float value = 0.5f * (pad->axis[axis] + 1.0f);
@@ -97,7 +97,7 @@ bool virtual_hand_pad_is_used(const window_gamepad *pad)
     return trigger(pad, PAD_LEFT_TRIGGER) > 0.0f || trigger(pad, PAD_RIGHT_TRIGGER) > 0.0f;
 }
 
-/* How far a joint goes from rest when the finger is wholly down, and wholly up, rad. */
+/* Angle of a joint from rest with the finger fully down and fully up, rad. */
 typedef struct way {
     int sensor;
     float down_rad, up_rad;
@@ -152,8 +152,8 @@ void virtual_hand_motion_begin(virtual_hand_motion *out)
     virtual_hand_rest(out->angle_rad);
 }
 
-/* A critically damped spring, solved exactly: x = (a + (v + w a) t) e^(-w t), which has done 63 %
- * of its way after 2.146 / w. */
+/* Solves a critically damped spring exactly: x = (a + (v + w a) t) e^(-w t). It covers 63 % of the
+ * distance after 2.146 / w. */
 static void ease(float *angle_rad, float *speed_rad_s, float goal_rad, double dt_s)
 {
     bool is_bending = goal_rad > *angle_rad;
@@ -186,8 +186,8 @@ bool virtual_hand_motion_is_still(const virtual_hand_motion *self, const float g
 
 enum { CHANNELS = MRT_ANGLES + MRT_MAX_PEDALS };
 static const double rate_hz = 125.0;
-static const double attach_s = 0.5; /* mappings take the first samples as the hand's neutral pose */
-static const double settle_s = 1.0; /* filters and eases behind it come to rest with samples only */
+static const double attach_s = 0.5; /* mappings use the first samples as the rest of the hand */
+static const double settle_s = 1.0; /* later filters need more samples to settle */
 static const char side_key[] = "virtual_hand.side";
 static const char *const feed_id[2] = {"org.marotte.virtual_left", "org.marotte.virtual_right"};
 static const char *const input_text[2] = {"virtual left hand", "virtual right hand"};
@@ -197,12 +197,12 @@ struct virtual_hand {
     app *of;
     uint32_t side;
     feed *feed[2];   /* NULL: not used yet */
-    input *made[2];  /* live's; only to be compared */
-    bool is_refused; /* it could not join; tried again when one of the next two has changed: */
+    input *made[2];  /* owned by live; only compared */
+    bool is_refused; /* joining failed; retried when one of the next two fields changes */
     bool was_recording;
     uint32_t input_count;
-    double joined_s; /* since it joined the stage */
-    double still_s;  /* since it is at rest and nobody moves it */
+    double joined_s; /* time since it joined the stage */
+    double still_s;  /* time at rest without input */
     bool has_keys, gave;
     virtual_hand_intent intent;
     virtual_hand_motion motion;
@@ -220,7 +220,7 @@ virtual_hand *virtual_hand_create(app *of)
     return self;
 }
 
-/* Where the input of this side is among the stage's; UINT32_MAX: it is not there (any more). */
+/* Returns the index of this side's input on the stage, or UINT32_MAX. */
 static uint32_t index_of(const virtual_hand *self, uint32_t side)
 {
     live *stage = app_live(self->of);
@@ -230,7 +230,8 @@ static uint32_t index_of(const virtual_hand *self, uint32_t side)
     return UINT32_MAX;
 }
 
-/* An input cannot leave while a take is recorded. */
+/* Removes the input of a side. If this fails because a take is being recorded, ends the take first.
+ */
 static void leave(virtual_hand *self, uint32_t side)
 {
     live *stage = app_live(self->of);
@@ -242,7 +243,7 @@ static void leave(virtual_hand *self, uint32_t side)
         return;
     if (live_record_end(stage, &err) < 0 || live_remove_input(stage, index, &err) < 0) {
         news_list_add(app_news(self->of), MRT_LOG_WARNING, feed_name[side], err.text);
-        self->feed[side] = NULL; /* whoever still has the input needs it */
+        self->feed[side] = NULL; /* the input is still in use and needs the feed */
     }
 }
 
@@ -297,7 +298,7 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
     if (result < 0)
         return result;
     virtual_hand_motion_begin(&self->motion);
-    give(self, side, FEED_MOVES); /* before anybody reads it: a hand at rest */
+    give(self, side, FEED_MOVES); /* starts at rest, before any reader */
     result = live_add_input(app_live(self->of), made, input_text[side], err);
     if (result < 0)
         return result; /* the stage has destroyed it */
@@ -307,8 +308,8 @@ static mrt_result join(virtual_hand *self, uint32_t side, error *err)
     return MRT_OK;
 }
 
-/* After a refusal, not before a recording has begun or ended or the inputs have changed: a take
- * that was recorded, or too many inputs, may have been the reason. */
+/* Returns whether the hand may try to join. After a refusal it waits until a recording starts or
+ * ends or the inputs change, because a running take or too many inputs can be the reason. */
 static bool may_join(const virtual_hand *self)
 {
     return !self->is_refused || self->was_recording != app_status(self->of)->is_recording ||
@@ -345,7 +346,7 @@ static void change_side(virtual_hand *self)
     self->is_refused = false;
     settings_set_number(app_settings(self->of), side_key, self->side);
     char text[64];
-    snprintf(text, sizeof text, "The keyboard and the gamepad are the %s hand now",
+    snprintf(text, sizeof text, "The keyboard and the gamepad now control the %s hand",
              self->side == MRT_LEFT ? "left" : "right");
     news_list_add(app_news(self->of), MRT_LOG_INFO, "virtual hand", text);
 }
@@ -363,8 +364,8 @@ static void read_intent(virtual_hand *self, const ui *keys, const window_gamepad
         virtual_hand_add_pad(&self->intent, pad);
 }
 
-/* To the right in the picture is the subject's left (+x), where a right hand has its thumb; a
- * mirror changes that. */
+/* Returns to_radial. Right in the picture is the subject's left (+x), where a right hand has its
+ * thumb. A mirrored view reverses this. */
 static float to_radial_of(const virtual_hand *self)
 {
     bool is_radial = (self->side == MRT_RIGHT) != app_looks_of(self->of)->is_mirrored;
@@ -377,7 +378,7 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepa
         change_side(self);
     self->has_keys = app_has_hand_keys(self->of);
     bool is_used = self->has_keys || (pad && virtual_hand_pad_is_used(pad));
-    if (pad || is_used || self->gave) /* a gamepad gives no events */
+    if (pad || is_used || self->gave) /* a gamepad sends no events */
         app_want_frame(self->of, 0.0);
     if (!is_used && !self->gave)
         return;
@@ -397,11 +398,11 @@ void virtual_hand_update(virtual_hand *self, const ui *keys, const window_gamepa
     give(self, self->side, self->still_s >= settle_s ? FEED_RESTS : FEED_MOVES);
 }
 
-/* ---- which key moves which finger ---- */
+/* ---- display of the keys ---- */
 
 typedef struct key_cell {
     const char *name, *down, *up; /* up NULL: one key */
-    int finger;                   /* 0 thumb .. 4 little; -1: none */
+    int finger;                   /* 0 thumb .. 4 little finger; -1: none */
 } key_cell;
 static const key_cell cells[] = {{"Thumb", "Space", "B", 0},    {"Index", "J", "U", 1},
                                  {"Middle", "K", "I", 2},       {"Ring", "L", "O", 3},
@@ -409,7 +410,7 @@ static const key_cell cells[] = {{"Thumb", "Space", "B", 0},    {"Index", "J", "
                                  {"Wrist", "arrows", NULL, -1}, {"Other hand", "Shift+Y", NULL, -1},
                                  {"End", "Esc", NULL, -1}};
 enum { CELLS = sizeof cells / sizeof *cells };
-static const uint32_t plate = 0x101113e8u; /* below words that lie on the face */
+static const uint32_t plate = 0x101113e8u; /* background of text over the face */
 static const float cell_gap = 16.0f, cap_gap = 4.0f;
 
 static float cap_width(const ui *on, const char *key)
@@ -450,9 +451,8 @@ static const char *hand_title(const virtual_hand *self)
     return self->side == MRT_LEFT ? "Left hand" : "Right hand";
 }
 
-/* The cells from `first` on that a line has room for, behind the title at first; *out_wide: with
- * it.
- */
+/* Returns the number of cells from `first` that fit in a line. The first line includes the title.
+ * *out_wide: resulting width. */
 static int cells_of_line(const virtual_hand *self, const ui *on, float width, int first,
                          float *out_wide)
 {
@@ -472,7 +472,7 @@ static float cells_height(const ui *on)
 
 float virtual_hand_keys_height(const virtual_hand *self, const ui *on, float width)
 {
-    float wide, high = 8.0f; /* what is between it and what lies below */
+    float wide, high = 8.0f; /* gap to the content below */
     for (int first = 0; first < CELLS; first += cells_of_line(self, on, width, first, &wide))
         high += cells_height(on);
     return self->has_keys ? high : 0.0f;
