@@ -62,7 +62,7 @@ typedef enum edit_kind {
     EDIT_CLIP_MUTE,    /* muted */
     EDIT_CLIP_PERFORM, /* performance: another one of the same tracks */
     EDIT_RANGE_KEEP,   /* in_ns, out_ns: the take becomes that range */
-    EDIT_RANGE_CUT,    /* in_ns, out_ns, layers, ripple: closes the gap */
+    EDIT_RANGE_CUT,    /* in_ns, out_ns, layers, ripple (close the gap) */
     EDIT_RANGE_INSERT, /* at_ns, length_ns, layers */
     EDIT_PUNCH,        /* layer, material, in_ns, out_ns, fade_ns: replaces a span of the layer */
     EDIT_COMP, /* regions or own and name, material, in_ns, out_ns, fade_ns: adds a layer for each

@@ -69,7 +69,8 @@ typedef struct show_recovery {
     int64_t row_count;     /* copied rows */
     int64_t damaged_count; /* rows that were left out because they are damaged; others may be lost
                               without being noticed */
-    bool is_cut; /* true if the pages of the file form a loop, so that only a part of it was read */
+    bool is_cut; /* true if the work budget ran out, for example in a loop of pages; only a part was
+                    read */
 } show_recovery;
 CHECKED mrt_result show_recover(show_recovery *out, const char *path, const char *out_path,
                                 error *err);
