@@ -423,8 +423,7 @@ static mrt_result check_argument(const edit *e, const edit_argument *argument, e
 mrt_result edit_check_arguments(const edit *e, error *err)
 {
     if (edit_name(e->kind)[0] == '\0')
-        return error_set(err, MRT_ERR_ARGUMENT, "edit of kind %d: there is no such operation",
-                         (int)e->kind);
+        return error_set(err, MRT_ERR_ARGUMENT, "edit of kind %d: unknown operation", (int)e->kind);
     edit_use use[EDIT_ARGUMENTS_MAX];
     uint32_t count = uses_of(use, e->kind);
     mrt_result result = MRT_OK;
@@ -585,7 +584,7 @@ static mrt_result read_kind(edit_kind *out, const json_t *object, error *err)
     if (*out != EDIT_NONE)
         return MRT_OK;
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "$.op: this version knows no edit %s; a newer marotte may have made it",
+                     "$.op: unknown edit %s; a newer marotte may have made it",
                      json_describe(op).text);
 }
 
@@ -609,7 +608,7 @@ static mrt_result refuse_unknown_keys(const edit_use *use, uint32_t count, edit_
         char word[64];
         text_copy(word, sizeof word, text_view_of(key, strlen(key)));
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "$.%s: this version knows no such argument of %s; a newer marotte may "
+                         "$.%s: unknown argument of %s; a newer marotte may "
                          "have made it",
                          word, edit_name(kind));
     }

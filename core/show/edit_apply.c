@@ -27,8 +27,8 @@ static mrt_result check_clip(const take_layer *layer, const take_clip *clip, err
 {
     if (clip->start_ns < -EDIT_CLIP_MAX_NS || clip->end_ns > EDIT_CLIP_MAX_NS ||
         clip->start_ns > EDIT_CLIP_MAX_NS || clip->end_ns < -EDIT_CLIP_MAX_NS)
-        return error_set(err, MRT_ERR_ARGUMENT, "clip %u: it is days away from the take; move it",
-                         clip->id);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "clip %u: it is days away from the take; move it closer", clip->id);
     if (clip->end_ns <= clip->start_ns)
         return bad_clip(layer, clip, "expected an end after its start", err);
     if (clip->from_ns < 0 || clip->to_ns <= clip->from_ns ||
@@ -63,8 +63,8 @@ static mrt_result check_order(const take_layer *layer, uint32_t i, error *err)
                              .text);
     if (i >= 2 && clip->start_ns < clip[-2].end_ns)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s would overlap clips %u and %u at once, at %s s; two may overlap: trim "
-                         "or move one",
+                         "%s would overlap clips %u and %u at %s s; only two clips may overlap: "
+                         "trim or move one",
                          edit_clip_words(layer, clip).text, clip[-2].id, clip[-1].id,
                          edit_seconds(clip->start_ns + layer->offset_ns).text);
     return MRT_OK;
@@ -86,7 +86,7 @@ static mrt_result check_layer(const take_layer *layer, error *err)
     for (uint32_t i = 0; i < layer->own_count; ++i)
         if (!memchr(layer->own[i], '\0', TAKE_NAME) || !own_is_pattern(layer->own[i]))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s: pattern %u is none; expected one such as \"mouth.*\"",
+                             "%s: pattern %u is invalid; expected one such as \"mouth.*\"",
                              edit_layer_words(layer).text, i);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < layer->clip_count; ++i) {
@@ -110,7 +110,7 @@ static mrt_result check_sorted_ids(const uint32_t *id, size_t count, error *err)
     for (size_t i = 0; i < count; ++i)
         if (id[i] == 0 || id[i] == UINT32_MAX || (i > 0 && id[i] == id[i - 1]))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "id %u: two layers or clips have it, or it is no id", id[i]);
+                             "id %u: two layers or clips use it, or it is invalid", id[i]);
     return MRT_OK;
 }
 
@@ -141,7 +141,7 @@ static mrt_result check_markers(const take *t, error *err)
             (i > 0 && marker->at_ns < marker[-1].at_ns) ||
             !memchr(marker->text, '\0', sizeof marker->text))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "marker %u: expected a text, in order of time, days away at most", i);
+                             "marker %u: expected a text, sorted by time, at most days away", i);
     }
     return MRT_OK;
 }
@@ -216,10 +216,10 @@ static mrt_result set_timecode(take *t, const edit *e, error *err)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "time code: the take has no frame rate; set it first");
     if (e->is_drop && !timecode_can_drop(rate))
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "$.drop: at %.6g frames a second there is no drop-frame time code; only "
-                         "29.97 and 59.94 have it",
-                         t->fps);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "$.drop: %.6g frames a second has no drop-frame time code; only 29.97 and 59.94 do",
+            t->fps);
     t->timecode_frame = e->frame;
     t->is_drop_frame = e->is_drop;
     return MRT_OK;
@@ -313,7 +313,7 @@ static mrt_result trim_audio(take_audio *audio, const edit *e, error *err)
     if (e->end_ns != EDIT_UNSAID)
         out_ns = e->end_ns - audio->offset_ns;
     if (in_ns >= out_ns && (out_ns != 0 || e->end_ns != EDIT_UNSAID))
-        return error_set(err, MRT_ERR_ARGUMENT, "audio: nothing of it would be left");
+        return error_set(err, MRT_ERR_ARGUMENT, "audio: the edit would remove all of it");
     audio->in_ns = in_ns;
     audio->out_ns = out_ns;
     return MRT_OK;
@@ -554,10 +554,11 @@ static mrt_result check_split(edit_spot spot, int64_t at_ns, error *err)
     if (at_ns >= low_ns && at_ns <= high_ns)
         return MRT_OK;
     if (low_ns > high_ns)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: it cross-fades all along: nowhere to split it",
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: it is cross-faded over its whole length and cannot be split",
                          edit_clip_words(layer, clip).text);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: it cannot be split at %s s; outside of its cross-fades is %s",
+                     "%s: it cannot be split at %s s; split it outside its cross-fades, in %s",
                      edit_clip_words(layer, clip).text, edit_seconds(at_ns + layer->offset_ns).text,
                      edit_span_words(low_ns + layer->offset_ns, high_ns + layer->offset_ns).text);
 }
@@ -626,11 +627,10 @@ static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
     if (!edit_is_warp(clip.warp, clip.warp_count, EDIT_CLIP_MAX_NS) ||
         clip.end_ns <= clip.start_ns) {
         edit_clip_finish(&clip);
-        return error_set(
-            err, MRT_ERR_ARGUMENT,
-            "clip %u: %g times its speed leaves 1/1000 to 1000 times as fast as it was "
-            "recorded, or nothing of it; choose a speed nearer to 1",
-            e->clip, e->speed);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "clip %u: %g times its speed is outside 1/1000 to 1000 times the recorded "
+                         "speed, or leaves nothing of it; choose a speed nearer to 1",
+                         e->clip, e->speed);
     }
     keep_to_recording(&clip);
     edit_fit_fades(&clip);
@@ -653,8 +653,8 @@ static mrt_result set_curve(edit_spot spot, const edit *e, error *err)
     if (first_ns >= 0 && last_ns <= length_ns)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: that curve shows %s of a recording of 0 .. %s s; let it stay within, or "
-                     "trim the clip",
+                     "%s: that curve shows %s of a recording of 0 .. %s s; keep it within the "
+                     "recording, or trim the clip",
                      edit_clip_words(spot.layer, spot.clip).text,
                      edit_span_words(first_ns, last_ns).text, edit_seconds(length_ns).text);
 }
@@ -756,8 +756,8 @@ static mrt_result check_audio(const take *t, const edit *e, int64_t out_ns, erro
     if (e->layer_count > 0 || t->audio.audio == 0 || t->audio.offset_ns >= out_ns)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: the take's audio begins before %s s and would run out of step; name the "
-                     "layers to leave it as it is, or detach it, or leave a gap",
+                     "%s: the take's audio begins before %s s and would lose sync; name layers to "
+                     "keep the audio unchanged, or detach it, or leave a gap",
                      edit_name(e->kind), edit_seconds(out_ns).text);
 }
 
@@ -913,7 +913,7 @@ static mrt_result check_span(const edit *e, error *err)
     if (e->fade_ns <= (e->out_ns - e->in_ns) / 2)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s %s: cross-fades of %s s do not fit into it twice; at most %s s do",
+                     "%s %s: two cross-fades of %s s do not fit into it; use at most %s s",
                      edit_name(e->kind), edit_span_words(e->in_ns, e->out_ns).text,
                      edit_seconds(e->fade_ns).text, edit_seconds((e->out_ns - e->in_ns) / 2).text);
 }
@@ -955,9 +955,9 @@ static mrt_result check_hard(const take_layer *layer, const edit *e, int64_t at_
     soft_span span;
     if (!find_soft_span(&span, layer, at_ns))
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: %s s lies within a fade of %s; choose %s s or %s s", edit_name(e->kind),
-                     edit_seconds(at_ns + layer->offset_ns).text, edit_layer_words(layer).text,
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s s is within a fade of %s; choose %s s or %s s",
+                     edit_name(e->kind), edit_seconds(at_ns + layer->offset_ns).text,
+                     edit_layer_words(layer).text,
                      edit_seconds(span.from_ns + layer->offset_ns).text,
                      edit_seconds(span.until_ns + layer->offset_ns).text);
 }

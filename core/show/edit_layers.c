@@ -112,8 +112,7 @@ mrt_result edit_reserve(void **array, size_t element, uint32_t count, uint32_t c
                         const char *what, error *err)
 {
     if (count >= cap)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: there are %u, and no room for more", what,
-                         count);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the limit of %u is reached", what, count);
     void *larger = realloc(*array, element * ((size_t)count + 1));
     if (!larger)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory for one more", what);
@@ -222,10 +221,9 @@ static mrt_result check_shown(const take_layer *layer, const take_clip *clip, er
     edit_words asked =
         edit_span_words(clip->start_ns + layer->offset_ns, clip->end_ns + layer->offset_ns);
     edit_words there = edit_span_words(low_ns + layer->offset_ns, high_ns + layer->offset_ns);
-    return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: %s was asked for, but performance %lld has something to show at %s only",
-                     edit_layer_words(layer).text, asked.text, (long long)clip->performance,
-                     there.text);
+    return error_set(
+        err, MRT_ERR_ARGUMENT, "%s: %s was requested, but performance %lld can be shown only at %s",
+        edit_layer_words(layer).text, asked.text, (long long)clip->performance, there.text);
 }
 
 edit edit_with_defaults(const edit *e, const take *t)
@@ -248,7 +246,7 @@ mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const
     if (e->warp_count && e->source_ns != EDIT_UNSAID)
         return error_set(
             err, MRT_ERR_ARGUMENT,
-            "$.source_ns: the warp says which instant is shown; leave one of them out");
+            "$.source_ns: the warp already sets the first instant; remove one of the two");
     if (full.to_ns <= full.from_ns || full.to_ns - full.from_ns > EDIT_TIME_MAX_NS)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "$.to_ns: expected an end after from_ns (%lld), at most %.40s s later, "
@@ -363,7 +361,7 @@ mrt_result edit_cut(take *t, take_layer *layer, int64_t in_ns, int64_t out_ns, i
     free(before.clip);
     free(after.clip);
     if (result >= 0 && layer->clip_count > EDIT_CLIPS_MAX)
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: no room for the clips that the cut makes",
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s: the cut would create too many clips",
                            edit_layer_words(layer).text);
     return result;
 }

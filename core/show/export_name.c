@@ -56,7 +56,7 @@ mrt_result export_name(char *out, size_t capacity, const char *pattern, const ex
             continue;
         }
         if (*at == '{')
-            return error_set(err, MRT_ERR_ARGUMENT, "\"%s\": %s are what a name may have", pattern,
+            return error_set(err, MRT_ERR_ARGUMENT, "\"%s\": a name can contain only %s", pattern,
                              pattern_words);
         if (used + 2 > capacity)
             return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", pattern);

@@ -91,7 +91,7 @@ static mrt_result face_folder(char out[PATH_MAX], const char *pack, const take_p
 {
     char key[KEY];
     if (!is_hash(p->mesh_hash) || (p->rig_hash[0] && !is_hash(p->rig_hash)))
-        return error_set(err, MRT_ERR_FORMAT, "the show does not say which face it was");
+        return error_set(err, MRT_ERR_FORMAT, "the show does not name the face");
     (void)snprintf(key, sizeof key, "%.16s-%.16s/", p->rig_hash[0] ? p->rig_hash : "mesh",
                    p->mesh_hash);
     return join(out, pack, key, err);
@@ -107,7 +107,7 @@ static mrt_result face_name(char out[32], const take_performance *p, error *err)
     }
     if (!extension.text[0] ||
         strspn(extension.text, "abcdefghijklmnopqrstuvwxyz0123456789") != strlen(extension.text))
-        return error_set(err, MRT_ERR_FORMAT, "%s: no kind of mesh", p->rig);
+        return error_set(err, MRT_ERR_FORMAT, "%s: is not a mesh file", p->rig);
     (void)snprintf(out, 32, "face.%s", extension.text);
     return MRT_OK;
 }
@@ -119,22 +119,22 @@ static mrt_result check_file(const char *folder, const char *name, const char *h
     char path[PATH_MAX], now[TAKE_HASH];
     struct stat status;
     if (!is_safe_name(name))
-        return error_set(err, MRT_ERR_FORMAT, "%s: names \"%.80s\", which is no file of it", folder,
-                         name);
+        return error_set(err, MRT_ERR_FORMAT, "%s: names \"%.80s\", which is not one of its files",
+                         folder, name);
     mrt_result result = join(path, folder, name, err);
     for (char *at = path + strlen(folder); result >= 0 && (at = strchr(at, '/')); *at++ = '/') {
         *at = '\0';
         if (lstat(path, &status) != 0 || !S_ISDIR(status.st_mode))
-            result = error_set(err, MRT_ERR_FORMAT, "%s: is no folder", path);
+            result = error_set(err, MRT_ERR_FORMAT, "%s: is not a folder", path);
     }
     if (result >= 0 && lstat(path, &status) != 0)
         result = error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
     if (result >= 0 && (!S_ISREG(status.st_mode) || status.st_size > PACK_BYTES_MAX))
-        result = error_set(err, MRT_ERR_FORMAT, "%s: is no file, or too large", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: is not a regular file, or too large", path);
     if (result >= 0)
         result = hash_file(now, path, err);
     if (result >= 0 && strcmp(now, hash) != 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: is not what was packed", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: differs from the packed file", path);
     return result;
 }
 
@@ -171,7 +171,8 @@ static mrt_result read_list(file_list **out, const char *folder, error *err)
         (*out)->count += is_good ? 1 : 0;
     }
     json_decref(root);
-    return is_good ? MRT_OK : error_set(err, MRT_ERR_FORMAT, "%s: is no list of a pack", path);
+    return is_good ? MRT_OK
+                   : error_set(err, MRT_ERR_FORMAT, "%s: is not the file list of a pack", path);
 }
 
 /* The face, and that it is in the list; every file of the list is what it was. */
@@ -209,14 +210,12 @@ mrt_result pack_find(char out_face[PATH_MAX], const char *show_path, const take_
         return MRT_END;
     pack[strlen(pack)] = '/';
     if (!is_folder(pack))
-        return error_set(err, MRT_ERR_FORMAT, "%s: is no folder: links are not followed", pack);
+        return error_set(err, MRT_ERR_FORMAT, "%s: is not a folder: links are not followed", pack);
     result = face_folder(folder, pack, p, err);
     if (result >= 0 && !is_folder(folder))
-        result =
-            error_set(err, MRT_ERR_IO,
-                      "%s: does not have the face that was performed on (%s): --face FILE says "
-                      "which one to take",
-                      pack, p->rig);
+        result = error_set(err, MRT_ERR_IO,
+                           "%s: does not have the performed face (%s): choose one with --face FILE",
+                           pack, p->rig);
     return result < 0 ? result : check_face(out_face, folder, p, err);
 }
 
@@ -259,8 +258,8 @@ static mrt_result gather_named(gathering *self, const char *by, const char *text
         decode_uri(end);
     if (end[0] == '/' || !is_safe_name(name))
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s%s: names \"%.120s\": only files in the folder of the face, or below, "
-                         "can travel with it; put it there, and name it so",
+                         "%s%s: names \"%.120s\": only files in or below the folder of the face "
+                         "can be packed; move it there and use its new name",
                          self->folder, by, text);
     return gather(self, name, err);
 }
@@ -342,7 +341,7 @@ static mrt_result gather(gathering *self, const char *name, error *err)
         if (strcmp(list->name[i], name) == 0)
             return MRT_OK;
     if (list->count == PACK_FILES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: a face of more than %d files", name,
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: the face has more than %d files", name,
                          PACK_FILES_MAX);
     mrt_result result = join(path, self->folder, name, err);
     if (result >= 0)
@@ -375,7 +374,7 @@ static mrt_result copy_file(const char *from, const char *to, const char *hash, 
     hash_bytes(now, bytes.data, bytes.size);
     (void)snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     if (strcmp(now, hash) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: changed meanwhile", from);
+        result = error_set(err, MRT_ERR_IO, "%s: changed while it was packed", from);
     if (result >= 0)
         result = file_make_folders(folder, err);
     if (result >= 0)
@@ -460,7 +459,7 @@ static mrt_result check_same(const file_list *list, const take_performance *p, e
     if (has_mesh && strcmp(list->hash[0], face) == 0)
         return MRT_OK;
     return error_set(err, MRT_ERR_FORMAT,
-                     "%s: is not what was performed on any more, so it is not packed", p->rig);
+                     "%s: has changed since it was performed, so it is not packed", p->rig);
 }
 
 /* first: what the face is called in its folder; then all that it names. */
@@ -489,8 +488,8 @@ static mrt_result gather_face(file_list *list, char folder[PATH_MAX], char first
         result = face_name(name, p, err);
     for (uint32_t i = 1; result >= 0 && i < list->count; ++i)
         if (strcmp(list->name[i], name) == 0)
-            result =
-                error_set(err, MRT_ERR_UNSUPPORTED, "%s: another file is called %s", p->rig, name);
+            result = error_set(err, MRT_ERR_UNSUPPORTED, "%s: another file has the name %s", p->rig,
+                               name);
     if (result < 0)
         return result;
     free(list->name[0]);

@@ -267,6 +267,6 @@ mrt_result show_check_writable(const show *self, error *err)
 {
     if (self->is_writable)
         return MRT_OK;
-    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open for reading only%s%s", self->path,
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open read-only%s%s", self->path,
                      self->notice[0] ? ": " : "", self->notice);
 }

@@ -131,7 +131,7 @@ static mrt_result use_log(sqlite *db, const char *path, error *err)
     mrt_result result = sqlite_step(row, err);
     if (result == MRT_OK && strcmp(sqlite_exact_text(row, 0), "wal") != 0)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "%s: this disk does not allow a show to be recorded: use another", path);
+                           "%s: this disk cannot be used for recording: use another disk", path);
     return sqlite_finish_rows(row, result);
 }
 
@@ -147,7 +147,7 @@ static mrt_result read_last_ids(show *self, error *err)
         int64_t last_id = 0;
         result = sqlite_number(self->db, sql[i], 0, &last_id, err);
         if (result >= 0 && (last_id < 0 || last_id > INT64_MAX / 2))
-            result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: an id of %lld", self->path,
+            result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: invalid id %lld", self->path,
                                (long long)last_id);
         self->last_id[i] = last_id;
     }
@@ -184,7 +184,7 @@ static bool may_write(show *self)
 {
     char who[256];
     if (access(self->path, W_OK) != 0) {
-        add_notice(self, "%s: opened for reading only, it cannot be written (%s)", self->path,
+        add_notice(self, "%s: opened read-only, because it cannot be written (%s)", self->path,
                    strerror(errno));
         return false;
     }
@@ -192,11 +192,11 @@ static bool may_write(show *self)
     case SHOW_LOCK_HELD:
         return true;
     case SHOW_LOCK_OTHERS:
-        add_notice(self, "%s: opened for reading only, %s writes it", self->path, who);
+        add_notice(self, "%s: opened read-only, because %s writes it", self->path, who);
         return false;
     case SHOW_LOCK_REFUSED:
     default:
-        add_notice(self, "%s: opened for reading only, its folder cannot be written (%s)",
+        add_notice(self, "%s: opened read-only, because its folder cannot be written (%s)",
                    self->path, who);
         return false;
     }
@@ -212,10 +212,11 @@ static mrt_result open_for_writing(show *self, error *err)
     if (result < 0)
         return result;
     if (id.version > SHOW_VERSION) {
-        add_notice(self,
-                   "%s: opened for reading only, it was made by a newer marotte (format %lld, this "
-                   "one writes %d): update marotte to record into it",
-                   self->path, (long long)id.version, SHOW_VERSION);
+        add_notice(
+            self,
+            "%s: opened read-only, because it was made by a newer marotte (format %lld, this "
+            "one writes %d): update marotte to record into it",
+            self->path, (long long)id.version, SHOW_VERSION);
         sqlite_close(self->db);
         self->db = NULL;
         return MRT_ERR_UNSUPPORTED;
@@ -232,7 +233,7 @@ static mrt_result open_for_writing(show *self, error *err)
     if (result >= 0)
         result = read_last_ids(self, err);
     if (result < 0 && sqlite_trouble_of(self->db) == SQLITE_TROUBLE_READONLY) {
-        add_notice(self, "%s: opened for reading only, it cannot be written", self->path);
+        add_notice(self, "%s: opened read-only, because it cannot be written", self->path);
         result = MRT_ERR_UNSUPPORTED;
     }
     if (result < 0) {
@@ -292,7 +293,7 @@ static mrt_result make_file(const char *path, error *err)
 {
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd < 0)
-        return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", path, strerror(errno));
+        return error_set(err, MRT_ERR_IO, "%s: cannot create the show: %s", path, strerror(errno));
     close(fd);
     return MRT_OK;
 }
@@ -301,7 +302,7 @@ static mrt_result fill_new(show *self, error *err)
 {
     char who[256];
     if (show_lock_take(&self->lock, self->path, who) != SHOW_LOCK_HELD)
-        return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", self->path, who);
+        return error_set(err, MRT_ERR_IO, "%s: cannot create the show: %s", self->path, who);
     mrt_result result = sqlite_open(&self->db, self->path, SQLITE_MODE_MAKE, err);
     if (result >= 0)
         result = show_schema_create(self->db, err);
@@ -371,7 +372,8 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
 {
     struct stat status;
     if (stat(out_path, &status) == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: is there already; name a new file", out_path);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: already exists; choose another name",
+                         out_path);
     mrt_result result = make_file(out_path, err);
     if (result < 0)
         return result;
@@ -392,7 +394,7 @@ static mrt_result rescue_as(show *self, const char *stem, char out_path[PATH_MAX
         if (access(out_path, F_OK) != 0)
             return show_rescue(self, out_path, err);
     }
-    return error_set(err, MRT_ERR_IO, "%s: too many copies lie beside it", stem);
+    return error_set(err, MRT_ERR_IO, "%s: too many copies are beside it; move them away", stem);
 }
 
 static mrt_result rescue_home(show *self, const char *name, char out_path[PATH_MAX], error *err)

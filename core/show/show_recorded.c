@@ -290,9 +290,9 @@ static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t giv
     self->chunk_to_ns = is_typed ? sqlite_int(row, 2) : self->chunk_from_ns;
     self->chunk_size = size;
     self->count = self->at = 0;
-    mrt_result result =
-        is_typed ? decode(self, &head, bytes, size, err)
-                 : error_set(err, MRT_ERR_FORMAT, "a chunk of samples is damaged: it is no blob");
+    mrt_result result = is_typed ? decode(self, &head, bytes, size, err)
+                                 : error_set(err, MRT_ERR_FORMAT,
+                                             "a chunk of samples is damaged: it is not a blob");
     if (result >= 0)
         result = check_against_row(self, &head, err);
     if (result < 0) {
@@ -420,9 +420,10 @@ mrt_result show_reader_next(show_reader *self, mrt_sample *out, error *err)
 mrt_result show_reader_seek(show_reader *self, int64_t time_ns, error *err)
 {
     if (time_ns < self->from_ns)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "track %lld: %lld ns is before what is read, from %lld ns on",
-                         (long long)self->track, (long long)time_ns, (long long)self->from_ns);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "track %lld: %lld ns is before the range of the reader, which starts at %lld ns",
+            (long long)self->track, (long long)time_ns, (long long)self->from_ns);
     self->skip_until_ns = time_ns;
     self->has_chunk = self->is_over = self->has_told_end = false;
     self->count = self->at = 0;
@@ -769,7 +770,7 @@ static mrt_result check(const show_audio *audio, uint32_t *out_frame_bytes, mrt_
         sound_pcm_bytes(sound_pcm_of(audio->format)) * (audio->channel_count % (CHANNELS_MAX + 1));
     if (audio->rate_hz == 0 || audio->rate_hz > RATE_MAX || audio->channel_count > CHANNELS_MAX ||
         *out_frame_bytes == 0)
-        return error_set(err, code, "audio '%s': %u Hz, %u channels of '%s' cannot be kept",
+        return error_set(err, code, "audio '%s': %u Hz, %u channels of '%s' are not supported",
                          audio->name, audio->rate_hz, audio->channel_count, audio->format);
     return MRT_OK;
 }
@@ -830,7 +831,7 @@ mrt_result show_audio_append(sqlite *db, int64_t id, int64_t time_ns, const void
         return result;
     if (size == 0 || size > PIECE_BYTES_MAX || size % frame_size != 0)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "audio %lld: a piece of %zu bytes, 1 to %d in frames of %u are possible",
+                         "audio %lld: a piece of %zu bytes; expected 1 to %d, in frames of %u",
                          (long long)id, size, PIECE_BYTES_MAX, frame_size);
     return sqlite_change(
         db, err,

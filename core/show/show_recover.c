@@ -675,7 +675,7 @@ static mrt_result recover_into(show *fresh, const char *path, char *copy_path, u
     if (result >= 0)
         result = copy_all(&self, path, err);
     if (result >= 0 && out->row_count == 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: nothing of a show can be read", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: no part of a show can be read", path);
     sqlite_close(self.from);
     free(self.sample);
     return result;

@@ -277,7 +277,7 @@ static mrt_result check_object(schema_check *self, sqlite_statement *row, error 
     const text_view name = view_of(sqlite_exact_text(row, 1));
     const text_view sql = view_of(sqlite_exact_text(row, 2));
     if (!text_equals(type, "table") && !text_equals(type, "index"))
-        return error_set(why, MRT_ERR_FORMAT, "it has views or triggers, which no show has");
+        return error_set(why, MRT_ERR_FORMAT, "it has views or triggers, which a show never has");
     if (sqlite_is_null(row, 2)) /* what SQLite makes by itself for a key */
         return MRT_OK;
     object *of = find_object(&self->expected, name);
@@ -290,7 +290,7 @@ static mrt_result check_object(schema_check *self, sqlite_statement *row, error 
         return MRT_OK;
     char shown[64];
     text_copy(shown, sizeof shown, name);
-    return error_set(why, MRT_ERR_FORMAT, "\"%s\" is not as marotte makes it", shown);
+    return error_set(why, MRT_ERR_FORMAT, "\"%s\" differs from the table of a show", shown);
 }
 
 static mrt_result check_objects(schema_check *self, sqlite *db, bool *out_is_unread, error *why)
@@ -330,8 +330,8 @@ mrt_result show_schema_check(sqlite *db, int64_t version, int64_t *out_oldest_re
         return MRT_OK;
     if (is_unread) /* SQLite says why */
         return error_set(err, result, "%s", why.text);
-    return error_set(err, result,
-                     "%s: is no show of marotte, or damaged: %s; what can be read of it: marotte "
-                     "take recover",
-                     sqlite_path(db), why.text);
+    return error_set(
+        err, result,
+        "%s: is not a marotte show, or is damaged: %s; recover it with marotte take recover",
+        sqlite_path(db), why.text);
 }

@@ -161,14 +161,15 @@ static mrt_result check_info(const sound_input *self, error *err)
 {
     const SF_INFO *info = &self->info;
     if (info->channels < 1 || info->channels > CHANNELS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has %d channels, 1 to %d can be kept",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has %d channels; 1 to %d are supported",
                          self->path, info->channels, CHANNELS_MAX);
     if (info->samplerate < RATE_MIN || info->samplerate > RATE_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has a rate of %d Hz, %d to %d can be kept",
-                         self->path, info->samplerate, RATE_MIN, RATE_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: has a rate of %d Hz; %d to %d are supported", self->path,
+                         info->samplerate, RATE_MIN, RATE_MAX);
     if (info->frames > 0 && info->frames / info->samplerate >= DAY_S &&
         info->frames != SF_COUNT_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is %.1f h long, at most 24 h can be kept",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is %.1f h long; at most 24 h are supported",
                          self->path, (double)info->frames / info->samplerate / 3600.0);
     return MRT_OK;
 }
@@ -180,10 +181,10 @@ static mrt_result check_whole(const sound_input *self, error *err)
         return MRT_OK;
     if (promised > 0)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: was cut: %lld of the %lld bytes that it says are there; copy it "
-                         "again",
-                         self->path, (long long)there, (long long)promised);
-    return error_set(err, MRT_ERR_FORMAT, "%s: was cut: it has no end; copy it again", self->path);
+                         "%s: is truncated: it has %lld of %lld bytes; copy it again", self->path,
+                         (long long)there, (long long)promised);
+    return error_set(err, MRT_ERR_FORMAT, "%s: is truncated: its end is missing; copy it again",
+                     self->path);
 }
 
 static mrt_result input_open(sound_input *self, const char *path, error *err)
@@ -200,8 +201,7 @@ static mrt_result input_open(sound_input *self, const char *path, error *err)
         snprintf(why, sizeof why, "%.127s", sf_strerror(NULL));
         why[strcspn(why, "\r\n")] = '\0';
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: is not a sound that can be read (%s); WAV, FLAC and Ogg are", path,
-                         why);
+                         "%s: is not a supported sound file (%s); use WAV, FLAC or Ogg", path, why);
     }
     result = check_info(self, err);
     if (result < 0)
@@ -223,7 +223,7 @@ static mrt_result input_next(sound_input *self, size_t *out_frames, error *err)
                     self->frame < self->info.frames;
     if (is_short || sf_error(self->file) != SF_ERR_NO_ERROR)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: was cut or is damaged: %.3f of the %.3f s that it says can be read; "
+                         "%s: is truncated or damaged: only %.3f of %.3f s can be read; "
                          "copy it again",
                          self->path, (double)self->frame / self->info.samplerate,
                          (double)self->info.frames / self->info.samplerate);
@@ -243,8 +243,8 @@ static mrt_result sample_refused(const sound_input *self, size_t frames, size_t 
         return error_set(err, MRT_ERR_FORMAT, "%s: frame %lld is not a number", self->path,
                          (long long)frame);
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "%s: frame %lld has more than 24 bits and is no 32-bit float: it cannot be "
-                     "kept as it is; save it as 24 bits or 32-bit float",
+                     "%s: frame %lld has more than 24 bits and is not a 32-bit float: it cannot be "
+                     "stored exactly; save it as 24 bits or 32-bit float",
                      self->path, (long long)frame);
 }
 
@@ -271,7 +271,7 @@ static mrt_result find_format(sound_pcm *out, const char *path, const sound_file
         *out = format;
     }
     if (result == MRT_OK && in.frame == 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: has no frames of sound in it", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: contains no sound", path);
     input_finish(&in);
     return result;
 }
@@ -420,8 +420,8 @@ static mrt_result check_export(const sound_file_export *what, error *err)
         return error_set(err, MRT_ERR_FORMAT, "take %lld: starts at a time that cannot be",
                          (long long)t->id);
     if (what->rate_hz != 0 && (what->rate_hz < RATE_MIN || what->rate_hz > RATE_MAX))
-        return error_set(err, MRT_ERR_ARGUMENT, "sound at %u Hz: %d to %d are possible",
-                         what->rate_hz, RATE_MIN, RATE_MAX);
+        return error_set(err, MRT_ERR_ARGUMENT, "sound at %u Hz: expected %d to %d", what->rate_hz,
+                         RATE_MIN, RATE_MAX);
     return MRT_OK;
 }
 

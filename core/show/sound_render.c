@@ -474,7 +474,7 @@ static mrt_result check(const sound_render *self, const take_audio *audio, error
     if (!isfinite(audio->gain) || fabs(audio->gain) > 1000.0 ||
         fabs((double)audio->offset_ns) > time_max_ns)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: sound %lld with a gain of %g at %g s: nonsense",
+                         "%s: sound %lld with a gain of %g at %g s is invalid",
                          show_path(self->show), (long long)audio->audio, audio->gain,
                          (double)audio->offset_ns / 1e9);
     return MRT_OK;

@@ -97,13 +97,13 @@ static const char *advice(sqlite_trouble trouble)
 {
     switch (trouble) {
     case SQLITE_TROUBLE_FULL:
-        return ": make space on the disk";
+        return ": free space on the disk";
     case SQLITE_TROUBLE_BUSY:
-        return ": another program holds it; close that one";
+        return ": another program uses it; close that program";
     case SQLITE_TROUBLE_READONLY:
         return ": copy it to a place where you may write";
     case SQLITE_TROUBLE_DAMAGED:
-        return ": it is not a show or it is damaged; what can be read of it: marotte take recover";
+        return ": it is not a show or it is damaged; recover it with marotte take recover";
     default:
         return "";
     }
@@ -117,7 +117,7 @@ static mrt_result failed(sqlite *self, int code, error *err)
     if ((code & 255) == SQLITE_INTERRUPT)
         return error_set(err, MRT_ERR_IO, "%s: stopped", self->path);
     if (self->files.is_foreign)
-        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a show of marotte",
+        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a marotte show",
                          self->path);
     sqlite_trouble trouble = sqlite_trouble_of(self);
     const char *text = self->handle && sqlite3_errcode(self->handle) == (code & 255)

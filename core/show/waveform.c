@@ -184,7 +184,7 @@ static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to,
         if (result < 0)
             return result;
         if (got == 0)
-            return error_set(err, MRT_ERR_FORMAT, "audio %lld: has no frame %lld any more",
+            return error_set(err, MRT_ERR_FORMAT, "audio %lld: frame %lld is missing",
                              (long long)self->audio.id, (long long)at);
         for (size_t i = 0; i < got; ++i) {
             waveform_pair pair = pair_of(self->samples + i * channels, channels);
@@ -203,7 +203,7 @@ mrt_result waveform_read(waveform *self, show *s, int64_t from, int64_t to, size
     out->first_frame = 0;
     out->frames_per_pair = 1;
     if (pairs_max < 1 || pairs_max > WAVEFORM_PAIRS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "an outline of %zu pairs: 1 to %d are possible",
+        return error_set(err, MRT_ERR_ARGUMENT, "an outline of %zu pairs: expected 1 to %d",
                          pairs_max, WAVEFORM_PAIRS_MAX);
     from = from > 0 ? from : 0;
     to = to < self->known ? to : self->known;

@@ -100,7 +100,8 @@ static mrt_result writer_sync_start(writer_sync **out, const show *s, error *err
     if (result >= 0 && !self->log_path)
         result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", show_path(s));
     if (result >= 0 && pthread_create(&self->thread, NULL, run_sync, self) != 0)
-        result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", show_path(s));
+        result =
+            error_set(err, MRT_ERR_MEMORY, "%s: cannot start a thread for recording", show_path(s));
     if (result < 0) {
         destroy_sync(self);
         return result;
@@ -872,7 +873,8 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     if (result >= 0) {
         self->next_chunk_id = last_chunk + 1;
         if (pthread_create(&self->thread, NULL, run, self) != 0)
-            result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", s->path);
+            result =
+                error_set(err, MRT_ERR_MEMORY, "%s: cannot start a thread for recording", s->path);
     }
     if (result < 0) {
         destroy(self);
@@ -956,7 +958,7 @@ static mrt_result ask(writer *self, writer_job *job, error *err)
 {
     if (!job)
         return error_set(err, MRT_ERR_MEMORY,
-                         "too much happens at once: the disk does not keep up recording it");
+                         "too many changes at once: the disk cannot keep up with recording");
     job->next = atomic_load_explicit(&self->asked, memory_order_relaxed);
     while (!atomic_compare_exchange_weak_explicit(&self->asked, &job->next, job,
                                                   memory_order_release, memory_order_relaxed))
@@ -969,10 +971,10 @@ static mrt_result ask(writer *self, writer_job *job, error *err)
 static mrt_result check_track(const writer *self, const take_track *track, error *err)
 {
     if (track->channel_count == 0 || track->channel_count > MRT_MAX_CHANNELS)
-        return error_set(err, MRT_ERR_ARGUMENT, "a track of %u channels, 1 to %d are possible",
+        return error_set(err, MRT_ERR_ARGUMENT, "a track of %u channels; expected 1 to %d",
                          track->channel_count, MRT_MAX_CHANNELS);
     if (self->track_count == WRITER_TRACKS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%d tracks are recorded at a time, not more",
+        return error_set(err, MRT_ERR_ARGUMENT, "at most %d tracks can be recorded at a time",
                          WRITER_TRACKS_MAX);
     return MRT_OK;
 }
@@ -1039,10 +1041,10 @@ mrt_result writer_end_track(writer *self, int64_t track, error *err)
 static mrt_result check_performance(const take_performance *performance, error *err)
 {
     if (performance->track_count > TAKE_TRACKS_MAX || performance->param_count > TAKE_PARAMS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "a performance of %u tracks and %u parameters, %d and %d are possible",
-                         performance->track_count, performance->param_count, TAKE_TRACKS_MAX,
-                         TAKE_PARAMS_MAX);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "a performance of %u tracks and %u parameters; at most %d and %d are possible",
+            performance->track_count, performance->param_count, TAKE_TRACKS_MAX, TAKE_PARAMS_MAX);
     return MRT_OK;
 }
 
@@ -1135,7 +1137,7 @@ mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const write
 {
     *out_take = 0;
     if (to_ns <= from_ns)
-        return error_set(err, MRT_ERR_ARGUMENT, "what is to be kept ends before it starts");
+        return error_set(err, MRT_ERR_ARGUMENT, "the range to keep ends before it starts");
     writer_job *job = slated_job(self, WRITER_JOB_KEEP, slate, from_ns, to_ns);
     *out_take = job ? job->id : 0;
     return ask(self, job, err);
@@ -1156,8 +1158,9 @@ mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void
                         size_t size, error *err)
 {
     if (atomic_load(&self->held_bytes) >= self->memory_bytes)
-        return error_set(err, MRT_ERR_MEMORY,
-                         "audio is lost: the disk is full and so is what is held in memory");
+        return error_set(
+            err, MRT_ERR_MEMORY,
+            "audio is lost: the disk is full, and so is the memory that holds unwritten data");
     writer_job *job = writer_job_create(WRITER_JOB_AUDIO);
     if (!job)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record sound");
@@ -1211,16 +1214,16 @@ void writer_message(writer *self, char *out, size_t capacity)
                        (unsigned long long)status.lost_count);
     else if (status.is_missing)
         (void)snprintf(out, capacity,
-                       "%s: was deleted, moved or replaced while it is open; recording goes on, "
-                       "and a copy will be made when it ends",
+                       "%s: was deleted, moved or replaced while it is open; recording continues, "
+                       "and a copy will be made when the program ends",
                        show_path(self->of));
     else if (status.lost_count > 0)
         (void)snprintf(out, capacity, "%s: %llu samples were lost", show_path(self->of),
                        (unsigned long long)status.lost_count);
     else if (status.lost_event_count > 0)
         (void)snprintf(out, capacity,
-                       "%s: %llu changes of parameters were lost: what follows them is performed "
-                       "otherwise than it was seen",
+                       "%s: %llu changes of parameters were lost: a replay after them differs from "
+                       "the live performance",
                        show_path(self->of), (unsigned long long)status.lost_event_count);
     else
         (void)snprintf(out, capacity, "%s", "");
