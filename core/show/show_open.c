@@ -1,4 +1,4 @@
-/* Opening, making, rescuing and checking a show: on top of its other files. */
+/* Opens, creates, rescues and checks shows. Uses the other files of the show. */
 #include "base/file.h"
 #include "show/show_file.h"
 #include "show/show_schema.h"
@@ -22,7 +22,8 @@ typedef struct identity {
     int64_t version, oldest_reader;
 } identity;
 
-/* SQLite was let in by the application's id in the header; the log may say otherwise than that. */
+/* The header had the right application id. The log may contain another one, so it is checked again.
+ * */
 static mrt_result read_identity(sqlite *db, const char *path, identity *out, error *err)
 {
     *out = (identity){0};
@@ -51,7 +52,7 @@ static mrt_result check_regular(const char *path, error *err)
 
 /* ---- connections ---- */
 
-/* Fails at once where the file cannot be read at all. */
+/* Connects, and reads the file once, so that an unreadable file fails here. */
 static mrt_result connect_and_look(sqlite **out, identity *out_identity, const char *path,
                                    sqlite_mode mode, sqlite_trouble *out_trouble, error *err)
 {
@@ -59,7 +60,7 @@ static mrt_result connect_and_look(sqlite **out, identity *out_identity, const c
     mrt_result result = sqlite_open(out, path, mode, err);
     if (result < 0)
         return result;
-    result = sqlite_run(*out, "BEGIN", err); /* one look at the file, not four */
+    result = sqlite_run(*out, "BEGIN", err); /* one read transaction instead of four */
     if (result >= 0)
         result = sqlite_end(*out, read_identity(*out, path, out_identity, err), err);
     if (result < 0) {
@@ -84,7 +85,7 @@ static bool has_log(const char *path)
     return has_beside(path, "-wal", 1);
 }
 
-/* A show that nobody may write, and nobody writes. */
+/* Returns true if the user cannot write the show, and no program is writing it. */
 static bool is_archived(const char *path)
 {
     struct stat status;
@@ -107,8 +108,8 @@ static void add_notice(show *self, const char *format, ...)
     va_end(arguments);
 }
 
-/* A folder that cannot be written has no place for the files that SQLite keeps beside a show, and a
- * file that cannot be written does not let them be removed. */
+/* Connects read-only. In a read-only folder SQLite cannot create its files beside the show. If the
+ * show itself is read-only, it cannot remove them. */
 static mrt_result connect_for_reading(show *self, identity *out, error *err)
 {
     const sqlite_mode mode = is_archived(self->path) ? SQLITE_MODE_READ_FROZEN : SQLITE_MODE_READ;
@@ -179,7 +180,7 @@ static mrt_result show_alloc(show **out, const char *path, error *err)
     return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
 }
 
-/* Whether the file may be written; if not, the notice says why. */
+/* Returns true if the file may be written. If not, the notice gives the reason. */
 static bool may_write(show *self)
 {
     char who[256];
@@ -288,7 +289,8 @@ mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
     return MRT_OK;
 }
 
-/* There may be voices in it: it is nobody else's to read, unless its owner says so. */
+/* Creates the file. It may contain voices, so only the owner may read it, until the owner changes
+ * its mode. */
 static mrt_result make_file(const char *path, error *err)
 {
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
@@ -383,7 +385,7 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
     return result;
 }
 
-/* Under the first name that is free: STEM.rescued.marotte, STEM.rescued-2.marotte. */
+/* Copies to the first unused name: STEM.rescued.marotte, STEM.rescued-2.marotte. */
 static mrt_result rescue_as(show *self, const char *stem, char out_path[PATH_MAX], error *err)
 {
     for (int n = 1; n <= RESCUE_NAMES; ++n) {
@@ -437,9 +439,9 @@ show_rescue_state show_rescue_missing(show *self, error *out_sentence)
     return SHOW_RESCUE_LOST;
 }
 
-/* ---- whether everything is whole ---- */
+/* ---- checking for damage ---- */
 
-/* What SQLite says of its pages, and of rows that refer to none. */
+/* Runs SQLite's checks of pages and foreign keys. */
 static mrt_result check_pages(show *self, error *err)
 {
     sqlite_statement *row = sqlite_query(self->db, "PRAGMA integrity_check(1)", "t", "");
@@ -467,7 +469,7 @@ static mrt_result check_references(show *self, error *err)
     return sqlite_finish_rows(row, result);
 }
 
-/* Every value is of the kind of its column; blobs are looked at by those who read them. */
+/* Checks that each value has the type of its column. The readers of blobs check their content. */
 static mrt_result check_kinds(show *self, const show_table *of, error *err)
 {
     char sql[128];
@@ -512,7 +514,7 @@ static mrt_result check_edits(show *self, int64_t take_id, error *err)
     return result;
 }
 
-/* From the last checkpoint back to the first. */
+/* Checks all checkpoints, from the last to the first. */
 static mrt_result check_checkpoints(show *self, int64_t performance, error *err)
 {
     int64_t before_ns = INT64_MAX;

@@ -15,9 +15,8 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- the disk: a thread waits for it, so that no one else does. Once a second it brings what was
- * committed to the disk, moves it from the log into the show where the log has grown long, and
- * looks whether the file is still there ---- */
+/* ---- syncing: a separate thread waits for the disk. Once a second it syncs the commits to the
+ * disk, moves a long write-ahead log into the show, and checks that the file still exists ---- */
 
 enum { LOG_BYTES_LONG = 8 * 1024 * 1024 };
 
@@ -25,16 +24,16 @@ typedef struct writer_sync {
     const show *of;
     sqlite *db;
     char *log_path;
-    int log_fd; /* -1: not there yet */
+    int log_fd; /* -1: does not exist yet */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t wake;
     bool is_stopping;        /* GUARDED_BY(lock) */
-    _Atomic bool is_missing; /* the file under the show's name is not the one that is open */
+    _Atomic bool is_missing; /* the file at the show's path is not the open one */
 } writer_sync;
 
-/* The log is one file for as long as somebody has the show open. It is not locked, so that closing
- * it takes no lock away from SQLite, as it would with the show itself. */
+/* The log stays one file while a connection is open. It is not locked, so closing its descriptor
+ * releases no lock of SQLite. Closing a descriptor of the show itself would. */
 static off_t log_size(writer_sync *self)
 {
     struct stat status;
@@ -43,7 +42,7 @@ static off_t log_size(writer_sync *self)
     return self->log_fd >= 0 && fstat(self->log_fd, &status) == 0 ? status.st_size : 0;
 }
 
-/* Failures are the writer's to meet: it writes to the same disk. */
+/* Ignores failures: the writer's thread meets them too, because it writes to the same disk. */
 static void bring_to_disk(writer_sync *self)
 {
     off_t size = log_size(self);
@@ -127,16 +126,16 @@ static void writer_sync_stop(writer_sync *self)
 enum { WRITER_STAGED = 512 };
 
 typedef struct writer_jobs {
-    writer_job *first, **end; /* `end`: where the next one goes */
+    writer_job *first, **end; /* a list; `end` points to where the next job is linked */
 } writer_jobs;
 
-/* A job for a thread that may not allocate. */
+/* A preallocated job for a thread that may not allocate. */
 typedef struct writer_lent {
     writer_job job;
     _Atomic bool is_taken;
 } writer_lent;
 
-typedef union writer_room { /* of a job that has texts */
+typedef union writer_room { /* track or performance of a job with texts */
     take_track track;
     take_performance performance;
 } writer_room;
@@ -148,22 +147,22 @@ struct writer {
     pthread_t thread;
     writer_sync *sync;
 
-    /* [frame] to the thread */
+    /* from [frame] to the writer's thread */
     spool *ring;
     uint8_t *checkpoint[WRITER_CHECKPOINTS];
     _Atomic bool is_taken[WRITER_CHECKPOINTS];
     _Atomic uint32_t ring_lost_samples, ring_lost_events, given_samples;
 
-    bool has_place[SPOOL_LANES]; /* [main] an input */
+    bool has_place[SPOOL_LANES]; /* [main] adds an input */
 
     _Atomic uint32_t track_count; /* [main], and who records */
 
-    /* [any] to the thread: no one waits, as there is no lock */
-    _Atomic(writer_job *) asked; /* the newest; `next` is the one asked before it */
-    writer_lent *lent;           /* WRITER_WAITING_MAX; the first ones have room for texts */
+    /* from [any] to the writer's thread: a lock-free stack, so no caller waits */
+    _Atomic(writer_job *) asked; /* the newest; `next` is the one pushed before it */
+    writer_lent *lent;           /* WRITER_WAITING_MAX; the first ones have space for texts */
     writer_room *room;           /* WRITER_WAITING_TEXTS_MAX */
 
-    /* [main] to the thread and back */
+    /* shared by [main] and the writer's thread */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
     uint64_t flush_asked;   /* GUARDED_BY(lock) */
@@ -172,7 +171,7 @@ struct writer {
     mrt_result last_result; /* GUARDED_BY(lock): of the last commit */
     error last_error;       /* GUARDED_BY(lock) */
 
-    /* the thread's own */
+    /* used only by the writer's thread */
     writer_store store;
     writer_jobs pending;
     writer_track *track; /* track_slots of them; id 0: free */
@@ -180,7 +179,7 @@ struct writer {
     int64_t next_chunk_id;
     journal old;
     int64_t next_journal_ns; /* show time */
-    int64_t newest_ns;       /* host clock, of the newest sample taken */
+    int64_t newest_ns;       /* host clock of the newest accepted sample */
     bool has_newest;
     writer_jobs ending;                        /* tracks that end once the ring is empty */
     uint32_t ring_lost_seen, ring_lost_untold; /* of ring_lost_samples */
@@ -230,7 +229,7 @@ static writer_job *jobs_take(writer_jobs *list)
     return job;
 }
 
-/* ---- taking in: from the recording thread and the main one, to jobs and tracks ---- */
+/* ---- input: from the recording thread and the main thread to jobs and tracks ---- */
 
 static void hold(writer *self, writer_job *job)
 {
@@ -259,8 +258,7 @@ static void lose_samples(writer *self, writer_track *track, uint32_t count)
     atomic_fetch_add(&self->taken_samples, count);
 }
 
-/* What of the chunk is not written waits as a job from now on; where memory has run out it is lost.
- */
+/* Queues the unwritten part of the chunk as a job. If memory runs out, that part is lost. */
 static void seal(writer *self, writer_track *track)
 {
     bool failed = !has_memory(self);
@@ -349,8 +347,8 @@ static void take_record(writer *self, const writer_record *r)
     }
 }
 
-/* A free one; NULL: no memory. Tracks that end go later than those that begin, so there may be more
- * of them than WRITER_TRACKS_MAX. */
+/* Returns a free track; NULL: no memory. Tracks end later than new ones begin, so there can be more
+ * than WRITER_TRACKS_MAX. */
 static writer_track *free_track(writer *self)
 {
     writer_track *found = find_track(self, 0);
@@ -368,11 +366,12 @@ static writer_track *free_track(writer *self)
     return found;
 }
 
-/* A track is known from when it was asked for, and ends when the ring is empty. Without memory for
- * one its samples count as lost. */
+/* Processes a queued job. A track exists from its job on, and ends when the ring is empty. If there
+ * is no memory for a track, its samples count as lost. */
 static void take_job(writer *self, writer_job *asked)
 {
-    /* One that is lent is wanted back at once; without memory it is kept until it is written. */
+    /* A lent job must be returned immediately. Without memory for a copy it is kept until it is
+     * written. */
     writer_job *job = asked->lent ? writer_job_own(asked) : asked;
     if (!job)
         job = asked;
@@ -408,7 +407,7 @@ static void count_ring_losses(writer *self)
     self->events_lost_seen = lost;
 }
 
-/* In the order in which they were asked. */
+/* Pops all queued jobs, in the order of their calls. */
 static writer_job *all_asked(writer *self)
 {
     writer_job *newest = atomic_exchange_explicit(&self->asked, NULL, memory_order_acquire);
@@ -422,8 +421,8 @@ static writer_job *all_asked(writer *self)
     return first;
 }
 
-/* What is asked is looked at after the records were staged: so a track, asked for before its first
- * sample was given, is known when that is looked at. */
+/* Reads the ring first and the jobs afterwards. A track is queued before its first sample, so it is
+ * always known when that sample is processed. */
 static void take_in(writer *self)
 {
     uint32_t count;
@@ -459,7 +458,7 @@ static void end_all(writer *self)
     hold(self, job);
 }
 
-/* ---- committing: from jobs and tracks to the show, all of it in one transaction, or none ---- */
+/* ---- committing: all jobs and tracks in one transaction, or none ---- */
 
 static const int64_t journal_step_ns = NS_PER_S;
 
@@ -483,7 +482,7 @@ static mrt_result tell_loss(writer *self, int64_t track, uint32_t count, const c
     return show_event_insert(self->store.db, &event, err);
 }
 
-/* *out_failed: the track that failed, where it was one. */
+/* *out_failed: the track that failed, if a track caused the failure. */
 static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err)
 {
     mrt_result result = tell_loss(self, 0, self->ring_lost_untold, "", err);
@@ -503,7 +502,7 @@ static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err
     return result;
 }
 
-/* *out_failed, *out_failed_track: the job or the track that failed, where it was one. */
+/* *out_failed, *out_failed_track: the job or the track that caused the failure, if any. */
 static mrt_result put_all(writer *self, writer_job **out_failed, writer_track **out_failed_track,
                           error *err)
 {
@@ -553,8 +552,8 @@ static void settle(writer *self)
     spool_settle(self->ring);
 }
 
-/* A job that can never be done (a track that is none, frames of no size) must not keep the others.
- */
+/* Drops a job that can never succeed (an invalid track, frames of size 0), so that it does not
+ * block the others. */
 static void drop_job(writer *self, writer_job *bad)
 {
     writer_jobs kept;
@@ -571,7 +570,7 @@ static void drop_job(writer *self, writer_job *bad)
     self->pending = kept;
 }
 
-/* Neither must a track that the show has no row of. */
+/* Drops a track without a row in the show, for the same reason. */
 static void drop_track(writer *self, writer_track *bad)
 {
     lose_samples(self, NULL, bad->count - bad->committed_count);
@@ -625,7 +624,7 @@ static mrt_result commit(writer *self)
     return result;
 }
 
-/* Its failures keep nobody from recording: what is old stays. */
+/* Ignores failures, so that recording continues; old data then stays in the show. */
 static void commit_journal(writer *self)
 {
     int64_t now_ns = writer_show_ns(self, self->newest_ns);
@@ -644,7 +643,7 @@ static void commit_journal(writer *self)
     self->next_journal_ns = result >= 0 && !is_done ? now_ns : now_ns + journal_step_ns;
 }
 
-/* ---- what everybody else calls ---- */
+/* ---- public functions ---- */
 
 enum { DEFAULT_MEMORY_BYTES = 64 * 1024 * 1024, DEFAULT_JOURNAL_S = 30 * 60 };
 static const int64_t commit_ns = 40 * NS_PER_MS;
@@ -700,7 +699,7 @@ void writer_checkpoint(writer *self, int64_t performance, int64_t time_ns, uint3
         atomic_store_explicit(&self->is_taken[index], false, memory_order_release);
 }
 
-/* ---- what arrives ---- */
+/* ---- arrivals ---- */
 
 uint32_t writer_arrivals_open(writer *self)
 {
@@ -740,7 +739,7 @@ void writer_arrivals_performed(writer *self, uint32_t place, uint32_t number)
         spool_lane_done(self->ring, place, number);
 }
 
-/* ---- the thread ---- */
+/* ---- the writer's thread ---- */
 
 static bool wait_for_work(writer *self, int64_t until_ns, uint64_t *out_flush)
 {
@@ -777,7 +776,7 @@ static void *run(void *data)
     }
     take_in(self);
     end_all(self);
-    (void)commit(self); /* writer_stop tells its result */
+    (void)commit(self); /* writer_stop returns its result */
     return NULL;
 }
 
@@ -806,7 +805,7 @@ static mrt_result allocate(writer *self, const writer_options *options, error *e
     self->lent = malloc(WRITER_WAITING_MAX * sizeof *self->lent);
     self->room = malloc(WRITER_WAITING_TEXTS_MAX * sizeof *self->room);
     good = good && self->lent && self->room;
-    if (good) { /* their pages are there */
+    if (good) { /* touches their pages before recording */
         memset(self->lent, 0, WRITER_WAITING_MAX * sizeof *self->lent);
         memset(self->room, 0, WRITER_WAITING_TEXTS_MAX * sizeof *self->room);
     }
@@ -815,7 +814,8 @@ static mrt_result allocate(writer *self, const writer_options *options, error *e
         self->checkpoint[i] = malloc(options->checkpoint_bytes);
         good = self->checkpoint[i] != NULL;
         if (good)
-            memset(self->checkpoint[i], 0, options->checkpoint_bytes); /* its pages are there */
+            memset(self->checkpoint[i], 0,
+                   options->checkpoint_bytes); /* touches its pages before recording */
     }
     return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record");
 }
@@ -884,7 +884,8 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     return MRT_OK;
 }
 
-/* What could not be written is found again by the next one who opens the show, as after a kill. */
+/* Reports the unwritten samples. The next program that opens the show restores them, as after a
+ * kill. */
 static void tell_left(const writer *self, error *err)
 {
     uint32_t count = writer_status_of(self).backlog, left = spool_left_count(self->ring);
@@ -918,9 +919,9 @@ mrt_result writer_stop(writer *self, error *err)
     return result;
 }
 
-/* ---- what happens now and then ---- */
+/* ---- occasional calls ---- */
 
-/* One that is free; NULL: none. */
+/* Returns a free job of the pool; NULL: all are in use. */
 static writer_job *lend(writer *self, writer_job_kind kind)
 {
     const bool has_room = kind == WRITER_JOB_TRACK || kind == WRITER_JOB_PERFORMANCE;
@@ -940,7 +941,7 @@ static writer_job *lend(writer *self, writer_job_kind kind)
     return NULL;
 }
 
-/* Times are of the host's clock. NULL: none is free, which ask() says. */
+/* Times are of the host clock. NULL: no job is free; ask() then returns the error. */
 static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64_t from_ns,
                            int64_t to_ns)
 {
@@ -953,7 +954,7 @@ static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64
     return job;
 }
 
-/* Any thread; the writer's takes it with its next look. */
+/* [any] Queues the job; the writer's thread processes it at its next iteration. */
 static mrt_result ask(writer *self, writer_job *job, error *err)
 {
     if (!job)
@@ -996,7 +997,7 @@ mrt_result writer_follow_track(writer *self, take_track *track, take_texts *text
     return result < 0 ? result : add_track(self, lend(self, WRITER_JOB_TRACK), track, texts, err);
 }
 
-/* Replaces the text by a copy of it. */
+/* Replaces the text by a copy. */
 static bool own_text(char **text)
 {
     if (!*text)
