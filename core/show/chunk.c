@@ -11,12 +11,12 @@
 
 enum {
     VARINT_MAX = 10,     /* bytes of 64 bits */
-    PREFIX_BYTES = 1 + 4 /* version and CRC */
+    PREFIX_BYTES = 1 + 4 /* size of version and CRC */
 };
 enum { COLUMN_WHOLE = 0, COLUMN_FLOAT = 1 };
-static const float whole_limit = 16777216.0f; /* below it every whole number is a float */
+static const float whole_limit = 16777216.0f; /* each whole number below it is an exact float */
 
-/* ---- bytes out ---- */
+/* ---- writing bytes ---- */
 
 static uint8_t *put_varint(uint8_t *at, uint64_t value)
 {
@@ -39,7 +39,7 @@ static uint8_t *put_fixed(uint8_t *at, const void *value, size_t size)
     return at + size;
 }
 
-/* ---- bytes in: what is not there reads as 0 and sets `failed` ---- */
+/* ---- reading bytes: a missing byte reads as 0 and sets `failed` ---- */
 
 static uint64_t get_varint(bytes_in *in)
 {
@@ -271,7 +271,7 @@ static bool inflate_plain(uint8_t *out, size_t size, const uint8_t *bytes, size_
     return whole;
 }
 
-/* ---- the whole ---- */
+/* ---- complete chunks ---- */
 
 size_t chunk_bound(uint32_t sample_count, uint32_t channel_count)
 {
@@ -347,7 +347,7 @@ mrt_result chunk_pack(chunk_packer *by, uint8_t *out, size_t *out_size, int64_t 
     return MRT_OK;
 }
 
-/* The head, and in `in` what comes after it. */
+/* Reads the head; `in` is then at the bytes after it. */
 static mrt_result get_head(chunk_head *out, size_t *out_plain_size, bytes_in *in, error *err)
 {
     static const char damaged[] = "a chunk of samples is damaged";

@@ -1,4 +1,4 @@
-/* What each edit makes of a take, and what holds for every take. */
+/* Applies edits to a take, and checks the invariants of takes. */
 #include "show/edit_layers.h"
 #include "show/own.h"
 #include "base/timecode.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what holds for every take ---- */
+/* ---- invariants of every take ---- */
 
 static bool is_within(double value, double low, double high)
 {
@@ -252,8 +252,7 @@ static mrt_result apply_take(take *t, const edit *e, error *err)
     }
 }
 
-/* ---- markers: in order of time; one that is added or moved comes after others of its instant ----
- */
+/* ---- markers, sorted by time; an added or moved marker follows others of the same instant ---- */
 
 static void lay_marker(take *t, take_marker marker)
 {
@@ -304,7 +303,7 @@ static mrt_result apply_marker(take *t, const edit *e, error *err)
 
 /* ---- audio ---- */
 
-/* The rest of it stays where it is. */
+/* Trims the audio; the remaining part keeps its position. */
 static mrt_result trim_audio(take_audio *audio, const edit *e, error *err)
 {
     int64_t in_ns = audio->in_ns, out_ns = audio->out_ns;
@@ -462,7 +461,7 @@ static mrt_result apply_layer(take *t, const edit *e, error *err)
 
 /* ---- clips ---- */
 
-/* ---- add, move: clips that get a position ---- */
+/* ---- add, move: position a clip ---- */
 
 static int64_t within_layer(int64_t shown_ns, const take_layer *layer)
 {
@@ -541,7 +540,7 @@ static mrt_result trim_clip(take *t, edit_spot spot, const edit *e, error *err)
     return lay_and_grow(t, spot.layer, clip, err);
 }
 
-/* Two halves within one cross-fade would be three clips at an instant. */
+/* Refuses a split within a cross-fade: three clips would overlap at an instant. */
 static mrt_result check_split(edit_spot spot, int64_t at_ns, error *err)
 {
     const take_layer *layer = spot.layer;
@@ -588,7 +587,8 @@ static int64_t scaled(int64_t time_ns, int64_t about_ns, double speed)
     return about_ns + (int64_t)floor((double)(time_ns - about_ns) / speed + 0.5);
 }
 
-/* A warp of one point runs at speed 1; a second point says so. */
+/* Adds a second point to a warp of one point, which runs at speed 1, so that its speed can be
+ * changed. */
 static mrt_result say_speed(take_clip *clip, error *err)
 {
     if (clip->warp_count > 1)
@@ -604,7 +604,7 @@ static mrt_result say_speed(take_clip *clip, error *err)
     return MRT_OK;
 }
 
-/* Rounding may put an end one ns beyond the recording. */
+/* Moves an end back into the recording, since rounding may exceed it by one ns. */
 static void keep_to_recording(take_clip *clip)
 {
     if (take_warp_to_source(clip, clip->start_ns) < 0)
@@ -659,7 +659,7 @@ static mrt_result set_curve(edit_spot spot, const edit *e, error *err)
                      edit_span_words(first_ns, last_ns).text, edit_seconds(length_ns).text);
 }
 
-/* ---- how loud ---- */
+/* ---- gains and fades ---- */
 
 static mrt_result set_fades(edit_spot spot, const edit *e, error *err)
 {
@@ -722,7 +722,7 @@ static mrt_result apply_clip(take *t, const edit *e, error *err)
 
 /* ---- ranges of the timeline ---- */
 
-/* ---- which range, which layers ---- */
+/* ---- the range and the layers ---- */
 
 static mrt_result check_range(const take *t, const edit *e, error *err)
 {
@@ -750,7 +750,8 @@ static bool concerns(const edit *e, const take_layer *layer)
     return e->layer_count == 0;
 }
 
-/* A sound that plays on cannot be cut; what comes later than the cut can move with the rest. */
+/* Checks that the cut is not within the audio, which cannot be cut. Audio that starts after the cut
+ * moves with the later clips. */
 static mrt_result check_audio(const take *t, const edit *e, int64_t out_ns, error *err)
 {
     if (e->layer_count > 0 || t->audio.audio == 0 || t->audio.offset_ns >= out_ns)
@@ -763,7 +764,8 @@ static mrt_result check_audio(const take *t, const edit *e, int64_t out_ns, erro
 
 /* ---- keep ---- */
 
-/* A clip whose neighbour is gone does not fade where it cross-faded. */
+/* Removes clips outside the range. A clip whose neighbour was removed loses the fade where it was
+ * cross-faded. */
 static void remove_outside(take_layer *layer, int64_t in_ns, int64_t out_ns)
 {
     uint32_t kept = 0;
@@ -795,7 +797,8 @@ static void keep_markers(take *t, int64_t in_ns, int64_t out_ns)
     t->marker_count = kept;
 }
 
-/* Clips that reach over the ends stay whole: within the range nothing changes, not even weights. */
+/* Keeps a range. Clips that cross its ends stay whole, so nothing within the range changes, not
+ * even weights. */
 static mrt_result keep(take *t, const edit *e, error *err)
 {
     mrt_result result = check_range(t, e, err);
@@ -820,7 +823,7 @@ static mrt_result keep(take *t, const edit *e, error *err)
 
 /* ---- cut, insert ---- */
 
-/* All that is not in layers, from out_ns on. */
+/* Moves markers and audio from out_ns on. */
 static void move_rest(take *t, int64_t in_ns, int64_t out_ns, int64_t later_ns)
 {
     uint32_t kept = 0;
@@ -899,9 +902,9 @@ static mrt_result apply_range(take *t, const edit *e, error *err)
     return e->kind == EDIT_RANGE_CUT ? cut(t, e, err) : insert(t, e, err);
 }
 
-/* ---- punching in, and comping ---- */
+/* ---- punch-in and comp ---- */
 
-typedef struct punch_span { /* in the time of the layer */
+typedef struct punch_span { /* times of the layer */
     int64_t in_ns, out_ns, fade_ns;
 } punch_span;
 
@@ -918,9 +921,9 @@ static mrt_result check_span(const edit *e, error *err)
                      edit_seconds(e->fade_ns).text, edit_seconds((e->out_ns - e->in_ns) / 2).text);
 }
 
-/* ---- where it may begin and end ---- */
+/* ---- valid ends of the span ---- */
 
-typedef struct soft_span { /* where the weights of a clip change */
+typedef struct soft_span { /* a span in which the weights of a clip change */
     int64_t from_ns, until_ns;
 } soft_span;
 
@@ -929,7 +932,7 @@ static bool cross_fade(const take_clip *first, const take_clip *second)
     return !first->is_muted && !second->is_muted && second->start_ns < first->end_ns;
 }
 
-/* The cross-fade or fade around an instant, its ends left out. */
+/* Finds the cross-fade or fade that contains an instant, without its ends. */
 static bool find_soft_span(soft_span *out, const take_layer *layer, int64_t at_ns)
 {
     for (uint32_t i = 0; i < layer->clip_count; ++i) {
@@ -949,7 +952,8 @@ static bool find_soft_span(soft_span *out, const take_layer *layer, int64_t at_n
     return false;
 }
 
-/* Outside of the span everything is to stay as it is: a fade cannot be cut. */
+/* Checks that the span does not end within a fade. The layer must not change outside the span, so a
+ * fade cannot be cut. */
 static mrt_result check_hard(const take_layer *layer, const edit *e, int64_t at_ns, error *err)
 {
     soft_span span;
@@ -962,9 +966,10 @@ static mrt_result check_hard(const take_layer *layer, const edit *e, int64_t at_
                      edit_seconds(span.until_ns + layer->offset_ns).text);
 }
 
-/* ---- what is there reaches over the fades, as far as it was recorded ---- */
+/* ---- extending existing clips over the fades, as far as their recordings reach ---- */
 
-/* A fade longer than the cross-fade was set by the person: it stays. */
+/* Extends a clip over the start. A fade that is longer than the cross-fade was set by the user, and
+ * is kept. */
 static bool reach_over_start(take_layer *layer, const punch_span *span)
 {
     for (uint32_t i = layer->clip_count; i-- > 0;) {
@@ -1023,7 +1028,7 @@ static mrt_result punch_layer(take *t, take_layer *layer, const edit *e, error *
 
 /* ---- comp: a layer for each part of the face ---- */
 
-typedef struct part { /* of the face; patterns until the edit goes */
+typedef struct part { /* a part of the face; its patterns are valid as long as the edit */
     char name[TAKE_NAME];
     uint32_t pattern_count;
     char pattern[EDIT_OWN_MAX][TAKE_NAME];
@@ -1064,7 +1069,7 @@ static bool meets(const take_layer *layer, const part *p)
     return layer->own_count == 0;
 }
 
-/* The layer of exactly that part, unless a later one could speak over it. */
+/* Finds the layer of exactly that part, unless a later layer may replace it. */
 static take_layer *find_comp_layer(take *t, const part *p)
 {
     for (uint32_t i = t->layer_count; i-- > 0;) {
@@ -1171,7 +1176,7 @@ mrt_result edit_apply(take *t, const edit *e, error *err)
     return MRT_OK;
 }
 
-/* ---- what it refers to ---- */
+/* ---- references to recordings ---- */
 
 static const take_clip *find_clip(const take *t, uint32_t id)
 {

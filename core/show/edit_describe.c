@@ -1,4 +1,4 @@
-/* What an edit does, in words for a person. */
+/* Describes edits for the user. */
 #include "show/edit_layers.h"
 #include "show/own.h"
 #include "base/timecode.h"
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* To the ms: people do not read further. */
+/* Rounds to 1 ms for display. */
 static edit_words seconds(int64_t time_ns)
 {
     int64_t ms = time_ns / 1000000, rest_ns = time_ns % 1000000;
@@ -39,7 +39,7 @@ static edit_words quoted(const char *text)
 }
 
 typedef struct clip_name {
-    edit_words words;         /* "'mouth'", or, where there are several clips, "'mouth' at 2.1 s" */
+    edit_words words;         /* "'mouth'", or "'mouth' at 2.1 s" if the layer has several clips */
     int64_t start_ns, end_ns; /* shown */
 } clip_name;
 
@@ -326,7 +326,8 @@ static size_t utf8_length(unsigned char first)
     return first < 0x80 ? 1 : first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : first >= 0xc0 ? 2 : 0;
 }
 
-/* Texts were cut at a byte: what is left of a letter goes. Newlines become blanks. */
+/* Texts may be cut within a UTF-8 character: removes an incomplete character. Replaces newlines by
+ * spaces. */
 static void mend(char text[EDIT_TEXT])
 {
     size_t kept = 0, length = strlen(text);

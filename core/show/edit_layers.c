@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- descriptions ---- */
 
 static const int64_t second_ns = 1000000000;
 
@@ -47,7 +47,7 @@ edit_words edit_clip_words(const take_layer *layer, const take_clip *clip)
     return out;
 }
 
-/* ---- things by their ids ---- */
+/* ---- finding objects by id ---- */
 
 /* "it has 1 'face', 2 'mouth'" */
 static void list_layers(char *out, size_t size, const take *t)
@@ -212,7 +212,7 @@ static mrt_result fill_warp(take_clip *clip, const take_layer *layer, const edit
     return MRT_OK;
 }
 
-/* Some of the material is shown, and nothing that is not there. */
+/* Checks that the clip shows some of the material, and nothing beyond it. */
 static mrt_result check_shown(const take_layer *layer, const take_clip *clip, error *err)
 {
     int64_t low_ns = edit_earliest_ns(clip), high_ns = edit_latest_ns(clip);
@@ -276,7 +276,7 @@ mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const
 
 /* ---- cutting ---- */
 
-/* The clips of a layer, while they are cut: those before the cut, then those after it. */
+/* The clips of a layer during a cut: first those before the cut, then those after it. */
 typedef struct edit_cutting {
     take_clip *clip;
     uint32_t count;
@@ -307,7 +307,7 @@ static void put_after(edit_cutting *c, take_clip clip, int64_t out_ns, int64_t l
     put(c, clip);
 }
 
-/* A clip on both sides of the cut keeps its id before it. */
+/* Copies the part of a clip after the cut. The part before the cut keeps the id. */
 static mrt_result copy_after(edit_cutting *after, take *t, const take_clip *clip, int64_t out_ns,
                              int64_t later_ns, error *err)
 {

@@ -13,7 +13,7 @@ take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
     return out;
 }
 
-/* A word of a take as part of a file's name: one component, never hidden. */
+/* Appends a word of a take to a file name: a single path component, never hidden. */
 static void add_word(char *out, size_t capacity, const char *word, size_t length)
 {
     size_t used = strlen(out);

@@ -85,7 +85,7 @@ static bool has_log(const char *path)
     return has_beside(path, "-wal", 1);
 }
 
-/* Returns true if the user cannot write the show, and no program is writing it. */
+/* Returns true if no user may write the show, and no program is writing it. */
 static bool is_archived(const char *path)
 {
     struct stat status;

@@ -214,8 +214,10 @@ static mrt_result salvage_file(const char *path,
                                budget *left, error *err)
 {
     pages in = {.file = fopen(path, "rb"), .left = left};
-    const int holes =
-        open(path, O_RDONLY | O_CLOEXEC); /* pread does not move the position of the stream */
+    const int holes = open(
+        path,
+        O_RDONLY |
+            O_CLOEXEC); /* separate descriptor, because the search for holes moves its position */
     if (!in.file || holes < 0) {
         if (in.file)
             (void)fclose(in.file);
@@ -242,7 +244,7 @@ static mrt_result salvage_file(const char *path,
 enum {
     PROBES_MAX = 4000000,
     EDITS_LOST_BRANCH = 1 << 20,
-    STEPS_A_ROW = 400 /* in budget steps (base/budget.h) */
+    STEPS_A_ROW = 400 /* budget steps for a row */
 };
 
 /* ---- checking rows for damage ---- */
@@ -641,8 +643,8 @@ static bool has_contents(sqlite *db)
            count == 7 && sqlite_number(db, "SELECT id FROM chunk LIMIT 1", 0, &count, NULL) >= 0;
 }
 
-/* Returns true if the schema is that of any known version. A generated column would be computed for
- * each row, so it is refused. */
+/* Returns true if the schema is valid for any version, also for another one than the file states. A
+ * generated column would be computed for each row, so it is refused. */
 static bool is_known_schema(sqlite *db)
 {
     int64_t version, oldest_reader;
