@@ -589,7 +589,7 @@ static int64_t scaled(int64_t time_ns, int64_t about_ns, double speed)
 
 /* Adds a second point to a warp of one point, which runs at speed 1, so that its speed can be
  * changed. */
-static mrt_result say_speed(take_clip *clip, error *err)
+static mrt_result add_second_point(take_clip *clip, error *err)
 {
     if (clip->warp_count > 1)
         return MRT_OK;
@@ -615,7 +615,7 @@ static void keep_to_recording(take_clip *clip)
 
 static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
 {
-    mrt_result result = say_speed(spot.clip, err);
+    mrt_result result = add_second_point(spot.clip, err);
     if (result < 0)
         return result;
     take_clip clip = edit_lift(spot);
@@ -750,8 +750,8 @@ static bool concerns(const edit *e, const take_layer *layer)
     return e->layer_count == 0;
 }
 
-/* Checks that the cut is not within the audio, which cannot be cut. Audio that starts after the cut
- * moves with the later clips. */
+/* Refuses a cut before which the audio has started, because audio cannot be cut. Audio that starts
+ * after the cut moves with the later clips. */
 static mrt_result check_audio(const take *t, const edit *e, int64_t out_ns, error *err)
 {
     if (e->layer_count > 0 || t->audio.audio == 0 || t->audio.offset_ns >= out_ns)

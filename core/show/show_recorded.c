@@ -277,7 +277,7 @@ static mrt_result decode(show_reader *self, chunk_head *out, const uint8_t *byte
 
 /* Loads the chunk of the row. Its first `given` samples were returned before. If it is unreadable,
  * or chunks before it are missing, this returns an error once. */
-static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t given, error *err)
+static mrt_result load_chunk(show_reader *self, sqlite_statement *row, uint32_t given, error *err)
 {
     chunk_head head;
     size_t size = 0;
@@ -331,7 +331,7 @@ static mrt_result load_rest(show_reader *self, error *err)
     mrt_result result = step_over(self, self->again, err);
     if (result == MRT_OK) {
         --self->next_ordinal;
-        result = take_in(self, self->again, self->count, err);
+        result = load_chunk(self, self->again, self->count, err);
     }
     sqlite_reset(self->again);
     return result;
@@ -344,7 +344,7 @@ static mrt_result load_first(show_reader *self, error *err)
     mrt_result result = step_over(self, self->before, err);
     if (result == MRT_OK) {
         self->next_ordinal = -1;
-        result = take_in(self, self->before, 0, err);
+        result = load_chunk(self, self->before, 0, err);
     }
     sqlite_reset(self->before);
     if (result != MRT_END)
@@ -353,7 +353,7 @@ static mrt_result load_first(show_reader *self, error *err)
     sqlite_bind(self->after, "iii", self->track, start_ns, (int64_t)0);
     result = step_over(self, self->after, err);
     if (result == MRT_OK)
-        result = take_in(self, self->after, 0, err);
+        result = load_chunk(self, self->after, 0, err);
     sqlite_reset(self->after);
     return result;
 }
@@ -394,7 +394,7 @@ static mrt_result load_next(show_reader *self, error *err)
     }
     mrt_result result = next < 0 ? next : load_rest(self, err);
     if (result == MRT_END)
-        result = next == MRT_OK ? take_in(self, self->after, 0, err) : check_end(self, err);
+        result = next == MRT_OK ? load_chunk(self, self->after, 0, err) : check_end(self, err);
     sqlite_reset(self->after);
     return result;
 }

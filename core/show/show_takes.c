@@ -63,7 +63,7 @@ static mrt_result check_span(const show_span *span, int64_t take_id, error *err)
 {
     if (span->performance >= 0 && span->to_ns >= span->from_ns)
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT, "take %lld: a span from %lld to %lld ns is none",
+    return error_set(err, MRT_ERR_ARGUMENT, "take %lld: a span from %lld to %lld ns is invalid",
                      (long long)take_id, (long long)span->from_ns, (long long)span->to_ns);
 }
 
@@ -494,7 +494,7 @@ mrt_result show_edit_head(show *self, int64_t take_id, int32_t head, error *err)
         return result;
     if (head < 0 || head > of.edit_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "take %lld: %d edits cannot be in force, there are %d", (long long)take_id,
+                         "take %lld: %d edits cannot be in effect: it has %d", (long long)take_id,
                          head, of.edit_count);
     return set_head(self->db, take_id, head, err);
 }
@@ -508,8 +508,7 @@ mrt_result show_note_read(show *self, const char *key, char *out, size_t capacit
         sqlite_query(self->db, "SELECT value FROM meta WHERE key = 'note.' || ?", "t", "t", key);
     mrt_result result = sqlite_step(row, err);
     if (result == MRT_OK && strlen(sqlite_exact_text(row, 0)) >= capacity)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: the note '%s' is longer than any is",
-                           self->path, key);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: the note '%s' is too long", self->path, key);
     else if (result == MRT_OK)
         sqlite_text(row, 0, out, capacity);
     return sqlite_finish_rows(row, result);

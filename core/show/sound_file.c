@@ -315,7 +315,7 @@ static mrt_result keep_frames(sound_input *in, show *s, int64_t audio, sound_pcm
 
 /* Deletes an incomplete sound, to which nothing refers. Works in small steps, because other threads
  * write too. */
-static void take_back(show *s, int64_t audio)
+static void delete_partial(show *s, int64_t audio)
 {
     error none = {""};
     mrt_result result = MRT_OK;
@@ -369,7 +369,7 @@ mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
     if (result == MRT_OK)
         *out_audio = audio.id;
     else
-        take_back(s, audio.id);
+        delete_partial(s, audio.id);
 done:
     input_finish(&in);
     return result;
@@ -533,7 +533,7 @@ static mrt_result open_output(sound_output *self, const sound_file_report *repor
     self->file = sf_open_fd(fileno(self->writer.stream), SFM_WRITE, &info, SF_FALSE);
     if (!self->file)
         return error_set(err, MRT_ERR_IO, "%s: cannot write: %s", path, sf_strerror(NULL));
-    /* The chunk would contain the time of writing, so equal exports would differ. */
+    /* The PEAK chunk would contain the time of writing. */
     (void)sf_command(self->file, SFC_SET_ADD_PEAK_CHUNK, NULL, SF_FALSE);
     describe(self, report, what);
     return MRT_OK;

@@ -589,7 +589,7 @@ mrt_result sqlite_end(sqlite *self, mrt_result result, error *err)
 }
 
 /* Returns a cached statement with the same text. */
-static sqlite_statement *take_idle(sqlite *self, const char *sql)
+static sqlite_statement *pop_idle(sqlite *self, const char *sql)
 {
     for (uint32_t i = self->idle_count; i-- > 0;) {
         sqlite_statement *found = self->idle[i];
@@ -605,7 +605,7 @@ static sqlite_statement *take_idle(sqlite *self, const char *sql)
 /* Prepares a statement. If its handle is NULL, bind_code gives the reason. NULL: no memory. */
 static sqlite_statement *prepare(sqlite *self, const char *sql, const char *columns)
 {
-    sqlite_statement *out = take_idle(self, sql);
+    sqlite_statement *out = pop_idle(self, sql);
     if (!out) {
         out = calloc(1, sizeof *out);
         if (!out)

@@ -368,7 +368,7 @@ static writer_track *free_track(writer *self)
 
 /* Processes a queued job. A track exists from its job on, and ends when the ring is empty. If there
  * is no memory for a track, its samples count as lost. */
-static void take_job(writer *self, writer_job *asked)
+static void accept_job(writer *self, writer_job *asked)
 {
     /* A lent job must be returned immediately. Without memory for a copy it is kept until it is
      * written. */
@@ -408,7 +408,7 @@ static void count_ring_losses(writer *self)
 }
 
 /* Pops all queued jobs, in the order of their calls. */
-static writer_job *all_asked(writer *self)
+static writer_job *pop_queued(writer *self)
 {
     writer_job *newest = atomic_exchange_explicit(&self->asked, NULL, memory_order_acquire);
     writer_job *first = NULL;
@@ -423,16 +423,16 @@ static writer_job *all_asked(writer *self)
 
 /* Reads the ring first and the jobs afterwards. A track is queued before its first sample, so it is
  * always known when that sample is processed. */
-static void take_in(writer *self)
+static void receive(writer *self)
 {
     uint32_t count;
     do {
         for (count = 0; count < WRITER_STAGED && spool_pop(self->ring, &self->staged[count]);
              ++count)
             ;
-        for (writer_job *job = all_asked(self), *next; job; job = next) {
+        for (writer_job *job = pop_queued(self), *next; job; job = next) {
             next = job->next;
-            take_job(self, job);
+            accept_job(self, job);
         }
         for (uint32_t i = 0; i < count; ++i)
             take_record(self, &self->staged[i]);
@@ -767,14 +767,14 @@ static void *run(void *data)
     uint64_t flush;
     int64_t next_ns = clock_now_ns() + commit_ns;
     while (wait_for_work(self, next_ns, &flush)) {
-        take_in(self);
+        receive(self);
         mrt_result result = commit(self);
         if (result >= 0)
             commit_journal(self);
         next_ns = clock_now_ns() + (result < 0 ? retry_ns : commit_ns);
         answer(self, flush);
     }
-    take_in(self);
+    receive(self);
     end_all(self);
     (void)commit(self); /* writer_stop returns its result */
     return NULL;
@@ -828,7 +828,7 @@ static void destroy(writer *self)
         writer_track_finish(&self->track[i]);
     free(self->track);
     jobs_destroy(&self->pending);
-    writer_jobs asked = {.first = all_asked(self)};
+    writer_jobs asked = {.first = pop_queued(self)};
     jobs_destroy(&asked);
     free(self->lent);
     free(self->room);
@@ -886,7 +886,7 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
 
 /* Reports the unwritten samples. The next program that opens the show restores them, as after a
  * kill. */
-static void tell_left(const writer *self, error *err)
+static void report_unwritten(const writer *self, error *err)
 {
     uint32_t count = writer_status_of(self).backlog, left = spool_left_count(self->ring);
     if (left == 0)
@@ -911,7 +911,7 @@ mrt_result writer_stop(writer *self, error *err)
     mrt_result result = MRT_OK;
     if (commit_is_due(self)) {
         result = self->last_result;
-        tell_left(self, err);
+        report_unwritten(self, err);
         spool_abandon(self->ring);
         self->ring = NULL;
     }
@@ -941,7 +941,7 @@ static writer_job *lend(writer *self, writer_job_kind kind)
     return NULL;
 }
 
-/* Times are of the host clock. NULL: no job is free; ask() then returns the error. */
+/* Times are of the host clock. NULL: no job is free; queue_job() then returns the error. */
 static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64_t from_ns,
                            int64_t to_ns)
 {
@@ -955,7 +955,7 @@ static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64
 }
 
 /* [any] Queues the job; the writer's thread processes it at its next iteration. */
-static mrt_result ask(writer *self, writer_job *job, error *err)
+static mrt_result queue_job(writer *self, writer_job *job, error *err)
 {
     if (!job)
         return error_set(err, MRT_ERR_MEMORY,
@@ -986,7 +986,7 @@ static mrt_result add_track(writer *self, writer_job *job, take_track *track, ta
     track->id = show_next_id(self->of, SHOW_ID_TRACK);
     if (job)
         writer_job_put_track(job, track, texts);
-    mrt_result result = ask(self, job, err);
+    mrt_result result = queue_job(self, job, err);
     self->track_count += result >= 0;
     return result;
 }
@@ -1032,7 +1032,7 @@ mrt_result writer_add_track(writer *self, take_track *track, error *err)
 
 mrt_result writer_end_track(writer *self, int64_t track, error *err)
 {
-    mrt_result result = ask(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), err);
+    mrt_result result = queue_job(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), err);
     self->track_count -= result >= 0 && self->track_count > 0;
     return result;
 }
@@ -1057,7 +1057,7 @@ static mrt_result begin_performance(writer *self, writer_job *job, take_performa
         writer_job_put_performance(job, performance, texts);
         job->from_ns = job->to_ns = writer_show_ns(self, time_ns);
     }
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_follow_performance(writer *self, take_performance *performance, take_texts *texts,
@@ -1097,7 +1097,7 @@ mrt_result writer_begin_performance(writer *self, take_performance *performance,
 
 mrt_result writer_end_performance(writer *self, int64_t time_ns, error *err)
 {
-    return ask(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), err);
+    return queue_job(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), err);
 }
 
 /* ---- takes, marks, sound ---- */
@@ -1125,12 +1125,12 @@ mrt_result writer_take_begin(writer *self, int64_t time_ns, const writer_slate *
 {
     writer_job *job = slated_job(self, WRITER_JOB_TAKE, slate, time_ns, time_ns);
     *out_take = job ? job->id : 0;
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_take_end(writer *self, int64_t take_id, int64_t time_ns, error *err)
 {
-    return ask(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), err);
+    return queue_job(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), err);
 }
 
 mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
@@ -1141,7 +1141,7 @@ mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const write
         return error_set(err, MRT_ERR_ARGUMENT, "the range to keep ends before it starts");
     writer_job *job = slated_job(self, WRITER_JOB_KEEP, slate, from_ns, to_ns);
     *out_take = job ? job->id : 0;
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_mark(writer *self, int64_t time_ns, const char *text, error *err)
@@ -1152,7 +1152,7 @@ mrt_result writer_mark(writer *self, int64_t time_ns, const char *text, error *e
             (take_event){.time_ns = writer_show_ns(self, time_ns), .kind = TAKE_EVENT_MARK};
         snprintf(job->of.event.text, sizeof job->of.event.text, "%s", text);
     }
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void *frames,
@@ -1172,7 +1172,7 @@ mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void
     }
     job->id = audio;
     job->from_ns = time_ns != 0 ? writer_show_ns(self, time_ns) : 0;
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_flush(writer *self, error *err)

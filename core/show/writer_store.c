@@ -816,7 +816,7 @@ done:
     else
         spool_abandon(left);
     if (result == MRT_ERR_MEMORY)
-        error_set(err, result, "%s: no memory to read what is left of the last recording", s->path);
+        error_set(err, result, "%s: out of memory while restoring the last recording", s->path);
     return result;
 }
 
