@@ -11,12 +11,12 @@
 
 enum {
     VARINT_MAX = 10,     /* bytes of 64 bits */
-    PREFIX_BYTES = 1 + 4 /* version and CRC */
+    PREFIX_BYTES = 1 + 4 /* size of version and CRC */
 };
 enum { COLUMN_WHOLE = 0, COLUMN_FLOAT = 1 };
-static const float whole_limit = 16777216.0f; /* below it every whole number is a float */
+static const float whole_limit = 16777216.0f; /* each whole number below it is an exact float */
 
-/* ---- bytes out ---- */
+/* ---- writing bytes ---- */
 
 static uint8_t *put_varint(uint8_t *at, uint64_t value)
 {
@@ -39,7 +39,7 @@ static uint8_t *put_fixed(uint8_t *at, const void *value, size_t size)
     return at + size;
 }
 
-/* ---- bytes in: what is not there reads as 0 and sets `failed` ---- */
+/* ---- reading bytes: a missing byte reads as 0 and sets `failed` ---- */
 
 static uint64_t get_varint(bytes_in *in)
 {
@@ -271,7 +271,7 @@ static bool inflate_plain(uint8_t *out, size_t size, const uint8_t *bytes, size_
     return whole;
 }
 
-/* ---- the whole ---- */
+/* ---- complete chunks ---- */
 
 size_t chunk_bound(uint32_t sample_count, uint32_t channel_count)
 {
@@ -282,11 +282,11 @@ size_t chunk_bound(uint32_t sample_count, uint32_t channel_count)
 static mrt_result check_samples(const mrt_sample *samples, uint32_t count, error *err)
 {
     if (count == 0 || count > CHUNK_SAMPLES_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "a chunk of %u samples, 1 to %d are possible",
-                         count, CHUNK_SAMPLES_MAX);
+        return error_set(err, MRT_ERR_ARGUMENT, "a chunk of %u samples; expected 1 to %d", count,
+                         CHUNK_SAMPLES_MAX);
     uint32_t channel_count = samples[0].count;
     if (channel_count == 0 || channel_count > MRT_MAX_CHANNELS)
-        return error_set(err, MRT_ERR_ARGUMENT, "a sample of %u values, 1 to %d are possible",
+        return error_set(err, MRT_ERR_ARGUMENT, "a sample of %u values; expected 1 to %d",
                          channel_count, MRT_MAX_CHANNELS);
     for (uint32_t i = 0; i < count; ++i) {
         if (samples[i].count != channel_count)
@@ -347,19 +347,20 @@ mrt_result chunk_pack(chunk_packer *by, uint8_t *out, size_t *out_size, int64_t 
     return MRT_OK;
 }
 
-/* The head, and in `in` what comes after it. */
+/* Reads the head; `in` is then at the bytes after it. */
 static mrt_result get_head(chunk_head *out, size_t *out_plain_size, bytes_in *in, error *err)
 {
     static const char damaged[] = "a chunk of samples is damaged";
     if (in->at < in->end && *in->at != CHUNK_VERSION)
-        return error_set(err, MRT_ERR_FORMAT, "%s or of a newer version (%u, %d is known)", damaged,
-                         *in->at, CHUNK_VERSION);
+        return error_set(err, MRT_ERR_FORMAT,
+                         "%s or has a newer version (%u; this marotte reads %d)", damaged, *in->at,
+                         CHUNK_VERSION);
     uint8_t version;
     int64_t from_ns = 0;
     bytes_take(in, &version, sizeof version);
     uint32_t crc = bytes_take_u32(in);
     if (in->failed || in->end - in->at > INT32_MAX)
-        return error_set(err, MRT_ERR_FORMAT, "%s: its size makes no sense", damaged);
+        return error_set(err, MRT_ERR_FORMAT, "%s: its size is invalid", damaged);
     if (crc32(0, in->at, (uInt)(in->end - in->at)) != crc)
         return error_set(err, MRT_ERR_FORMAT, "%s: its CRC-32 differs", damaged);
     uint64_t track = get_varint(in), ordinal = get_varint(in);
@@ -368,7 +369,7 @@ static mrt_result get_head(chunk_head *out, size_t *out_plain_size, bytes_in *in
     uint64_t plain_size = get_varint(in);
     if (in->failed || track > INT64_MAX || ordinal > UINT32_MAX || sample_count == 0 ||
         sample_count > CHUNK_SAMPLES_MAX || channel_count == 0 || channel_count > MRT_MAX_CHANNELS)
-        return error_set(err, MRT_ERR_FORMAT, "%s: its head makes no sense", damaged);
+        return error_set(err, MRT_ERR_FORMAT, "%s: its header is invalid", damaged);
     *out = (chunk_head){.track = (int64_t)track,
                         .ordinal = (uint32_t)ordinal,
                         .from_ns = from_ns,
@@ -406,6 +407,6 @@ mrt_result chunk_decode(mrt_sample *out, chunk_head *out_head, const uint8_t *by
     free(plain);
     if (!good)
         return error_set(err, MRT_ERR_FORMAT,
-                         "a chunk of samples is damaged: what it unpacks to makes no sense");
+                         "a chunk of samples is damaged: its unpacked data is invalid");
     return MRT_OK;
 }

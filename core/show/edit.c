@@ -1,4 +1,4 @@
-/* An edit as data: the operations with their arguments and ranges, and the line of JSON. */
+/* Edits as data: the operations with their arguments and ranges, and the line of JSON. */
 #include "show/edit.h"
 
 #include "base/json.h"
@@ -20,7 +20,7 @@ typedef enum edit_argument_kind {
     EDIT_NUMBER,  /* double, low_number..high_number */
     EDIT_FLAG,
     EDIT_LINE,  /* char[size], no control characters */
-    EDIT_PROSE, /* char[size], newlines too */
+    EDIT_PROSE, /* char[size], newlines allowed */
     EDIT_OWN,
     EDIT_LAYERS,
     EDIT_REGIONS,
@@ -36,7 +36,7 @@ typedef struct edit_argument {
 } edit_argument;
 
 enum { EDIT_ARGUMENTS_MAX = 12 };
-typedef struct edit_use { /* of an argument by an operation */
+typedef struct edit_use { /* how an operation uses an argument */
     const edit_argument *argument;
     bool is_optional;
 } edit_use;
@@ -139,7 +139,7 @@ static const edit_argument arguments[A_COUNT] = {
     [A_WARP] = {"warp", EDIT_WARP, AT(warp), NO_RANGE},
 };
 
-/* ---- every operation: what it needs, A_END, what it may be given, A_END ---- */
+/* ---- all operations: required arguments, A_END, optional arguments, A_END ---- */
 
 #define MATERIAL A_PERFORMANCE, A_FROM, A_TO
 
@@ -213,7 +213,7 @@ static edit_kind kind_named(const char *name)
     return EDIT_NONE;
 }
 
-/* The arguments of an operation, in the order in which they are written. */
+/* Returns the arguments of an operation, in the order of the JSON text. */
 static uint32_t uses_of(edit_use out[EDIT_ARGUMENTS_MAX], edit_kind kind)
 {
     const operation *known = &operations[(unsigned)kind < EDIT_KIND_COUNT ? kind : EDIT_NONE];
@@ -246,7 +246,7 @@ void edit_finish(edit *e)
     *e = (edit){0};
 }
 
-/* False for an optional argument that is as edit_init leaves it. */
+/* Returns false for an optional argument that still has the value of edit_init. */
 static bool is_given(const edit *e, const edit_argument *argument)
 {
     if (argument->kind == EDIT_OWN)
@@ -266,7 +266,7 @@ static bool is_given(const edit *e, const edit_argument *argument)
 
 /* ---- ranges ---- */
 
-/* "$.gain: expected a number from 0 to 10, found FOUND". */
+/* Sets the error "$.gain: expected a number from 0 to 10, found FOUND". */
 static mrt_result refuse_argument(error *err, const edit_argument *argument, const char *found)
 {
     char expected[160] = "";
@@ -423,8 +423,7 @@ static mrt_result check_argument(const edit *e, const edit_argument *argument, e
 mrt_result edit_check_arguments(const edit *e, error *err)
 {
     if (edit_name(e->kind)[0] == '\0')
-        return error_set(err, MRT_ERR_ARGUMENT, "edit of kind %d: there is no such operation",
-                         (int)e->kind);
+        return error_set(err, MRT_ERR_ARGUMENT, "edit of kind %d: unknown operation", (int)e->kind);
     edit_use use[EDIT_ARGUMENTS_MAX];
     uint32_t count = uses_of(use, e->kind);
     mrt_result result = MRT_OK;
@@ -585,7 +584,7 @@ static mrt_result read_kind(edit_kind *out, const json_t *object, error *err)
     if (*out != EDIT_NONE)
         return MRT_OK;
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "$.op: this version knows no edit %s; a newer marotte may have made it",
+                     "$.op: unknown edit %s; a newer marotte may have made it",
                      json_describe(op).text);
 }
 
@@ -609,7 +608,7 @@ static mrt_result refuse_unknown_keys(const edit_use *use, uint32_t count, edit_
         char word[64];
         text_copy(word, sizeof word, text_view_of(key, strlen(key)));
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "$.%s: this version knows no such argument of %s; a newer marotte may "
+                         "$.%s: unknown argument of %s; a newer marotte may "
                          "have made it",
                          word, edit_name(kind));
     }
@@ -661,7 +660,7 @@ mrt_result edit_parse(edit *out, const char *text, size_t size, error *err)
 
 /* ---- writing ---- */
 
-/* The array with the item in it; NULL: the item or the array is none. */
+/* Returns the array with the item appended; NULL: the item or the array is NULL. */
 static json_t *with_item(json_t *array, json_t *item)
 {
     if (json_array_append_new(array, item) == 0)

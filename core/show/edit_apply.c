@@ -1,4 +1,4 @@
-/* What each edit makes of a take, and what holds for every take. */
+/* Applies edits to a take, and checks the invariants of takes. */
 #include "show/edit_layers.h"
 #include "show/own.h"
 #include "base/timecode.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- what holds for every take ---- */
+/* ---- invariants of every take ---- */
 
 static bool is_within(double value, double low, double high)
 {
@@ -27,8 +27,8 @@ static mrt_result check_clip(const take_layer *layer, const take_clip *clip, err
 {
     if (clip->start_ns < -EDIT_CLIP_MAX_NS || clip->end_ns > EDIT_CLIP_MAX_NS ||
         clip->start_ns > EDIT_CLIP_MAX_NS || clip->end_ns < -EDIT_CLIP_MAX_NS)
-        return error_set(err, MRT_ERR_ARGUMENT, "clip %u: it is days away from the take; move it",
-                         clip->id);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "clip %u: it is days away from the take; move it closer", clip->id);
     if (clip->end_ns <= clip->start_ns)
         return bad_clip(layer, clip, "expected an end after its start", err);
     if (clip->from_ns < 0 || clip->to_ns <= clip->from_ns ||
@@ -63,8 +63,8 @@ static mrt_result check_order(const take_layer *layer, uint32_t i, error *err)
                              .text);
     if (i >= 2 && clip->start_ns < clip[-2].end_ns)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s would overlap clips %u and %u at once, at %s s; two may overlap: trim "
-                         "or move one",
+                         "%s would overlap clips %u and %u at %s s; only two clips may overlap: "
+                         "trim or move one",
                          edit_clip_words(layer, clip).text, clip[-2].id, clip[-1].id,
                          edit_seconds(clip->start_ns + layer->offset_ns).text);
     return MRT_OK;
@@ -86,7 +86,7 @@ static mrt_result check_layer(const take_layer *layer, error *err)
     for (uint32_t i = 0; i < layer->own_count; ++i)
         if (!memchr(layer->own[i], '\0', TAKE_NAME) || !own_is_pattern(layer->own[i]))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "%s: pattern %u is none; expected one such as \"mouth.*\"",
+                             "%s: pattern %u is invalid; expected one such as \"mouth.*\"",
                              edit_layer_words(layer).text, i);
     mrt_result result = MRT_OK;
     for (uint32_t i = 0; result >= 0 && i < layer->clip_count; ++i) {
@@ -110,7 +110,7 @@ static mrt_result check_sorted_ids(const uint32_t *id, size_t count, error *err)
     for (size_t i = 0; i < count; ++i)
         if (id[i] == 0 || id[i] == UINT32_MAX || (i > 0 && id[i] == id[i - 1]))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "id %u: two layers or clips have it, or it is no id", id[i]);
+                             "id %u: two layers or clips use it, or it is invalid", id[i]);
     return MRT_OK;
 }
 
@@ -141,7 +141,7 @@ static mrt_result check_markers(const take *t, error *err)
             (i > 0 && marker->at_ns < marker[-1].at_ns) ||
             !memchr(marker->text, '\0', sizeof marker->text))
             return error_set(err, MRT_ERR_ARGUMENT,
-                             "marker %u: expected a text, in order of time, days away at most", i);
+                             "marker %u: expected a text, sorted by time, at most days away", i);
     }
     return MRT_OK;
 }
@@ -216,10 +216,10 @@ static mrt_result set_timecode(take *t, const edit *e, error *err)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "time code: the take has no frame rate; set it first");
     if (e->is_drop && !timecode_can_drop(rate))
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "$.drop: at %.6g frames a second there is no drop-frame time code; only "
-                         "29.97 and 59.94 have it",
-                         t->fps);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "$.drop: %.6g frames a second has no drop-frame time code; only 29.97 and 59.94 do",
+            t->fps);
     t->timecode_frame = e->frame;
     t->is_drop_frame = e->is_drop;
     return MRT_OK;
@@ -252,8 +252,7 @@ static mrt_result apply_take(take *t, const edit *e, error *err)
     }
 }
 
-/* ---- markers: in order of time; one that is added or moved comes after others of its instant ----
- */
+/* ---- markers, sorted by time; an added or moved marker follows others of the same instant ---- */
 
 static void lay_marker(take *t, take_marker marker)
 {
@@ -304,7 +303,7 @@ static mrt_result apply_marker(take *t, const edit *e, error *err)
 
 /* ---- audio ---- */
 
-/* The rest of it stays where it is. */
+/* Trims the audio; the remaining part keeps its position. */
 static mrt_result trim_audio(take_audio *audio, const edit *e, error *err)
 {
     int64_t in_ns = audio->in_ns, out_ns = audio->out_ns;
@@ -313,7 +312,7 @@ static mrt_result trim_audio(take_audio *audio, const edit *e, error *err)
     if (e->end_ns != EDIT_UNSAID)
         out_ns = e->end_ns - audio->offset_ns;
     if (in_ns >= out_ns && (out_ns != 0 || e->end_ns != EDIT_UNSAID))
-        return error_set(err, MRT_ERR_ARGUMENT, "audio: nothing of it would be left");
+        return error_set(err, MRT_ERR_ARGUMENT, "audio: the edit would remove all of it");
     audio->in_ns = in_ns;
     audio->out_ns = out_ns;
     return MRT_OK;
@@ -462,7 +461,7 @@ static mrt_result apply_layer(take *t, const edit *e, error *err)
 
 /* ---- clips ---- */
 
-/* ---- add, move: clips that get a position ---- */
+/* ---- add, move: position a clip ---- */
 
 static int64_t within_layer(int64_t shown_ns, const take_layer *layer)
 {
@@ -541,7 +540,7 @@ static mrt_result trim_clip(take *t, edit_spot spot, const edit *e, error *err)
     return lay_and_grow(t, spot.layer, clip, err);
 }
 
-/* Two halves within one cross-fade would be three clips at an instant. */
+/* Refuses a split within a cross-fade: three clips would overlap at an instant. */
 static mrt_result check_split(edit_spot spot, int64_t at_ns, error *err)
 {
     const take_layer *layer = spot.layer;
@@ -554,10 +553,11 @@ static mrt_result check_split(edit_spot spot, int64_t at_ns, error *err)
     if (at_ns >= low_ns && at_ns <= high_ns)
         return MRT_OK;
     if (low_ns > high_ns)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: it cross-fades all along: nowhere to split it",
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "%s: it is cross-faded over its whole length and cannot be split",
                          edit_clip_words(layer, clip).text);
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: it cannot be split at %s s; outside of its cross-fades is %s",
+                     "%s: it cannot be split at %s s; split it outside its cross-fades, in %s",
                      edit_clip_words(layer, clip).text, edit_seconds(at_ns + layer->offset_ns).text,
                      edit_span_words(low_ns + layer->offset_ns, high_ns + layer->offset_ns).text);
 }
@@ -587,8 +587,9 @@ static int64_t scaled(int64_t time_ns, int64_t about_ns, double speed)
     return about_ns + (int64_t)floor((double)(time_ns - about_ns) / speed + 0.5);
 }
 
-/* A warp of one point runs at speed 1; a second point says so. */
-static mrt_result say_speed(take_clip *clip, error *err)
+/* Adds a second point to a warp of one point, which runs at speed 1, so that its speed can be
+ * changed. */
+static mrt_result add_second_point(take_clip *clip, error *err)
 {
     if (clip->warp_count > 1)
         return MRT_OK;
@@ -603,7 +604,7 @@ static mrt_result say_speed(take_clip *clip, error *err)
     return MRT_OK;
 }
 
-/* Rounding may put an end one ns beyond the recording. */
+/* Moves an end back into the recording, since rounding may exceed it by one ns. */
 static void keep_to_recording(take_clip *clip)
 {
     if (take_warp_to_source(clip, clip->start_ns) < 0)
@@ -614,7 +615,7 @@ static void keep_to_recording(take_clip *clip)
 
 static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
 {
-    mrt_result result = say_speed(spot.clip, err);
+    mrt_result result = add_second_point(spot.clip, err);
     if (result < 0)
         return result;
     take_clip clip = edit_lift(spot);
@@ -626,11 +627,10 @@ static mrt_result set_speed(take *t, edit_spot spot, const edit *e, error *err)
     if (!edit_is_warp(clip.warp, clip.warp_count, EDIT_CLIP_MAX_NS) ||
         clip.end_ns <= clip.start_ns) {
         edit_clip_finish(&clip);
-        return error_set(
-            err, MRT_ERR_ARGUMENT,
-            "clip %u: %g times its speed leaves 1/1000 to 1000 times as fast as it was "
-            "recorded, or nothing of it; choose a speed nearer to 1",
-            e->clip, e->speed);
+        return error_set(err, MRT_ERR_ARGUMENT,
+                         "clip %u: %g times its speed is outside 1/1000 to 1000 times the recorded "
+                         "speed, or leaves nothing of it; choose a speed nearer to 1",
+                         e->clip, e->speed);
     }
     keep_to_recording(&clip);
     edit_fit_fades(&clip);
@@ -653,13 +653,13 @@ static mrt_result set_curve(edit_spot spot, const edit *e, error *err)
     if (first_ns >= 0 && last_ns <= length_ns)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: that curve shows %s of a recording of 0 .. %s s; let it stay within, or "
-                     "trim the clip",
+                     "%s: that curve shows %s of a recording of 0 .. %s s; keep it within the "
+                     "recording, or trim the clip",
                      edit_clip_words(spot.layer, spot.clip).text,
                      edit_span_words(first_ns, last_ns).text, edit_seconds(length_ns).text);
 }
 
-/* ---- how loud ---- */
+/* ---- gains and fades ---- */
 
 static mrt_result set_fades(edit_spot spot, const edit *e, error *err)
 {
@@ -722,7 +722,7 @@ static mrt_result apply_clip(take *t, const edit *e, error *err)
 
 /* ---- ranges of the timeline ---- */
 
-/* ---- which range, which layers ---- */
+/* ---- the range and the layers ---- */
 
 static mrt_result check_range(const take *t, const edit *e, error *err)
 {
@@ -750,20 +750,22 @@ static bool concerns(const edit *e, const take_layer *layer)
     return e->layer_count == 0;
 }
 
-/* A sound that plays on cannot be cut; what comes later than the cut can move with the rest. */
+/* Refuses a cut before which the audio has started, because audio cannot be cut. Audio that starts
+ * after the cut moves with the later clips. */
 static mrt_result check_audio(const take *t, const edit *e, int64_t out_ns, error *err)
 {
     if (e->layer_count > 0 || t->audio.audio == 0 || t->audio.offset_ns >= out_ns)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: the take's audio begins before %s s and would run out of step; name the "
-                     "layers to leave it as it is, or detach it, or leave a gap",
+                     "%s: the take's audio begins before %s s and would lose sync; name layers to "
+                     "keep the audio unchanged, or detach it, or leave a gap",
                      edit_name(e->kind), edit_seconds(out_ns).text);
 }
 
 /* ---- keep ---- */
 
-/* A clip whose neighbour is gone does not fade where it cross-faded. */
+/* Removes clips outside the range. A clip whose neighbour was removed loses the fade where it was
+ * cross-faded. */
 static void remove_outside(take_layer *layer, int64_t in_ns, int64_t out_ns)
 {
     uint32_t kept = 0;
@@ -795,7 +797,8 @@ static void keep_markers(take *t, int64_t in_ns, int64_t out_ns)
     t->marker_count = kept;
 }
 
-/* Clips that reach over the ends stay whole: within the range nothing changes, not even weights. */
+/* Keeps a range. Clips that cross its ends stay whole, so nothing within the range changes, not
+ * even weights. */
 static mrt_result keep(take *t, const edit *e, error *err)
 {
     mrt_result result = check_range(t, e, err);
@@ -820,7 +823,7 @@ static mrt_result keep(take *t, const edit *e, error *err)
 
 /* ---- cut, insert ---- */
 
-/* All that is not in layers, from out_ns on. */
+/* Moves markers and audio from out_ns on. */
 static void move_rest(take *t, int64_t in_ns, int64_t out_ns, int64_t later_ns)
 {
     uint32_t kept = 0;
@@ -899,9 +902,9 @@ static mrt_result apply_range(take *t, const edit *e, error *err)
     return e->kind == EDIT_RANGE_CUT ? cut(t, e, err) : insert(t, e, err);
 }
 
-/* ---- punching in, and comping ---- */
+/* ---- punch-in and comp ---- */
 
-typedef struct punch_span { /* in the time of the layer */
+typedef struct punch_span { /* times of the layer */
     int64_t in_ns, out_ns, fade_ns;
 } punch_span;
 
@@ -913,14 +916,14 @@ static mrt_result check_span(const edit *e, error *err)
     if (e->fade_ns <= (e->out_ns - e->in_ns) / 2)
         return MRT_OK;
     return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s %s: cross-fades of %s s do not fit into it twice; at most %s s do",
+                     "%s %s: two cross-fades of %s s do not fit into it; use at most %s s",
                      edit_name(e->kind), edit_span_words(e->in_ns, e->out_ns).text,
                      edit_seconds(e->fade_ns).text, edit_seconds((e->out_ns - e->in_ns) / 2).text);
 }
 
-/* ---- where it may begin and end ---- */
+/* ---- valid ends of the span ---- */
 
-typedef struct soft_span { /* where the weights of a clip change */
+typedef struct soft_span { /* a span in which the weights of a clip change */
     int64_t from_ns, until_ns;
 } soft_span;
 
@@ -929,7 +932,7 @@ static bool cross_fade(const take_clip *first, const take_clip *second)
     return !first->is_muted && !second->is_muted && second->start_ns < first->end_ns;
 }
 
-/* The cross-fade or fade around an instant, its ends left out. */
+/* Finds the cross-fade or fade that contains an instant, without its ends. */
 static bool find_soft_span(soft_span *out, const take_layer *layer, int64_t at_ns)
 {
     for (uint32_t i = 0; i < layer->clip_count; ++i) {
@@ -949,22 +952,24 @@ static bool find_soft_span(soft_span *out, const take_layer *layer, int64_t at_n
     return false;
 }
 
-/* Outside of the span everything is to stay as it is: a fade cannot be cut. */
+/* Checks that the span does not end within a fade. The layer must not change outside the span, so a
+ * fade cannot be cut. */
 static mrt_result check_hard(const take_layer *layer, const edit *e, int64_t at_ns, error *err)
 {
     soft_span span;
     if (!find_soft_span(&span, layer, at_ns))
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: %s s lies within a fade of %s; choose %s s or %s s", edit_name(e->kind),
-                     edit_seconds(at_ns + layer->offset_ns).text, edit_layer_words(layer).text,
+    return error_set(err, MRT_ERR_ARGUMENT, "%s: %s s is within a fade of %s; choose %s s or %s s",
+                     edit_name(e->kind), edit_seconds(at_ns + layer->offset_ns).text,
+                     edit_layer_words(layer).text,
                      edit_seconds(span.from_ns + layer->offset_ns).text,
                      edit_seconds(span.until_ns + layer->offset_ns).text);
 }
 
-/* ---- what is there reaches over the fades, as far as it was recorded ---- */
+/* ---- extending existing clips over the fades, as far as their recordings reach ---- */
 
-/* A fade longer than the cross-fade was set by the person: it stays. */
+/* Extends a clip over the start. A fade that is longer than the cross-fade was set by the user, and
+ * is kept. */
 static bool reach_over_start(take_layer *layer, const punch_span *span)
 {
     for (uint32_t i = layer->clip_count; i-- > 0;) {
@@ -1023,7 +1028,7 @@ static mrt_result punch_layer(take *t, take_layer *layer, const edit *e, error *
 
 /* ---- comp: a layer for each part of the face ---- */
 
-typedef struct part { /* of the face; patterns until the edit goes */
+typedef struct part { /* a part of the face; its patterns are valid as long as the edit */
     char name[TAKE_NAME];
     uint32_t pattern_count;
     char pattern[EDIT_OWN_MAX][TAKE_NAME];
@@ -1064,7 +1069,7 @@ static bool meets(const take_layer *layer, const part *p)
     return layer->own_count == 0;
 }
 
-/* The layer of exactly that part, unless a later one could speak over it. */
+/* Finds the layer of exactly that part, unless a later layer may replace it. */
 static take_layer *find_comp_layer(take *t, const part *p)
 {
     for (uint32_t i = t->layer_count; i-- > 0;) {
@@ -1171,7 +1176,7 @@ mrt_result edit_apply(take *t, const edit *e, error *err)
     return MRT_OK;
 }
 
-/* ---- what it refers to ---- */
+/* ---- references to recordings ---- */
 
 static const take_clip *find_clip(const take *t, uint32_t id)
 {

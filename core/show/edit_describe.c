@@ -1,4 +1,4 @@
-/* What an edit does, in words for a person. */
+/* Describes edits for the user. */
 #include "show/edit_layers.h"
 #include "show/own.h"
 #include "base/timecode.h"
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* To the ms: people do not read further. */
+/* Rounds to 1 ms for display. */
 static edit_words seconds(int64_t time_ns)
 {
     int64_t ms = time_ns / 1000000, rest_ns = time_ns % 1000000;
@@ -39,7 +39,7 @@ static edit_words quoted(const char *text)
 }
 
 typedef struct clip_name {
-    edit_words words;         /* "'mouth'", or, where there are several clips, "'mouth' at 2.1 s" */
+    edit_words words;         /* "'mouth'", or "'mouth' at 2.1 s" if the layer has several clips */
     int64_t start_ns, end_ns; /* shown */
 } clip_name;
 
@@ -121,7 +121,7 @@ static void describe_take(char out[EDIT_TEXT], const edit *e, const take *t)
         (void)snprintf(out, EDIT_TEXT, "note '%.100s'", e->note);
         break;
     case EDIT_TAKE_RATE:
-        (void)snprintf(out, EDIT_TEXT, "rate it %u of 5", e->rating);
+        (void)snprintf(out, EDIT_TEXT, "rate the take %u of 5", e->rating);
         break;
     case EDIT_TAKE_FPS:
         (void)snprintf(out, EDIT_TEXT, "%.6g frames a second", e->fps);
@@ -169,17 +169,17 @@ static void describe_layer(char out[EDIT_TEXT], const edit *e, const take *t)
         (void)snprintf(out, EDIT_TEXT, "rename %.66s to '%s'", name.text, e->name);
         break;
     case EDIT_LAYER_ORDER:
-        (void)snprintf(out, EDIT_TEXT, "put %s in place %u", name.text, e->place);
+        (void)snprintf(out, EDIT_TEXT, "move %s to place %u", name.text, e->place);
         break;
     case EDIT_LAYER_MUTE:
         (void)snprintf(out, EDIT_TEXT, "%s %s", e->is_muted ? "mute" : "unmute", name.text);
         break;
     case EDIT_LAYER_SOLO:
-        (void)snprintf(out, EDIT_TEXT, "%s %s", e->is_solo ? "solo" : "no solo of", name.text);
+        (void)snprintf(out, EDIT_TEXT, "%s %s", e->is_solo ? "solo" : "unsolo", name.text);
         break;
     case EDIT_LAYER_ADDITIVE:
         (void)snprintf(out, EDIT_TEXT, "%s %s", name.text,
-                       e->is_additive ? "adds to what is below" : "replaces what is below");
+                       e->is_additive ? "adds to the layers below" : "replaces the layers below");
         break;
     case EDIT_LAYER_GAIN:
         (void)snprintf(out, EDIT_TEXT, "gain of %s %g", name.text, e->gain);
@@ -243,7 +243,8 @@ static void describe_clip(char out[EDIT_TEXT], const edit *e, const take *t)
         (void)snprintf(out, EDIT_TEXT, "play %s at %g times its speed", name.text, e->speed);
         break;
     case EDIT_CLIP_CURVE:
-        (void)snprintf(out, EDIT_TEXT, "time %s by a curve of %u points", name.text, e->warp_count);
+        (void)snprintf(out, EDIT_TEXT, "retime %s with a curve of %u points", name.text,
+                       e->warp_count);
         break;
     case EDIT_CLIP_SMOOTH:
         (void)snprintf(out, EDIT_TEXT, "smooth %s over %g s", name.text, e->smooth_s);
@@ -258,7 +259,7 @@ static void describe_clip(char out[EDIT_TEXT], const edit *e, const take *t)
         (void)snprintf(out, EDIT_TEXT, "%s %s", e->is_muted ? "mute" : "unmute", name.text);
         break;
     case EDIT_CLIP_PERFORM:
-        (void)snprintf(out, EDIT_TEXT, "%s by performance %lld", name.text,
+        (void)snprintf(out, EDIT_TEXT, "replace %s by performance %lld", name.text,
                        (long long)e->performance);
         break;
     default:
@@ -325,7 +326,8 @@ static size_t utf8_length(unsigned char first)
     return first < 0x80 ? 1 : first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : first >= 0xc0 ? 2 : 0;
 }
 
-/* Texts were cut at a byte: what is left of a letter goes. Newlines become blanks. */
+/* Texts may be cut within a UTF-8 character: removes an incomplete character. Replaces newlines by
+ * spaces. */
 static void mend(char text[EDIT_TEXT])
 {
     size_t kept = 0, length = strlen(text);

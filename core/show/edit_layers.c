@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- words ---- */
+/* ---- descriptions ---- */
 
 static const int64_t second_ns = 1000000000;
 
@@ -47,7 +47,7 @@ edit_words edit_clip_words(const take_layer *layer, const take_clip *clip)
     return out;
 }
 
-/* ---- things by their ids ---- */
+/* ---- finding objects by id ---- */
 
 /* "it has 1 'face', 2 'mouth'" */
 static void list_layers(char *out, size_t size, const take *t)
@@ -112,8 +112,7 @@ mrt_result edit_reserve(void **array, size_t element, uint32_t count, uint32_t c
                         const char *what, error *err)
 {
     if (count >= cap)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: there are %u, and no room for more", what,
-                         count);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: the limit of %u is reached", what, count);
     void *larger = realloc(*array, element * ((size_t)count + 1));
     if (!larger)
         return error_set(err, MRT_ERR_MEMORY, "%s: no memory for one more", what);
@@ -213,7 +212,7 @@ static mrt_result fill_warp(take_clip *clip, const take_layer *layer, const edit
     return MRT_OK;
 }
 
-/* Some of the material is shown, and nothing that is not there. */
+/* Checks that the clip shows some of the material, and nothing beyond it. */
 static mrt_result check_shown(const take_layer *layer, const take_clip *clip, error *err)
 {
     int64_t low_ns = edit_earliest_ns(clip), high_ns = edit_latest_ns(clip);
@@ -222,10 +221,9 @@ static mrt_result check_shown(const take_layer *layer, const take_clip *clip, er
     edit_words asked =
         edit_span_words(clip->start_ns + layer->offset_ns, clip->end_ns + layer->offset_ns);
     edit_words there = edit_span_words(low_ns + layer->offset_ns, high_ns + layer->offset_ns);
-    return error_set(err, MRT_ERR_ARGUMENT,
-                     "%s: %s was asked for, but performance %lld has something to show at %s only",
-                     edit_layer_words(layer).text, asked.text, (long long)clip->performance,
-                     there.text);
+    return error_set(
+        err, MRT_ERR_ARGUMENT, "%s: %s was requested, but performance %lld can be shown only at %s",
+        edit_layer_words(layer).text, asked.text, (long long)clip->performance, there.text);
 }
 
 edit edit_with_defaults(const edit *e, const take *t)
@@ -248,7 +246,7 @@ mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const
     if (e->warp_count && e->source_ns != EDIT_UNSAID)
         return error_set(
             err, MRT_ERR_ARGUMENT,
-            "$.source_ns: the warp says which instant is shown; leave one of them out");
+            "$.source_ns: the warp already sets the first instant; remove one of the two");
     if (full.to_ns <= full.from_ns || full.to_ns - full.from_ns > EDIT_TIME_MAX_NS)
         return error_set(err, MRT_ERR_ARGUMENT,
                          "$.to_ns: expected an end after from_ns (%lld), at most %.40s s later, "
@@ -278,7 +276,7 @@ mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const
 
 /* ---- cutting ---- */
 
-/* The clips of a layer, while they are cut: those before the cut, then those after it. */
+/* The clips of a layer during a cut: first those before the cut, then those after it. */
 typedef struct edit_cutting {
     take_clip *clip;
     uint32_t count;
@@ -309,7 +307,7 @@ static void put_after(edit_cutting *c, take_clip clip, int64_t out_ns, int64_t l
     put(c, clip);
 }
 
-/* A clip on both sides of the cut keeps its id before it. */
+/* Copies the part of a clip after the cut. The part before the cut keeps the id. */
 static mrt_result copy_after(edit_cutting *after, take *t, const take_clip *clip, int64_t out_ns,
                              int64_t later_ns, error *err)
 {
@@ -363,7 +361,7 @@ mrt_result edit_cut(take *t, take_layer *layer, int64_t in_ns, int64_t out_ns, i
     free(before.clip);
     free(after.clip);
     if (result >= 0 && layer->clip_count > EDIT_CLIPS_MAX)
-        result = error_set(err, MRT_ERR_ARGUMENT, "%s: no room for the clips that the cut makes",
+        result = error_set(err, MRT_ERR_ARGUMENT, "%s: the cut would create too many clips",
                            edit_layer_words(layer).text);
     return result;
 }

@@ -1,13 +1,13 @@
-/* show/edit_layers.h - the layers and clips of a take as edits handle them: named in words, found
- * by their ids, put into a layer in order. For edit_apply.c and edit_describe.c. Pure; any thread.
- */
+/* show/edit_layers.h - helpers for the layers and clips of a take: describe them, find them by id,
+ * insert them into a layer. Leaves out the operations: for edit_apply.c and edit_describe.c. Pure;
+ * any thread. */
 #ifndef MAROTTE_TAKE_EDIT_LAYERS_H
 #define MAROTTE_TAKE_EDIT_LAYERS_H
 #include "show/edit.h"
 
 #include <stddef.h>
 
-/* ---- words ---- */
+/* ---- descriptions ---- */
 
 typedef struct edit_words {
     char text[112];
@@ -18,9 +18,9 @@ edit_words edit_span_words(int64_t from_ns, int64_t until_ns); /* "2.1 .. 8 s" *
 /* "clip 3 of layer 2 'mouth' (2.1 .. 8 s)", in shown time. */
 edit_words edit_clip_words(const take_layer *layer, const take_clip *clip);
 
-/* ---- things in a take ---- */
+/* ---- objects of a take ---- */
 
-typedef struct edit_spot { /* until the take's arrays change */
+typedef struct edit_spot { /* valid until the take's arrays change */
     take_layer *layer;
     uint32_t index; /* of the clip */
     take_clip *clip;
@@ -28,39 +28,41 @@ typedef struct edit_spot { /* until the take's arrays change */
 
 CHECKED mrt_result edit_find_layer(take_layer **out, take *t, uint32_t id, error *err);
 CHECKED mrt_result edit_find_clip(edit_spot *out, take *t, uint32_t id, error *err);
-/* So that ++id_count is a new id, whoever gave those that are there. */
+/* Sets id_count to the highest id in use, so that ++id_count is a new id. */
 void edit_count_ids(take *t);
-/* The shown times at which a clip can start and end: where its source has something. */
+/* Return the earliest start and the latest end of a clip, limited by its source, in shown time. */
 int64_t edit_earliest_ns(const take_clip *clip);
 int64_t edit_latest_ns(const take_clip *clip);
 
-/* Room for one more element; the text names what there are too many of. */
+/* Makes room for one more element. `what` names the elements in the error if there are too many. */
 CHECKED mrt_result edit_reserve(void **array, size_t element, uint32_t count, uint32_t cap,
                                 const char *what, error *err);
 
-/* e with its material in full: what was left out is as in the take. */
+/* Returns e with its material complete: values that are not set come from the take. */
 edit edit_with_defaults(const edit *e, const take *t);
 
 /* ---- clips in a layer; times in the layer's own, without its offset ---- */
 
-/* What e says, as a clip from start_ns until end_ns, or, where these are EDIT_UNSAID, where it
- * happened and as long as it lasts. Owns its warp. */
+/* Creates a clip of the material of e, from start_ns until end_ns. If these are EDIT_UNSAID, the
+ * clip is at the time of the recording and has its length. The clip owns its warp. */
 CHECKED mrt_result edit_material(take_clip *out, take *t, const take_layer *layer, const edit *e,
                                  int64_t start_ns, int64_t end_ns, error *err);
-/* Takes the clip over, in order; on failure frees it. */
+/* Inserts the clip into the layer, sorted by start, and takes ownership of it. Frees it on failure.
+ */
 CHECKED mrt_result edit_lay(take_layer *layer, take_clip clip, error *err);
-/* Takes the clip off its layer, to be laid elsewhere or freed. */
+/* Removes the clip from its layer. The caller inserts it elsewhere or frees it. */
 take_clip edit_lift(edit_spot spot);
 void edit_clip_finish(take_clip *clip);
 CHECKED mrt_result edit_clip_copy(take_clip *out, const take_clip *clip, uint32_t id, error *err);
 void edit_shift(take_clip *clip, int64_t by_ns);
-/* Shortens fades to what fits: first the one at the start has its length. */
+/* Shortens the fades so that they fit into the clip. The fade-in keeps its length as far as
+ * possible. */
 void edit_fit_fades(take_clip *clip);
-/* Takes in_ns .. out_ns out of the layer and moves what comes after by later_ns. Clips that reach
- * over it become two; with in_ns == out_ns this opens the layer there. */
+/* Cuts in_ns .. out_ns from the layer, and moves all later clips by later_ns. A clip that contains
+ * the range is split into two. With in_ns == out_ns this only opens a gap. */
 CHECKED mrt_result edit_cut(take *t, take_layer *layer, int64_t in_ns, int64_t out_ns,
                             int64_t later_ns, error *err);
-/* The take is at least as long as what it shows. */
+/* Extends the take to the end of the clip if necessary. */
 void edit_grow(take *t, const take_layer *layer, const take_clip *clip);
 
 #endif

@@ -45,7 +45,8 @@ static mrt_result list_read(void *self, int64_t n, const char **out_text, size_t
     return MRT_OK;
 }
 
-/* Room for one more edit, and a copy of it: what could fail after the show has it. */
+/* Reserves space for one more edit and copies it, so that nothing can fail after the show has
+ * stored it. */
 static mrt_result prepare(show_edits *edits, const char *text, show_edit *out, error *err)
 {
     show_edit *larger = realloc(edits->edit, (edits->count + 1) * sizeof *larger);
@@ -202,7 +203,7 @@ static void finish_texts(texts *list)
     free(list->at);
 }
 
-/* Not its slate: the copy has a number of its own. */
+/* Lists the effective edits without the slate, because the copy has its own number. */
 static mrt_result list_in_force(texts *out, const show_edits *edits, error *err)
 {
     mrt_result result = MRT_OK;
@@ -311,7 +312,7 @@ mrt_result edit_store_duplicate(show *s, int64_t take_id, int64_t (*utc_ms)(void
         result = list_in_force(&edits, &self->edits, err);
     if (result >= 0)
         result = list_own(&edits, &of, err);
-    if (result >= 0) { /* its times as they were recorded: the edits make of them what is shown */
+    if (result >= 0) { /* recorded times; the edits then compute the shown times */
         of.start_ns = self->bare.start_ns;
         of.duration_ns = self->bare.duration_ns;
         result = create_copy(s, &of, &edits, utc_ms, out_id, err);

@@ -13,7 +13,7 @@ take_name take_slate_text(const char *scene, const char *shot, uint32_t number)
     return out;
 }
 
-/* A word of a take as part of a file's name: one component, never hidden. */
+/* Appends a word of a take to a file name: a single path component, never hidden. */
 static void add_word(char *out, size_t capacity, const char *word, size_t length)
 {
     size_t used = strlen(out);
@@ -56,7 +56,7 @@ mrt_result export_name(char *out, size_t capacity, const char *pattern, const ex
             continue;
         }
         if (*at == '{')
-            return error_set(err, MRT_ERR_ARGUMENT, "\"%s\": %s are what a name may have", pattern,
+            return error_set(err, MRT_ERR_ARGUMENT, "\"%s\": a name can contain only %s", pattern,
                              pattern_words);
         if (used + 2 > capacity)
             return error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", pattern);

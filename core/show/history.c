@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of work, as base/budget.h counts it: after each edit the whole take is checked. */
+/* Budget steps (base/budget.h): the whole take is checked after each edit. */
 enum { STEPS_AN_EDIT = 200, STEPS_AN_ITEM = 12 };
 
 typedef struct description {
@@ -15,11 +15,11 @@ struct history {
     history_store store;
     history_extent extent;
     take bare, now;
-    description *descriptions; /* of edit n at n - 1 */
+    description *descriptions; /* edit n is at n - 1 */
     size_t description_capacity;
 };
 
-/* ---- folding ---- */
+/* ---- applying the list ---- */
 
 static mrt_result at_edit(int64_t n, mrt_result result, error *err)
 {
@@ -51,8 +51,8 @@ static mrt_result pay(const history_store *store, const take *t, int64_t n, erro
     return result < 0 ? at_edit(n, result, err) : MRT_OK;
 }
 
-/* Edits from..until onto t; *out_reached: the last that could be applied. t is half changed after a
- * failure. `descriptions`: their words, or NULL. */
+/* Applies the edits from..until to t. *out_reached: the last one that was applied. After a failure
+ * t is half changed. `descriptions`: receives their descriptions, or NULL. */
 static mrt_result apply_edits(take *t, const history_store *store, int64_t from, int64_t until,
                               int64_t *out_reached, description *descriptions, error *err)
 {
@@ -87,7 +87,8 @@ static mrt_result fold_onto_copy(take *out, const take *bare, const history_stor
     return result;
 }
 
-/* As far as it goes: what failed half-way is done again up to there. */
+/* Applies as many edits as possible. After a failure it starts again and stops before the edit that
+ * failed. */
 static mrt_result fold(take *out, const take *bare, const history_store *store, int64_t first,
                        int64_t until, int64_t *out_reached, description *descriptions, error *err)
 {
@@ -150,7 +151,8 @@ static mrt_result make_room(history *self, int64_t count, error *err)
     return MRT_OK;
 }
 
-/* What can be redone, in words; from where it cannot be read on, it says why. */
+/* Describes the edits that can be redone. From an unreadable edit on, the description is the error.
+ * */
 static void word_redoable(history *self)
 {
     take later;
@@ -233,7 +235,7 @@ const char *history_words(const history *self, int64_t n)
     return n >= 1 && n <= self->extent.last ? self->descriptions[n - 1].text : "";
 }
 
-/* ---- changes: the store first, then what cannot fail ---- */
+/* ---- changes: the store first, then steps that cannot fail ---- */
 
 static mrt_result append(history *self, const edit *e, error *err)
 {

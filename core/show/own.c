@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Names as the rigs of rigs/README.md spell them. */
+/* Names as in rigs/README.md. */
 static const own_part parts[OWN_REGION_COUNT] = {
     [OWN_MOUTH] = {"mouth", 4, {"mouth.*", "lip.*", "lips.*", "tongue.*"}},
     [OWN_JAW] = {"jaw", 2, {"jaw.*", "chin.*"}},
@@ -31,9 +31,9 @@ bool own_region_named(const char *name, own_region *out)
 
 /* ---- patterns ---- */
 
-typedef struct stem { /* the part of a pattern that a name must begin with */
+typedef struct stem { /* the prefix that a name must have */
     size_t length;
-    bool is_open; /* any rest, not only one behind a '.' */
+    bool is_open; /* any rest may follow, not only one after '.' */
 } stem;
 
 static stem stem_of(const char *pattern)
@@ -54,7 +54,7 @@ bool own_matches(const char *pattern, const char *name)
     return s.is_open || name[s.length] == '\0' || name[s.length] == '.';
 }
 
-/* Whether names that begin as `longer` does are among those of `pattern`. */
+/* Returns true if `pattern` matches names that begin with `longer`. */
 static bool reaches(const char *pattern, stem s, const char *longer, stem l)
 {
     if (strncmp(pattern, longer, s.length) != 0)

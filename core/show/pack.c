@@ -15,10 +15,11 @@
 #include <unistd.h>
 
 enum { LIST_BYTES_MAX = 1 << 20, KEY = 40 };
-static const char list_name[] = "files.json"; /* of a face: its files and their SHA-256 */
+static const char list_name[] = "files.json"; /* list of the files of a face, with their SHA-256 */
 
 typedef struct file_list {
-    char *name[PACK_FILES_MAX]; /* below the face's folder; the first is the face; owned */
+    char *
+        name[PACK_FILES_MAX]; /* paths below the folder of the face; the first is the face; owned */
     char hash[PACK_FILES_MAX][TAKE_HASH];
     uint32_t count;
 } file_list;
@@ -35,8 +36,8 @@ static mrt_result no_memory(error *err)
     return error_set(err, MRT_ERR_MEMORY, "no memory for the files of a face");
 }
 
-/* Below the folder it is taken from, whatever links do: words parted by '/', none of them hidden
- * or a way up. */
+/* Checks that a name stays below its folder: components separated by '/', none hidden, none "..".
+ * */
 static bool is_safe_name(const char *name)
 {
     size_t length = strlen(name);
@@ -49,7 +50,7 @@ static bool is_safe_name(const char *name)
     return true;
 }
 
-/* ---- where ---- */
+/* ---- paths ---- */
 
 static mrt_result join(char out[PATH_MAX], const char *folder, const char *name, error *err)
 {
@@ -71,7 +72,7 @@ static mrt_result pack_folder(char out[PATH_MAX], const char *show_path, error *
                : error_set(err, MRT_ERR_ARGUMENT, "%.200s...: the path is too long", show_path);
 }
 
-/* Itself, not what a link leads to. folder ends in '/'. */
+/* Returns true for a real folder, not for a link. `folder` ends in '/'. */
 static bool is_folder(const char *folder)
 {
     struct stat status;
@@ -85,19 +86,20 @@ static bool is_hash(const char *text)
     return strlen(text) == TAKE_HASH - 1 && strspn(text, "0123456789abcdef") == TAKE_HASH - 1;
 }
 
-/* A performance is data of a show: its hashes may be any text. */
+/* Returns the folder of the face. A performance is untrusted data, so its hashes may be any text.
+ * */
 static mrt_result face_folder(char out[PATH_MAX], const char *pack, const take_performance *p,
                               error *err)
 {
     char key[KEY];
     if (!is_hash(p->mesh_hash) || (p->rig_hash[0] && !is_hash(p->rig_hash)))
-        return error_set(err, MRT_ERR_FORMAT, "the show does not say which face it was");
+        return error_set(err, MRT_ERR_FORMAT, "the show does not name the face");
     (void)snprintf(key, sizeof key, "%.16s-%.16s/", p->rig_hash[0] ? p->rig_hash : "mesh",
                    p->mesh_hash);
     return join(out, pack, key, err);
 }
 
-/* Of what the face is called in the pack only the kind is the show's to say. */
+/* Returns the name of the face in the pack. Only its file type comes from the show. */
 static mrt_result face_name(char out[32], const take_performance *p, error *err)
 {
     file_extension extension = file_extension_of(p->rig);
@@ -107,34 +109,34 @@ static mrt_result face_name(char out[32], const take_performance *p, error *err)
     }
     if (!extension.text[0] ||
         strspn(extension.text, "abcdefghijklmnopqrstuvwxyz0123456789") != strlen(extension.text))
-        return error_set(err, MRT_ERR_FORMAT, "%s: no kind of mesh", p->rig);
+        return error_set(err, MRT_ERR_FORMAT, "%s: is not a mesh file", p->rig);
     (void)snprintf(out, 32, "face.%s", extension.text);
     return MRT_OK;
 }
 
-/* ---- read and compared ---- */
+/* ---- reading and checking ---- */
 
 static mrt_result check_file(const char *folder, const char *name, const char *hash, error *err)
 {
     char path[PATH_MAX], now[TAKE_HASH];
     struct stat status;
     if (!is_safe_name(name))
-        return error_set(err, MRT_ERR_FORMAT, "%s: names \"%.80s\", which is no file of it", folder,
-                         name);
+        return error_set(err, MRT_ERR_FORMAT, "%s: names \"%.80s\", which is not one of its files",
+                         folder, name);
     mrt_result result = join(path, folder, name, err);
     for (char *at = path + strlen(folder); result >= 0 && (at = strchr(at, '/')); *at++ = '/') {
         *at = '\0';
         if (lstat(path, &status) != 0 || !S_ISDIR(status.st_mode))
-            result = error_set(err, MRT_ERR_FORMAT, "%s: is no folder", path);
+            result = error_set(err, MRT_ERR_FORMAT, "%s: is not a folder", path);
     }
     if (result >= 0 && lstat(path, &status) != 0)
         result = error_set(err, MRT_ERR_IO, "%s: %s", path, strerror(errno));
     if (result >= 0 && (!S_ISREG(status.st_mode) || status.st_size > PACK_BYTES_MAX))
-        result = error_set(err, MRT_ERR_FORMAT, "%s: is no file, or too large", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: is not a regular file, or too large", path);
     if (result >= 0)
         result = hash_file(now, path, err);
     if (result >= 0 && strcmp(now, hash) != 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: is not what was packed", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: differs from the packed file", path);
     return result;
 }
 
@@ -171,10 +173,11 @@ static mrt_result read_list(file_list **out, const char *folder, error *err)
         (*out)->count += is_good ? 1 : 0;
     }
     json_decref(root);
-    return is_good ? MRT_OK : error_set(err, MRT_ERR_FORMAT, "%s: is no list of a pack", path);
+    return is_good ? MRT_OK
+                   : error_set(err, MRT_ERR_FORMAT, "%s: is not the file list of a pack", path);
 }
 
-/* The face, and that it is in the list; every file of the list is what it was. */
+/* Checks that the list has the face, and that all listed files are unchanged. */
 static mrt_result check_face(char out_face[PATH_MAX], const char *folder, const take_performance *p,
                              error *err)
 {
@@ -209,27 +212,25 @@ mrt_result pack_find(char out_face[PATH_MAX], const char *show_path, const take_
         return MRT_END;
     pack[strlen(pack)] = '/';
     if (!is_folder(pack))
-        return error_set(err, MRT_ERR_FORMAT, "%s: is no folder: links are not followed", pack);
+        return error_set(err, MRT_ERR_FORMAT, "%s: is not a folder: links are not followed", pack);
     result = face_folder(folder, pack, p, err);
     if (result >= 0 && !is_folder(folder))
-        result =
-            error_set(err, MRT_ERR_IO,
-                      "%s: does not have the face that was performed on (%s): --face FILE says "
-                      "which one to take",
-                      pack, p->rig);
+        result = error_set(err, MRT_ERR_IO,
+                           "%s: does not have the performed face (%s): choose one with --face FILE",
+                           pack, p->rig);
     return result < 0 ? result : check_face(out_face, folder, p, err);
 }
 
-/* ---- what a face is read from ---- */
+/* ---- the files of a face ---- */
 
 typedef struct gathering {
-    char folder[PATH_MAX]; /* of the face, ends in '/' */
+    char folder[PATH_MAX]; /* folder of the face, ends in '/' */
     file_list *list;
 } gathering;
 
 static mrt_result gather(gathering *self, const char *name, error *err);
 
-/* "a%20b" of a URI, in place. */
+/* Decodes "a%20b" of a URI in place. */
 static void decode_uri(char *text)
 {
     char *to = text;
@@ -242,7 +243,7 @@ static void decode_uri(char *text)
     *to = '\0';
 }
 
-/* A file that another one names, from the folder of that; NULL: it names none. */
+/* Adds a file that another file names, relative to the folder of that file. NULL: no name. */
 static mrt_result gather_named(gathering *self, const char *by, const char *text, bool is_uri,
                                error *err)
 {
@@ -259,8 +260,8 @@ static mrt_result gather_named(gathering *self, const char *by, const char *text
         decode_uri(end);
     if (end[0] == '/' || !is_safe_name(name))
         return error_set(err, MRT_ERR_UNSUPPORTED,
-                         "%s%s: names \"%.120s\": only files in the folder of the face, or below, "
-                         "can travel with it; put it there, and name it so",
+                         "%s%s: names \"%.120s\": only files in or below the folder of the face "
+                         "can be packed; move it there and use its new name",
                          self->folder, by, text);
     return gather(self, name, err);
 }
@@ -275,7 +276,8 @@ static mrt_result gather_uris(gathering *self, const char *by, const json_t *lis
     return result;
 }
 
-/* The JSON of a rig, a glTF, or a glTF in one file (12 bytes, then its first chunk). */
+/* Reads the JSON of a rig or a glTF. A binary glTF has a 12-byte header, then the JSON in its first
+ * chunk. */
 static mrt_result gather_document(gathering *self, const char *name, const char *path, error *err)
 {
     file_bytes bytes;
@@ -319,7 +321,7 @@ static mrt_result gather_beside(void *self, const char *name, error *err)
     return gather_named(of->to, of->obj, name, false, err);
 }
 
-/* An OBJ's materials and pictures. */
+/* Adds the materials and pictures of an OBJ. */
 static mrt_result gather_obj(gathering *self, const char *name, const char *path, error *err)
 {
     file_bytes bytes;
@@ -342,7 +344,7 @@ static mrt_result gather(gathering *self, const char *name, error *err)
         if (strcmp(list->name[i], name) == 0)
             return MRT_OK;
     if (list->count == PACK_FILES_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: a face of more than %d files", name,
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: the face has more than %d files", name,
                          PACK_FILES_MAX);
     mrt_result result = join(path, self->folder, name, err);
     if (result >= 0)
@@ -363,7 +365,7 @@ static mrt_result gather(gathering *self, const char *name, error *err)
     return is_document ? gather_document(self, name, path, err) : MRT_OK;
 }
 
-/* ---- written ---- */
+/* ---- writing ---- */
 
 static mrt_result copy_file(const char *from, const char *to, const char *hash, error *err)
 {
@@ -375,7 +377,7 @@ static mrt_result copy_file(const char *from, const char *to, const char *hash, 
     hash_bytes(now, bytes.data, bytes.size);
     (void)snprintf(folder, sizeof folder, "%.*s", (int)(strrchr(to, '/') - to), to);
     if (strcmp(now, hash) != 0)
-        result = error_set(err, MRT_ERR_IO, "%s: changed meanwhile", from);
+        result = error_set(err, MRT_ERR_IO, "%s: changed while it was packed", from);
     if (result >= 0)
         result = file_make_folders(folder, err);
     if (result >= 0)
@@ -400,7 +402,7 @@ static mrt_result write_list(const file_list *list, const char *folder, error *e
     return result;
 }
 
-/* Files and the folders they lie in, as far as they are there. */
+/* Removes the existing files of a face, and their folders. */
 static void remove_face(const char *folder, const file_list *list)
 {
     char path[PATH_MAX];
@@ -418,8 +420,8 @@ static void remove_face(const char *folder, const file_list *list)
     (void)rmdir(folder);
 }
 
-/* Whole or not there: made under another name beside it. first: what the first file is called in
- * `from`. */
+/* Writes a complete face or nothing: it is created under another name beside it, then renamed.
+ * first: name of the first file in `from`. */
 static mrt_result write_face(const file_list *list, const char *from, const char *first,
                              const char *pack, const char *folder, error *err)
 {
@@ -446,7 +448,7 @@ static mrt_result write_face(const file_list *list, const char *from, const char
         result = error_set(err, MRT_ERR_IO, "%s: cannot write: %s", folder, strerror(errno));
     if (result < 0) {
         remove_face(meanwhile, list);
-        (void)rmdir(pack); /* when nothing else is in it */
+        (void)rmdir(pack); /* only if it is empty */
     }
     return result;
 }
@@ -460,10 +462,11 @@ static mrt_result check_same(const file_list *list, const take_performance *p, e
     if (has_mesh && strcmp(list->hash[0], face) == 0)
         return MRT_OK;
     return error_set(err, MRT_ERR_FORMAT,
-                     "%s: is not what was performed on any more, so it is not packed", p->rig);
+                     "%s: has changed since it was performed, so it is not packed", p->rig);
 }
 
-/* first: what the face is called in its folder; then all that it names. */
+/* Collects the files of a face. first: name of the face in its folder; the files that it names
+ * follow. */
 static mrt_result gather_from(file_list *list, char folder[PATH_MAX], char first[PATH_MAX],
                               const char *face_path, error *err)
 {
@@ -489,8 +492,8 @@ static mrt_result gather_face(file_list *list, char folder[PATH_MAX], char first
         result = face_name(name, p, err);
     for (uint32_t i = 1; result >= 0 && i < list->count; ++i)
         if (strcmp(list->name[i], name) == 0)
-            result =
-                error_set(err, MRT_ERR_UNSUPPORTED, "%s: another file is called %s", p->rig, name);
+            result = error_set(err, MRT_ERR_UNSUPPORTED, "%s: another file has the name %s", p->rig,
+                               name);
     if (result < 0)
         return result;
     free(list->name[0]);
@@ -498,7 +501,7 @@ static mrt_result gather_face(file_list *list, char folder[PATH_MAX], char first
     return list->name[0] ? MRT_OK : no_memory(err);
 }
 
-/* A face that is there and damaged makes room for a whole one. */
+/* Writes a face into the pack. It replaces a damaged one. */
 static mrt_result put(const file_list *list, const char *from, const char *first,
                       const char *show_path, const take_performance *p, error *err)
 {

@@ -1,31 +1,33 @@
-/* show/pack.h - the faces of a show in a folder beside it, so that it travels: NAME.marotte has
- * NAME.pack, and in it a folder for each face that was performed on, known by its hashes, with
- * every file that the face is read from, under the names that these have for each other, and their
- * SHA-256 in files.json. Sounds, calibrations and what a mapping was are in the show itself.
+/* show/pack.h - copies the faces of a show into a folder beside it, NAME.pack, so that both can be
+ * moved together. The pack has a folder for each performed face, identified by its hashes. That
+ * folder holds all files of the face, under the names by which they refer to each other, and
+ * files.json with their SHA-256. Leaves out sounds, calibrations and mappings: they are in the show
+ * itself.
  *
- * Anybody may have made a pack: nothing in it is unpacked, run or followed. A folder that is a
- * link, a name that leads out of it, a file that is not regular or not what files.json says is
- * refused; what remains is read as any rig or mesh. Any thread that may block. */
+ * A pack may come from an untrusted source: its content is not extracted, executed or followed as a
+ * link. Refused are a folder that is a link, a name that leads out of it, a file that is not
+ * regular, and a file that differs from files.json. All other files are read like any rig or mesh.
+ * Any thread that may block. */
 #ifndef MAROTTE_TAKE_PACK_H
 #define MAROTTE_TAKE_PACK_H
 #include "show/take.h"
 
 #include <limits.h>
 
-enum { PACK_FILES_MAX = 256, PACK_BYTES_MAX = 1 << 30 }; /* of a face; of one file of it */
+enum { PACK_FILES_MAX = 256, PACK_BYTES_MAX = 1 << 30 }; /* files per face; bytes per file */
 
-/* The packed face that p was performed on, its files read and compared; MRT_END: the show has no
+/* Finds the packed face that p was performed on, and checks its files. MRT_END: the show has no
  * pack. */
 CHECKED mrt_result pack_find(char out_face[PATH_MAX], const char *show_path,
                              const take_performance *p, error *err);
-/* Puts p's face there, from p->rig. Refused when that is not what it was then, or names files
- * outside of its folder. MRT_END: it is there already. */
+/* Adds the face of p to the pack, from p->rig. Fails if that face has changed since, or names files
+ * outside its folder. MRT_END: the pack already has it. */
 CHECKED mrt_result pack_add(const char *show_path, const take_performance *p, error *err);
-/* Of all files that a face is read from, by their names and bytes: what is made of it is the same
- * as long as this is. */
+/* Hashes the names and bytes of all files of a face. As long as this sum is the same, the face is
+ * the same. */
 CHECKED mrt_result pack_sum(char out[TAKE_HASH], const char *face_path, error *err);
-/* p's face from one show's pack into another's. MRT_END: the first has no pack, or the second has
- * it. */
+/* Copies the face of p from one show's pack into another's. MRT_END: the first show has no pack, or
+ * the second already has the face. */
 CHECKED mrt_result pack_copy(const char *from_show, const char *to_show, const take_performance *p,
                              error *err);
 

@@ -10,7 +10,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- who may write ---- */
+/* ---- the lock of the writing program ---- */
 
 enum { WHO = 256, TRIES = 8 };
 
@@ -37,7 +37,7 @@ static void read_other(int fd, char who[WHO])
         snprintf(who, WHO, "another program");
 }
 
-/* The lock file was removed by its last holder between our opening and locking it. */
+/* Returns false if the last holder removed the lock file between our open and our lock. */
 static bool is_still_there(int fd, const char *path)
 {
     struct stat ours, there;
@@ -69,10 +69,10 @@ static void sign(int fd)
     char text[WHO];
     describe_self(text, sizeof text);
     if (ftruncate(fd, 0) != 0 || pwrite(fd, text, strlen(text), 0) < 0)
-        return; /* the lock holds all the same; only its name is missing */
+        return; /* the lock still works; only the name of its holder is missing */
 }
 
-/* Beside the file itself, whatever names lead to it. */
+/* Returns the path of the lock, beside the real file, also if `path` is a link. */
 static char *lock_path(const char *show_path)
 {
     char *real = realpath(show_path, NULL);
@@ -116,8 +116,8 @@ void show_lock_let_go(show_lock *lock)
 
 /* ---- connections ---- */
 
-/* Synchronous is FULL here: what somebody says (an edit, a new take) has reached the disk when the
- * call returns. The writer's own connection need not wait: see writer.c. */
+/* Synchronous is FULL here: when a call returns, its edit or new take has reached the disk. The
+ * writer's own connection does not wait: see writer.c. */
 mrt_result show_configure(sqlite *db, error *err)
 {
     return sqlite_run(db,
@@ -167,7 +167,7 @@ void show_look_end(show *self)
 
 mrt_result show_grow(void **list, size_t count, size_t item_size, error *err)
 {
-    if (count & (count - 1)) /* room for a power of two items is there */
+    if (count & (count - 1)) /* the list has space for a power of two items */
         return MRT_OK;
     void *larger = realloc(*list, (count ? 2 * count : 1) * item_size);
     if (!larger)
@@ -267,6 +267,6 @@ mrt_result show_check_writable(const show *self, error *err)
 {
     if (self->is_writable)
         return MRT_OK;
-    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open for reading only%s%s", self->path,
+    return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is open read-only%s%s", self->path,
                      self->notice[0] ? ": " : "", self->notice);
 }

@@ -1,4 +1,4 @@
-/* Opening, making, rescuing and checking a show: on top of its other files. */
+/* Opens, creates, rescues and checks shows. Uses the other files of the show. */
 #include "base/file.h"
 #include "base/trace.h"
 #include "show/show_file.h"
@@ -23,7 +23,8 @@ typedef struct identity {
     int64_t version, oldest_reader;
 } identity;
 
-/* SQLite was let in by the application's id in the header; the log may say otherwise than that. */
+/* The header had the right application id. The log may contain another one, so it is checked again.
+ * */
 static mrt_result read_identity(sqlite *db, const char *path, identity *out, error *err)
 {
     *out = (identity){0};
@@ -52,7 +53,7 @@ static mrt_result check_regular(const char *path, error *err)
 
 /* ---- connections ---- */
 
-/* Fails at once where the file cannot be read at all. */
+/* Connects, and reads the file once, so that an unreadable file fails here. */
 static mrt_result connect_and_look(sqlite **out, identity *out_identity, const char *path,
                                    sqlite_mode mode, sqlite_trouble *out_trouble, error *err)
 {
@@ -60,7 +61,7 @@ static mrt_result connect_and_look(sqlite **out, identity *out_identity, const c
     mrt_result result = sqlite_open(out, path, mode, err);
     if (result < 0)
         return result;
-    result = sqlite_run(*out, "BEGIN", err); /* one look at the file, not four */
+    result = sqlite_run(*out, "BEGIN", err); /* one read transaction instead of four */
     if (result >= 0)
         result = sqlite_end(*out, read_identity(*out, path, out_identity, err), err);
     if (result < 0) {
@@ -85,7 +86,7 @@ static bool has_log(const char *path)
     return has_beside(path, "-wal", 1);
 }
 
-/* A show that nobody may write, and nobody writes. */
+/* Returns true if no user may write the show, and no program is writing it. */
 static bool is_archived(const char *path)
 {
     struct stat status;
@@ -108,8 +109,8 @@ static void add_notice(show *self, const char *format, ...)
     va_end(arguments);
 }
 
-/* A folder that cannot be written has no place for the files that SQLite keeps beside a show, and a
- * file that cannot be written does not let them be removed. */
+/* Connects read-only. In a read-only folder SQLite cannot create its files beside the show. If the
+ * show itself is read-only, it cannot remove them. */
 static mrt_result connect_for_reading(show *self, identity *out, error *err)
 {
     const sqlite_mode mode = is_archived(self->path) ? SQLITE_MODE_READ_FROZEN : SQLITE_MODE_READ;
@@ -132,7 +133,7 @@ static mrt_result use_log(sqlite *db, const char *path, error *err)
     mrt_result result = sqlite_step(row, err);
     if (result == MRT_OK && strcmp(sqlite_exact_text(row, 0), "wal") != 0)
         result = error_set(err, MRT_ERR_UNSUPPORTED,
-                           "%s: this disk does not allow a show to be recorded: use another", path);
+                           "%s: this disk cannot be used for recording: use another disk", path);
     return sqlite_finish_rows(row, result);
 }
 
@@ -148,7 +149,7 @@ static mrt_result read_last_ids(show *self, error *err)
         int64_t last_id = 0;
         result = sqlite_number(self->db, sql[i], 0, &last_id, err);
         if (result >= 0 && (last_id < 0 || last_id > INT64_MAX / 2))
-            result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: an id of %lld", self->path,
+            result = error_set(err, MRT_ERR_FORMAT, "%s: is damaged: invalid id %lld", self->path,
                                (long long)last_id);
         self->last_id[i] = last_id;
     }
@@ -180,12 +181,12 @@ static mrt_result show_alloc(show **out, const char *path, error *err)
     return error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
 }
 
-/* Whether the file may be written; if not, the notice says why. */
+/* Returns true if the file may be written. If not, the notice gives the reason. */
 static bool may_write(show *self)
 {
     char who[256];
     if (access(self->path, W_OK) != 0) {
-        add_notice(self, "%s: opened for reading only, it cannot be written (%s)", self->path,
+        add_notice(self, "%s: opened read-only, because it cannot be written (%s)", self->path,
                    strerror(errno));
         return false;
     }
@@ -193,11 +194,11 @@ static bool may_write(show *self)
     case SHOW_LOCK_HELD:
         return true;
     case SHOW_LOCK_OTHERS:
-        add_notice(self, "%s: opened for reading only, %s writes it", self->path, who);
+        add_notice(self, "%s: opened read-only, because %s writes it", self->path, who);
         return false;
     case SHOW_LOCK_REFUSED:
     default:
-        add_notice(self, "%s: opened for reading only, its folder cannot be written (%s)",
+        add_notice(self, "%s: opened read-only, because its folder cannot be written (%s)",
                    self->path, who);
         return false;
     }
@@ -213,10 +214,11 @@ static mrt_result open_for_writing(show *self, error *err)
     if (result < 0)
         return result;
     if (id.version > SHOW_VERSION) {
-        add_notice(self,
-                   "%s: opened for reading only, it was made by a newer marotte (format %lld, this "
-                   "one writes %d): update marotte to record into it",
-                   self->path, (long long)id.version, SHOW_VERSION);
+        add_notice(
+            self,
+            "%s: opened read-only, because it was made by a newer marotte (format %lld, this "
+            "one writes %d): update marotte to record into it",
+            self->path, (long long)id.version, SHOW_VERSION);
         sqlite_close(self->db);
         self->db = NULL;
         return MRT_ERR_UNSUPPORTED;
@@ -233,7 +235,7 @@ static mrt_result open_for_writing(show *self, error *err)
     if (result >= 0)
         result = read_last_ids(self, err);
     if (result < 0 && sqlite_trouble_of(self->db) == SQLITE_TROUBLE_READONLY) {
-        add_notice(self, "%s: opened for reading only, it cannot be written", self->path);
+        add_notice(self, "%s: opened read-only, because it cannot be written", self->path);
         result = MRT_ERR_UNSUPPORTED;
     }
     if (result < 0) {
@@ -289,12 +291,13 @@ mrt_result show_open(show **out, const char *path, show_mode mode, error *err)
     return MRT_OK;
 }
 
-/* There may be voices in it: it is nobody else's to read, unless its owner says so. */
+/* Creates the file. It may contain voices, so only the owner may read it, until the owner changes
+ * its mode. */
 static mrt_result make_file(const char *path, error *err)
 {
     int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     if (fd < 0)
-        return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", path, strerror(errno));
+        return error_set(err, MRT_ERR_IO, "%s: cannot create the show: %s", path, strerror(errno));
     close(fd);
     return MRT_OK;
 }
@@ -303,7 +306,7 @@ static mrt_result fill_new(show *self, error *err)
 {
     char who[256];
     if (show_lock_take(&self->lock, self->path, who) != SHOW_LOCK_HELD)
-        return error_set(err, MRT_ERR_IO, "%s: cannot make a show: %s", self->path, who);
+        return error_set(err, MRT_ERR_IO, "%s: cannot create the show: %s", self->path, who);
     mrt_result result = sqlite_open(&self->db, self->path, SQLITE_MODE_MAKE, err);
     if (result >= 0)
         result = show_schema_create(self->db, err);
@@ -373,7 +376,8 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
 {
     struct stat status;
     if (stat(out_path, &status) == 0)
-        return error_set(err, MRT_ERR_ARGUMENT, "%s: is there already; name a new file", out_path);
+        return error_set(err, MRT_ERR_ARGUMENT, "%s: already exists; choose another name",
+                         out_path);
     mrt_result result = make_file(out_path, err);
     if (result < 0)
         return result;
@@ -383,7 +387,7 @@ mrt_result show_rescue(show *self, const char *out_path, error *err)
     return result;
 }
 
-/* Under the first name that is free: STEM.rescued.marotte, STEM.rescued-2.marotte. */
+/* Copies to the first unused name: STEM.rescued.marotte, STEM.rescued-2.marotte. */
 static mrt_result rescue_as(show *self, const char *stem, char out_path[PATH_MAX], error *err)
 {
     for (int n = 1; n <= RESCUE_NAMES; ++n) {
@@ -394,7 +398,7 @@ static mrt_result rescue_as(show *self, const char *stem, char out_path[PATH_MAX
         if (access(out_path, F_OK) != 0)
             return show_rescue(self, out_path, err);
     }
-    return error_set(err, MRT_ERR_IO, "%s: too many copies lie beside it", stem);
+    return error_set(err, MRT_ERR_IO, "%s: too many copies are beside it; move them away", stem);
 }
 
 static mrt_result rescue_home(show *self, const char *name, char out_path[PATH_MAX], error *err)
@@ -437,9 +441,9 @@ show_rescue_state show_rescue_missing(show *self, error *out_sentence)
     return SHOW_RESCUE_LOST;
 }
 
-/* ---- whether everything is whole ---- */
+/* ---- checking for damage ---- */
 
-/* What SQLite says of its pages, and of rows that refer to none. */
+/* Runs SQLite's checks of pages and foreign keys. */
 static mrt_result check_pages(show *self, error *err)
 {
     sqlite_statement *row = sqlite_query(self->db, "PRAGMA integrity_check(1)", "t", "");
@@ -467,7 +471,7 @@ static mrt_result check_references(show *self, error *err)
     return sqlite_finish_rows(row, result);
 }
 
-/* Every value is of the kind of its column; blobs are looked at by those who read them. */
+/* Checks that each value has the type of its column. The readers of blobs check their content. */
 static mrt_result check_kinds(show *self, const show_table *of, error *err)
 {
     char sql[128];
@@ -512,7 +516,7 @@ static mrt_result check_edits(show *self, int64_t take_id, error *err)
     return result;
 }
 
-/* From the last checkpoint back to the first. */
+/* Checks all checkpoints, from the last to the first. */
 static mrt_result check_checkpoints(show *self, int64_t performance, error *err)
 {
     int64_t before_ns = INT64_MAX;

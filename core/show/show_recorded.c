@@ -1,4 +1,4 @@
-/* What was recorded: tracks, samples, performances, events, checkpoints, audio. */
+/* Recorded data: tracks, samples, performances, events, checkpoints, audio. */
 #include "show/chunk.h"
 #include "show/hash.h"
 #include "show/show_file.h"
@@ -10,7 +10,7 @@
 #include <string.h>
 #include <zlib.h>
 
-/* ---- tracks: what one input gave, described ---- */
+/* ---- tracks: descriptions of the inputs ---- */
 
 static const char *or_empty(const char *text)
 {
@@ -136,16 +136,16 @@ struct show_reader {
     show *owner;
     sqlite_statement *before, *after, *again, *lawful, *chunk_count;
     int64_t track, from_ns, to_ns, skip_until_ns;
-    bool is_over;      /* SQLite itself cannot read on */
-    bool has_told_end; /* that chunks are missing at the end */
+    bool is_over;      /* SQLite itself cannot read further */
+    bool has_told_end; /* true if missing chunks at the end were reported */
 
-    /* Where in the track it is: the chunk whose samples are in memory; the last one of a track
-     * grows while it is recorded. */
+    /* The position in the track: the chunk whose samples are in memory. The last chunk of a track
+     * grows during recording. */
     bool has_chunk;
-    int64_t chunk_id, chunk_from_ns, chunk_to_ns, next_ordinal; /* ordinal -1: not known */
-    mrt_sample *sample; /* room for `capacity`: the longest chunk so far */
+    int64_t chunk_id, chunk_from_ns, chunk_to_ns, next_ordinal; /* ordinal -1: unknown */
+    mrt_sample *sample; /* allocated for `capacity`, the longest chunk so far */
     uint32_t capacity, count, at;
-    size_t chunk_size; /* in bytes, as stored */
+    size_t chunk_size; /* stored size in bytes */
 };
 
 #define CHUNK_COLUMNS "SELECT id, from_ns, to_ns, bytes FROM chunk WHERE track = ?1 "
@@ -155,8 +155,8 @@ static const char after_sql[] =
     CHUNK_COLUMNS "AND from_ns >= ?2 AND (from_ns > ?2 OR id > ?3) ORDER BY from_ns, id LIMIT 1";
 static const char again_sql[] =
     CHUNK_COLUMNS "AND id = ?2 AND (to_ns <> ?3 OR length(bytes) <> ?4)";
-/* A gap is lawful where the journal has let go, and no take goes on into it. One that begins in it
- * was kept when the journal had let go up to there. */
+/* A gap is valid where the journal deleted chunks and no span of a take covers it. A span may begin
+ * in a gap: it was created after the journal had deleted up to there. */
 static const char lawful_sql[] =
     "SELECT COALESCE((SELECT value FROM meta WHERE key = 'pruned_until_ns'), ?2) > ?2 AND NOT "
     "EXISTS(SELECT 1 FROM span WHERE from_ns <= ?2 AND COALESCE(to_ns, ?3) > ?2 AND"
@@ -254,7 +254,7 @@ static mrt_result check_gap(show_reader *self, int64_t from_ns, int64_t to_ns, i
         (long long)to_ns);
 }
 
-/* Time goes on from chunk to chunk, whatever a broken index says. */
+/* Checks that times ascend from chunk to chunk, in case of a broken index. */
 static bool goes_on(const show_reader *self, sqlite_statement *row)
 {
     int64_t id = sqlite_int(row, 0), from_ns = sqlite_int(row, 1);
@@ -275,9 +275,9 @@ static mrt_result decode(show_reader *self, chunk_head *out, const uint8_t *byte
     return result < 0 ? result : chunk_decode(self->sample, out, bytes, size, err);
 }
 
-/* Takes the chunk of the row in; the first `given` samples of it were given already. Where it
- * cannot be read, or others before it are missing, that is an error once. */
-static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t given, error *err)
+/* Loads the chunk of the row. Its first `given` samples were returned before. If it is unreadable,
+ * or chunks before it are missing, this returns an error once. */
+static mrt_result load_chunk(show_reader *self, sqlite_statement *row, uint32_t given, error *err)
 {
     chunk_head head;
     size_t size = 0;
@@ -290,9 +290,9 @@ static mrt_result take_in(show_reader *self, sqlite_statement *row, uint32_t giv
     self->chunk_to_ns = is_typed ? sqlite_int(row, 2) : self->chunk_from_ns;
     self->chunk_size = size;
     self->count = self->at = 0;
-    mrt_result result =
-        is_typed ? decode(self, &head, bytes, size, err)
-                 : error_set(err, MRT_ERR_FORMAT, "a chunk of samples is damaged: it is no blob");
+    mrt_result result = is_typed ? decode(self, &head, bytes, size, err)
+                                 : error_set(err, MRT_ERR_FORMAT,
+                                             "a chunk of samples is damaged: it is not a blob");
     if (result >= 0)
         result = check_against_row(self, &head, err);
     if (result < 0) {
@@ -320,7 +320,8 @@ static mrt_result step_over(show_reader *self, sqlite_statement *query, error *e
     return result;
 }
 
-/* The chunk in memory may have grown since; then its new samples come first. */
+/* Loads the rest of the track. The chunk in memory may have grown since; then its new samples come
+ * first. */
 static mrt_result load_rest(show_reader *self, error *err)
 {
     if (!self->has_chunk || self->count == 0)
@@ -330,7 +331,7 @@ static mrt_result load_rest(show_reader *self, error *err)
     mrt_result result = step_over(self, self->again, err);
     if (result == MRT_OK) {
         --self->next_ordinal;
-        result = take_in(self, self->again, self->count, err);
+        result = load_chunk(self, self->again, self->count, err);
     }
     sqlite_reset(self->again);
     return result;
@@ -343,7 +344,7 @@ static mrt_result load_first(show_reader *self, error *err)
     mrt_result result = step_over(self, self->before, err);
     if (result == MRT_OK) {
         self->next_ordinal = -1;
-        result = take_in(self, self->before, 0, err);
+        result = load_chunk(self, self->before, 0, err);
     }
     sqlite_reset(self->before);
     if (result != MRT_END)
@@ -352,7 +353,7 @@ static mrt_result load_first(show_reader *self, error *err)
     sqlite_bind(self->after, "iii", self->track, start_ns, (int64_t)0);
     result = step_over(self, self->after, err);
     if (result == MRT_OK)
-        result = take_in(self, self->after, 0, err);
+        result = load_chunk(self, self->after, 0, err);
     sqlite_reset(self->after);
     return result;
 }
@@ -393,7 +394,7 @@ static mrt_result load_next(show_reader *self, error *err)
     }
     mrt_result result = next < 0 ? next : load_rest(self, err);
     if (result == MRT_END)
-        result = next == MRT_OK ? take_in(self, self->after, 0, err) : check_end(self, err);
+        result = next == MRT_OK ? load_chunk(self, self->after, 0, err) : check_end(self, err);
     sqlite_reset(self->after);
     return result;
 }
@@ -420,9 +421,10 @@ mrt_result show_reader_next(show_reader *self, mrt_sample *out, error *err)
 mrt_result show_reader_seek(show_reader *self, int64_t time_ns, error *err)
 {
     if (time_ns < self->from_ns)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "track %lld: %lld ns is before what is read, from %lld ns on",
-                         (long long)self->track, (long long)time_ns, (long long)self->from_ns);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "track %lld: %lld ns is before the range of the reader, which starts at %lld ns",
+            (long long)self->track, (long long)time_ns, (long long)self->from_ns);
     self->skip_until_ns = time_ns;
     self->has_chunk = self->is_over = self->has_told_end = false;
     self->count = self->at = 0;
@@ -525,7 +527,7 @@ static mrt_result read_params(sqlite *db, take_performance *p, error *err)
     return sqlite_finish_rows(rows, result);
 }
 
-/* ---- performed anew ---- */
+/* ---- performances of recorded tracks ---- */
 
 static mrt_result insert_again(sqlite *db, const take_performance *p, error *err)
 {
@@ -673,7 +675,8 @@ mrt_result show_events(show *self, int64_t from_ns, int64_t to_ns, take_event **
 
 enum {
     CHECKPOINT_BYTES_MAX = 256 * 1024 * 1024,
-    BYTES_A_STEP = 1 /* unpacked in a step of work: fetching fresh memory is most of it */
+    BYTES_A_STEP = 1 /* bytes unpacked per budget step; most of the time goes into page faults of
+                        fresh memory */
 };
 
 mrt_result show_checkpoint_pack(show_packed *out, const void *bytes, size_t size, error *err)
@@ -761,7 +764,7 @@ void show_checkpoint_finish(show_checkpoint *checkpoint)
 
 enum { RATE_MAX = 768000, CHANNELS_MAX = 64, PIECE_BYTES_MAX = 1024 * 1024 };
 
-/* *out_frame_bytes is not 0 when it is sound. */
+/* Checks the description. On success *out_frame_bytes is not 0. */
 static mrt_result check(const show_audio *audio, uint32_t *out_frame_bytes, mrt_result code,
                         error *err)
 {
@@ -769,7 +772,7 @@ static mrt_result check(const show_audio *audio, uint32_t *out_frame_bytes, mrt_
         sound_pcm_bytes(sound_pcm_of(audio->format)) * (audio->channel_count % (CHANNELS_MAX + 1));
     if (audio->rate_hz == 0 || audio->rate_hz > RATE_MAX || audio->channel_count > CHANNELS_MAX ||
         *out_frame_bytes == 0)
-        return error_set(err, code, "audio '%s': %u Hz, %u channels of '%s' cannot be kept",
+        return error_set(err, code, "audio '%s': %u Hz, %u channels of '%s' are not supported",
                          audio->name, audio->rate_hz, audio->channel_count, audio->format);
     return MRT_OK;
 }
@@ -830,7 +833,7 @@ mrt_result show_audio_append(sqlite *db, int64_t id, int64_t time_ns, const void
         return result;
     if (size == 0 || size > PIECE_BYTES_MAX || size % frame_size != 0)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "audio %lld: a piece of %zu bytes, 1 to %d in frames of %u are possible",
+                         "audio %lld: a piece of %zu bytes; expected 1 to %d, in frames of %u",
                          (long long)id, size, PIECE_BYTES_MAX, frame_size);
     return sqlite_change(
         db, err,
@@ -857,7 +860,7 @@ mrt_result show_audio_ids(show *self, int64_t **out, size_t *out_count, error *e
     return show_read_ids(self, "SELECT id FROM audio ORDER BY id", out, out_count, err);
 }
 
-/* Copies what the piece holds from `frame` on; 0 at its end. */
+/* Copies the frames of the piece from `frame` on. Returns 0 at its end. */
 static mrt_result copy_piece(sqlite_statement *row, int64_t id, int64_t frame, uint32_t frame_size,
                              uint8_t *out, size_t capacity, size_t *out_size, error *err)
 {

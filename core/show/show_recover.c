@@ -1,4 +1,5 @@
-/* Out of a damaged show into a new one: row by row, and only what proves to be whole. */
+/* Copies a damaged show into a new one, row by row. It copies only rows that prove to be undamaged.
+ * */
 #include "base/budget.h"
 #include "base/cancel.h"
 #include "base/file.h"
@@ -14,10 +15,9 @@
 #include <unistd.h>
 #include <zlib.h>
 
-/* ---- rows out of pages: sqlite.org/fileformat2.html, sections 1.6, 2.1 ---- */
+/* ---- reading rows from pages: sqlite.org/fileformat2.html, sections 1.6, 2.1 ---- */
 
-/* What comes out may be old, or nonsense: only rows that carry their own CRC are worth it. Reads
- * any bytes. */
+/* The rows may be old or invalid, so only rows with their own CRC are used. Accepts any bytes. */
 
 enum { COLUMNS_MAX = 8 };
 
@@ -28,17 +28,17 @@ typedef struct salvaged_value {
     bool is_blob;
 } salvaged_value;
 typedef struct salvaged_row {
-    int64_t id; /* of the row; the column that stands for it is NULL */
+    int64_t id; /* id of the row; the column of the id is NULL */
     uint32_t column_count;
     salvaged_value column[COLUMNS_MAX];
 } salvaged_row;
 
 enum {
-    PAGE_BYTES = 4096, /* of every show */
+    PAGE_BYTES = 4096, /* page size of every show */
     LEAF_OF_TABLE = 13,
     LEAF_HEAD = 8,
     PAYLOAD_MAX = 64 * 1024 * 1024,
-    STEPS_A_PAGE = 200, /* of work, as base/budget.h counts it: reading one */
+    STEPS_A_PAGE = 200, /* budget steps for reading one page (base/budget.h) */
     STEPS_A_CELL = 50
 };
 
@@ -47,7 +47,7 @@ typedef struct pages {
     uint32_t count;
     uint8_t *payload; /* PAYLOAD_MAX at most; grown as needed */
     size_t payload_capacity;
-    uint32_t *visited_by; /* by page: the last chain that it was a part of; count + 1 */
+    uint32_t *visited_by; /* per page: the last chain that contained it; count + 1 */
     uint32_t chain_count;
     budget *left;
 } pages;
@@ -59,7 +59,8 @@ static bool read_page(const pages *in, uint32_t number, uint8_t out[PAGE_BYTES])
            fread(out, 1, PAGE_BYTES, in->file) == PAGE_BYTES;
 }
 
-/* Big-endian, 7 bits a byte, a ninth byte whole; false: it does not end before `end`. */
+/* Reads a varint: big-endian, 7 bits a byte, all bits of a ninth byte. False: it does not end
+ * before `end`. */
 static bool get_varint(const uint8_t **at, const uint8_t *end, uint64_t *out)
 {
     *out = 0;
@@ -96,7 +97,7 @@ static bool reserve_payload(pages *in, size_t size)
     return true;
 }
 
-/* Bytes of a payload that lie in the cell; the rest is in a chain of pages. */
+/* Returns the bytes of a payload in the cell; the rest is in a chain of overflow pages. */
 static size_t local_size(size_t size)
 {
     const size_t most = PAGE_BYTES - 35, least = (PAGE_BYTES - 12) * 32 / 255 - 23;
@@ -120,7 +121,7 @@ static bool read_payload(pages *in, const uint8_t *at, const uint8_t *end, size_
     while (got < size) {
         if (next > in->count || in->visited_by[next] == in->chain_count ||
             !read_page(in, next, page) || budget_spend_work(in->left, STEPS_A_PAGE, NULL) < 0)
-            return false; /* it ends, leads in a circle, or costs too much */
+            return false; /* the chain ends, forms a loop, or exceeds the budget */
         in->visited_by[next] = in->chain_count;
         size_t part = size - got < PAGE_BYTES - 4 ? size - got : PAGE_BYTES - 4;
         memcpy(in->payload + got, page + 4, part);
@@ -169,7 +170,7 @@ static bool get_row(salvaged_row *out, const uint8_t *payload, size_t size)
     return true;
 }
 
-/* MRT_END: nothing more may be spent. */
+/* MRT_END: the budget is spent. */
 static mrt_result salvage_page(pages *in, const uint8_t page[PAGE_BYTES],
                                mrt_result (*each)(void *data, const salvaged_row *row), void *data)
 {
@@ -206,14 +207,17 @@ static mrt_result salvage_pages(pages *in, uint64_t begin, uint64_t end,
     return result;
 }
 
-/* Calls `each` for every row of at most COLUMNS_MAX columns, until it fails. MRT_END:
- * what may be spent was used up before the end of the file. */
+/* Calls `each` for each row of at most COLUMNS_MAX columns, until it fails. MRT_END: the budget was
+ * spent before the end of the file. */
 static mrt_result salvage_file(const char *path,
                                mrt_result (*each)(void *data, const salvaged_row *row), void *data,
                                budget *left, error *err)
 {
     pages in = {.file = fopen(path, "rb"), .left = left};
-    const int holes = open(path, O_RDONLY | O_CLOEXEC); /* a stream's own place is its own */
+    const int holes = open(
+        path,
+        O_RDONLY |
+            O_CLOEXEC); /* separate descriptor, because the search for holes moves its position */
     if (!in.file || holes < 0) {
         if (in.file)
             (void)fclose(in.file);
@@ -240,21 +244,22 @@ static mrt_result salvage_file(const char *path,
 enum {
     PROBES_MAX = 4000000,
     EDITS_LOST_BRANCH = 1 << 20,
-    STEPS_A_ROW = 400 /* of work, as base/budget.h counts it */
+    STEPS_A_ROW = 400 /* budget steps for a row */
 };
 
-/* ---- which rows are whole ---- */
+/* ---- checking rows for damage ---- */
 
 typedef struct recovery {
     sqlite *from, *to;
-    budget left; /* a file that leads in circles uses it up */
+    budget left; /* a file with loops exhausts it */
     show_recovery *out;
     mrt_sample *sample; /* CHUNK_SAMPLES_MAX */
     bool has_lost;      /* a table could not be read to its end */
     error *err;
 } recovery;
 
-/* False: it has cost more than a file of its size can; what was copied until then counts. */
+/* Pays from the budget. False: the work exceeds what a file of this size can need, or the user
+ * cancelled. Rows that were already copied count. */
 static bool pay(recovery *self, uint64_t steps)
 {
     self->out->is_cut |= budget_spend_work(&self->left, steps, NULL) < 0;
@@ -279,7 +284,7 @@ static bool is_whole_edit(recovery *self, sqlite_statement *row)
                          sqlite_exact_text(row, 5)) == sqlite_int(row, 4);
 }
 
-/* Of a checkpoint or a piece of audio. */
+/* Checks the CRC of a checkpoint or a piece of audio. */
 static bool is_whole_blob(recovery *self, sqlite_statement *row)
 {
     size_t size;
@@ -288,7 +293,7 @@ static bool is_whole_blob(recovery *self, sqlite_statement *row)
     return (int64_t)crc32_z(0, bytes, size) == sqlite_int(row, 5);
 }
 
-/* What else proves a row of that table to be whole; NULL: nothing. */
+/* Returns the additional check for rows of that table; NULL: none. */
 static bool (*proof_of(const char *table))(recovery *self, sqlite_statement *row)
 {
     static const struct proof {
@@ -315,7 +320,8 @@ static bool is_whole(recovery *self, const show_table *of, sqlite_statement *row
 
 /* ---- copying ---- */
 
-/* A row that the new show refuses is damaged too: two of one key, NULL where there is none. */
+/* Copies a row. A row that the new show refuses also counts as damaged: a duplicate key, or a
+ * missing value. */
 static mrt_result copy_row(recovery *self, const show_table *of, sqlite_statement *row,
                            sqlite_statement *insert, error *err)
 {
@@ -334,8 +340,8 @@ static mrt_result copy_row(recovery *self, const show_table *of, sqlite_statemen
     return result;
 }
 
-/* Rows in this order until there is none, or none can be read: *out_last_id is where. A failure is
- * one of the new show. */
+/* Copies rows in this order until the end or until a row cannot be read: *out_last_id is the last
+ * one. Only a failure of the new show is an error. */
 static mrt_result copy_run(recovery *self, const show_table *of, const char *order,
                            sqlite_statement *insert, int64_t *out_last_id, bool *out_is_whole,
                            error *err)
@@ -387,7 +393,8 @@ static mrt_result probe(recovery *self, const show_table *of, int64_t from_id, i
     return result < 0 ? result : cancel_check(err);
 }
 
-/* From the front until damage, from the back until damage, and between them one by one. */
+/* Copies from the front up to the damage, from the back up to the damage, and the rows between one
+ * by one. */
 static mrt_result copy_table(recovery *self, const show_table *of, error *err)
 {
     char sql[160] = "";
@@ -412,7 +419,7 @@ static mrt_result copy_table(recovery *self, const show_table *of, error *err)
     return result;
 }
 
-/* ---- rows that no table leads to any more ---- */
+/* ---- rows that no table reaches any more ---- */
 
 static bool is_blob_of_crc(const salvaged_row *row)
 {
@@ -426,7 +433,7 @@ static bool is_packed(const salvaged_row *row)
     return row->column[6].size > 2 && bytes[0] == 0x78 && (bytes[0] * 256 + bytes[1]) % 31 == 0;
 }
 
-/* A chunk that grew may be there twice: the longer one counts. */
+/* A chunk that grew may exist twice; the longer one is used. */
 static mrt_result salvage_chunk(recovery *self, const salvaged_row *row)
 {
     chunk_head head;
@@ -447,7 +454,7 @@ static mrt_result salvage_chunk(recovery *self, const salvaged_row *row)
     return result == MRT_ERR_ARGUMENT ? MRT_OK : result;
 }
 
-/* Checkpoints are packed, audio is not. */
+/* Checkpoints are compressed, audio is not. */
 static mrt_result salvage_blob(recovery *self, const salvaged_row *row)
 {
     const salvaged_value *column = row->column;
@@ -473,7 +480,8 @@ static mrt_result salvage_row(void *data, const salvaged_row *row)
     return result == MRT_OK ? salvage_blob(self, row) : result;
 }
 
-/* What the rows refer to and is gone gets a stand-in; edits behind a missing one are set aside. */
+/* Inserts placeholders for missing rows that other rows refer to. Edits after a missing one move to
+ * another branch. */
 static mrt_result mend(sqlite *db, error *err)
 {
     char sql[3000];
@@ -516,7 +524,7 @@ static mrt_result mend(sqlite *db, error *err)
 
 static mrt_result copy_all(recovery *self, const char *path, error *err)
 {
-    /* Parents may be missing until mend() has seen to them. */
+    /* Parent rows may be missing until mend() inserts them. */
     mrt_result result = sqlite_run(self->to, "PRAGMA foreign_keys = OFF", err);
     if (result >= 0)
         result = sqlite_begin(self->to, err);
@@ -535,7 +543,7 @@ static mrt_result copy_all(recovery *self, const char *path, error *err)
     return sqlite_end(self->to, result, err);
 }
 
-/* ---- a damaged table of contents ---- */
+/* ---- a damaged schema table ---- */
 
 static mrt_result copy_file(const char *path, FILE *out, error *err)
 {
@@ -566,9 +574,9 @@ static void put_big_endian(uint8_t *at, uint64_t value)
         at[i] = (uint8_t)(value >> (24 - 8 * i));
 }
 
-/* Every show is made by the same steps, so its table of contents is where that of a new one is:
- * page 1, and the pages that are the root of no table. Page 2 maps pages to their parents; reading
- * does without. */
+/* Builds a copy of the file with the schema table of a new show. All shows are created by the same
+ * steps, so their schema table is in the same pages: page 1, and the pages that are not the root of
+ * a table. Page 2 maps pages to their parents, and reading does not need it. */
 static mrt_result lend_contents(FILE *out, const file_bytes *fresh, sqlite *fresh_db, error *err)
 {
     size_t page_bytes = (size_t)fresh->data[16] << 8 | fresh->data[17];
@@ -594,12 +602,12 @@ static mrt_result lend_contents(FILE *out, const file_bytes *fresh, sqlite *fres
     return good ? MRT_OK : error_set(err, MRT_ERR_IO, "a copy cannot be written");
 }
 
-/* Opens a copy of the damaged file, at copy_path, with the contents of a new show. */
+/* Opens a copy of the damaged file, at copy_path, with the schema table of a new show. */
 static mrt_result open_with_lent_contents(sqlite **out, const char *path, char *copy_path,
                                           show *fresh, error *err)
 {
     file_bytes contents = {0};
-    int fd = mkstemp(copy_path); /* nobody can have put something of that name there */
+    int fd = mkstemp(copy_path); /* the name is new, so no other file can be there */
     FILE *copy = fd < 0 ? NULL : fdopen(fd, "wb+");
     if (!copy) {
         if (fd >= 0)
@@ -607,7 +615,7 @@ static mrt_result open_with_lent_contents(sqlite **out, const char *path, char *
         return error_set(err, MRT_ERR_IO, "%s: cannot be written", copy_path);
     }
     mrt_result result = copy_file(path, copy, err);
-    if (result >= 0) /* what is in its log, into the file */
+    if (result >= 0) /* moves its log into the file */
         result = sqlite_checkpoint(fresh->db, err);
     if (result >= 0)
         result = file_read(&contents, fresh->path, 1 << 24, err);
@@ -621,7 +629,7 @@ static mrt_result open_with_lent_contents(sqlite **out, const char *path, char *
     return result < 0 ? result : sqlite_open(out, copy_path, SQLITE_MODE_READ_FROZEN, err);
 }
 
-/* ---- the whole ---- */
+/* ---- the complete recovery ---- */
 
 static bool has_contents(sqlite *db)
 {
@@ -635,7 +643,8 @@ static bool has_contents(sqlite *db)
            count == 7 && sqlite_number(db, "SELECT id FROM chunk LIMIT 1", 0, &count, NULL) >= 0;
 }
 
-/* Whatever the version that it says: a column that is computed would be computed for each row. */
+/* Returns true if the schema is valid for any version, also for another one than the file states. A
+ * generated column would be computed for each row, so it is refused. */
 static bool is_known_schema(sqlite *db)
 {
     int64_t version, oldest_reader;
@@ -675,7 +684,7 @@ static mrt_result recover_into(show *fresh, const char *path, char *copy_path, u
     if (result >= 0)
         result = copy_all(&self, path, err);
     if (result >= 0 && out->row_count == 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: nothing of a show can be read", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: no part of a show can be read", path);
     sqlite_close(self.from);
     free(self.sample);
     return result;

@@ -6,10 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { OBJECTS_MAX = 40 }; /* tables and indexes that a show of ours has */
+enum { OBJECTS_MAX = 40 }; /* maximum number of tables and indexes of a show */
 
-/* step[v] makes version v + 1 of version v. A step that was released is never changed: what is new
- * becomes a new step, and what older programs cannot read raises meta.oldest_reader. */
+/* step[v] migrates version v to v + 1. A released step never changes: each change is a new step. A
+ * change that older programs cannot read raises meta.oldest_reader. */
 static const char *const step[SHOW_VERSION] = {
     "CREATE TABLE meta(key TEXT PRIMARY KEY, value) WITHOUT ROWID;"
     "INSERT INTO meta VALUES('oldest_reader', 1);"
@@ -81,15 +81,15 @@ static const char *const step[SHOW_VERSION] = {
     "  crc INTEGER NOT NULL, bytes BLOB NOT NULL);"
     "CREATE UNIQUE INDEX audio_chunk_frame ON audio_chunk(audio, first_frame);",
 
-    /* How many chunks a finished track has: what is lost at its end is noticed too. How tracks are
-     * performed anew. */
+    /* The number of chunks of a finished track, so that a loss at its end is detected. The settings
+       of performances of recorded tracks. */
     "ALTER TABLE track ADD COLUMN chunk_count INTEGER;"
     "CREATE TABLE IF NOT EXISTS again("
     "  performance INTEGER PRIMARY KEY REFERENCES performance, of INTEGER NOT NULL,"
     "  ignores_params INTEGER NOT NULL, left_calibration TEXT, right_calibration TEXT,"
     "  min_cutoff_hz REAL NOT NULL, beta REAL NOT NULL);",
 
-    /* Which channels moved what. */
+    /* The patch of a performance. */
     "CREATE TABLE IF NOT EXISTS patch("
     "  performance INTEGER PRIMARY KEY REFERENCES performance, json TEXT NOT NULL);",
 };
@@ -142,15 +142,15 @@ mrt_result show_schema_migrate(sqlite *db, int64_t version, error *err)
 
 mrt_result show_schema_create(sqlite *db, error *err)
 {
-    /* What is deleted from the journal can be given back to the disk in small steps. */
+    /* Lets the journal return deleted pages to the disk in small steps. */
     mrt_result result = sqlite_run(db, "PRAGMA auto_vacuum = INCREMENTAL", err);
     return result < 0 ? result : show_schema_migrate(db, 0, err);
 }
 
-/* ---- whether a file's tables are ours ---- */
+/* ---- checking the tables of a file ---- */
 
-typedef struct object {         /* a table or an index, as SQLite keeps the text that made it */
-    text_view name, kind, rest; /* "CREATE TABLE ", and what follows it */
+typedef struct object {         /* a table or an index, with the SQL text that SQLite stores */
+    text_view name, kind, rest; /* text after "CREATE TABLE " */
     text_view added;            /* a column; empty: none */
     bool is_found;
 } object;
@@ -188,7 +188,8 @@ static object *find_object(objects *list, text_view name)
     return NULL;
 }
 
-/* What a statement of the steps leaves behind; those that change rows leave nothing. */
+/* Adds the object that a statement of the steps creates. A statement that changes rows creates
+ * none. */
 static void expect_statement(objects *out, text_view sql)
 {
     static const char *const kinds[] = {"CREATE TABLE ", "CREATE INDEX ", "CREATE UNIQUE INDEX "};
@@ -215,7 +216,7 @@ static void expect_statement(objects *out, text_view sql)
     }
 }
 
-/* As a new file of that version has them. */
+/* Collects the objects of a new file of that version. */
 static void expect_objects(objects *out, int64_t version)
 {
     out->count = 0;
@@ -227,7 +228,8 @@ static void expect_objects(objects *out, int64_t version)
         }
 }
 
-/* Names of columns and kinds, and nothing that could be an expression. */
+/* Returns true if the text has only names of columns and types, and nothing that could be an
+ * expression. */
 static bool is_plain(text_view text)
 {
     for (; text.at < text.end; ++text.at)
@@ -236,7 +238,7 @@ static bool is_plain(text_view text)
     return true;
 }
 
-/* may_grow: columns of plain values may follow those that are known. */
+/* may_grow: further columns of plain values may follow the known ones. */
 static bool is_as_expected(const object *of, text_view sql, bool may_grow)
 {
     text_view closing = view_of(")"), known = of->rest;
@@ -246,7 +248,7 @@ static bool is_as_expected(const object *of, text_view sql, bool may_grow)
     if (of->added.at < of->added.end &&
         (!take_off(&sql, view_of(", ")) || !take_off(&sql, of->added)))
         return false;
-    const text_view rest = {known.end, of->rest.end}; /* its last letter, a ')' mostly */
+    const text_view rest = {known.end, of->rest.end}; /* its last character, usually ')' */
     if (is_same(sql, of->added.at < of->added.end ? closing : rest))
         return true;
     return may_grow && sql.end > sql.at && *sql.at == ',' && sql.end[-1] == ')' &&
@@ -268,7 +270,8 @@ typedef struct schema_check {
     int64_t oldest_reader;
 } schema_check;
 
-/* Version 1 may have a table of version 2 already: the step makes it only where it is not. */
+/* A file of version 1 may already have a table of version 2: the step creates it only if it is
+ * missing. */
 static mrt_result check_object(schema_check *self, sqlite_statement *row, error *why)
 {
     if (!sqlite_is_null(row, 3))
@@ -277,8 +280,8 @@ static mrt_result check_object(schema_check *self, sqlite_statement *row, error 
     const text_view name = view_of(sqlite_exact_text(row, 1));
     const text_view sql = view_of(sqlite_exact_text(row, 2));
     if (!text_equals(type, "table") && !text_equals(type, "index"))
-        return error_set(why, MRT_ERR_FORMAT, "it has views or triggers, which no show has");
-    if (sqlite_is_null(row, 2)) /* what SQLite makes by itself for a key */
+        return error_set(why, MRT_ERR_FORMAT, "it has views or triggers, which a show never has");
+    if (sqlite_is_null(row, 2)) /* an index that SQLite creates for a key */
         return MRT_OK;
     object *of = find_object(&self->expected, name);
     of = of ? of : find_object(&self->latest, name);
@@ -290,7 +293,7 @@ static mrt_result check_object(schema_check *self, sqlite_statement *row, error 
         return MRT_OK;
     char shown[64];
     text_copy(shown, sizeof shown, name);
-    return error_set(why, MRT_ERR_FORMAT, "\"%s\" is not as marotte makes it", shown);
+    return error_set(why, MRT_ERR_FORMAT, "\"%s\" differs from the table of a show", shown);
 }
 
 static mrt_result check_objects(schema_check *self, sqlite *db, bool *out_is_unread, error *why)
@@ -328,10 +331,10 @@ mrt_result show_schema_check(sqlite *db, int64_t version, int64_t *out_oldest_re
     *out_oldest_reader = self.oldest_reader;
     if (result >= 0)
         return MRT_OK;
-    if (is_unread) /* SQLite says why */
+    if (is_unread) /* SQLite gives the reason */
         return error_set(err, result, "%s", why.text);
-    return error_set(err, result,
-                     "%s: is no show of marotte, or damaged: %s; what can be read of it: marotte "
-                     "take recover",
-                     sqlite_path(db), why.text);
+    return error_set(
+        err, result,
+        "%s: is not a marotte show, or is damaged: %s; recover it with marotte take recover",
+        sqlite_path(db), why.text);
 }

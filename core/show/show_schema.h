@@ -1,5 +1,6 @@
-/* show/show_schema.h - the tables of a show (README.md says what every column means), and how those
- * of older versions become today's. Leaves out whether a file may be written (show_open.c). */
+/* show/show_schema.h - the tables of a show (show_format.md describes each column), and the
+ * migration of older versions. Leaves out whether a file may be written (show_open.c). The thread
+ * of the connection. */
 #ifndef MAROTTE_TAKE_SHOW_SCHEMA_H
 #define MAROTTE_TAKE_SHOW_SCHEMA_H
 #include "show/sqlite.h"
@@ -8,24 +9,25 @@ enum { SHOW_VERSION = 3 };
 
 typedef struct show_table {
     const char *name;
-    const char *key;   /* by which its rows are in order */
-    bool has_id;       /* the key is a number: rows behind damage can be asked for one by one */
-    const char *kinds; /* what each column holds, as sqlite_prepare has it */
-    const char *light; /* its columns but the blob, which is last; "*": there is none */
-    int since;         /* the version that has it first */
+    const char *key; /* column that sorts its rows */
+    bool has_id; /* true if the key is a number, so that rows after damage can be read one by one */
+    const char *kinds; /* type of each column, as for sqlite_prepare */
+    const char *light; /* its columns except the blob, which is last; "*": it has no blob */
+    int since;         /* first version that has it */
 } show_table;
 enum { SHOW_TABLES = 20 };
 extern const show_table show_tables[SHOW_TABLES];
 
-/* Whether the tables of a file of that version are those that marotte makes, and nothing else is
- * there: SQLite would evaluate the expressions of columns, indexes and views. A newer version may
- * have more tables, and more columns of plain values. Reads only; *out_oldest_reader: the version
- * that a program must know to read it. */
+/* Checks that the file has exactly the tables of that version. SQLite would evaluate expressions in
+ * columns, indexes and views, so all other schema objects are refused. A newer version may have
+ * more tables, and more columns of plain values. Only reads. *out_oldest_reader: the lowest format
+ * version that can read the file. */
 CHECKED mrt_result show_schema_check(sqlite *db, int64_t version, int64_t *out_oldest_reader,
                                      error *err);
-/* In an empty database. */
+/* Creates the tables in an empty database. */
 CHECKED mrt_result show_schema_create(sqlite *db, error *err);
-/* From `version`, 1..SHOW_VERSION, to SHOW_VERSION in one transaction: all or nothing. */
+/* Migrates from `version`, 1..SHOW_VERSION, to SHOW_VERSION in one transaction: all steps or none.
+ */
 CHECKED mrt_result show_schema_migrate(sqlite *db, int64_t version, error *err);
 
 #endif

@@ -1,4 +1,4 @@
-/* What was made of the recorded: takes, their spans and edits; notes. */
+/* Takes, their spans and edits, and notes. */
 #include "base/clock.h"
 #include "show/hash.h"
 #include "show/chunk.h"
@@ -32,7 +32,7 @@ mrt_result show_edit_insert(sqlite *db, int64_t take_id, int32_t n, int64_t utc_
                          json);
 }
 
-/* ---- rows in ---- */
+/* ---- writing rows ---- */
 
 mrt_result show_take_insert(sqlite *db, const show_take_row *row, error *err)
 {
@@ -45,7 +45,7 @@ mrt_result show_take_insert(sqlite *db, const show_take_row *row, error *err)
         row->origin, (int64_t)row->number);
 }
 
-/* What came before from_ns is needed back to where a replay can start. */
+/* Inserts a span. Data before from_ns is needed too, back to where a replay can start. */
 mrt_result show_span_insert(sqlite *db, int64_t take_id, int64_t performance, int64_t from_ns,
                             const int64_t *to_ns, bool is_shown, error *err)
 {
@@ -63,11 +63,11 @@ static mrt_result check_span(const show_span *span, int64_t take_id, error *err)
 {
     if (span->performance >= 0 && span->to_ns >= span->from_ns)
         return MRT_OK;
-    return error_set(err, MRT_ERR_ARGUMENT, "take %lld: a span from %lld to %lld ns is none",
+    return error_set(err, MRT_ERR_ARGUMENT, "take %lld: a span from %lld to %lld ns is invalid",
                      (long long)take_id, (long long)span->from_ns, (long long)span->to_ns);
 }
 
-/* Checked; is_shown as each says. */
+/* Checks and inserts the spans, each with its own is_shown. */
 static mrt_result insert_spans(sqlite *db, int64_t take_id, const show_span *spans, size_t count,
                                error *err)
 {
@@ -120,9 +120,9 @@ mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_
     return result;
 }
 
-/* ---- rows out ---- */
+/* ---- reading rows ---- */
 
-/* The last sample of the tracks that a take records. */
+/* Time of the last sample of the tracks that a take records. */
 #define LAST_OF_TAKE                                                                               \
     "(SELECT MAX((SELECT to_ns FROM chunk WHERE chunk.track = p.track"                             \
     "             ORDER BY from_ns DESC, chunk.id DESC LIMIT 1))"                                  \
@@ -136,7 +136,8 @@ mrt_result show_take_create(show *self, const show_new_take *made, int64_t *out_
 
 #define TAKE_KINDS "innnzzttutwww"
 
-/* Whoever wrote it: no take comes before the one that it is performed over. */
+/* Reads the take that this one was performed over. In an untrusted file its id must be lower than
+ * that of this take. */
 static void read_over(show_take *out)
 {
     long long over, at_ms;
@@ -214,7 +215,7 @@ mrt_result show_take_spans(show *self, int64_t id, show_span **out, size_t *out_
     return result < 0 ? result : read_spans(self, &of, out, out_count, err);
 }
 
-/* ---- the take that edits start from ---- */
+/* ---- the take before its edits ---- */
 
 static mrt_result add_clip(take_layer *layer, const show_span *span, int64_t start_ns, error *err)
 {
@@ -296,7 +297,7 @@ mrt_result show_take_base_of(show *self, const show_take *row, take *out, error 
     return result;
 }
 
-/* ---- after a program that was killed ---- */
+/* ---- closing takes after a kill ---- */
 
 static mrt_result count_chunks_of(sqlite *db, int64_t track, error *err)
 {
@@ -313,7 +314,7 @@ static mrt_result count_chunks_of(sqlite *db, int64_t track, error *err)
         count = chunk_read_head(&head, bytes, size, NULL) < 0 ? -1 : (int64_t)head.ordinal + 1;
     }
     result = sqlite_finish_rows(last, result);
-    if (result < 0 || count < 0) /* a damaged last chunk: how many there were is not known */
+    if (result < 0 || count < 0) /* the last chunk is damaged, so the number of chunks is unknown */
         return result;
     return sqlite_change(db, err, "UPDATE track SET chunk_count = ? WHERE id = ?", "ii", count,
                          track);
@@ -493,12 +494,12 @@ mrt_result show_edit_head(show *self, int64_t take_id, int32_t head, error *err)
         return result;
     if (head < 0 || head > of.edit_count)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "take %lld: %d edits cannot be in force, there are %d", (long long)take_id,
+                         "take %lld: %d edits cannot be in effect: it has %d", (long long)take_id,
                          head, of.edit_count);
     return set_head(self->db, take_id, head, err);
 }
 
-/* ---- notes about the show as a whole ---- */
+/* ---- notes about the whole show ---- */
 
 mrt_result show_note_read(show *self, const char *key, char *out, size_t capacity, error *err)
 {
@@ -507,8 +508,7 @@ mrt_result show_note_read(show *self, const char *key, char *out, size_t capacit
         sqlite_query(self->db, "SELECT value FROM meta WHERE key = 'note.' || ?", "t", "t", key);
     mrt_result result = sqlite_step(row, err);
     if (result == MRT_OK && strlen(sqlite_exact_text(row, 0)) >= capacity)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: the note '%s' is longer than any is",
-                           self->path, key);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: the note '%s' is too long", self->path, key);
     else if (result == MRT_OK)
         sqlite_text(row, 0, out, capacity);
     return sqlite_finish_rows(row, result);

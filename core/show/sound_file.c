@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- whether a file is all there ---- */
+/* ---- checking for truncated files ---- */
 
 enum { HEADER = 12, CHUNK = 8, CHUNKS_MAX = 1000, OGG_PAGE_MAX = 65307, OGG_HEADER = 27 };
 
@@ -38,11 +38,11 @@ static int64_t data_size(const sound_bytes *self, const unsigned char *chunk, in
 {
     uint32_t size = number_of(self, chunk + 4);
     if (size == UINT32_MAX)
-        return wide_size; /* RF64, or a recorder that never came to write it: 0 */
+        return wide_size; /* 0: RF64, or a recorder did not write the size at its end */
     return (int64_t)size;
 }
 
-/* The length of the sound as RF64 says it. */
+/* Reads the length of the sound from an RF64 header. */
 static int64_t read_wide_size(const sound_bytes *self, int64_t at)
 {
     unsigned char b[16];
@@ -58,7 +58,7 @@ static bool is_whole_riff(const sound_bytes *self, int64_t *out_promised)
     int64_t at = HEADER, wide_size = 0;
     for (int i = 0; i < CHUNKS_MAX; ++i) {
         if (pread(self->fd, chunk, sizeof chunk, (off_t)at) != (ssize_t)sizeof chunk)
-            return true; /* no sound in it: whoever reads it says so */
+            return true; /* no sound; the later reading reports it */
         int64_t size = (int64_t)number_of(self, chunk + 4);
         if (memcmp(chunk, "ds64", 4) == 0)
             wide_size = read_wide_size(self, at);
@@ -72,7 +72,7 @@ static bool is_whole_riff(const sound_bytes *self, int64_t *out_promised)
     return true;
 }
 
-/* The last page says that it is the last. */
+/* Returns true if the last page has the end-of-stream flag. */
 static bool is_whole_ogg(const sound_bytes *self)
 {
     static unsigned char const mark[4] = {'O', 'g', 'g', 'S'};
@@ -92,10 +92,10 @@ static bool is_whole_ogg(const sound_bytes *self)
     return false;
 }
 
-/* Readers of sound take what a cut file has and say nothing. RIFF (WAV), RF64 and FORM (AIFF) say
- * how long they are, Ogg how it ends; others are found short while they are decoded. `fd` stands at
- * the start of a regular file, and does so again afterwards. False: it was cut; *out_promised of
- * *out_there bytes are there, *out_promised 0: it does not say. */
+/* Returns false if a file is truncated. libsndfile reads truncated files without an error. RIFF
+ * (WAV), RF64 and FORM (AIFF) store their length, and Ogg marks its end. Other formats are checked
+ * during decoding. `fd` is at the start of a regular file, before and after the call. If truncated,
+ * *out_there of *out_promised bytes exist; *out_promised 0: unknown. */
 static bool sound_whole(int fd, int64_t *out_promised, int64_t *out_there)
 {
     struct stat status;
@@ -113,10 +113,10 @@ static bool sound_whole(int fd, int64_t *out_promised, int64_t *out_there)
     return true;
 }
 
-/* ---- a file that is read ---- */
+/* ---- reading a file ---- */
 
 enum { CHANNELS_MAX = 64, RATE_MIN = 1000, RATE_MAX = 768000, DAY_S = 86400 };
-/* So much is decoded and kept at a time. */
+/* Sizes of one decoded block and one stored piece. */
 enum { BLOCK_SAMPLES = 65536, PIECE_BYTES = 65536 };
 
 static bool sound_file_goes_on(const sound_file_watch *watch, double part)
@@ -131,7 +131,7 @@ typedef struct sound_input {
     SF_INFO info;
     double *block;
     size_t block_frames;
-    int64_t frame; /* that comes next */
+    int64_t frame; /* next frame */
 } sound_input;
 
 static void input_finish(sound_input *self)
@@ -161,14 +161,15 @@ static mrt_result check_info(const sound_input *self, error *err)
 {
     const SF_INFO *info = &self->info;
     if (info->channels < 1 || info->channels > CHANNELS_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has %d channels, 1 to %d can be kept",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has %d channels; 1 to %d are supported",
                          self->path, info->channels, CHANNELS_MAX);
     if (info->samplerate < RATE_MIN || info->samplerate > RATE_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: has a rate of %d Hz, %d to %d can be kept",
-                         self->path, info->samplerate, RATE_MIN, RATE_MAX);
+        return error_set(err, MRT_ERR_UNSUPPORTED,
+                         "%s: has a rate of %d Hz; %d to %d are supported", self->path,
+                         info->samplerate, RATE_MIN, RATE_MAX);
     if (info->frames > 0 && info->frames / info->samplerate >= DAY_S &&
         info->frames != SF_COUNT_MAX)
-        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is %.1f h long, at most 24 h can be kept",
+        return error_set(err, MRT_ERR_UNSUPPORTED, "%s: is %.1f h long; at most 24 h are supported",
                          self->path, (double)info->frames / info->samplerate / 3600.0);
     return MRT_OK;
 }
@@ -180,10 +181,10 @@ static mrt_result check_whole(const sound_input *self, error *err)
         return MRT_OK;
     if (promised > 0)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: was cut: %lld of the %lld bytes that it says are there; copy it "
-                         "again",
-                         self->path, (long long)there, (long long)promised);
-    return error_set(err, MRT_ERR_FORMAT, "%s: was cut: it has no end; copy it again", self->path);
+                         "%s: is truncated: it has %lld of %lld bytes; copy it again", self->path,
+                         (long long)there, (long long)promised);
+    return error_set(err, MRT_ERR_FORMAT, "%s: is truncated: its end is missing; copy it again",
+                     self->path);
 }
 
 static mrt_result input_open(sound_input *self, const char *path, error *err)
@@ -200,8 +201,7 @@ static mrt_result input_open(sound_input *self, const char *path, error *err)
         snprintf(why, sizeof why, "%.127s", sf_strerror(NULL));
         why[strcspn(why, "\r\n")] = '\0';
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: is not a sound that can be read (%s); WAV, FLAC and Ogg are", path,
-                         why);
+                         "%s: is not a supported sound file (%s); use WAV, FLAC or Ogg", path, why);
     }
     result = check_info(self, err);
     if (result < 0)
@@ -211,7 +211,7 @@ static mrt_result input_open(sound_input *self, const char *path, error *err)
     return self->block ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "%s: no memory", path);
 }
 
-/* The frames that come next, into the block; 0: there are none. */
+/* Reads the next frames into the block; 0: none are left. */
 static mrt_result input_next(sound_input *self, size_t *out_frames, error *err)
 {
     sf_count_t got = sf_readf_double(self->file, self->block, (sf_count_t)self->block_frames);
@@ -223,7 +223,7 @@ static mrt_result input_next(sound_input *self, size_t *out_frames, error *err)
                     self->frame < self->info.frames;
     if (is_short || sf_error(self->file) != SF_ERR_NO_ERROR)
         return error_set(err, MRT_ERR_FORMAT,
-                         "%s: was cut or is damaged: %.3f of the %.3f s that it says can be read; "
+                         "%s: is truncated or damaged: only %.3f of %.3f s can be read; "
                          "copy it again",
                          self->path, (double)self->frame / self->info.samplerate,
                          (double)self->info.frames / self->info.samplerate);
@@ -243,14 +243,14 @@ static mrt_result sample_refused(const sound_input *self, size_t frames, size_t 
         return error_set(err, MRT_ERR_FORMAT, "%s: frame %lld is not a number", self->path,
                          (long long)frame);
     return error_set(err, MRT_ERR_UNSUPPORTED,
-                     "%s: frame %lld has more than 24 bits and is no 32-bit float: it cannot be "
-                     "kept as it is; save it as 24 bits or 32-bit float",
+                     "%s: frame %lld has more than 24 bits and is not a 32-bit float: it cannot be "
+                     "stored exactly; save it as 24 bits or 32-bit float",
                      self->path, (long long)frame);
 }
 
-/* ---- in ---- */
+/* ---- import ---- */
 
-/* Looks at every sample: what keeps them all? */
+/* Finds the narrowest format that keeps every sample. */
 static mrt_result find_format(sound_pcm *out, const char *path, const sound_file_watch *watch,
                               error *err)
 {
@@ -271,7 +271,7 @@ static mrt_result find_format(sound_pcm *out, const char *path, const sound_file
         *out = format;
     }
     if (result == MRT_OK && in.frame == 0)
-        result = error_set(err, MRT_ERR_FORMAT, "%s: has no frames of sound in it", path);
+        result = error_set(err, MRT_ERR_FORMAT, "%s: contains no sound", path);
     input_finish(&in);
     return result;
 }
@@ -313,8 +313,9 @@ static mrt_result keep_frames(sound_input *in, show *s, int64_t audio, sound_pcm
     }
 }
 
-/* What never became a whole sound, and nobody refers to. In small steps: others write too. */
-static void take_back(show *s, int64_t audio)
+/* Deletes an incomplete sound, to which nothing refers. Works in small steps, because other threads
+ * write too. */
+static void delete_partial(show *s, int64_t audio)
 {
     error none = {""};
     mrt_result result = MRT_OK;
@@ -328,7 +329,7 @@ static void take_back(show *s, int64_t audio)
     }
     if (result >= 0)
         result = sqlite_change(s->db, &none, "DELETE FROM audio WHERE id = ?", "i", audio);
-    (void)result; /* it stays as a sound that no take has */
+    (void)result; /* the sound stays, unused by any take */
 }
 
 static void name_of(char *out, size_t capacity, const char *path)
@@ -338,7 +339,7 @@ static void name_of(char *out, size_t capacity, const char *path)
     length = length < capacity ? length : capacity - 1;
     memcpy(out, slash ? slash + 1 : path, length);
     while (length > 0 && length == capacity - 1 && ((unsigned char)out[length - 1] & 0x80) != 0)
-        length -= 1; /* not in the midst of a letter */
+        length -= 1; /* not within a UTF-8 character */
     out[length] = '\0';
 }
 
@@ -368,7 +369,7 @@ mrt_result sound_file_import(int64_t *out_audio, show *s, const char *path,
     if (result == MRT_OK)
         *out_audio = audio.id;
     else
-        take_back(s, audio.id);
+        delete_partial(s, audio.id);
 done:
     input_finish(&in);
     return result;
@@ -382,7 +383,7 @@ static const int64_t start_max_ns = INT64_MAX / 2, timecode_max = 1000000000000;
 
 typedef struct sound_output {
     sound_render *render;
-    int64_t first; /* frame of the timeline that is frame 0 */
+    int64_t first; /* frame of the timeline at frame 0 */
     sound_pcm format;
     uint32_t channel_count;
     float *samples;
@@ -420,12 +421,12 @@ static mrt_result check_export(const sound_file_export *what, error *err)
         return error_set(err, MRT_ERR_FORMAT, "take %lld: starts at a time that cannot be",
                          (long long)t->id);
     if (what->rate_hz != 0 && (what->rate_hz < RATE_MIN || what->rate_hz > RATE_MAX))
-        return error_set(err, MRT_ERR_ARGUMENT, "sound at %u Hz: %d to %d are possible",
-                         what->rate_hz, RATE_MIN, RATE_MAX);
+        return error_set(err, MRT_ERR_ARGUMENT, "sound at %u Hz: expected %d to %d", what->rate_hz,
+                         RATE_MIN, RATE_MAX);
     return MRT_OK;
 }
 
-/* Frames that are as they were keep their format; sums of them need more than 16 bits. */
+/* Unchanged frames keep their format. Mixed frames need more than 16 bits. */
 static sound_pcm format_of(const sound_output *self, const sound_file_export *what,
                            uint32_t rate_hz)
 {
@@ -514,7 +515,7 @@ static void describe(sound_output *self, const sound_file_report *report,
     info.time_reference_low = (uint32_t)frames;
     info.time_reference_high = (uint32_t)((uint64_t)frames >> 32);
     info.version = 1;
-    /* What a container cannot say is left out. */
+    /* A field that the container does not support is left out. */
     (void)sf_command(self->file, SFC_SET_BROADCAST_INFO, &info, (int)sizeof info);
     (void)sf_set_string(self->file, SF_STR_TITLE, name);
     (void)sf_set_string(self->file, SF_STR_DATE, date);
@@ -532,13 +533,13 @@ static mrt_result open_output(sound_output *self, const sound_file_report *repor
     self->file = sf_open_fd(fileno(self->writer.stream), SFM_WRITE, &info, SF_FALSE);
     if (!self->file)
         return error_set(err, MRT_ERR_IO, "%s: cannot write: %s", path, sf_strerror(NULL));
-    /* It would hold the time of writing. */
+    /* The PEAK chunk would contain the time of writing. */
     (void)sf_command(self->file, SFC_SET_ADD_PEAK_CHUNK, NULL, SF_FALSE);
     describe(self, report, what);
     return MRT_OK;
 }
 
-/* Damage is silence, and counted. */
+/* Renders frames. Damaged parts are silent, and counted. */
 static void render(sound_output *self, int64_t at, size_t count, sound_file_report *report)
 {
     error why = {""};
@@ -546,7 +547,7 @@ static void render(sound_output *self, int64_t at, size_t count, sound_file_repo
         report->damaged_count += 1;
 }
 
-/* libsndfile's integers have their sign in bit 31 whatever the format. */
+/* The integers of libsndfile are left-aligned in 32 bits in every format. */
 static sf_count_t write_integers(sound_output *self, size_t count)
 {
     uint32_t size = sound_pcm_bytes(self->format);
@@ -608,7 +609,7 @@ mrt_result sound_file_write(sound_file_report *out, show *s, const sound_file_ex
 
 /* ---- a range of a file ---- */
 
-/* Frames of the file from `first` on, then silence. */
+/* Writes frames of the file from `first` on, then silence. */
 static mrt_result write_range(sound_input *in, SNDFILE *out, const char *path, int64_t first,
                               int64_t count, error *err)
 {

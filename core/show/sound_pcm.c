@@ -60,7 +60,7 @@ static bool keeps(sound_pcm format, double sample)
     }
 }
 
-/* Each wider format keeps all that a narrower one does: one pass is enough. */
+/* A wider format keeps all samples that a narrower one keeps, so one pass is enough. */
 sound_pcm sound_pcm_narrowest(const double *samples, size_t count, sound_pcm at_least,
                               size_t *out_at)
 {

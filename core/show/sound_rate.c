@@ -3,13 +3,13 @@
 #include <samplerate.h>
 #include <stdlib.h>
 
-/* Frames that are asked of the source, or thrown away, at once; more than the filter reaches to
- * each side at the lower of the two rates. */
+/* PIECE_FRAMES: frames that are read or discarded in one call. REACH_FRAMES: more than the filter
+ * needs on each side at the lower of the two rates. */
 enum { PIECE_FRAMES = 512, REACH_FRAMES = 128 };
 
 struct sound_rate {
     uint32_t from_hz, to_hz, channel_count;
-    int64_t period_in, period_out; /* frames after which both rates meet again */
+    int64_t period_in, period_out; /* frames after which both rates are aligned again */
     sound_rate_source *source;
     void *data;
     SRC_STATE *filter;
@@ -82,7 +82,7 @@ void sound_rate_destroy(sound_rate *self)
     free(self);
 }
 
-/* Silent where the library refuses, which it does only out of memory. */
+/* Converts frames. The output is silent if the library fails, which happens only without memory. */
 static void convert(sound_rate *self, float *out, size_t count)
 {
     double ratio = (double)self->to_hz / (double)self->from_hz;
@@ -99,8 +99,8 @@ static void convert(sound_rate *self, float *out, size_t count)
     self->next_out += (int64_t)count;
 }
 
-/* The filter begins where a frame of the one rate is also one of the other, so far before that what
- * lies before cannot be heard any more. */
+/* Restarts the filter at a frame that exists at both rates, far enough before `frame` that earlier
+ * frames have no effect. */
 static void begin_before(sound_rate *self, int64_t frame)
 {
     int64_t reach = REACH_FRAMES;

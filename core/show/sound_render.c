@@ -6,15 +6,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- when each frame was heard ---- */
+/* ---- the time of each frame ---- */
 
-/* A knot every so often, through the anchors this far around it, but at least so many. */
+/* Interval of the knots, and the reach and minimum number of the anchors for each knot. */
 static const double knot_span_s = 10.0, reach_s = 15.0;
 enum { ANCHORS_MIN = 4 };
-/* Anchors that differ by more than this from what the rate lets expect are of different pieces: a
- * fixed part for jitter, and one that grows with the time between them for drift. */
+/* Anchors that deviate from the nominal rate by more than this belong to different pieces. One part
+ * is fixed, for jitter. The other grows with the time between them, for drift. */
 static const double jump_ns = 3e6, jump_part = 1e-3;
-/* No clock is worse than this: a steeper line was laid through noise. */
+/* No clock drifts more than this. A steeper line comes from noise. */
 static const double drift_max = 2e-3;
 static const double local_max_ns = 2 * 86400e9;
 
@@ -39,7 +39,7 @@ static double nominal_of(uint32_t rate_hz)
 
 static int64_t origin_of(const show_audio *audio, const show_audio_anchor *anchors)
 {
-    /* The first frame's time as it was created with, unless the anchors know nothing of it. */
+    /* Uses the start time of the sound, unless the anchors contradict it. */
     double away_ns = (double)anchors[0].time_ns - (double)audio->start_ns -
                      (double)anchors[0].frame * nominal_of(audio->rate_hz);
     return fabs(away_ns) < 1e9 ? audio->start_ns
@@ -59,7 +59,7 @@ static bool is_usable(const builder *self, const show_audio_anchor *anchor, doub
 static void take_points(builder *self, const show_audio *audio, const show_audio_anchor *anchors,
                         size_t count)
 {
-    /* Anchors of absurd times would overflow as integers, so differences are of doubles. */
+    /* Differences of impossible times would overflow as integers, so they are doubles. */
     bool is_sane = count > 0 && anchors[0].frame >= 0 &&
                    anchors[0].frame < self->map->frame_count &&
                    anchors[0].time_ns > INT64_MIN / 4 && anchors[0].time_ns < INT64_MAX / 4 &&
@@ -76,7 +76,7 @@ static void take_points(builder *self, const show_audio *audio, const show_audio
     }
 }
 
-/* The first point after `from` that begins another piece. */
+/* Returns the first point after `from` that begins another piece. */
 static size_t piece_end(const builder *self, size_t from)
 {
     size_t i = from + 1;
@@ -91,7 +91,7 @@ static size_t piece_end(const builder *self, size_t from)
 
 /* ---- lines ---- */
 
-/* The first point of [from, to) that is not before the frame. */
+/* Returns the first point of [from, to) at or after the frame. */
 static size_t point_at(const builder *self, size_t from, size_t to, double frame)
 {
     while (from < to) {
@@ -104,7 +104,7 @@ static size_t point_at(const builder *self, size_t from, size_t to, double frame
     return from;
 }
 
-/* The points of [from, to) around a frame. */
+/* Chooses the points of [from, to) around a frame. */
 static void choose(const builder *self, size_t from, size_t to, int64_t frame, size_t *out_from,
                    size_t *out_to)
 {
@@ -122,7 +122,7 @@ static void choose(const builder *self, size_t from, size_t to, int64_t frame, s
     *out_to = high;
 }
 
-/* Least squares; sums relative to the first point, so that nothing is lost to rounding. */
+/* Fits a line by least squares. Sums are relative to the first point to avoid rounding errors. */
 static sound_knot line_at(const builder *self, size_t from, size_t to, int64_t frame)
 {
     const point *first = &self->points[from];
@@ -150,7 +150,7 @@ static sound_knot line_at(const builder *self, size_t from, size_t to, int64_t f
 
 static mrt_result add_knot(sound_map *map, const sound_knot *knot, error *err)
 {
-    /* Of pieces that overlap in time the later one is heard. */
+    /* Where pieces overlap in time, the later one is played. */
     while (map->knot_count > 0 && map->knot[map->knot_count - 1].time_ns >= knot->time_ns)
         map->knot_count -= 1;
     if ((map->knot_count & (map->knot_count - 1)) == 0) {
@@ -246,7 +246,7 @@ void sound_map_finish(sound_map *map)
     *map = (sound_map){0};
 }
 
-/* ---- questions ---- */
+/* ---- queries ---- */
 
 bool sound_map_is_plain(const sound_map *map)
 {
@@ -270,7 +270,7 @@ const sound_knot *sound_map_knot_at(const sound_map *map, double time_ns)
 /* ---- the sound on the timeline ---- */
 
 enum { HELD_FRAMES = 8192, BEHIND_FRAMES = 1024, CHANNELS_MAX = 64 };
-/* Behind what is damaged it is tried again so much later. */
+/* Distance after damage at which reading is tried again. */
 enum { DAMAGE_FRAMES = 256 };
 static const double fade_s = 0.005;
 static const double time_max_ns = 1e15;
@@ -280,7 +280,7 @@ struct sound_render {
     show_audio audio;
     sound_map map;
     sound_pcm format;
-    double offset_ns, in_ns, out_ns; /* out: beyond its end where it is not trimmed */
+    double offset_ns, in_ns, out_ns; /* out_ns is beyond its end if it is not trimmed */
     float gain;
     int64_t fade_frames;
     /* frames of the sound in memory */
@@ -292,12 +292,12 @@ struct sound_render {
     /* where it is */
     int64_t next; /* frame of the timeline */
     bool is_sounding;
-    int64_t piece_first;         /* of the piece that sounds */
+    int64_t piece_first;         /* of the current piece */
     int64_t shift, shift_before; /* frame of the sound = frame of the timeline + shift */
     int64_t fade_left;
     uint64_t splice_count;
-    sound_rate *rate; /* NULL: it is given at its own rate */
-    uint32_t rate_hz; /* that it is given at */
+    sound_rate *rate; /* NULL: the output has the rate of the sound */
+    uint32_t rate_hz; /* output rate */
 };
 
 int64_t sound_render_frame(uint32_t rate_hz, int64_t at_ns)
@@ -342,7 +342,8 @@ static const float *frame_at(sound_render *self, int64_t frame)
     return self->held + (size_t)(frame - self->held_first) * self->audio.channel_count;
 }
 
-/* Where frames were lost the sound fades out before and in behind; at its own ends it does not. */
+/* Returns the fade at an edge. The sound fades out before lost frames and in after them, but not at
+ * its own ends. */
 static float edge(const sound_render *self, const sound_knot *knot, int64_t frame)
 {
     int64_t into = frame - knot->piece_first + 1, left = knot->piece_end - frame;
@@ -358,8 +359,9 @@ static float edge(const sound_render *self, const sound_knot *knot, int64_t fram
 
 /* ---- frames of the timeline ---- */
 
-/* Of frame n; `stretch` is exactly 0 for a sound that runs at its rate, so the shift is constant
- * then, and monotone in n otherwise: rounding it never goes to and fro. */
+/* Returns the shift of frame n. `stretch` is exactly 0 for a sound at its nominal rate, so its
+ * shift is constant. Otherwise the shift is monotone in n, so its rounded value never oscillates.
+ * */
 static int64_t shift_at(const sound_render *self, const sound_knot *knot, int64_t n)
 {
     double nominal_ns = 1e9 / (double)self->audio.rate_hz;
@@ -382,7 +384,7 @@ static void follow(sound_render *self, const sound_knot *knot, int64_t shift)
     self->is_sounding = true;
 }
 
-/* Where it was trimmed it fades in and out; 0: it is not heard. */
+/* Returns the fade at the trimmed ends; 0: silent. */
 static float trim_at(const sound_render *self, double time_ns)
 {
     const double fade_ns = fade_s * 1e9;
@@ -410,7 +412,7 @@ static void mix(sound_render *self, const sound_knot *knot, int64_t n, float lou
         out[c] += gain * now[c];
 }
 
-/* `out` NULL: only to come to know where it is. */
+/* Renders frame n. `out` NULL: only updates the position. */
 static void render_frame(sound_render *self, int64_t n, float *out)
 {
     double time_ns = (double)n * (1e9 / (double)self->audio.rate_hz) - self->offset_ns;
@@ -428,7 +430,8 @@ static void render_frame(sound_render *self, int64_t n, float *out)
         self->fade_left -= 1;
 }
 
-/* A cross-fade may be going on at n: it began at most its length ago. */
+/* Moves to frame n. A cross-fade may be running at n, so this starts one cross-fade length before
+ * it. */
 static void come_to(sound_render *self, int64_t n)
 {
     uint64_t count = self->splice_count;
@@ -438,7 +441,7 @@ static void come_to(sound_render *self, int64_t n)
     self->splice_count = count;
 }
 
-/* At the sound's own rate. */
+/* Renders frames at the rate of the sound. */
 static void render_frames(void *data, int64_t first, float *out, size_t count)
 {
     sound_render *self = data;
@@ -467,14 +470,14 @@ mrt_result sound_render_frames(sound_render *self, int64_t first, float *out, si
     return self->trouble;
 }
 
-/* ---- life ---- */
+/* ---- lifetime ---- */
 
 static mrt_result check(const sound_render *self, const take_audio *audio, error *err)
 {
     if (!isfinite(audio->gain) || fabs(audio->gain) > 1000.0 ||
         fabs((double)audio->offset_ns) > time_max_ns)
         return error_set(err, MRT_ERR_ARGUMENT,
-                         "%s: sound %lld with a gain of %g at %g s: nonsense",
+                         "%s: sound %lld with a gain of %g at %g s is invalid",
                          show_path(self->show), (long long)audio->audio, audio->gain,
                          (double)audio->offset_ns / 1e9);
     return MRT_OK;

@@ -24,7 +24,8 @@ typedef struct lane_head {
     _Atomic uint32_t written, done;
 } lane_head;
 
-typedef struct head { /* of the file; the records follow at RECORDS_AT, then those of each lane */
+typedef struct head { /* size of the file; the records start at RECORDS_AT, and those of the lanes
+                         follow */
     uint64_t magic;
     uint64_t device, inode; /* of the show */
     int64_t context;
@@ -32,19 +33,19 @@ typedef struct head { /* of the file; the records follow at RECORDS_AT, then tho
     _Atomic uint32_t written, taken, settled;
     uint32_t lane_record_size, lane_record_count;
     lane_head lane[SPOOL_LANES];
-    _Atomic int64_t used_s;   /* UTC of its last settling */
-    char show_path[PATH_MAX]; /* real; "": not known */
+    _Atomic int64_t used_s;   /* UTC of the last spool_settle */
+    char show_path[PATH_MAX]; /* canonical path; "": unknown */
 } head;
 _Static_assert(sizeof(head) <= RECORDS_AT, "the head has room before the records");
 
 struct spool {
     head *head;
     uint8_t *records, *lanes;
-    int fd; /* locked while it is used; -1: plain memory, or found */
+    int fd; /* locked while in use; -1: plain memory, or a found spool */
     spool_shape shape;
     size_t map_size; /* 0: plain memory */
     uint32_t mask;
-    uint32_t next; /* what pop gives next, of one that was found */
+    uint32_t next; /* index of the next pop of a found spool */
     bool is_found;
     char path[PATH_BYTES];
     _Atomic uint32_t loss_count;
@@ -63,7 +64,7 @@ static void path_of(char out[PATH_BYTES], const struct stat *of)
                    (uintmax_t)of->st_ino, ending);
 }
 
-/* A new file is zeros; page by page it would cost 7 microseconds each. */
+/* Allocates all pages of a new file in one call. Each page fault would cost 7 microseconds. */
 static void fault_in(void *map, size_t size)
 {
 #ifdef MADV_POPULATE_WRITE
@@ -73,8 +74,9 @@ static void fault_in(void *map, size_t size)
     memset(map, 0, size);
 }
 
-/* Its pages are there before it is used: none is waited for, and none is missing. It gets its name
- * when it is locked and complete, so a spool without a lock is never one that is just made. */
+/* Maps a new file. All its pages are allocated before use, so no access waits or fails. The file
+ * gets its name only when it is locked and complete, so an unlocked spool is never one under
+ * construction. */
 static void *map_new_file(int *out_fd, const char *path, size_t size)
 {
     char made[PATH_BYTES + 8];
@@ -211,7 +213,7 @@ void spool_settle(spool *self)
     atomic_store_explicit(&self->head->used_s, (int64_t)time(NULL), memory_order_relaxed);
 }
 
-/* The producer may have gone round since the last settling. */
+/* The producer may have wrapped around since the last spool_settle. */
 static uint32_t left_count(const spool *self)
 {
     uint32_t count = atomic_load(&self->head->written) - atomic_load(&self->head->settled);
@@ -263,7 +265,7 @@ void spool_lane_done(spool *self, uint32_t lane, uint32_t done)
     atomic_store_explicit(&self->head->lane[lane].done, done, memory_order_release);
 }
 
-/* The oldest of a full lane may have been half overwritten. */
+/* The oldest record of a full lane may be half overwritten, so it is skipped. */
 spool_lane spool_lane_of(const spool *self, uint32_t lane)
 {
     const lane_head *h = &self->head->lane[lane];
@@ -283,7 +285,7 @@ void spool_lane_read(const spool *self, uint32_t lane, uint32_t index, void *out
            self->shape.lane_record_size);
 }
 
-/* ---- what was left ---- */
+/* ---- spools that a program left ---- */
 
 static void *map_old_file(const char *path, size_t *out_size)
 {
@@ -301,7 +303,7 @@ static void *map_old_file(const char *path, size_t *out_size)
     return map == MAP_FAILED ? NULL : map;
 }
 
-/* What the head says, as far as it can be. */
+/* Checks that the values of the head are possible. */
 static bool has_shape(const head *h, const spool_shape *shape)
 {
     return h->record_size == shape->record_size && h->record_count > 0 &&
@@ -343,7 +345,7 @@ spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_
     return self;
 }
 
-/* ---- what nobody will ask for ---- */
+/* ---- abandoned spools ---- */
 
 static bool is_in_folder(const char *show_path, uint64_t inode)
 {
@@ -358,8 +360,8 @@ static bool is_in_folder(const char *show_path, uint64_t inode)
     return is_found;
 }
 
-/* The nearest folder that is still there is on the show's disk: so the disk is there, and the show
- * is not. */
+/* Returns true if the show was deleted. The nearest existing folder must be on the disk of the
+ * show: then the disk is mounted, and only the show is missing. */
 static bool is_deleted(const head *of)
 {
     char path[PATH_MAX];
@@ -376,7 +378,7 @@ static bool is_deleted(const head *of)
     return (uint64_t)status.st_dev == of->device;
 }
 
-/* Nothing waits in it: all is in the show. */
+/* Returns true if all its records are in the show. */
 static bool is_settled(const head *of)
 {
     for (uint32_t i = 0; i < SPOOL_LANES; ++i)

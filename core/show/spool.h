@@ -1,8 +1,9 @@
-/* show/spool.h - a ring of records from one thread to another, as base/ring.h, in memory that the
- * system keeps when the program is killed: what had not been committed then is found again. It is a
- * file in /dev/shm, which touches no disk; without one it is a ring like any other, and a kill
- * loses what was in it. Beside the ring are lanes: the newest records of other threads, which only
- * a kill makes of use. For the writer. */
+/* show/spool.h - a ring of records from one thread to another, like base/ring.h, in memory that
+ * survives a kill of the program. Records that were not committed can then be restored. The ring is
+ * a file in /dev/shm, which uses no disk. Without that file it is an ordinary ring, and a kill
+ * loses its records. Beside the ring are lanes with the newest records of other threads, which are
+ * read only after a kill. Leaves out the meaning of the records (writer_store.h). Threads: see the
+ * tags. */
 #ifndef MAROTTE_TAKE_SPOOL_H
 #define MAROTTE_TAKE_SPOOL_H
 #include "base/error.h"
@@ -13,40 +14,43 @@ typedef struct spool spool;
 
 typedef struct spool_shape {
     size_t record_size, lane_record_size;
-    uint32_t record_count, lane_record_count; /* powers of two; of a lane 0: there are no lanes */
+    uint32_t record_count, lane_record_count; /* powers of two; lane_record_count 0: no lanes */
 } spool_shape;
 enum { SPOOL_LANES = 16 };
 
-/* For the show that is this file at this path; one at a time, as there is one writer. `context`
- * comes back with the records. NULL: no memory. Removes what other shows left, too:
- * spool_remove_abandoned. */
+/* Creates the spool of the show file at this path. A show has one spool at a time, since it has one
+ * writer. `context` is stored with the records. NULL: no memory. Also removes the spools of other
+ * shows: spool_remove_abandoned. */
 spool *spool_create(const struct stat *of, const char *path, const spool_shape *shape,
                     int64_t context);
-void spool_destroy(spool *self); /* with its file: all is committed, or said to be lost */
+void spool_destroy(
+    spool *self); /* removes its file too; all records are committed, or reported as lost */
 
-/* [producer] Wait-free; false, and one more loss, when it is full. */
+/* [producer] Appends a record. Wait-free. Returns false if the ring is full, and counts the loss.
+ */
 bool spool_push(spool *self, const void *record);
-/* [consumer] Takes the oldest record; false when there is none. */
+/* [consumer] Pops the oldest record. Returns false if there is none. */
 bool spool_pop(spool *self, void *out_record);
-/* [consumer] All that was taken is committed. */
+/* [consumer] Marks all popped records as committed. */
 void spool_settle(spool *self);
-/* [consumer] Records that are not settled, as far as they outlive the program. */
+/* [consumer] Returns the number of uncommitted records that survive a kill. */
 uint32_t spool_left_count(const spool *self);
-/* [any] Records refused since creation; for tests: spool_push says it of each. */
+/* [any] Returns the number of records refused since creation. For tests: spool_push reports each
+ * loss. */
 uint32_t spool_loss_count(const spool *self);
 
-/* ---- lanes: each the newest records of one thread. What has been dealt with otherwise is said by
- * a number that the records carry; whose they are, by a mark, 0: nobody's ---- */
+/* ---- lanes: each holds the newest records of one thread. A number in each record shows whether it
+ * has been processed elsewhere. A mark names the owner of a lane; 0: no owner ---- */
 
-/* [no producer of the lane] Empties it, and it is nobody's. */
+/* [any, while the lane has no producer] Empties the lane and removes its owner. */
 void spool_lane_clear(spool *self, uint32_t lane);
-/* [producer of the lane] Wait-free; the oldest record makes room. */
+/* [producer of the lane] Appends a record and overwrites the oldest. Wait-free. */
 void spool_lane_push(spool *self, uint32_t lane, const void *record);
 /* [any one thread] */
 void spool_lane_mark(spool *self, uint32_t lane, int64_t whose);
 void spool_lane_done(spool *self, uint32_t lane, uint32_t done);
 
-/* Of one that was found: what was marked last, and so many records. */
+/* State of a lane of a found spool: its last mark, and its number of records. */
 typedef struct spool_lane {
     int64_t whose;
     uint32_t done, count;
@@ -54,15 +58,15 @@ typedef struct spool_lane {
 spool_lane spool_lane_of(const spool *self, uint32_t lane);
 void spool_lane_read(const spool *self, uint32_t lane, uint32_t index, void *out_record);
 
-/* What a program left for the show that was killed, or could not write; NULL: nothing that can be
- * used; counts of the shape do not matter. The records that were not settled are popped in order;
- * destroy removes the file, abandon leaves it for the next time. */
+/* Finds the spool that a program left for the show because it was killed or could not write. NULL:
+ * there is no usable one. The counts in `shape` are ignored. Uncommitted records are popped in
+ * order. spool_destroy removes the file; spool_abandon keeps it for the next program. */
 spool *spool_find(const struct stat *of, const spool_shape *shape, int64_t *out_context);
 void spool_abandon(spool *self);
 
-/* Removes this user's spools that no program uses and nobody will ask for: all in it is settled, or
- * its show was deleted and it has been unused for an hour. A show that was renamed in its folder,
- * or lies on a disk that is not there now, keeps its spool. now_s: UTC. */
+/* Removes the user's spools that no program uses and none will need. Either all their records are
+ * committed, or their show was deleted and they are unused for an hour. A spool is kept if its show
+ * was renamed in its folder, or is on a disk that is not mounted. now_s: UTC. */
 void spool_remove_abandoned(int64_t now_s);
 
 #endif

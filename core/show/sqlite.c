@@ -18,35 +18,35 @@
 
 enum {
     BUSY_MS = 5000,
-    VALUE_BYTES_MAX = 256 * 1024 * 1024, /* of a row: more is damage */
+    VALUE_BYTES_MAX = 256 * 1024 * 1024, /* maximum columns of a row; more columns are damage */
     SQL_BYTES_MAX = 100000,
-    IDLE_MAX = 32,         /* statements kept to be used again */
-    OPCODES_A_LOOK = 1000, /* of SQLite's machine: how often limits are looked at */
-    STEPS_A_LOOK = 2500,   /* of work, as base/budget.h counts it: an opcode takes 25 ns */
+    IDLE_MAX = 32,         /* cached statements */
+    OPCODES_A_LOOK = 1000, /* opcodes of SQLite between two checks of the limits */
+    STEPS_A_LOOK = 2500,   /* budget steps per opcode (base/budget.h): an opcode takes 25 ns */
     TIDY_PATIENCE_MS = 5000,
     HEADER_BYTES = 100,
     HEADER_APPLICATION = 68
 };
 
-/* The files that SQLite may touch for one connection: an operating system of its own. */
+/* A file system for SQLite that allows access only to the files of one connection. */
 typedef struct guard {
     sqlite3_vfs vfs, *base;
     char name[32];
-    char *path;      /* of the file that was opened; owned */
-    bool is_fresh;   /* it is being made */
+    char *path;      /* path of the opened file; owned */
+    bool is_fresh;   /* the file is being created */
     bool is_show;    /* by its header */
-    bool is_foreign; /* it is another program's database */
+    bool is_foreign; /* the file is the database of another program */
 } guard;
 
 struct sqlite {
     guard files;
     sqlite3 *handle;
     char *path;
-    bool is_reader, had_index; /* had_index: a -shm lay beside it before */
-    int code;                  /* of the last failure, extended */
+    bool is_reader, had_index; /* had_index: a -shm existed before */
+    int code;                  /* extended code of the last failure */
     uint64_t file_size;
     budget left;
-    error over_budget; /* what it said when it was used up; "" */
+    error over_budget; /* error of the exhausted budget; "" */
     bool ignores_cancel, limits_each;
     sqlite_statement *idle[IDLE_MAX]; /* the oldest first */
     uint32_t idle_count;
@@ -55,8 +55,8 @@ struct sqlite {
 struct sqlite_statement {
     sqlite *owner;
     sqlite3_stmt *handle;
-    const char *columns; /* what its rows hold */
-    int bind_code;       /* of the first bind that failed */
+    const char *columns; /* types of its columns */
+    int bind_code;       /* code of the first failed bind */
 };
 
 /* ---- failures ---- */
@@ -97,13 +97,13 @@ static const char *advice(sqlite_trouble trouble)
 {
     switch (trouble) {
     case SQLITE_TROUBLE_FULL:
-        return ": make space on the disk";
+        return ": free space on the disk";
     case SQLITE_TROUBLE_BUSY:
-        return ": another program holds it; close that one";
+        return ": another program uses it; close that program";
     case SQLITE_TROUBLE_READONLY:
         return ": copy it to a place where you may write";
     case SQLITE_TROUBLE_DAMAGED:
-        return ": it is not a show or it is damaged; what can be read of it: marotte take recover";
+        return ": it is not a show or it is damaged; recover it with marotte take recover";
     default:
         return "";
     }
@@ -117,7 +117,7 @@ static mrt_result failed(sqlite *self, int code, error *err)
     if ((code & 255) == SQLITE_INTERRUPT)
         return error_set(err, MRT_ERR_IO, "%s: stopped", self->path);
     if (self->files.is_foreign)
-        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a show of marotte",
+        return error_set(err, MRT_ERR_FORMAT, "%s: is an SQLite file, but not a marotte show",
                          self->path);
     sqlite_trouble trouble = sqlite_trouble_of(self);
     const char *text = self->handle && sqlite3_errcode(self->handle) == (code & 255)
@@ -142,14 +142,14 @@ static mrt_result result_of(sqlite *self, int code, error *err)
     return failed(self, code, err);
 }
 
-/* ---- the files that it may touch ---- */
+/* ---- the files that SQLite may access ---- */
 
 static guard *guard_of(sqlite3_vfs *vfs)
 {
     return vfs->pAppData;
 }
 
-/* The file itself ("") or one of those that SQLite keeps beside it. */
+/* Returns true for the file itself ("") and for the files that SQLite keeps beside it. */
 static bool is_own(const guard *self, const char *path, bool is_itself_too)
 {
     size_t length = self->path ? strlen(self->path) : 0;
@@ -160,14 +160,14 @@ static bool is_own(const guard *self, const char *path, bool is_itself_too)
            strcmp(rest, "-wal") == 0;
 }
 
-/* Where something is, it must be a file: opening a pipe may wait for ever. */
+/* Only regular files may be opened: opening a pipe could block forever. */
 static bool may_be_opened(const char *path)
 {
     struct stat status;
     return lstat(path, &status) != 0 || S_ISREG(status.st_mode);
 }
 
-/* Before anything beside it is looked at: is it a show? */
+/* Checks that the file is a show before any file beside it is opened. */
 static int check_header(guard *self, sqlite3_file *file)
 {
     static const char magic[16] = "SQLite format 3";
@@ -200,8 +200,9 @@ static int open_main(guard *self, const char *path, sqlite3_file *file, int flag
     return code;
 }
 
-/* A file without a name is a temporary one, made by SQLite where nobody else finds it. A journal
- * may name another one as its master, which would be read and deleted: there is none. */
+/* Opens a file for SQLite. A file without a name is a temporary file, which SQLite creates in a
+ * private place. A journal could name a super-journal, which SQLite would read and delete; that is
+ * refused. */
 static int guard_open(sqlite3_vfs *vfs, const char *path, sqlite3_file *file, int flags,
                       int *out_flags)
 {
@@ -273,7 +274,7 @@ static int guard_last_error(sqlite3_vfs *vfs, int capacity, char *out)
     return self->base->xGetLastError(self->base, capacity, out);
 }
 
-/* Found by its name while the file is opened, and never again. */
+/* SQLite finds the file system by its name while it opens the file, and never afterwards. */
 static int guard_init(guard *self, bool is_fresh)
 {
     sqlite3_vfs *base = sqlite3_vfs_find(NULL);
@@ -299,7 +300,7 @@ static int guard_init(guard *self, bool is_fresh)
     return sqlite3_vfs_register(&self->vfs, 0);
 }
 
-/* ---- what it may cost ---- */
+/* ---- the budget ---- */
 
 static bool is_cancelled(const sqlite *self)
 {
@@ -362,7 +363,7 @@ uint64_t sqlite_file_size(const sqlite *self)
 
 /* ---- opening ---- */
 
-/* "file:" and the path with every byte that means something in a URI as %xx. */
+/* Returns "file:" and the path, with each special byte of a URI as %xx. */
 static char *uri_of(const char *path, bool frozen)
 {
     size_t length = strlen(path);
@@ -416,7 +417,8 @@ static int configure(sqlite *self)
     return code == SQLITE_OK ? sqlite3_busy_timeout(self->handle, BUSY_MS) : code;
 }
 
-/* What it may cost grows with it; a hole is no reason. */
+/* Returns the bytes of the file and its log, which set the budget. Holes of a sparse file do not
+ * count. */
 static uint64_t measure(const char *path)
 {
     char log[4096];
@@ -491,7 +493,7 @@ static void destroy(sqlite_statement *statement)
     free(statement);
 }
 
-/* ---- what a reader leaves ---- */
+/* ---- files that a reader leaves ---- */
 
 static void remove_beside(const char *path, const char *suffix)
 {
@@ -502,10 +504,10 @@ static void remove_beside(const char *path, const char *suffix)
         (void)unlink(beside);
 }
 
-/* With the exclusive lock of the file no connection is open anywhere, and none can open: each holds
- * a shared lock from its first look at the log to its end. An empty log says nothing, the index can
- * always be made again, and a log with content is left alone. A -lock is made before a connection
- * that writes: where there is one, somebody writes, or was killed. */
+/* Removes the -wal and -shm. With the exclusive lock of the file no connection is open, and none
+ * can open, because each holds a shared lock from its first read of the log to its end. An empty
+ * log holds no data, and the index can be rebuilt. A log with content is not removed. A -lock is
+ * created before a connection that writes: if it exists, a program is writing or was killed. */
 static void remove_left(const sqlite *self)
 {
     const char *path = self->files.path;
@@ -519,11 +521,11 @@ static void remove_left(const sqlite *self)
         remove_beside(path, "-shm");
 }
 
-/* SQLite makes a -wal and a -shm for a connection that only reads, and cannot remove them, because
- * that takes a lock for which the file must be open for writing. The lock is asked for through its
- * own file system: a lock of ours would be dropped with every descriptor that this process closes.
- * A file that cannot be opened for writing keeps them. Readers that end at once do this one after
- * the other, so that none of them is in the way of the last one. */
+/* Removes the files of a connection that only reads. SQLite creates a -wal and a -shm for it, but
+ * cannot remove them, because the lock for that requires write access. The lock is requested
+ * through SQLite's own file system, because a lock of ours would be lost with any descriptor that
+ * this process closes. A file without write access keeps them. Readers that end together do this
+ * one after the other, so that none blocks the last one. */
 static void tidy(const sqlite *self)
 {
     sqlite3_vfs *base = self->files.base;
@@ -586,8 +588,8 @@ mrt_result sqlite_end(sqlite *self, mrt_result result, error *err)
     return result;
 }
 
-/* One that was used before and says the same. */
-static sqlite_statement *take_idle(sqlite *self, const char *sql)
+/* Returns a cached statement with the same text. */
+static sqlite_statement *pop_idle(sqlite *self, const char *sql)
 {
     for (uint32_t i = self->idle_count; i-- > 0;) {
         sqlite_statement *found = self->idle[i];
@@ -600,10 +602,10 @@ static sqlite_statement *take_idle(sqlite *self, const char *sql)
     return NULL;
 }
 
-/* One whose handle is NULL says why in its bind_code; NULL: no memory. */
+/* Prepares a statement. If its handle is NULL, bind_code gives the reason. NULL: no memory. */
 static sqlite_statement *prepare(sqlite *self, const char *sql, const char *columns)
 {
-    sqlite_statement *out = take_idle(self, sql);
+    sqlite_statement *out = pop_idle(self, sql);
     if (!out) {
         out = calloc(1, sizeof *out);
         if (!out)
@@ -635,7 +637,7 @@ mrt_result sqlite_prepare(sqlite *self, sqlite_statement **out, const char *sql,
     return result;
 }
 
-/* It may be asked for again. */
+/* Returns the statement to the cache. */
 void sqlite_finish(sqlite_statement *statement)
 {
     if (!statement)
@@ -725,7 +727,8 @@ static bool is_of_kind(sqlite3_stmt *row, int column, char kind)
     }
 }
 
-/* SQLite's tables keep any value in any column, whatever they were declared as. */
+/* Checks the types of a row. SQLite stores any value in any column, whatever its declared type is.
+ * */
 static mrt_result check_row(sqlite_statement *statement, error *err)
 {
     sqlite3_stmt *row = statement->handle;
@@ -853,7 +856,7 @@ const char *sqlite_exact_text(sqlite_statement *statement, int column)
     return text ? (const char *)text : "";
 }
 
-/* kind: s or x. NULL: no memory. */
+/* Copies a text. kind: s or x. NULL: no memory. */
 static char *copy_text(sqlite_statement *statement, int column, char kind)
 {
     if (kind == 'x')
@@ -866,7 +869,7 @@ static char *copy_text(sqlite_statement *statement, int column, char kind)
     return out;
 }
 
-/* False: no memory. */
+/* Reads one column; false: no memory. */
 static bool get_one(sqlite_statement *statement, int column, va_list *arguments)
 {
     const char letter = statement->columns[column];

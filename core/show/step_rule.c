@@ -4,7 +4,7 @@
 
 #include <marotte/plugin.h>
 
-/* Further apart they have no rhythm: a pedal, a device that was away. */
+/* With a longer interval an input has no rhythm: a pedal, or a device that was disconnected. */
 static const int64_t period_max_ns = 100 * NS_PER_MS;
 
 uint32_t step_measures(uint32_t semantic, uint32_t hand)

@@ -50,7 +50,7 @@ void take_performance_finish(take_performance *p)
     *p = (take_performance){0};
 }
 
-/* ---- texts that are shared ---- */
+/* ---- shared texts ---- */
 
 enum { TEXTS_MAX = 6 };
 
@@ -104,7 +104,7 @@ void take_texts_drop(take_texts *self)
 
 /* ---- copies ---- */
 
-/* NULL for nothing to copy: *out_failed tells that from no memory. */
+/* Copies data. NULL: nothing to copy, or *out_failed is true and memory ran out. */
 static void *copy_of(const void *data, size_t size, size_t count, bool *out_failed)
 {
     if (count == 0)
@@ -145,7 +145,7 @@ mrt_result take_copy(take *out, const take *t, error *err)
 
 /* ---- time ---- */
 
-/* floor(a b / c) and whether something was left over; UINT64_MAX when it does not fit. c > 0. */
+/* Returns floor(a b / c) and whether there is a remainder; UINT64_MAX if it does not fit. c > 0. */
 static uint64_t multiply_divide(uint64_t a, uint64_t b, uint64_t c, bool *out_rest)
 {
     uint64_t low = (a & UINT32_MAX) * (b & UINT32_MAX);
@@ -183,7 +183,7 @@ static int64_t saturated_sum(int64_t a, int64_t b)
     return a + b;
 }
 
-/* Exact distance, which may need all 64 bits. */
+/* Returns the exact distance, which may need all 64 bits. */
 static uint64_t distance(int64_t low, int64_t high)
 {
     return (uint64_t)high - (uint64_t)low;
@@ -196,7 +196,7 @@ static int64_t signed_distance(uint64_t size, bool negative)
     return negative ? -(int64_t)size : (int64_t)size;
 }
 
-/* `time_ns` moved as far as it is from `from_ns` to `to_ns`. */
+/* Returns `time_ns` moved by to_ns - from_ns. */
 static int64_t moved(int64_t time_ns, int64_t from_ns, int64_t to_ns)
 {
     bool back = to_ns < from_ns;
@@ -206,7 +206,7 @@ static int64_t moved(int64_t time_ns, int64_t from_ns, int64_t to_ns)
 
 typedef enum rounding { ROUND_DOWN, ROUND_UP } rounding;
 
-/* y on the line through (x0, y0) and (x1, y1), both ascending. */
+/* Returns y on the line through (x0, y0) and (x1, y1), both ascending. */
 static int64_t line_at(int64_t x, const int64_t x_end[2], const int64_t y_end[2], rounding round)
 {
     bool before = x < x_end[0];
@@ -219,10 +219,12 @@ static int64_t line_at(int64_t x, const int64_t x_end[2], const int64_t y_end[2]
     return saturated_sum(y_end[0], signed_distance(size, before));
 }
 
-/* The segment of the warp in which `time_ns` lies, by the coordinate at `offset` of a point. */
+/* Returns the segment of the warp that contains `time_ns`, by the coordinate at `offset` of a
+ * point. */
 static uint32_t segment_of(const take_clip *clip, int64_t time_ns, bool by_source)
 {
-    uint32_t low = 0, high = clip->warp_count - 1; /* of the points where a segment starts */
+    uint32_t low = 0,
+             high = clip->warp_count - 1; /* index among the points where a segment starts */
     while (low + 1 < high) {
         uint32_t middle = low + (high - low) / 2;
         const take_warp_point *point = &clip->warp[middle];
@@ -258,9 +260,9 @@ int64_t take_warp_to_timeline(const take_clip *clip, int64_t source_ns)
                    (int64_t[]){p[0].at_ns, p[1].at_ns}, ROUND_UP);
 }
 
-/* ---- which clips speak at an instant ---- */
+/* ---- the active clips at an instant ---- */
 
-/* The first clip that ends after t_ns; clips are ordered by start and by end. */
+/* Returns the first clip that ends after t_ns; clips are sorted by start and by end. */
 static uint32_t first_ending_after(const take_layer *layer, int64_t t_ns)
 {
     uint32_t low = 0, high = layer->clip_count;
@@ -274,7 +276,7 @@ static uint32_t first_ending_after(const take_layer *layer, int64_t t_ns)
     return low;
 }
 
-/* The neighbour with which a clip cross-fades at its start (-1) or its end (+1), or NULL. */
+/* Returns the neighbour that a clip cross-fades with at its start (-1) or its end (+1), or NULL. */
 static const take_clip *overlapping(const take_layer *layer, uint32_t index, int direction)
 {
     int64_t other = (int64_t)index + direction;
@@ -286,7 +288,7 @@ static const take_clip *overlapping(const take_layer *layer, uint32_t index, int
     return !neighbour->is_muted && second->start_ns < first->end_ns ? neighbour : NULL;
 }
 
-/* 0 at `from`, 1 from `to` on. */
+/* Returns 0 at `from`, and 1 from `to` on. */
 static double ramp(int64_t t_ns, int64_t from_ns, int64_t to_ns)
 {
     if (t_ns >= to_ns)
@@ -299,7 +301,7 @@ static int64_t least(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-/* A fade keeps out of the cross-fade at the other end: there weights sum to 1. */
+/* A fade does not enter the cross-fade at the other end, because weights sum to 1 there. */
 static double weight_at(const take_layer *layer, uint32_t index, int64_t t_ns)
 {
     const take_clip *clip = &layer->clip[index];

@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Pairs of 2^bits frames are kept; once there would be too many, pairs of twice as many frames. */
+/* Each kept pair covers 2^bits frames. If there are too many pairs, each covers twice as many
+ * frames. */
 enum { FINEST_BITS = 8, PAIRS_MAX = 1 << 20, READ_SAMPLES = 32768, SKIPPED_FRAMES = 256 };
 
 struct waveform {
@@ -37,7 +38,7 @@ static waveform_pair pair_of(const float *samples, size_t count)
     return pair;
 }
 
-/* Into a list that is filled from its start. */
+/* Appends to a list. */
 static void put(waveform_pair *list, size_t *count, size_t at, const waveform_pair *pair)
 {
     if (at < *count) {
@@ -112,7 +113,7 @@ static mrt_result step_once(waveform *self, show *s, size_t count, error *err)
         got = count < SKIPPED_FRAMES ? count : SKIPPED_FRAMES;
         memset(self->samples, 0, got * self->audio.channel_count * sizeof *self->samples);
     } else if (read < 0) {
-        read = MRT_OK; /* of what follows: the next time */
+        read = MRT_OK; /* the failure concerns later frames; the next call reports it */
     }
     if (got == 0)
         return MRT_END;
@@ -149,7 +150,7 @@ int64_t waveform_known_frames(const waveform *self)
     return self->known;
 }
 
-/* ---- looking ---- */
+/* ---- reading ---- */
 
 static uint32_t bits_for(int64_t from, int64_t to, size_t pairs_max)
 {
@@ -159,7 +160,7 @@ static uint32_t bits_for(int64_t from, int64_t to, size_t pairs_max)
     return bits;
 }
 
-/* Of pairs that are kept, and of as many or fewer frames than the ones asked for. */
+/* Reads kept pairs. A kept pair covers at most as many frames as a requested one. */
 static void read_kept(const waveform *self, uint32_t bits, int64_t to, waveform_view *out)
 {
     uint32_t further = bits - self->bits;
@@ -173,7 +174,7 @@ static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to,
                              error *err)
 {
     size_t channels = self->audio.channel_count;
-    /* To the end of the last pair, as far as it is known. */
+    /* Ends at the last pair, limited to the processed frames. */
     int64_t end = (((to - 1) >> bits) + 1) << bits;
     end = end < self->known ? end : self->known;
     for (int64_t at = out->first_frame; at < end;) {
@@ -184,7 +185,7 @@ static mrt_result read_sound(waveform *self, show *s, uint32_t bits, int64_t to,
         if (result < 0)
             return result;
         if (got == 0)
-            return error_set(err, MRT_ERR_FORMAT, "audio %lld: has no frame %lld any more",
+            return error_set(err, MRT_ERR_FORMAT, "audio %lld: frame %lld is missing",
                              (long long)self->audio.id, (long long)at);
         for (size_t i = 0; i < got; ++i) {
             waveform_pair pair = pair_of(self->samples + i * channels, channels);
@@ -203,7 +204,7 @@ mrt_result waveform_read(waveform *self, show *s, int64_t from, int64_t to, size
     out->first_frame = 0;
     out->frames_per_pair = 1;
     if (pairs_max < 1 || pairs_max > WAVEFORM_PAIRS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "an outline of %zu pairs: 1 to %d are possible",
+        return error_set(err, MRT_ERR_ARGUMENT, "an outline of %zu pairs: expected 1 to %d",
                          pairs_max, WAVEFORM_PAIRS_MAX);
     from = from > 0 ? from : 0;
     to = to < self->known ? to : self->known;
@@ -218,7 +219,7 @@ mrt_result waveform_read(waveform *self, show *s, int64_t from, int64_t to, size
     return MRT_OK;
 }
 
-/* ---- life ---- */
+/* ---- lifetime ---- */
 
 void waveform_limit(waveform *self, size_t pairs_max)
 {

@@ -16,9 +16,8 @@
 #include <time.h>
 #include <unistd.h>
 
-/* ---- the disk: a thread waits for it, so that no one else does. Once a second it brings what was
- * committed to the disk, moves it from the log into the show where the log has grown long, and
- * looks whether the file is still there ---- */
+/* ---- syncing: a separate thread waits for the disk. Once a second it syncs the commits to the
+ * disk, moves a long write-ahead log into the show, and checks that the file still exists ---- */
 
 enum { LOG_BYTES_LONG = 8 * 1024 * 1024 };
 
@@ -26,16 +25,16 @@ typedef struct writer_sync {
     const show *of;
     sqlite *db;
     char *log_path;
-    int log_fd; /* -1: not there yet */
+    int log_fd; /* -1: does not exist yet */
     pthread_t thread;
     pthread_mutex_t lock;
     pthread_cond_t wake;
     bool is_stopping;        /* GUARDED_BY(lock) */
-    _Atomic bool is_missing; /* the file under the show's name is not the one that is open */
+    _Atomic bool is_missing; /* the file at the show's path is not the open one */
 } writer_sync;
 
-/* The log is one file for as long as somebody has the show open. It is not locked, so that closing
- * it takes no lock away from SQLite, as it would with the show itself. */
+/* The log stays one file while a connection is open. It is not locked, so closing its descriptor
+ * releases no lock of SQLite. Closing a descriptor of the show itself would. */
 static off_t log_size(writer_sync *self)
 {
     struct stat status;
@@ -44,7 +43,7 @@ static off_t log_size(writer_sync *self)
     return self->log_fd >= 0 && fstat(self->log_fd, &status) == 0 ? status.st_size : 0;
 }
 
-/* Failures are the writer's to meet: it writes to the same disk. */
+/* Ignores failures: the writer's thread meets them too, because it writes to the same disk. */
 static void bring_to_disk(writer_sync *self)
 {
     off_t size = log_size(self);
@@ -101,7 +100,8 @@ static mrt_result writer_sync_start(writer_sync **out, const show *s, error *err
     if (result >= 0 && !self->log_path)
         result = error_set(err, MRT_ERR_MEMORY, "%s: no memory", show_path(s));
     if (result >= 0 && pthread_create(&self->thread, NULL, run_sync, self) != 0)
-        result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", show_path(s));
+        result =
+            error_set(err, MRT_ERR_MEMORY, "%s: cannot start a thread for recording", show_path(s));
     if (result < 0) {
         destroy_sync(self);
         return result;
@@ -127,16 +127,16 @@ static void writer_sync_stop(writer_sync *self)
 enum { WRITER_STAGED = 512 };
 
 typedef struct writer_jobs {
-    writer_job *first, **end; /* `end`: where the next one goes */
+    writer_job *first, **end; /* a list; `end` points to where the next job is linked */
 } writer_jobs;
 
-/* A job for a thread that may not allocate. */
+/* A preallocated job for a thread that may not allocate. */
 typedef struct writer_lent {
     writer_job job;
     _Atomic bool is_taken;
 } writer_lent;
 
-typedef union writer_room { /* of a job that has texts */
+typedef union writer_room { /* track or performance of a job with texts */
     take_track track;
     take_performance performance;
 } writer_room;
@@ -148,22 +148,22 @@ struct writer {
     pthread_t thread;
     writer_sync *sync;
 
-    /* [frame] to the thread */
+    /* from [frame] to the writer's thread */
     spool *ring;
     uint8_t *checkpoint[WRITER_CHECKPOINTS];
     _Atomic bool is_taken[WRITER_CHECKPOINTS];
     _Atomic uint32_t ring_lost_samples, ring_lost_events, given_samples;
 
-    bool has_place[SPOOL_LANES]; /* [main] an input */
+    bool has_place[SPOOL_LANES]; /* [main] adds an input */
 
     _Atomic uint32_t track_count; /* [main], and who records */
 
-    /* [any] to the thread: no one waits, as there is no lock */
-    _Atomic(writer_job *) asked; /* the newest; `next` is the one asked before it */
-    writer_lent *lent;           /* WRITER_WAITING_MAX; the first ones have room for texts */
+    /* from [any] to the writer's thread: a lock-free stack, so no caller waits */
+    _Atomic(writer_job *) asked; /* the newest; `next` is the one pushed before it */
+    writer_lent *lent;           /* WRITER_WAITING_MAX; the first ones have space for texts */
     writer_room *room;           /* WRITER_WAITING_TEXTS_MAX */
 
-    /* [main] to the thread and back */
+    /* shared by [main] and the writer's thread */
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
     uint64_t flush_asked;   /* GUARDED_BY(lock) */
@@ -172,7 +172,7 @@ struct writer {
     mrt_result last_result; /* GUARDED_BY(lock): of the last commit */
     error last_error;       /* GUARDED_BY(lock) */
 
-    /* the thread's own */
+    /* used only by the writer's thread */
     writer_store store;
     writer_jobs pending;
     writer_track *track; /* track_slots of them; id 0: free */
@@ -180,7 +180,7 @@ struct writer {
     int64_t next_chunk_id;
     journal old;
     int64_t next_journal_ns; /* show time */
-    int64_t newest_ns;       /* host clock, of the newest sample taken */
+    int64_t newest_ns;       /* host clock of the newest accepted sample */
     bool has_newest;
     writer_jobs ending;                        /* tracks that end once the ring is empty */
     uint32_t ring_lost_seen, ring_lost_untold; /* of ring_lost_samples */
@@ -230,7 +230,7 @@ static writer_job *jobs_take(writer_jobs *list)
     return job;
 }
 
-/* ---- taking in: from the recording thread and the main one, to jobs and tracks ---- */
+/* ---- input: from the recording thread and the main thread to jobs and tracks ---- */
 
 static void hold(writer *self, writer_job *job)
 {
@@ -259,8 +259,7 @@ static void lose_samples(writer *self, writer_track *track, uint32_t count)
     atomic_fetch_add(&self->taken_samples, count);
 }
 
-/* What of the chunk is not written waits as a job from now on; where memory has run out it is lost.
- */
+/* Queues the unwritten part of the chunk as a job. If memory runs out, that part is lost. */
 static void seal(writer *self, writer_track *track)
 {
     bool failed = !has_memory(self);
@@ -349,8 +348,8 @@ static void take_record(writer *self, const writer_record *r)
     }
 }
 
-/* A free one; NULL: no memory. Tracks that end go later than those that begin, so there may be more
- * of them than WRITER_TRACKS_MAX. */
+/* Returns a free track; NULL: no memory. Tracks end later than new ones begin, so there can be more
+ * than WRITER_TRACKS_MAX. */
 static writer_track *free_track(writer *self)
 {
     writer_track *found = find_track(self, 0);
@@ -368,11 +367,12 @@ static writer_track *free_track(writer *self)
     return found;
 }
 
-/* A track is known from when it was asked for, and ends when the ring is empty. Without memory for
- * one its samples count as lost. */
-static void take_job(writer *self, writer_job *asked)
+/* Processes a queued job. A track exists from its job on, and ends when the ring is empty. If there
+ * is no memory for a track, its samples count as lost. */
+static void accept_job(writer *self, writer_job *asked)
 {
-    /* One that is lent is wanted back at once; without memory it is kept until it is written. */
+    /* A lent job must be returned immediately. Without memory for a copy it is kept until it is
+     * written. */
     writer_job *job = asked->lent ? writer_job_own(asked) : asked;
     if (!job)
         job = asked;
@@ -408,8 +408,8 @@ static void count_ring_losses(writer *self)
     self->events_lost_seen = lost;
 }
 
-/* In the order in which they were asked. */
-static writer_job *all_asked(writer *self)
+/* Pops all queued jobs, in the order of their calls. */
+static writer_job *pop_queued(writer *self)
 {
     writer_job *newest = atomic_exchange_explicit(&self->asked, NULL, memory_order_acquire);
     writer_job *first = NULL;
@@ -422,18 +422,18 @@ static writer_job *all_asked(writer *self)
     return first;
 }
 
-/* What is asked is looked at after the records were staged: so a track, asked for before its first
- * sample was given, is known when that is looked at. */
-static void take_in(writer *self)
+/* Reads the ring first and the jobs afterwards. A track is queued before its first sample, so it is
+ * always known when that sample is processed. */
+static void receive(writer *self)
 {
     uint32_t count;
     do {
         for (count = 0; count < WRITER_STAGED && spool_pop(self->ring, &self->staged[count]);
              ++count)
             ;
-        for (writer_job *job = all_asked(self), *next; job; job = next) {
+        for (writer_job *job = pop_queued(self), *next; job; job = next) {
             next = job->next;
-            take_job(self, job);
+            accept_job(self, job);
         }
         for (uint32_t i = 0; i < count; ++i)
             take_record(self, &self->staged[i]);
@@ -459,7 +459,7 @@ static void end_all(writer *self)
     hold(self, job);
 }
 
-/* ---- committing: from jobs and tracks to the show, all of it in one transaction, or none ---- */
+/* ---- committing: all jobs and tracks in one transaction, or none ---- */
 
 static const int64_t journal_step_ns = NS_PER_S;
 
@@ -483,7 +483,7 @@ static mrt_result tell_loss(writer *self, int64_t track, uint32_t count, const c
     return show_event_insert(self->store.db, &event, err);
 }
 
-/* *out_failed: the track that failed, where it was one. */
+/* *out_failed: the track that failed, if a track caused the failure. */
 static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err)
 {
     mrt_result result = tell_loss(self, 0, self->ring_lost_untold, "", err);
@@ -503,7 +503,7 @@ static mrt_result put_tracks(writer *self, writer_track **out_failed, error *err
     return result;
 }
 
-/* *out_failed, *out_failed_track: the job or the track that failed, where it was one. */
+/* *out_failed, *out_failed_track: the job or the track that caused the failure, if any. */
 static mrt_result put_all(writer *self, writer_job **out_failed, writer_track **out_failed_track,
                           error *err)
 {
@@ -553,8 +553,8 @@ static void settle(writer *self)
     spool_settle(self->ring);
 }
 
-/* A job that can never be done (a track that is none, frames of no size) must not keep the others.
- */
+/* Drops a job that can never succeed (an invalid track, frames of size 0), so that it does not
+ * block the others. */
 static void drop_job(writer *self, writer_job *bad)
 {
     writer_jobs kept;
@@ -571,7 +571,7 @@ static void drop_job(writer *self, writer_job *bad)
     self->pending = kept;
 }
 
-/* Neither must a track that the show has no row of. */
+/* Drops a track without a row in the show, for the same reason. */
 static void drop_track(writer *self, writer_track *bad)
 {
     lose_samples(self, NULL, bad->count - bad->committed_count);
@@ -626,7 +626,7 @@ static mrt_result commit(writer *self)
     return result;
 }
 
-/* Its failures keep nobody from recording: what is old stays. */
+/* Ignores failures, so that recording continues; old data then stays in the show. */
 static void commit_journal(writer *self)
 {
     int64_t now_ns = writer_show_ns(self, self->newest_ns);
@@ -645,7 +645,7 @@ static void commit_journal(writer *self)
     self->next_journal_ns = result >= 0 && !is_done ? now_ns : now_ns + journal_step_ns;
 }
 
-/* ---- what everybody else calls ---- */
+/* ---- public functions ---- */
 
 enum { DEFAULT_MEMORY_BYTES = 64 * 1024 * 1024, DEFAULT_JOURNAL_S = 30 * 60 };
 static const int64_t commit_ns = 40 * NS_PER_MS;
@@ -701,7 +701,7 @@ void writer_checkpoint(writer *self, int64_t performance, int64_t time_ns, uint3
         atomic_store_explicit(&self->is_taken[index], false, memory_order_release);
 }
 
-/* ---- what arrives ---- */
+/* ---- arrivals ---- */
 
 uint32_t writer_arrivals_open(writer *self)
 {
@@ -741,7 +741,7 @@ void writer_arrivals_performed(writer *self, uint32_t place, uint32_t number)
         spool_lane_done(self->ring, place, number);
 }
 
-/* ---- the thread ---- */
+/* ---- the writer's thread ---- */
 
 static bool wait_for_work(writer *self, int64_t until_ns, uint64_t *out_flush)
 {
@@ -769,16 +769,16 @@ static void *run(void *data)
     uint64_t flush;
     int64_t next_ns = clock_now_ns() + commit_ns;
     while (wait_for_work(self, next_ns, &flush)) {
-        take_in(self);
+        receive(self);
         mrt_result result = commit(self);
         if (result >= 0)
             commit_journal(self);
         next_ns = clock_now_ns() + (result < 0 ? retry_ns : commit_ns);
         answer(self, flush);
     }
-    take_in(self);
+    receive(self);
     end_all(self);
-    (void)commit(self); /* writer_stop tells its result */
+    (void)commit(self); /* writer_stop returns its result */
     return NULL;
 }
 
@@ -807,7 +807,7 @@ static mrt_result allocate(writer *self, const writer_options *options, error *e
     self->lent = malloc(WRITER_WAITING_MAX * sizeof *self->lent);
     self->room = malloc(WRITER_WAITING_TEXTS_MAX * sizeof *self->room);
     good = good && self->lent && self->room;
-    if (good) { /* their pages are there */
+    if (good) { /* touches their pages before recording */
         memset(self->lent, 0, WRITER_WAITING_MAX * sizeof *self->lent);
         memset(self->room, 0, WRITER_WAITING_TEXTS_MAX * sizeof *self->room);
     }
@@ -816,7 +816,8 @@ static mrt_result allocate(writer *self, const writer_options *options, error *e
         self->checkpoint[i] = malloc(options->checkpoint_bytes);
         good = self->checkpoint[i] != NULL;
         if (good)
-            memset(self->checkpoint[i], 0, options->checkpoint_bytes); /* its pages are there */
+            memset(self->checkpoint[i], 0,
+                   options->checkpoint_bytes); /* touches its pages before recording */
     }
     return good ? MRT_OK : error_set(err, MRT_ERR_MEMORY, "no memory to record");
 }
@@ -829,7 +830,7 @@ static void destroy(writer *self)
         writer_track_finish(&self->track[i]);
     free(self->track);
     jobs_destroy(&self->pending);
-    writer_jobs asked = {.first = all_asked(self)};
+    writer_jobs asked = {.first = pop_queued(self)};
     jobs_destroy(&asked);
     free(self->lent);
     free(self->room);
@@ -874,7 +875,8 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     if (result >= 0) {
         self->next_chunk_id = last_chunk + 1;
         if (pthread_create(&self->thread, NULL, run, self) != 0)
-            result = error_set(err, MRT_ERR_MEMORY, "%s: no thread to record with", s->path);
+            result =
+                error_set(err, MRT_ERR_MEMORY, "%s: cannot start a thread for recording", s->path);
     }
     if (result < 0) {
         destroy(self);
@@ -884,8 +886,9 @@ mrt_result writer_start(writer **out, show *s, const writer_options *options, er
     return MRT_OK;
 }
 
-/* What could not be written is found again by the next one who opens the show, as after a kill. */
-static void tell_left(const writer *self, error *err)
+/* Reports the unwritten samples. The next program that opens the show restores them, as after a
+ * kill. */
+static void report_unwritten(const writer *self, error *err)
 {
     uint32_t count = writer_status_of(self).backlog, left = spool_left_count(self->ring);
     if (left == 0)
@@ -910,7 +913,7 @@ mrt_result writer_stop(writer *self, error *err)
     mrt_result result = MRT_OK;
     if (commit_is_due(self)) {
         result = self->last_result;
-        tell_left(self, err);
+        report_unwritten(self, err);
         spool_abandon(self->ring);
         self->ring = NULL;
     }
@@ -918,9 +921,9 @@ mrt_result writer_stop(writer *self, error *err)
     return result;
 }
 
-/* ---- what happens now and then ---- */
+/* ---- occasional calls ---- */
 
-/* One that is free; NULL: none. */
+/* Returns a free job of the pool; NULL: all are in use. */
 static writer_job *lend(writer *self, writer_job_kind kind)
 {
     const bool has_room = kind == WRITER_JOB_TRACK || kind == WRITER_JOB_PERFORMANCE;
@@ -940,7 +943,7 @@ static writer_job *lend(writer *self, writer_job_kind kind)
     return NULL;
 }
 
-/* Times are of the host's clock. NULL: none is free, which ask() says. */
+/* Times are of the host clock. NULL: no job is free; queue_job() then returns the error. */
 static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64_t from_ns,
                            int64_t to_ns)
 {
@@ -953,12 +956,12 @@ static writer_job *new_job(writer *self, writer_job_kind kind, int64_t id, int64
     return job;
 }
 
-/* Any thread; the writer's takes it with its next look. */
-static mrt_result ask(writer *self, writer_job *job, error *err)
+/* [any] Queues the job; the writer's thread processes it at its next iteration. */
+static mrt_result queue_job(writer *self, writer_job *job, error *err)
 {
     if (!job)
         return error_set(err, MRT_ERR_MEMORY,
-                         "too much happens at once: the disk does not keep up recording it");
+                         "too many changes at once: the disk cannot keep up with recording");
     job->next = atomic_load_explicit(&self->asked, memory_order_relaxed);
     while (!atomic_compare_exchange_weak_explicit(&self->asked, &job->next, job,
                                                   memory_order_release, memory_order_relaxed))
@@ -971,10 +974,10 @@ static mrt_result ask(writer *self, writer_job *job, error *err)
 static mrt_result check_track(const writer *self, const take_track *track, error *err)
 {
     if (track->channel_count == 0 || track->channel_count > MRT_MAX_CHANNELS)
-        return error_set(err, MRT_ERR_ARGUMENT, "a track of %u channels, 1 to %d are possible",
+        return error_set(err, MRT_ERR_ARGUMENT, "a track of %u channels; expected 1 to %d",
                          track->channel_count, MRT_MAX_CHANNELS);
     if (self->track_count == WRITER_TRACKS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT, "%d tracks are recorded at a time, not more",
+        return error_set(err, MRT_ERR_ARGUMENT, "at most %d tracks can be recorded at a time",
                          WRITER_TRACKS_MAX);
     return MRT_OK;
 }
@@ -985,7 +988,7 @@ static mrt_result add_track(writer *self, writer_job *job, take_track *track, ta
     track->id = show_next_id(self->of, SHOW_ID_TRACK);
     if (job)
         writer_job_put_track(job, track, texts);
-    mrt_result result = ask(self, job, err);
+    mrt_result result = queue_job(self, job, err);
     self->track_count += result >= 0;
     return result;
 }
@@ -996,7 +999,7 @@ mrt_result writer_follow_track(writer *self, take_track *track, take_texts *text
     return result < 0 ? result : add_track(self, lend(self, WRITER_JOB_TRACK), track, texts, err);
 }
 
-/* Replaces the text by a copy of it. */
+/* Replaces the text by a copy. */
 static bool own_text(char **text)
 {
     if (!*text)
@@ -1031,7 +1034,7 @@ mrt_result writer_add_track(writer *self, take_track *track, error *err)
 
 mrt_result writer_end_track(writer *self, int64_t track, error *err)
 {
-    mrt_result result = ask(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), err);
+    mrt_result result = queue_job(self, new_job(self, WRITER_JOB_TRACK_END, track, 0, 0), err);
     self->track_count -= result >= 0 && self->track_count > 0;
     return result;
 }
@@ -1041,10 +1044,10 @@ mrt_result writer_end_track(writer *self, int64_t track, error *err)
 static mrt_result check_performance(const take_performance *performance, error *err)
 {
     if (performance->track_count > TAKE_TRACKS_MAX || performance->param_count > TAKE_PARAMS_MAX)
-        return error_set(err, MRT_ERR_ARGUMENT,
-                         "a performance of %u tracks and %u parameters, %d and %d are possible",
-                         performance->track_count, performance->param_count, TAKE_TRACKS_MAX,
-                         TAKE_PARAMS_MAX);
+        return error_set(
+            err, MRT_ERR_ARGUMENT,
+            "a performance of %u tracks and %u parameters; at most %d and %d are possible",
+            performance->track_count, performance->param_count, TAKE_TRACKS_MAX, TAKE_PARAMS_MAX);
     return MRT_OK;
 }
 
@@ -1056,7 +1059,7 @@ static mrt_result begin_performance(writer *self, writer_job *job, take_performa
         writer_job_put_performance(job, performance, texts);
         job->from_ns = job->to_ns = writer_show_ns(self, time_ns);
     }
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_follow_performance(writer *self, take_performance *performance, take_texts *texts,
@@ -1096,7 +1099,7 @@ mrt_result writer_begin_performance(writer *self, take_performance *performance,
 
 mrt_result writer_end_performance(writer *self, int64_t time_ns, error *err)
 {
-    return ask(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), err);
+    return queue_job(self, new_job(self, WRITER_JOB_PERFORMANCE_END, 0, time_ns, time_ns), err);
 }
 
 /* ---- takes, marks, sound ---- */
@@ -1124,12 +1127,12 @@ mrt_result writer_take_begin(writer *self, int64_t time_ns, const writer_slate *
 {
     writer_job *job = slated_job(self, WRITER_JOB_TAKE, slate, time_ns, time_ns);
     *out_take = job ? job->id : 0;
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_take_end(writer *self, int64_t take_id, int64_t time_ns, error *err)
 {
-    return ask(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), err);
+    return queue_job(self, new_job(self, WRITER_JOB_TAKE_END, take_id, time_ns, time_ns), err);
 }
 
 mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const writer_slate *slate,
@@ -1137,10 +1140,10 @@ mrt_result writer_keep(writer *self, int64_t from_ns, int64_t to_ns, const write
 {
     *out_take = 0;
     if (to_ns <= from_ns)
-        return error_set(err, MRT_ERR_ARGUMENT, "what is to be kept ends before it starts");
+        return error_set(err, MRT_ERR_ARGUMENT, "the range to keep ends before it starts");
     writer_job *job = slated_job(self, WRITER_JOB_KEEP, slate, from_ns, to_ns);
     *out_take = job ? job->id : 0;
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_mark(writer *self, int64_t time_ns, const char *text, error *err)
@@ -1151,15 +1154,16 @@ mrt_result writer_mark(writer *self, int64_t time_ns, const char *text, error *e
             (take_event){.time_ns = writer_show_ns(self, time_ns), .kind = TAKE_EVENT_MARK};
         snprintf(job->of.event.text, sizeof job->of.event.text, "%s", text);
     }
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void *frames,
                         size_t size, error *err)
 {
     if (atomic_load(&self->held_bytes) >= self->memory_bytes)
-        return error_set(err, MRT_ERR_MEMORY,
-                         "audio is lost: the disk is full and so is what is held in memory");
+        return error_set(
+            err, MRT_ERR_MEMORY,
+            "audio is lost: the disk is full, and so is the memory that holds unwritten data");
     writer_job *job = writer_job_create(WRITER_JOB_AUDIO);
     if (!job)
         return error_set(err, MRT_ERR_MEMORY, "no memory to record sound");
@@ -1170,7 +1174,7 @@ mrt_result writer_audio(writer *self, int64_t audio, int64_t time_ns, const void
     }
     job->id = audio;
     job->from_ns = time_ns != 0 ? writer_show_ns(self, time_ns) : 0;
-    return ask(self, job, err);
+    return queue_job(self, job, err);
 }
 
 mrt_result writer_flush(writer *self, error *err)
@@ -1213,16 +1217,16 @@ void writer_message(writer *self, char *out, size_t capacity)
                        (unsigned long long)status.lost_count);
     else if (status.is_missing)
         (void)snprintf(out, capacity,
-                       "%s: was deleted, moved or replaced while it is open; recording goes on, "
-                       "and a copy will be made when it ends",
+                       "%s: was deleted, moved or replaced while it is open; recording continues, "
+                       "and a copy will be made when the program ends",
                        show_path(self->of));
     else if (status.lost_count > 0)
         (void)snprintf(out, capacity, "%s: %llu samples were lost", show_path(self->of),
                        (unsigned long long)status.lost_count);
     else if (status.lost_event_count > 0)
         (void)snprintf(out, capacity,
-                       "%s: %llu changes of parameters were lost: what follows them is performed "
-                       "otherwise than it was seen",
+                       "%s: %llu changes of parameters were lost: a replay after them differs from "
+                       "the live performance",
                        show_path(self->of), (unsigned long long)status.lost_event_count);
     else
         (void)snprintf(out, capacity, "%s", "");

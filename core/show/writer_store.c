@@ -13,9 +13,9 @@
 
 const spool_shape writer_spool_shape = {
     .record_size = sizeof(writer_record),
-    .record_count = 32768, /* 100 s of two gloves, should the writer's thread stand still */
+    .record_count = 32768, /* 100 s of two gloves, if the writer's thread is blocked */
     .lane_record_size = sizeof(writer_arrival),
-    .lane_record_count = 1024}; /* as many as an input lets wait for the frame thread */
+    .lane_record_count = 1024}; /* the queue of an input to the frame thread has the same length */
 
 enum { VERSIONS_MAX = 256 };
 
@@ -121,9 +121,9 @@ mrt_result writer_job_copy_bytes(writer_job *job, const void *bytes, size_t size
     return MRT_OK;
 }
 
-/* ---- where they go ---- */
+/* ---- destination of the jobs ---- */
 
-/* Synchronous NORMAL: a commit does not wait for the disk; writer.c sees to it. */
+/* Synchronous NORMAL: a commit does not wait for the disk. writer.c syncs separately. */
 mrt_result writer_store_open(writer_store *out, const show *s, int64_t session, error *err)
 {
     *out = (writer_store){.session = session};
@@ -149,8 +149,7 @@ void writer_store_close(writer_store *store)
     *store = (writer_store){0};
 }
 
-/* Makes the chunk, or makes it longer: the samples that it had are the first of those it has now.
- */
+/* Inserts the chunk, or replaces it by a longer one that begins with the same samples. */
 static mrt_result writer_put_chunk(writer_store *store, int64_t id, int64_t track, int64_t from_ns,
                                    int64_t to_ns, const uint8_t *bytes, size_t size, error *err)
 {
@@ -214,7 +213,7 @@ static mrt_result insert_edit(const writer_job *job, int32_t n, const edit *e, s
     return result;
 }
 
-/* Part of how it was made: undo leaves it. */
+/* Inserts the time code as a base edit, which undo does not remove. */
 static mrt_result insert_timecode(const writer_job *job, sqlite *db, error *err)
 {
     edit fps, code;
@@ -273,7 +272,7 @@ static mrt_result run_take_end(const writer_job *job, writer_store *store, error
                          "ii", job->id, job->to_ns);
 }
 
-/* The performances of that time; where there was none, all tracks. */
+/* Inserts a span for each performance of that time, or for all tracks if there was none. */
 static mrt_result insert_kept_spans(sqlite *db, int64_t id, int64_t from_ns, int64_t to_ns,
                                     error *err)
 {
@@ -313,7 +312,7 @@ static mrt_result run_keep(const writer_job *job, writer_store *store, error *er
     return result < 0 ? result : insert_kept_spans(store->db, job->id, from_ns, to_ns, err);
 }
 
-/* ---- all of them ---- */
+/* ---- running any job ---- */
 
 static mrt_result run_track_end(const writer_job *job, writer_store *store, error *err)
 {
@@ -475,22 +474,22 @@ mrt_result writer_track_put(const writer_track *track, writer_store *store, erro
     return result;
 }
 
-/* ---- what a killed writer had been given ---- */
+/* ---- data that a killed writer left uncommitted ---- */
 
 typedef struct leftover_track {
     writer_track track;
     bool is_known; /* in the show */
-    bool has_last; /* of the samples that the show has */
+    bool has_last; /* last sample in the show */
     int64_t last_ns;
     uint32_t last_sequence;
-    mrt_sample newest; /* of those that were added too, show time; count 0: none */
+    mrt_sample newest; /* last sample including the added ones, show time; count 0: none */
     uint32_t measures; /* step_rule.h */
 } leftover_track;
 
-/* The samples of an input of which some were not performed. */
+/* A lane with samples that were not performed. */
 typedef struct waiting_lane {
     leftover_track *track;
-    uint32_t index, next; /* of the spool's lanes; of its records */
+    uint32_t index, next; /* index of the lane in the spool; index of its next record */
     spool_lane of;
     step_rhythm rhythm;
     bool is_there, is_chosen; /* `now` */
@@ -507,7 +506,7 @@ typedef struct leftover {
     uint32_t lane_count;
 } leftover;
 
-/* ---- where each track stands ---- */
+/* ---- the end of each track ---- */
 
 static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, error *err)
 {
@@ -521,7 +520,7 @@ static mrt_result read_end_of(leftover *self, leftover_track *out, int64_t id, e
         size_t size;
         const uint8_t *bytes = sqlite_blob(last, 0, &size);
         if (chunk_decode(self->sample, &head, bytes, size, NULL) < 0) {
-            out->is_known = false; /* a damaged end: its chunk's number is not known */
+            out->is_known = false; /* the last chunk is damaged, so its number is unknown */
         } else {
             out->track.ordinal = head.ordinal + 1;
             out->has_last = true;
@@ -549,7 +548,7 @@ static mrt_result read_channels(leftover *self, int64_t id, uint32_t *out_count,
     return sqlite_finish_rows(channels, result == MRT_OK ? MRT_END : result);
 }
 
-/* A track whose row was not committed has nowhere to go: known, but of no use. */
+/* Adds a track. A track without a committed row is kept, but its samples are dropped. */
 static mrt_result add_track(leftover *self, int64_t id, leftover_track **out, error *err)
 {
     *out = NULL;
@@ -629,14 +628,15 @@ static mrt_result take_event_once(leftover *self, const take_event *given, error
     return result == MRT_END ? show_event_insert(self->store.db, &event, err) : result;
 }
 
-/* ---- what had arrived and was not performed: in steps, behind all that was ---- */
+/* ---- samples that had arrived but were not performed: appended as steps ---- */
 
 static bool is_waiting(const waiting_lane *lane)
 {
     return (int32_t)(lane->now.number - lane->of.done) >= 0;
 }
 
-/* Killed between the two, the frame thread had given the sample, and had not said so. */
+/* Returns true if the sample was recorded but not yet marked as performed, because the kill came
+ * between the two calls. */
 static bool was_given(const waiting_lane *lane)
 {
     const mrt_sample *given = &lane->track->newest, *now = &lane->now.sample;
@@ -645,8 +645,8 @@ static bool was_given(const waiting_lane *lane)
            memcmp(given->value, now->value, now->count * sizeof *now->value) == 0;
 }
 
-/* Those that were performed are gone through too: for the rhythm. What waits with other channels
- * has no track yet: it ends the lane. */
+/* Moves to the next arrival. Performed samples are read too, to find the rhythm. A sample with
+ * other channels has no track yet, and ends the lane. */
 static void next_arrival(waiting_lane *lane, const spool *left)
 {
     const leftover_track *track = lane->track;
@@ -680,7 +680,7 @@ static mrt_result add_lanes(leftover *self, const spool *left, error *err)
     return result;
 }
 
-/* The next step; false: there is none. */
+/* Chooses the next step; false: no more steps. */
 static bool choose_step(leftover *self, int64_t *out_time_ns)
 {
     waiting_lane *first = NULL, *end = self->lane + self->lane_count;
@@ -752,7 +752,7 @@ static mrt_result take_all(leftover *self, spool *left, error *err)
     return result;
 }
 
-/* ---- the whole ---- */
+/* ---- the complete restore ---- */
 
 static mrt_result commit(leftover *self, spool *left, error *err)
 {
@@ -767,8 +767,8 @@ static mrt_result commit(leftover *self, spool *left, error *err)
     return sqlite_end(self->store.db, result, err);
 }
 
-/* The file may be another one by now, at the same place on the disk: then its last session is not
- * the one that was killed. */
+/* Checks that the last session of the show is the killed one. Another file may have got the same
+ * place on the disk. */
 static mrt_result check_session(show *s, int64_t to_show_ns, bool *out_is_ours, error *err)
 {
     int64_t offset_ns;
@@ -816,7 +816,7 @@ done:
     else
         spool_abandon(left);
     if (result == MRT_ERR_MEMORY)
-        error_set(err, result, "%s: no memory to read what is left of the last recording", s->path);
+        error_set(err, result, "%s: out of memory while restoring the last recording", s->path);
     return result;
 }
 
@@ -826,11 +826,11 @@ enum {
     CHUNKS_A_STEP = 256,
     CHECKPOINTS_A_STEP = 4,
     PAGES_A_STEP = 64,
-    PAGES_KEPT = 1024 /* free, to be used again by what is recorded next */
+    PAGES_KEPT = 1024 /* free pages, reused by new recordings */
 };
 
-/* The ring reaches back to the last checkpoint before its length: a take of all of it can be
- * replayed from its start. */
+/* Keeps data back to the last checkpoint before the journal's length, so that a take of the whole
+ * journal can be replayed from its start. */
 static mrt_result limit_of(const journal *self, sqlite *db, int64_t now_ns, int64_t *out,
                            error *err)
 {
@@ -846,8 +846,8 @@ static mrt_result limit_of(const journal *self, sqlite *db, int64_t now_ns, int6
     return sqlite_finish_rows(row, result);
 }
 
-/* The last of the next chunks that are all older than the limit; what was looked at before if there
- * is none. */
+/* Finds the last of the next chunks that are all older than the limit; returns the last checked
+ * chunk if there is none. */
 static mrt_result next_chunks(const journal *self, sqlite *db, int64_t limit_ns, int64_t *out_last,
                               bool *out_is_done, error *err)
 {
@@ -865,9 +865,9 @@ static mrt_result next_chunks(const journal *self, sqlite *db, int64_t limit_ns,
     return sqlite_finish_rows(rows, result);
 }
 
-/* What is let go leaves lawful gaps: pruned_until_ns tells readers. A span that begins or ends
- * where a hand was away holds on to the chunk before and the one behind, so that no gap touches it.
- */
+/* Deletes chunks. pruned_until_ns marks the gaps as valid for readers. A span that begins or ends
+ * in a pause of a hand also keeps the chunk before and after it, so that no gap touches the span.
+ * */
 static mrt_result delete_chunks(const journal *self, sqlite *db, int64_t last_id, error *err)
 {
     int64_t until_ns = INT64_MIN;

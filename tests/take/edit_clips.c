@@ -37,7 +37,7 @@ static void a_clip_can_show_any_span_of_its_performance(void **state)
     help_refused(&t,
                  "{'op':'clip.add','layer':3,'performance':8,'from_ns':0,'to_ns':5000m,"
                  "'source_ns':1000m,'start_ns':5000m,'end_ns':9500m}",
-                 "performance 8 has something to show at 4 .. 9 s only");
+                 "performance 8 can be shown only at 4 .. 9 s");
     help_refused(&t, "{'op':'clip.add','layer':3,'performance':8,'from_ns':5000m,'to_ns':5000m}",
                  "$.to_ns: expected an end after from_ns");
     help_refused(&t, "{'op':'clip.add','layer':3,'performance':8,'source_ns':1,'warp':[[0,0]]}",
@@ -111,7 +111,7 @@ static void a_split_is_inside_and_out_of_cross_fades(void **state)
     help_do(&t, "{'op':'clip.trim','clip':2,'end_ns':6000m}");
     help_do(&t, "{'op':'clip.add','layer':1,'performance':8,'start_ns':5000m,'source_ns':0}");
     help_refused(&t, "{'op':'clip.split','clip':2,'at_ns':5500m}",
-                 "outside of its cross-fades is 0.000000001 .. 5 s");
+                 "split it outside its cross-fades, in 0.000000001 .. 5 s");
     help_refused(&t, "{'op':'clip.split','clip':3,'at_ns':5500m}", "is 6 .. 14.999999999 s");
     help_do(&t, "{'op':'clip.split','clip':3,'at_ns':6000m}");
     help_check(&t);
@@ -146,7 +146,7 @@ static void three_clips_at_an_instant_are_refused(void **state)
                  "clip 3 of 'face' (4 .. 6 s) would lie within clip 4 (3 .. 7 s)");
     help_do(&t, "{'op':'clip.move','clip':4,'start_ns':5000m}");
     help_refused(&t, "{'op':'clip.trim','clip':2,'end_ns':5500m}",
-                 "clip 4 of 'face' (5 .. 9 s) would overlap clips 2 and 3 at once, at 5 s");
+                 "clip 4 of 'face' (5 .. 9 s) would overlap clips 2 and 3 at 5 s");
     help_do(&t, "{'op':'clip.trim','clip':2,'end_ns':5000m}");
     help_check(&t);
     take_finish(&t);
@@ -190,10 +190,11 @@ static void a_speed_out_of_bounds_is_refused(void **state)
     (void)state;
     take t = help_take();
     help_do(&t, "{'op':'clip.speed','clip':2,'speed':100}");
-    help_refused(&t, "{'op':'clip.speed','clip':2,'speed':11}", "1/1000 to 1000 times as fast");
+    help_refused(&t, "{'op':'clip.speed','clip':2,'speed':11}",
+                 "outside 1/1000 to 1000 times the recorded speed");
     help_do(&t, "{'op':'clip.speed','clip':2,'speed':0.01}");
     help_do(&t, "{'op':'clip.trim','clip':2,'start_ns':5000m,'end_ns':5000000001}");
-    help_refused(&t, "{'op':'clip.speed','clip':2,'speed':4}", "or nothing of it");
+    help_refused(&t, "{'op':'clip.speed','clip':2,'speed':4}", "or leaves nothing of it");
     take_finish(&t);
 }
 

@@ -130,7 +130,7 @@ static void fades_are_not_cut(void **state)
     take t = help_take();
     help_do(&t, PUNCH("3000m", "6000m", "500m"));
     help_refused(&t, PUNCH("3100m", "5000m", "100m"),
-                 "punch: 3.1 s lies within a fade of layer 1 'face'; choose 3 s or 3.5 s");
+                 "punch: 3.1 s is within a fade of layer 1 'face'; choose 3 s or 3.5 s");
     help_refused(&t, PUNCH("4000m", "5600m", "100m"), "choose 5.5 s or 6 s");
     help_do(&t, PUNCH("3500m", "5500m", "100m"));
     help_check(&t);
@@ -144,7 +144,7 @@ static void a_punch_needs_room_and_material(void **state)
     help_refused(&t, PUNCH("3000m", "3000m", "0"), "punch 3 .. 3 s: expected an end after");
     help_refused(&t, PUNCH("3000m", "4000m", "501m"), "at most 0.5 s do");
     help_refused(&t, PUNCH("3000m", "18001m", "0"),
-                 "performance 8 has something to show at -2 .. 18 s only");
+                 "performance 8 can be shown only at -2 .. 18 s");
     help_do(&t, PUNCH("3000m", "4000m", "500m"));
     take_finish(&t);
 }
@@ -247,7 +247,7 @@ static void a_comp_is_of_regions_or_of_names(void **state)
     help_refused(&t, COMP("'regions':['jaw'],'own':['jaw.*']", "8", "0", "1000m"), "either");
     for (int i = 0; i < EDIT_LAYERS_MAX - 2; ++i)
         help_do(&t, "{'op':'layer.add','name':'x'}");
-    help_refused(&t, COMP("'regions':['jaw','nose']", "8", "0", "1000m"), "no room for more");
+    help_refused(&t, COMP("'regions':['jaw','nose']", "8", "0", "1000m"), "is reached");
     take_finish(&t);
 }
 

@@ -497,7 +497,7 @@ static int opens_for_reading_and_says_so(const scene *s, int64_t track)
         fprintf(stderr, "%s\n", err.text);
         return 2;
     }
-    if (show_is_writable(got) || !strstr(show_notice(got), "for reading only"))
+    if (show_is_writable(got) || !strstr(show_notice(got), "opened read-only"))
         return 3;
     int status = reads_all(got, track, 100);
     show_close(got);

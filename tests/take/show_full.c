@@ -43,7 +43,7 @@ static void a_full_disk_loses_nothing(void **state)
     assert_int_equal(writer_status_of(r.writer).state, WRITER_WAITING);
     assert_int_equal(writer_status_of(r.writer).backlog, 10);
     writer_message(r.writer, message, sizeof message);
-    assert_non_null(strstr(message, "make space on the disk"));
+    assert_non_null(strstr(message, "free space on the disk"));
     assert_non_null(strstr(message, "10 samples are held"));
     scene_expect(s, r.track, 0, 1000); /* what was there before is there */
 
@@ -183,7 +183,7 @@ static void edits_on_a_full_disk_are_refused_whole(void **state)
         &err);
     atomic_store(&disk_answer, SQLITE_FULL);
     assert_int_equal(show_edit_append(s, id, "{}", 1, NULL, 0, &err), MRT_ERR_IO);
-    assert_non_null(strstr(err.text, "make space"));
+    assert_non_null(strstr(err.text, "free space"));
     atomic_store(&disk_answer, SQLITE_OK);
     show_take got;
     scene_must(show_take_read(s, id, &got, &err), &err);

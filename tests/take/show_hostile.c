@@ -130,7 +130,7 @@ static void another_programs_database_is_left_alone(void **state)
         show *got;
         write_file(journal, "theirs", 6);
         assert_int_equal(show_open(&got, s->path, (show_mode)mode, &err), MRT_ERR_FORMAT);
-        assert_non_null(strstr(err.text, "not a show of marotte"));
+        assert_non_null(strstr(err.text, "not a marotte show"));
         expect_file(journal, "theirs");
     }
 }
@@ -228,7 +228,7 @@ static void tables_that_are_not_ours_are_refused(void **state)
             show *got;
             if (show_open(&got, s->path, (show_mode)mode, &err) >= 0)
                 fail_msg("opens: %s", sql[i]);
-            if (!strstr(err.text, "no show of marotte, or damaged"))
+            if (!strstr(err.text, "not a marotte show, or is damaged"))
                 fail_msg("%s: %s", sql[i], err.text);
         }
     }

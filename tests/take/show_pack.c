@@ -172,7 +172,7 @@ static void what_is_not_what_was_performed_on_is_not_packed(void **state)
     error err = {""};
     put(s, "{\"mesh\": \"head.gltf\", \"unit\": 2}", "rig/head.rig.json");
     assert_true(pack_add(s->show, &s->p, &err) < 0);
-    assert_non_null(strstr(err.text, "not what was performed on any more"));
+    assert_non_null(strstr(err.text, "has changed since it was performed"));
     put(s, rig_text, "rig/head.rig.json");
     put(s, "{}", "rig/head.gltf");
     assert_true(pack_add(s->show, &s->p, &err) < 0);
@@ -194,7 +194,7 @@ static void files_outside_of_the_faces_folder_do_not_travel(void **state)
         (void)snprintf(text, sizeof text, "{\"buffers\": [{\"uri\": \"%s\"}]}", outside[i]);
         put(s, text, "rig/head.gltf");
         assert_true(pack_add(s->show, &s->p, &err) < 0);
-        if (!strstr(err.text, "in the folder of the face"))
+        if (!strstr(err.text, "in or below the folder of the face"))
             fail_msg("%s: %s", outside[i], err.text);
     }
     error err = {""};
@@ -210,11 +210,11 @@ static void a_pack_that_was_tampered_with_is_refused(void **state)
     static const struct {
         const char *command, *why;
     } tampered[] = {
-        {"printf Numbers >head.bin", "not what was packed"},
-        {"printf '{}' >face.rig.json", "not what was packed"},
+        {"printf Numbers >head.bin", "differs from the packed file"},
+        {"printf '{}' >face.rig.json", "differs from the packed file"},
         {"rm head.gltf", "head.gltf"},
         {"rm files.json", "files.json"},
-        {"printf '{' >files.json", "no list"},
+        {"printf '{' >files.json", "not the file list"},
         {"rm head.bin && ln -s ../../rig/head.bin head.bin", "head.bin"},
         {"rm -r more && ln -s ../../rig/more more", "more"},
         {"rm head.bin && mkfifo head.bin", "head.bin"},
@@ -222,9 +222,10 @@ static void a_pack_that_was_tampered_with_is_refused(void **state)
         {"cp files.json x && rm files.json && ln -s x files.json", "files.json"},
         {"sed -i 's/face.rig/other.rig/' files.json && mv face.rig.json other.rig.json",
          "has no face.rig.json"},
-        {"k=$(basename $PWD) && cd .. && mv $k x && ln -s x $k", "does not have the face"},
+        {"k=$(basename $PWD) && cd .. && mv $k x && ln -s x $k",
+         "does not have the performed face"},
         {"cd ../.. && mv night.pack x && ln -s x night.pack", "links are not followed"},
-        {"cd ../.. && rm -r night.pack && mkfifo night.pack", "no folder"},
+        {"cd ../.. && rm -r night.pack && mkfifo night.pack", "not a folder"},
     };
     stand *s = *state;
     for (size_t i = 0; i < sizeof tampered / sizeof tampered[0]; ++i) {
@@ -268,7 +269,7 @@ static void nothing_costs_without_measure(void **state)
     (void)sprintf(text + used, "}}");
     pack(s);
     put(s, text, "%s/files.json", s->key);
-    expect_refused(s, "no list");
+    expect_refused(s, "not the file list");
     memset(text, ' ', (4 << 20) - 1);
     put(s, text, "%s/files.json", s->key);
     expect_refused(s, "files.json");
@@ -278,7 +279,7 @@ static void nothing_costs_without_measure(void **state)
     run(s, "truncate -s 2G night.pack/*/head.bin");
     expect_refused(s, "too large");
     (void)snprintf(s->p.mesh_hash, sizeof s->p.mesh_hash, "../../rig");
-    expect_refused(s, "does not say which face");
+    expect_refused(s, "does not name the face");
 }
 
 static void a_full_disk_leaves_no_half_face(void **state)

@@ -133,13 +133,13 @@ static void what_is_no_sound_is_refused_with_a_reason(void **state)
     put_bytes(d->file, "", 0);
     refuses(d, "is empty");
     put_bytes(d->file, "these are words and no sound at all, whatever it is called", 58);
-    refuses(d, "not a sound");
+    refuses(d, "not a supported sound file");
     assert_int_equal(unlink(d->file), 0);
     assert_int_equal(mkfifo(d->file, 0600), 0);
     refuses(d, "is not a file");
     assert_int_equal(unlink(d->file), 0);
     write_sound(d, SF_FORMAT_WAV | SF_FORMAT_PCM_16, 48000, 1, 0, 16);
-    refuses(d, "no frames");
+    refuses(d, "contains no sound");
 }
 
 /* 8 bytes of the header: rate, and the rest as they are. */
@@ -184,10 +184,10 @@ static void a_cut_file_is_refused(void **state)
     static const struct kind {
         int format;
         const char *words;
-    } kinds[] = {{SF_FORMAT_WAV | SF_FORMAT_PCM_16, "of the 480044 bytes"},
-                 {SF_FORMAT_AIFF | SF_FORMAT_PCM_16, "was cut"},
-                 {SF_FORMAT_FLAC | SF_FORMAT_PCM_16, "of the 5.000 s"},
-                 {SF_FORMAT_OGG | SF_FORMAT_VORBIS, "has no end"}};
+    } kinds[] = {{SF_FORMAT_WAV | SF_FORMAT_PCM_16, "of 480044 bytes"},
+                 {SF_FORMAT_AIFF | SF_FORMAT_PCM_16, "is truncated"},
+                 {SF_FORMAT_FLAC | SF_FORMAT_PCM_16, "of 5.000 s"},
+                 {SF_FORMAT_OGG | SF_FORMAT_VORBIS, "its end is missing"}};
     fixture *d = *state;
     for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; ++k) {
         struct stat status;
