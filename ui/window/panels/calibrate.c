@@ -599,7 +599,7 @@ static void draw_result(calibrate_panel *self, ui *on)
     ui_space(on, 4.0f);
     ui_label(on, "name", 122.0f, THEME_DIM, "Name");
     ui_width(on, 300.0f);
-    (void)ui_input(on, "##name", "whose hand it is", self->name, sizeof self->name);
+    (void)ui_input(on, "##name", "name of the performer", self->name, sizeof self->name);
     ui_label(on, "length", 122.0f, THEME_DIM, "Hand length, mm");
     ui_width(on, 300.0f);
     (void)ui_input(on, "##length", "wrist to middle fingertip, if known", self->length,

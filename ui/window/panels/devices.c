@@ -961,7 +961,7 @@ static void draw_picture(panel *self, ui *on)
     app_picture wanted = *app_picture_now(self->app);
     uint32_t ground = 0, count;
     bool is_new = false;
-    if (!ui_section(on, "Picture for other programs", false))
+    if (!ui_section(on, "Video for other programs", false))
         return;
     for (uint32_t i = 0; i < 4; ++i)
         if (strcmp(wanted.background, colours[i]) == 0)

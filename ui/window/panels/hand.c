@@ -792,7 +792,7 @@ static void draw_question(panel *self, ui *on, instance *mapping)
     ui_same_line(on);
     if (ui_button(on, "Skip", UI_PLAIN))
         simon_skip(&self->simon);
-    ui_hint(on, "Go on to the next face without an answer.");
+    ui_hint(on, "Skip this face.");
     ui_same_line(on);
     if (ui_button(on, "Undo", UI_PLAIN))
         app_do(self->app, ACTION_UNDO);

@@ -1011,7 +1011,7 @@ static mrt_result save_elsewhere(void *owner, const char *path, error *err)
     char text[RIG_PANEL_TROUBLE];
     rig_panel_end_stroke(self);
     if (app_status(self->of)->is_recording)
-        return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: end it first");
+        return error_set(err, MRT_ERR_ARGUMENT, "a take is being recorded: stop it first");
     mrt_result result = rig_model_save_as(self->model, path, err);
     if (result < 0)
         return result;
